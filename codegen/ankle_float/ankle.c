@@ -944,6 +944,9 @@ typedef struct {
     ankle_real a[4]; /* matrix -df/dstep, row by row; then its LU factors in its place */
     /* sum of the squared reciprocals of the scaled pivots: large near a singularity */
     ankle_real spread;
+    ankle_real sign[2];
+    ankle_real left[2];
+    ankle_real guard[2];
     uint8_t order[2]; /* rows exchanged by the pivoting fallback */
     bool pivoted; /* whether w->a holds the factors of the fallback */
 } ankle_inverse_work;
@@ -1478,58 +1481,99 @@ static ANKLE_SHARED void ankle_inverse_signs(const ankle_real k[4], const ankle_
     sign[1] = (t51 < 0.0f) ? -1.0f : 1.0f;
     d[1] = t51 * t51 * 0.00128f;
 }
+/* Whether no guard can reach zero between the values w->left and w->guard, on a part of the line of
+ * which `change` are the squares of the known values' changes: a guard bends by no more than its
+ * weights times these allow (README.md). */
+static bool ankle_inverse_keeps(ankle_inverse_work *w, const ankle_real change[2])
+{
+    bool kept = true;
+    /* upper_motor: proved */
+    const ankle_real bend0 = 7.4f * change[0] + 4.76f * change[1];
+    const ankle_real lesser0 = ((w->left[0] < w->guard[0]) ? w->left[0] : w->guard[0]) - 3.81e-06f;
+    const ankle_real greater0 = (w->left[0] < w->guard[0]) ? w->guard[0] : w->left[0];
+    const ankle_real most0 = 3.0f * lesser0 + greater0;
+    if (!((lesser0 > 0.0f) && (bend0 < most0))) {
+        kept = false;
+    }
+    /* lower_motor: proved */
+    const ankle_real bend1 = 7.92f * change[0] + 5.23f * change[1];
+    const ankle_real lesser1 = ((w->left[1] < w->guard[1]) ? w->left[1] : w->guard[1]) - 3.81e-06f;
+    const ankle_real greater1 = (w->left[1] < w->guard[1]) ? w->guard[1] : w->left[1];
+    const ankle_real most1 = 3.0f * lesser1 + greater1;
+    if (!((lesser1 > 0.0f) && (bend1 < most1))) {
+        kept = false;
+    }
+    return kept;
+}
+
+/* Follows the line of known values from `at`, where the guards are w->left, to `to` in parts that
+ * are kept, and are cut where they are not. */
+static ANKLE_COLD ankle_status ankle_inverse_walk(ankle_inverse_work *w, const ankle_real at[2],
+    const ankle_real to[2], unsigned int most,
+    unsigned int *count)
+{
+    ankle_real way2[2];
+    ankle_real change[2];
+    ankle_real done = 0.0f;
+    ankle_real part = 1.0f;
+    bool refused = true;
+    ankle_status status = ANKLE_MAX_ITERATIONS;
+    for (int i = 0; i < 2; ++i) {
+        way2[i] = (to[i] - at[i]) * (to[i] - at[i]);
+    }
+    while ((status == ANKLE_MAX_ITERATIONS) && (*count < most)) {
+        const ankle_real next = done + part;
+        const ankle_real end = (next < 0.9999f) ? next : 1.0f;
+        const ankle_real share = end - done;
+        const ankle_real share2 = share * share;
+        bool above = true;
+        for (int i = 0; i < 2; ++i) {
+            change[i] = share2 * way2[i];
+        }
+        ankle_inverse_set_target(w, to, end);
+        ankle_inverse_formulas(w->k, w->sign, w->x, w->guard);
+        ++*count;
+        for (int j = 0; j < 2; ++j) {
+            above = above && (w->guard[j] > 0.0f);
+        }
+        if (!above) {
+            /* a point of the line without a configuration, or a singular one */
+            status = ANKLE_WRONG_BRANCH;
+        } else if (ankle_inverse_keeps(w, change)) {
+            for (int j = 0; j < 2; ++j) {
+                w->left[j] = w->guard[j];
+            }
+            done = end;
+            part = refused ? part : (part + part);
+            refused = false;
+            if (done >= 1.0f) {
+                status = ANKLE_OK;
+            }
+        } else {
+            part = 0.5f * share;
+            refused = true;
+            if (part < 0.00024414062f) {
+                status = ANKLE_WRONG_BRANCH;
+            }
+        }
+    }
+    return status;
+}
+
 /* The end of the straight line of known values from w->at, where the state is w->x at w->k, to
- * `to`, if no condition vanishes on the way: between two points whose least value of a condition is
- * g it stays above 0 where g > M s^2 / 8, s the way between them and M the condition's largest bend
- * (README.md says which are proved). Then the rows are held against the answer. */
+ * `to`, if no condition vanishes on the way. Then the rows are held against the answer. */
 static ankle_status ankle_inverse_follow(ankle_inverse_work *w, const ankle_real to[2],
     const ankle_config *config, ankle_info *info)
 {
-    static const ankle_real bend[2] = { 1.85f, 1.98f }; /* M / 8: proved, proved */
-    ankle_real sign[2];
-    ankle_real begin[2];
-    ankle_real end[2];
-    ankle_real done = 0.0f;
-    ankle_real part = 1.0f;
-    ankle_real least = 0.0f;
-    ankle_real way2 = 0.0f;
-    ankle_status status = ANKLE_MAX_ITERATIONS;
+    ankle_real least = 1.0f;
     unsigned int count = 0U;
-    for (int i = 0; i < 2; ++i) {
-        static const ankle_real weight[2] = { 1.0f, 1.0f };
-        const ankle_real way = weight[i] * (to[i] - w->at[i]);
-        way2 += way * way;
-    }
-    ankle_inverse_signs(w->k, w->x, sign, begin);
-    while ((count < (unsigned int)config->max_iterations) && (status == ANKLE_MAX_ITERATIONS)) {
-        const ankle_real aim = (done + part < 0.999f) ? (done + part) : 1.0f;
-        bool held = true;
-        ++count;
-        ankle_inverse_set_target(w, to, aim);
-        ankle_inverse_formulas(w->k, sign, w->x, end);
-        least = 1.0f;
-        for (int i = 0; i < 2; ++i) {
-            const ankle_real smaller = (begin[i] < end[i]) ? begin[i] : end[i];
-            held = held && (smaller > bend[i] * way2 * (aim - done) * (aim - done)
-                + 3.8146973e-06f);
-            least = (smaller < least) ? smaller : least;
-        }
-        if (held && (aim >= 1.0f)) {
-            status = ANKLE_OK;
-        } else if (held) {
-            done = aim;
-            part += part;
-            for (int i = 0; i < 2; ++i) {
-                begin[i] = end[i];
-            }
-        } else if (part > 0.0009765625f) {
-            part *= 0.5f;
-        } else {
-            /* parts have become too short: a singularity is at hand */
-            status = ANKLE_WRONG_BRANCH;
-        }
-    }
+    ankle_inverse_signs(w->k, w->x, w->sign, w->left);
+    ankle_status status = ankle_inverse_walk(w, w->at, to, (unsigned int)config->max_iterations,
+        &count);
     if (status == ANKLE_OK) {
+        for (int i = 0; i < 2; ++i) {
+            least = (w->guard[i] < least) ? w->guard[i] : least;
+        }
         status = ankle_inverse_finish(w, count, least, config, info);
     } else {
         ankle_write_info(info, count, HUGE_VALF, 0.0f, 0.0f);

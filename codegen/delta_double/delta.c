@@ -746,16 +746,18 @@ static DELTA_COLD void delta_write_no_step(delta_info *info, const delta_real jo
 /* What the formulas of the direct problem read and give. `at`, `u`: given values at the guess and
  * where formulas are evaluated, each angle by cosine and sine; sign: the guess's side of each
  * choice; left, guard: what must stay above zero, where the line is done and at u; y: the unknowns;
- * share: the smallest root over its usual size; over: how far a part was too long, by squares. */
+ * share: the smallest root over its usual size; bent, most: how far a part that is too long bends,
+ * and may. */
 typedef struct {
     delta_real at[6];
     delta_real u[6];
     delta_real sign[1];
-    delta_real left[2];
-    delta_real guard[2];
     delta_real y[3];
     delta_real share;
-    delta_real over;
+    delta_real left[2];
+    delta_real guard[2];
+    delta_real bent;
+    delta_real most;
 } delta_direct_work;
 
 /* Reads the guess: its joints by the limbs' formulas, and the signs of the direct problem's. */
@@ -1076,84 +1078,94 @@ static void delta_direct_set(delta_direct_work *w, const delta_real joints[3])
     w->u[5] = sin(joints[2]);
 }
 
-/* Whether no guard can reach zero between the values w->left and w->guard, on a line of which
- * `change` are the squares of the joints' changes: a guard bends by no more than its weights times
- * these allow (README.md). */
-static bool delta_line_keeps(delta_direct_work *w, const delta_real change[3])
+/* Whether no guard can reach zero between the values w->left and w->guard, on a part of the line of
+ * which `change` are the squares of the known values' changes: a guard bends by no more than its
+ * weights times these allow (README.md). */
+static bool delta_direct_keeps(delta_direct_work *w, const delta_real change[3])
 {
     bool kept = true;
-    /* pose.x_pose.y_pose.z */
-    const delta_real a0 = w->left[0] - 6.06e-11;
-    const delta_real b0 = w->guard[0] - 6.06e-11;
-    const delta_real lesser0 = (a0 < b0) ? a0 : b0;
+    /* pose.x_pose.y_pose.z: proved */
     const delta_real sum0 = change[0] + change[1] + change[2];
     const delta_real bend0 = 7150.0 * sum0;
-    const delta_real most0 = a0 + b0 + lesser0 + lesser0;
+    const delta_real lesser0 = ((w->left[0] < w->guard[0]) ? w->left[0] : w->guard[0]) - 6.06e-11;
+    const delta_real greater0 = (w->left[0] < w->guard[0]) ? w->guard[0] : w->left[0];
+    const delta_real most0 = 3.0 * lesser0 + greater0;
     if (!((lesser0 > 0.0) && (bend0 < most0))) {
-        w->over = (kept && (lesser0 > 0.0)) ? (bend0 / most0) : w->over;
+        if (kept && (lesser0 > 0.0)) {
+            w->bent = bend0;
+            w->most = most0;
+        }
         kept = false;
     }
-    /* divisor 1 */
-    const delta_real a1 = w->left[1] - 2.59e-15;
-    const delta_real b1 = w->guard[1] - 2.59e-15;
-    const delta_real lesser1 = (a1 < b1) ? a1 : b1;
+    /* divisor 1: proved */
     const delta_real bend1 = 0.196 * sum0;
-    const delta_real most1 = a1 + b1 + lesser1 + lesser1;
+    const delta_real lesser1 = ((w->left[1] < w->guard[1]) ? w->left[1] : w->guard[1]) - 2.59e-15;
+    const delta_real greater1 = (w->left[1] < w->guard[1]) ? w->guard[1] : w->left[1];
+    const delta_real most1 = 3.0 * lesser1 + greater1;
     if (!((lesser1 > 0.0) && (bend1 < most1))) {
-        w->over = (kept && (lesser1 > 0.0)) ? (bend1 / most1) : w->over;
+        if (kept && (lesser1 > 0.0)) {
+            w->bent = bend1;
+            w->most = most1;
+        }
         kept = false;
     }
     return kept;
 }
 
-/* Follows the line from the guess's joint values to the given ones in parts that are kept, and are
- * cut where they are not. */
-static DELTA_COLD delta_status delta_direct_walk(delta_direct_work *w, const delta_real joints[3],
-    unsigned int most, unsigned int *count)
+/* Follows the line of known values from `at`, where the guards are w->left, to `to` in parts that
+ * are kept, and are cut where they are not. */
+static DELTA_COLD delta_status delta_direct_walk(delta_direct_work *w, const delta_real at[3],
+    const delta_real to[3], const delta_real joints[3], unsigned int most,
+    unsigned int *count)
 {
-    delta_real at[3];
-    delta_real given[3];
+    delta_real way2[3];
     delta_real change[3];
     delta_real done = 0.0;
     delta_real part = 0.5;
     bool refused = true;
     delta_status status = DELTA_MAX_ITERATIONS;
     delta_real at_end[3];
-    at[0] = atan2(w->at[1], w->at[0]);
-    at[1] = atan2(w->at[3], w->at[2]);
-    at[2] = atan2(w->at[5], w->at[4]);
-    delta_unwrap_joints(at, joints, given);
+    for (int i = 0; i < 3; ++i) {
+        way2[i] = (to[i] - at[i]) * (to[i] - at[i]);
+    }
     while ((status == DELTA_MAX_ITERATIONS) && (*count < most)) {
-        const delta_real end = (done + part < 0.9999) ? (done + part) : 1.0;
+        const delta_real next = done + part;
+        const delta_real end = (next < 0.9999) ? next : 1.0;
+        const delta_real share = end - done;
+        const delta_real share2 = share * share;
         bool above = true;
         for (int i = 0; i < 3; ++i) {
-            const delta_real way = given[i] - at[i];
-            change[i] = ((end - done) * way) * ((end - done) * way);
-            at_end[i] = (end < 1.0) ? (at[i] + end * way) : joints[i];
+            change[i] = share2 * way2[i];
+        }
+        for (int i = 0; i < 3; ++i) {
+            const delta_real there = at[i] + end * (to[i] - at[i]);
+            at_end[i] = (end < 1.0) ? there : joints[i];
         }
         delta_direct_set(w, at_end);
         delta_direct_formulas(w);
         ++*count;
-        w->over = 4.0;
+        w->bent = 4.0;
+        w->most = 1.0;
         for (int j = 0; j < 2; ++j) {
             above = above && (w->guard[j] > 0.0);
         }
         if (!above) {
             /* a point of the line without a configuration, or a singular one */
             status = DELTA_WRONG_BRANCH;
-        } else if (delta_line_keeps(w, change)) {
+        } else if (delta_direct_keeps(w, change)) {
             for (int j = 0; j < 2; ++j) {
                 w->left[j] = w->guard[j];
             }
             done = end;
-            part = refused ? part : (2.0 * part);
+            part = refused ? part : (part + part);
             refused = false;
             if (done >= 1.0) {
                 status = DELTA_OK;
             }
         } else {
             /* what is too long by its square is cut to nine tenths of what would do */
-            part = (end - done) * ((w->over < 80.0) ? (0.9 / sqrt(w->over)) : 0.1);
+            part = share * ((w->bent < 80.0 * w->most)
+                ? (0.9 * sqrt(w->most / w->bent)) : 0.1);
             refused = true;
             if (part < 0.000244140625) {
                 status = DELTA_WRONG_BRANCH;
@@ -1170,7 +1182,6 @@ static DELTA_SHARED delta_status delta_direct_line(delta_direct_work *w,
 {
     delta_status status = DELTA_OK;
     w->share = 0.0;
-    w->over = 4.0;
     if (status == DELTA_OK) {
         delta_real change[3];
         bool kept = false;
@@ -1195,10 +1206,16 @@ static DELTA_SHARED delta_status delta_direct_line(delta_direct_work *w,
             const delta_real chord2 = move4 * move4 + move5 * move5;
             kept = kept && (chord2 <= 2.0);
             change[2] = chord2 + 0.117 * chord2 * chord2;
-            kept = kept && delta_line_keeps(w, change);
+            kept = kept && delta_direct_keeps(w, change);
         }
         if (!kept) {
-            status = delta_direct_walk(w, joints, most, count);
+            delta_real at[3];
+            delta_real given[3];
+            at[0] = atan2(w->at[1], w->at[0]);
+            at[1] = atan2(w->at[3], w->at[2]);
+            at[2] = atan2(w->at[5], w->at[4]);
+            delta_unwrap_joints(at, joints, given);
+            status = delta_direct_walk(w, at, given, joints, most, count);
         }
     }
     return status;

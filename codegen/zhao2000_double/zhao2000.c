@@ -975,16 +975,18 @@ static ZHAO2000_COLD void zhao2000_write_no_step(zhao2000_info *info, const zhao
 /* What the formulas of the direct problem read and give. `at`, `u`: given values at the guess and
  * where formulas are evaluated, each angle by cosine and sine; sign: the guess's side of each
  * choice; left, guard: what must stay above zero, where the line is done and at u; y: the unknowns;
- * share: the smallest root over its usual size; over: how far a part was too long, by squares. */
+ * share: the smallest root over its usual size; bent, most: how far a part that is too long bends,
+ * and may. */
 typedef struct {
     zhao2000_real at[7];
     zhao2000_real u[7];
     zhao2000_real sign[2];
-    zhao2000_real left[4];
-    zhao2000_real guard[4];
     zhao2000_real y[11];
     zhao2000_real share;
-    zhao2000_real over;
+    zhao2000_real left[4];
+    zhao2000_real guard[4];
+    zhao2000_real bent;
+    zhao2000_real most;
     unsigned int reach;
 } zhao2000_direct_work;
 
@@ -1363,114 +1365,131 @@ static void zhao2000_direct_set(zhao2000_direct_work *w, const zhao2000_real joi
     w->u[6] = joints[3];
 }
 
-/* Whether no guard can reach zero between the values w->left and w->guard, on a line of which
- * `change` are the squares of the joints' changes: a guard bends by no more than its weights times
- * these allow (README.md). */
-static bool zhao2000_line_keeps(zhao2000_direct_work *w, const zhao2000_real change[4])
+/* Whether no guard can reach zero between the values w->left and w->guard, on a part of the line of
+ * which `change` are the squares of the known values' changes: a guard bends by no more than its
+ * weights times these allow (README.md). */
+static bool zhao2000_direct_keeps(zhao2000_direct_work *w, const zhao2000_real change[4])
 {
     bool kept = true;
-    /* pose.gamma */
-    const zhao2000_real a0 = w->left[0] - 6.91e-10;
-    const zhao2000_real b0 = w->guard[0] - 6.91e-10;
-    const zhao2000_real lesser0 = (a0 < b0) ? a0 : b0;
+    /* pose.gamma: proved */
     const zhao2000_real sum0 = change[0] + change[1] + change[2];
     const zhao2000_real bend0 = 216000.0 * sum0;
-    const zhao2000_real most0 = a0 + b0 + lesser0 + lesser0;
+    const zhao2000_real lesser0 = ((w->left[0] < w->guard[0])
+        ? w->left[0] : w->guard[0]) - 6.91e-10;
+    const zhao2000_real greater0 = (w->left[0] < w->guard[0]) ? w->guard[0] : w->left[0];
+    const zhao2000_real most0 = 3.0 * lesser0 + greater0;
     if (!((lesser0 > 0.0) && (bend0 < most0))) {
-        w->over = (kept && (lesser0 > 0.0)) ? (bend0 / most0) : w->over;
+        if (kept && (lesser0 > 0.0)) {
+            w->bent = bend0;
+            w->most = most0;
+        }
         kept = false;
     }
     const zhao2000_real least0 = lesser0 - 0.25 * bend0;
     kept = kept && (least0 > 0.0);
     const zhao2000_real under0 = (least0 > 0.0) ? least0 : 1.0;
-    /* pose.z */
+    const zhao2000_real per0 = 1.0 / sqrt(under0);
+    /* pose.z: proved */
     static const zhao2000_real noise1[3] = { 0.314, 0.549, 2.7 };
-    const zhao2000_real a1 = w->left[1] - noise1[w->reach];
-    const zhao2000_real b1 = w->guard[1] - noise1[w->reach];
-    const zhao2000_real lesser1 = (a1 < b1) ? a1 : b1;
     static const zhao2000_real plain1_0[3] = { 259000000000000.0, 421000000000000.0,
         1750000000000000.0 };
     static const zhao2000_real plain1_3[3] = { 3410000000.0, 5050000000.0, 11600000000.0 };
-    const zhao2000_real per1 = 1.0 / sqrt(under0);
     const zhao2000_real bend1 = plain1_0[w->reach] * sum0 + plain1_3[w->reach] * change[3]
-        + per1 * (2.24e+16 * sum0 + per1 * per1 * (2.38e+20 * sum0));
-    const zhao2000_real most1 = a1 + b1 + lesser1 + lesser1;
+        + per0 * (2.24e+16 * sum0 + per0 * per0 * (2.38e+20 * sum0));
+    const zhao2000_real lesser1 = ((w->left[1] < w->guard[1])
+        ? w->left[1] : w->guard[1]) - noise1[w->reach];
+    const zhao2000_real greater1 = (w->left[1] < w->guard[1]) ? w->guard[1] : w->left[1];
+    const zhao2000_real most1 = 3.0 * lesser1 + greater1;
     if (!((lesser1 > 0.0) && (bend1 < most1))) {
-        w->over = (kept && (lesser1 > 0.0)) ? (bend1 / most1) : w->over;
+        if (kept && (lesser1 > 0.0)) {
+            w->bent = bend1;
+            w->most = most1;
+        }
         kept = false;
     }
-    /* divisor 1 */
-    const zhao2000_real a2 = w->left[2] - 2.3e-10;
-    const zhao2000_real b2 = w->guard[2] - 2.3e-10;
-    const zhao2000_real lesser2 = (a2 < b2) ? a2 : b2;
+    /* divisor 1: proved */
     const zhao2000_real bend2 = 57600.0 * sum0;
-    const zhao2000_real most2 = a2 + b2 + lesser2 + lesser2;
+    const zhao2000_real lesser2 = ((w->left[2] < w->guard[2]) ? w->left[2] : w->guard[2]) - 2.3e-10;
+    const zhao2000_real greater2 = (w->left[2] < w->guard[2]) ? w->guard[2] : w->left[2];
+    const zhao2000_real most2 = 3.0 * lesser2 + greater2;
     if (!((lesser2 > 0.0) && (bend2 < most2))) {
-        w->over = (kept && (lesser2 > 0.0)) ? (bend2 / most2) : w->over;
+        if (kept && (lesser2 > 0.0)) {
+            w->bent = bend2;
+            w->most = most2;
+        }
         kept = false;
     }
-    /* divisor 2 */
-    const zhao2000_real a3 = w->left[3] - 2.13e-14;
-    const zhao2000_real b3 = w->guard[3] - 2.13e-14;
-    const zhao2000_real lesser3 = (a3 < b3) ? a3 : b3;
+    /* divisor 2: proved */
     const zhao2000_real bend3 = 4.0 * sum0;
-    const zhao2000_real most3 = a3 + b3 + lesser3 + lesser3;
+    const zhao2000_real lesser3 = ((w->left[3] < w->guard[3])
+        ? w->left[3] : w->guard[3]) - 2.13e-14;
+    const zhao2000_real greater3 = (w->left[3] < w->guard[3]) ? w->guard[3] : w->left[3];
+    const zhao2000_real most3 = 3.0 * lesser3 + greater3;
     if (!((lesser3 > 0.0) && (bend3 < most3))) {
-        w->over = (kept && (lesser3 > 0.0)) ? (bend3 / most3) : w->over;
+        if (kept && (lesser3 > 0.0)) {
+            w->bent = bend3;
+            w->most = most3;
+        }
         kept = false;
     }
     return kept;
 }
 
-/* Follows the line from the guess's joint values to the given ones in parts that are kept, and are
- * cut where they are not. */
+/* Follows the line of known values from `at`, where the guards are w->left, to `to` in parts that
+ * are kept, and are cut where they are not. */
 static ZHAO2000_COLD zhao2000_status zhao2000_direct_walk(zhao2000_direct_work *w,
-    const zhao2000_real joints[4], unsigned int most, unsigned int *count)
+    const zhao2000_real at[4], const zhao2000_real to[4], const zhao2000_real joints[4],
+    unsigned int most,
+    unsigned int *count)
 {
-    zhao2000_real at[4];
-    zhao2000_real given[4];
+    zhao2000_real way2[4];
     zhao2000_real change[4];
     zhao2000_real done = 0.0;
     zhao2000_real part = 0.5;
     bool refused = true;
     zhao2000_status status = ZHAO2000_MAX_ITERATIONS;
     zhao2000_real at_end[4];
-    at[0] = atan2(w->at[1], w->at[0]);
-    at[1] = atan2(w->at[3], w->at[2]);
-    at[2] = atan2(w->at[5], w->at[4]);
-    at[3] = w->at[6];
-    zhao2000_unwrap_joints(at, joints, given);
+    for (int i = 0; i < 4; ++i) {
+        way2[i] = (to[i] - at[i]) * (to[i] - at[i]);
+    }
     while ((status == ZHAO2000_MAX_ITERATIONS) && (*count < most)) {
-        const zhao2000_real end = (done + part < 0.9999) ? (done + part) : 1.0;
+        const zhao2000_real next = done + part;
+        const zhao2000_real end = (next < 0.9999) ? next : 1.0;
+        const zhao2000_real share = end - done;
+        const zhao2000_real share2 = share * share;
         bool above = true;
         for (int i = 0; i < 4; ++i) {
-            const zhao2000_real way = given[i] - at[i];
-            change[i] = ((end - done) * way) * ((end - done) * way);
-            at_end[i] = (end < 1.0) ? (at[i] + end * way) : joints[i];
+            change[i] = share2 * way2[i];
+        }
+        for (int i = 0; i < 4; ++i) {
+            const zhao2000_real there = at[i] + end * (to[i] - at[i]);
+            at_end[i] = (end < 1.0) ? there : joints[i];
         }
         zhao2000_direct_set(w, at_end);
         zhao2000_direct_formulas(w);
         ++*count;
-        w->over = 4.0;
+        w->bent = 4.0;
+        w->most = 1.0;
         for (int j = 0; j < 4; ++j) {
             above = above && (w->guard[j] > 0.0);
         }
         if (!above) {
             /* a point of the line without a configuration, or a singular one */
             status = ZHAO2000_WRONG_BRANCH;
-        } else if (zhao2000_line_keeps(w, change)) {
+        } else if (zhao2000_direct_keeps(w, change)) {
             for (int j = 0; j < 4; ++j) {
                 w->left[j] = w->guard[j];
             }
             done = end;
-            part = refused ? part : (2.0 * part);
+            part = refused ? part : (part + part);
             refused = false;
             if (done >= 1.0) {
                 status = ZHAO2000_OK;
             }
         } else {
             /* what is too long by its square is cut to nine tenths of what would do */
-            part = (end - done) * ((w->over < 80.0) ? (0.9 / sqrt(w->over)) : 0.1);
+            part = share * ((w->bent < 80.0 * w->most)
+                ? (0.9 * sqrt(w->most / w->bent)) : 0.1);
             refused = true;
             if (part < 0.000244140625) {
                 status = ZHAO2000_WRONG_BRANCH;
@@ -1487,20 +1506,16 @@ static ZHAO2000_SHARED zhao2000_status zhao2000_direct_line(zhao2000_direct_work
 {
     zhao2000_status status = ZHAO2000_OK;
     w->share = 0.0;
-    w->over = 4.0;
+    /* which part of the slides' ranges holds both ends of the line */
     w->reach = 0U;
-    if (status == ZHAO2000_OK) {
-        /* which part of the slides' ranges holds both ends of the line */
-        zhao2000_real excursion = 0.0020833333333332743 * fabs(w->at[6] - 100.0);
-        {
-            const zhao2000_real other = 0.0020833333333333333 * fabs(joints[3] - 100.0);
-            excursion = (other > excursion) ? other : excursion;
-        }
-        w->reach += (excursion > 0.0625) ? 1U : 0U;
-        w->reach += (excursion > 0.25) ? 1U : 0U;
-        if (!(excursion <= 1.0)) {
-            status = ZHAO2000_WRONG_BRANCH;
-        }
+    const zhao2000_real away0 = fabs(w->at[6] - 100.0);
+    w->reach = ((w->reach < 1U) && (away0 > 30.0)) ? 1U : w->reach;
+    w->reach = ((w->reach < 2U) && (away0 > 120.0)) ? 2U : w->reach;
+    const zhao2000_real away1 = fabs(joints[3] - 100.0);
+    w->reach = ((w->reach < 1U) && (away1 > 30.0)) ? 1U : w->reach;
+    w->reach = ((w->reach < 2U) && (away1 > 120.0)) ? 2U : w->reach;
+    if (!((away0 <= 480.00000000001364) && (away1 <= 480.0))) {
+        status = ZHAO2000_WRONG_BRANCH;
     }
     if (status == ZHAO2000_OK) {
         zhao2000_real change[4];
@@ -1528,10 +1543,17 @@ static ZHAO2000_SHARED zhao2000_status zhao2000_direct_line(zhao2000_direct_work
             change[2] = chord2 + 0.117 * chord2 * chord2;
             const zhao2000_real move6 = w->u[6] - w->at[6];
             change[3] = move6 * move6;
-            kept = kept && zhao2000_line_keeps(w, change);
+            kept = kept && zhao2000_direct_keeps(w, change);
         }
         if (!kept) {
-            status = zhao2000_direct_walk(w, joints, most, count);
+            zhao2000_real at[4];
+            zhao2000_real given[4];
+            at[0] = atan2(w->at[1], w->at[0]);
+            at[1] = atan2(w->at[3], w->at[2]);
+            at[2] = atan2(w->at[5], w->at[4]);
+            at[3] = w->at[6];
+            zhao2000_unwrap_joints(at, joints, given);
+            status = zhao2000_direct_walk(w, at, given, joints, most, count);
         }
     }
     return status;

@@ -28,8 +28,6 @@ from symkin.codegen.text.turns import angle_of_direction, cosine_and_sine
 from symkin.computed_once import cached_property
 from symkin.text import c_comment
 
-_LEAST_PART = 2.0**-12
-"""Shortest part of a line."""
 _WIDE = 1.5 * np.pi
 """Range of a limited angle (rad) from which the way between two of its values may be longer than
 half a turn and ends within a right angle all the same.
@@ -74,22 +72,16 @@ class ClosedDirectSource:
         values = dict(self.common) | {
             "nu": self.values.count,
             "nk": max(1, len(self.found.formulas.names)),
-            "ng": max(1, len(self.found.guards)),
+            "nto": len(made.actuated),
+            "k": f"{made.name}_direct",
             "ny": int(self.values.y.shape[0]),
             "guess_lines": indent(GuessText(self.values).lines, 2),
             "formula_lines": indent(self._formula_lines),
             "set_lines": indent(self._set_lines),
-            "keep_lines": indent(line.keep_lines),
-            "reach_member": line.reach_member,
-            "no_reach": "    w->reach = 0U;" if line.reach_member else "",
-            "p_angle": angle,
-            "near_one": literal(0.9999),
-            "hundred": literal(80.0),
-            "nine_tenths": literal(0.9),
-            "tenth": literal(0.1),
-            "least_part": literal(_LEAST_PART),
-            "first_part": literal(0.5 if not any(wide) else 1.0),
-            "at_lines": indent(line.at_lines),
+            "guard_members": indent(self.values.guards.members),
+            "aimed": f"const {real.type} joints[{len(made.actuated)}], ",
+            "walk_members": f"    {real.type} at_end[{len(made.actuated)}];",
+            "at_lines": indent(line.at_lines, 3),
             "span_lines": indent(line.span_lines),
             "change_lines": indent(line.change_lines, 3),
             "same_signs": indent(self._same_signs),
@@ -104,7 +96,16 @@ class ClosedDirectSource:
             "rounding": literal(rounded(64 * real.epsilon * made.closure.characteristic_length)),
             **self._answer.lines,
         }
-        whole = fill("closed_direct.c", values)
+        aim = [
+            f"for (int i = 0; i < {len(made.actuated)}; ++i) {{",
+            f"    const {real.type} there = at[i] + end * (to[i] - at[i]);",
+            f"    at_end[i] = (end < {literal(1.0)}) ? there : joints[i];",
+            "}",
+            f"{made.name}_direct_set(w, at_end);",
+            f"{made.name}_direct_formulas(w);",
+        ]
+        walk = self.values.guards.text(values, aim, 1.0 if any(wide) else 0.5)
+        whole = fill("closed_direct.c", values | {"walk": angle + walk})
         answer = fill("closed_direct_answer.c", values)
         begin = whole.index("/* The answer at joint values")
         return turn + whole[:begin] + answer + whole[begin:]

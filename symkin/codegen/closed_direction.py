@@ -8,17 +8,20 @@ group's formulas read the numbers of those before it.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import casadi as ca
 import numpy as np
 
 from symkin.closure.snapping import snapped_expression
 from symkin.codegen.composed import Composed, Condition, Part
-from symkin.codegen.condition_bends import (
-    ConditionBend,
-    condition_bend,
+from symkin.codegen.guard_text import GuardText
+from symkin.codegen.guards import (
+    SLIDE_PARTS,
+    Guard,
+    Line,
     even_units,
+    sampled_bound,
     share_of,
 )
 from symkin.codegen.joint_map import Direction, JointMap
@@ -35,11 +38,10 @@ _RESOLVED = 64.0
 """Roundings of a condition's usual size below which it is nothing."""
 _ROOT = 1e-12
 """Share of a discriminant's usual size below which its root is not formed."""
-_POINTS = 400
 _FAR = 1.0
 """How far from the reference bends are sampled: in half turns, and in sizes."""
-SLIDE_PARTS = (1.0 / 16, 1.0 / 4, 1.0)
-"""Parts of a slide's range for which bends are bounded."""
+_MOST_GIVEN = 3
+"""Known values of which waves are summed: their samples grow by a power with each."""
 _SMALLER = 0.25
 """Share of a bend in the whole range below which that in the least part is worth a table."""
 
@@ -102,25 +104,6 @@ class ClosedDirection:
         """
         return [j for j, one in enumerate(self.conditions) if one.root is None]
 
-    def sizes_of_divisors(self, array: str) -> list[str]:
-        """Statements that leave the sizes of the divisors in an array of conditions."""
-        return [f"{array}[{j}] = {self.real.call('fabs')}({array}[{j}]);" for j in self.divisors]
-
-    @property
-    def _begin_sides(self) -> list[str]:
-        """Statements of the divisors' signs where a line begins, on which side they have to
-        stay.
-        """
-        zero, one = self.real.literal(0.0), self.real.literal(1.0)
-        return [
-            line
-            for j in self.divisors
-            for line in (
-                f"const {self.real.type} side{j} = (begin[{j}] < {zero}) ? -{one} : {one};",
-                f"begin[{j}] *= side{j};",
-            )
-        ]
-
     def _spans(self, part: float) -> list[Span]:
         """What the known values run over about the reference: within limits, slides in a part of
         their range.
@@ -143,17 +126,17 @@ class ClosedDirection:
             for c, v in zip(self.direction.known, reference, strict=True)
         )
 
-    def _bound(self, expression: ca.SX) -> ca.Function:
-        """A function of the known values, at the reference's signs, roots put in."""
-        values = ca.SX.sym("v", len(self.direction.known))
-        return ca.Function("f", [values], [self._put_in(expression, values)])
-
-    def _put_in(self, expression: ca.SX, values: ca.SX) -> ca.SX:
+    def _at_home(self, expression: ca.SX) -> ca.SX:
+        """An expression at the reference's signs."""
         signs = self.reference_signs
-        expression = self.with_roots(expression, values, lambda d: ca.sqrt(ca.fmax(d, 0)))
         return (
             ca.substitute(expression, self.signs, ca.SX(ca.DM(signs))) if len(signs) else expression
         )
+
+    def _put_in(self, expression: ca.SX, values: ca.SX) -> ca.SX:
+        """An expression of the known `values` at the reference's signs, roots put in."""
+        whole = self._at_home(expression)
+        return self.with_roots(whole, values, lambda d: ca.sqrt(ca.fmax(self._at_home(d), 0)))
 
     def with_roots(
         self, expression: ca.SX, values: ca.SX, root: Callable[[ca.SX], ca.SX] = ca.sqrt
@@ -161,6 +144,14 @@ class ClosedDirection:
         """An expression of the known numbers, signs and roots over the known `values` and signs."""
         for one in reversed([c for c in self.conditions if c.root is not None]):
             expression = ca.substitute(expression, one.root, root(one.value))
+        return self._with_known(expression, values)
+
+    def _of_known(self, expression: ca.SX) -> ca.SX:
+        """An expression of the known values and roots at the reference's signs."""
+        return self._with_known(self._at_home(expression), self._known_values)
+
+    def _with_known(self, expression: ca.SX, values: ca.SX) -> ca.SX:
+        """An expression over the known `values` in place of their numbers."""
         numbers = []
         for k, c in enumerate(self.direction.known):
             numbers += [ca.cos(values[k]), ca.sin(values[k])] if c.kind == "angle" else [values[k]]
@@ -187,19 +178,14 @@ class ClosedDirection:
     @cached_property
     def usual(self) -> np.ndarray:
         """The usual size of each condition, with the sign that it has at the reference."""
-        function = self._bound(ca.vertcat(ca.SX(0, 1), *(c.value for c in self.conditions)))
+        whole = ca.vertcat(ca.SX(0, 1), *(c.value for c in self.conditions))
+        known = self._known_values
+        function = ca.Function("f", [known], [self._put_in(whole, known)])
         places = self.direction.problem.known_places
         values = np.array(
             [np.asarray(function(s.values[places])).ravel() for s in self.made.samples]
         )
         return np.array([rounded(float(v)) for v in np.median(values, axis=0)])
-
-    @property
-    def bends(self) -> np.ndarray:
-        """An eighth of the largest second derivative of each condition over its usual size, known
-        values in their `units`.
-        """
-        return np.array([bend.eighth for bend in self.part_bends[-1]])
 
     @cached_property
     def _known_values(self) -> ca.SX:
@@ -210,8 +196,8 @@ class ClosedDirection:
     def _over_usual(self) -> list[ca.SX]:
         """The conditions over their usual sizes, of the known values."""
         return [
-            self._put_in(one.value, self._known_values) / usual
-            for one, usual in zip(self.conditions, self.usual, strict=True)
+            self._put_in(one.value, self._known_values) * factor
+            for one, factor in zip(self.conditions, self._factors, strict=True)
         ]
 
     @cached_property
@@ -223,17 +209,25 @@ class ClosedDirection:
         return even_units(self._over_usual, self._known_values, scales, near)
 
     @cached_property
-    def part_bends(self) -> list[list[ConditionBend]]:
-        """The bend of each condition, and how it is known, in each of the parts; in the whole alone
-        where bends in the least part are not far smaller.
+    def _parts(self) -> tuple[float, ...]:
+        """Parts of the slides' ranges that may have bounds of their own."""
+        angular = all(c.is_angular for c in self.direction.known)
+        return SLIDE_PARTS[-1:] if angular else SLIDE_PARTS
+
+    @cached_property
+    def guards(self) -> list[Guard]:
+        """The guard of each condition over its usual size, with bounds for each of the parts; for
+        the whole alone where bounds of the least part are not far smaller.
         """
-        whole = self._bends_in(SLIDE_PARTS[-1])
-        if all(c.is_angular for c in self.direction.known):
-            return [whole]
-        least = self._bends_in(SLIDE_PARTS[0])
-        smaller = any(a.eighth < _SMALLER * b.eighth for a, b in zip(least, whole, strict=True))
-        between = [self._bends_in(part) for part in SLIDE_PARTS[1:-1]] if smaller else []
-        return [least, *between, whole] if smaller else [whole]
+        found = list[Guard]()
+        for j, one in enumerate(self.conditions):
+            choice = None if one.root is None else j
+            made = Guard(one.name, choice, None, (), self._factors[j], "proved", ())
+            found.append(self._bounded(made, j, found))
+        smaller = any(
+            np.max(g.bounds[0].plain) < _SMALLER * np.max(g.bounds[-1].plain) for g in found
+        )
+        return found if smaller else [replace(g, bounds=g.bounds[-1:]) for g in found]
 
     @cached_property
     def _shares(self) -> list[ca.SX]:
@@ -243,22 +237,38 @@ class ClosedDirection:
             for v, one in zip(self._over_usual, self.conditions, strict=True)
         ]
 
-    def _bends_in(self, part: float) -> list[ConditionBend]:
-        values, plain, shares = self._known_values, self._over_usual, self._shares
-        scales = np.array(units_of(self.direction.known, self.made.size))
-        spans, rng = self._spans(part), np.random.default_rng(7)
-        low, high = np.array([(s.middle - s.half, s.middle + s.half) for s in spans]).T
-        points = rng.uniform(low, high, (_POINTS, len(spans)))
+    @cached_property
+    def _line(self) -> Line:
+        return Line(self._known_values, [self._spans(part) for part in self._parts])
+
+    def _bounded(self, guard: Guard, j: int, before: list[Guard]) -> Guard:
+        """The guard of condition j with its bounds: proved where it is a polynomial, or one with a
+        root, and lines stay within its ranges; else sampled.
+        """
+        one, line = self.conditions[j], self._line
+        roots = {
+            i: (other.root, self._of_known(other.value))
+            for i, other in enumerate(self.conditions[:j])
+            if other.root is not None
+        }
+        value = self._of_known(one.value * guard.factor)
+        few = len(self.direction.known) <= _MOST_GIVEN
+        proved = line.proved(guard, value, roots, before, ca.SX(0, 1)) if few else None
         # lines may leave the whole of a range that no limits bound
-        held = spans if part < SLIDE_PARTS[-1] or self._is_bounded else None
-        found = []
-        for j, one in enumerate(plain):
-            read = self._read_by(j)
-            share = ca.SX(1)
-            for i in read:
-                share = share * shares[i]
-            found.append(condition_bend(one, share, values, scales, self.units, held, points, read))
-        return found
+        if proved is not None and self._is_bounded:
+            # values are over their usual size, and so are their roundings
+            return replace(proved, bounds=tuple(replace(b, size=1.0) for b in proved.bounds))
+        read, share = self._read_by(j), ca.SX(1)
+        for i in read:
+            share = share * self._shares[i]
+        scales = np.array(units_of(self.direction.known, self.made.size))
+        bounds = [
+            sampled_bound(self._over_usual[j], share, line, part, scales, self.units)
+            for part in range(len(line.spans))
+        ]
+        if proved is not None and proved.root is None:
+            bounds[:-1] = [replace(b, size=1.0) for b in proved.bounds[:-1]]
+        return replace(guard, ground="sampled", bounds=tuple(bounds), read=read)
 
     def _read_by(self, j: int) -> tuple[int, ...]:
         """Numbers of the conditions whose roots or quotients a condition is made of, those of these
@@ -296,133 +306,58 @@ class ClosedDirection:
             "nk": int(self.known.shape[0]),
             "ns": int(self.state.shape[0]),
             "nto": len(self.direction.known),
-            "signs": max(1, int(self.signs.shape[0])),
+            "signs": max(1, int(self.signs.shape[0]) + len(self.divisors)),
             "conditions": count,
-            "hold": indent(self._hold_lines, 2),
             "resolved": literal(_RESOLVED * self.real.epsilon),
-            "near_one": literal(0.999),
-            "least_part": literal(1.0 / 1024.0),
-            "sides": indent(self._begin_sides),
-            "sides_of_end": indent([f"end[{j}] *= side{j};" for j in self.divisors], 2),
-            "home_signs": ", ".join(literal(float(s)) for s in self.reference_signs)
+            "home_signs": ", ".join(
+                literal(float(s))
+                for s in (*self.reference_signs, *(self._factors[j] for j in self.divisors))
+            )
             or literal(1.0),
         }
 
     @property
-    def _bend_lines(self) -> list[str]:
-        """Statements of the bends: where they are of parts of the slides' ranges, of the first that
-        holds the line.
-        """
-        real, literal, count = self.real, self.real.literal, max(1, len(self.conditions))
-        rows = [
-            ", ".join(literal(b.eighth) for b in row) or literal(0.0) for row in self.part_bends
-        ]
-        grounds = ", ".join(bend.ground for bend in self.part_bends[-1]) or "no condition"
-        if len(rows) == 1:
-            return [
-                f"static const {real.type} bend[{count}] = {{ {rows[0]} }}; /* M / 8: {grounds} */"
-            ]
-        reference = self.made.reference_of(self.direction.known)
-        away = [
-            value if v == 0.0 else f"{value} - {literal(float(v))}"
-            for i, (c, v) in enumerate(zip(self.direction.known, reference, strict=True))
-            if not c.is_angular
-            for value in (f"w->at[{i}]", f"to[{i}]")
-        ]
-        table = ", ".join(f"{{ {row} }}" for row in rows)
-        fabs, ends = (
-            self.real.call("fabs"),
-            [part * _FAR * self.made.size for part in SLIDE_PARTS[:-1]],
-        )
-        return [
-            f"static const {real.type} bends[{len(rows)}][{count}] = {{ {table} }}; /* M / 8: "
-            f"{grounds} */",
-            f"const {real.type} away[{len(away)}] = {{ {', '.join(away)} }};",
-            "unsigned int reach = 0U; /* the part of the slides' ranges that holds the line */",
-            f"for (int i = 0; i < {len(away)}; ++i) {{",
-            *(
-                f"    reach = ((reach < {k}U) && ({fabs}(away[i]) > {literal(end)})) ? {k}U : "
-                f"reach;"
-                for k, end in enumerate(ends, start=1)
-            ),
-            "}",
-            f"const {real.type} *const bend = bends[reach];",
-        ]
+    def guard_text(self) -> GuardText:
+        return GuardText(self.guards, self.real, measures=False)
 
     @property
-    def _hold_lines(self) -> list[str]:
-        """Statements that hold a part of a line against the conditions' bends."""
-        literal, count = self.real.literal, max(1, len(self.conditions))
-        bent = "bend[{}] * way2 * (aim - done) * (aim - done)"
-        read = {i for bend in self.part_bends[-1] for i in bend.read}
-        if not read:
-            return [
-                f"for (int i = 0; i < {count}; ++i) {{",
-                f"    const {self.real.type} smaller = (begin[i] < end[i]) ? begin[i] : end[i];",
-                f"    held = held && (smaller > {bent.format('i')} + "
-                f"{literal(_RESOLVED * self.real.epsilon)});",
-                "    least = (smaller < least) ? smaller : least;",
-                "}",
-            ]
-        lines = [
-            "/* bends of conditions that read others are over the shares that these keep in the "
-            "part (README.md) */"
-        ]
-        for j, bend in enumerate(self.part_bends[-1]):
-            share = " * ".join(f"share{i}" for i in bend.read)
-            lines += [
-                f"const {self.real.type} smaller{j} = (begin[{j}] < end[{j}]) ? begin[{j}] : "
-                f"end[{j}];",
-                f"const {self.real.type} bent{j} = "
-                f"{bent.format(j)}{f' / ({share})' if share else ''};",
-                f"held = held && (smaller{j} > bent{j} + "
-                f"{literal(_RESOLVED * self.real.epsilon)});",
-                f"least = (smaller{j} < least) ? smaller{j} : least;",
-                *(self._share_lines(j) if j in read else []),
-            ]
-        return lines
+    def members(self) -> list[str]:
+        """Members of the work space beside those of Newton's method."""
+        return [f"{self.real.type} sign[{self.values['signs']}];", *self.guard_text.members]
 
-    def _share_lines(self, j: int) -> list[str]:
-        """Statements of the share that a condition keeps at least in a part of a line: one that
-        does not hold keeps any.
-        """
-        one = self.real.literal(1.0)
-        power = (
-            f"(kept{j} * kept{j}) * (kept{j} * kept{j})"
-            if j in self.divisors
-            else f"kept{j} * {self.real.call('sqrt')}(kept{j})"
-        )
-        return [
-            f"const {self.real.type} kept{j} = (held && (smaller{j} - bent{j} < {one})) ? "
-            f"(smaller{j} - bent{j}) : {one};",
-            f"const {self.real.type} share{j} = {power};",
+    @property
+    def _reach_lines(self) -> list[str]:
+        """Statements of the first part of the slides' ranges that holds the line."""
+        if not self.guards or len(self.guards[0].bounds) == 1:
+            return []
+        reference = self.made.reference_of(self.direction.known)
+        slides = [
+            (text, float(v), _FAR * self.made.size)
+            for i, (c, v) in enumerate(zip(self.direction.known, reference, strict=True))
+            if not c.is_angular
+            for text in (f"w->at[{i}]", f"to[{i}]")
         ]
+        return self.guard_text.reach_lines(slides)
 
     @property
     def text(self) -> str:
         told = fill("map_told.c", self.values | {"lines": indent(self._told_lines)})
-        way = [
-            f"for (int i = 0; i < {len(self.direction.known)}; ++i) {{",
-            f"    static const {self.real.type} weight[{len(self.direction.known)}] = {{ "
-            f"{self._weights} }};",
-            f"    const {self.real.type} way = weight[i] * (to[i] - w->at[i]);",
-            "    way2 += way * way;",
-            "}",
+        k = self.values["k"]
+        aim = [
+            f"{k}_set_target(w, to, end);",
+            f"{k}_formulas(w->k, w->sign, w->x, w->guard);",
         ]
+        walk = self.guard_text.text(self.values | {"aimed": "", "walk_members": ""}, aim, 1.0)
         return fill(
             "map_closed.c",
             self.values
             | {
-                "bends": indent(self._bend_lines),
+                "reach": indent(self._reach_lines),
                 "formulas": indent(self._formula_lines),
                 "told": told,
-                "way": indent(way),
+                "walk": walk,
             },
         )
-
-    @property
-    def _weights(self) -> str:
-        return ", ".join(self.real.literal(1.0 / float(unit)) for unit in self.units)
 
     @property
     def _formula_lines(self) -> list[str]:
@@ -440,14 +375,15 @@ class ClosedDirection:
         ]
         inputs = list(zip(symbols, names, strict=True))
         emitter = Emitter.of(self.real, inputs, conditions, self._outputs)
-        number = 0
+        number, side = 0, int(self.signs.shape[0])
         for j, one in enumerate(self.conditions):
             text = emitter.value(0, j)
             if one.root is None:
                 emitter.lines.append(
-                    f"d[{j}] = {text} * {self._per_usual(j)}; /* {c_comment(one.name)}: what is "
-                    f"divided by */"
+                    f"d[{j}] = sign[{side}] * {text}; /* {c_comment(one.name)}: what is divided "
+                    f"by */"
                 )
+                side += 1
                 continue
             number += 1
             emitter.lines.append(
@@ -491,7 +427,6 @@ class ClosedDirection:
         ]
         names.append([f"r{k + 1}" for k in range(count)])
         emitter = Emitter.of(self.real, list(zip(inputs, names, strict=True)), *expressions)
-        place = 0
         for k in range(count):
             text = emitter.value(0, k)
             emitter.lines.append(
@@ -511,14 +446,17 @@ class ClosedDirection:
             )
             if j is not None:
                 emitter.lines.append(f"d[{j}] = {text} * {text} * {self._per_usual(j)};")
-        for j, one in enumerate(self.conditions):
-            if one.root is None:
-                text = emitter.value(1, place)
-                emitter.lines.append(f"d[{j}] = {text} * {self._per_usual(j)};")
-                place += 1
+        for place, j in enumerate(self.divisors):
+            # on which side of zero it has to stay, over its usual size
+            text, side = emitter.value(1, place), f"sign[{count + place}]"
+            per = literal(abs(self._factors[j]))
+            emitter.lines += [
+                f"{side} = ({text} < {literal(0.0)}) ? -{per} : {per};",
+                f"d[{j}] = {side} * {text};",
+            ]
         return [
             *emitter.lines,
-            *([] if told else [f"sign[0] = {literal(1.0)};"]),
+            *([] if told or divisors else [f"sign[0] = {literal(1.0)};"]),
             *([] if self.conditions else [f"d[0] = {literal(1.0)};"]),
         ]
 
@@ -528,8 +466,15 @@ class ClosedDirection:
             ca.which_depends(ca.vertcat(*expressions), self.roots[k], 1, True).count(True)
         )
 
+    @cached_property
+    def _factors(self) -> list[float]:
+        """What makes conditions 1 at a usual place, with the sign that they have at the
+        reference.
+        """
+        return [rounded(1.0 / float(usual)) for usual in self.usual]
+
     def _per_usual(self, j: int) -> str:
-        return self.real.literal(rounded(1.0 / float(self.usual[j])))
+        return self.real.literal(self._factors[j])
 
 
 def _unit(cosine: ca.SX, sine: ca.SX | None) -> list[ca.SX]:

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import casadi as ca
 
 from symkin.closed.evaluation import Evaluation
-from symkin.codegen.closed_line import WAY, ClosedLine, LimitCheck
+from symkin.codegen.closed_line import ClosedLine, LimitCheck
 from symkin.codegen.joint_ranges import range_of
 from symkin.codegen.text.c import indent
 from symkin.codegen.text.templates import fill
@@ -157,7 +157,7 @@ class _Limits:
     @property
     def test_lines(self) -> list[str]:
         """Statements that blame the first joint whose limit is not proved to be kept."""
-        rows = WAY * self.line.bounds(self._functions)
+        bounds = self.line.bounds(self._functions)
         p, count, zero = (
             self.line.code.values["p"],
             f"{len(self.line.plan.arm)}U",
@@ -170,11 +170,11 @@ class _Limits:
             conditions = [
                 f"(joint == {count})",
                 f"{p}_may_reach({side}[{end.joint}], way2)",
-                f"!{p}_keeps_sign(at_a[{e}], at_b[{e}], {self.line.sum_of(rows[e])})",
+                f"!{p}_keeps_sign(at_a[{e}], at_b[{e}], {self.line.sum_of(bounds[e])})",
             ]
             # where it is positive always there is no other solution
             if not (self._expressions[m].is_constant() and float(self._expressions[m]) == 1.0):
-                other = f"{p}_keeps_sign(at_a[{m}], at_b[{m}], {self.line.sum_of(rows[m])})"
+                other = f"{p}_keeps_sign(at_a[{m}], at_b[{m}], {self.line.sum_of(bounds[m])})"
                 conditions.append(f"!((at_a[{m}] < {zero}) && {other})")
             lines += [
                 f"/* {c_comment(self.line.plan.arm.screws[end.joint].name)}, {reads} limit */",

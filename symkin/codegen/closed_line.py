@@ -23,6 +23,7 @@ from symkin.closed.plan import Plan
 from symkin.closed.steps import Carry, Step
 from symkin.codegen.arm_motion import ArmMotion
 from symkin.codegen.closed_source import ClosedCode
+from symkin.codegen.guards import Bound, Guard
 from symkin.codegen.newton_kernel import rounded_up
 from symkin.codegen.text.c import Emitter, Real, indent
 from symkin.codegen.text.templates import fill
@@ -30,7 +31,7 @@ from symkin.computed_once import cached_property
 from symkin.spatial.rotation import multiply
 from symkin.text import c_comment
 
-WAY = 2.0
+_WAY = 2.0
 """By how much the second derivative of a square may be larger than at constant speed of the joints
 that the step reads.
 """
@@ -109,16 +110,26 @@ class ClosedLine:
         squares = at.across_squares(step)
         return squares[0] if squares[1].is_constant() else squares[1]
 
-    @cached_property
-    def bends(self) -> np.ndarray:
-        """Bounds (guards, 2 + joints) of the squares g^2."""
-        steps = [self.plan.steps[i] for i in self.code.guarded]
-        return self.bounds(lambda at: [self._square(at, step) for step in steps])
+    @property
+    def ways(self) -> list[str]:
+        """What changes along a line."""
+        names = [screw.name for screw in self.plan.arm.screws]
+        return ["the tool's place (over the size)", "its turn", *names]
 
-    def bounds(self, functions: Callable[[Evaluation], Sequence[ca.SX]]) -> np.ndarray:
-        """Bounds (functions, 2 + joints) of functions D of the tool's pose and of joints: |d^2 D /
-        ds^2| is at most the sum of these times the squares of the rates of the tool's place (over
-        the size) and turn, and of the joints that D reads (angles; slides over the size). Sampled.
+    @cached_property
+    def guards(self) -> list[Guard]:
+        """The squares g^2 of the steps that choose or carry."""
+        steps = [self.plan.steps[i] for i in self.code.guarded]
+        bounds = self.bounds(lambda at: [self._square(at, step) for step in steps])
+        return [
+            Guard(step.reason, None, None, (), 1.0, "sampled", (bound,))
+            for step, bound in zip(steps, bounds, strict=True)
+        ]
+
+    def bounds(self, functions: Callable[[Evaluation], Sequence[ca.SX]]) -> list[Bound]:
+        """Bounds of functions D of the tool's pose and of joints, by the squares of the changes of
+        the tool's place (over the size) and turn, and of the joints that D reads (angles; slides
+        over the size). Sampled.
         """
         screws, size = self.plan.arm.screws, self.plan.arm.size
         n = len(screws)
@@ -156,8 +167,9 @@ class ClosedLine:
                 samples.T
             )
             matrices = np.asarray(values_there).reshape(6 + n, _SAMPLES, 6 + n).transpose(1, 0, 2)
-            found.append(_ROOM * _block_sums(matrices, self._ways(samples)))
-        return np.array(found).reshape(-1, 2 + n)
+            sums, none = _block_sums(matrices, self._ways(samples)), np.zeros(2 + n)
+            found.append(Bound(1.0, 0.5 * _WAY * _ROOM * sums, none, none))
+        return found
 
     def _ways(self, samples: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Orthonormal columns that span the tool's velocities, and its angular velocities: a
@@ -212,10 +224,10 @@ class ClosedLine:
         of the tool's way.
         """
         lines = []
-        for k, (row, i) in enumerate(zip(WAY * self.bends, self.code.guarded, strict=True)):
+        for k, guard in enumerate(self.guards):
             lines += [
-                f"/* {c_comment(self.plan.steps[i].reason)} */",
-                f"const {self.real.type} bend{k} = {self.sum_of(row)};",
+                f"/* {c_comment(guard.name)} */",
+                f"const {self.real.type} bend{k} = {self.sum_of(guard.bounds[0])};",
                 f"const {self.real.type} lesser{k} = (a[{k}] < b[{k}]) ? a[{k}] : b[{k}];",
                 f"const {self.real.type} share{k} = bend{k} / ({self.real.literal(2.0)} * (a[{k}] "
                 f"+ b[{k}]) + {self.real.literal(4.0)} * lesser{k});",
@@ -236,12 +248,12 @@ class ClosedLine:
         """The square of the longest way of a part."""
         return self.real.literal(_LONGEST**2)
 
-    def sum_of(self, row: np.ndarray) -> str:
-        """C text of weights times the squares of the ways."""
+    def sum_of(self, bound: Bound) -> str:
+        """C text of 2 K."""
         squares = ["place", "turn", *(f"moved[{j}]" for j in range(len(self.plan.arm)))]
         terms = [
             f"{self.real.literal(rounded_up(w))} * {square}"
-            for w, square in zip(row, squares, strict=True)
+            for w, square in zip(2.0 * bound.plain, squares, strict=True)
             if w > _NOTHING
         ]
         return " + ".join(terms) or self.real.literal(0.0)

@@ -179,7 +179,7 @@ class AnswerText:
         )
         lines = list[str]()
         for j, guard in enumerate(values.found.guards):
-            firm = values.by_reach(f"firm{j}", values.roundings(guard, _FIRM), lines)
+            firm = values.guards.by_reach(f"firm{j}", values.guards.roundings(guard, _FIRM), lines)
             tests.append(f"(w->guard[{j}] > {firm})")
         return [*lines, f"bool firm = {' && '.join(tests) or 'true'};"]
 

@@ -9,14 +9,14 @@ and is regular.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import product
-from math import factorial, prod
 
 import casadi as ca
 import numpy as np
 
+from symkin.codegen.guards import NOISE, SLIDE_PARTS, Guard, Line, by_root
 from symkin.codegen.limbwise import (
     Held,
     LimbwiseForm,
@@ -24,8 +24,9 @@ from symkin.codegen.limbwise import (
     limbwise_form,
     of_twin,
 )
-from symkin.codegen.line_bounds import Bend, Span, bend_of
+from symkin.codegen.line_bounds import Span
 from symkin.codegen.samples import Configuration
+from symkin.computed_once import cached_property
 from symkin.elimination.closed_form import ClosedForm, closed_form
 from symkin.model.joint import Coordinate, units_of
 from symkin.numeric.system import System
@@ -37,78 +38,18 @@ _MOST_GIVEN = 4
 """Given values of which a guard may be a function: each more makes ten times the samples."""
 _POWERS = 3
 """How often a divisor may multiply a discriminant, less one."""
-_NOISE = 1e-9
-"""Share of the largest weight below which another is rounding."""
-_PARTS = (1.0 / 16, 1.0 / 4, 1.0)
-"""Parts of a slide's range for which bounds are made: a line takes those of the first that holds
-it.
-"""
-_ROOT_DEGREE = 4
-"""Highest degree in a root that is looked for, less one."""
 _FREE_RANGE = 2.0
 """How far a slide without limits is looked at, in sizes about the reference."""
-
-
-@dataclass(frozen=True)
-class Weights:
-    """Bounds K of half a guard's second derivative along a line by the squares of the given values'
-    changes: `plain`, and, of a guard that holds the root of another's value m, what is multiplied
-    by m^(-1/2) and m^(-3/2).
-    """
-
-    plain: np.ndarray
-    by_root: np.ndarray
-    by_cube: np.ndarray
-
-    def over(self, squares: np.ndarray) -> Weights:
-        """The bounds by changes whose squares are these times as large."""
-        return Weights(self.plain / squares, self.by_root / squares, self.by_cube / squares)
-
-
-@dataclass(frozen=True)
-class Guard:
-    """A function of the given values that has to stay above zero: discriminant `choice`, or `reach`
-    of a limb (both None: a divisor), times divisors to some `powers`, times `sign`. `sizes` bound
-    it; they and `weights` are one for each part of the slides' ranges; `root` is the guard whose
-    root it holds (None: it is a polynomial).
-    """
-
-    name: str
-    choice: int | None
-    reach: int | None
-    powers: tuple[int, ...]
-    sign: float
-    root: int | None
-    sizes: tuple[float, ...]
-    weights: tuple[Weights, ...]
-
-    @property
-    def is_divisor(self) -> bool:
-        """Whether the formulas divide by it."""
-        return self.choice is None and self.reach is None
-
-    def of(self, discriminants: ca.SX, reaches: ca.SX, divisors: ca.SX) -> ca.SX:
-        """Its expression, by those of discriminants, reaches and divisors."""
-        whole = _times(divisors, self.powers) * self.sign
-        if self.reach is not None:
-            return whole * reaches[self.reach]
-        return whole if self.choice is None else whole * discriminants[self.choice]
-
-
-def _times(divisors: ca.SX, powers: Sequence[int]) -> ca.SX:
-    return prod((divisors[j] ** e for j, e in enumerate(powers)), start=ca.SX(1))
 
 
 @dataclass(frozen=True, eq=False)
 class DirectFormulas:
     """The closed form of a direct problem, the limbs' bounds among its conditions, its guards, and
-    how large roots are at sampled configurations. `parts` are the parts of the slides' ranges
-    `spans` for which guards have weights.
+    how large roots are at sampled configurations. `spans` are the ranges of the given values.
     """
 
     whole: LimbwiseForm
     spans: tuple[Span, ...]
-    parts: tuple[float, ...]
     guards: tuple[Guard, ...]
     usual_roots: np.ndarray
 
@@ -148,7 +89,7 @@ class DirectFormulas:
         )
         squares = np.array([1.0 if span.angular else unit**2 for span in spans])
         guards = tuple(
-            replace(guard, weights=tuple(weights.over(squares) for weights in guard.weights))
+            replace(guard, bounds=tuple(bound.over(squares) for bound in guard.bounds))
             for guard in self.guards
         )
         return replace(
@@ -179,7 +120,7 @@ def direct_formulas(
     if whole is None:
         return None
     spans = tuple(_span(c, problem.closure.characteristic_length) for c in joints)
-    parts = (1.0,) if all(span.angular for span in spans) else _PARTS
+    parts = (1.0,) if all(span.angular for span in spans) else SLIDE_PARTS
     whole = replace(
         whole,
         reaches=tuple(
@@ -191,7 +132,7 @@ def direct_formulas(
         return None
     signs = whole.form.signs_at(samples[0].unknown, given[0])
     usual = np.sqrt(np.median(np.abs(whole.form.discriminants_at(given, signs)), axis=0))
-    return DirectFormulas(whole, spans, parts, guards, usual)
+    return DirectFormulas(whole, spans, guards, usual)
 
 
 def _span(coordinate: Coordinate, size: float) -> Span:
@@ -219,16 +160,26 @@ class _Guarding:
     def found(self) -> ClosedForm:
         return self.whole.form
 
+    @cached_property
+    def _line(self) -> Line:
+        """The spans about their middles, in each part of the slides' ranges."""
+        return Line(
+            self.found.system.known,
+            [
+                [s if s.angular else replace(s, half=part * s.half) for s in self.spans]
+                for part in self.parts
+            ],
+        )
+
     def guards(self) -> tuple[Guard, ...] | None:
         """A guard for each discriminant of the pose, for each bound of a limb, and for each divisor
         that is no multiple of another; None where one has no bounds.
         """
-        found, roots = self.found, self.found.roots
-        divisors = [found.divisors[j] for j in range(int(found.divisors.shape[0]))]
+        found, count = self.found, int(self.found.divisors.shape[0])
         discriminants = ca.substitute(
             found.discriminants, found.signs, ca.SX.ones(*found.signs.shape)
         )
-        if ca.depends_on(found.divisors, roots):
+        if ca.depends_on(found.divisors, found.roots):
             return None
         guards: list[Guard] = []
         for name, place, value in self._values_above_zero(discriminants):
@@ -237,27 +188,17 @@ class _Guarding:
                 return None
             guards.append(guard)
         kept: list[ca.SX] = []
-        for j, divisor in enumerate(divisors):
+        for j in range(count):
+            divisor = found.divisors[j]
             if any(self._proportional(divisor, other) for other in kept):
                 continue
-            bends = self._bends(divisor)
-            if bends is None:
+            bounds = self._line.bounds([divisor])
+            if bounds is None:
                 return None
-            powers = tuple(int(i == j) for i in range(len(divisors)))
+            powers = tuple(int(i == j) for i in range(count))
             kept.append(divisor)
-            sign = float(np.sign(np.median(self._values(divisor)(self.given))))
-            guards.append(
-                Guard(
-                    f"divisor {j + 1}",
-                    None,
-                    None,
-                    powers,
-                    sign,
-                    None,
-                    tuple(bend.size for bend in bends),
-                    self._in_units(map(_plain, bends)),
-                )
-            )
+            sign = float(np.sign(np.median(self._at_samples(divisor))))
+            guards.append(Guard(f"divisor {j + 1}", None, None, powers, sign, "proved", bounds))
         return tuple(guards)
 
     def _values_above_zero(
@@ -289,49 +230,25 @@ class _Guarding:
         """The guard of a discriminant or a limb's bound, (choice, reach), by the least powers of
         divisors that make its value a polynomial P, or P + Q root.
         """
-        roots, count = self.found.roots, int(self.found.divisors.shape[0])
-        read = [j for j in range(int(roots.shape[0])) if ca.depends_on(value, roots[j])]
-        if len(read) > 1 or any(any(before[j].powers) or before[j].root is not None for j in read):
-            return None
-        root = read[0] if read else None
-        parts = [value] if root is None else _by_root(value, roots[root], discriminants[root])
-        for powers in sorted(product(range(_POWERS), repeat=count), key=sum):
-            factor = _times(self.found.divisors, powers)
-            bends = [self._bends(part * factor) for part in parts]
-            if any(bend is None for bend in bends):
-                continue
-            plain = [bend for bend in bends if bend is not None]
-            if root is None:
-                return Guard(
-                    name,
-                    *place,
-                    powers,
-                    1.0,
-                    None,
-                    tuple(bend.size for bend in plain[0]),
-                    self._in_units(map(_plain, plain[0])),
-                )
-            inner = self._bends(discriminants[root])
-            if inner is None:
-                continue
-            by_part = list(zip(plain[0], plain[1], inner, strict=True))
-            weights = self._in_units(_with_root(p, q, d) for p, q, d in by_part)
-            sizes = tuple(p.size + q.size * float(np.sqrt(d.size)) for p, q, d in by_part)
-            return Guard(name, *place, powers, 1.0, root, sizes, weights)
-        return None
+        divisors, made = self.found.divisors, Guard(name, *place, (), 1.0, "proved", ())
+        powers = sorted(product(range(_POWERS), repeat=int(divisors.shape[0])), key=sum)
+        roots = {
+            j: (self.found.roots[j], discriminants[j]) for j in range(int(discriminants.shape[0]))
+        }
+        return self._line.proved(made, value, roots, before, divisors, powers)
 
     def _without_squares(self, value: ca.SX, discriminants: ca.SX) -> ca.SX:
         """A value in which roots that it holds by their squares alone are put in."""
         for j in reversed(range(int(discriminants.shape[0]))):
             root = self.found.roots[j]
             if ca.depends_on(value, root):
-                even, odd = _by_root(value, root, discriminants[j])
-                ones = ca.SX.ones(*self.found.roots.shape)
-                by_one = [ca.substitute(part, self.found.roots, ones) for part in (even, odd)]
-                sizes = [float(np.max(np.abs(self._values(part)(self.given)))) for part in by_one]
+                parts = by_root(value, root, discriminants[j])
+                if parts is None:
+                    continue
+                sizes = [self._size(part) for part in parts]
                 value = (
-                    even
-                    if sizes[1] * float(np.sqrt(self._size(discriminants[j]))) <= _NOISE * sizes[0]
+                    parts[0]
+                    if sizes[1] * np.sqrt(self._size(discriminants[j])) <= NOISE * sizes[0]
                     else value
                 )
         return value
@@ -351,92 +268,24 @@ class _Guarding:
             count > 1 and ca.depends_on(value, roots[1:count])
         ):
             return reach
-        even, odd = _by_root(value, roots[0], discriminants[0])
-        sizes = [np.max(np.abs(self._values(part)(self.given))) for part in (even, odd)]
-        if sizes[0] > _NOISE * sizes[1] * float(np.sqrt(self._size(discriminants[0]))):
+        parts = by_root(value, roots[0], discriminants[0])
+        if parts is None:
             return reach
-        odd = odd * float(np.sign(np.median(self._values(odd)(self.given))))
+        odd, sizes = parts[1], [self._size(part) for part in parts]
+        if sizes[0] > NOISE * sizes[1] * np.sqrt(self._size(discriminants[0])):
+            return reach
+        odd = odd * float(np.sign(np.median(self._at_samples(odd))))
         return Reach(reach.name, odd, odd)
 
-    def _size(self, discriminant: ca.SX) -> float:
-        """The largest value of a discriminant at the samples, roots of others as ones."""
+    def _size(self, expression: ca.SX) -> float:
+        """The largest value of an expression at the samples, roots as ones."""
         ones = ca.SX.ones(*self.found.roots.shape)
-        return float(
-            np.max(
-                np.abs(
-                    self._values(ca.substitute(discriminant, self.found.roots, ones))(self.given)
-                )
-            )
-        )
-
-    def _in_units(self, weights: Iterable[Weights]) -> tuple[Weights, ...]:
-        """Weights of changes as the given values are told, of those of changes in the spans'
-        units.
-        """
-        squares = np.array([span.unit**2 for span in self.spans])
-        return tuple(w.over(squares) for w in weights)
-
-    def _bends(self, expression: ca.SX) -> list[Bend] | None:
-        """Bounds of an expression over each part of the slides' ranges; None where it is no
-        polynomial.
-        """
-        values, found = self._values(expression), list[Bend]()
-        for part in reversed(self.parts):
-            spans = [
-                span if span.angular else replace(span, half=part * span.half)
-                for span in self.spans
-            ]
-            bend = bend_of(values, spans)
-            if bend is None:
-                return None
-            found.append(bend)
-        return found[::-1]
+        plain = ca.substitute(expression, self.found.roots, ones)
+        return float(np.max(np.abs(self._at_samples(plain))))
 
     def _proportional(self, first: ca.SX, second: ca.SX) -> bool:
-        ratio = self._values(first)(self.given) / self._values(second)(self.given)
-        return bool(np.ptp(ratio) <= _NOISE * np.max(np.abs(ratio)))
+        ratio = self._at_samples(first) / self._at_samples(second)
+        return bool(np.ptp(ratio) <= NOISE * np.max(np.abs(ratio)))
 
-    def _values(self, expression: ca.SX) -> Callable[[np.ndarray], np.ndarray]:
-        function = ca.Function("guard", [self.found.system.known], [expression], {"cse": True})
-
-        def values(given: np.ndarray) -> np.ndarray:
-            return np.asarray(function.map(len(given))(given.T)).ravel()
-
-        return values
-
-
-def _by_root(expression: ca.SX, root: ca.SX, discriminant: ca.SX) -> list[ca.SX]:
-    """P and Q of an expression P + Q root that is a polynomial in a discriminant's root. Raises
-    ValueError where its degree is too high.
-    """
-    parts, derivative, zero = [ca.SX(0), ca.SX(0)], expression, ca.SX(0)
-    for k in range(_ROOT_DEGREE + 1):
-        at_zero = ca.substitute(derivative, root, zero) / factorial(k)
-        parts[k % 2] = parts[k % 2] + at_zero * discriminant ** (k // 2)
-        derivative = ca.jacobian(derivative, root)
-        if not ca.depends_on(derivative, root):
-            k += 1
-            parts[k % 2] = parts[k % 2] + derivative / factorial(k) * discriminant ** (k // 2)
-            return parts
-    raise ValueError(f"a polynomial of a degree above {_ROOT_DEGREE + 1} in a root")
-
-
-def _plain(bend: Bend) -> Weights:
-    zero = np.zeros(len(bend.weights))
-    return Weights(0.5 * _cleaned(bend.weights), zero, zero)
-
-
-def _with_root(p: Bend, q: Bend, d: Bend) -> Weights:
-    """Bounds of P + Q r, r^2 = D and D at least m: P'' + Q'' r + 2 Q' r' + Q r'' with r' = D' / (2
-    r), r'' = D'' / (2 r) - D'^2 / (4 r^3).
-    """
-    both = 0.5 * (q.slopes * np.sum(d.slopes) + d.slopes * np.sum(q.slopes))
-    return Weights(
-        plain=0.5 * _cleaned(p.weights + np.sqrt(d.size) * q.weights),
-        by_root=0.5 * _cleaned(both + 0.5 * q.size * d.weights),
-        by_cube=0.5 * _cleaned(0.25 * q.size * d.slopes * np.sum(d.slopes)),
-    )
-
-
-def _cleaned(weights: np.ndarray) -> np.ndarray:
-    return np.where(weights > _NOISE * np.max(weights, initial=0.0), weights, 0.0)
+    def _at_samples(self, expression: ca.SX) -> np.ndarray:
+        return self._line.values(expression)(self.given)

@@ -7,17 +7,14 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from symkin.codegen.direct_formulas import DirectFormulas, Guard
+from symkin.codegen.direct_formulas import DirectFormulas
+from symkin.codegen.guard_text import GuardText
 from symkin.codegen.limb_platform import LimbPlatform
-from symkin.codegen.newton_kernel import rounded
 from symkin.codegen.text.angles import Numbers
 from symkin.codegen.text.c import Emitter, Real
 from symkin.computed_once import cached_property
 from symkin.model.joint import Coordinate
 from symkin.numeric.system import System
-
-_NOISE = 64.0
-"""Roundings of the sum of a guard's amplitudes by which its value may be off."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,6 +29,10 @@ class DirectValues:
     @property
     def real(self) -> Real:
         return self.made.real
+
+    @cached_property
+    def guards(self) -> GuardText:
+        return GuardText(self.found.guards, self.real, measures=True)
 
     @cached_property
     def joint_places(self) -> dict[str, list[int]]:
@@ -107,27 +108,11 @@ class DirectValues:
         by the part of the slides' ranges that holds it.
         """
         tests = [
-            f"(w->{array}[{j}] > {self.real.literal(self.roundings(guard)[0])})"
+            f"(w->{array}[{j}] > {self.real.literal(self.guards.roundings(guard)[0])})"
             for j, guard in enumerate(self.found.guards)
             if guard.is_divisor == of_divisors
         ]
         return " && ".join(tests)
-
-    def roundings(self, guard: Guard, times: float = 1.0) -> list[float]:
-        """Multiples of the values of a guard that are nothing but rounding, one for each part of
-        the slides' ranges.
-        """
-        return [rounded(times * _NOISE * self.real.epsilon * size) for size in guard.sizes]
-
-    def by_reach(self, name: str, values: Sequence[float], lines: list[str]) -> str:
-        """C text of one of the values, by the part of the slides' ranges that holds the line;
-        `lines` get their table where they differ.
-        """
-        if all(value == values[0] for value in values):
-            return self.real.literal(values[0])
-        texts = ", ".join(self.real.literal(value) for value in values)
-        lines.append(f"static const {self.real.type} {name}[{len(values)}] = {{ {texts} }};")
-        return f"{name}[w->reach]"
 
 
 def _places_of(coordinates: Sequence[Coordinate]) -> dict[str, list[int]]:

@@ -4,7 +4,11 @@ is OK.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from symkin.codegen.composed import Part
+from symkin.codegen.guard_text import bend_words
+from symkin.codegen.guards import Guard
 from symkin.codegen.joint_map import Direction, JointMap
 
 _MAP = r"""The loops hold the given coordinates $q$, the found ones $X$ and passive ones $x$; their
@@ -29,22 +33,8 @@ $r = \sqrt{N - C^2}$ give $(\cos t, \sin t) = (-A C \mp B r,\ -B C \pm A r) / N$
 on the upper branch where $A \sin t - B \cos t \ge 0$, which is $\pm r$. The derivative of the row
 by $t$ is $\mp r$: the branches meet where it is singular."""
 
-_LINE = r"""**Formulas.** Of each choice the sign at the guess is kept. The machine can move along
-the straight line of given values, and stays on this branch, where no discriminant and no divisor
-$g$ vanishes on it. With $M$ the largest second derivative of $g$ along lines and $s$ the way
-between two points of the line, given values in units in which $g$ bends alike with each, $g \ge
-\min(g_a, g_b) - M s^2 / 8$ between them: what is above 0 is accepted, else the part is halved;
-where parts are shorter than 1/1024, the status is `WRONG_BRANCH`. The code says of each $M$ beside
-its number how it was found. Proved: $g$ is a sum of cosines and sines of sums of the given values,
-whose amplitudes bound its second derivative. Sampled: $M$ is the largest of 400 samples of the
-given values, the larger ones followed uphill, times 1.5. A condition that reads the root or the
-quotient of others bends the more the nearer these are to 0: its $M$ is of the second derivative
-times $h^{3/2}$ for each $h$ under such a root and $h^4$ for each divisor, $h$ over its usual size
-and at most 1, and is divided by what these keep at least in the part."""
-
-_SLIDES = r"""**Slides.** A bend may grow with the way of a slide from the reference. Where that of
-the whole, a size to either side, is more than four times that of a sixteenth of it, there is an $M$
-for a sixteenth, a quarter and the whole, and a line takes that of the first which holds it."""
+_LINE = r"""**Formulas.** Of each choice the sign at the guess is kept, and guards are over their
+usual sizes. The whole line is tried first, and what is refused is halved."""
 
 _GUESS = r"""**The guess** holds only one side's values. The other side's, and passive ones, are
 those of the reference configuration's branch of the formulas, or, where a direction has none, those
@@ -106,13 +96,12 @@ def _part(part: Part) -> str:
     )
 
 
-def map_branch(made: JointMap, newton: str) -> str:
-    """Which answer is OK; `newton` is what is said of Newton's method."""
+def map_branch(made: JointMap, newton: str, guards: Sequence[Guard]) -> str:
+    """Which answer is OK; `newton` is what is said of Newton's method, `guards` are those of
+    formulas.
+    """
     closed = [d.is_closed for d in (made.direct, made.inverse)]
-    slides = any(
-        d.is_closed and not all(c.is_angular for c in d.known) for d in (made.direct, made.inverse)
-    )
-    parts = [_GUESS, _HELD, *([_LINE] if any(closed) else []), *([_SLIDES] if slides else [])]
+    parts = [_GUESS, _HELD, *([_LINE, bend_words(guards)] if any(closed) else [])]
     if all(closed):
         head = (
             "## Which answer is OK\n\n"

@@ -11,6 +11,8 @@ import numpy as np
 
 from symkin.codegen.closed_direction import ClosedDirection
 from symkin.codegen.geometry import Geometry
+from symkin.codegen.guard_text import Watched
+from symkin.codegen.guards import DETERMINANT
 from symkin.codegen.home_sheet import HomeSheet, home_sheet
 from symkin.codegen.joint_map import Direction, JointMap
 from symkin.codegen.joint_map_derivatives import step_columns
@@ -119,6 +121,8 @@ class JointMapSource:
 
     def _members(self, direction: Direction) -> list[str]:
         """Members of the work space beside those of every method."""
+        if direction.name in self._closed:
+            return self._closed[direction.name].members
         if direction.circles.is_plain:
             return []
         return [
@@ -171,6 +175,16 @@ class JointMapSource:
         for direction in (self.made.direct, self.made.inverse):
             if direction.is_closed:
                 found[direction.name] = ClosedDirection(self.made, direction, self._common)
+        return found
+
+    @property
+    def watched(self) -> dict[str, Watched]:
+        """What each direction watches along lines."""
+        found = dict[str, Watched]()
+        for d in (self.made.direct, self.made.inverse):
+            closed = self._closed.get(d.name)
+            guards = [DETERMINANT] if closed is None else closed.guards
+            found[d.name] = ([c.name for c in d.known], guards)
         return found
 
     @cached_property
@@ -307,7 +321,6 @@ class JointMapSource:
                 f"{kind} d[{names['conditions']}];",
                 *self.numbers.circles("values", direction.known, "k", range(int(str(names["nk"])))),
                 f"{k}_formulas(k, sign, x, d);",
-                *closed.sizes_of_divisors("d"),
                 f"for (int i = 0; i < {names['conditions']}; ++i) {{",
                 f"    if (!(d[i] > {names['resolved']})) {{",
                 f"        status = {self.name.upper()}_OUT_OF_RANGE;",
@@ -692,7 +705,6 @@ class JointMapSource:
                 place,
                 f"{k}_signs(w.k, w.x, sign, d);",
                 f"{k}_formulas(w.k, sign, w.x, d);",
-                *closed.sizes_of_divisors("d"),
                 f"for (int i = 0; i < {names['conditions']}; ++i) {{",
                 "    least = (d[i] < least) ? d[i] : least;",
                 "}",

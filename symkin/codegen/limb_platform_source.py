@@ -13,6 +13,8 @@ import numpy as np
 from symkin.codegen.closed_direct_source import ClosedDirectSource
 from symkin.codegen.closed_limb import BESIDE, branch_text, closed_limb_text
 from symkin.codegen.formula_guards import feasible_error
+from symkin.codegen.guard_text import Watched
+from symkin.codegen.guards import DETERMINANT
 from symkin.codegen.joint_ranges import range_functions, ranges_of
 from symkin.codegen.limb_platform import LimbBlock, LimbPlatform
 from symkin.codegen.limb_rates import LimbRates
@@ -73,6 +75,13 @@ class LimbPlatformSource:
     def _ga(self) -> str:
         """The geometry as an argument."""
         return str(self._common["ga"])
+
+    @property
+    def watched(self) -> dict[str, Watched]:
+        """What the direct problem watches along lines."""
+        found = self.made.direct_formulas
+        guards = (DETERMINANT,) if found is None else found.guards
+        return {"direct": ([c.name for c in self.made.actuated], guards)}
 
     @property
     def text(self) -> str:

@@ -12,6 +12,7 @@ from typing import Any
 from symkin.codegen.arm_speeds import DAMPED_BELOW, MOST_TURN
 from symkin.codegen.formula_guards import feasible_error
 from symkin.codegen.geometry import finite_check
+from symkin.codegen.guard_text import Watched
 from symkin.codegen.home_pose import home_pose
 from symkin.codegen.implied_platform import limb_platform
 from symkin.codegen.joint_map import JointMap
@@ -63,7 +64,7 @@ _SOURCES: dict[
 class Program:
     """Source and header of a mechanism, and what the other files of its folder are made from.
     `lowered` is the machine that the `described` one means; the kind's may be of a declared motion
-    where that one's is implied.
+    where that one's is implied. `watched` is what each function with lines watches on them.
     """
 
     described: Mechanism
@@ -72,6 +73,7 @@ class Program:
     source: str
     header: str
     main: NewtonCode
+    watched: Mapping[str, Watched]
     functions: tuple[Function, ...]
     values: dict[str, object]
     worst: WorstCase
@@ -126,6 +128,7 @@ def build_program(
         source=text,
         header=fill("header.h", values),
         main=source.code,
+        watched=source.watched,
         functions=functions,
         values=values,
         worst=worst,

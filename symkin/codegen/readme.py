@@ -5,6 +5,7 @@ is proved of its answers.
 from __future__ import annotations
 
 from symkin.codegen.direct_readme import direct_by_formulas
+from symkin.codegen.guard_text import guard_tables
 from symkin.codegen.joint_map import JointMap
 from symkin.codegen.joint_map_readme import map_branch, map_chapter
 from symkin.codegen.limb_platform import LimbPlatform
@@ -238,7 +239,8 @@ def _branch(program: Program) -> str:
     )
     ground = _REDUNDANT_ARM if kernel.is_wide else _BANACH if kernel.reads_known else _KANTOROVICH
     found = "\n\n".join([_BRANCH, f"{ground}\n{rule}"])
-    return map_branch(program.kind, found) if isinstance(program.kind, JointMap) else found
+    guards = [guard for _, own in program.watched.values() for guard in own]
+    return map_branch(kind, found, guards) if isinstance(kind, JointMap) else found
 
 
 _CLOSED_FORM = r"""## Closed form
@@ -362,6 +364,7 @@ def readme(program: Program) -> str:
             *_over_the_pose(program),
             *_formulas(program),
             _branch(program),
+            guard_tables(name, program.watched),
             *_closed_form(program),
         ]
     )

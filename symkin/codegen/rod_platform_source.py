@@ -10,6 +10,8 @@ import casadi as ca
 import numpy as np
 
 from symkin.closure.snapping import snap
+from symkin.codegen.guard_text import Watched
+from symkin.codegen.guards import DETERMINANT
 from symkin.codegen.joint_ranges import Range, range_functions
 from symkin.codegen.linear_solver import singular_condition
 from symkin.codegen.newton_kernel import Kernel
@@ -113,6 +115,11 @@ class RodSource:
             "kappa": literal(float(np.sqrt(self.code.tuning.kappa2))),
             "track2": literal((self.platform.mechanism.characteristic_length / 24) ** 2),
         }
+
+    @property
+    def watched(self) -> dict[str, Watched]:
+        """What the direct problem watches along lines."""
+        return {"direct": ([c.name for c in self.platform.mechanism.actuated], (DETERMINANT,))}
 
     @property
     def text(self) -> str:

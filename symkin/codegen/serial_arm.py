@@ -22,6 +22,8 @@ from symkin.codegen.closed_limits import limit_check
 from symkin.codegen.closed_line import ClosedLine
 from symkin.codegen.closed_source import ClosedCode
 from symkin.codegen.geometry import Geometry
+from symkin.codegen.guard_text import Watched
+from symkin.codegen.guards import DETERMINANT
 from symkin.codegen.joint_ranges import range_functions, ranges_of
 from symkin.codegen.line_parts import line_target
 from symkin.codegen.linear_solver import is_unrolled
@@ -378,6 +380,13 @@ class ArmSource:
                 2,
             ),
         }
+
+    @property
+    def watched(self) -> dict[str, Watched]:
+        """What the inverse problem watches along lines."""
+        if self.line is None:
+            return {"inverse": (["the pose"], (DETERMINANT,))}
+        return {"inverse": (self.line.ways, self.line.guards)}
 
     @property
     def text(self) -> str:

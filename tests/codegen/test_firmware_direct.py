@@ -105,7 +105,7 @@ def test_guards_are_positive_where_the_machine_works():
         signs = form.signs_at(sample.unknown, sample.known)
         discriminants = form.discriminants_at(sample.known[None], signs)
         assert np.all(discriminants > 0.0)
-        assert discriminants[0, 0] < found.guards[0].sizes[-1]
+        assert discriminants[0, 0] < found.guards[0].bounds[-1].size
 
 
 @pytest.mark.parametrize(

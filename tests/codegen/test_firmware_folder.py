@@ -7,7 +7,7 @@ import pytest
 from click.testing import CliRunner
 
 import symkin
-from helpers.inside import Options, app, folder_files, write_folder
+from helpers.inside import Options, app, build_program, folder_files, readme_of, write_folder
 from symkin import InputError, Joint, Limb, Mechanism
 
 PLATFORM = symkin.load("ren2008")
@@ -85,3 +85,27 @@ def test_a_reference_at_which_the_joints_hold_nothing_is_told(motion):
     )
     with pytest.raises(InputError, match=told):
         folder_files(made, Options("double"))
+
+
+@pytest.mark.parametrize(
+    ("name", "given", "find", "grounds"),
+    [
+        ("delta", (), (), {"direct": {"proved"}}),
+        ("ren2008", (), (), {"direct": {"measured"}}),
+        ("scara", (), (), {"inverse": {"sampled"}}),
+        ("four_bar", ("crank",), ("follower",), {"direct": {"proved"}, "inverse": {"proved"}}),
+    ],
+)
+def test_the_readme_says_how_each_bound_is_known(name, given, find, grounds):
+    """A table for each function that follows lines, a row for each thing that it watches, which
+    ends in proved, sampled or measured.
+    """
+    program = build_program(symkin.load(name), Options(given=given, find=find))
+    chapter = readme_of(program).split("## What is watched along a line\n\n")[1].split("\n## ")[0]
+    tables = chapter.strip().split("\n\n`")
+    assert len(tables) == len(grounds)
+    for table, (function, words) in zip(tables, grounds.items(), strict=True):
+        rows = [line for line in table.splitlines() if line.startswith("|")][2:]
+        assert table.lstrip("`").startswith(f"{name}_{function}`")
+        assert len(rows) == len(program.watched[function][1]) > 0
+        assert {row.rstrip(" |").split("| ")[-1] for row in rows} == words

@@ -1,17 +1,13 @@
 /* What the formulas of the direct problem read and give. `at`, `u`: given values at the guess and where formulas are evaluated, each
  * angle by cosine and sine; sign: the guess's side of each choice; left, guard: what must stay above zero, where the line is done
- * and at u; y: the unknowns; share: the smallest root over its usual size; over: how far a part was
- * too long, by squares. */
+ * and at u; y: the unknowns; share: the smallest root over its usual size; bent, most: how far a part that is too long bends, and may. */
 typedef struct {
     @{real} at[@{nu}];
     @{real} u[@{nu}];
     @{real} sign[@{nk}];
-    @{real} left[@{ng}];
-    @{real} guard[@{ng}];
     @{real} y[@{ny}];
     @{real} share;
-    @{real} over;
-@{reach_member}
+@{guard_members}
 } @{p}_direct_work;
 
 /* Reads the guess: its joints by the limbs' formulas, and the signs of the direct problem's. */
@@ -37,72 +33,11 @@ static void @{p}_direct_set(@{p}_direct_work *w, const @{real} joints[@{nq}])
 @{set_lines}
 }
 
-/* Whether no guard can reach zero between the values w->left and w->guard, on a line of which `change` are the squares of the joints'
- * changes: a guard bends by no more than its weights times these allow (README.md). */
-static bool @{p}_line_keeps(@{p}_direct_work *w, const @{real} change[@{nq}])
-{
-@{keep_lines}
-    return kept;
-}
-
-@{p_angle}/* Follows the line from the guess's joint values to the given ones in parts that are kept, and are cut where they are not. */
-static @{COLD} @{p}_status @{p}_direct_walk(@{p}_direct_work *w, const @{real} joints[@{nq}], unsigned int most, unsigned int *count)
-{
-    @{real} at[@{nq}];
-    @{real} given[@{nq}];
-    @{real} change[@{nq}];
-    @{real} done = @{zero};
-    @{real} part = @{first_part};
-    bool refused = true;
-    @{p}_status status = @{P}_MAX_ITERATIONS;
-@{at_lines}
-    while ((status == @{P}_MAX_ITERATIONS) && (*count < most)) {
-        const @{real} end = (done + part < @{near_one}) ? (done + part) : @{one};
-        bool above = true;
-        for (int i = 0; i < @{nq}; ++i) {
-            const @{real} way = given[i] - at[i];
-            change[i] = ((end - done) * way) * ((end - done) * way);
-            at_end[i] = (end < @{one}) ? (at[i] + end * way) : joints[i];
-        }
-        @{p}_direct_set(w, at_end);
-        @{p}_direct_formulas(w);
-        ++*count;
-        w->over = @{four};
-        for (int j = 0; j < @{ng}; ++j) {
-            above = above && (w->guard[j] > @{zero});
-        }
-        if (!above) {
-            /* a point of the line without a configuration, or a singular one */
-            status = @{P}_WRONG_BRANCH;
-        } else if (@{p}_line_keeps(w, change)) {
-            for (int j = 0; j < @{ng}; ++j) {
-                w->left[j] = w->guard[j];
-            }
-            done = end;
-            part = refused ? part : (@{two} * part);
-            refused = false;
-            if (done >= @{one}) {
-                status = @{P}_OK;
-            }
-        } else {
-            /* what is too long by its square is cut to nine tenths of what would do */
-            part = (end - done) * ((w->over < @{hundred}) ? (@{nine_tenths} / @{sqrt}(w->over)) : @{tenth});
-            refused = true;
-            if (part < @{least_part}) {
-                status = @{P}_WRONG_BRANCH;
-            }
-        }
-    }
-    return status;
-}
-
-/* Follows the line from the guess that was read to joint values: the formulas there with the guess's signs, where the line keeps them. */
+@{walk}/* Follows the line from the guess that was read to joint values: the formulas there with the guess's signs, where the line keeps them. */
 static @{SHARED} @{p}_status @{p}_direct_line(@{p}_direct_work *w, const @{real} joints[@{nq}], unsigned int most, unsigned int *count)
 {
     @{p}_status status = @{P}_OK;
     w->share = @{zero};
-    w->over = @{four};
-@{no_reach}
 @{span_lines}
     if (status == @{P}_OK) {
         @{real} change[@{nq}];
@@ -114,10 +49,13 @@ static @{SHARED} @{p}_status @{p}_direct_line(@{p}_direct_work *w, const @{real}
             /* squares of changes, of an angle by its chord's, up to a right angle */
             kept = @{near};
 @{change_lines}
-            kept = kept && @{p}_line_keeps(w, change);
+            kept = kept && @{k}_keeps(w, change);
         }
         if (!kept) {
-            status = @{p}_direct_walk(w, joints, most, count);
+            @{real} at[@{nq}];
+            @{real} given[@{nq}];
+@{at_lines}
+            status = @{k}_walk(w, at, given, joints, most, count);
         }
     }
     return status;

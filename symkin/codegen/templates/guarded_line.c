@@ -1,0 +1,62 @@
+/* Whether no guard can reach zero between the values w->left and w->guard, on a part of the line of which `change` are the squares of
+ * the known values' changes: a guard bends by no more than its weights times these allow (README.md). */
+static bool @{k}_keeps(@{k}_work *w, const @{real} change[@{nto}])
+{
+@{keep_lines}
+    return kept;
+}
+
+/* Follows the line of known values from `at`, where the guards are w->left, to `to` in parts that are kept, and are cut where they are
+ * not. */
+static @{COLD} @{p}_status @{k}_walk(@{k}_work *w, const @{real} at[@{nto}], const @{real} to[@{nto}], @{aimed}unsigned int most,
+    unsigned int *count)
+{
+    @{real} way2[@{nto}];
+    @{real} change[@{nto}];
+    @{real} done = @{zero};
+    @{real} part = @{first_part};
+    bool refused = true;
+    @{p}_status status = @{P}_MAX_ITERATIONS;
+@{walk_members}
+    for (int i = 0; i < @{nto}; ++i) {
+        way2[i] = (to[i] - at[i]) * (to[i] - at[i]);
+    }
+    while ((status == @{P}_MAX_ITERATIONS) && (*count < most)) {
+        const @{real} next = done + part;
+        const @{real} end = (next < @{near_one}) ? next : @{one};
+        const @{real} share = end - done;
+        const @{real} share2 = share * share;
+        bool above = true;
+        for (int i = 0; i < @{nto}; ++i) {
+            change[i] = share2 * way2[i];
+        }
+@{aim}
+        ++*count;
+@{not_measured}
+        for (int j = 0; j < @{ng}; ++j) {
+            above = above && (w->guard[j] > @{zero});
+        }
+        if (!above) {
+            /* a point of the line without a configuration, or a singular one */
+            status = @{P}_WRONG_BRANCH;
+        } else if (@{k}_keeps(w, change)) {
+            for (int j = 0; j < @{ng}; ++j) {
+                w->left[j] = w->guard[j];
+            }
+            done = end;
+            part = refused ? part : (part + part);
+            refused = false;
+            if (done >= @{one}) {
+                status = @{P}_OK;
+            }
+        } else {
+@{shorter}
+            refused = true;
+            if (part < @{least_part}) {
+                status = @{P}_WRONG_BRANCH;
+            }
+        }
+    }
+    return status;
+}
+
