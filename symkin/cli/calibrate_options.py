@@ -1,7 +1,5 @@
 """Options that the commands of `symkin calibrate` share, and the choices they allow."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Annotated, Any, TypedDict
 

@@ -15,7 +15,7 @@ from symkin.cli.streams import print_text
 from symkin.errors import InputError
 from symkin.model.written_number import whole, written_number
 from symkin.text import shown
-from symkin.verb_options import GIVEN, OUTPUT, Argument, Option
+from symkin.verb_options import OUTPUT, Argument, Option
 
 
 def whole_numbers(text: str | None, option: str) -> list[int]:
@@ -40,45 +40,11 @@ MechArgument = Annotated[
         complete=mechanism_names,
     ),
 ]
-JointsOption = Annotated[
-    str | None,
-    Option(
-        "All actuated joints, in file order or as NAME=VALUE,..., in the file's units: the "
-        "direct problem.",
-        "V1,V2,...",
-        GIVEN,
-    ),
-]
-PoseOption = Annotated[
-    str | None,
-    Option("The platform's or tool's pose: the inverse problem.", "X,Y,Z,QW,QX,QY,QZ", GIVEN),
-]
-GivenOption = Annotated[
-    str | None,
-    Option(
-        "Any coordinates, as many as the mobility: joints, passive ones too, and x, y, z, "
-        "azimuth, tilt, torsion of the "
-        "platform, or pose=X,Y,Z,QW,QX,QY,QZ.",
-        "NAME=VALUE,...",
-        GIVEN,
-    ),
-]
-StartOption = Annotated[
-    str | None,
-    Option(
-        "A pose for the direct problem, all actuated joints for the inverse one; "
-        "NAME=VALUE,... with --given and for graphs.",
-        "V1,V2,...",
-    ),
-]
 SeedOption = Annotated[
     int,
     Option("Seed of random numbers.", "N"),
 ]
-SearchSeedOption = Annotated[
-    int | None,
-    Option("Seed of the random starts. Default: 0.", "N"),
-]
+FolderOption = Annotated[Path, Option("Folder to write.", "DIR", OUTPUT, flags=("-o", "--output"))]
 JsonOption = Annotated[
     bool,
     Option("Write one JSON object to stdout and nothing else.", group=OUTPUT, flags=("--json",)),
@@ -207,6 +173,15 @@ def _ends(
     if len(values) not in counts or not all(values) or not part.partition("=")[0].strip():
         raise InputError(f"{option}: {shown(part.strip())} is no range; {needed} is needed")
     return values
+
+
+def limits_from(text: str | None, what: str, angle_unit: str) -> list[Any] | None:
+    """A number, or a pair LOW:HIGH, for each motor, or one number for all."""
+    if text is None:
+        return None
+    parts = pairs_from(text, what, angle_unit, "a number, or LOW:HIGH,", (1, 2))
+    pairs = [[-part[0], part[0]] if len(part) == 1 else part for part in parts]
+    return pairs if len(pairs) > 1 or len(parts[0]) > 1 else [parts[0][0]]
 
 
 def start_from(

@@ -2,8 +2,6 @@
 takes MECH.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, TypedDict
@@ -61,7 +59,7 @@ class RobotFile(TypedDict):
     model: Annotated[str | None, Option("Which model of an SDF file.", "NAME", ROBOT_FILES)]
 
 
-def loaded(mech: str, read: RobotFile | None) -> Mechanism:
+def loaded(mech: str, read: RobotFile | None) -> "Mechanism":
     """The mechanism of a command; what is odd about a mechanism file's numbers is said on stderr,
     of a robot's file its limits.
     """
@@ -76,7 +74,7 @@ def loaded(mech: str, read: RobotFile | None) -> Mechanism:
     return mechanism
 
 
-def say_left_out(mechanism: Mechanism) -> None:
+def say_left_out(mechanism: "Mechanism") -> None:
     """Tell which joints of a graph are left out where the arm in it is taken alone."""
     from symkin.model.arm import joints_left_out
 
@@ -88,7 +86,7 @@ def say_left_out(mechanism: Mechanism) -> None:
         )
 
 
-def read_options(told: RobotFile) -> ReadOptions:
+def read_options(told: RobotFile) -> "ReadOptions":
     """What is told beside a robot's file."""
     from symkin.formats.read_options import ReadOptions
 
