@@ -18,7 +18,8 @@ from symkin.text import not_among
 Verb = TypeVar("Verb", bound=Callable[..., Any])
 
 
-GIVEN, HOW, OUTPUT, ROBOT_FILES = "What is given", "How it is found", "Output", "Robot files"
+GIVEN, HOW, OUTPUT = "What is given", "How it is found", "Output"
+FILES, ROBOT_FILES = "Mechanism files", "Robot files"
 ASKED, READINGS, POSTURES = "What is asked", "Readings and their noise", "Postures"
 """Headings of options that several commands have."""
 

@@ -19,7 +19,7 @@ from symkin.errors import InputError
 from symkin.model.shipped import shipped_examples
 from symkin.model.written_number import whole
 from symkin.text import not_among, shown
-from symkin.verb_options import OUTPUT, ROBOT_FILES, Argument, Option, options_of, words_of
+from symkin.verb_options import FILES, OUTPUT, ROBOT_FILES, Argument, Option, options_of, words_of
 
 _OTHERS = "Options"
 """The heading of options that every command has."""
@@ -264,7 +264,7 @@ def _write_parameters(
             text = record[1].removesuffix("  [required]")  # the usage says it
             heading = p.told.group if isinstance(p, _Offered) else _OTHERS
             groups.setdefault(heading, []).append((record[0], text))
-    last = [heading for heading in (OUTPUT, ROBOT_FILES, _OTHERS) if heading in groups]
+    last = [heading for heading in (OUTPUT, FILES, ROBOT_FILES, _OTHERS) if heading in groups]
     for heading in [*(heading for heading in groups if heading not in last), *last]:
         with formatter.section(heading):
             formatter.write_dl(groups[heading])

@@ -1,5 +1,5 @@
-"""The options that tell, beside a robot's file, how it is read: the same for every command that
-takes MECH.
+"""The options that tell, beside a file, how it is read: the same for every command that takes
+MECH.
 """
 
 from collections.abc import Sequence
@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, TypedDict
 from symkin.cli.streams import say
 from symkin.errors import InputError
 from symkin.text import first_of, shown
-from symkin.verb_options import ROBOT_FILES, Option
+from symkin.verb_options import FILES, ROBOT_FILES, Option
 
 if TYPE_CHECKING:
     from symkin.formats.read_options import ReadOptions
@@ -17,8 +17,16 @@ if TYPE_CHECKING:
 
 
 class RobotFile(TypedDict):
-    """Options that tell how a robot's file is read."""
+    """Options that tell how a file is read: a mechanism file, and a robot's."""
 
+    set: Annotated[
+        list[str] | None,
+        Option(
+            "Numbers of the file's [parameters], or arithmetic, in place of its own.",
+            "NAME=VALUE,...",
+            FILES,
+        ),
+    ]
     loop: Annotated[
         list[str] | None,
         Option(
@@ -101,6 +109,7 @@ def read_options(told: RobotFile) -> "ReadOptions":
         arguments=_pairs(told["arguments"], "arguments"),
         packages=told["packages"] or (),
         model=told["model"],
+        set=_pairs(told["set"], "set"),
     )
 
 
