@@ -15,6 +15,7 @@ from symkin.cli.options import (
     joints_from,
     names_from,
     print_result,
+    slices_from,
 )
 from symkin.cli.poses import PoseForm
 from symkin.cli.progress import progress_bar
@@ -101,16 +102,10 @@ def sweep(
 
     Needs xarray, zarr and dask: pip install 'symkin[sweep]'
     """
+    from symkin.cli.ranges import ranged, read_given, read_ranges
     from symkin.sweeps.drawable import check_drawable
-    from symkin.sweeps.ranges import (
-        check_map_is_left,
-        check_slices,
-        ranged,
-        read_given,
-        read_ranges,
-        read_values,
-    )
     from symkin.sweeps.run import sweep as run
+    from symkin.sweeps.slices import check_map_is_left, check_slices
     from symkin.sweeps.store import require_zarr
 
     require_zarr()
@@ -120,7 +115,7 @@ def sweep(
     ranges = None if grid is None else read_ranges(grid, sampled=sampled, angle_unit=unit)
     told = None if given is None else read_given(given, sampled=sampled, angle_unit=unit)
     values = ranged(told or {}) if ranges is None else ranges
-    cuts = read_values(slices, "slice", angle_unit=unit) if slices is not None else {}
+    cuts = slices_from(slices, unit)
     check_slices(cuts, values, sampled=sampled)
     check_map_is_left(cuts, values)
     drawn = _drawn(of, slices, plot, loci=loci)

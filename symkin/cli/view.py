@@ -6,7 +6,7 @@ from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-from symkin.cli.options import MechArgument
+from symkin.cli.options import MechArgument, slices_from
 from symkin.cli.poses import PoseForm
 from symkin.cli.progress import progress_bar
 from symkin.cli.reading import RobotFile
@@ -96,9 +96,8 @@ def view(
 def _of_map(mechanism: Mechanism, folder: Path, slices: str | None, *, loci: bool) -> View:
     """The page of a sweep's map. Raises InputError for a sweep of another mechanism."""
     from symkin.page.sweep_plane import view_of_sweep
-    from symkin.sweeps.ranges import read_values
 
-    cuts = {} if slices is None else read_values(slices, "slice", angle_unit=mechanism.angle_unit)
+    cuts = slices_from(slices, mechanism.angle_unit)
     with progress_bar("singularity loci") if loci else nullcontext():
         page = view_of_sweep(folder, cuts, loci=loci)
     if page.mechanism.to_toml() != mechanism.to_toml():
