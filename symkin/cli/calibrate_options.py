@@ -14,10 +14,6 @@ PosturesOption = Annotated[
     int,
     Option("Number of postures.", "N", POSTURES),
 ]
-GroupsOption = Annotated[
-    int,
-    Option("Groups of equal inclination; 0: none.", "N", POSTURES),
-]
 RandomPosturesOption = Annotated[
     int | None,
     Option("Number of random postures. Default: 40.", "N", POSTURES),
