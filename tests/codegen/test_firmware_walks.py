@@ -16,7 +16,7 @@ import symkin
 from helpers import firmware_tools as tools
 from helpers import joint_types, samples
 from helpers.gate import in_gate, in_gate_but
-from helpers.inside import Options, folder_files, write_folder
+from helpers.inside import Options, write_folder
 from helpers.samples import bars
 from symkin import Joint, Limb, Mechanism
 
@@ -48,8 +48,7 @@ def _library(mechanism, folder, *, tested=True):
     if tested:
         write_folder(mechanism, folder, Options("double"))
     else:
-        for name, text in folder_files(mechanism, Options("double")).items():
-            (folder / name).write_text(text)
+        tools.write_code(mechanism, folder, Options("double"))
     command = [
         tools.compiler("gcc"),
         "-O1",
