@@ -10,6 +10,7 @@ import pytest
 from flint import arb
 
 import symkin
+from helpers.certificates import certify
 from helpers.gate import in_gate
 from helpers.inside import (
     AlgebraicSystem,
@@ -18,7 +19,6 @@ from helpers.inside import (
     algebraic_systems,
     bound_of,
     build_problem,
-    certify,
     exact_known,
     known_values,
     knowns_of,
