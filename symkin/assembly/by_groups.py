@@ -17,6 +17,7 @@ import numpy as np
 from symkin.assembly.account import FEW, Account
 from symkin.assembly.group_roots import STATEMENTS
 from symkin.assembly.group_solvers import solved_groups
+from symkin.assembly.least_modes import with_least_modes
 from symkin.assembly.mode_order import order_of_modes
 from symkin.assembly.mode_proofs import PartProofs, can_be_proved, ground_notes, theorem_notes
 from symkin.assembly.modes_result import Modes, sampling
@@ -24,6 +25,7 @@ from symkin.assembly.search import Search
 from symkin.assembly.tree import Solving, Step, Tree, grown_together
 from symkin.errors import InputError, TooManyModesError
 from symkin.position.given import Given
+from symkin.position.platform_motion import motion_notes
 from symkin.position.problem import Problem
 from symkin.position.roots import MOST_MODES
 from symkin.position.solution_list import SolutionList, checked_solutions
@@ -138,6 +140,33 @@ def modes_by_groups(
         columns = np.concatenate([groups[number].unknown_places for number in numbers])
         done.append(replace(tree, values=tree.values[:, columns], columns=columns))
     return _checked(problem, known, search, account, _combined(begin, done), certify=certify)
+
+
+def modes_of_inputs(
+    problem: Problem,
+    givens: Sequence[Given],
+    search: Search,
+    choose: Sequence[int] = (),
+    *,
+    least_errors: bool = True,
+) -> list[Modes]:
+    """The modes of each input of a problem, proved where that can be, with what is said where there
+    are none; otherwise as `modes_by_groups`.
+    """
+    known = np.array([given.values for given in givens])
+    grouped = modes_by_groups(
+        problem, known, search, choose, least_errors=least_errors, certify=True
+    )
+    found = [
+        with_least_modes(problem, given, search, grouped.modes_of(number, given))
+        for number, given in enumerate(givens)
+    ]
+    if all(modes.completeness != "sampled" for modes in found):
+        return found
+    notes = motion_notes(problem)
+    return [
+        replace(m, notes=(*m.notes, *notes)) if m.completeness == "sampled" else m for m in found
+    ]
 
 
 def independent_parts(groups: Sequence[Problem]) -> list[list[int]]:

@@ -23,12 +23,11 @@ from symkin.assembly.as_written import (
     told_as_written,
 )
 from symkin.assembly.block_paths import BlockPaths
-from symkin.assembly.by_groups import modes_by_groups
+from symkin.assembly.by_groups import modes_by_groups, modes_of_inputs
 from symkin.assembly.closed_roots import ClosedBlock
 from symkin.assembly.group_roots import STATEMENTS
 from symkin.assembly.group_solvers import most_roots, solved_groups, solvers_of
 from symkin.assembly.mode_table import COMPLETENESS, ModeTable, stored_counts
-from symkin.assembly.modes_by_name import modes_by_name
 from symkin.assembly.search import Search
 from symkin.assembly.without_search import (
     free_unknowns,
@@ -138,7 +137,7 @@ class ModeFinder:
         given = Given(self.problem.kind, known, {})
         try:
             found = known_without_search(self.problem, given, self.search)
-            return ModeTable.of(found or modes_by_name(self.problem, [given], self.search)[0])
+            return ModeTable.of(found or modes_of_inputs(self.problem, [given], self.search)[0])
         except TooManyModesError:
             return ModeTable.of_none(self.problem, "too many to list", -1)
 

@@ -58,7 +58,7 @@ def _errors_of_given(problem: Problem, known: np.ndarray) -> np.ndarray:
     """The errors (n,) of rows without unknowns at given values (n, known). Rows of a problem whose
     coordinates are told by name are left to its groups.
     """
-    if problem.kind == "given" or not problem.conditions.errors.shape[0]:
+    if problem.by_name or not problem.conditions.errors.shape[0]:
         return np.zeros(len(known))
     return problem.conditions.residuals(np.zeros((len(known), 0)), known)
 
@@ -67,9 +67,7 @@ def known_without_search(problem: Problem, given: Given, search: Search) -> Mode
     """What needs no search: unknowns that nothing determines, a pose off the motion, the direct
     problem of a serial arm, given values that contradict rows without unknowns.
     """
-    if problem.by_name:
-        return None
-    free = free_unknowns(problem)
+    free = None if problem.by_name else free_unknowns(problem)
     if free is not None and problem.mechanism.serial:
         raise InputError(free)
     if free is not None:
@@ -78,6 +76,8 @@ def known_without_search(problem: Problem, given: Given, search: Search) -> Mode
         return replace(empty, positive_dimensional=True)
     if given.off_motion > 0.0:
         return _nothing(problem, given, search, given.off_motion)
+    if problem.by_name:
+        return None
     if not problem.is_explicit:
         if not meet_conditions(problem, given.values[None])[0]:
             off = float(_errors_of_given(problem, given.values[None])[0])

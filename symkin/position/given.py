@@ -317,28 +317,21 @@ def poses_coordinates(
             return quaternion.T.copy(), away.max(axis=0)
 
 
-def leaves_motion(mechanism: Mechanism, poses: Sequence[Pose]) -> bool:
-    """Whether any of some poses lies off the motion that is declared of the platform, by more than
-    rounding: where joints carry the platform, they decide how it moves.
+def leaves_motion(mechanism: Mechanism, position: np.ndarray, quaternion: np.ndarray) -> bool:
+    """Whether any of some poses, (m, 3) and (m, 4), lies off the motion that is declared of the
+    platform, by more than rounding: where joints carry the platform, they decide how it moves.
     """
-    if mechanism.motion == "spatial" or not poses:
+    if mechanism.motion == "spatial":
         return False
-    position, quaternion = (
-        np.array([getattr(pose, part) for pose in poses]).T for part in ("position", "quaternion")
-    )
-    return bool(
-        np.any(
-            poses_coordinates(mechanism, position, quaternion)[1]
-            > _ON_MOTION * mechanism.characteristic_length
-        )
-    )
+    off = poses_coordinates(mechanism, position.T, quaternion.T)[1]
+    return bool(np.any(off > _ON_MOTION * mechanism.characteristic_length))
 
 
-def motion_note(mechanism: Mechanism, poses: Sequence[Pose]) -> str | None:
+def motion_note(mechanism: Mechanism, position: np.ndarray, quaternion: np.ndarray) -> str | None:
     """What is said of poses that lie off the motion that is declared of the platform; None where
     none does.
     """
-    if not leaves_motion(mechanism, poses):
+    if not leaves_motion(mechanism, position, quaternion):
         return None
     return (
         f"the platform's motion is declared {mechanism.motion}, and the joints that carry it move "
