@@ -133,7 +133,7 @@ def _solved(
             problem = build_problem(mechanism, given.kind)
             if problem.is_explicit or not problem.system.width:
                 refuse_ignored({"start": start}, _nothing_iterated(problem))
-            z = start_values(problem, given, start)  # type: ignore[arg-type]
+            z = start_values(problem, given, start)
         if start is None:
             result = _from_default(problem, given, chosen, z)
         else:
