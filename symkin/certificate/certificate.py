@@ -22,7 +22,7 @@ from symkin.certificate.coordinates import aligned, in_phase, spread
 from symkin.certificate.discs import Discs
 from symkin.certificate.knowns import Knowns
 from symkin.certificate.krawczyk import Box, box_about
-from symkin.certificate.open_points import prove_points
+from symkin.certificate.open_points import prove_points, prove_pose
 from symkin.certificate.quick_test import enclose_all
 from symkin.certificate.separation import (
     Features,
@@ -297,8 +297,16 @@ class _Roots:
             return found
         poses: np.ndarray = self._features.poses & found
         for i in np.flatnonzero(found & ~poses).tolist() if not poses.all() else ():
-            poses[i] = is_pose(self.system, self._box(i))
+            poses[i] = is_pose(self.system, self._box(i)) or self._is_pose_by_bits(i)
         return poses
+
+    def _is_pose_by_bits(self, i: int) -> bool:
+        with precision(_DOUBLE):
+            balls = BallSystem(self.system, self.knowns.numbers(int(self.instance[i])))
+            point = self.centre[:, i]
+            return prove_pose(
+                balls, point.real if self.real[i] else point, is_real=bool(self.real[i])
+            )
 
     @cached_property
     def distinct(self) -> np.ndarray:
