@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
+from typing import Unpack
 
 import numpy as np
 
@@ -22,8 +23,8 @@ from symkin.position.determination import (
     misfit_note,
     refuse_contradictions,
 )
-from symkin.position.given import Given, Joints, motion_note
-from symkin.position.given_by_name import Values, any_given
+from symkin.position.given import Given, motion_note
+from symkin.position.given_by_name import any_given
 from symkin.position.least_squares import LeastSquares
 from symkin.position.levenberg import Levenberg
 from symkin.position.mobility import open_loops_note
@@ -35,6 +36,7 @@ from symkin.position.moved_starts import (
     nearly_closes,
 )
 from symkin.position.newton import Newton
+from symkin.position.options import SolveOptions
 from symkin.position.out_of_reach import reach_note
 from symkin.position.problem import Problem, build_problem
 from symkin.position.solution import Solution
@@ -42,9 +44,9 @@ from symkin.position.solution_list import make_solution
 from symkin.position.solve_result import SolveError, SolveResult, iterates_of
 from symkin.position.start_notes import start_notes
 from symkin.position.starts import Start, begun_by_name, random_starts, start_values
-from symkin.spatial.pose import Pose
 from symkin.text import not_among
 from symkin.verb import verb
+from symkin.verb_options import takes
 
 Solver = Newton | LeastSquares | ClosedForm | Levenberg
 SOLVERS: dict[str, Solver] = {
@@ -59,16 +61,8 @@ _NEARLY_CLOSED = 1e-6
 
 
 @verb
-def solve(
-    mechanism: Mechanism,
-    *,
-    joints: Joints | None = None,
-    pose: Sequence[float] | Pose | None = None,
-    given: Values | None = None,
-    start: Start = None,
-    solver: str | Solver = "newton",
-    check: bool = True,
-) -> SolveResult:
+@takes(SolveOptions)
+def solve(mechanism: Mechanism, **options: Unpack[SolveOptions]) -> SolveResult:
     """Find one solution of F(q, x, X, p) = 0 near `start`, for given `joints` q, a `pose` X, or
     values `given` by name.
 
@@ -98,10 +92,12 @@ def solve(
     ('ok', [81.6, -157.2, -29.4, 105.2])
     """
     require_mechanism(mechanism)
+    asked = options["joints"], options["pose"], options["given"]
+    start, solver = options["start"], options["solver"]
     chosen = SOLVERS.get(solver) if isinstance(solver, str) else solver
     if chosen is None or not hasattr(chosen, "name"):
         raise InputError(f"solver = {not_among(solver, SOLVERS)}")
-    known = any_given(mechanism, joints, pose, given)
+    known = any_given(mechanism, *asked)
     result = _solved(mechanism, known, start, chosen, damped=solver == "newton")
     if result.status == "infeasible":
         note = reach_note(result.problem, known)
@@ -110,7 +106,7 @@ def solve(
         found = result.solution
         note = motion_note(mechanism, found.position[None], found.quaternion[None])
         result = result if note is None else replace(result, notes=(*result.notes, note))
-    if check and result.solution is None:
+    if options["check"] and result.solution is None:
         raise SolveError("; ".join([result.message, *result.notes]), result)
     return result
 
