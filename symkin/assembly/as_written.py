@@ -3,21 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from symkin.assembly.mode_order import order_of_modes
 from symkin.assembly.modes_result import Group, Modes
 from symkin.closure.closure import Closure
 from symkin.machine.lower import Lowered, lowered
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.tolerances import CLOSURE_TOLERANCE
 from symkin.position.feasible_pose import ties_poses
-from symkin.position.given import Given, given_from
+from symkin.position.given import Given, given_pose
 from symkin.position.given_by_name import plain_kind, pose_names, told_by_name
 from symkin.position.problem import Problem
-from symkin.position.solution import Solution
 from symkin.position.solution_list import SolutionList, checked_solutions
 from symkin.position.transfer import many_as_written
 from symkin.spatial.pose import Pose
@@ -56,7 +54,8 @@ def given_of_machine(low: Lowered, given: Given) -> Given:
     if _is_pose(low.written, given) and stands_otherwise:
         pose = Pose(given.values[:3], given.values[3:])
         taken = pose if low.frames is None else low.frames.taken(pose)
-        given = replace(given_from(low.machine, None, taken), echo=given.echo)
+        found = given.off_motion == 0.0 and ties_poses(low.written)
+        given = replace(given_pose(low.machine, taken, is_feasible=found), echo=given.echo)
         return told_by_name(low.machine, given) if low.machine.is_graph else given
     kind = plain_kind(low.machine, given.names) if given.by_name else None
     if kind is None:
@@ -67,24 +66,50 @@ def given_of_machine(low: Lowered, given: Given) -> Given:
     return replace(given, kind=kind, names=(), values=given.values[places])
 
 
-def as_written(low: Lowered, problem: Problem, given: Given, found: Modes) -> Modes | None:
-    """The modes in the coordinates of the description, held against all of its own rows; None where
-    some do not close there, and where the list may not be complete.
+@dataclass(frozen=True, eq=False)
+class Told:
+    """A description whose `problem`, at `known` values (n, numbers) of n inputs, is that of its
+    machine: in its coordinates the machine's modes are told.
+    """
+
+    low: Lowered
+    problem: Problem
+    known: np.ndarray
+
+    def listed(self, own: Closure, values: np.ndarray, owner: np.ndarray) -> SolutionList:
+        """Configurations of the machine, variables of its `own` closure (m, own variables), of the
+        inputs `owner` (m,), with what the description's rows leave open.
+        """
+        told = many_as_written(self.problem.closure, own, values, self.low)
+        told[:, self.problem.known_places] = self.known[owner]
+        return checked_solutions(self.problem, told)
+
+    def of(self, inputs: slice | Sequence[int]) -> Told:
+        """Some of the inputs."""
+        return replace(self, known=self.known[inputs])
+
+
+def as_written(told: Told, given: Given, found: Modes) -> Modes | None:
+    """The modes of a single input with the names of the description, where its own rows hold for
+    them; None where the list may not be complete.
     """
     if not is_complete(found):
         return None
-    listed: Sequence[Solution] = ()
-    if len(found):
-        own = np.array([mode.variables for mode in found])
-        told = as_checked(low, problem, found.problem.closure, own, given.values, given.notes)
-        size = problem.closure.characteristic_length
-        if not (told.residual <= CLOSURE_TOLERANCE * size).all():
+    names = {reading.of: reading.name for reading in told.low.readings}
+    listed = found.modes
+    if found.problem is not told.problem and isinstance(listed, SolutionList):
+        # what needed no search
+        own, which = listed, np.zeros(len(listed), dtype=int)
+        listed = told.listed(found.problem.closure, own.values, which)
+        listed = replace(listed, certified=own.certified, radius=own.radius)
+        size = told.problem.closure.characteristic_length
+        if not (listed.residual <= CLOSURE_TOLERANCE * size).all():
             return None
-        listed = _in_order(problem, _with_proofs(told, found))
-    names = {reading.of: reading.name for reading in low.readings}
+    if isinstance(listed, SolutionList):
+        listed = replace(listed, notes=given.notes, _made={})
     return replace(
         found,
-        problem=problem,
+        problem=told.problem,
         given=given.echo,
         modes=listed,
         groups=tuple(_renamed(group, names) for group in found.groups),
@@ -92,43 +117,9 @@ def as_written(low: Lowered, problem: Problem, given: Given, found: Modes) -> Mo
     )
 
 
-def as_checked(
-    low: Lowered,
-    problem: Problem,
-    own: Closure,
-    values: np.ndarray,
-    known: np.ndarray,
-    notes: tuple[str, ...] = (),
-) -> SolutionList:
-    """Configurations of the machine, variables of its `own` closure (m, own variables), in the
-    coordinates of the description at its `known` values, with what its rows leave open.
-    """
-    told = many_as_written(problem.closure, own, values, low)
-    told[:, problem.known_places] = known
-    return checked_solutions(problem, told, notes)
-
-
 def _is_pose(mechanism: Mechanism, given: Given) -> bool:
     """Whether the platform's pose as a whole is what is given."""
     return given.of_pose or given.names == pose_names(mechanism)
-
-
-def _with_proofs(listed: SolutionList, found: Modes) -> SolutionList:
-    """Modes with what is proved of those that they are."""
-    certified = [-1 if mode.certified is None else int(mode.certified) for mode in found]
-    radius = [np.nan if mode.radius is None else mode.radius for mode in found]
-    ground = np.full(len(listed), None, dtype=object)
-    for place, mode in enumerate(found):
-        ground[place] = mode.ground
-    return replace(
-        listed, certified=np.array(certified), radius=np.array(radius), ground=ground, _made={}
-    )
-
-
-def _in_order(problem: Problem, listed: SolutionList) -> SolutionList:
-    one_input = np.zeros(len(listed), dtype=int)
-    order = order_of_modes(problem, listed.values, listed.position, listed.quaternion, one_input)
-    return listed.chosen(order)
 
 
 def _renamed(group: Group, names: dict[str, str]) -> Group:

@@ -10,6 +10,7 @@ from typing import Any, TypedDict, Unpack, overload
 import numpy as np
 
 from symkin.assembly.as_written import (
+    Told,
     as_written,
     given_of_machine,
     is_complete,
@@ -39,6 +40,7 @@ from symkin.position.mobility import open_loops_note
 from symkin.position.multistart import DEFAULT_STARTS
 from symkin.position.newton import Newton
 from symkin.position.out_of_reach import reach_note
+from symkin.position.solution_list import SolutionList
 from symkin.quiet import without_float_warnings
 from symkin.spatial.pose import Pose
 from symkin.verb import verb
@@ -140,7 +142,8 @@ def modes(
     found = _found(ask, [one])[0]
     # coordinates of a pose are those of the declared motion; joints may carry it elsewhere
     is_carried = not found.problem.closure.role("pose")
-    note = motion_note(mechanism, [mode.pose for mode in found.modes]) if is_carried else None
+    listed = found.modes if isinstance(found.modes, SolutionList) and is_carried else None
+    note = None if listed is None else motion_note(mechanism, listed.position, listed.quaternion)
     found = found if note is None else replace(found, notes=(*found.notes, note))
     if found.modes or found.positive_dimensional or found.smallest_residual is None:
         return found
@@ -184,25 +187,30 @@ def _of_machine(ask: _Ask, givens: Sequence[Given]) -> tuple[Modes, ...]:
     if problem.by_name:
         refuse_unless_determined(problem)
     there = [given_of_machine(low, given) for given in givens]
-    of_machine = _of_description(replace(ask, mechanism=low.machine), there)
+    told = Told(low, problem, np.array([given.values for given in givens]))
+    of_machine = _of_description(replace(ask, mechanism=low.machine), there, told)
     found: dict[int, Modes] = {}
     rest = list[int]()
     for i, (at, modes) in enumerate(zip(there, of_machine, strict=True)):
-        told = None if at.off_motion else as_written(low, problem, givens[i], modes)
-        if told is not None:
-            found[i] = told
-        if told is None or (not told.modes and may_contradict(low, givens[i])):
+        own = None if at.off_motion else as_written(told.of(slice(i, i + 1)), givens[i], modes)
+        if own is not None:
+            found[i] = own
+        if own is None or (not own.modes and may_contradict(low, givens[i])):
             rest.append(i)
-    own = _of_description(ask, [givens[i] for i in rest])
+    left = _of_description(ask, [givens[i] for i in rest])
     found |= {
-        i: one for i, one in zip(rest, own, strict=True) if i not in found or is_complete(one)
+        i: one for i, one in zip(rest, left, strict=True) if i not in found or is_complete(one)
     }
     share = (time.perf_counter() - begin) / len(givens)
     return tuple(replace(found[i], elapsed_s=share) for i in range(len(givens)))
 
 
-def _of_description(ask: _Ask, givens: Sequence[Given]) -> tuple[Modes, ...]:
-    """The modes of inputs of one kind by the rows of the description itself."""
+def _of_description(
+    ask: _Ask, givens: Sequence[Given], told: Told | None = None
+) -> tuple[Modes, ...]:
+    """The modes of inputs of one kind by the rows of the mechanism itself, `told` in the
+    coordinates of the description whose machine it is.
+    """
     if not givens:
         return ()
     begin, search = time.perf_counter(), ask.search
@@ -222,6 +230,7 @@ def _of_description(ask: _Ask, givens: Sequence[Given]) -> tuple[Modes, ...]:
             search,
             ask.choose,
             least_errors=ask.least_errors,
+            told=None if told is None else told.of(left),
         )
         found |= dict(zip(left, searched, strict=True))
     feasible = [found[i] for i in left if givens[i].off_motion == 0.0]

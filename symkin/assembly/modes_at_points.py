@@ -1,27 +1,32 @@
 """Modes at many points of one problem as arrays: what a sweep asks for.
 
 Points are solved together, group by group (see `by_groups`), of the machine that the description
-means (see `machine_finder`); those that need another look one by one, as `symkin.modes` does.
+means; those that need another look one by one, as `symkin.modes` does.
 """
 
 from __future__ import annotations
 
 import hashlib
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import prod
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from symkin.assembly.account import FEW
-from symkin.assembly.as_written import given_of_machine, machine_of, may_contradict
+from symkin.assembly.as_written import (
+    COMPLETE,
+    Told,
+    given_of_machine,
+    machine_of,
+    may_contradict,
+)
 from symkin.assembly.block_paths import BlockPaths
 from symkin.assembly.by_groups import modes_by_groups
 from symkin.assembly.closed_roots import ClosedBlock
 from symkin.assembly.group_roots import STATEMENTS
 from symkin.assembly.group_solvers import most_roots, solved_groups, solvers_of
-from symkin.assembly.machine_finder import Finder, MachineFinder, Plain
 from symkin.assembly.mode_table import (
     COMPLETENESS,
     ModeTable,
@@ -61,7 +66,7 @@ class ModeFinder:
     problem: Problem
     search: Search
     certify: bool
-    plain: Finder
+    plain: GroupFinder
 
     @property
     def engine(self) -> str:
@@ -120,10 +125,15 @@ class ModeFinder:
 
 @dataclass(frozen=True, eq=False)
 class GroupFinder:
-    """What is prepared once for all points of a problem that is solved by its structure groups."""
+    """What is prepared once for all points of a problem that is solved by its structure groups;
+    that of the machine of a description, where `told` holds this, whose known values are the
+    description's at `places`.
+    """
 
     problem: Problem
     search: Search
+    told: Told | None = None
+    places: tuple[int, ...] = ()
 
     @cached_property
     def _solvers(self) -> list[BlockPaths | ClosedBlock]:
@@ -167,22 +177,30 @@ class GroupFinder:
     def find(self, known: np.ndarray, *, certify: bool) -> Plain:
         """Modes at those of the points known (n, values) that need not be looked at one by one:
         all, but for points that contradict rows without unknowns, and those without a solution
-        where the description's digits may be why.
+        where the description's digits may be why; of a machine those whose list is complete and
+        closes on all rows of the description.
         """
-        chosen = np.flatnonzero(bool(self._groups) & meet_conditions(self.problem, known))
-        known = known[chosen]
+        own = known if self.told is None else known[:, list(self.places)]
+        chosen = np.flatnonzero(bool(self._groups) & meet_conditions(self.problem, own))
+        own, known = own[chosen], known[chosen]
         each = max(1, ROOTS_AT_ONCE // max(self.most_modes, 1))
-        begins = range(0, max(len(known), 1), each)
-        table = concatenated([self._table(known[i : i + each], certify) for i in begins])
-        places = np.arange(len(known))
+        parts = [slice(i, i + each) for i in range(0, max(len(known), 1), each)]
+        table = concatenated([self._table(own[part], known[part], certify) for part in parts])
+        kept = np.ones(len(known), dtype=bool)
         if determination(self.problem).misfit:
-            places = np.flatnonzero(table.count != 0)
+            kept = table.count != 0
+        if self.told is not None:
+            kept &= np.isin(table.completeness, [COMPLETENESS.index(c) for c in COMPLETE])
+            kept &= table.count >= 0
+        places = np.flatnonzero(kept)
+        if len(places) < len(kept):
             table = at_places(table, places)
         return Plain(table, chosen[places])
 
-    def _table(self, known: np.ndarray, certify: bool) -> ModeTable:
-        found = modes_by_groups(self.problem, known, self.search, certify=certify)
-        listed = np.bincount(found.owner, minlength=len(known))
+    def _table(self, own: np.ndarray, known: np.ndarray, certify: bool) -> ModeTable:
+        told = None if self.told is None else replace(self.told, known=known)
+        found = modes_by_groups(self.problem, own, self.search, certify=certify, told=told)
+        listed = np.bincount(found.owner, minlength=len(own))
         total, account = np.array(found.total, dtype=object), found.account
         many = (account.too_many != FEW) | np.array(listed < total, dtype=bool)
         complex_counts = np.where(
@@ -192,7 +210,7 @@ class GroupFinder:
             found.statement
         ]
         return table_of(
-            self.problem,
+            found.asked,
             found.listed.chosen(~many[found.owner]),
             count=np.where(many, -1, listed),
             completeness=np.where(many, COMPLETENESS.index("too many to list"), said),
@@ -200,6 +218,13 @@ class GroupFinder:
             continuum=np.asarray(account.continuum.any(axis=1)),
             complex_count=stored_counts(complex_counts),
         )
+
+
+class Plain(NamedTuple):
+    """Modes of the points at the `places` (n,), rising."""
+
+    table: ModeTable
+    places: np.ndarray
 
 
 def make_finder(problem: Problem, *, starts: int, seed: int, certify: bool) -> ModeFinder:
@@ -217,7 +242,7 @@ def make_finder(problem: Problem, *, starts: int, seed: int, certify: bool) -> M
     )
 
 
-def _of_machine(problem: Problem, search: Search) -> MachineFinder | None:
+def _of_machine(problem: Problem, search: Search) -> GroupFinder | None:
     """The finder of the machine that a description means, for values of joints; None where that is
     the description.
     """
@@ -233,8 +258,8 @@ def _of_machine(problem: Problem, search: Search) -> MachineFinder | None:
     of_machine = problem_of(low.machine, there)
     if of_machine.is_explicit:
         return None
-    own = _own(of_machine, search)
-    return MachineFinder(problem, low, of_machine, tuple(map(int, there.values)), own)
+    told = Told(low, problem, np.zeros((0, len(names))))
+    return replace(_own(of_machine, search), told=told, places=tuple(map(int, there.values)))
 
 
 def _own(problem: Problem, search: Search) -> GroupFinder:

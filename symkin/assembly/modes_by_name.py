@@ -9,6 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from symkin.assembly.as_written import Told
 from symkin.assembly.by_groups import modes_by_groups
 from symkin.assembly.least_modes import with_least_modes
 from symkin.assembly.modes_result import Modes
@@ -25,14 +26,15 @@ def modes_by_name(
     choose: Sequence[int] = (),
     *,
     least_errors: bool = True,
+    told: Told | None = None,
 ) -> tuple[Modes, ...]:
     """The modes of each input of a problem; `choose` takes one solution of each of the first
     structure groups. With `least_errors` inputs without a solution are searched for the least
-    closure error.
+    closure error. Those of a machine are `told` in the coordinates of a description.
     """
     known = np.array([given.values for given in givens])
     grouped = modes_by_groups(
-        problem, known, search, choose, least_errors=least_errors, certify=True
+        problem, known, search, choose, least_errors=least_errors, certify=True, told=told
     )
     found = []
     for number, given in enumerate(givens):

@@ -26,7 +26,7 @@ five of a quaternion.
 _CLOSED = 1e-11
 """Largest closure error over the size of a pose that is left as it is."""
 _STARTS = 32
-"""Random joint values from which each limb is brought as near to the pose as it comes."""
+"""Joint values from which each limb is brought as near to the pose as it comes."""
 _HELD = 1e-6
 """Share of the largest singular value below which joints do not move the rows: beside a singular
 configuration of a limb the joints would move far to follow the pose by little.
@@ -86,9 +86,12 @@ def nearest_pose(mechanism: Mechanism, pose: np.ndarray) -> NearestPose | None:
     if not ties_poses(mechanism) or closing_poses(mechanism, pose[None])[0]:
         return None
     problem = build_problem(mechanism, "inverse")
-    joints = _nearest_joints(problem, pose)
-    if problem.system.residual(joints, pose) <= _CLOSED * problem.closure.characteristic_length:
-        return None
+    joints = np.zeros(0)
+    # the reference's branch closes most poses that are on them
+    for starts in (1, _STARTS):
+        joints = _nearest_joints(problem, pose, starts)
+        if problem.system.residual(joints, pose) <= _CLOSED * problem.closure.characteristic_length:
+            return None
     whole, z = _whole(problem), np.concatenate([joints, pose])
     for _ in range(_STEPS):
         step = _step(problem, whole, z, pose)
@@ -132,18 +135,20 @@ def closing_poses(mechanism: Mechanism, poses: np.ndarray) -> np.ndarray:
     return shown
 
 
-def _nearest_joints(problem: Problem, pose: np.ndarray) -> np.ndarray:
-    """Joint values of each limb that leave the least closure error at a pose."""
+def _nearest_joints(problem: Problem, pose: np.ndarray, count: int) -> np.ndarray:
+    """Joint values of each limb that leave the least closure error at a pose, from the reference
+    and random starts, `count` together.
+    """
     rng = np.random.default_rng(0)
     values = problem.closure.reference
     named: dict[str, np.ndarray] = {}
     for block in problem.blocks:
         here = np.concatenate([values[problem.closure.slices[c.name]] for c in block.unknowns])
         starts = block.move(
-            np.tile(here, (_STARTS, 1)),
+            np.tile(here, (count, 1)),
             block.characteristic_length
-            * rng.normal(size=(_STARTS, block.freedom))
-            * (np.arange(_STARTS) > 0)[:, None],
+            * rng.normal(size=(count, block.freedom))
+            * (np.arange(count) > 0)[:, None],
         )
         batch = levenberg_marquardt(block, starts, pose, max_iterations=200, patience=40)
         largest = np.where(np.isfinite(batch.largest_row), batch.largest_row, np.inf)

@@ -105,7 +105,8 @@ def solve(
         note = reach_note(result.problem, known)
         result = result if note is None else replace(result, notes=(*result.notes, note))
     if result.solution is not None:
-        note = motion_note(mechanism, [result.solution.pose])
+        found = result.solution
+        note = motion_note(mechanism, found.position[None], found.quaternion[None])
         result = result if note is None else replace(result, notes=(*result.notes, note))
     if check and result.solution is None:
         raise SolveError("; ".join([result.message, *result.notes]), result)

@@ -14,8 +14,8 @@ import symkin
 from helpers.gate import in_gate
 from helpers.inside import (
     COMPLETENESS,
+    Told,
     any_given,
-    as_checked,
     lowered,
     make_finder,
     problem_of,
@@ -199,8 +199,8 @@ def test_a_guide_of_a_motion_is_told_in_its_coordinates() -> None:
             assert [limb.name for limb in low.machine.limbs] == [limb.name for limb in home.limbs]
             plain = symkin.modes(low.machine, joints=[10.0, -10.0])
             values = np.array([mode.variables for mode in plain])
-            own, known = plain.problem.closure, given.values
-            told = as_checked(low, problem_of(guided, given), own, values, known)
+            described = Told(low, problem_of(guided, given), given.values[None])
+            told = described.listed(plain.problem.closure, values, np.zeros(2, dtype=int))
             assert len(told) == 2
             assert told.residual.max() < 1e-12 * guided.characteristic_length
 
