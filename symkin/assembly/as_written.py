@@ -11,7 +11,6 @@ from symkin.assembly.modes_result import Group, Modes
 from symkin.closure.closure import Closure
 from symkin.machine.lower import Lowered, lowered
 from symkin.model.mechanism import Mechanism
-from symkin.numeric.tolerances import CLOSURE_TOLERANCE
 from symkin.position.feasible_pose import ties_poses
 from symkin.position.given import Given, given_pose
 from symkin.position.given_by_name import plain_kind, pose_names, told_by_name
@@ -84,27 +83,19 @@ class Told:
         told[:, self.problem.known_places] = self.known[owner]
         return checked_solutions(self.problem, told)
 
-    def of(self, inputs: slice | Sequence[int]) -> Told:
+    def of(self, inputs: Sequence[int]) -> Told:
         """Some of the inputs."""
         return replace(self, known=self.known[inputs])
 
 
 def as_written(told: Told, given: Given, found: Modes) -> Modes | None:
-    """The modes of a single input with the names of the description, where its own rows hold for
-    them; None where the list may not be complete.
+    """The modes of one input, which are told in the coordinates of a description, with its names;
+    None where the list may not be complete.
     """
     if not is_complete(found):
         return None
     names = {reading.of: reading.name for reading in told.low.readings}
     listed = found.modes
-    if found.problem is not told.problem and isinstance(listed, SolutionList):
-        # what needed no search
-        own, which = listed, np.zeros(len(listed), dtype=int)
-        listed = told.listed(found.problem.closure, own.values, which)
-        listed = replace(listed, certified=own.certified, radius=own.radius)
-        size = told.problem.closure.characteristic_length
-        if not (listed.residual <= CLOSURE_TOLERANCE * size).all():
-            return None
     if isinstance(listed, SolutionList):
         listed = replace(listed, notes=given.notes, _made={})
     return replace(

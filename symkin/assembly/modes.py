@@ -192,7 +192,7 @@ def _of_machine(ask: _Ask, givens: Sequence[Given]) -> tuple[Modes, ...]:
     found: dict[int, Modes] = {}
     rest = list[int]()
     for i, (at, modes) in enumerate(zip(there, of_machine, strict=True)):
-        own = None if at.off_motion else as_written(told.of(slice(i, i + 1)), givens[i], modes)
+        own = None if at.off_motion else as_written(told, givens[i], modes)
         if own is not None:
             found[i] = own
         if own is None or (not own.modes and may_contradict(low, givens[i])):
@@ -220,7 +220,8 @@ def _of_description(
     found = {
         i: known
         for i, given in enumerate(givens)
-        if (known := known_without_search(problem, given, search)) is not None
+        for one in [None if told is None else told.of([i])]
+        if (known := known_without_search(problem, given, search, one)) is not None
     }
     left = [i for i in range(len(givens)) if i not in found]
     if left:

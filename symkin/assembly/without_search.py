@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from symkin.assembly.as_written import Told
 from symkin.assembly.modes_result import Modes
 from symkin.assembly.prover import prover_of
 from symkin.assembly.search import Search
@@ -30,11 +31,13 @@ def free_unknowns(problem: Problem) -> str | None:
     )
 
 
-def _certified(problem: Problem, one: SolutionList) -> SolutionList:
-    """The pose that a formula gives, certified in balls as any other solution."""
+def _certified(problem: Problem, one: SolutionList, values: np.ndarray) -> SolutionList:
+    """The pose that a formula gives, certified in balls as any other solution: at values (1,
+    variables) of the problem.
+    """
     if unsuitable(problem) is not None:
         return one
-    values, owner = one.values, np.zeros(1, dtype=int)
+    owner = np.zeros(1, dtype=int)
     radii = list[float]()
     for block in problem.blocks:
         prover = prover_of(problem, system_of(problem, block), block)
@@ -63,9 +66,12 @@ def _errors_of_given(problem: Problem, known: np.ndarray) -> np.ndarray:
     return problem.conditions.residuals(np.zeros((len(known), 0)), known)
 
 
-def known_without_search(problem: Problem, given: Given, search: Search) -> Modes | None:
+def known_without_search(
+    problem: Problem, given: Given, search: Search, told: Told | None = None
+) -> Modes | None:
     """What needs no search: unknowns that nothing determines, a pose off the motion, the direct
-    problem of a serial arm, given values that contradict rows without unknowns.
+    problem of a serial arm, given values that contradict rows without unknowns. The modes of a
+    machine are `told` in the coordinates of a description.
     """
     if problem.by_name:
         return None
@@ -84,10 +90,10 @@ def known_without_search(problem: Problem, given: Given, search: Search) -> Mode
             return _nothing(problem, given, search, off)
         if problem.blocks:
             return None
-    return _of_no_unknowns(problem, given, search)
+    return _of_no_unknowns(problem, given, search, told)
 
 
-def _of_no_unknowns(problem: Problem, given: Given, search: Search) -> Modes:
+def _of_no_unknowns(problem: Problem, given: Given, search: Search, told: Told | None) -> Modes:
     """The one mode of given values that leave nothing open."""
     who = f"the {problem.kind} problem of {problem.mechanism.name}"
     unknown, notes = np.zeros(0), given.notes
@@ -100,15 +106,20 @@ def _of_no_unknowns(problem: Problem, given: Given, search: Search) -> Modes:
         )
     what = "is a function of its joints" if problem.is_explicit else "has no unknowns"
     search.refuse_unless_multistart(f"{who} {what}, and nothing is searched")
-    values = problem.join_values(unknown, given.values)
-    one = checked_solutions(problem, values[None], given.notes)
-    if problem.is_explicit:
+    values = problem.join_values(unknown, given.values)[None]
+    if told is None:
+        one = checked_solutions(problem, values, given.notes)
+    else:
+        one = told.listed(problem.closure, values, np.zeros(1, dtype=int))
+    asked = problem if told is None else told.problem
+    if problem.is_explicit or told is not None:
         residual = float(one.residual[0])
-        if not residual <= CLOSURE_TOLERANCE * problem.closure.characteristic_length:
+        if not residual <= CLOSURE_TOLERANCE * asked.closure.characteristic_length:
             return _nothing(problem, given, search, residual)
-        one = _certified(problem, one)
+    if problem.is_explicit:
+        one = _certified(problem, one, values)
     return Modes(
-        problem=problem,
+        problem=asked,
         given=given.echo,
         modes=one,
         completeness="proved",

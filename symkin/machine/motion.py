@@ -13,6 +13,7 @@ import numpy as np
 
 from symkin.closure.branches import chains_of, edges_of
 from symkin.closure.link_poses import joint_coordinates
+from symkin.computed_once import cached_property
 from symkin.model.changed import displaced
 from symkin.model.graph import LinkJoint
 from symkin.model.joint import BASE, Joint
@@ -45,11 +46,19 @@ class Frames:
 
     def told(self, pose: Pose) -> Pose:
         """A pose of the machine as the description has it."""
-        return self.base.inverse() @ pose @ self.platform
+        return self._base_inverse @ pose @ self.platform
 
     def taken(self, pose: Pose) -> Pose:
         """A pose of the description as the machine has it."""
-        return self.base @ pose @ self.platform.inverse()
+        return self.base @ pose @ self._platform_inverse
+
+    @cached_property
+    def _base_inverse(self) -> Pose:
+        return self.base.inverse()
+
+    @cached_property
+    def _platform_inverse(self) -> Pose:
+        return self.platform.inverse()
 
 
 def with_own_motion(mechanism: Mechanism, *, declare: bool) -> tuple[Mechanism, Frames | None]:

@@ -13,6 +13,7 @@ import numpy as np
 from symkin.computed_once import lru_cache
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.levenberg import levenberg_marquardt
+from symkin.numeric.newton import polish
 from symkin.numeric.rank import Rank, count_above
 from symkin.numeric.system import System
 from symkin.numeric.tolerances import CLOSED_CONFIGURATION
@@ -26,7 +27,7 @@ five of a quaternion.
 _CLOSED = 1e-11
 """Largest closure error over the size of a pose that is left as it is."""
 _STARTS = 32
-"""Joint values from which each limb is brought as near to the pose as it comes."""
+"""Random joint values from which each limb is brought as near to the pose as it comes."""
 _HELD = 1e-6
 """Share of the largest singular value below which joints do not move the rows: beside a singular
 configuration of a limb the joints would move far to follow the pose by little.
@@ -86,12 +87,14 @@ def nearest_pose(mechanism: Mechanism, pose: np.ndarray) -> NearestPose | None:
     if not ties_poses(mechanism) or closing_poses(mechanism, pose[None])[0]:
         return None
     problem = build_problem(mechanism, "inverse")
-    joints = np.zeros(0)
-    # the reference's branch closes most poses that are on them
-    for starts in (1, _STARTS):
-        joints = _nearest_joints(problem, pose, starts)
-        if problem.system.residual(joints, pose) <= _CLOSED * problem.closure.characteristic_length:
-            return None
+    system, near = problem.system, _CLOSED * problem.closure.characteristic_length
+    # the reference's branch closes most poses that are to be closed
+    here = problem.select_values(problem.closure.reference, system.unknowns)[None]
+    if system.residuals(polish(system, here, pose, _STEPS, 0.1 * _CLOSED).points, pose)[0] <= near:
+        return None
+    joints = _nearest_joints(problem, pose)
+    if system.residual(joints, pose) <= near:
+        return None
     whole, z = _whole(problem), np.concatenate([joints, pose])
     for _ in range(_STEPS):
         step = _step(problem, whole, z, pose)
@@ -135,20 +138,18 @@ def closing_poses(mechanism: Mechanism, poses: np.ndarray) -> np.ndarray:
     return shown
 
 
-def _nearest_joints(problem: Problem, pose: np.ndarray, count: int) -> np.ndarray:
-    """Joint values of each limb that leave the least closure error at a pose, from the reference
-    and random starts, `count` together.
-    """
+def _nearest_joints(problem: Problem, pose: np.ndarray) -> np.ndarray:
+    """Joint values of each limb that leave the least closure error at a pose."""
     rng = np.random.default_rng(0)
     values = problem.closure.reference
     named: dict[str, np.ndarray] = {}
     for block in problem.blocks:
         here = np.concatenate([values[problem.closure.slices[c.name]] for c in block.unknowns])
         starts = block.move(
-            np.tile(here, (count, 1)),
+            np.tile(here, (_STARTS, 1)),
             block.characteristic_length
-            * rng.normal(size=(count, block.freedom))
-            * (np.arange(count) > 0)[:, None],
+            * rng.normal(size=(_STARTS, block.freedom))
+            * (np.arange(_STARTS) > 0)[:, None],
         )
         batch = levenberg_marquardt(block, starts, pose, max_iterations=200, patience=40)
         largest = np.where(np.isfinite(batch.largest_row), batch.largest_row, np.inf)
