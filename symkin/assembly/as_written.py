@@ -83,7 +83,7 @@ class Told:
         told[:, self.problem.known_places] = self.known[owner]
         return checked_solutions(self.problem, told)
 
-    def of(self, inputs: Sequence[int]) -> Told:
+    def of(self, inputs: Sequence[int] | np.ndarray) -> Told:
         """Some of the inputs."""
         return replace(self, known=self.known[inputs])
 
@@ -95,14 +95,11 @@ def as_written(told: Told, given: Given, found: Modes) -> Modes | None:
     if not is_complete(found):
         return None
     names = {reading.of: reading.name for reading in told.low.readings}
-    listed = found.modes
-    if isinstance(listed, SolutionList):
-        listed = replace(listed, notes=given.notes, _made={})
     return replace(
         found,
         problem=told.problem,
         given=given.echo,
-        modes=listed,
+        modes=replace(found.modes, notes=given.notes, _made={}),
         groups=tuple(_renamed(group, names) for group in found.groups),
         notes=tuple(_told(note, names) for note in found.notes),
     )

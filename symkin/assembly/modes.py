@@ -40,7 +40,6 @@ from symkin.position.mobility import open_loops_note
 from symkin.position.multistart import DEFAULT_STARTS
 from symkin.position.newton import Newton
 from symkin.position.out_of_reach import reach_note
-from symkin.position.solution_list import SolutionList
 from symkin.quiet import without_float_warnings
 from symkin.spatial.pose import Pose
 from symkin.verb import verb
@@ -142,8 +141,8 @@ def modes(
     found = _found(ask, [one])[0]
     # coordinates of a pose are those of the declared motion; joints may carry it elsewhere
     is_carried = not found.problem.closure.role("pose")
-    listed = found.modes if isinstance(found.modes, SolutionList) and is_carried else None
-    note = None if listed is None else motion_note(mechanism, listed.position, listed.quaternion)
+    poses = found.modes.position, found.modes.quaternion
+    note = motion_note(mechanism, *poses) if is_carried else None
     found = found if note is None else replace(found, notes=(*found.notes, note))
     if found.modes or found.positive_dimensional or found.smallest_residual is None:
         return found

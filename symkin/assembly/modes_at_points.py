@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import prod
 from typing import Any, NamedTuple
 
@@ -27,17 +27,7 @@ from symkin.assembly.by_groups import modes_by_groups
 from symkin.assembly.closed_roots import ClosedBlock
 from symkin.assembly.group_roots import STATEMENTS
 from symkin.assembly.group_solvers import most_roots, solved_groups, solvers_of
-from symkin.assembly.mode_table import (
-    COMPLETENESS,
-    ModeTable,
-    at_places,
-    concatenated,
-    from_modes,
-    joined,
-    nothing,
-    stored_counts,
-    table_of,
-)
+from symkin.assembly.mode_table import COMPLETENESS, ModeTable, stored_counts
 from symkin.assembly.modes_by_name import modes_by_name
 from symkin.assembly.search import Search
 from symkin.assembly.without_search import (
@@ -47,6 +37,7 @@ from symkin.assembly.without_search import (
 )
 from symkin.computed_once import cached_property
 from symkin.errors import InputError, TooManyModesError
+from symkin.machine.lower import Lowered
 from symkin.position.determination import determination, refuse_unless_determined
 from symkin.position.given import Given
 from symkin.position.given_by_name import any_given, problem_of
@@ -57,33 +48,44 @@ ROOTS_AT_ONCE = 40_000
 """Complex roots that are held at once."""
 
 
+class Plain(NamedTuple):
+    """Modes of the points at the `places` (n,), rising."""
+
+    table: ModeTable
+    places: np.ndarray
+
+
 @dataclass(frozen=True, eq=False)
 class ModeFinder:
     """What is prepared once for all points of one problem of a mechanism; `search` holds starts and
-    seed of random starts, for the points that need some.
+    seed of random starts, for the points that need some. `own` is what is solved: the problem
+    itself, or where `low` is told that of the machine which the description means, whose known
+    values are the problem's at `columns`.
     """
 
     problem: Problem
     search: Search
     certify: bool
-    plain: GroupFinder
+    own: GroupFinder
+    low: Lowered | None = None
+    columns: tuple[int, ...] = ()
 
     @property
     def engine(self) -> str:
         """What tracks the paths."""
-        return self.plain.engine or "none"
+        return self.own.engine or "none"
 
     @property
     def starts_digest(self) -> str:
         """Hash of the roots from which paths begin."""
-        return self.plain.starts_digest
+        return self.own.starts_digest
 
     @property
     def bound(self) -> int | None:
         """Most isolated modes that a point can have, where paths tell."""
         if self.problem.is_explicit:
             return 1
-        return self.plain.most_modes if self.plain.is_tracked else None
+        return self.own.most_modes if self.own.is_tracked else None
 
     def enumerate(self, inputs: Sequence[Mapping[str, Any]]) -> ModeTable:
         """All modes at points given as arguments of `symkin.modes`."""
@@ -102,38 +104,44 @@ class ModeFinder:
         off = np.zeros(len(known)) if off_motion is None else off_motion
         feasible = np.flatnonzero(off == 0.0)
         with np.errstate(all="ignore"):
-            found = self.plain.find(known[feasible], certify=self.certify)
-            places = feasible[found.places]
-            if len(places) == len(known):
-                return found.table
-            others = np.setdiff1d(np.arange(len(known)), places).tolist()
-            return joined(
-                found.table, places, {i: self._one(known[i], float(off[i])) for i in others}
-            )
+            found, places = self._together(known[feasible])
+            places = feasible[places]
+            others = np.setdiff1d(np.arange(len(known)), places)
+            if not others.size:
+                return found
+            alone = [self._one(known[i], float(off[i])) for i in others.tolist()]
+            return ModeTable.joined([found, *alone]).at(np.argsort(np.append(places, others)))
+
+    def _together(self, known: np.ndarray) -> Plain:
+        """Modes at those of the points known (n, values) that need not be looked at one by one; of
+        the machine's where its list is complete and closes on all rows of the description.
+        """
+        if self.low is None:
+            return self.own.find(known, self.certify)
+        told = Told(self.low, self.problem, known)
+        there, places = self.own.find(known[:, list(self.columns)], self.certify, told)
+        whole = np.isin(there.completeness, [COMPLETENESS.index(c) for c in COMPLETE])
+        kept = np.flatnonzero(whole & (there.count >= 0))
+        return Plain(there.at(kept), places[kept])
 
     def _one(self, known: np.ndarray, off_motion: float) -> ModeTable:
         """One point, alone."""
         if off_motion > 0.0:
-            return nothing(self.problem, "off the motion", 0)
+            return ModeTable.of_none(self.problem, "off the motion", 0)
         given = Given(self.problem.kind, known, {})
         try:
             found = known_without_search(self.problem, given, self.search)
-            return from_modes(found or modes_by_name(self.problem, [given], self.search)[0])
+            return ModeTable.of(found or modes_by_name(self.problem, [given], self.search)[0])
         except TooManyModesError:
-            return nothing(self.problem, "too many to list", -1)
+            return ModeTable.of_none(self.problem, "too many to list", -1)
 
 
 @dataclass(frozen=True, eq=False)
 class GroupFinder:
-    """What is prepared once for all points of a problem that is solved by its structure groups;
-    that of the machine of a description, where `told` holds this, whose known values are the
-    description's at `places`.
-    """
+    """What is prepared once for all points of a problem that is solved by its structure groups."""
 
     problem: Problem
     search: Search
-    told: Told | None = None
-    places: tuple[int, ...] = ()
 
     @cached_property
     def _solvers(self) -> list[BlockPaths | ClosedBlock]:
@@ -143,7 +151,7 @@ class GroupFinder:
     def _groups(self) -> tuple[Problem, ...]:
         """The groups of the problem; none where nothing is searched."""
         problem = self.problem
-        if problem.kind != "given" and (problem.is_explicit or free_unknowns(problem)):
+        if not problem.by_name and (problem.is_explicit or free_unknowns(problem)):
             return ()
         return solved_groups(problem, self.search)
 
@@ -174,33 +182,29 @@ class GroupFinder:
         """Most isolated modes that a point can have, groups without paths left aside."""
         return prod(bound for bound in self._bounds if bound is not None)
 
-    def find(self, known: np.ndarray, *, certify: bool) -> Plain:
+    def find(self, known: np.ndarray, certify: bool, told: Told | None = None) -> Plain:
         """Modes at those of the points known (n, values) that need not be looked at one by one:
         all, but for points that contradict rows without unknowns, and those without a solution
-        where the description's digits may be why; of a machine those whose list is complete and
-        closes on all rows of the description.
+        where the description's digits may be why. Those of a machine are `told` in the coordinates
+        of a description.
         """
-        own = known if self.told is None else known[:, list(self.places)]
-        chosen = np.flatnonzero(bool(self._groups) & meet_conditions(self.problem, own))
-        own, known = own[chosen], known[chosen]
+        chosen = np.flatnonzero(bool(self._groups) & meet_conditions(self.problem, known))
         each = max(1, ROOTS_AT_ONCE // max(self.most_modes, 1))
-        parts = [slice(i, i + each) for i in range(0, max(len(known), 1), each)]
-        table = concatenated([self._table(own[part], known[part], certify) for part in parts])
-        kept = np.ones(len(known), dtype=bool)
-        if determination(self.problem).misfit:
-            kept = table.count != 0
-        if self.told is not None:
-            kept &= np.isin(table.completeness, [COMPLETENESS.index(c) for c in COMPLETE])
-            kept &= table.count >= 0
-        places = np.flatnonzero(kept)
-        if len(places) < len(kept):
-            table = at_places(table, places)
-        return Plain(table, chosen[places])
+        parts = [chosen[i : i + each] for i in range(0, max(len(chosen), 1), each)]
+        table = ModeTable.joined(
+            [
+                self._table(known[part], certify, None if told is None else told.of(part))
+                for part in parts
+            ]
+        )
+        if not determination(self.problem).misfit:
+            return Plain(table, chosen)
+        places = np.flatnonzero(table.count != 0)
+        return Plain(table.at(places), chosen[places])
 
-    def _table(self, own: np.ndarray, known: np.ndarray, certify: bool) -> ModeTable:
-        told = None if self.told is None else replace(self.told, known=known)
-        found = modes_by_groups(self.problem, own, self.search, certify=certify, told=told)
-        listed = np.bincount(found.owner, minlength=len(own))
+    def _table(self, known: np.ndarray, certify: bool, told: Told | None) -> ModeTable:
+        found = modes_by_groups(self.problem, known, self.search, certify=certify, told=told)
+        listed = np.bincount(found.owner, minlength=len(known))
         total, account = np.array(found.total, dtype=object), found.account
         many = (account.too_many != FEW) | np.array(listed < total, dtype=bool)
         complex_counts = np.where(
@@ -209,7 +213,7 @@ class GroupFinder:
         said = np.array([COMPLETENESS.index(statement) for statement in STATEMENTS])[
             found.statement
         ]
-        return table_of(
+        return ModeTable(
             found.asked,
             found.listed.chosen(~many[found.owner]),
             count=np.where(many, -1, listed),
@@ -220,37 +224,27 @@ class GroupFinder:
         )
 
 
-class Plain(NamedTuple):
-    """Modes of the points at the `places` (n,), rising."""
-
-    table: ModeTable
-    places: np.ndarray
-
-
 def make_finder(problem: Problem, *, starts: int, seed: int, certify: bool) -> ModeFinder:
     """The finder of one problem; a start that is not kept yet is computed. Raises InputError where
     the problem has no isolated solutions.
     """
     search = Search("continuation", starts, seed, "batched")
-    if problem.kind == "given":
+    if problem.by_name:
         refuse_unless_determined(problem)
-    return ModeFinder(
-        problem,
-        search,
-        certify,
-        _of_machine(problem, search) or _own(problem, search),
+    return _of_machine(problem, search, certify) or ModeFinder(
+        problem, search, certify, _own(problem, search)
     )
 
 
-def _of_machine(problem: Problem, search: Search) -> GroupFinder | None:
-    """The finder of the machine that a description means, for values of joints; None where that is
-    the description.
+def _of_machine(problem: Problem, search: Search, certify: bool) -> ModeFinder | None:
+    """The finder that solves the machine which a description means, for values of joints; None
+    where that is the description.
     """
     names = tuple(c.name for c in problem.known_coordinates)
-    if any(c.width > 1 for c in problem.known_coordinates) or problem.kind == "inverse":
+    if any(c.width > 1 for c in problem.known_coordinates) or problem.of_pose:
         return None
     # values that tell which of them the machine takes
-    given = Given(problem.kind, np.arange(len(names)), {}, names if problem.kind == "given" else ())
+    given = Given(problem.kind, np.arange(len(names)), {}, names if problem.by_name else ())
     low = machine_of(problem.mechanism, given)
     if low is None or may_contradict(low, given):
         return None
@@ -258,18 +252,14 @@ def _of_machine(problem: Problem, search: Search) -> GroupFinder | None:
     of_machine = problem_of(low.machine, there)
     if of_machine.is_explicit:
         return None
-    told = Told(low, problem, np.zeros((0, len(names))))
-    return replace(_own(of_machine, search), told=told, places=tuple(map(int, there.values)))
+    columns = tuple(map(int, there.values))
+    return ModeFinder(problem, search, certify, _own(of_machine, search), low, columns)
 
 
 def _own(problem: Problem, search: Search) -> GroupFinder:
     """The finder of a description itself."""
     mechanism = problem.mechanism
-    if (
-        problem.kind != "given"
-        and mechanism.serial
-        and problem.system.freedom > problem.generic_rank
-    ):
+    if not problem.by_name and mechanism.serial and problem.system.freedom > problem.generic_rank:
         raise InputError(
             f"{mechanism.name}: its {len(mechanism.actuated)} joints leave solutions of a pose "
             f"free, so that none is isolated; "

@@ -112,10 +112,8 @@ def _of_no_unknowns(problem: Problem, given: Given, search: Search, told: Told |
     else:
         one = told.listed(problem.closure, values, np.zeros(1, dtype=int))
     asked = problem if told is None else told.problem
-    if problem.is_explicit or told is not None:
-        residual = float(one.residual[0])
-        if not residual <= CLOSURE_TOLERANCE * asked.closure.characteristic_length:
-            return _nothing(problem, given, search, residual)
+    if (problem.is_explicit or told is not None) and not one.closed[0]:
+        return _nothing(problem, given, search, float(one.residual[0]))
     if problem.is_explicit:
         one = _certified(problem, one, values)
     return Modes(
@@ -139,7 +137,7 @@ def _nothing(
     return Modes(
         problem=problem,
         given=given.echo,
-        modes=(),
+        modes=SolutionList.of_none(problem.closure),
         completeness="sampled",
         method=search.method,
         seed=search.seed,

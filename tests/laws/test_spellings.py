@@ -88,10 +88,10 @@ def test_a_sweep_finds_the_modes_of_each_point(tmp_path, spelling) -> None:
         found.completeness for found in listed[:-1]
     ]
     modes = [mode for found in listed for mode in found]
-    assert table.certified.tolist() == [int(mode.certified) for mode in modes]
+    assert table.listed.certified.tolist() == [int(mode.certified) for mode in modes]
     size = mechanism.characteristic_length
-    assert np.abs(table.position - [m.position for m in modes]).max() < 1e-9 * size
-    assert table.residual.max() < 1e-9 * size
+    assert np.abs(table.listed.position - [m.position for m in modes]).max() < 1e-9 * size
+    assert table.listed.residual.max() < 1e-9 * size
 
 
 def test_the_coordinates_of_the_file_are_told() -> None:
