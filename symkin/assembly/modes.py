@@ -10,6 +10,7 @@ from typing import Any, Unpack, overload
 import numpy as np
 
 from symkin.assembly.as_written import (
+    Told,
     as_written,
     given_of_machine,
     is_complete,
@@ -172,14 +173,15 @@ def _of_machine(ask: _Ask, givens: Sequence[Given]) -> list[Modes]:
     if low is None:
         return _of_description(ask, problem, givens)
     there = [given_of_machine(low, given) for given in givens]
-    own = problem_of(low.machine, there[0])
+    told = Told(low, problem, np.array([given.values for given in givens]))
+    of_machine = _of_description(ask, problem_of(low.machine, there[0]), there, told)
     found: dict[int, Modes] = {}
     rest = list[int]()
-    for i, modes in enumerate(_of_description(ask, own, there)):
-        told = None if there[i].off_motion else as_written(low, problem, givens[i], modes)
-        if told is not None:
-            found[i] = told
-        if told is None or (not told.modes and may_contradict(low, givens[i])):
+    for i, (at, modes) in enumerate(zip(there, of_machine, strict=True)):
+        own = None if at.off_motion else as_written(told, givens[i], modes)
+        if own is not None:
+            found[i] = own
+        if own is None or (not own.modes and may_contradict(low, givens[i])):
             rest.append(i)
     alone = _of_description(ask, problem, [givens[i] for i in rest])
     found |= {
@@ -188,10 +190,17 @@ def _of_machine(ask: _Ask, givens: Sequence[Given]) -> list[Modes]:
     return [found[i] for i in range(len(givens))]
 
 
-def _of_description(ask: _Ask, problem: Problem, givens: Sequence[Given]) -> list[Modes]:
-    """The modes of inputs of a problem by its own rows."""
+def _of_description(
+    ask: _Ask, problem: Problem, givens: Sequence[Given], told: Told | None = None
+) -> list[Modes]:
+    """The modes of inputs of a problem by its own rows, `told` in the coordinates of the
+    description whose machine it is of.
+    """
     search = ask.search
-    known = [known_without_search(problem, given, search) for given in givens]
+    known = [
+        known_without_search(problem, given, search, None if told is None else told.of([i]))
+        for i, given in enumerate(givens)
+    ]
     left = [i for i, modes in enumerate(known) if modes is None]
     searched = (
         modes_of_inputs(
@@ -200,6 +209,7 @@ def _of_description(ask: _Ask, problem: Problem, givens: Sequence[Given]) -> lis
             search,
             ask.choose,
             least_errors=ask.least_errors,
+            told=None if told is None else told.of(left),
         )
         if left
         else []
