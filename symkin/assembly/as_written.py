@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from symkin.assembly.mode_order import order_of_modes
 from symkin.assembly.modes_result import Group, Modes
+from symkin.closure.closure import Closure
 from symkin.machine.lower import Lowered, lowered
 from symkin.model.mechanism import Mechanism
 from symkin.position.feasible_pose import ties_poses
-from symkin.position.given import Given, given_from
+from symkin.position.given import Given, given_pose
 from symkin.position.given_by_name import plain_kind, pose_names, told_by_name
 from symkin.position.problem import Problem
 from symkin.position.solution_list import SolutionList, checked_solutions
@@ -52,7 +53,8 @@ def given_of_machine(low: Lowered, given: Given) -> Given:
     if _is_pose(low.written, given) and stands_otherwise:
         pose = Pose(given.values[:3], given.values[3:])
         taken = pose if low.frames is None else low.frames.taken(pose)
-        given = replace(given_from(low.machine, None, taken), echo=given.echo)
+        found = given.off_motion == 0.0 and ties_poses(low.written)
+        given = replace(given_pose(low.machine, taken, is_feasible=found), echo=given.echo)
         return told_by_name(low.machine, given) if low.machine.is_graph else given
     kind = plain_kind(low.machine, given.names) if given.by_name else None
     if kind is None:
@@ -63,43 +65,44 @@ def given_of_machine(low: Lowered, given: Given) -> Given:
     return replace(given, kind=kind, names=(), values=given.values[places])
 
 
-def as_written(low: Lowered, problem: Problem, given: Given, found: Modes) -> Modes | None:
-    """The modes in the coordinates of the description, held against all of its own rows; None where
-    some do not close there, and where the list may not be complete.
+@dataclass(frozen=True, eq=False)
+class Told:
+    """A description whose `problem`, at `known` values (n, numbers) of n inputs, is that of its
+    machine: in its coordinates the machine's modes are told.
+    """
+
+    low: Lowered
+    problem: Problem
+    known: np.ndarray
+
+    def listed(self, own: Closure, values: np.ndarray, owner: np.ndarray) -> SolutionList:
+        """Configurations of the machine, variables of its `own` closure (m, own variables), of the
+        inputs `owner` (m,), with what the description's rows leave open.
+        """
+        told = many_as_written(self.problem.closure, own, values, self.low)
+        told[:, self.problem.known_places] = self.known[owner]
+        return checked_solutions(self.problem, told)
+
+    def of(self, inputs: Sequence[int] | np.ndarray) -> Told:
+        """Some of the inputs."""
+        return replace(self, known=self.known[inputs])
+
+
+def as_written(told: Told, given: Given, found: Modes) -> Modes | None:
+    """The modes of one input, which are told in the coordinates of a description, with its names;
+    None where the list may not be complete.
     """
     if not is_complete(found):
         return None
-    listed = SolutionList.of_none(problem.closure)
-    if len(found):
-        known, owner = np.tile(given.values, (len(found), 1)), np.zeros(len(found), dtype=int)
-        listed = replace(
-            told_as_written(low, problem, found.modes, known, owner), notes=given.notes
-        )
-        if not listed.closed.all():
-            return None
-    names = {reading.of: reading.name for reading in low.readings}
+    names = {reading.of: reading.name for reading in told.low.readings}
     return replace(
         found,
-        problem=problem,
+        problem=told.problem,
         given=given.echo,
-        modes=listed,
+        modes=replace(found.modes, notes=given.notes, _made={}),
         groups=tuple(_renamed(group, names) for group in found.groups),
         notes=tuple(_told(note, names) for note in found.notes),
     )
-
-
-def told_as_written(
-    low: Lowered, problem: Problem, own: SolutionList, known: np.ndarray, owner: np.ndarray
-) -> SolutionList:
-    """The machine's modes (m,) of the inputs `owner` (m,), rising, with what is proved of them, in
-    the coordinates of the description at its `known` values (m, known): in the order of the modes
-    there, with what its rows leave open.
-    """
-    values = many_as_written(problem.closure, own.closure, own.values, low)
-    values[:, problem.known_places] = known
-    proofs = {"certified": own.certified, "radius": own.radius, "ground": own.ground}
-    listed = replace(checked_solutions(problem, values), **proofs)  # type: ignore[arg-type]
-    return listed.chosen(order_of_modes(problem, listed, owner))
 
 
 def _is_pose(mechanism: Mechanism, given: Given) -> bool:

@@ -15,8 +15,10 @@ from math import prod
 import numpy as np
 
 from symkin.assembly.account import FEW, Account
+from symkin.assembly.as_written import Told
 from symkin.assembly.group_roots import STATEMENTS
 from symkin.assembly.group_solvers import solved_groups
+from symkin.assembly.least_modes import with_least_modes
 from symkin.assembly.mode_order import order_of_modes
 from symkin.assembly.mode_proofs import PartProofs, can_be_proved, ground_notes, theorem_notes
 from symkin.assembly.modes_result import Modes, sampling
@@ -24,6 +26,7 @@ from symkin.assembly.search import Search
 from symkin.assembly.tree import Solving, Step, Tree, grown_together
 from symkin.errors import InputError, TooManyModesError
 from symkin.position.given import Given
+from symkin.position.platform_motion import motion_notes
 from symkin.position.problem import Problem
 from symkin.position.roots import MOST_MODES
 from symkin.position.solution_list import SolutionList, checked_solutions
@@ -34,16 +37,23 @@ from symkin.text import shown
 class GroupedModes:
     """Modes of n inputs: `listed` (m,) of the inputs `owner` (m,), rising, and of each input how
     many there are (`total`), the place of what is said of them in `STATEMENTS`, and what the groups
-    tell (`account`).
+    tell (`account`). `told` is the description whose coordinates they are told in, None for those
+    of the problem.
     """
 
     problem: Problem
     search: Search
+    told: Told | None
     listed: SolutionList
     owner: np.ndarray
     total: tuple[int, ...]
     statement: np.ndarray
     account: Account
+
+    @property
+    def asked(self) -> Problem:
+        """The problem in whose coordinates the modes are told."""
+        return self.problem if self.told is None else self.told.problem
 
     def modes_of(self, number: int, given: Given) -> Modes:
         """The modes of one input. Raises TooManyModesError where its groups' choices are more than
@@ -64,7 +74,7 @@ class GroupedModes:
         smallest = float(account.smallest[number])
         continuum = bool(account.continuum[number].any())
         return Modes(
-            problem=self.problem,
+            problem=self.asked,
             given=given.echo,
             modes=found,
             completeness=STATEMENTS[self.statement[number]],
@@ -104,10 +114,12 @@ def modes_by_groups(
     *,
     least_errors: bool = False,
     certify: bool = False,
+    told: Told | None = None,
 ) -> GroupedModes:
     """The modes for known values (n, numbers); `choose` takes one solution of each of the first
     groups, by number. With `least_errors` inputs without a solution are searched for the least
-    closure error; with `certify` modes are proved.
+    closure error; with `certify` modes are proved. Those of a machine are `told` in the coordinates
+    of a description, and held against its rows.
     """
     n, groups = len(known), solved_groups(problem, search)
     begin = np.zeros((n, int(problem.closure.variables.shape[0])))
@@ -137,7 +149,35 @@ def modes_by_groups(
     for tree, numbers in zip(trees, parts, strict=True):
         columns = np.concatenate([groups[number].unknown_places for number in numbers])
         done.append(replace(tree, values=tree.values[:, columns], columns=columns))
-    return _checked(problem, known, search, account, _combined(begin, done), certify=certify)
+    return _checked(problem, search, account, _combined(begin, done), told, certify=certify)
+
+
+def modes_of_inputs(
+    problem: Problem,
+    givens: Sequence[Given],
+    search: Search,
+    choose: Sequence[int] = (),
+    *,
+    least_errors: bool = True,
+    told: Told | None = None,
+) -> list[Modes]:
+    """The modes of each input of a problem, proved where that can be, with what is said where there
+    are none; otherwise as `modes_by_groups`.
+    """
+    known = np.array([given.values for given in givens])
+    grouped = modes_by_groups(
+        problem, known, search, choose, least_errors=least_errors, certify=True, told=told
+    )
+    found = [
+        with_least_modes(problem, given, search, grouped.modes_of(number, given))
+        for number, given in enumerate(givens)
+    ]
+    if all(modes.completeness != "sampled" for modes in found):
+        return found
+    notes = motion_notes(problem)
+    return [
+        replace(m, notes=(*m.notes, *notes)) if m.completeness == "sampled" else m for m in found
+    ]
 
 
 def independent_parts(groups: Sequence[Problem]) -> list[list[int]]:
@@ -247,19 +287,24 @@ def _some_combinations(sizes: list[int]) -> np.ndarray:
 
 def _checked(
     problem: Problem,
-    known: np.ndarray,
     search: Search,
     account: Account,
     combined: _Combined,
+    told: Told | None,
     *,
     certify: bool,
 ) -> GroupedModes:
-    found = checked_solutions(problem, combined.values)
-    order = order_of_modes(problem, found, combined.owner)
+    n, asked = len(account.seen), problem if told is None else told.problem
+    found = (
+        checked_solutions(problem, combined.values)
+        if told is None
+        else told.listed(problem.closure, combined.values, combined.owner)
+    )
+    order = order_of_modes(asked, found, combined.owner)
     # what is listed closes: on all rows together, not only on those of its groups
     closed = found.closed[order]
     owner = combined.owner[order]
-    left_out = np.zeros(len(known), dtype=bool)
+    left_out = np.zeros(n, dtype=bool)
     left_out[owner[~closed]] = True
     hits = combined.hits[order[closed]]
     listed, owner = (
@@ -272,9 +317,7 @@ def _checked(
         listed = combined.proofs.of(order[closed]).told(listed)
     statement = np.max(account.statement, axis=1, initial=0)
     statement = np.where(left_out, np.maximum(statement, STATEMENTS.index("incomplete")), statement)
-    counts = np.bincount(owner, minlength=len(known))
+    counts = np.bincount(owner, minlength=n)
     total = np.where(account.whole, np.array(combined.total, dtype=object), 0)
-    total = np.where(left_out, counts, total)
-    return GroupedModes(
-        problem, search, listed, owner, tuple(int(count) for count in total), statement, account
-    )
+    whole = tuple(int(count) for count in np.where(left_out, counts, total))
+    return GroupedModes(problem, search, told, listed, owner, whole, statement, account)

@@ -159,9 +159,9 @@ def accounts_for_all(closed: ClosedBlock, paths: BlockPaths | None) -> bool:
 
 
 @lru_cache(maxsize=256)
-def closed_block(problem: Problem, number: int) -> ClosedBlock | None:
-    """One of a problem's blocks with the formulas that solve it; None where there are none."""
-    block, arm = problem.blocks[number], arm_formulas(problem)
+def closed_block(problem: Problem) -> ClosedBlock | None:
+    """The only block of a problem with the formulas that solve it; None where there are none."""
+    (block,), arm = problem.blocks, arm_formulas(problem)
     if arm is not None:
         return ClosedBlock(problem, block, arm, arm.random_known())
     if problem.is_explicit or (problem.by_name and is_linear(problem)):

@@ -31,7 +31,7 @@ def group_solver(group: Problem, *, formulas: bool = True) -> BlockPaths | Close
     """The formulas of a group, if they are wanted and account for all its solutions, else what
     tracks its paths; None where it has neither.
     """
-    closed = closed_block(group, 0) if formulas else None
+    closed = closed_block(group) if formulas else None
     # of rods, and of an arm with formulas, no generic solutions are searched
     if closed is not None and (closed.is_whole or accounts_for_all(closed, group_paths(group))):
         return closed
@@ -154,7 +154,7 @@ def solved_parts(group: Problem) -> tuple[Problem, ...]:
     """The parts of a group that has no formulas of its own, where implied rows take it apart and
     each part has formulas or paths; of a group of few unknowns only where it has no paths.
     """
-    if solved_at_once(group) or closed_block(group, 0) is not None:
+    if solved_at_once(group) or closed_block(group) is not None:
         return ()
     whole = group
     if group.kind != "given":

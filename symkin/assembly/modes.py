@@ -10,13 +10,14 @@ from typing import Any, Unpack, overload
 import numpy as np
 
 from symkin.assembly.as_written import (
+    Told,
     as_written,
     given_of_machine,
     is_complete,
     machine_of,
     may_contradict,
 )
-from symkin.assembly.modes_by_name import modes_by_name
+from symkin.assembly.by_groups import modes_of_inputs
 from symkin.assembly.modes_result import Modes
 from symkin.assembly.options import ModesOptions
 from symkin.assembly.search import DEFAULT_SEED, Search
@@ -37,6 +38,7 @@ from symkin.position.given_by_name import (
 from symkin.position.mobility import open_loops_note
 from symkin.position.multistart import DEFAULT_STARTS
 from symkin.position.out_of_reach import reach_note
+from symkin.position.problem import Problem
 from symkin.quiet import without_float_warnings
 from symkin.spatial.pose import Pose
 from symkin.verb import verb
@@ -123,7 +125,8 @@ def modes(
     found = _found(ask, [one])[0]
     # coordinates of a pose are those of the declared motion; joints may carry it elsewhere
     is_carried = not found.problem.closure.role("pose")
-    note = motion_note(mechanism, [mode.pose for mode in found.modes]) if is_carried else None
+    listed = found.modes
+    note = motion_note(mechanism, listed.position, listed.quaternion) if is_carried else None
     found = found if note is None else replace(found, notes=(*found.notes, note))
     if found.modes or found.positive_dimensional or found.smallest_residual is None:
         return found
@@ -143,79 +146,82 @@ class _Ask:
 
 def _found(ask: _Ask, givens: Sequence[Given]) -> tuple[Modes, ...]:
     """The modes of inputs of one kind, with the loop that cannot close where there are none."""
+    begin = time.perf_counter()
     with told_of_searches(ask.search.progress):
         found = _of_machine(ask, givens)
-    lost = [not modes and modes.problem.kind == "given" for modes in found]
+    share = (time.perf_counter() - begin) / max(len(givens), 1)
+    lost = [not modes and modes.problem.by_name for modes in found]
     note = open_loops_note(ask.mechanism) if any(lost) else None
-    if note is None:
-        return found
+    more = () if note is None else (note,)
     return tuple(
-        replace(modes, notes=(*modes.notes, note)) if none else modes
+        replace(modes, elapsed_s=share, notes=(*modes.notes, *more) if none else modes.notes)
         for modes, none in zip(found, lost, strict=True)
     )
 
 
-def _of_machine(ask: _Ask, givens: Sequence[Given]) -> tuple[Modes, ...]:
+def _of_machine(ask: _Ask, givens: Sequence[Given]) -> list[Modes]:
     """The modes of inputs of one kind: those of the machine that the description means, where it
     is another one.
     """
-    may_be = givens and not ask.choose and ask.search.method == "continuation"
-    low = machine_of(ask.mechanism, givens[0]) if may_be else None
-    if low is None:
-        return _of_description(ask, givens)
-    begin, problem = time.perf_counter(), problem_of(ask.mechanism, givens[0])
-    if problem.by_name:
-        refuse_unless_determined(problem)
-    there = [given_of_machine(low, given) for given in givens]
-    of_machine = _of_description(replace(ask, mechanism=low.machine), there)
-    found: dict[int, Modes] = {}
-    rest = list[int]()
-    for i, (at, modes) in enumerate(zip(there, of_machine, strict=True)):
-        told = None if at.off_motion else as_written(low, problem, givens[i], modes)
-        if told is not None:
-            found[i] = told
-        if told is None or (not told.modes and may_contradict(low, givens[i])):
-            rest.append(i)
-    own = _of_description(ask, [givens[i] for i in rest])
-    found |= {
-        i: one for i, one in zip(rest, own, strict=True) if i not in found or is_complete(one)
-    }
-    share = (time.perf_counter() - begin) / len(givens)
-    return tuple(replace(found[i], elapsed_s=share) for i in range(len(givens)))
-
-
-def _of_description(ask: _Ask, givens: Sequence[Given]) -> tuple[Modes, ...]:
-    """The modes of inputs of one kind by the rows of the description itself."""
     if not givens:
-        return ()
-    begin, search = time.perf_counter(), ask.search
+        return []
     problem = problem_of(ask.mechanism, givens[0])
     if problem.by_name:
         refuse_unless_determined(problem)
-    found = {
-        i: known
-        for i, given in enumerate(givens)
-        if (known := known_without_search(problem, given, search)) is not None
+    may_be = not ask.choose and ask.search.method == "continuation"
+    low = machine_of(ask.mechanism, givens[0]) if may_be else None
+    if low is None:
+        return _of_description(ask, problem, givens)
+    there = [given_of_machine(low, given) for given in givens]
+    told = Told(low, problem, np.array([given.values for given in givens]))
+    of_machine = _of_description(ask, problem_of(low.machine, there[0]), there, told)
+    found: dict[int, Modes] = {}
+    rest = list[int]()
+    for i, (at, modes) in enumerate(zip(there, of_machine, strict=True)):
+        own = None if at.off_motion else as_written(told, givens[i], modes)
+        if own is not None:
+            found[i] = own
+        if own is None or (not own.modes and may_contradict(low, givens[i])):
+            rest.append(i)
+    alone = _of_description(ask, problem, [givens[i] for i in rest])
+    found |= {
+        i: one for i, one in zip(rest, alone, strict=True) if i not in found or is_complete(one)
     }
-    left = [i for i in range(len(givens)) if i not in found]
-    if left:
-        searched = modes_by_name(
+    return [found[i] for i in range(len(givens))]
+
+
+def _of_description(
+    ask: _Ask, problem: Problem, givens: Sequence[Given], told: Told | None = None
+) -> list[Modes]:
+    """The modes of inputs of a problem by its own rows, `told` in the coordinates of the
+    description whose machine it is of.
+    """
+    search = ask.search
+    known = [
+        known_without_search(problem, given, search, None if told is None else told.of([i]))
+        for i, given in enumerate(givens)
+    ]
+    left = [i for i, modes in enumerate(known) if modes is None]
+    searched = (
+        modes_of_inputs(
             problem,
             [givens[i] for i in left],
             search,
             ask.choose,
             least_errors=ask.least_errors,
+            told=None if told is None else told.of(left),
         )
-        found |= dict(zip(left, searched, strict=True))
-    feasible = [found[i] for i in left if givens[i].off_motion == 0.0]
+        if left
+        else []
+    )
     if (
         search.method == "continuation"
-        and feasible
-        and all(m.starts is None and m.completeness != "incomplete" for m in feasible)
+        and searched
+        and all(m.starts is None and m.completeness != "incomplete" for m in searched)
     ):
         search.refuse_starts(problem)
-    share = (time.perf_counter() - begin) / len(givens)
-    return tuple(replace(found[i], elapsed_s=share) for i in range(len(givens)))
+    rest = iter(searched)
+    return [next(rest) if modes is None else modes for modes in known]
 
 
 @without_float_warnings

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import prod
 from typing import Any, NamedTuple
 
@@ -17,18 +17,17 @@ import numpy as np
 from symkin.assembly.account import FEW
 from symkin.assembly.as_written import (
     COMPLETE,
+    Told,
     given_of_machine,
     machine_of,
     may_contradict,
-    told_as_written,
 )
 from symkin.assembly.block_paths import BlockPaths
-from symkin.assembly.by_groups import modes_by_groups
+from symkin.assembly.by_groups import modes_by_groups, modes_of_inputs
 from symkin.assembly.closed_roots import ClosedBlock
 from symkin.assembly.group_roots import STATEMENTS
 from symkin.assembly.group_solvers import most_roots, solved_groups, solvers_of
 from symkin.assembly.mode_table import COMPLETENESS, ModeTable, stored_counts
-from symkin.assembly.modes_by_name import modes_by_name
 from symkin.assembly.search import Search
 from symkin.assembly.without_search import (
     free_unknowns,
@@ -116,20 +115,13 @@ class ModeFinder:
         """Modes at those of the points known (n, values) that need not be looked at one by one; of
         the machine's where its list is complete and closes on all rows of the description.
         """
-        low = self.low
-        if low is None:
-            return self.own.find(known, certify=self.certify)
-        there, places = self.own.find(known[:, list(self.columns)], certify=self.certify)
+        if self.low is None:
+            return self.own.find(known, self.certify)
+        told = Told(self.low, self.problem, known)
+        there, places = self.own.find(known[:, list(self.columns)], self.certify, told)
         whole = np.isin(there.completeness, [COMPLETENESS.index(c) for c in COMPLETE])
         kept = np.flatnonzero(whole & (there.count >= 0))
-        there, places = there.at(kept), places[kept]
-        listed = told_as_written(
-            low, self.problem, there.listed, known[places[there.owner]], there.owner
-        )
-        is_open = np.bincount(there.owner, ~listed.closed, minlength=len(places))
-        closed = np.flatnonzero(is_open == 0)
-        told = replace(there, problem=self.problem, listed=listed)
-        return Plain(told.at(closed), places[closed])
+        return Plain(there.at(kept), places[kept])
 
     def _one(self, known: np.ndarray, off_motion: float) -> ModeTable:
         """One point, alone."""
@@ -138,7 +130,7 @@ class ModeFinder:
         given = Given(self.problem.kind, known, {})
         try:
             found = known_without_search(self.problem, given, self.search)
-            return ModeTable.of(found or modes_by_name(self.problem, [given], self.search)[0])
+            return ModeTable.of(found or modes_of_inputs(self.problem, [given], self.search)[0])
         except TooManyModesError:
             return ModeTable.of_none(self.problem, "too many to list", -1)
 
@@ -189,23 +181,28 @@ class GroupFinder:
         """Most isolated modes that a point can have, groups without paths left aside."""
         return prod(bound for bound in self._bounds if bound is not None)
 
-    def find(self, known: np.ndarray, *, certify: bool) -> Plain:
+    def find(self, known: np.ndarray, certify: bool, told: Told | None = None) -> Plain:
         """Modes at those of the points known (n, values) that need not be looked at one by one:
         all, but for points that contradict rows without unknowns, and those without a solution
-        where the description's digits may be why.
+        where the description's digits may be why. Those of a machine are `told` in the coordinates
+        of a description.
         """
         chosen = np.flatnonzero(bool(self._groups) & meet_conditions(self.problem, known))
-        known = known[chosen]
         each = max(1, ROOTS_AT_ONCE // max(self.most_modes, 1))
-        begins = range(0, max(len(known), 1), each)
-        table = ModeTable.joined([self._table(known[i : i + each], certify) for i in begins])
+        parts = [chosen[i : i + each] for i in range(0, max(len(chosen), 1), each)]
+        table = ModeTable.joined(
+            [
+                self._table(known[part], certify, None if told is None else told.of(part))
+                for part in parts
+            ]
+        )
         if not determination(self.problem).misfit:
             return Plain(table, chosen)
         places = np.flatnonzero(table.count != 0)
         return Plain(table.at(places), chosen[places])
 
-    def _table(self, known: np.ndarray, certify: bool) -> ModeTable:
-        found = modes_by_groups(self.problem, known, self.search, certify=certify)
+    def _table(self, known: np.ndarray, certify: bool, told: Told | None) -> ModeTable:
+        found = modes_by_groups(self.problem, known, self.search, certify=certify, told=told)
         listed = np.bincount(found.owner, minlength=len(known))
         total, account = np.array(found.total, dtype=object), found.account
         many = (account.too_many != FEW) | np.array(listed < total, dtype=bool)
@@ -216,7 +213,7 @@ class GroupFinder:
             found.statement
         ]
         return ModeTable(
-            self.problem,
+            found.asked,
             found.listed.chosen(~many[found.owner]),
             count=np.where(many, -1, listed),
             completeness=np.where(many, COMPLETENESS.index("too many to list"), said),

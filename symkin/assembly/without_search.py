@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from symkin.assembly.as_written import Told
 from symkin.assembly.modes_result import Modes
 from symkin.assembly.prover import prover_of
 from symkin.assembly.search import Search
@@ -30,21 +31,23 @@ def free_unknowns(problem: Problem) -> str | None:
     )
 
 
-def _certified(problem: Problem, listed: SolutionList) -> SolutionList:
-    """The pose that a formula gives, certified in balls as any other solution."""
+def _certified(problem: Problem, one: SolutionList, values: np.ndarray) -> SolutionList:
+    """The pose that a formula gives, certified in balls as any other solution: at values (1,
+    variables) of the problem.
+    """
     if unsuitable(problem) is not None:
-        return listed
-    values, owner = listed.values, np.zeros(1, dtype=int)
+        return one
+    owner = np.zeros(1, dtype=int)
     radii = list[float]()
     for block in problem.blocks:
         prover = prover_of(problem, system_of(problem, block), block)
         knowns = prover.knowns(values[:, problem.known_places])
         found = prover.proofs(values[:, problem.places(block.unknowns)], owner, knowns)
         if not found.certified[0]:
-            return replace(listed, certified=np.zeros(1, dtype=int))
+            return replace(one, certified=np.zeros(1, dtype=int), _made={})
         radii.append(float(found.radius[0]))
     radius = np.array([max(radii, default=0.0)])
-    return replace(listed, certified=np.ones(1, dtype=int), radius=radius)
+    return replace(one, certified=np.ones(1, dtype=int), radius=radius, _made={})
 
 
 def meet_conditions(problem: Problem, known: np.ndarray) -> np.ndarray:
@@ -58,18 +61,19 @@ def _errors_of_given(problem: Problem, known: np.ndarray) -> np.ndarray:
     """The errors (n,) of rows without unknowns at given values (n, known). Rows of a problem whose
     coordinates are told by name are left to its groups.
     """
-    if problem.kind == "given" or not problem.conditions.errors.shape[0]:
+    if problem.by_name or not problem.conditions.errors.shape[0]:
         return np.zeros(len(known))
     return problem.conditions.residuals(np.zeros((len(known), 0)), known)
 
 
-def known_without_search(problem: Problem, given: Given, search: Search) -> Modes | None:
+def known_without_search(
+    problem: Problem, given: Given, search: Search, told: Told | None = None
+) -> Modes | None:
     """What needs no search: unknowns that nothing determines, a pose off the motion, the direct
-    problem of a serial arm, given values that contradict rows without unknowns.
+    problem of a serial arm, given values that contradict rows without unknowns. The modes of a
+    machine are `told` in the coordinates of a description.
     """
-    if problem.by_name:
-        return None
-    free = free_unknowns(problem)
+    free = None if problem.by_name else free_unknowns(problem)
     if free is not None and problem.mechanism.serial:
         raise InputError(free)
     if free is not None:
@@ -78,16 +82,18 @@ def known_without_search(problem: Problem, given: Given, search: Search) -> Mode
         return replace(empty, positive_dimensional=True)
     if given.off_motion > 0.0:
         return _nothing(problem, given, search, given.off_motion)
+    if problem.by_name:
+        return None
     if not problem.is_explicit:
         if not meet_conditions(problem, given.values[None])[0]:
             off = float(_errors_of_given(problem, given.values[None])[0])
             return _nothing(problem, given, search, off)
         if problem.blocks:
             return None
-    return _of_no_unknowns(problem, given, search)
+    return _of_no_unknowns(problem, given, search, told)
 
 
-def _of_no_unknowns(problem: Problem, given: Given, search: Search) -> Modes:
+def _of_no_unknowns(problem: Problem, given: Given, search: Search, told: Told | None) -> Modes:
     """The one mode of given values that leave nothing open."""
     who = f"the {problem.kind} problem of {problem.mechanism.name}"
     unknown, notes = np.zeros(0), given.notes
@@ -100,16 +106,20 @@ def _of_no_unknowns(problem: Problem, given: Given, search: Search) -> Modes:
         )
     what = "is a function of its joints" if problem.is_explicit else "has no unknowns"
     search.refuse_unless_multistart(f"{who} {what}, and nothing is searched")
-    values = problem.join_values(unknown, given.values)
-    listed = checked_solutions(problem, values[None], given.notes)
+    values = problem.join_values(unknown, given.values)[None]
+    if told is None:
+        one = checked_solutions(problem, values, given.notes)
+    else:
+        one = told.listed(problem.closure, values, np.zeros(1, dtype=int))
+    asked = problem if told is None else told.problem
+    if (problem.is_explicit or told is not None) and not one.closed[0]:
+        return _nothing(problem, given, search, float(one.residual[0]))
     if problem.is_explicit:
-        if not listed.closed[0]:
-            return _nothing(problem, given, search, float(listed.residual[0]))
-        listed = _certified(problem, listed)
+        one = _certified(problem, one, values)
     return Modes(
-        problem=problem,
+        problem=asked,
         given=given.echo,
-        modes=listed,
+        modes=one,
         completeness="proved",
         method="forward" if problem.is_explicit else search.method,
         seed=None if problem.is_explicit else search.seed,

@@ -82,7 +82,9 @@ class RowBuilder(BodyBuilder):
             else:
                 self._close(branch)
         self._couple()
-        self._place_platform()
+        if self.partition.pose_conditions or not self.table.bound:
+            # rows of numbers alone are not asked where joints carry the platform
+            self._place_platform()
         self._condition_pose()
 
     def _condition_pose(self) -> None:

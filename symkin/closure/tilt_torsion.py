@@ -14,17 +14,25 @@ from collections.abc import Mapping
 import casadi as ca
 import numpy as np
 
+from symkin.spatial.backend import Array, atan2, sqrt, where
+
 
 def tilt_and_torsion(quaternion: np.ndarray) -> tuple[float, float, float]:
     """Azimuth, tilt and torsion (radians) of a unit quaternion; without a tilt the azimuth is 0."""
-    w, x, y, z = quaternion
-    tilt = 2.0 * np.arctan2(np.hypot(x, y), np.hypot(w, z))
-    torsion = 2.0 * np.arctan2(z, w)
-    azimuth = np.arctan2(-x, y) + 0.5 * torsion if np.hypot(x, y) > 0.0 else 0.0
     return tuple(
         float(angle - 2.0 * np.pi * np.rint(angle / (2.0 * np.pi)))
-        for angle in (azimuth, tilt, torsion)
+        for angle in tilt_and_torsion_of(quaternion)
     )  # type: ignore[return-value]
+
+
+def tilt_and_torsion_of(quaternion: Array) -> tuple[Array, Array, Array]:
+    """Azimuth, tilt and torsion of a unit quaternion, numbers or expressions, up to whole turns."""
+    w, x, y, z = (quaternion[i] for i in range(4))
+    across = x * x + y * y
+    tilt = 2.0 * atan2(sqrt(across), sqrt(w * w + z * z))
+    torsion = 2.0 * atan2(z, w)
+    azimuth = where(across > 0.0, atan2(-x, y) + 0.5 * torsion, 0.0)
+    return azimuth, tilt, torsion
 
 
 def rotation_conditions(

@@ -8,10 +8,12 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
 
+import casadi as ca
 import numpy as np
 
 from symkin.closure.branches import chains_of, edges_of
 from symkin.closure.link_poses import joint_coordinates
+from symkin.computed_once import cached_property
 from symkin.model.changed import displaced
 from symkin.model.graph import LinkJoint
 from symkin.model.joint import BASE, Joint
@@ -44,11 +46,19 @@ class Frames:
 
     def told(self, pose: Pose) -> Pose:
         """A pose of the machine as the description has it."""
-        return self.base.inverse() @ pose @ self.platform
+        return self._base_inverse @ pose @ self.platform
 
     def taken(self, pose: Pose) -> Pose:
         """A pose of the description as the machine has it."""
-        return self.base @ pose @ self.platform.inverse()
+        return self.base @ pose @ self._platform_inverse
+
+    @cached_property
+    def _base_inverse(self) -> Pose:
+        return self.base.inverse()
+
+    @cached_property
+    def _platform_inverse(self) -> Pose:
+        return self.platform.inverse()
 
 
 def with_own_motion(mechanism: Mechanism, *, declare: bool) -> tuple[Mechanism, Frames | None]:
@@ -77,22 +87,19 @@ class Guide:
 
     joints: tuple[Joint, ...]
 
-    def readings(self, moved: Pose) -> dict[str, np.ndarray]:
-        """Values (n, width) of the joints where the platform has `moved` (3, n) from the
-        reference.
-        """
+    def readings(self, moved: Pose) -> dict[str, ca.SX]:
+        """Values of the joints where the platform has `moved` from the reference."""
         turning = [joint for joint in self.joints if joint.type != "P"]
         slides = [joint for joint in self.joints if joint.type == "P"]
-        centre = np.array(turning[0].point if turning else (0.0, 0.0, 0.0))[:, None]
+        centre = ca.DM(turning[0].point if turning else [0.0, 0.0, 0.0])
         way = moved.apply(centre) - centre
         if self.joints[0].type == "R":
             # slides that the joint has turned
             way = rotate(conjugate(moved.quaternion), way)
-        found = {joint.name: np.vstack(joint_coordinates(joint, moved)).T for joint in turning}
+        found = {joint.name: ca.vertcat(*joint_coordinates(joint, moved)) for joint in turning}
         if slides:
-            axes = np.array([joint.axis for joint in slides]).T
-            steps = np.linalg.lstsq(axes, way, rcond=None)[0]
-            found |= {j.name: (j.zero + s)[:, None] for j, s in zip(slides, steps, strict=True)}
+            steps = ca.mtimes(ca.DM(np.linalg.pinv(np.array([j.axis for j in slides]).T)), way)
+            found |= {j.name: j.zero + steps[k] for k, j in enumerate(slides)}
         return found
 
 

@@ -8,6 +8,7 @@ from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
+import casadi as ca
 import numpy as np
 
 from symkin.closure.branches import Branch, Element, chains_of, edges_of
@@ -15,8 +16,8 @@ from symkin.model.graph import LinkJoint
 from symkin.model.joint import Joint
 from symkin.model.limb import Limb, RodLimb
 from symkin.model.mechanism import Mechanism
-from symkin.spatial.backend import dot
-from symkin.spatial.rotation import conjugate, multiply, rotate
+from symkin.spatial.backend import atan2, cross, dot, where
+from symkin.spatial.rotation import conjugate, multiply, quaternion_from_axis_angle, rotate
 
 _MEETS = 1e-12
 """Distance of two axes that meet, over the size: rounding of points and directions."""
@@ -39,8 +40,8 @@ class Reading:
     def names(self) -> tuple[str, ...]:
         return (self.name,)
 
-    def values(self, value: np.ndarray) -> dict[str, np.ndarray]:
-        """What is read (m, 1) at values (m, 1) of the machine's coordinate."""
+    def values(self, value: ca.SX) -> dict[str, ca.SX]:
+        """What is read at a value of the machine's coordinate."""
         return {self.name: value + self.zero}
 
 
@@ -62,39 +63,31 @@ class BallReading:
     def name(self) -> str:
         return ", ".join(self.names)
 
-    def values(self, value: np.ndarray) -> dict[str, np.ndarray]:
-        """What is read (m, 1) at unit quaternions (m, 4) of the ball."""
-        a, b, c = (_axis(joint)[:, None] for joint in self.joints)
-        turn, ahead = value.T, np.cross(b, a, axis=0)
+    def values(self, turn: ca.SX) -> dict[str, ca.SX]:
+        """What is read at a unit quaternion of the ball."""
+        a, b, c = (ca.DM(_axis(joint)) for joint in self.joints)
+        ahead = cross(b, a)
         # a and c are normal to b: the second angle is that from a to the turned c, less the first
-        start = np.arctan2(dot(ahead, c), dot(a, c))
-        away = np.arccos(np.clip(dot(a, rotate(turn, c)), -1.0, 1.0))
-        both = np.stack([_wrapped(away - start), _wrapped(-away - start)])
-        second = np.take_along_axis(both, np.argmin(np.abs(both), axis=0)[None], axis=0)[0]
-        middle = _about(b, second)
+        start = atan2(dot(ahead, c), dot(a, c))
+        away = ca.acos(ca.fmax(ca.fmin(dot(a, rotate(turn, c)), 1.0), -1.0))
+        one, other = _wrapped(away - start), _wrapped(-away - start)
+        second = where(ca.fabs(one) <= ca.fabs(other), one, other)
+        middle = quaternion_from_axis_angle(b, second)
         first = _angle_about(a, rotate(middle, c), rotate(turn, c))
-        rest = multiply(conjugate(multiply(_about(a, first), middle)), turn)
-        third = 2.0 * np.arctan2(dot(c, rest[1:]), rest[0])
+        rest = multiply(conjugate(multiply(quaternion_from_axis_angle(a, first), middle)), turn)
+        third = 2.0 * atan2(dot(c, rest[1:]), rest[0])
         angles = (first, second, _wrapped(third))
-        return {j.name: (j.zero + t)[:, None] for j, t in zip(self.joints, angles, strict=True)}
+        return {j.name: j.zero + t for j, t in zip(self.joints, angles, strict=True)}
 
 
-def _wrapped(angle: np.ndarray) -> np.ndarray:
-    return np.asarray(np.arctan2(np.sin(angle), np.cos(angle)))
+def _wrapped(angle: ca.SX) -> ca.SX:
+    return atan2(ca.sin(angle), ca.cos(angle))
 
 
-def _about(axis: np.ndarray, angle: np.ndarray) -> np.ndarray:
-    """Quaternions (4, m) of turns about an axis (3, 1)."""
-    return np.concatenate([np.cos(angle / 2)[None], axis * np.sin(angle / 2)])
-
-
-def _angle_about(axis: np.ndarray, start: np.ndarray, end: np.ndarray) -> np.ndarray:
-    """Angles about an axis (3, 1) from directions (3, m) to others; any where these are along
-    it.
-    """
+def _angle_about(axis: ca.DM, start: ca.SX, end: ca.SX) -> ca.SX:
+    """The angle about an axis from a direction to another; any where these are along it."""
     flat = start - axis * dot(axis, start)
-    side = np.cross(np.broadcast_to(axis, flat.shape), flat, axis=0)
-    return np.asarray(np.arctan2(dot(side, end), dot(flat, end)))
+    return atan2(dot(cross(axis, flat), end), dot(flat, end))
 
 
 def with_universal_joints(

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
+from symkin.computed_once import cached_property
 from symkin.errors import MechanismError
 from symkin.model.joint_forms import JOINT_FORMS, NUMBERS, JointForm, JointType, Kind
 from symkin.model.motor import Motor
@@ -196,7 +197,7 @@ class Joint:
         """Count of the joint's degrees of freedom."""
         return self.form.freedom
 
-    @property
+    @cached_property
     def coordinates(self) -> tuple[Coordinate, ...]:
         """The coordinates in the order in which the joint moves."""
         role: Literal["actuated", "passive"] = "actuated" if self.actuated else "passive"

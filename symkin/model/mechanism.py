@@ -144,7 +144,7 @@ class Mechanism:
         if self.example is not None:
             _check_example(self, self.example)
 
-    @property
+    @cached_property
     def is_graph(self) -> bool:
         """Whether links are joined in other ways than by limbs from the base to the platform."""
         other_limbs = any(limb.links != (BASE, PLATFORM) for limb in self.limbs)

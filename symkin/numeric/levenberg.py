@@ -36,13 +36,14 @@ def levenberg_marquardt(
     max_iterations: int = 80,
     patience: int = 5,
     progress: Progress | None = None,
+    trace: list[np.ndarray] | None = None,
 ) -> Batch:
     """Minimise |F|^2 / 2 from each start with (J^T J + l^2 I) d = -J^T F, a damping l for each
     start; known values are those of each start (n, known) or of all (known,).
 
     A start is finished when its largest row is below `tolerance` times the size, when `patience`
     steps have shrunk |F| by less than a tenth while it is far from zero (a local minimum), or when
-    it meets NaN.
+    it meets NaN. `trace` takes the points after each step.
     """
     points = starts.copy()
     count = len(points)
@@ -78,6 +79,8 @@ def levenberg_marquardt(
         done = np.max(np.abs(values[active]), axis=1, initial=0.0) <= floor
         stuck = (since[active] >= patience) | (damping[active] > 1e8)
         active = active[~(done | stuck)]
+        if trace is not None:
+            trace.append(points.copy())
         if progress is not None:
             progress(count - active.size, count)
     largest = np.max(np.abs(values), axis=1, initial=0.0)
@@ -87,11 +90,16 @@ def levenberg_marquardt(
     return Batch(points, largest, converged, iteration)
 
 
-def patiently(system: Rows, starts: np.ndarray, known: np.ndarray) -> Batch:
+def patiently(
+    system: Rows,
+    starts: np.ndarray,
+    known: np.ndarray,
+    trace: list[np.ndarray] | None = None,
+) -> Batch:
     """As `levenberg_marquardt`, for starts that may be far from any root: some ten steps suffice
     from one nearby.
     """
-    return levenberg_marquardt(system, starts, known, max_iterations=300, patience=60)
+    return levenberg_marquardt(system, starts, known, max_iterations=300, patience=60, trace=trace)
 
 
 def _damped_steps(jacobians: np.ndarray, values: np.ndarray, damping: np.ndarray) -> np.ndarray:

@@ -44,15 +44,18 @@ class Polished:
     jacobians: np.ndarray
 
 
-def polish(system: Rows, z: np.ndarray, known: np.ndarray, steps: int = 8) -> Polished:
+def polish(
+    system: Rows, z: np.ndarray, known: np.ndarray, steps: int = 8, floor: float = _ROUNDING
+) -> Polished:
     """Move points z (n, width) at known values (n, known) or (known,) by z <- z - J^+ F(z), each
-    point until its rows are rounding or a step no longer shrinks them, at most `steps` times.
+    point until its rows are rounding (`floor`, of the size) or a step no longer shrinks them, at
+    most `steps` times.
     Points where F or J is not finite stay. Where the rows stay larger than those of roots,
     directions that a set of roots leaves free have misled the step, and it is taken without them.
     """
     found = Polished(z.copy(), *system.linearise(z, known))
     size, every = system.characteristic_length, np.arange(len(z))
-    stuck = _descend(system, found, known, steps, every, (_ROUNDING * size, ROUNDED_STEP))
+    stuck = _descend(system, found, known, steps, every, (floor * size, ROUNDED_STEP))
     _descend(system, found, known, steps, stuck, (CLOSURE_ROUNDING * size, FREE_DIRECTION))
     return found
 

@@ -99,7 +99,7 @@ def _formulas(group: Problem) -> ClosedForm | None:
     """The formulas of a group that account for all its solutions."""
     if solved_at_once(group):
         return None
-    closed = closed_block(group, 0)
+    closed = closed_block(group)
     if closed is None or not isinstance(closed.formulas, ClosedForm):
         return None
     return closed.formulas if accounts_for_all(closed, group_paths(group)) else None

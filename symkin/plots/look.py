@@ -70,7 +70,7 @@ def _pose_text(solution: Solution) -> str:
         f"position {listed(_clean(solution.position, mechanism.characteristic_length))} "
         f"{mechanism.length_unit}"
     )
-    leaves = leaves_motion(mechanism, [solution.pose])
+    leaves = leaves_motion(mechanism, solution.position[None], solution.quaternion[None])
     if mechanism.motion in ("schoenflies", "planar") and not leaves:
         (angle,) = _clean([mechanism.angle_out(solution.gamma)], 1.0)
         return f"{text.removeprefix('position ')}, gamma {angle:.5g} {mechanism.angle_unit}"

@@ -16,6 +16,8 @@ from symkin.closure.expression_graph import instructions, rebuilt
 from symkin.computed_once import lru_cache
 from symkin.model.joint import Coordinate
 from symkin.numeric.system import System
+from symkin.position.gear_train import gear_train
+from symkin.position.groups import is_linear
 from symkin.position.problem import Problem
 
 _FEWEST = 8
@@ -68,6 +70,9 @@ def _may_be_member(group: Problem) -> bool:
         and not group.implied
         and not group.closure.partition.geometry
         and all(c.body is None and c.kind in ("angle", "length") for c in coordinates)
+        # whose solutions are told by their own numbers, without a search
+        and gear_train(group) is None
+        and not is_linear(group)
     )
 
 

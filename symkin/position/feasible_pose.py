@@ -12,6 +12,7 @@ import numpy as np
 from symkin.computed_once import lru_cache
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.levenberg import levenberg_marquardt
+from symkin.numeric.newton import polish
 from symkin.numeric.rank import Rank, count_above
 from symkin.numeric.system import System
 from symkin.numeric.tolerances import CLOSED_CONFIGURATION
@@ -85,8 +86,13 @@ def nearest_pose(mechanism: Mechanism, pose: np.ndarray) -> NearestPose | None:
     if not ties_poses(mechanism) or closing_poses(mechanism, pose[None])[0]:
         return None
     problem = build_problem(mechanism, "inverse")
+    system, near = problem.system, _CLOSED * problem.closure.characteristic_length
+    # the reference's branch closes most poses that are to be closed
+    here = problem.select_values(problem.closure.reference, system.unknowns)[None]
+    if system.residuals(polish(system, here, pose, _STEPS, 0.1 * _CLOSED).points, pose)[0] <= near:
+        return None
     joints = _nearest_joints(problem, pose)
-    if problem.system.residual(joints, pose) <= _CLOSED * problem.closure.characteristic_length:
+    if system.residual(joints, pose) <= near:
         return None
     whole, z = _whole(problem), np.concatenate([joints, pose])
     for _ in range(_STEPS):

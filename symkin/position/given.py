@@ -19,8 +19,9 @@ from symkin.model.oddities import FULL_TURN
 from symkin.plain_number import plain
 from symkin.position.feasible_pose import PROJECTED, closing_poses, nearest_pose, ties_poses
 from symkin.position.problem import Kind, OfKind
+from symkin.spatial.backend import Array, atan2, vector
 from symkin.spatial.pose import Pose
-from symkin.spatial.rotation import conjugate, multiply, rotation_vector_from_quaternion
+from symkin.spatial.rotation import conjugate, multiply, wrapped
 from symkin.text import counted, first_of, meant, shown
 from symkin.verb import real
 
@@ -77,7 +78,7 @@ def given_from(
                     f"give a pose"
                 )
     if pose is not None:
-        return _given_pose(mechanism, pose)
+        return given_pose(mechanism, pose)
     assert joints is not None  # noqa: S101 - one of the branches above has set it
     ordered = in_file_order(mechanism, joints)
     values = joint_values(mechanism, ordered)
@@ -134,7 +135,7 @@ def given_many(mechanism: Mechanism, joints: Any, pose: Any) -> list[Given]:
     if joints is not None and pose is not None:
         return [given_from(mechanism, joints, pose)]
     if pose is not None:
-        return [_named_input(i, partial(_given_pose, mechanism, one)) for i, one in enumerate(pose)]
+        return [_named_input(i, partial(given_pose, mechanism, one)) for i, one in enumerate(pose)]
     joints = joint_rows(mechanism, joints) if isinstance(joints, Mapping) else joints
     rows = _rows_without_fault(mechanism, joints)
     if rows is None:
@@ -291,54 +292,78 @@ def poses_coordinates(
     """Of poses with position (3, n) and unit quaternion (4, n): coordinates (n, numbers) of the
     motion nearest to each, and the distances left (n,).
     """
-    n = position.shape[1]
-    if mechanism.motion == "spatial":
-        return np.concatenate([position, quaternion]).T, np.zeros(n)
-    reference, size = mechanism.reference_pose, mechanism.characteristic_length
-    delta = multiply(quaternion, conjugate(reference.quaternion))
-    turn = 2.0 * np.arctan2(delta[3], delta[0])
-    turn = turn - 2 * np.pi * np.rint(turn / (2 * np.pi))
-    about_z = np.stack([np.cos(0.5 * turn), np.zeros(n), np.zeros(n), np.sin(0.5 * turn)])
-    tilt = np.linalg.norm(
-        rotation_vector_from_quaternion(multiply(conjugate(about_z), delta)), axis=0
-    )
-    whole = np.linalg.norm(rotation_vector_from_quaternion(delta), axis=0)
-    away = np.abs(position - np.asarray(reference.position)[:, None])
+    numbers = motion_coordinates(mechanism, position, quaternion).T.copy()
+    if mechanism.motion in ("schoenflies", "planar"):
+        numbers[:, -1] = wrapped(numbers[:, -1])
+    return numbers, _off_motion(mechanism, position, quaternion)
+
+
+def motion_coordinates(mechanism: Mechanism, position: Array, quaternion: Array) -> Array:
+    """The coordinates, an angle up to whole turns, of the declared motion nearest to a pose: of
+    numbers (3, n) and (4, n), or of expressions.
+    """
     match mechanism.motion:
         case "schoenflies":
-            return np.stack([*position, turn], axis=1), size * tilt
+            return vector(*_parts(position, 3), _turn_about_z(mechanism, quaternion))
         case "planar":
-            return np.stack([position[0], position[1], turn], axis=1), np.maximum(
-                size * tilt, away[2]
-            )
+            return vector(*_parts(position, 2), _turn_about_z(mechanism, quaternion))
         case "translation":
-            return position.T.copy(), size * whole
+            return position
+        case "spherical":
+            return quaternion
         case _:
-            return quaternion.T.copy(), away.max(axis=0)
+            return vector(*_parts(position, 3), *_parts(quaternion, 4))
 
 
-def leaves_motion(mechanism: Mechanism, poses: Sequence[Pose]) -> bool:
-    """Whether any of some poses lies off the motion that is declared of the platform, by more than
-    rounding: where joints carry the platform, they decide how it moves.
+def _parts(numbers: Array, count: int) -> list[Array]:
+    return [numbers[k] for k in range(count)]
+
+
+def _turn_about_z(mechanism: Mechanism, quaternion: Array) -> Array:
+    """The turn about z from the reference that is nearest to that of a quaternion."""
+    delta = multiply(quaternion, conjugate(mechanism.reference_pose.quaternion))
+    return 2.0 * atan2(delta[3], delta[0])
+
+
+def _off_motion(mechanism: Mechanism, position: np.ndarray, quaternion: np.ndarray) -> np.ndarray:
+    """How far (n,) poses with position (3, n) and unit quaternion (4, n) lie off the declared
+    motion, turns times the size.
     """
-    if mechanism.motion == "spatial" or not poses:
+    if mechanism.motion == "spatial":
+        return np.zeros(position.shape[1])
+    reference, size = mechanism.reference_pose, mechanism.characteristic_length
+    away = np.abs(position - np.asarray(reference.position)[:, None])
+    if mechanism.motion == "spherical":
+        return np.asarray(away.max(axis=0))
+    w, x, y, z = multiply(quaternion, conjugate(reference.quaternion))
+    # a turn about z and one about an axis normal to it: each has a half of the quaternion
+    tilt = 2.0 * size * np.arctan2(np.hypot(x, y), np.hypot(w, z))
+    match mechanism.motion:
+        case "planar":
+            return np.asarray(np.maximum(tilt, away[2]))
+        case "translation":
+            turn = np.arctan2(np.sqrt(x * x + y * y + z * z), np.abs(w))
+            return np.asarray(2.0 * size * turn)
+        case _:
+            return np.asarray(tilt)
+
+
+def leaves_motion(mechanism: Mechanism, position: np.ndarray, quaternion: np.ndarray) -> bool:
+    """Whether any of some poses, with positions (n, 3) and unit quaternions (n, 4), lies off the
+    motion that is declared of the platform, by more than rounding: where joints carry the platform,
+    they decide how it moves.
+    """
+    if mechanism.motion == "spatial" or not len(position):
         return False
-    position, quaternion = (
-        np.array([getattr(pose, part) for pose in poses]).T for part in ("position", "quaternion")
-    )
-    return bool(
-        np.any(
-            poses_coordinates(mechanism, position, quaternion)[1]
-            > _ON_MOTION * mechanism.characteristic_length
-        )
-    )
+    off = _off_motion(mechanism, position.T, quaternion.T)
+    return bool(np.any(off > _ON_MOTION * mechanism.characteristic_length))
 
 
-def motion_note(mechanism: Mechanism, poses: Sequence[Pose]) -> str | None:
-    """What is said of poses that lie off the motion that is declared of the platform; None where
-    none does.
+def motion_note(mechanism: Mechanism, position: np.ndarray, quaternion: np.ndarray) -> str | None:
+    """What is said of poses, as `leaves_motion` has them, that lie off the motion that is declared
+    of the platform; None where none does.
     """
-    if not leaves_motion(mechanism, poses):
+    if not leaves_motion(mechanism, position, quaternion):
         return None
     return (
         f"the platform's motion is declared {mechanism.motion}, and the joints that carry it move "
@@ -362,7 +387,12 @@ def feasible_poses(
     return values, off
 
 
-def _given_pose(mechanism: Mechanism, given: Sequence[float] | Pose) -> Given:
+def given_pose(
+    mechanism: Mechanism, given: Sequence[float] | Pose, *, is_feasible: bool = False
+) -> Given:
+    """The known values of the inverse problem: of a pose on the declared motion, and, where joints
+    tie poses, on those that they can take, unless it `is_feasible` anyway.
+    """
     pose = pose_from(given)
     values, off = pose_coordinates(mechanism, pose)
     notes: tuple[str, ...] = ()
@@ -378,7 +408,7 @@ def _given_pose(mechanism: Mechanism, given: Sequence[float] | Pose) -> Given:
             f"the pose lies off the platform's {mechanism.motion} motion by {off:.3g} "
             f"{mechanism.length_unit}",
         )
-    if off == 0.0:
+    if off == 0.0 and not is_feasible:
         values, off, more = _feasible(mechanism, values)
         notes += more
     return Given(

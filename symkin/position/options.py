@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from symkin.position.given_by_name import Values
     from symkin.position.least_squares import LeastSquares
     from symkin.position.newton import Newton
-    from symkin.position.solve_by_name import Start
+    from symkin.position.starts import Start
     from symkin.spatial.pose import Pose
 
 JOINTS = Option(

@@ -268,6 +268,7 @@ def _problem(closure: Closure, kind: Kind, names: tuple[str, ...]) -> Problem:
     return Problem(closure, kind, system, known)
 
 
+@lru_cache(maxsize=128)
 def _partition(
     mechanism: Mechanism, kind: Kind, names: tuple[str, ...], held: tuple[str, ...] | None
 ) -> Partition:

@@ -16,9 +16,18 @@ from symkin.numeric.levenberg import patiently
 from symkin.numeric.root_checks import POLISHING, is_root
 from symkin.numeric.tolerances import CLOSURE_TOLERANCE
 from symkin.position.closed import ClosedForm
-from symkin.position.given import Given, given_from, motion_note
-from symkin.position.given_by_name import named_given, plain_case
+from symkin.position.determination import (
+    DIGITS,
+    determination,
+    is_least,
+    misfit_note,
+    refuse_contradictions,
+)
+from symkin.position.given import Given, motion_note
+from symkin.position.given_by_name import any_given
 from symkin.position.least_squares import LeastSquares
+from symkin.position.levenberg import Levenberg
+from symkin.position.mobility import open_loops_note
 from symkin.position.moved_starts import (
     StartRank,
     is_singular,
@@ -32,15 +41,14 @@ from symkin.position.out_of_reach import reach_note
 from symkin.position.problem import Problem, build_problem
 from symkin.position.solution import Solution
 from symkin.position.solution_list import make_solution
-from symkin.position.solve_by_name import Start, solve_by_name
 from symkin.position.solve_result import SolveError, SolveResult, iterates_of
 from symkin.position.start_notes import start_notes
-from symkin.position.starts import random_starts, start_values
+from symkin.position.starts import Start, begun_by_name, random_starts, start_values
 from symkin.text import not_among
 from symkin.verb import verb
 from symkin.verb_options import takes
 
-Solver = Newton | LeastSquares | ClosedForm
+Solver = Newton | LeastSquares | ClosedForm | Levenberg
 SOLVERS: dict[str, Solver] = {
     "newton": Newton(),
     "fast_newton": Newton(method="fast_newton"),
@@ -48,6 +56,8 @@ SOLVERS: dict[str, Solver] = {
     "closed": ClosedForm(),
 }
 RESTARTS = 20
+_NEARLY_CLOSED = 1e-6
+"""Closure error, of the size, of ends that are polished to solutions."""
 
 
 @verb
@@ -87,43 +97,72 @@ def solve(mechanism: Mechanism, **options: Unpack[SolveOptions]) -> SolveResult:
     chosen = SOLVERS.get(solver) if isinstance(solver, str) else solver
     if chosen is None or not hasattr(chosen, "name"):
         raise InputError(f"solver = {not_among(solver, SOLVERS)}")
-    plain = plain_case(mechanism, *asked)
-    if plain is None:
-        own, known = None if solver == "newton" else chosen, named_given(mechanism, *asked)
-        result = solve_by_name(mechanism, known, start, own)
-    else:
-        known = given_from(mechanism, *plain)
-        result = _solved(mechanism, known, start, chosen)
+    known = any_given(mechanism, *asked)
+    result = _solved(mechanism, known, start, chosen, damped=solver == "newton")
     if result.status == "infeasible":
         note = reach_note(result.problem, known)
         result = result if note is None else replace(result, notes=(*result.notes, note))
     if result.solution is not None:
-        note = motion_note(mechanism, [result.solution.pose])
+        found = result.solution
+        note = motion_note(mechanism, found.position[None], found.quaternion[None])
         result = result if note is None else replace(result, notes=(*result.notes, note))
     if options["check"] and result.solution is None:
         raise SolveError("; ".join([result.message, *result.notes]), result)
     return result
 
 
-def _solved(mechanism: Mechanism, given: Given, start: Start, chosen: Solver) -> SolveResult:
-    """The direct or the inverse problem of limbs."""
-    if isinstance(start, Mapping) and list(start) == ["pose"]:
-        start = start["pose"]
-    problem = build_problem(mechanism, given.kind)
-    if problem.is_explicit or not problem.system.width:
-        refuse_ignored({"start": start}, _nothing_iterated(problem))
+def _solved(
+    mechanism: Mechanism, given: Given, start: Start, chosen: Solver, *, damped: bool
+) -> SolveResult:
+    """The solution near a start; of values by name by damped steps, if no other solver is asked
+    for.
+    """
     begin = time.perf_counter()
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-        z = start_values(problem, given, start)
+        if given.by_name:
+            problem, z = begun_by_name(mechanism, given, start)
+            refuse_contradictions(problem)
+            chosen = Levenberg() if damped else chosen
+        else:
+            if isinstance(start, Mapping) and list(start) == ["pose"]:
+                start = start["pose"]
+            problem = build_problem(mechanism, given.kind)
+            if problem.is_explicit or not problem.system.width:
+                refuse_ignored({"start": start}, _nothing_iterated(problem))
+            z = start_values(problem, given, start)
         if start is None:
             result = _from_default(problem, given, chosen, z)
         else:
             result = solve_beside(problem, given, chosen, z, "start")
-            if result.solution is not None:
-                result = replace(
-                    result, notes=(*result.notes, *start_notes(result.solution, given.kind, start))
-                )
-    return replace(result, elapsed_s=time.perf_counter() - begin)
+    notes = [*result.notes, *_more_notes(result, given, start)]
+    return replace(result, notes=tuple(dict.fromkeys(notes)), elapsed_s=time.perf_counter() - begin)
+
+
+def _more_notes(result: SolveResult, given: Given, start: Start) -> list[str]:
+    """What is said of a solution that loops of few digits or too few values leave open, and of one
+    far from its start; of loops that never close.
+    """
+    problem, found = result.problem, result.solution
+    if found is None:
+        note = open_loops_note(problem.mechanism) if given.by_name else None
+        return [] if note is None else [note]
+    size, notes = problem.closure.characteristic_length, list[str]()
+    if found.residual > CLOSURE_TOLERANCE * size:
+        notes.append(misfit_note(problem, found.residual))
+    left = determination(problem).free if given.by_name else 0
+    if left:
+        notes.append(_free_note(problem, left, start is None))
+    return notes if start is None else [*notes, *start_notes(found, given.kind, start)]
+
+
+def _free_note(problem: Problem, left: int, by_default: bool) -> str:
+    count, mobility = len(problem.known_coordinates), len(problem.known_coordinates) + left
+    where = "the reference" if by_default else "the start"
+    return (
+        f"{count} of the {mobility} coordinates that decide a configuration are given: this is one "
+        f"near {where}, to which shortest "
+        "steps of least squares have led"
+    )
 
 
 def _nothing_iterated(problem: Problem) -> str:
@@ -152,7 +191,7 @@ def solve_problem(problem: Problem, given: Given, solver: Solver, start: np.ndar
         name = "forward"
     else:
         path = _iterates(problem, solver, start, given.values)
-        status, left = _judge(problem, path, given.values)
+        status, left = _judge(problem, solver, path, given.values)
     solution, left = _verified(problem, path[-1], given, status, left)
     status = "infeasible" if status == "ok" and solution is None else status
     return SolveResult(
@@ -176,26 +215,38 @@ def solve_beside(
     off it, and say so.
 
     At a singular start Newton's step is rounding over rounding, and least squares do not slope
-    along what is lost: what it leads to is left to chance, unless the start nearly closes.
+    along what is lost: what it leads to is left to chance, unless the start nearly closes. Damped
+    steps begin anywhere, and go on from moved starts wherever they lead nowhere.
     """
     if given.off_motion > 0.0 or problem.is_explicit or problem.system.width == 0:
         return solve_problem(problem, given, solver, start)
+    damped = isinstance(solver, Levenberg)
+    if damped:
+        result = solve_problem(problem, given, solver, start)
+        if result.solution is not None:
+            return result
     rank = StartRank.at(problem, start, given.values)
-    if not rank.is_singular or nearly_closes(problem, start, given.values):
+    if not damped and (not rank.is_singular or nearly_closes(problem, start, given.values)):
         result = solve_problem(problem, given, solver, start)
         if result.solution is not None or not rank.is_nearly_singular:
             return result
     starts = moved_starts(problem, start, given.values)
-    found = _from_moved(problem, given, solver, starts)
+    found = _from_some(problem, given, solver, starts)
     if found is not None:
         began, again = found
-        return replace(again, notes=(*again.notes, moved_note(problem, given, rank, began, which)))
+        note = (
+            f"the {which} led to no configuration; another one (seed 0) did, which may be far from "
+            f"it"
+            if damped
+            else moved_note(problem, given, rank, began, which)
+        )
+        return replace(again, notes=(*again.notes, note))
     tried = [solve_problem(problem, given, solver, z) for z in (start, starts[0])]
     verdict = min(
         tried,
         key=lambda r: (r.solution is None, r.status != "infeasible", r.smallest_residual or 0.0),
     )
-    if verdict.solution is not None:
+    if verdict.solution is not None or damped:
         return verdict
     note = (
         f"the {which} is {rank}, and {len(starts)} starts beside it led to no solution: give "
@@ -204,7 +255,7 @@ def solve_beside(
     return replace(verdict, notes=(*verdict.notes, note))
 
 
-def _from_moved(
+def _from_some(
     problem: Problem, given: Given, solver: Solver, starts: np.ndarray
 ) -> tuple[np.ndarray, SolveResult] | None:
     """The start that has led to a solution, and the result: the first, then, where
@@ -214,22 +265,35 @@ def _from_moved(
     tries = starts[:1]
     found = _first_that_closes(problem, given, solver, tries)
     if found is None:
-        ends = patiently(problem.system, starts, given.values)
-        tries = np.vstack([starts[1:], ends.points[ends.converged]])
-        found = _first_that_closes(problem, given, solver, tries) if ends.converged.any() else None
+        ends = patiently(problem.system, starts, given.values).points
+        ends = ends[np.isfinite(ends).all(axis=1)]
+        ends = ends[problem.system.residuals(ends, given.values) <= _near(problem, solver)]
+        tries = ends if isinstance(solver, Levenberg) else np.vstack([starts[1:], ends])
+        found = _first_that_closes(problem, given, solver, tries) if len(ends) else None
     return None if found is None else (tries[found[0]], found[1])
+
+
+def _near(problem: Problem, solver: Solver) -> float:
+    """Closure error (length unit) up to which an end may be a solution: damped steps end where the
+    digits of a file leave them, others may be held off by limits.
+    """
+    share = DIGITS if isinstance(solver, Levenberg) else _NEARLY_CLOSED
+    return share * problem.closure.characteristic_length
 
 
 def _first_that_closes(
     problem: Problem, given: Given, solver: Solver, starts: np.ndarray
 ) -> tuple[int, SolveResult] | None:
     """The first of some starts that leads to a solution: its index, and the result."""
+    system, near = problem.system, _near(problem, solver)
     for k, start in enumerate(starts):
-        path = solver.iterate(problem, start, given.values)
-        if _judge_root(problem, path[-1], given.values):
-            result = solve_problem(problem, given, solver, start)
-            if result.solution is not None:
-                return k, result
+        end = solver.iterate(problem, start, given.values)[-1]
+        closes = np.all(np.isfinite(end)) and (
+            system.residual(system.wrap(system.unit(end)), given.values) <= near
+        )
+        result = solve_problem(problem, given, solver, start) if closes else None
+        if result is not None and result.solution is not None:
+            return k, result
     return None
 
 
@@ -239,23 +303,11 @@ def _from_default(problem: Problem, given: Given, solver: Solver, begin: np.ndar
     if result.solution is not None or given.off_motion > 0.0 or problem.system.width == 0:
         return result
     starts = random_starts(problem, problem.system, given, RESTARTS, np.random.default_rng(0))[1:]
-    found = _first_that_closes(problem, given, solver, starts)
+    found = _from_some(problem, given, solver, starts)
     if found is None:
         return result
-    k, again = found
-    note = (
-        f"the default start led to no solution ({result.status}); random start {k + 1} (seed 0) did"
-    )
-    return replace(again, notes=(*again.notes, note))
-
-
-def _judge_root(problem: Problem, end: np.ndarray, known: np.ndarray) -> bool:
-    system = problem.system
-    return (
-        bool(np.all(np.isfinite(end)))
-        and system.residual(system.wrap(system.unit(end)), known)
-        <= 1e-6 * system.characteristic_length
-    )
+    note = f"the default start led to no solution ({result.status}); a random one (seed 0) did"
+    return replace(found[1], notes=(*found[1].notes, note))
 
 
 def _iterates(
@@ -266,7 +318,9 @@ def _iterates(
     return solver.iterate(problem, start, known)
 
 
-def _judge(problem: Problem, path: list[np.ndarray], known: np.ndarray) -> tuple[str, float]:
+def _judge(
+    problem: Problem, solver: Solver, path: list[np.ndarray], known: np.ndarray
+) -> tuple[str, float]:
     """Status of a path's end and the closure error left there (length unit)."""
     system, end = problem.system, path[-1]
     if not all(np.all(np.isfinite(z)) for z in path):
@@ -275,10 +329,11 @@ def _judge(problem: Problem, path: list[np.ndarray], known: np.ndarray) -> tuple
         return ("singular" if is_singular(problem, path[0], known) else "nonfinite"), left
     end = system.wrap(system.unit(end))
     left = system.residual(system.polish(end, known), known)
-    if left <= CLOSURE_TOLERANCE * system.characteristic_length and is_root(
-        system, system.polish(end, known, POLISHING), known
-    ):
+    near = isinstance(solver, Levenberg) or left <= CLOSURE_TOLERANCE * system.characteristic_length
+    if near and _is_answer(problem, system.polish(end, known, POLISHING), known):
         return "ok", left
+    if isinstance(solver, Levenberg) or system.width == 0:
+        return "infeasible", left
     if is_singular(problem, path[0], known):
         return "singular", left
     batch = patiently(system, np.stack([end, path[0]]), known)
@@ -287,6 +342,14 @@ def _judge(problem: Problem, path: list[np.ndarray], known: np.ndarray) -> tuple
     if not any(is_root(system, z, known) for z in reached):
         return "infeasible", min(best, left)
     return ("singular" if is_singular(problem, end, known) else "max_iterations"), left
+
+
+def _is_answer(problem: Problem, z: np.ndarray, known: np.ndarray) -> bool:
+    """Whether unknowns close all rows to rounding, or redundant ones to the digits of a file as
+    well as any do.
+    """
+    system = problem.system
+    return is_root(system, z, known) or is_least(problem, known, z, system.residual(z, known))
 
 
 def _verified(
@@ -301,4 +364,4 @@ def _verified(
         else end
     )
     solution = make_solution(problem, problem.join_values(z, given.values), notes=given.notes)
-    return (solution if is_root(system, z, given.values) else None), solution.residual
+    return (solution if _is_answer(problem, z, given.values) else None), solution.residual

@@ -2,18 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
 from symkin.errors import InputError
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism
+from symkin.numeric.levenberg import patiently
 from symkin.numeric.system import System
 from symkin.position.given import Given, Joints, joint_values, pose_coordinates, pose_from
+from symkin.position.given_by_name import given_by_name
 from symkin.position.passive import fit_passive
-from symkin.position.problem import Problem
+from symkin.position.problem import Problem, build_problem
 from symkin.spatial.pose import Pose
+
+Start = Mapping[str, Any] | Sequence[float] | Pose | None
 
 
 def start_values(problem: Problem, given: Given, start: Joints | Pose | None) -> np.ndarray:
@@ -49,6 +54,83 @@ def start_values(problem: Problem, given: Given, start: Joints | Pose | None) ->
         _set(values, problem, closure.role("actuated"), given.values)
         values = fit_passive(mechanism, values)
     return problem.select_values(values, problem.system.unknowns)
+
+
+def begun_by_name(mechanism: Mechanism, given: Given, start: Start) -> tuple[Problem, np.ndarray]:
+    """The problem of values that are given by name, which holds the coordinates that tell the
+    start, and its unknowns there.
+    """
+    begin = _start_by_name(mechanism, given, start)
+    held = tuple(name for name in begin.names if name not in given.names)
+    problem = build_problem(mechanism, "given", given.names, held)
+    return problem, _unknowns_at(problem, given, begin)
+
+
+def _start_by_name(mechanism: Mechanism, given: Given, start: Start) -> Given:
+    """The start as values of coordinates by name: those of the user, else the example's, else
+    none.
+    """
+    if start is None:
+        example = mechanism.example
+        if example is None or example.start is None:
+            return Given("given", np.zeros(0), {})
+        start = example.start
+    if isinstance(start, Mapping):
+        return _read_start(mechanism, start)
+    actuated = [c.name for c in mechanism.actuated]
+    direct = set(given.names) == set(actuated)
+    if isinstance(start, Pose) or (len(start) == 7 and (direct or len(actuated) != 7)):
+        return _read_start(mechanism, {"pose": start})
+    if len(start) != len(actuated):
+        raise InputError(
+            f"start: {len(start)} values given; values by name are needed (NAME=VALUE,...), a pose "
+            f"of 7 numbers, or the "
+            f"{len(actuated)} actuated joints of {mechanism.name}"
+        )
+    return _read_start(mechanism, dict(zip(actuated, start, strict=True)))
+
+
+def _read_start(mechanism: Mechanism, start: Mapping[str, Any]) -> Given:
+    try:
+        return given_by_name(mechanism, start)
+    except InputError as error:
+        raise InputError(f"start: {str(error).removeprefix('given: ')}") from None
+
+
+def _unknowns_at(problem: Problem, given: Given, start: Given) -> np.ndarray:
+    """Unknowns at the start: the closed configuration near the reference that has the start's
+    values, or one that nearly has.
+    """
+    closure = problem.closure
+    values = closure.reference.copy()
+    if start.names:
+        other = build_problem(
+            problem.mechanism,
+            "given",
+            start.names,
+            tuple(n for n in given.names if n not in start.names),
+        )
+        # the same coordinates, some of them in another place
+        values = _values_in(problem, other, _fitted(other, start))
+    values[problem.known_places] = given.values
+    return problem.select_values(values, problem.system.unknowns)
+
+
+def _fitted(problem: Problem, start: Given) -> np.ndarray:
+    begin = problem.select_values(problem.closure.reference, problem.system.unknowns)
+    if problem.system.width:
+        batch = patiently(problem.system, begin[None], start.values)
+        begin = batch.points[0] if np.all(np.isfinite(batch.points)) else begin
+    return problem.join_values(begin, start.values)
+
+
+def _values_in(problem: Problem, other: Problem, values: np.ndarray) -> np.ndarray:
+    """The variables of one problem from those of another that holds the same coordinates."""
+    found = problem.closure.reference.copy()
+    for c in problem.closure.coordinates:
+        if c.name in other.closure.slices:
+            found[problem.closure.slices[c.name]] = values[other.closure.slices[c.name]]
+    return found
 
 
 def _set(

@@ -111,7 +111,8 @@ def _pose_columns(solutions: Sequence[Solution]) -> Columns:
         f"{axis} [{mechanism.length_unit}]": [_length(mechanism, s.position[i]) for s in solutions]
         for i, axis in enumerate("xyz")
     }
-    if leaves_motion(mechanism, [s.pose for s in solutions]):
+    position = np.array([s.position for s in solutions])
+    if leaves_motion(mechanism, position, np.array([s.quaternion for s in solutions])):
         return columns | _turn_columns(solutions)
     if mechanism.motion in ("schoenflies", "planar"):
         values = [mechanism.angle_out(s.gamma) for s in solutions]

@@ -4,21 +4,25 @@ elsewhere, or of the machine that it means.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Mapping
+from itertools import islice
 
+import casadi as ca
 import numpy as np
 
 from symkin.closure.closure import Closure, build_closure
-from symkin.closure.link_poses import LinkPoses, link_poses
-from symkin.closure.tilt_torsion import tilt_and_torsion
+from symkin.closure.link_poses import joint_expressions, link_expressions
+from symkin.closure.tilt_torsion import tilt_and_torsion_of
+from symkin.computed_once import lru_cache
 from symkin.machine.lower import Lowered
 from symkin.machine.motion import Frames
 from symkin.model.joint import POSE_CONDITIONS, Coordinate
-from symkin.position.canonical import poses_of
-from symkin.position.given import poses_coordinates
-from symkin.position.readings import readings
+from symkin.numeric.mapped import Mapped
+from symkin.position.canonical import canonical
+from symkin.position.given import motion_coordinates
 from symkin.position.solution import Solution
 from symkin.spatial.pose import Pose
+from symkin.spatial.rotation import normalized
 
 
 def variables_elsewhere(closure: Closure, solution: Solution) -> np.ndarray:
@@ -33,11 +37,7 @@ def many_elsewhere(closure: Closure, own: Closure, values: np.ndarray) -> np.nda
     """Full vectors of a closure's variables (m, variables) at configurations (m, own variables) of
     another one; these themselves where both hold the same.
     """
-    if closure.partition == own.partition:
-        return values
-    position, quaternion = poses_of(own, values)
-    links = link_poses(own, values) if _needs_links(closure, own) else LinkPoses({}, values)
-    return _filled(closure, links, _read(own, links, values), (position.T, quaternion.T))
+    return values if closure.partition == own.partition else _transferred(closure, own, values)
 
 
 def many_as_written(
@@ -46,100 +46,110 @@ def many_as_written(
     """Full vectors of the variables of a closure of the description (m, variables) at
     configurations (m, own variables) of its machine.
     """
-    guided = [joint.name for guide in lowered.guides for joint in guide.joints]
-    needed = _needs_links(
-        closure, own, {n: r.of for r in lowered.readings for n in r.names}, guided
+    return _transferred(closure, own, values, lowered)
+
+
+def _transferred(
+    closure: Closure, own: Closure, values: np.ndarray, lowered: Lowered | None = None
+) -> np.ndarray:
+    """Full vectors of variables, those that `own` leaves out in their standard writing."""
+    found = _transfer(closure, own, lowered)(values)[0][:, :, 0]
+    held = {c.name for c in own.coordinates}
+    read = [c for c in closure.coordinates if c.role == "pose" or c.name not in held]
+    return canonical(read, closure.slices, found)
+
+
+@lru_cache(maxsize=64)
+def _transfer(closure: Closure, own: Closure, lowered: Lowered | None) -> Mapped:
+    """The variables of a closure over those of another one."""
+    read = {c.name: own.variables[own.slices[c.name]] for c in own.coordinates}
+    pose = Pose(*(own.bound(part) for part in (own.pose.position, own.pose.quaternion)))
+    pose = Pose(pose.position, normalized(pose.quaternion))
+    links: dict[str, Pose] = {}
+    if _needs_links(closure, own, lowered):
+        links = link_expressions(own)
+        told = joint_expressions(own, links)
+        read |= {name: value for name, value in told.items() if name not in read}
+    if lowered is not None:
+        pose, links, read = _as_described(lowered, pose, links, read)
+    numbers = iter(
+        ca.vertsplit(motion_coordinates(closure.mechanism, pose.position, pose.quaternion))
     )
-    links = link_poses(own, values) if needed else LinkPoses({}, values)
-    read = _read(own, links, values)
+    found = [
+        ca.vertcat(*islice(numbers, c.width))
+        if c.role == "pose"
+        else _value(closure, c, pose, links, read)
+        for c in closure.coordinates
+    ]
+    return Mapped.of([own.variables], [ca.vertcat(*found)])
+
+
+def _as_described(
+    lowered: Lowered, pose: Pose, links: Mapping[str, Pose], read: Mapping[str, ca.SX]
+) -> tuple[Pose, dict[str, Pose], dict[str, ca.SX]]:
+    """The platform, links and joints of a machine as those of the description."""
+    links, read = dict(links), dict(read)
     for reading in lowered.readings:
         read |= reading.values(read[reading.of]) if reading.of in read else {}
-    pose = Pose(*(part.T for part in poses_of(own, values)))
     if lowered.frames is not None:
-        base, platform = map(_of_many, (lowered.frames.base, lowered.frames.platform))
-        told = Frames(base, base)
-        links = LinkPoses({link: told.told(at) for link, at in links.poses.items()}, values)
+        base, platform = map(_constant, (lowered.frames.base, lowered.frames.platform))
+        links = {link: Frames(base, base).told(at) for link, at in links.items()}
         pose = Frames(base, platform).told(pose)
-    moved = pose @ _of_many(lowered.written.reference_pose.inverse())
+    moved = pose @ _constant(lowered.written.reference_pose.inverse())
     for guide in lowered.guides:
         read |= guide.readings(moved)
-    poses = {name: links[own] for name, own in lowered.links.items() if own in links.poses}
-    links = LinkPoses(links.poses | poses, values)
-    return _filled(closure, links, read, (pose.position, pose.quaternion))
+    called = {name: links[own] for name, own in lowered.links.items() if own in links}
+    return pose, links | called, read
 
 
-def _of_many(pose: Pose) -> Pose:
-    """A pose as that of any number of configurations."""
-    return Pose(pose.position[:, None], pose.quaternion[:, None])
+def _constant(pose: Pose) -> Pose:
+    """A pose among expressions."""
+    return Pose(ca.SX(ca.DM(pose.position)), ca.SX(ca.DM(pose.quaternion)))
 
 
-def _needs_links(
-    closure: Closure,
-    own: Closure,
-    names: Mapping[str, str] | None = None,
-    told: Collection[str] = (),
-) -> bool:
-    """Whether a closure holds coordinates that another one leaves out (`names`: what some are
-    called there; not those that are `told` otherwise), or bodies.
-    """
-    held = {c.name for c in own.coordinates} | set(told)
+def _needs_links(closure: Closure, own: Closure, lowered: Lowered | None) -> bool:
+    """Whether a closure holds coordinates that another one leaves out, or bodies."""
+    held = {c.name for c in own.coordinates}
+    called: dict[str, str] = {}
+    if lowered is not None:
+        held |= {joint.name for guide in lowered.guides for joint in guide.joints}
+        called = {name: reading.of for reading in lowered.readings for name in reading.names}
     return any(
         c.role == "body"
-        or (
-            c.role not in ("pose", "given", "geometry")
-            and (names or {}).get(c.name, c.name) not in held
-        )
+        or (c.role not in ("pose", "given", "geometry") and called.get(c.name, c.name) not in held)
         for c in closure.coordinates
     )
 
 
-def _read(own: Closure, links: LinkPoses, values: np.ndarray) -> dict[str, np.ndarray]:
-    """Values (m, width) of the coordinates that a closure holds, and where its links are told also
-    of those that it leaves out.
-    """
-    held = {c.name: values[:, own.slices[c.name]] for c in own.coordinates}
-    return held | (readings(own, links) if links.poses else {})
-
-
-def _filled(
+def _value(
     closure: Closure,
-    links: LinkPoses,
-    read: Mapping[str, np.ndarray],
-    pose: tuple[np.ndarray, np.ndarray],
-) -> np.ndarray:
-    """Full vectors of a closure's variables (m, variables) where its links, its joints and its
-    platform, of `pose` (3, m) and (4, m), are.
+    c: Coordinate,
+    pose: Pose,
+    links: Mapping[str, Pose],
+    read: Mapping[str, ca.SX],
+) -> ca.SX:
+    """A coordinate of a closure, but of the pose as a whole, where its links, its joints and its
+    platform are.
     """
-    position, quaternion = pose
-    found = np.tile(closure.reference, (position.shape[1], 1))
-    numbers, _ = poses_coordinates(closure.mechanism, position, quaternion)
-    place = 0
-    for c in closure.coordinates:
-        columns = closure.slices[c.name]
-        if c.role == "pose":
-            found[:, columns] = numbers[:, place : place + c.width]
-            place += c.width
-        elif c.role == "body":
-            found[:, columns] = _of_body(closure, links, c)
-        elif c.role == "given":
-            found[:, columns.start] = _of_pose(position.T, quaternion.T, c.name)
-        elif c.role != "geometry":
-            found[:, columns] = read[c.name]
-    return found
+    if c.role == "body":
+        return _of_body(closure, links, c)
+    if c.role == "given":
+        return _of_pose(pose, c.name)
+    return ca.SX(ca.DM(c.reference)) if c.role == "geometry" else read[c.name]
 
 
-def _of_body(closure: Closure, links: LinkPoses, coordinate: Coordinate) -> np.ndarray:
-    """A floating body's coordinate (m, width): of its turn, or of where its middle has gone."""
+def _of_body(closure: Closure, links: Mapping[str, Pose], coordinate: Coordinate) -> ca.SX:
+    """A floating body's coordinate: of its turn, or of where its middle has gone."""
     body, key = coordinate.name.rsplit(".", 1)
     if key == "quaternion":
-        return np.asarray(links[body].quaternion.T)
+        return links[body].quaternion
     middle = np.array([closure.reference[closure.slices[f"{body}.{axis}"]] for axis in "xyz"])
-    return np.asarray(links[body].apply(middle)[["xyz".index(key)]].T)
+    return links[body].apply(ca.DM(middle))["xyz".index(key)]
 
 
-def _of_pose(position: np.ndarray, quaternion: np.ndarray, name: str) -> np.ndarray:
-    """One of the coordinates of poses (m,) that are given one by one."""
+def _of_pose(pose: Pose, name: str) -> ca.SX:
+    """One of the coordinates of a pose that are given one by one."""
     place = POSE_CONDITIONS.index(name)
     if place < len("xyz"):
-        return np.asarray(position[:, place])
-    return np.array([tilt_and_torsion(turn)[place - len("xyz")] for turn in quaternion])
+        return pose.position[place]
+    return tilt_and_torsion_of(pose.quaternion)[place - len("xyz")]

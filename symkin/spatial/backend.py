@@ -20,16 +20,17 @@ _SYMBOLIC = (ca.SX, ca.MX, ca.DM)
 
 
 def is_casadi(*values: Array) -> bool:
-    return any(isinstance(value, _SYMBOLIC) for value in values)
+    # no generator: this is asked several times for each product
+    return True in [isinstance(value, _SYMBOLIC) for value in values]
 
 
 def vector(*components: Array) -> Array:
     """Stack components along the first axis."""
     if is_casadi(*components):
         return ca.vertcat(*components)
-    if components and all(isinstance(component, float) for component in components):
-        return np.array(components)
-    return np.stack(np.broadcast_arrays(*components)) if components else np.zeros(0)
+    if False in [isinstance(component, float) for component in components]:
+        return np.stack(np.broadcast_arrays(*components))
+    return np.array(components, dtype=float)
 
 
 def matrix(rows: Sequence[Sequence[Array]]) -> Array:

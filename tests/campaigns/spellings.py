@@ -7,7 +7,7 @@ Each machine is asked in both directions, in every spelling that it has: limbs a
 motion declared and without, joints and DH, MJCF and URDF, R R for U, another unit, order, place,
 reference and size, a named point. Modes are compared as places of links, turned back to the first
 spelling of their kind. Times are processor times of warm calls, medians of batches, told with their
-ratio to the least of the direction. Where two lists of modes differ, independent closures and
+ratio to the least of their kind. Where two lists of modes differ, independent closures and
 random starts (`twin_oracle`) say of each mode whether it closes and of each configuration found
 whether it is listed. Exit status 1 where modes, statements, complex counts or certificates differ.
 """
@@ -178,10 +178,10 @@ def _in_children(
             else _empty(machine, spelled[ended.task], direction, ended.fault or "no answer")
         )
     table = [found[place] for place in range(len(spelled))]
-    least = min((a.warm_s for a in table if a.fault is None), default=float("nan"))
     first: dict[str, Answer] = {}
     for answer in table:
-        answer.ratio = answer.warm_s / max(least, 1e-9)
+        alike = (a.warm_s for a in table if a.fault is None and a.kind == answer.kind)
+        answer.ratio = answer.warm_s / max(min(alike, default=float("nan")), 1e-9)
         if answer.fault is None:
             home = first.setdefault(answer.kind, answer)
             answer.away = _away(home, answer)

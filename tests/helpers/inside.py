@@ -174,7 +174,7 @@ NAMES = {
     "given_from": "symkin.position.given",
     "given_by_name": "symkin.position.given_by_name",
     "named_given": "symkin.position.given_by_name",
-    "told_as_written": "symkin.assembly.as_written",
+    "Told": "symkin.assembly.as_written",
     "any_given": "symkin.position.given_by_name",
     "problem_of": "symkin.position.given_by_name",
     "problem_of_names": "symkin.position.given_by_name",

@@ -4,6 +4,8 @@ places of its links. The campaign of the same name asks more machines, and what 
 
 from __future__ import annotations
 
+import sys
+from collections.abc import Callable
 from dataclasses import replace
 from fractions import Fraction
 
@@ -14,11 +16,11 @@ import symkin
 from helpers.gate import in_gate
 from helpers.inside import (
     COMPLETENESS,
+    Told,
     any_given,
     lowered,
     make_finder,
     problem_of,
-    told_as_written,
 )
 from helpers.samples import Z, readme_five_bar
 from helpers.spellings import MACHINES, lacking, named, spellings
@@ -200,11 +202,66 @@ def test_a_guide_of_a_motion_is_told_in_its_coordinates() -> None:
             low, given = lowered(guided), any_given(guided, joints=[10.0, -10.0])
             assert [limb.name for limb in low.machine.limbs] == [limb.name for limb in home.limbs]
             plain = symkin.modes(low.machine, joints=[10.0, -10.0])
-            known, one_input = np.tile(given.values, (2, 1)), np.zeros(2, dtype=int)
-            problem = problem_of(guided, given)
-            told = told_as_written(low, problem, plain.modes, known, one_input)
+            values = np.array([mode.variables for mode in plain])
+            described = Told(low, problem_of(guided, given), given.values[None])
+            told = described.listed(plain.problem.closure, values, np.zeros(2, dtype=int))
             assert len(told) == 2
             assert told.residual.max() < 1e-12 * guided.characteristic_length
+
+
+COSTS = [
+    ("five-bar", "direct", ("limbs, motion", "limbs", "graph", "graph, turned", "URDF")),
+    ("3-RRR", "direct", ("limbs, motion", "limbs", "graph, motion", "graph, turned", "MJCF")),
+    ("delta", "inverse", ("limbs, motion", "graph, motion", "limbs, point", "URDF")),
+    ("Tricept", "inverse", ("limbs", "graph", "graph, R R for U")),
+    ("6-UPS", "inverse", ("limbs", "limbs, point", "graph")),
+]
+
+
+@pytest.mark.parametrize(("name", "direction", "names"), COSTS, ids=lambda value: str(value)[:12])
+def test_a_spelling_costs_what_another_costs(tmp_path, name, direction, names) -> None:
+    """A warm call of `modes` makes as many calls of Python functions, to a fifth, however the
+    machine is written.
+    """
+    machine = MACHINES[name]()
+    calls = {}
+    for spelling in named(list(spellings(machine, tmp_path)), names):
+        for _ in range(2):
+            spelling.modes(machine, inverse=direction == "inverse")
+        calls[spelling.name] = _calls(
+            lambda one=spelling: one.modes(machine, inverse=direction == "inverse")
+        )
+    assert max(calls.values()) <= 1.2 * min(calls.values()), calls
+
+
+def _calls(function: Callable[[], object]) -> int:
+    """How many calls of Python functions a call makes."""
+    count, before = 0, sys.getprofile()
+
+    def counted(frame: object, event: str, argument: object) -> None:
+        nonlocal count
+        count += event == "call"
+
+    sys.setprofile(counted)
+    try:
+        function()
+    finally:
+        sys.setprofile(before)
+    return count
+
+
+@pytest.mark.parametrize("count", [4, 12])
+def test_a_train_of_couplings_is_proved_however_long(count) -> None:
+    """Whole numbers tell all solutions of a coupling, of few alike and of many."""
+    z, links, couplings = (0, 0, 1), [], []
+    for k in range(count):
+        joint = Joint(f"q{k}", "R", (10.0 * k, 0, 0), z, actuated=k == 0)
+        links.append(LinkJoint(joint, ("base" if k == 0 else f"l{k}", f"l{k + 1}")))
+        couplings += [symkin.Coupling(f"q{k}", {f"q{k - 1}": 1.0})] if k else []
+    train = Mechanism("train", link_joints=links, couplings=couplings, platform_link=f"l{count}")
+    found = symkin.modes(train, joints=[1.2])
+    assert (len(found), found.completeness, found.complex_count) == (1, "proved", 1)
+    assert found[0].joints[f"q{count - 1}"] == pytest.approx(1.2)
 
 
 def test_a_pose_off_the_plane_has_no_modes() -> None:
