@@ -88,16 +88,18 @@ def takes(record: type) -> Callable[[Verb], Verb]:
             for name, (kind, option) in options.items()
         ]
         whole = signature.replace(parameters=[*own, *added])
+        defaults = {name: option.default for name, (_, option) in options.items()}
+        allowed = {name: words_of(kind) for name, (kind, _) in options.items()}
 
         @functools.wraps(verb)
         def call(*values: Any, **named: Any) -> Any:
-            bound = whole.bind(*values, **named)
-            bound.apply_defaults()
-            for name, (kind, _) in options.items():
-                word, words = bound.arguments[name], words_of(kind)
+            for name, word in named.items():
+                if name not in whole.parameters:
+                    raise TypeError(f"{verb.__name__} has no argument {name!r}")
+                words = allowed.get(name)
                 if words and word is not None and word not in words:
                     raise InputError(f"{name} = {not_among(word, words)}")
-            return verb(*bound.args, **bound.kwargs)
+            return verb(*values, **(defaults | named))
 
         call.__signature__ = whole  # type: ignore[attr-defined]
         return call  # type: ignore[return-value]
