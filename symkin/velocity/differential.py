@@ -42,16 +42,15 @@ class Differential:
     platform's or tool's origin; angular velocity), base frame, all six columns.
 
     `twist` (m, 6), `passive` (m, p), `actuated` (m, n); a passive unit quaternion has three
-    columns, its angular velocity in the frame before the joint. `limbs` names the limb of each row,
-    `weights` (m) makes lengths of the rows, which are (d.d - l^2) / 2 for distances. `pose` is the
-    platform's or tool's pose. With `explicit`, the rows are those of a serial arm, t = J(q) q', and
-    neither they nor the pose contain pose coordinates.
+    columns, its angular velocity in the frame before the joint. `weights` (m) makes lengths of the
+    rows, which are (d.d - l^2) / 2 for distances. `pose` is the platform's or tool's pose. With
+    `explicit`, the rows are those of a serial arm, t = J(q) q', and neither they nor the pose
+    contain pose coordinates.
     """
 
     twist: ca.SX
     passive: ca.SX
     actuated: ca.SX
-    limbs: tuple[str, ...]
     weights: np.ndarray
     pose: Pose
     explicit: bool
@@ -81,7 +80,6 @@ def differentiate(closure: Closure, *, bound: bool = False) -> Differential:
             twist=twist,
             passive=ca.SX(6, 0),
             actuated=actuated,
-            limbs=(closure.mechanism.limbs[0].name,) * 6,
             weights=np.repeat([1.0, closure.characteristic_length], 3),
             pose=Pose(position, quaternion),
             explicit=True,
@@ -97,7 +95,6 @@ def differentiate(closure: Closure, *, bound: bool = False) -> Differential:
         twist=twist[kept, :],
         passive=joints[1][kept, :],
         actuated=joints[0][kept, :],
-        limbs=tuple(builder.sources[k].limb for k in kept),
         weights=np.array(
             [
                 1 / closure.characteristic_length
