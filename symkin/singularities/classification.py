@@ -36,8 +36,13 @@ from symkin.position.solution import Solution
 from symkin.position.transfer import variables_elsewhere
 from symkin.quiet import without_float_warnings
 from symkin.singularities.configuration import configuration
-from symkin.singularities.held_motions import held_motions
-from symkin.singularities.motion_ranks import Ranks, distances, feasible_motions, generic_ranks
+from symkin.singularities.motion_ranks import (
+    Ranks,
+    distances,
+    feasible_motions,
+    generic_ranks,
+    held_motions,
+)
 from symkin.singularities.named_screw import NamedScrew, joint_rates, named_twist, named_wrench
 from symkin.singularities.output import (
     Output,

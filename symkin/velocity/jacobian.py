@@ -24,9 +24,15 @@ from symkin.text import not_among
 from symkin.velocity.differential import differentiate, pose_rates, quaternion_rates
 from symkin.velocity.equations import VelocityEquations, variables_of, velocity_equations
 from symkin.velocity.jacobian_expressions import Expressions
-from symkin.velocity.jacobian_names import KINDS, JacobianKind, Variable, labels, variables_read
+from symkin.velocity.jacobian_names import (
+    KINDS,
+    JacobianKind,
+    SymbolicMatrix,
+    Variable,
+    labels,
+    variables_read,
+)
 from symkin.velocity.rates import RateJacobian, graph_jacobian, rate_jacobian
-from symkin.velocity.symbolic_matrix import SymbolicMatrix
 from symkin.verb import verb
 
 Values = Solution | Mapping[str, Any] | np.ndarray

@@ -41,11 +41,11 @@ from symkin.velocity.elimination import factored
 from symkin.velocity.jacobian_names import (
     TWIST,
     JacobianKind,
+    SymbolicMatrix,
     Variable,
     components,
     variables_read,
 )
-from symkin.velocity.symbolic_matrix import SymbolicMatrix
 
 _LEVEL = ("azimuth", "tilt")
 """Angles of a platform that have no rates where it does not tilt."""

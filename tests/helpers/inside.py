@@ -348,7 +348,6 @@ NAMES = {
     "Swept": "symkin.sweeps.run",
     "Blocks": "symkin.sweeps.space",
     "make_space": "symkin.sweeps.space",
-    "make_space_by_name": "symkin.sweeps.space",
     "Store": "symkin.sweeps.store",
     "open_store": "symkin.sweeps.store",
     # transmissions
