@@ -250,7 +250,7 @@ def _refused(mechanism: Mechanism, name: str, units: Mapping[str, str], over: Ov
     )
 
 
-def _axis(name: str, values: Values, unit: str, what: str, sample: int | None) -> Axis:
+def _axis(name: str, values: float | Values, unit: str, what: str, sample: int | None) -> Axis:
     try:
         numbers = np.array([float(v) for v in np.asarray(values).ravel()])
     except (TypeError, ValueError):

@@ -391,6 +391,7 @@ NAMES = {
     "default_parameters": "symkin.calibration.estimate.problem",
     "FORMS": "symkin.calibration.options",
     "deviations": "symkin.calibration.estimate.residuals",
+    "whitening": "symkin.calibration.estimate.residuals",
     "linearise": "symkin.calibration.estimate.residuals",
     "EFFICIENCY": "symkin.calibration.estimate.robust",
     "loss_weights": "symkin.calibration.estimate.robust",

@@ -24,6 +24,7 @@ from symkin.calibration.estimate.configurations import (
     ROUGHLY_SOLVED_TOLERANCE,
     ClosedConfigurations,
     Closing,
+    closed_at,
     closing_model,
     determinant_signs,
     follow_joints,
@@ -438,12 +439,9 @@ def states_reference(mechanism: Mechanism) -> bool:
 
 def _rows_at(model: ConfigurationModel, *poses: Pose) -> np.ndarray:
     """F_z (n, m, f) at poses, with the joints that lead there."""
-    closing = Closing(model, np.zeros(0), held=("pose",))
     table = np.array([[*pose.position, *pose.quaternion] for pose in poses])
-    starts = np.tile(model.closure.reference, (len(poses), 1))
-    return model.rows(
-        *closing.split(closing.close(with_poses(model.closure, starts, table))[0]), closing.p
-    )[1]
+    closing, values, _ = closed_at(model, table)
+    return model.rows(*closing.split(values), closing.p)[1]
 
 
 def lever(mechanism: Mechanism) -> float:
