@@ -38,6 +38,7 @@ from symkin.errors import InputError
 from symkin.model.bar import Bar
 from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.numeric.linear_algebra import conditions
+from symkin.position.canonical import into_limits
 from symkin.position.given import pose_from
 from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import (
@@ -388,9 +389,7 @@ class ClosureSolver:
             column = values[:, self.closure.slices[c.name].start]
             if c.limits is not None:
                 kept = self.margin * (c.limits[1] - c.limits[0])
-                if c.is_periodic:
-                    turns = np.ceil((c.limits[0] - column) / (2 * math.pi) - 1e-12)
-                    column = column + 2 * math.pi * turns
+                column = into_limits(column, c.limits) if c.is_periodic else column
                 good &= (column >= c.limits[0] + kept) & (column <= c.limits[1] - kept)
             elif c.least is not None:
                 good &= column > c.least
