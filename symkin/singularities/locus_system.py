@@ -162,19 +162,7 @@ def _plane_of_known(solution: Solution, names: Sequence[str], known: tuple[str, 
             f"coordinates that are given, {', '.join(known) or 'none'}"
         )
     refuse_unless_determined(problem)
-    here, u = variables_elsewhere(problem.closure, solution), ca.SX.sym("uv", len(names))
-    values, coordinates = _known_values(problem, here, names, u)
-    return Plane(
-        problem,
-        solution,
-        here,
-        tuple(names),
-        coordinates,
-        u,
-        values,
-        problem.system.unknowns,
-        of_pose=False,
-    )
+    return _plane(problem, solution, names, of_pose=False)
 
 
 def _guess(names: Sequence[str], known: Sequence[str]) -> str:
@@ -202,17 +190,18 @@ def _plane_of_limbs(solution: Solution, names: Sequence[str]) -> Plane:
             f"needed"
         )
     problem = build_problem(mechanism, "inverse" if of_pose else "direct")
-    here, u = variables_elsewhere(problem.closure, solution), ca.SX.sym("uv", 2)
+    return _plane(problem, solution, names, of_pose)
+
+
+def _plane(problem: Problem, solution: Solution, names: Sequence[str], of_pose: bool) -> Plane:
+    here, u = variables_elsewhere(problem.closure, solution), ca.SX.sym("uv", len(names))
     values, coordinates = (
         _pose_values(problem.closure, solution, names, u)
         if of_pose
         else _known_values(problem, here, names, u)
     )
-    free = (
-        problem.closure.role("actuated", "passive")
-        if of_pose
-        else problem.closure.role("passive", "pose")
-    )
+    family = {c.name for c in problem.known_coordinates}
+    free = tuple(c for c in problem.closure.coordinates if c.name not in family)
     return Plane(problem, solution, here, tuple(names), coordinates, u, values, free, of_pose)
 
 

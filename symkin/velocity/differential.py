@@ -8,6 +8,7 @@ differentiation by the quaternion would give the same numbers in many more terms
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import casadi as ca
@@ -249,6 +250,15 @@ def _kept_rows(closure: Closure, rows: ca.SX) -> list[int]:
     return np.flatnonzero(
         np.max(np.abs(samples), axis=0) > _VANISHING * closure.characteristic_length
     ).tolist()
+
+
+def rate_names(coordinates: Sequence[Coordinate]) -> tuple[str, ...]:
+    """One name a rate: that of the coordinate, or `name.x`, `name.y`, `name.z` of a rotation."""
+    return tuple(
+        f"{c.name}.{letter}" if c.is_rotation else c.name
+        for c in coordinates
+        for letter in "xyz"[: c.freedom]
+    )
 
 
 def motion_columns(closure: Closure) -> list[int]:

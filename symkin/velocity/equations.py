@@ -25,7 +25,7 @@ from symkin.numeric.rank import independent_rows, rank_of
 from symkin.numeric.tolerances import RANK_TOLERANCE
 from symkin.position.closed_configurations import closed_configurations, whole_system
 from symkin.position.solution import Solution
-from symkin.velocity.differential import Differential, differentiate, motion_columns
+from symkin.velocity.differential import Differential, differentiate, motion_columns, rate_names
 from symkin.velocity.limb_equations import limbwise_equations
 from symkin.velocity.roles import columns_by_name
 
@@ -57,13 +57,8 @@ class VelocityEquations:
 
     @property
     def passive_names(self) -> tuple[str, ...]:
-        """One name a column of P: `name`, or `name.x`, `name.y`, `name.z` of a spherical joint."""
-        pairs = ((c, "xyz" if c.kind == "quaternion" else "") for c in self.closure.role("passive"))
-        return tuple(
-            name
-            for c, letters in pairs
-            for name in ([f"{c.name}.{k}" for k in letters] or [c.name])
-        )
+        """One name a column of P."""
+        return rate_names(self.closure.role("passive"))
 
     def __reduce__(self) -> tuple[Callable[..., Any], tuple[Any, ...]]:
         """Pickle as the mechanism, from which the symbols are built anew."""
