@@ -275,7 +275,7 @@ def _blocks(system: LocusSystem) -> list[ca.Function]:
         return []
     plane = system.plane
     closure, whole = plane.closure, whole_system(plane.closure)
-    unknown = ca.vertcat(plane.stacked(system.free), plane.symbols)
+    unknown = ca.vertcat(plane.closure.symbols(system.free), plane.symbols)
     found = []
     for limb in limb_blocks(closure):
         if len(limb.joints) == len(limb.rows) and limb.limb != system.limb:

@@ -119,11 +119,6 @@ class Plane:
         """Pickle as the configuration and the names, from which the symbols are built anew."""
         return plane_of, (self.solution, self.names, self.known or None)
 
-    def stacked(self, coordinates: Sequence[Coordinate]) -> ca.SX:
-        return ca.vertcat(
-            *(self.closure.variables[self.closure.slices[c.name]] for c in coordinates)
-        )
-
 
 def has_pose_planes(mechanism: Mechanism) -> bool:
     """Whether loci may be asked for over pose coordinates: of a platform on limbs; a graph of links
@@ -358,7 +353,7 @@ def _system(
     used = rows if alone else list(range(int(closure.rows.shape[0])))
     closed_rows = _substituted(plane, whole.rows[used, 0])
     jacobian = _substituted(plane, whole.jacobian[rows, columns])
-    fixed, nothing = ca.vertcat(plane.stacked(free), plane.symbols), ca.SX(0, 1)
+    fixed, nothing = ca.vertcat(plane.closure.symbols(free), plane.symbols), ca.SX(0, 1)
     role = "pose" if kind == "type 2" else "actuated"
     loss = RankLoss(
         ca.Function("kernel", [fixed], [ca.densify(jacobian)], {"cse": True}),

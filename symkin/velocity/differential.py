@@ -115,7 +115,7 @@ def tangent_jacobian(
     """Derivatives by rates: of numbers, and of unit quaternions by their angular velocity."""
     columns = [ca.SX(expression.shape[0], 0)]
     for c in coordinates:
-        symbol = closure.variables[closure.slices[c.name]]
+        symbol = closure.symbols([c])
         jacobian = ca.jacobian(expression, symbol)
         columns.append(ca.mtimes(jacobian, quaternion_rates(symbol)) if c.is_rotation else jacobian)
     return ca.horzcat(*columns)

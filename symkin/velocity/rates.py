@@ -159,7 +159,7 @@ def graph_jacobian(mechanism: Mechanism, kind: JacobianKind) -> RateJacobian:
             expression = factored(ca.mtimes(lengths, twist), lengths).solution()
             rows, columns = joints, TWIST
         elif kind == "analytic":
-            quaternion = closure.variables[closure.slices[pose[-1]]]
+            quaternion = closure.symbols([coordinates[pose[-1]]])
             expression = ca.vertcat(
                 *(pose_rates(coordinates[name], quaternion, twist) for name in pose)
             )

@@ -273,14 +273,13 @@ def _build_model(
     readings = [known.reading(o, slots.get(o.name)) for o in channels]
     parameters = ca.vertcat(ca.SX(0, 1), *(symbols[n] for n in names))
     unknowns = closure.role("passive", "body", "pose")
-    places = (closure.variables[closure.slices[c.name]] for c in unknowns)
     types = tuple(table[n][1] for n in names)
     return ConfigurationModel(
         mechanism=mechanism,
         closure=closure,
         system=System(
             unknowns,
-            ca.vertcat(ca.SX(0, 1), *places),
+            closure.symbols(unknowns),
             ca.vertcat(known.joints, parameters),
             known(closure.rows),
             known(closure.errors),
@@ -312,7 +311,7 @@ class _Known:
         own = dict(zip(closure.parameter_names, closure.parameter_values, strict=True))
         values = own | {name: value for name, (_, value) in seen.geometry.items()}
         self._before = ca.vertcat(
-            *(closure.variables[closure.slices[c.name]] for c in actuated),
+            closure.symbols(actuated),
             closure.parameters,
             *(symbol for name, (symbol, _) in seen.geometry.items() if name not in own),
         )
