@@ -235,7 +235,6 @@ NAMES = {
     "monodromy_orbits": "symkin.homotopy.monodromy:orbits",
     "within_reach": "symkin.homotopy.monodromy",
     "random_known": "symkin.homotopy.seeds",
-    "distance_data": "symkin.homotopy.six_distances",
     "universal_system": "symkin.homotopy.six_distances",
     "six_revolute_start": "symkin.homotopy.six_revolute:universal_start",
     "universal_arm": "symkin.homotopy.six_revolute",
