@@ -11,7 +11,7 @@ import numpy as np
 
 from symkin.calibration.calibrate import calibrate
 from symkin.calibration.data.files import DataFile
-from symkin.calibration.data.measurements import Measurements, Reading
+from symkin.calibration.data.measurements import Distance, Measurements, Reading
 from symkin.calibration.data.observables import is_angular, observables_named
 from symkin.calibration.data.parameters import (
     MEASURING_FRAMES,
@@ -170,12 +170,12 @@ def with_sigmas(
     for key, value in sigmas.items():
         own = key == "joint" or getattr(m, "groups" if key == "group" else key, None) is not None
         own |= key == "orientation" and data.open_euler is not None
+        read: list[Reading | Distance]
         read = [r for r in m.readings if _SIGMA_KEYS[kinds[r.name]] == key]
-        distances = [d for d in m.distances if key == "distance"]
-        if not (own or read or distances):
+        read += m.distances if key == "distance" else ()
+        if not (own or read):
             refuse_ignored({f"--sigma-{key}": value}, f"{data.path} holds no {key}s")
         stated = [r.name for r in read if r.sigma is not None]
-        stated += [d.name for d in distances if d.sigma is not None]
         stated += [f"{key} readings"] if own and m.sigma(key) is not None else []
         if stated:
             raise InputError(
@@ -184,13 +184,15 @@ def with_sigmas(
             )
         given = {r.name: replace(r, sigma=_of_joints(mechanism, value, r)) for r in read}
         changes: dict[str, Any] = {f"{key}_sigma": value} if own else {}
-        if distances:
-            changes["distances"] = [replace(d, sigma=float(value)) for d in distances]
-        m = replace(m, readings=[given.get(r.name, r) for r in m.readings], **changes)
+        for kept in ("distances", "readings"):
+            changes[kept] = [given.get(r.name, r) for r in getattr(m, kept)]
+        m = replace(m, **changes)
     return m
 
 
-def _of_joints(mechanism: Mechanism, value: np.ndarray | float, reading: Reading) -> float:
+def _of_joints(
+    mechanism: Mechanism, value: np.ndarray | float, reading: Reading | Distance
+) -> float:
     """Choose the standard deviation of a reading; of joints it is by kind, as that of the actuated
     ones.
     """

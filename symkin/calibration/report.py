@@ -13,7 +13,7 @@ import numpy as np
 
 from symkin.calibration.data.observables import is_angular
 from symkin.calibration.data.parameters import MEASURING_FRAMES
-from symkin.calibration.judge.result import Parameter, length_and_angle, shown, unit_of, value_out
+from symkin.calibration.judge.result import Parameter, length_and_angle, shown, value_out
 from symkin.calibration.judge.statistics import SIGNIFICANCE
 from symkin.calibration.judge.verdict import Verdict
 from symkin.position.solution import finite
@@ -270,13 +270,10 @@ class FitReport(Verdict):
         return "\n".join(lines) + "\n"
 
     def _row(self, q: Parameter) -> str:
-        m = self.fit.mechanism
-        nominal, value, change = (value_out(m, q, v) for v in (q.nominal, q.value, q.change))
-        sigma = "unknown" if q.sigma is None else f"{value_out(m, q, q.sigma):.2g}"
-        return (
-            f"| {markdown(q.name)} | {unit_of(m, q) or '1'} | {nominal:.9g} | {value:.9g} | "
-            f"{'held' if q.held else sigma} | {change:+.3g} |"
-        )
+        name, value, sigma, unit, change = self.fit.row(q)
+        nominal = value_out(self.fit.mechanism, q, q.nominal)
+        cells = [markdown(name), unit or "1", f"{nominal:.9g}", value, sigma, change]
+        return f"| {' | '.join(cells)} |"
 
 
 def _items(head: str, texts: Sequence[str]) -> list[str]:

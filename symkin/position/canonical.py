@@ -36,7 +36,7 @@ def canonical(
         if c.is_rotation:
             values[:, place] = positive_quaternions(values[:, place])
         elif c.is_periodic and c.limits is not None:
-            values[:, place] = _into_limits(values[:, place], c.limits)
+            values[:, place] = into_limits(values[:, place], c.limits)
         elif c.least is not None:
             values[:, place] = np.where(
                 values[:, place] < c.least, 2.0 * c.least - values[:, place], values[:, place]
@@ -60,7 +60,7 @@ def _without_turns(angles: np.ndarray) -> np.ndarray:
     return np.where(turned <= -math.pi + 1e-15, turned + _TURN, turned)
 
 
-def _into_limits(angles: np.ndarray, limits: tuple[float, float]) -> np.ndarray:
+def into_limits(angles: np.ndarray, limits: tuple[float, float]) -> np.ndarray:
     """Angles moved by the fewest whole turns that bring them into their limits; as they are where
     none do.
     """

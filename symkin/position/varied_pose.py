@@ -11,7 +11,6 @@ rz alone may stand for gamma, from the orientation held on.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Collection, Mapping, Sequence
 from typing import Any
 
@@ -21,7 +20,11 @@ import numpy as np
 from symkin.closure.closure import Closure
 from symkin.model.mechanism import Mechanism, Motion
 from symkin.spatial.pose import Pose
-from symkin.spatial.rotation import multiply, quaternion_from_rotation_vector
+from symkin.spatial.rotation import (
+    multiply,
+    quaternion_from_axis_angle,
+    quaternion_from_rotation_vector,
+)
 
 TURNS = ("rx", "ry", "rz")
 """The rotation vector in the base frame before a pose's orientation."""
@@ -55,22 +58,28 @@ def varied_pose(
     return found
 
 
-def pose_at(mechanism: Mechanism, base: Sequence[float], varied: Mapping[str, float]) -> Pose:
-    """The pose `base` (x, y, z, qw, qx, qy, qz) with varied coordinates in the mechanism's
-    units.
+def pose_at(
+    mechanism: Mechanism, base: Sequence[float], varied: Mapping[str, float | np.ndarray]
+) -> Pose:
+    """The pose `base` (x, y, z, qw, qx, qy, qz) with varied coordinates in the mechanism's units;
+    poses (3, n), (4, n) for coordinates (n,).
     """
-    position = [varied.get(name, value) for name, value in zip("xyz", base[:3], strict=True)]
-    quaternion = np.asarray(base[3:])
+    shape, angle = np.broadcast_shapes(*map(np.shape, varied.values())), mechanism.angle_in(1.0)
+
+    def column(numbers: Sequence[float]) -> np.ndarray:
+        return np.asarray(numbers, dtype=float).reshape(-1, *(1 for _ in shape))
+
+    values = [varied.get(name, value) for name, value in zip("xyz", base[:3], strict=True)]
+    quaternion = column(base[3:])
     if "gamma" in varied:
-        half = 0.5 * mechanism.angle_in(varied["gamma"])
-        about_z = np.array([math.cos(half), 0.0, 0.0, math.sin(half)])
-        quaternion = np.asarray(multiply(about_z, mechanism.reference_pose.quaternion))
-    turn = [mechanism.angle_in(varied.get(name, 0.0)) for name in TURNS]
-    if any(turn):
-        quaternion = np.asarray(
-            multiply(quaternion_from_rotation_vector(np.array(turn)), quaternion)
-        )
-    return Pose(np.array(position), quaternion)
+        about_z = quaternion_from_axis_angle((0.0, 0.0, 1.0), varied["gamma"] * angle)
+        quaternion = multiply(about_z, column(mechanism.reference_pose.quaternion))
+    if set(TURNS) & set(varied):
+        turn = [np.broadcast_to(varied.get(name, 0.0), shape) * angle for name in TURNS]
+        quaternion = multiply(quaternion_from_rotation_vector(np.stack(turn)), quaternion)
+    quaternion = np.asarray(quaternion) / np.linalg.norm(quaternion, axis=0)
+    position = np.stack([np.broadcast_to(v, shape) for v in values])
+    return Pose(position, np.broadcast_to(quaternion, (4, *shape)))
 
 
 def axis_title(name: str) -> str:

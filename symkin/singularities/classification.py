@@ -36,8 +36,13 @@ from symkin.position.solution import Solution
 from symkin.position.transfer import variables_elsewhere
 from symkin.quiet import without_float_warnings
 from symkin.singularities.configuration import configuration
-from symkin.singularities.held_motions import held_motions
-from symkin.singularities.motion_ranks import Ranks, distances, feasible_motions, generic_ranks
+from symkin.singularities.motion_ranks import (
+    Ranks,
+    distances,
+    feasible_motions,
+    generic_ranks,
+    held_motions,
+)
 from symkin.singularities.named_screw import NamedScrew, joint_rates, named_twist, named_wrench
 from symkin.singularities.output import (
     Output,
@@ -336,52 +341,42 @@ def _notes(
     """Sentences on what is not looked for or counted, and where the freedoms differ from those
     elsewhere.
     """
-    if roles.by_name:
-        return _notes_by_name(ranks, generic, roles)
-    mechanism, full = closure.mechanism, sum(c.freedom for c in closure.role("pose"))
-    notes = []
-    if mechanism.motion != "spatial":
-        notes.append(
-            f"the platform's motion is declared {mechanism.motion}: constraint singularities are "
-            f"not looked for"
-        )
-    if output is None and generic.outputs < full:
-        few = (
-            _of_short_arm(len(mechanism.actuated), generic.outputs, full)
-            if mechanism.serial
-            else None
-        )
-        notes.append(few or _of_few_freedoms(generic.outputs, full))
-    if generic.inputs < len(mechanism.actuated):
-        notes.append(
-            f"only {generic.inputs} of {len(mechanism.actuated)} actuated joints are independent"
-        )
+    mechanism = closure.mechanism
+    notes = [] if roles.by_name else _notes_on_platform(closure, generic, output)
+    driven = len(roles.inputs or mechanism.actuated)
+    if generic.inputs < driven:
+        what = "given coordinates" if roles.by_name else "actuated joints"
+        notes.append(f"only {generic.inputs} of {driven} {what} are independent")
+    counts = generic.permanent_freedoms
+    if not roles.names_output:
+        counts = {"type 2": generic.motions - generic.inputs}
+    texts = _PERMANENT_BY_NAME if roles.by_name else _PERMANENT
     notes += [
-        f"{_PERMANENT[kind]}, everywhere: {count}"
-        for kind, count in generic.permanent_freedoms.items()
+        f"{texts[kind].format(output=roles.output_text)}, everywhere: {count}"
+        for kind, count in counts.items()
+        if count
     ]
     if ranks.freedoms != generic.freedoms:
         notes.append(f"freedoms of motion here {ranks.freedoms}, elsewhere {generic.freedoms}")
     return tuple(notes)
 
 
-def _notes_by_name(ranks: Ranks, generic: Ranks, roles: Roles) -> tuple[str, ...]:
-    driven = len(roles.inputs or ())
-    notes = (
-        [f"only {generic.inputs} of {driven} given coordinates are independent"]
-        if generic.inputs < driven
-        else []
-    )
-    counts = (
-        generic.permanent_freedoms
-        if roles.names_output
-        else {"type 2": generic.motions - generic.inputs}
-    )
-    texts = {kind: _PERMANENT_BY_NAME[kind].format(output=roles.output_text) for kind in counts}
-    notes += [f"{texts[kind]}, everywhere: {count}" for kind, count in counts.items() if count]
-    if ranks.freedoms != generic.freedoms:
-        notes.append(f"freedoms of motion here {ranks.freedoms}, elsewhere {generic.freedoms}")
-    return tuple(notes)
+def _notes_on_platform(closure: Closure, generic: Ranks, output: Output | None) -> list[str]:
+    """What is not looked for of a platform on limbs, and what the kinds do not name."""
+    mechanism, notes = closure.mechanism, list[str]()
+    full = sum(c.freedom for c in closure.role("pose"))
+    if mechanism.motion != "spatial":
+        notes.append(
+            f"the platform's motion is declared {mechanism.motion}: constraint singularities are "
+            f"not looked for"
+        )
+    if output is None and generic.outputs < full:
+        notes.append(
+            _of_short_arm(len(mechanism.actuated), generic.outputs, full)
+            if mechanism.serial
+            else _of_few_freedoms(generic.outputs, full)
+        )
+    return notes
 
 
 def _of_short_arm(joints: int, freedoms: int, full: int) -> str:

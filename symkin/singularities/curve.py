@@ -16,6 +16,7 @@ import numpy as np
 
 from symkin.numeric.system import System
 from symkin.numeric.tolerances import RANK_TOLERANCE
+from symkin.spatial.rotation import wrapped
 
 CORRECTED = 1e-11
 """A point lies on the curve when no row exceeds this times the size."""
@@ -101,23 +102,17 @@ def trace(system: System, start: np.ndarray, window: Window, most: int = 4000) -
     return _curve([(z, -t) for z, t in reversed(back[1:])] + ahead, closed=False)
 
 
-def distance(
-    system: System, a: np.ndarray, b: np.ndarray, leading: int | None = None
-) -> np.ndarray:
-    """How far points (..., width) are apart in the first `leading` coordinates (length unit):
-    angles modulo a turn and rotations times the size, quaternions up to sign.
+def distance(system: System, a: np.ndarray, b: np.ndarray, leading: int | None = None) -> float:
+    """How far two points are apart in the first `leading` coordinates (length unit): angles modulo
+    a turn and rotations times the size, quaternions up to sign.
     """
-    total = np.zeros(np.broadcast_shapes(a.shape[:-1], b.shape[:-1]))
-    for c, place in zip(system.unknowns[:leading], system.slices[:leading], strict=True):
-        if c.is_rotation:
-            cosine = np.abs(np.sum(a[..., place] * b[..., place], axis=-1))
-            total += (2.0 * system.characteristic_length) ** 2 * np.maximum(0.0, 2.0 - 2.0 * cosine)
-            continue
-        gap = a[..., place.start] - b[..., place.start]
+    step, column = system.difference(a[None], b[None])[0], 0
+    size = system.characteristic_length
+    for c in system.unknowns[:leading]:
         if c.is_periodic:
-            gap = np.remainder(gap + np.pi, 2 * np.pi) - np.pi
-        total += (gap * c.lever(system.characteristic_length)) ** 2
-    return np.sqrt(total)
+            step[column] = size * wrapped(step[column] / size)
+        column += c.freedom
+    return float(np.linalg.norm(step[:column]))
 
 
 Step = tuple[np.ndarray, np.ndarray]
@@ -152,7 +147,7 @@ def _step(system: System, z: np.ndarray, t: np.ndarray, length: float) -> Step |
     """
     predicted = system.move(z[None], length * t[None])[0]
     corrected = correct(system, predicted)
-    if corrected is None or float(distance(system, corrected, predicted)) > 0.3 * length:
+    if corrected is None or distance(system, corrected, predicted) > 0.3 * length:
         return None
     turned = tangent(system, corrected)
     if turned is None:
@@ -169,8 +164,7 @@ def _returned(system: System, path: list[Step], leading: int) -> bool:
     if float(a @ b) < 0.8 * float(np.linalg.norm(a) * np.linalg.norm(b)):
         return False
     gaps = [
-        float(distance(system, *pair, leading))
-        for pair in ((before, start), (now, start), (before, now))
+        distance(system, *pair, leading) for pair in ((before, start), (now, start), (before, now))
     ]
     return gaps[0] + gaps[1] < 1.1 * gaps[2]
 

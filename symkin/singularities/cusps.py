@@ -76,7 +76,8 @@ def cusp_between(system: LocusSystem, curve: Curve, k: int) -> np.ndarray | None
             return None
         return z, float((t if t @ ahead > 0 else -t)[system.uv_columns] @ along)
 
-    bracket = _bracket(at, _length_between(system, begin, curve.points[k + 1], ahead))
+    way = system.curve.difference(begin[None], curve.points[k + 1][None])[0]
+    bracket = _bracket(at, float(way @ ahead))
     return None if bracket is None else _sign_change(at, *bracket)
 
 
@@ -117,21 +118,3 @@ def _sign_change(
         side = 0 if (value > 0.0) == (values[0] > 0.0) else 1
         ends[side], values[side] = middle, value
     return z
-
-
-def _length_between(system: LocusSystem, a: np.ndarray, b: np.ndarray, ahead: np.ndarray) -> float:
-    """Component of b - a along a tangent, by Newton on the retraction (angles and lengths: one
-    step).
-    """
-    difference, column = np.zeros(system.curve.freedom), 0
-    for c, place in zip(system.curve.unknowns, system.curve.slices, strict=True):
-        if c.is_rotation:
-            p, q = a[place], b[place] * np.sign(a[place] @ b[place])
-            relative = np.array([p[0] * q[1:] - q[0] * p[1:] - np.cross(q[1:], p[1:])])[0]
-            difference[column : column + 3] = 2 * system.curve.characteristic_length * relative
-        else:
-            difference[column] = (b[place] - a[place])[0] * c.lever(
-                system.curve.characteristic_length
-            )
-        column += c.freedom
-    return float(difference @ ahead)

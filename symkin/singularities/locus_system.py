@@ -119,11 +119,6 @@ class Plane:
         """Pickle as the configuration and the names, from which the symbols are built anew."""
         return plane_of, (self.solution, self.names, self.known or None)
 
-    def stacked(self, coordinates: Sequence[Coordinate]) -> ca.SX:
-        return ca.vertcat(
-            *(self.closure.variables[self.closure.slices[c.name]] for c in coordinates)
-        )
-
 
 def has_pose_planes(mechanism: Mechanism) -> bool:
     """Whether loci may be asked for over pose coordinates: of a platform on limbs; a graph of links
@@ -162,19 +157,7 @@ def _plane_of_known(solution: Solution, names: Sequence[str], known: tuple[str, 
             f"coordinates that are given, {', '.join(known) or 'none'}"
         )
     refuse_unless_determined(problem)
-    here, u = variables_elsewhere(problem.closure, solution), ca.SX.sym("uv", len(names))
-    values, coordinates = _known_values(problem, here, names, u)
-    return Plane(
-        problem,
-        solution,
-        here,
-        tuple(names),
-        coordinates,
-        u,
-        values,
-        problem.system.unknowns,
-        of_pose=False,
-    )
+    return _plane(problem, solution, names, of_pose=False)
 
 
 def _guess(names: Sequence[str], known: Sequence[str]) -> str:
@@ -202,17 +185,18 @@ def _plane_of_limbs(solution: Solution, names: Sequence[str]) -> Plane:
             f"needed"
         )
     problem = build_problem(mechanism, "inverse" if of_pose else "direct")
-    here, u = variables_elsewhere(problem.closure, solution), ca.SX.sym("uv", 2)
+    return _plane(problem, solution, names, of_pose)
+
+
+def _plane(problem: Problem, solution: Solution, names: Sequence[str], of_pose: bool) -> Plane:
+    here, u = variables_elsewhere(problem.closure, solution), ca.SX.sym("uv", len(names))
     values, coordinates = (
         _pose_values(problem.closure, solution, names, u)
         if of_pose
         else _known_values(problem, here, names, u)
     )
-    free = (
-        problem.closure.role("actuated", "passive")
-        if of_pose
-        else problem.closure.role("passive", "pose")
-    )
+    family = {c.name for c in problem.known_coordinates}
+    free = tuple(c for c in problem.closure.coordinates if c.name not in family)
     return Plane(problem, solution, here, tuple(names), coordinates, u, values, free, of_pose)
 
 
@@ -369,7 +353,7 @@ def _system(
     used = rows if alone else list(range(int(closure.rows.shape[0])))
     closed_rows = _substituted(plane, whole.rows[used, 0])
     jacobian = _substituted(plane, whole.jacobian[rows, columns])
-    fixed, nothing = ca.vertcat(plane.stacked(free), plane.symbols), ca.SX(0, 1)
+    fixed, nothing = ca.vertcat(plane.closure.symbols(free), plane.symbols), ca.SX(0, 1)
     role = "pose" if kind == "type 2" else "actuated"
     loss = RankLoss(
         ca.Function("kernel", [fixed], [ca.densify(jacobian)], {"cse": True}),

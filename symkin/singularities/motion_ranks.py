@@ -15,12 +15,14 @@ import numpy as np
 from symkin.closure.closure import Closure, build_closure
 from symkin.computed_once import lru_cache
 from symkin.model.mechanism import Mechanism
-from symkin.numeric.rank import null_space, rank_of
+from symkin.numeric.rank import null_space, rank_of, row_space
 from symkin.numeric.tolerances import RANK_TOLERANCE
-from symkin.position.closed_configurations import closed_configurations
+from symkin.position.closed_configurations import closed_configurations, whole_system
+from symkin.singularities.named_screw import joint_rates
 from symkin.singularities.output import Output, output_equations
-from symkin.velocity.limb_equations import LimbwiseEquations, limbwise_equations
-from symkin.velocity.roles import Roles
+from symkin.spatial.screw import tidy_rows
+from symkin.velocity.limb_equations import LimbwiseEquations, limbwise_equations, row_basis
+from symkin.velocity.roles import Roles, columns_by_name, other_joints
 
 
 @dataclass(frozen=True)
@@ -129,3 +131,25 @@ def _singular_value(matrix: np.ndarray, rank: int) -> float:
     """Singular value number `rank` of a matrix; 0 where it has fewer."""
     s = np.linalg.svd(matrix, compute_uv=False) if min(matrix.shape) else np.zeros(0)
     return float(s[rank - 1]) if 0 < rank <= len(s) else 0.0
+
+
+# --- motions that are left while what drives stands -----------------------------------------------
+
+
+def held_motions(
+    closure: Closure, values: np.ndarray, roles: Roles, tolerance: float
+) -> tuple[dict[str, float], ...]:
+    """Independent motions with F_x x' = 0 as rates of joints by name in the mechanism's units, the
+    largest of each 1. Motions of spherical joints and links alone are none.
+    """
+    _, jacobian = whole_system(closure).linearise_one(values, np.zeros(0))
+    rows = row_basis(jacobian, max(tolerance, roles.dependent_rows))
+    driven = set(roles.input_columns(closure))
+    free = [k for k in range(jacobian.shape[1]) if k not in driven]
+    left = null_space(rows[:, free], tolerance)
+    motions = np.zeros((len(left), jacobian.shape[1]))
+    motions[:, free] = left
+    names = other_joints(closure, roles.inputs or ())
+    joints = [c for name in names for c in closure.coordinates if c.name == name]
+    told = row_space(motions[:, columns_by_name(closure, names)], tolerance)
+    return tuple(joint_rates(closure.mechanism, joints, row) for row in tidy_rows(told))

@@ -10,6 +10,8 @@ apart is there a motion.
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 
 from symkin.numeric.rank import null_space
@@ -104,13 +106,13 @@ def _close_all(closed: System, points: np.ndarray) -> np.ndarray | None:
 
 def _finite_motion(system: LocusSystem, begin: np.ndarray, chain: np.ndarray) -> bool:
     closed, count = system.closed, len(system.free)
-    steps = distance(closed, chain[1:], chain[:-1], count)
+    steps = [distance(closed, a, b, count) for a, b in pairwise(chain)]
     length = _STEP * closed.characteristic_length
     scale = np.array([c.lever(closed.characteristic_length) for c in system.plane.coordinates])
     strayed = float(np.max(np.abs((chain[0] - begin)[system.uv] * scale)))
-    reached = float(distance(closed, chain[-1], chain[0], count))
+    reached = distance(closed, chain[-1], chain[0], count)
     return (
-        bool(np.all(steps >= _LEAST_DISTANCE * length))
+        min(steps) >= _LEAST_DISTANCE * length
         and reached >= 0.5 * _COUNT * _LEAST_DISTANCE * length
         and strayed <= _MOST_DRIFT * closed.characteristic_length
     )

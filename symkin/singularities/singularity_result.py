@@ -237,48 +237,30 @@ class Singularity(Result):
         return "output" if self.output is not None or named else "platform"
 
     def _head_lines(self) -> list[str]:
-        """The output, what the actuated joints never decide, and the kinds with their meanings."""
+        """The output, what drives or is never decided, and the kinds with their meanings."""
         lines = [] if self.output is None else [f"output: velocity {self.output}"]
+        meanings, output = KINDS if self.output is None else OUTPUT_KINDS, "the output"
+        regular, count = "regular", self.uncontrolled_freedoms
         if self.roles is not None and self.given:
-            return [
-                *lines,
-                *self._named_head(self.roles.output_text if self.output is None else "the output"),
-            ]
-        if count := self.uncontrolled_freedoms:
-            freedoms = f"{count} freedom{'' if count == 1 else 's'}"
+            meanings = GIVEN_KINDS
+            output = self.roles.output_text if self.output is None else output
+            lines.append(f"driven by: {', '.join(self.given)}; wanted: {output}")
+        elif count:
+            regular = "no further singularity"
             lines.append(
                 f"singular everywhere: with all actuated joints held the {self._moving} keeps "
-                f"{freedoms} at every configuration"
+                f"{count} freedom{'' if count == 1 else 's'} at every configuration"
             )
-        regular = "no further singularity" if self.uncontrolled_freedoms else "regular"
         head = ", ".join(self.kinds) + " singularity" if self.kinds else regular
-        names = (
-            f" ({', '.join(CONDITIONS[name] for name in self.conditions)})"
-            if self.conditions
-            else ""
-        )
-        meanings = KINDS if self.output is None else OUTPUT_KINDS
-        return [*lines, f"{head}{names}", *(f"  {kind}: {meanings[kind]}" for kind in self.kinds)]
-
-    def _named_head(self, output: str) -> list[str]:
-        """What drives, and the kinds with their meanings."""
-        head = ", ".join(self.kinds) + " singularity" if self.kinds else "regular"
-        if self.rank_loss:
+        if self.given and self.rank_loss:
             head += (
                 f", {self.rank_loss} further motion{'s' * (self.rank_loss > 1)} with the given "
                 f"coordinates held"
             )
-        names = (
-            f" ({', '.join(CONDITIONS[name] for name in self.conditions)})"
-            if self.conditions
-            else ""
-        )
-        meanings = [f"  {kind}: {GIVEN_KINDS[kind].format(output=output)}" for kind in self.kinds]
-        return [
-            f"driven by: {', '.join(self.given)}; wanted: {output}",
-            f"{head}{names}",
-            *meanings,
-        ]
+        if self.conditions:
+            head += f" ({', '.join(CONDITIONS[name] for name in self.conditions)})"
+        told = [f"  {kind}: {meanings[kind].format(output=output)}" for kind in self.kinds]
+        return [*lines, head, *told]
 
     def _distance_line(self) -> str:
         counts = self.permanent_freedoms

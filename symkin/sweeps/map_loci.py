@@ -4,24 +4,21 @@ it.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from typing import Any
-
-import numpy as np
 
 from symkin.errors import InputError
 from symkin.model.file import parse
 from symkin.model.mechanism import Mechanism
-from symkin.position.given_by_name import given_coordinates
+from symkin.position.given_by_name import any_given, problem_of
 from symkin.singularities.configuration import configuration
+from symkin.singularities.curve import distance
 from symkin.singularities.loci import Loci
 from symkin.singularities.singular_loci import singular_loci
-from symkin.spatial.pose import Pose
 from symkin.sweeps.map_slice import space_of
 
 _SAME = 1e-6
-"""Difference over the size, or a whole turn, below which two held values are one."""
+"""Difference over the size (angles: radians) below which held values are one."""
 
 
 def loci_over(
@@ -87,38 +84,19 @@ def _check_plane(
         )
     place = dict(zip(names, some, strict=True))
     there = loci.given([place[name] for name in loci.plane.names])
-    if not _alike(_values(mechanism, here), _values(mechanism, there), mechanism):
+    if not _alike(mechanism, here, there):
         raise InputError(
             f"plot: the loci have other values than the map ({loci.held}); one plane is needed"
         )
 
 
-def _values(mechanism: Mechanism, given: Mapping[str, Any]) -> dict[str, Any]:
-    """What is given, by name."""
-    if "joints" in given:
-        return dict(zip((c.name for c in mechanism.actuated), given["joints"], strict=True))
-    return dict(given["given"]) if "given" in given else {"pose": given["pose"]}
-
-
-def _alike(a: Mapping[str, Any], b: Mapping[str, Any], mechanism: Mechanism) -> bool:
-    """Whether two configurations' given values are the same, angles but for whole turns."""
-    if a.keys() != b.keys():
+def _alike(mechanism: Mechanism, here: Mapping[str, Any], there: Mapping[str, Any]) -> bool:
+    """Whether what is given of two configurations is the same, angles but for whole turns."""
+    if "given" in here and set(here["given"]) == set(there.get("given", ())):
+        there = {"given": {name: there["given"][name] for name in here["given"]}}
+    one, two = (any_given(mechanism, **told) for told in (here, there))
+    if (one.kind, one.names) != (two.kind, two.names):
         return False
-    turn, size = mechanism.angle_out(2.0 * math.pi), mechanism.characteristic_length
-    angles = {name for name, c in given_coordinates(mechanism).items() if c.is_angular}
-    for name, value in a.items():
-        if isinstance(value, Pose):
-            same = _near(value.position, b[name].position, size) and _near(
-                value.rotation, b[name].rotation, 1.0
-            )
-        elif name in angles:
-            same = abs(math.remainder(value - b[name], turn)) < _SAME * turn
-        else:
-            same = _near(value, b[name], size)
-        if not same:
-            return False
-    return True
-
-
-def _near(a: Any, b: Any, size: float) -> bool:
-    return bool(np.abs(np.subtract(a, b)).max() < _SAME * size)
+    problem = problem_of(mechanism, one)
+    known = problem.system.exchanged(problem.known_coordinates)
+    return distance(known, one.values, two.values) < _SAME * mechanism.characteristic_length

@@ -17,13 +17,8 @@ from symkin.position.determination import determination
 from symkin.position.given import feasible_poses, given_from
 from symkin.position.pose_conditions import condition_sentence, poses_vary
 from symkin.position.problem import Problem
-from symkin.position.varied_pose import POSE_AXES, TURNS, pose_at
+from symkin.position.varied_pose import POSE_AXES, pose_at
 from symkin.singularities.motion_ranks import generic_ranks
-from symkin.spatial.rotation import (
-    multiply,
-    quaternion_from_axis_angle,
-    quaternion_from_rotation_vector,
-)
 
 _NEAR, _SAMPLES = 1e-3, 4
 """Poses within this share of the size (rad) of one that is taken, and how many of them, tell
@@ -46,24 +41,8 @@ def pose_values(
     coordinates (n,) in the mechanism's units, and how far each lies off those that the mechanism
     can take (length unit), 0 where it is one.
     """
-    n = len(next(iter(varied.values())))
-    position = np.stack(
-        [
-            np.broadcast_to(varied.get(name, value), n)
-            for name, value in zip("xyz", base[:3], strict=True)
-        ]
-    )
-    quaternion = np.asarray(base[3:], dtype=float)[:, None]
-    if "gamma" in varied:
-        about_z = quaternion_from_axis_angle(
-            (0.0, 0.0, 1.0), varied["gamma"] * mechanism.angle_in(1.0)
-        )
-        quaternion = multiply(about_z, np.asarray(mechanism.reference_pose.quaternion)[:, None])
-    if set(TURNS) & set(varied):
-        turn = np.stack([varied.get(name, np.zeros(n)) * mechanism.angle_in(1.0) for name in TURNS])
-        quaternion = multiply(quaternion_from_rotation_vector(turn), quaternion)
-    quaternion = np.broadcast_to(quaternion / np.linalg.norm(quaternion, axis=0), (4, n))
-    return feasible_poses(mechanism, position, quaternion)
+    poses = pose_at(mechanism, base, varied)
+    return feasible_poses(mechanism, poses.position, poses.quaternion)
 
 
 def check_poses(problem: Problem, base: Sequence[float], values: Mapping[str, np.ndarray]) -> None:

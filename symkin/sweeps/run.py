@@ -12,16 +12,16 @@ import numpy as np
 
 from symkin.assembly.search import DEFAULT_SEED
 from symkin.errors import InputError
-from symkin.model.mechanism import Mechanism
+from symkin.ignored_options import refuse_ignored
+from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.position.multistart import DEFAULT_STARTS
 from symkin.result import Result, Summary
-from symkin.sweeps.arguments import check_types, refuse_unread
-from symkin.sweeps.damage import mend
 from symkin.sweeps.executors import Crew, dask_crew, given_crew, local_crew
 from symkin.sweeps.options import SweepOptions
 from symkin.sweeps.plan import Job, Plan, compute_chunk, make_plan
-from symkin.sweeps.space import Values, make_space, make_space_by_name
-from symkin.sweeps.store import Store, locked, open_store, read_attributes, require_zarr
+from symkin.sweeps.pose_points import pose_units
+from symkin.sweeps.space import Space, Values, make_space
+from symkin.sweeps.store import Store, locked, mend, open_store, read_attributes, require_zarr
 from symkin.sweeps.table import write_csv
 from symkin.verb import verb
 from symkin.verb_options import takes
@@ -161,11 +161,19 @@ def sweep(
         )
     seed = DEFAULT_SEED if options["seed"] is None else options["seed"]
     poses = options["poses"] or options["over"] == "poses"
-    if given is not None:
-        _refuse_poses(poses)
-        space = make_space_by_name(mechanism, given, sample=sample, seed=seed)
-    else:
-        space = make_space(mechanism, grid or {}, poses=poses, at=at, sample=sample, seed=seed)
+    if given is not None and poses:
+        raise InputError(
+            "given tells coordinates by name, and poses (--poses) takes a grid; give x, y, z, "
+            "azimuth, tilt and torsion by name, or a grid"
+        )
+    space = make_space(
+        mechanism,
+        grid if grid is not None else given or {},
+        over="coordinates" if given is not None else "poses" if poses else "inputs",
+        at=at,
+        sample=sample,
+        seed=seed,
+    )
     refuse_unread(space, at=at, seed=options["seed"], starts=starts)
     plan = make_plan(
         space,
@@ -181,14 +189,6 @@ def sweep(
         with locked(folder):
             damaged = mend(store)
             return replace(_run(store, crew, Job(plan, pinned).packed(), progress), damaged=damaged)
-
-
-def _refuse_poses(poses: bool) -> None:
-    if poses:
-        raise InputError(
-            "given tells coordinates by name, and poses (--poses) takes a grid; give x, y, z, "
-            "azimuth, tilt and torsion by name, or a grid"
-        )
 
 
 def _crew(
@@ -228,3 +228,78 @@ def _counts(store: Store, chunks: np.ndarray) -> Counter[int]:
     for index in chunks.tolist():
         counts.update(store.counts(index).ravel().tolist())
     return counts
+
+
+# --- arguments ------------------------------------------------------------------------------------
+
+
+def check_types(mechanism: Any, grid: Any, given: Any, directory: Any, **others: Any) -> None:
+    """Raises InputError; `others` are the arguments `at`, `executor` and `progress`."""
+    require_mechanism(mechanism)
+    wanted = "a mapping of names to values is needed, such as {'NAME': [0.0, 0.5, 1.0]}"
+    if grid is None and given is None:
+        raise InputError(
+            "nothing is swept; give grid (--grid), values of actuated joints or of poses, or given "
+            "(--given), values of any coordinates"
+        )
+    if grid is not None and given is not None:
+        raise InputError(
+            "grid and given are both there; given (--given) alone tells all values, grid (--grid) "
+            "those of inputs or poses"
+        )
+    _need(grid is None or isinstance(grid, Mapping), "grid", grid, wanted)
+    _need(given is None or isinstance(given, Mapping), "given", given, wanted)
+    _need(directory is not None, "directory", directory, "the path of a folder is needed")
+    _need(
+        not isinstance(others["at"], str | bytes),
+        "at",
+        others["at"],
+        "a list of numbers, a mapping or a Pose is needed",
+    )
+    executor, progress = others["executor"], others["progress"]
+    _need(
+        executor is None or hasattr(executor, "submit"),
+        "executor",
+        executor,
+        "a concurrent.futures.Executor is needed",
+    )
+    _need(
+        progress is None or callable(progress),
+        "progress",
+        progress,
+        "a function of two counts is needed",
+    )
+
+
+def refuse_unread(space: Space, *, at: Any, seed: int | None, starts: int | None) -> None:
+    """Refuse what the user gives and no point of the sweep reads: values of `at` that are all swept
+    or told by name, random starts of a formula.
+    """
+    if space.over == "coordinates":
+        refuse_ignored(
+            {"at": at}, "given tells every value by name, what is not swept as NAME=VALUE"
+        )
+    elif not _reads_base(space):
+        refuse_ignored({"at": at}, "all that it would give is swept")
+    if space.problem.is_explicit:
+        unread = {"starts": starts, "seed": None if space.sample is not None else seed}
+        refuse_ignored(
+            unread,
+            "the direct problem of a serial arm is a function of its joints, and nothing is random",
+        )
+
+
+def _reads_base(space: Space) -> bool:
+    """Whether something is not swept: a joint, a position, or the orientation before a rotation
+    vector.
+    """
+    swept = {axis.name for axis in space.axes}
+    if space.over == "inputs":
+        return not {c.name for c in space.mechanism.actuated} <= swept
+    turns = "gamma" not in swept and space.mechanism.motion != "translation"
+    return turns or not {name for name in pose_units(space.mechanism) if name in "xyz"} <= swept
+
+
+def _need(good: bool, name: str, value: Any, wanted: str) -> None:
+    if not good:
+        raise InputError(f"{name} = {value!r} is of type {type(value).__name__}; {wanted}")

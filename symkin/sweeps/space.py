@@ -7,7 +7,7 @@ Values are in the mechanism's units; poses are made as `pose_points` says.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal, NoReturn
 
@@ -15,7 +15,6 @@ import numpy as np
 
 from symkin.computed_once import cached_property
 from symkin.errors import InputError
-from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism
 from symkin.position.given import Given, Joints, in_file_order, joint_values, pose_from
 from symkin.position.given_by_name import any_given, given_coordinates, problem_of
@@ -150,88 +149,58 @@ class Space:
 
 def make_space(
     mechanism: Mechanism,
-    ranges: Mapping[str, Values],
+    ranges: Mapping[str, float | Values],
     *,
-    poses: bool = False,
+    over: Over = "inputs",
     at: Joints | Pose | None = None,
     sample: int | None = None,
     seed: int = 0,
 ) -> Space:
-    """A checked space. `ranges` maps actuated joints, or coordinates of the platform's motion, to
-    their values, in a sample to (least, largest); `at` gives what is not swept: all actuated
-    joints, or a pose (default: the example's, else the reference's). Raises InputError for names,
-    values and counts that do not fit, and for poses of which the joints allow hardly any.
+    """A checked space. `ranges` maps actuated joints, coordinates of the platform's motion, or any
+    coordinates, to their values, in a sample to (least, largest). What is not swept is held: by
+    `at`, all actuated joints or a pose (default: the example's, else the reference's), or, of any
+    coordinates, where one number or a whole "pose" is told. Raises InputError for names, values and
+    counts that do not fit, and for poses of which the joints allow hardly any.
     """
-    if not ranges:
+    by_name, what = over == "coordinates", "given" if over == "coordinates" else "grid"
+    if not ranges and not by_name:
         raise InputError("grid: nothing is swept; give at least one name with its values")
-    _check_sample(sample, seed)
-    if poses and mechanism.platform_link is None:
-        raise InputError(
-            f"poses: {mechanism.name} has no platform link; sweep over its inputs, or over "
-            f"coordinates by name (given)"
-        )
-    units = pose_units(mechanism) if poses else _units(mechanism, mechanism.actuated)
+    if sample is not None and not 1 <= sample <= MOST_POINTS:
+        raise InputError(f"random = {sample}; allowed: 1 to {MOST_POINTS} points")
+    if seed < 0:
+        raise InputError(f"seed = {seed} must not be negative")
+    units = _units(mechanism, over)
+    held = {n: v for n, v in ranges.items() if by_name and (np.ndim(v) == 0 or n not in units)}
     axes = tuple(
-        _axis(n, values, units.get(n) or _refused(mechanism, n, units, poses), "grid", sample)
+        _axis(n, values, units.get(n) or _refused(mechanism, n, units, over), what, sample)
         for n, values in ranges.items()
+        if n not in held
     )
-    space = Space(
-        mechanism, "poses" if poses else "inputs", axes, _base(mechanism, poses, at), sample, seed
-    )
-    _check_size(space, "grid")
-    if poses:
-        assert not isinstance(space.base, Mapping)  # noqa: S101 - that of a pose
-        check_poses(space.problem, space.base, {axis.name: axis.values for axis in axes})
-    else:
-        for end in (0, -1):
-            joint_values(
-                mechanism, space.given([float(axis.values[end]) for axis in axes])["joints"], "grid"
-            )
-    return space
-
-
-def make_space_by_name(
-    mechanism: Mechanism,
-    given: Mapping[str, float | Values],
-    *,
-    sample: int | None = None,
-    seed: int = 0,
-) -> Space:
-    """A checked space of coordinates told by name: those with one number are held there, and so is
-    a whole "pose"; those with several are swept, in a sample from the least to the largest. Raises
-    InputError.
-    """
-    _check_sample(sample, seed)
-    coordinates = given_coordinates(mechanism)
-    units = _units(mechanism, coordinates.values())
-    held = {n: value for n, value in given.items() if np.ndim(value) == 0 or n not in units}
-    swept = {n: value for n, value in given.items() if n not in held}
-    axes = tuple(
-        _axis(n, np.asarray(values), units[n], "given", sample) for n, values in swept.items()
-    )
-    space = Space(mechanism, "coordinates", axes, held, sample, seed)
-    for end in (0, -1):
-        space.given_at_end(end)
+    base = held if by_name else _base(mechanism, over == "poses", at)
+    space = Space(mechanism, over, axes, base, sample, seed)
+    _check_ends(space)
     if not axes:
         example = next(iter(units), "NAME")
         raise InputError(
             f"given: nothing is swept; give at least one name several values, as in "
             f"{example}=0:90:91 ({{{example!r}: [0, 1, 2]}})"
         )
-    _check_size(space, "given")
+    if space.size > MOST_POINTS:
+        raise InputError(f"{what}: {space.size} points; allowed: at most {MOST_POINTS}")
+    if not isinstance(base, Mapping) and over == "poses":
+        check_poses(space.problem, base, {axis.name: axis.values for axis in axes})
     return space
 
 
-def _check_sample(sample: int | None, seed: int) -> None:
-    if sample is not None and not 1 <= sample <= MOST_POINTS:
-        raise InputError(f"random = {sample}; allowed: 1 to {MOST_POINTS} points")
-    if seed < 0:
-        raise InputError(f"seed = {seed} must not be negative")
-
-
-def _check_size(space: Space, what: str) -> None:
-    if space.size > MOST_POINTS:
-        raise InputError(f"{what}: {space.size} points; allowed: at most {MOST_POINTS}")
+def _check_ends(space: Space) -> None:
+    """Raise InputError where the first or the last point is none of a sweep's by joints."""
+    for end in (0, -1):
+        match space.over:
+            case "coordinates":
+                space.given_at_end(end)
+            case "inputs":
+                point = [float(axis.values[end]) for axis in space.axes]
+                joint_values(space.mechanism, space.given(point)["joints"], "grid")
 
 
 def _angles_in(mechanism: Mechanism, values: np.ndarray, *, whole_turns: bool) -> np.ndarray:
@@ -246,14 +215,22 @@ def _angles_in(mechanism: Mechanism, values: np.ndarray, *, whole_turns: bool) -
     return np.radians(values) if mechanism.angle_unit == "deg" else values
 
 
-def _units(mechanism: Mechanism, coordinates: Iterable[Coordinate]) -> dict[str, str]:
-    """Units of coordinates by name."""
-    return {c.name: mechanism.unit_of(c) for c in coordinates}
+def _units(mechanism: Mechanism, over: Over) -> dict[str, str]:
+    """Units of what can be swept, by name."""
+    if over == "poses":
+        if mechanism.platform_link is None:
+            raise InputError(
+                f"poses: {mechanism.name} has no platform link; sweep over its inputs, or over "
+                f"coordinates by name (given)"
+            )
+        return pose_units(mechanism)
+    told = mechanism.actuated if over == "inputs" else given_coordinates(mechanism).values()
+    return {c.name: mechanism.unit_of(c) for c in told}
 
 
-def _refused(mechanism: Mechanism, name: str, units: Mapping[str, str], poses: bool) -> NoReturn:
+def _refused(mechanism: Mechanism, name: str, units: Mapping[str, str], over: Over) -> NoReturn:
     """Raise InputError: what can be swept in place of a name, and how this one can."""
-    allowed = ", ".join(units) or "nothing"
+    allowed, poses = ", ".join(units) or "nothing", over == "poses"
     if poses and name in ALL_POSE_AXES:
         raise InputError(
             f"grid: poses of {mechanism.name}, of {mechanism.motion} motion, have no {name!r} to "
@@ -273,7 +250,7 @@ def _refused(mechanism: Mechanism, name: str, units: Mapping[str, str], poses: b
     )
 
 
-def _axis(name: str, values: Values, unit: str, what: str, sample: int | None) -> Axis:
+def _axis(name: str, values: float | Values, unit: str, what: str, sample: int | None) -> Axis:
     try:
         numbers = np.array([float(v) for v in np.asarray(values).ravel()])
     except (TypeError, ValueError):

@@ -13,7 +13,7 @@ so that neither side is preferred where the other is singular. Quaternions are f
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import casadi as ca
 import numpy as np
@@ -51,23 +51,13 @@ class Linkage:
 
     def system_of(self, names: Sequence[str]) -> System:
         """The rows with the coordinates of these names known."""
-        problem, closure = self.problem, self.problem.closure
-        parts = [
-            self.coordinates_of(names),
-            [c for c in closure.coordinates if c.name not in names],
-        ]
-        known, unknown = (
-            ca.vertcat(ca.SX(0, 1), *(closure.variables[closure.slices[c.name]] for c in part))
-            for part in parts
-        )
-        return System(
-            tuple(parts[1]),
-            unknown,
-            known,
-            problem.system.rows,
-            problem.system.errors,
-            closure.characteristic_length,
-            closure.mechanism.farthest,
+        closure, known = self.problem.closure, self.coordinates_of(names)
+        unknowns = tuple(c for c in closure.coordinates if c.name not in names)
+        return replace(
+            self.problem.system,
+            unknowns=unknowns,
+            unknown=closure.symbols(unknowns),
+            known=closure.symbols(known),
         )
 
     @cached_property

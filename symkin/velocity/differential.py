@@ -8,6 +8,7 @@ differentiation by the quaternion would give the same numbers in many more terms
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import casadi as ca
@@ -42,16 +43,15 @@ class Differential:
     platform's or tool's origin; angular velocity), base frame, all six columns.
 
     `twist` (m, 6), `passive` (m, p), `actuated` (m, n); a passive unit quaternion has three
-    columns, its angular velocity in the frame before the joint. `limbs` names the limb of each row,
-    `weights` (m) makes lengths of the rows, which are (d.d - l^2) / 2 for distances. `pose` is the
-    platform's or tool's pose. With `explicit`, the rows are those of a serial arm, t = J(q) q', and
-    neither they nor the pose contain pose coordinates.
+    columns, its angular velocity in the frame before the joint. `weights` (m) makes lengths of the
+    rows, which are (d.d - l^2) / 2 for distances. `pose` is the platform's or tool's pose. With
+    `explicit`, the rows are those of a serial arm, t = J(q) q', and neither they nor the pose
+    contain pose coordinates.
     """
 
     twist: ca.SX
     passive: ca.SX
     actuated: ca.SX
-    limbs: tuple[str, ...]
     weights: np.ndarray
     pose: Pose
     explicit: bool
@@ -81,7 +81,6 @@ def differentiate(closure: Closure, *, bound: bool = False) -> Differential:
             twist=twist,
             passive=ca.SX(6, 0),
             actuated=actuated,
-            limbs=(closure.mechanism.limbs[0].name,) * 6,
             weights=np.repeat([1.0, closure.characteristic_length], 3),
             pose=Pose(position, quaternion),
             explicit=True,
@@ -97,7 +96,6 @@ def differentiate(closure: Closure, *, bound: bool = False) -> Differential:
         twist=twist[kept, :],
         passive=joints[1][kept, :],
         actuated=joints[0][kept, :],
-        limbs=tuple(builder.sources[k].limb for k in kept),
         weights=np.array(
             [
                 1 / closure.characteristic_length
@@ -117,7 +115,7 @@ def tangent_jacobian(
     """Derivatives by rates: of numbers, and of unit quaternions by their angular velocity."""
     columns = [ca.SX(expression.shape[0], 0)]
     for c in coordinates:
-        symbol = closure.variables[closure.slices[c.name]]
+        symbol = closure.symbols([c])
         jacobian = ca.jacobian(expression, symbol)
         columns.append(ca.mtimes(jacobian, quaternion_rates(symbol)) if c.is_rotation else jacobian)
     return ca.horzcat(*columns)
@@ -252,6 +250,15 @@ def _kept_rows(closure: Closure, rows: ca.SX) -> list[int]:
     return np.flatnonzero(
         np.max(np.abs(samples), axis=0) > _VANISHING * closure.characteristic_length
     ).tolist()
+
+
+def rate_names(coordinates: Sequence[Coordinate]) -> tuple[str, ...]:
+    """One name a rate: that of the coordinate, or `name.x`, `name.y`, `name.z` of a rotation."""
+    return tuple(
+        f"{c.name}.{letter}" if c.is_rotation else c.name
+        for c in coordinates
+        for letter in "xyz"[: c.freedom]
+    )
 
 
 def motion_columns(closure: Closure) -> list[int]:

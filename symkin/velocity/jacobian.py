@@ -16,7 +16,6 @@ from symkin.computed_once import cached_property, lru_cache
 from symkin.errors import InputError
 from symkin.machine.limbs import with_limbs
 from symkin.model.arm import arm_of
-from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.position.solution import Solution
 from symkin.result import Result
@@ -24,9 +23,15 @@ from symkin.text import not_among
 from symkin.velocity.differential import differentiate, pose_rates, quaternion_rates
 from symkin.velocity.equations import VelocityEquations, variables_of, velocity_equations
 from symkin.velocity.jacobian_expressions import Expressions
-from symkin.velocity.jacobian_names import KINDS, JacobianKind, Variable, labels, variables_read
+from symkin.velocity.jacobian_names import (
+    KINDS,
+    JacobianKind,
+    SymbolicMatrix,
+    Variable,
+    labels,
+    variables_read,
+)
 from symkin.velocity.rates import RateJacobian, graph_jacobian, rate_jacobian
-from symkin.velocity.symbolic_matrix import SymbolicMatrix
 from symkin.verb import verb
 
 Values = Solution | Mapping[str, Any] | np.ndarray
@@ -180,13 +185,13 @@ class Jacobian(SymbolicMatrix, Result):
             for c in closure.role(role):
                 rate = part[place : place + c.freedom]
                 speeds.append(
-                    ca.mtimes(quaternion_rates(symbol_of(closure, c)), rate)
+                    ca.mtimes(quaternion_rates(closure.symbols([c])), rate)
                     if c.is_rotation
                     else rate
                 )
                 place += c.freedom
         for c in closure.role("pose"):
-            speeds.append(pose_rates(c, symbol_of(closure, c), rates[n + p :]))
+            speeds.append(pose_rates(c, closure.symbols([c]), rates[n + p :]))
         flat = ca.jtimes(
             ca.vec(ca.densify(self.expression)), closure.variables, ca.vertcat(*speeds)
         )
@@ -303,7 +308,3 @@ def _check_defined(equations: VelocityEquations, kind: JacobianKind) -> None:
             f"{mechanism.name}: its closure has no passive joint; allowed kinds: direct, inverse, "
             f"analytic"
         )
-
-
-def symbol_of(closure: Closure, coordinate: Coordinate) -> ca.SX:
-    return closure.variables[closure.slices[coordinate.name]]

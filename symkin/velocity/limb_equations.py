@@ -14,7 +14,7 @@ are held; those with b_i = 0 are its constraints.
 
 Ranks are counted at the configuration itself, so that more is said where one is lost, and rows of
 unit length make distances that do not depend on the closure's rows. Those of generic configurations
-are the ranks of the symbolic elimination (see `limb_ranks`, `jacobian_expressions`).
+are the ranks of the symbolic elimination (see `equations`, `jacobian_expressions`).
 """
 
 from __future__ import annotations

@@ -36,16 +36,16 @@ from symkin.position.solution import Solution
 from symkin.position.solve_result import SolveError
 from symkin.position.transfer import many_elsewhere, variables_elsewhere
 from symkin.result import Result
-from symkin.velocity.differential import TWIST_COLUMNS, pose_rates, tangent_jacobian
+from symkin.velocity.differential import TWIST_COLUMNS, pose_rates, rate_names, tangent_jacobian
 from symkin.velocity.elimination import factored
 from symkin.velocity.jacobian_names import (
     TWIST,
     JacobianKind,
+    SymbolicMatrix,
     Variable,
     components,
     variables_read,
 )
-from symkin.velocity.symbolic_matrix import SymbolicMatrix
 
 _LEVEL = ("azimuth", "tilt")
 """Angles of a platform that have no rates where it does not tilt."""
@@ -146,12 +146,7 @@ def graph_jacobian(mechanism: Mechanism, kind: JacobianKind) -> RateJacobian:
     rates, closure = _rates_of_unknowns(problem), problem.closure
     coordinates = {c.name: c for c in problem.system.unknowns}
     if kind == "passive":
-        parts = [(f".{letter}" for letter in "xyz"[: coordinates[n].freedom]) for n in held]
-        rows = tuple(
-            name + letter if coordinates[name].freedom > 1 else name
-            for name, letters in zip(held, parts, strict=True)
-            for letter in letters
-        )
+        rows = rate_names([coordinates[name] for name in held])
         expression, columns = ca.vertcat(*(rates[name] for name in held)), joints
     else:
         twist = ca.SX(6, len(joints))
@@ -164,7 +159,7 @@ def graph_jacobian(mechanism: Mechanism, kind: JacobianKind) -> RateJacobian:
             expression = factored(ca.mtimes(lengths, twist), lengths).solution()
             rows, columns = joints, TWIST
         elif kind == "analytic":
-            quaternion = closure.variables[closure.slices[pose[-1]]]
+            quaternion = closure.symbols([coordinates[pose[-1]]])
             expression = ca.vertcat(
                 *(pose_rates(coordinates[name], quaternion, twist) for name in pose)
             )

@@ -17,6 +17,7 @@ from helpers.inside import (
     predict_readings,
     random_configurations,
     told_directions,
+    whitening,
     with_parameters,
     workspace_home_pose,
 )
@@ -54,6 +55,7 @@ def explained_errors(fit: symkin.Calibration, exact: symkin.Measurements) -> np.
     directions = told.columns[:, told.ratios > WELL_TOLD]
     there = replace(fit.problem, measurements=exact).of(np.array(fit.used))
     made = predict_readings(there, fit.state.p, fit.state.z, directions)
-    along = (made.whiten @ made.spread).reshape(-1, directions.shape[1])
-    errors = (made.whiten @ made.errors[:, :, None]).reshape(-1)
+    whiten = whitening(there.readings, made.noise)
+    along = (whiten @ made.spread).reshape(-1, directions.shape[1])
+    errors = (whiten @ made.errors[:, :, None]).reshape(-1)
     return np.asarray(along.T @ errors / np.linalg.norm(along, axis=0))

@@ -342,7 +342,6 @@ NAMES = {
     "Swept": "symkin.sweeps.run",
     "Blocks": "symkin.sweeps.space",
     "make_space": "symkin.sweeps.space",
-    "make_space_by_name": "symkin.sweeps.space",
     "Store": "symkin.sweeps.store",
     "open_store": "symkin.sweeps.store",
     # transmissions
@@ -386,6 +385,7 @@ NAMES = {
     "default_parameters": "symkin.calibration.estimate.problem",
     "FORMS": "symkin.calibration.options",
     "deviations": "symkin.calibration.estimate.residuals",
+    "whitening": "symkin.calibration.estimate.residuals",
     "linearise": "symkin.calibration.estimate.residuals",
     "EFFICIENCY": "symkin.calibration.estimate.robust",
     "loss_weights": "symkin.calibration.estimate.robust",

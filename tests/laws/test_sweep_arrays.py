@@ -43,7 +43,7 @@ def test_known_values_are_those_of_single_inputs(name):
 def test_known_values_of_poses_are_those_of_single_poses(name, ranges, at):
     """Coordinates of the motion and how far a pose lies off what the mechanism can take."""
     mechanism = symkin.load(name)
-    space = make_space(mechanism, ranges, poses=True, at=at, sample=20, seed=2)
+    space = make_space(mechanism, ranges, over="poses", at=at, sample=20, seed=2)
     points = space.points((slice(0, 20),))
     known, off = space.known_values(points)
     givens = [given_from(mechanism, None, space.given(point)["pose"]) for point in points]

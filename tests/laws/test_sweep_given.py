@@ -16,7 +16,7 @@ import pytest
 import symkin
 from helpers.folders import same_files
 from helpers.graph_twin import graph_twin
-from helpers.inside import main, make_space_by_name, read_given
+from helpers.inside import main, make_space, read_given
 from helpers.needed import Later, needs
 from helpers.samples import five_bar, three_rps, three_rrr
 from oracle.plain_check import MECHANISMS
@@ -81,7 +81,7 @@ def test_points_have_the_modes_that_they_have_alone(tmp_path, name, given):
     """
     mechanism = symkin.load(name)
     data = sweep(mechanism, directory=tmp_path / "s", given=given, chunk=7, workers=0).open().load()
-    space = make_space_by_name(mechanism, given)
+    space = make_space(mechanism, given, over="coordinates")
     points = space.points(tuple(slice(0, n) for n in space.shape))
     flat = {
         v: data[v].values.reshape(len(points), *data[v].shape[len(space.shape) :])

@@ -52,10 +52,10 @@ def test_axes_are_those_of_the_motion(mechanism, names):
     """
     for name in {"x", "y", "z", "gamma", "rx", "ry", "rz"} - set(names.split(", ")):
         with pytest.raises(InputError, match=f"no '{name}' to sweep; allowed: {names}$"):
-            make_space(mechanism, {name: [0.0, 0.1]}, poses=True)
+            make_space(mechanism, {name: [0.0, 0.1]}, over="poses")
     for name in names.split(", "):
         if mechanism.name != "scara":
-            assert make_space(mechanism, {name: [0.0, 0.1]}, poses=True).shape == (2,)
+            assert make_space(mechanism, {name: [0.0, 0.1]}, over="poses").shape == (2,)
 
 
 def test_gamma_turns_from_the_reference_and_rz_from_the_base():
@@ -64,13 +64,13 @@ def test_gamma_turns_from_the_reference_and_rz_from_the_base():
     mechanism = replace(three_rrr("planar"), platform_quaternion=tuple(turned), angle_unit="deg")
     at = [1.0, 2.0, 0.0, math.cos(0.5), 0.0, 0.0, math.sin(0.5)]
     for name, start in (("gamma", turned), ("rz", at[3:])):
-        pose = make_space(mechanism, {name: [0.0, 20.0]}, poses=True, at=at).given([20.0])["pose"]
+        pose = make_space(mechanism, {name: [0.0, 20.0]}, over="poses", at=at).given([20.0])["pose"]
         assert np.allclose(
             pose.rotation, axis_turn(Z, math.radians(20.0)) @ ball_turn(start), atol=1e-15
         )
         assert np.allclose(pose.position, at[:3])
     with pytest.raises(InputError, match="gamma and rz are given together"):
-        make_space(mechanism, {"gamma": [0.0, 1.0], "rz": [0.0, 1.0]}, poses=True)
+        make_space(mechanism, {"gamma": [0.0, 1.0], "rz": [0.0, 1.0]}, over="poses")
 
 
 def test_a_base_off_the_motion_is_refused():
@@ -80,10 +80,10 @@ def test_a_base_off_the_motion_is_refused():
     with pytest.raises(
         InputError, match="at: the pose lies off the planar motion of three_rrr's platform by 5 mm"
     ):
-        make_space(three_rrr("planar"), {"x": [0.0, 1.0]}, poses=True, at=[0, 0, 5, 1, 0, 0, 0])
+        make_space(three_rrr("planar"), {"x": [0.0, 1.0]}, over="poses", at=[0, 0, 5, 1, 0, 0, 0])
     assert (
         make_space(
-            three_rrr("planar"), {"x": [0.0, 1.0]}, poses=True, at=[0, 0, 1e-9, 1, 0, 0, 0]
+            three_rrr("planar"), {"x": [0.0, 1.0]}, over="poses", at=[0, 0, 1e-9, 1, 0, 0, 0]
         ).size
         == 2
     )
@@ -122,7 +122,7 @@ def test_poses_under_a_condition_are_refused(tmp_path, mechanism, ranges, said):
         sweep(mechanism, ranges, tmp_path / "s", poses=True, workers=0)
     assert not (tmp_path / "s").exists()
     with pytest.raises(InputError, match=said):
-        make_space(mechanism, ranges, poses=True, sample=9)
+        make_space(mechanism, ranges, over="poses", sample=9)
 
 
 @pytest.mark.parametrize(
@@ -144,7 +144,7 @@ def test_poses_without_a_condition_are_accepted(mechanism, ranges):
     """Subgroups of displacements can be swept without declared motion; out of reach is no
     condition, one point needs none.
     """
-    make_space(mechanism, ranges, poses=True)
+    make_space(mechanism, ranges, over="poses")
 
 
 def test_condition_is_told_where_it_holds():

@@ -85,7 +85,7 @@ def test_rotation_vectors_turn_the_pose_in_the_base_frame(turn):
     space = make_space(
         symkin.load("zhang2009"),
         {"y": [0.0], "rx": [0.0], "ry": [0.0], "rz": [0.0]},
-        poses=True,
+        over="poses",
         at=at,
     )
     pose = space.given([9.0, *turn])["pose"]
@@ -178,7 +178,7 @@ def test_ranges_that_are_refused(text, sampled, said):
     [
         ({"leg9": [1.0]}, {}, "no 'leg9'.*leg1, leg2"),
         ({"x": [1.0]}, {}, "--poses"),
-        ({"leg1": [1.0]}, {"poses": True}, "x, y, z, rx"),
+        ({"leg1": [1.0]}, {"over": "poses"}, "x, y, z, rx"),
         ({}, {}, "nothing is swept"),
         ({"leg1": []}, {}, "no values"),
         ({"leg1": [1, float("nan")]}, {}, "not finite"),
@@ -191,7 +191,7 @@ def test_ranges_that_are_refused(text, sampled, said):
         ({"leg1": [1, 2]}, {"seed": -1}, "seed"),
         ({"leg1": [2, 1]}, {"sample": 4}, "reversed"),
         ({"leg1": [1]}, {"at": [1, 2]}, "at: 2 values"),
-        ({"x": [1]}, {"at": [1, 2], "poses": True}, "at: 2 values"),
+        ({"x": [1]}, {"at": [1, 2], "over": "poses"}, "at: 2 values"),
         ({"leg1": np.arange(1e5), "leg2": np.arange(1e5)}, {}, "10000000000 points"),
     ],
 )

@@ -196,7 +196,7 @@ def test_points_without_solution_and_off_the_motion(tmp_path):
     assert turned.rz.attrs["units"] == "deg"
     tilted = Pose(np.array([0.0, 0.0, 100.0]), np.array([math.cos(0.2), math.sin(0.2), 0.0, 0.0]))
     found = (
-        make_plan(make_space(restricted, {"z": [100.0]}, poses=True))
+        make_plan(make_space(restricted, {"z": [100.0]}, over="poses"))
         .finder()
         .enumerate([{"pose": tilted}])
     )

@@ -13,7 +13,7 @@ from symkin.calibration.data.measurements import NO_GROUP
 from symkin.calibration.design.simulation import READING_CHOICES, Noise, simulate_readings
 from symkin.calibration.estimate.configurations import ClosedConfigurations
 from symkin.calibration.estimate.problem import CalibrationProblem, build_calibration
-from symkin.calibration.estimate.residuals import whitening
+from symkin.calibration.estimate.residuals import noise_of, whitening
 from symkin.calibration.estimate.state import evaluate_at, joint_covariance_at
 from symkin.closure.closure import build_closure
 from symkin.errors import InputError
@@ -80,6 +80,6 @@ def reading_slopes(
     # is offered as one that tells nothing
     told = np.all([np.all(np.isfinite(v), axis=(1, 2)) for v in found], axis=0)
     slopes, of_joints = (np.where(told[:, None, None], v, 0.0) for v in found)
-    whiten = whitening(problem.readings, of_joints)
+    whiten = whitening(problem.readings, noise_of(problem.readings, of_joints))
     basis = whiten[:, :, problem.readings.grouped if grouped else []]
     return ReadingSlopes(whiten @ slopes, basis)

@@ -121,10 +121,14 @@ class ConfigurationModel:
         return _build_model, (self.mechanism, self.channels, self.names)
 
     def evaluate(
-        self, z: np.ndarray, joints: np.ndarray, p: np.ndarray, quaternions: np.ndarray
+        self,
+        z: np.ndarray,
+        joints: np.ndarray,
+        p: np.ndarray,
+        quaternions: np.ndarray | None = None,
     ) -> Evaluation:
         """Evaluate closure and readings with derivatives; z (n, width), joints (n, a), p (P,),
-        quaternions (n, 4).
+        quaternions (n, 4), zero where none are measured.
         """
         return Evaluation(*self._call("whole", z, joints, p, quaternions))
 
@@ -132,7 +136,7 @@ class ConfigurationModel:
         self, z: np.ndarray, joints: np.ndarray, p: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
         """Evaluate F (n, m) and F_z (n, m, f)."""
-        rows, rows_z = self._call("rows", z, joints, p, self.no_quaternions(len(z)))
+        rows, rows_z = self._call("rows", z, joints, p)
         return rows, rows_z
 
     def joint_slopes(
@@ -151,20 +155,20 @@ class ConfigurationModel:
         return np.asarray(e.readings_z @ solve_systems(e.rows_z, rows_q) - readings_q)
 
     def tangent(
-        self, z: np.ndarray, joints: np.ndarray, p: np.ndarray, quaternions: np.ndarray
+        self,
+        z: np.ndarray,
+        joints: np.ndarray,
+        p: np.ndarray,
+        quaternions: np.ndarray | None = None,
     ) -> list[np.ndarray]:
         """Evaluate F, F_z, F_q (n, m, a), h, h_z, h_q (n, K, a)."""
         return self._call("tangent", z, joints, p, quaternions)
 
     def poses(self, z: np.ndarray, joints: np.ndarray, p: np.ndarray) -> np.ndarray:
         """Evaluate the observed poses (n, 7), quaternions with w >= 0."""
-        packed = self._call("pose", z, joints, p, self.no_quaternions(len(z)))[0]
+        packed = self._call("pose", z, joints, p)[0]
         packed[:, 3:] *= np.where(packed[:, 3:4] < 0, -1.0, 1.0)
         return packed
-
-    def no_quaternions(self, count: int) -> np.ndarray:
-        """Orientations to measure against, where none is told."""
-        return np.zeros((count, int(self.quaternion.shape[0])))
 
     @cached_property
     def columns(self) -> tuple[tuple[str, str], ...]:
@@ -223,8 +227,15 @@ class ConfigurationModel:
         return {what: Mapped.of(inputs, made) for what, made in outputs.items()}
 
     def _call(
-        self, what: str, z: np.ndarray, joints: np.ndarray, p: np.ndarray, quaternions: np.ndarray
+        self,
+        what: str,
+        z: np.ndarray,
+        joints: np.ndarray,
+        p: np.ndarray,
+        quaternions: np.ndarray | None = None,
     ) -> list[np.ndarray]:
+        if quaternions is None:
+            quaternions = np.zeros((len(z), int(self.quaternion.shape[0])))
         results = self._mapped[what](z, joints, p, quaternions)
         vectors = _VECTOR_OUTPUTS[what]
         return [a[:, :, 0] if k in vectors else a for k, a in enumerate(results)]
@@ -262,14 +273,13 @@ def _build_model(
     readings = [known.reading(o, slots.get(o.name)) for o in channels]
     parameters = ca.vertcat(ca.SX(0, 1), *(symbols[n] for n in names))
     unknowns = closure.role("passive", "body", "pose")
-    places = (closure.variables[closure.slices[c.name]] for c in unknowns)
     types = tuple(table[n][1] for n in names)
     return ConfigurationModel(
         mechanism=mechanism,
         closure=closure,
         system=System(
             unknowns,
-            ca.vertcat(ca.SX(0, 1), *places),
+            closure.symbols(unknowns),
             ca.vertcat(known.joints, parameters),
             known(closure.rows),
             known(closure.errors),
@@ -301,7 +311,7 @@ class _Known:
         own = dict(zip(closure.parameter_names, closure.parameter_values, strict=True))
         values = own | {name: value for name, (_, value) in seen.geometry.items()}
         self._before = ca.vertcat(
-            *(closure.variables[closure.slices[c.name]] for c in actuated),
+            closure.symbols(actuated),
             closure.parameters,
             *(symbol for name, (symbol, _) in seen.geometry.items() if name not in own),
         )

@@ -118,9 +118,7 @@ class Closing:
         if "joints" in self.held:
             rows, rows_z = self.model.rows(z, joints, self.p)
             return rows, rows_z[:, :, self.free - self._joints]
-        rows, rows_z, rows_q, h, h_z, h_q = self.model.tangent(
-            z, joints, self.p, self.model.no_quaternions(len(z))
-        )
+        rows, rows_z, rows_q, h, h_z, h_q = self.model.tangent(z, joints, self.p)
         by = np.concatenate([rows_q * self._units, rows_z], axis=2)
         if self.inclined is not None:
             columns, size = self.model.group_columns, self.characteristic_length
@@ -415,12 +413,20 @@ def joints_at_poses(mechanism: Mechanism, poses: np.ndarray) -> np.ndarray:
     """Solve for the actuated joints (n, a) at platform poses (n, 7), the limbs as near to the
     reference as Newton finds them; NaN where a limb does not reach the pose.
     """
-    model = closing_model(mechanism)
+    with np.errstate(all="ignore"):
+        closing, values, closed = closed_at(closing_model(mechanism), poses)
+    return np.where(closed[:, None], closing.split(values)[1], np.nan)
+
+
+def closed_at(
+    model: ConfigurationModel, poses: np.ndarray
+) -> tuple[Closing, np.ndarray, np.ndarray]:
+    """Close the joints at platform poses (n, 7), from the reference: the closing, its points, and
+    which of them closed (n,).
+    """
     starts = np.tile(model.closure.reference, (len(poses), 1))
     closing = Closing(model, np.zeros(0), held=("pose",))
-    with np.errstate(all="ignore"):
-        values, closed = closing.close(with_poses(model.closure, starts, poses))
-    return np.where(closed[:, None], closing.split(values)[1], np.nan)
+    return closing, *closing.close(with_poses(model.closure, starts, poses))
 
 
 def with_poses(closure: Closure, values: np.ndarray, poses: np.ndarray) -> np.ndarray:

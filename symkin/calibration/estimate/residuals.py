@@ -161,7 +161,7 @@ def linearise(
         return _differences(readings, gap, h_p)
     whiten = None
     if form != "means" and covariance is not None:
-        whiten = whitening(readings, covariance)
+        whiten = whitening(readings, noise_of(readings, covariance))
     return _eliminated(readings, gap, h_p, whiten)
 
 
@@ -198,18 +198,27 @@ def _differences(readings: Readings, gap: np.ndarray, h_p: np.ndarray) -> Linear
     return Linearised.of(residuals, jacobian)
 
 
-def whitening(readings: Readings, covariance: np.ndarray) -> np.ndarray:
-    """Return L^-1 (n, K, K) with L L^T = S; rows of readings not taken are zero. Not finite where
-    the covariance is not.
+def noise_of(readings: Readings, covariance: np.ndarray, factor: float = 1.0) -> np.ndarray:
+    """Return S (n, K, K), the covariance of readings with that of joint noise, 1 for what was not
+    read; `factor` scales the variances stated.
     """
     taken = readings.taken
     both = taken[:, :, None] & taken[:, None, :]
-    spread = np.where(taken, readings.sigma, 1.0) ** 2
-    s = np.where(both, covariance, 0.0) + spread[:, :, None] * np.eye(taken.shape[1])
+    variance = np.where(taken, factor * readings.sigma**2, 1.0)
+    return np.asarray(
+        np.where(both, factor * covariance, 0.0) + variance[:, :, None] * np.eye(taken.shape[1])
+    )
+
+
+def whitening(readings: Readings, noise: np.ndarray) -> np.ndarray:
+    """Return L^-1 (n, K, K) with L L^T = S; rows of readings not taken are zero. Not finite where
+    S is not.
+    """
     try:
-        return np.asarray(np.linalg.inv(np.linalg.cholesky(s)) * taken[:, :, None])
+        root = np.linalg.cholesky(noise)
+        return np.asarray(np.linalg.inv(root) * readings.taken[:, :, None])
     except np.linalg.LinAlgError:
-        return np.full(s.shape, np.nan)
+        return np.full(noise.shape, np.nan)
 
 
 def _eliminated(

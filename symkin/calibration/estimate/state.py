@@ -91,7 +91,7 @@ def evaluate(
     """Evaluate closure and readings at (p, z), condensed to p."""
     if problem.is_large:
         return _evaluate_parts(problem, p, z, form, covariance)
-    e = problem.model.evaluate(z, problem.measurements.joints, p, problem.quaternions)
+    e = evaluate_at(problem, p, z)
     pending, readings, slopes, leftover = e.condensed()
     fit = linearise(form, problem.readings, readings, slopes, covariance)
     return State(problem, p, z, fit, e, pending, leftover, determinant_signs(e.rows_z))

@@ -24,6 +24,7 @@ from symkin.calibration.estimate.configurations import (
     ROUGHLY_SOLVED_TOLERANCE,
     ClosedConfigurations,
     Closing,
+    closed_at,
     closing_model,
     determinant_signs,
     follow_joints,
@@ -37,6 +38,7 @@ from symkin.errors import InputError
 from symkin.model.bar import Bar
 from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.numeric.linear_algebra import conditions
+from symkin.position.canonical import into_limits
 from symkin.position.given import pose_from
 from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import (
@@ -387,9 +389,7 @@ class ClosureSolver:
             column = values[:, self.closure.slices[c.name].start]
             if c.limits is not None:
                 kept = self.margin * (c.limits[1] - c.limits[0])
-                if c.is_periodic:
-                    turns = np.ceil((c.limits[0] - column) / (2 * math.pi) - 1e-12)
-                    column = column + 2 * math.pi * turns
+                column = into_limits(column, c.limits) if c.is_periodic else column
                 good &= (column >= c.limits[0] + kept) & (column <= c.limits[1] - kept)
             elif c.least is not None:
                 good &= column > c.least
@@ -438,12 +438,9 @@ def states_reference(mechanism: Mechanism) -> bool:
 
 def _rows_at(model: ConfigurationModel, *poses: Pose) -> np.ndarray:
     """F_z (n, m, f) at poses, with the joints that lead there."""
-    closing = Closing(model, np.zeros(0), held=("pose",))
     table = np.array([[*pose.position, *pose.quaternion] for pose in poses])
-    starts = np.tile(model.closure.reference, (len(poses), 1))
-    return model.rows(
-        *closing.split(closing.close(with_poses(model.closure, starts, table))[0]), closing.p
-    )[1]
+    closing, values, _ = closed_at(model, table)
+    return model.rows(*closing.split(values), closing.p)[1]
 
 
 def lever(mechanism: Mechanism) -> float:

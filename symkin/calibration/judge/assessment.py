@@ -47,6 +47,8 @@ from symkin.errors import SymkinError
 from symkin.model.file import parse
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism
+from symkin.numeric.tolerances import LIMIT_SLACK
+from symkin.position.canonical import into_limits
 from symkin.spatial.rotation import wrapped
 from symkin.text import first_of
 
@@ -60,8 +62,6 @@ _UNSEEN = 1e-12
 """Standard deviations (of scaled parameters, over the largest) below this are those of parameters
 that no reading depends on.
 """
-_LIMIT_SLACK = 1e-9
-"""Limits may be passed by this share of the size (angles: radians), which is rounding."""
 
 
 def build_result(
@@ -285,9 +285,8 @@ def _beyond_limits(c: Coordinate, values: np.ndarray, size: float) -> np.ndarray
     if c.limits is None:
         return np.zeros(len(values), dtype=bool)
     low, high = c.limits
-    slack = _LIMIT_SLACK * c.unit(size)
-    if c.is_periodic:
-        values = values + 2 * np.pi * np.ceil((low - slack - values) / (2 * np.pi))
+    slack = LIMIT_SLACK * c.unit(size)
+    values = into_limits(values, c.limits) if c.is_periodic else values
     return np.asarray((values < low - slack) | (values > high + slack))
 
 

@@ -21,6 +21,7 @@ from symkin.calibration.data.files import DataFile, euler_quaternions
 from symkin.calibration.data.measurements import Measurements, spread_rows
 from symkin.calibration.data.observables import observables
 from symkin.calibration.estimate.configurations import joints_at_poses, whole_poses
+from symkin.calibration.estimate.state import readings_at
 from symkin.calibration.judge.euler_sequence import describe_sequence, equal_sequences
 from symkin.calibration.judge.statistics import rms_of_better_part
 from symkin.calibration.judge.trials import NO_TRIAL, Start, Trial, begin
@@ -578,14 +579,14 @@ def _wrong_labels(case: Case) -> Iterator[Finding]:
         start = case.start()
     except SymkinError:
         return
-    problem, model, m = start.problem, start.problem.model, start.problem.measurements
+    problem, m = start.problem, start.problem.measurements
     group = np.where(start.solved, problem.readings.group, -1)
     numbers, counts = np.unique(group[group >= 0], return_counts=True)
     members = np.flatnonzero(np.isin(group, numbers[counts >= _MIN_GROUP_SIZE]))
     if len(members) <= _COMPARED_NEIGHBOURS:
         return
-    e = model.evaluate(np.nan_to_num(start.z), m.joints, start.p, problem.quaternions)
-    at, group = e.readings[members][:, problem.readings.columns], group[members]
+    readings = readings_at(problem, start.p, np.nan_to_num(start.z))
+    at, group = readings[members][:, problem.readings.columns], group[members]
     off = np.zeros(len(at))
     for number in np.unique(group):
         own = np.flatnonzero(group == number)

@@ -21,6 +21,7 @@ from symkin.calibration.estimate.residuals import (
     build_readings,
     deviations,
     group_sum,
+    noise_of,
     take_means,
 )
 from symkin.calibration.estimate.state import State, evaluate_at, joint_covariance_at
@@ -70,11 +71,6 @@ class Prediction:
         both = np.concatenate([self.spread, own], axis=2)
         return np.asarray(self.noise + both @ both.transpose(0, 2, 1))
 
-    @property
-    def whiten(self) -> np.ndarray:
-        """W (n, K, K) with W S W^T = 1."""
-        return np.asarray(np.linalg.inv(np.linalg.cholesky(self.noise)))
-
     def chi_square(self, rows: np.ndarray) -> float:
         """Return e^T (S + J C J^T)^-1 e over some configurations together: with e and M = J L
         whitened by S, |e|^2 - e^T M (1 + M^T M)^-1 M^T e.
@@ -101,10 +97,7 @@ def predict_readings(
     """
     readings = problem.readings
     e, taken, width = evaluate_at(problem, p, z), readings.taken, readings.values.shape[1]
-    variance = np.where(taken, factor * readings.sigma**2, 1.0)
-    both = taken[:, :, None] & taken[:, None, :]
-    noise = np.where(both, factor * joint_covariance_at(problem, p, z), 0.0)
-    noise = noise + variance[:, :, None] * np.eye(width)
+    noise = noise_of(readings, joint_covariance_at(problem, p, z), factor)
     gap = deviations(readings, e.readings)
     values = np.where(taken[:, :, None], np.dstack([gap, e.slopes @ root]), 0.0)
     inside = readings.group >= 0

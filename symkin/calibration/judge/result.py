@@ -243,13 +243,14 @@ class Calibration(Result):
             f"{len(self.problem.names)}; "
             f"chi-square {self.chi_square:.4g} with {self.degrees} degrees of freedom{p}"
         )
-        rows = [self._row(q) for q in self.parameters]
+        rows = [self.row(q) for q in self.parameters]
         shown = rows[:most_rows]
         left = [f"{len(rows) - len(shown)} more parameters"] if len(shown) < len(rows) else []
         header = ["parameter", "value", "sigma", "unit", "change"]
         return Summary([head], header, shown, [*left, *(f"note: {note}" for note in self.notes)])
 
-    def _row(self, q: Parameter) -> list[str]:
+    def row(self, q: Parameter) -> list[str]:
+        """Name, value, standard deviation, unit and change of a parameter, as texts."""
         one = value_out(self.mechanism, q, 1.0)
         sigma = "held" if q.held else "unknown" if q.sigma is None else f"{one * q.sigma:.2g}"
         return [

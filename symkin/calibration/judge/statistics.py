@@ -24,7 +24,7 @@ import numpy as np
 
 from symkin.calibration.estimate.linear import Told, told_directions
 from symkin.calibration.estimate.problem import CalibrationProblem
-from symkin.calibration.estimate.residuals import neighbours
+from symkin.calibration.estimate.residuals import neighbours, whitening
 from symkin.calibration.estimate.state import (
     State,
     evaluate,
@@ -144,7 +144,7 @@ def linear_model(
     own, whiten = np.zeros((len(residuals), 2)), np.zeros((*shape, shape[1]))
     for rows, part in problem.parts:
         made = predict_readings(part, state.p, state.z[rows], free)
-        w = whiten[rows] = made.whiten * part.readings.taken[:, :, None]
+        w = whiten[rows] = whitening(part.readings, made.noise)
         own[:count].reshape(*shape, 2)[rows] = w @ made.of_mean
         residuals[:count].reshape(shape)[rows] = (w @ made.errors[:, :, None])[:, :, 0]
         columns[:count].reshape(*shape, width)[rows] = w @ made.spread

@@ -18,7 +18,7 @@ from symkin.calibration.estimate.first_guess import fit_measuring_frames
 from symkin.calibration.estimate.problem import CalibrationProblem, build_calibration
 from symkin.calibration.estimate.residuals import linearise
 from symkin.calibration.estimate.starting import has_home, with_starts
-from symkin.calibration.estimate.state import design, spectrum
+from symkin.calibration.estimate.state import design, readings_at, spectrum
 from symkin.calibration.judge.statistics import (
     SIGNIFICANCE,
     chi_square_tail,
@@ -140,9 +140,7 @@ def begin(
     with np.errstate(all="ignore"):
         z, solved = newton_configurations(model, first_points(model, ready, p), ready.joints, p)
         p = fit_measuring_frames(problem, np.nan_to_num(z), p, solved)
-        h = np.nan_to_num(
-            model.evaluate(np.nan_to_num(z), ready.joints, p, problem.quaternions).readings
-        )
+        h = np.nan_to_num(readings_at(problem, p, np.nan_to_num(z)))
         off = linearise("means", readings, h, np.zeros((*h.shape, 1))).residuals
         gaps = np.where(readings.taken, off * readings.sigma * model.lengths, 0.0)
         return Start(problem, p, z, solved, np.nan_to_num(np.sum(gaps**2, axis=1), nan=1e300))
