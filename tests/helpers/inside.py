@@ -485,7 +485,7 @@ NAMES = {
     "_reduced_null_space": "symkin.elimination.implied_rows",
     "build_program": "symkin.codegen.program",
     "configurations": "symkin.codegen.samples",
-    "followed": "symkin.codegen.samples",
+    "all_followed": "symkin.codegen.samples",
     "SerialArm": "symkin.codegen.serial_arm",
     "declared_functions": "symkin.codegen.signature:FUNCTIONS",
     "tidied": "symkin.codegen.text.simplification",
