@@ -28,15 +28,13 @@ import numpy as np
 sys.path.append(str(Path(__file__).resolve().parents[2] / "tests"))
 
 import symkin
-from asked import asked, compiled
+from asked import Machine, asked, built
 from bench_cases import HOMES
 from campaigns.random_files import random_file, to_toml
 from campaigns.random_graphs import Drawing
 from oracle import plain_graph
 from oracle.plain_closure import PlainMechanism, matrix_quaternion
 from oracle.plain_search import closed_configurations, random_configurations, solve
-from symkin.codegen.folder import write_folder
-from symkin.codegen.options import Options
 from symkin.errors import InputError, SymkinError
 from symkin.machine.limbs import with_limbs
 from symkin.model.mechanism import Mechanism
@@ -99,31 +97,6 @@ class Tally:
             f"{self.open:4} worst {self.worst:8.1e} "
             f"still refused {self.moved:3} feasible taken {self.on_set_ok}/{self.on_set}"
         )
-
-
-@dataclass(frozen=True, eq=False)
-class Machine:
-    """A mechanism and the options of its folder."""
-
-    mechanism: Mechanism
-    given: tuple[str, ...] = ()
-    find: tuple[str, ...] = ()
-    home: tuple[float, ...] | None = None
-
-    @property
-    def kind(self) -> str:
-        return "map" if self.given else "arm" if self.mechanism.serial else "platform"
-
-
-def built(machine: Machine, real: str, folder: Path) -> ctypes.CDLL:
-    """The library of a machine's code, whose own test has passed: else `write_folder` refuses."""
-    options = Options(real, home=machine.home, given=machine.given, find=machine.find)  # type: ignore[arg-type]
-    mechanism = (
-        machine.mechanism if machine.given else with_limbs(machine.mechanism, "firmware", "")
-    )
-    write_folder(mechanism, folder, options)
-    joints = len(machine.given) or len(mechanism.actuated)
-    return compiled(folder, mechanism.name, real, machine.kind, joints)
 
 
 # --- platforms and arms by limbs ------------------------------------------------------------------

@@ -19,9 +19,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from asked import Asked
 from bench_cases import HOMES
 from branches import LETTERS, RANGES, statuses
-from lines import Lines
+from directions import direction_of
 from symkin.codegen.operation_bound import Bound
 from symkin.codegen.options import Options
 from symkin.formats.load import load
@@ -99,12 +100,14 @@ def found(machine: str, real: str) -> Figures:
     """
     given, find = _MAPS.get(machine, ((), ()))
     source = machine if machine not in _BENCH else str(BENCH / "machines" / f"{machine}.toml")
-    lines = Lines(load(source), Options(real, home=HOMES.get(machine), given=given, find=find))  # type: ignore[arg-type]
-    ranges = {} if given else RANGES
-    return Figures(
-        {function: _row(bound) for function, bound in lines.asked.program.worst.usual.items()},
-        {words: statuses(lines, GOALS, reach, SEED, LEGS) for words, reach in ranges.items()},
-    )
+    options = Options(real, home=HOMES.get(machine), given=given, find=find)  # type: ignore[arg-type]
+    asked = Asked(load(source), options)
+    operations = {function: _row(bound) for function, bound in asked.program.worst.usual.items()}
+    if given:
+        return Figures(operations, {})
+    lines = direction_of(asked)
+    said = {words: statuses(lines, GOALS, reach, SEED, LEGS) for words, reach in RANGES.items()}
+    return Figures(operations, said)
 
 
 def _row(bound: Bound | None) -> tuple[int, ...] | None:
