@@ -29,32 +29,17 @@ sys.path.append(str(Path(__file__).resolve().parents[2] / "tests"))
 
 import symkin
 from asked import Machine, asked, built
-from bench_cases import HOMES
 from campaigns.random_files import random_file, to_toml
 from campaigns.random_graphs import Drawing
 from oracle import plain_graph
 from oracle.plain_closure import PlainMechanism, matrix_quaternion
 from oracle.plain_search import closed_configurations, random_configurations, solve
+from subjects import ARMS, MAPS, PLACE, PLATFORMS, machine_of
 from symkin.errors import InputError, SymkinError
 from symkin.machine.limbs import with_limbs
 from symkin.model.mechanism import Mechanism
 from symkin.model.writer import mechanism_to_toml
 
-BENCH = Path(__file__).resolve().parent
-PLATFORMS = ("delta", "zhao2000", "zhao2000_links", "ren2008", "ren2008_true", "zhang2009")
-ARMS = ("gluon_6l3", "scara", "ur5e", "yao2020")
-MAPS = (
-    ("ankle", "upper_motor,lower_motor", "ankle.1,ankle.2"),
-    ("four_bar", "crank", "follower"),
-    ("bennett", "input", "output"),
-    ("sarrus", "foot_x", "head_y"),
-    ("slider_crank", "crank", "piston"),
-    ("watt_six_bar", "crank", "output"),
-    ("stephenson_six_bar", "crank", "output"),
-    ("goldberg", "input", "output"),
-    ("pantograph_five_bar", "arm1,arm2", "wrist1,plate_pivot"),
-    ("excavator_bucket", "boom_cylinder,stick_cylinder,bucket_cylinder", "boom,stick,bucket"),
-)
 LOOPS = {
     "four_bar": (("crank", "crank_pin"), ("follower", "follower_pin")),
     "bennett": (("input", "crank_pin"), ("output", "rocker_pin")),
@@ -356,9 +341,8 @@ def as_limbs(name: str, limbs: tuple[tuple[str, ...], ...]) -> Mechanism:
 
 def named() -> Iterator[Machine]:
     """Shipped machines and those of bench/machines."""
-    for name in (*PLATFORMS, *ARMS):
-        yield Machine(symkin.load(name), home=HOMES.get(name))
-    for file in sorted((BENCH / "machines").glob("*.toml")):
+    yield from map(machine_of, (*PLATFORMS, *ARMS))
+    for file in sorted(PLACE.glob("*.toml")):
         made = symkin.load(file)
         yield Machine(made)
         if made.motion != "spatial":
@@ -367,8 +351,7 @@ def named() -> Iterator[Machine]:
             yield Machine(replace(made, name=f"{made.name}_six", motion="spatial"))
     for name, limbs in LOOPS.items():
         yield Machine(as_limbs(name, limbs))
-    for name, given, find in MAPS:
-        yield Machine(symkin.load(name), tuple(given.split(",")), tuple(find.split(",")))
+    yield from map(machine_of, MAPS)
 
 
 def drawn(seed: int, folder: Path) -> Iterator[Machine]:

@@ -213,11 +213,10 @@ FAR = {
 def test_far_goals_that_were_answered_wrongly(name):
     """What is OK is what the fine walk of the line reaches, and no line that ends is OK."""
     tools.compiler("gcc")
-    asked, bench, directions = map(tools.bench_module, ("asked", "branches", "directions"))
+    asked, directions, subjects = map(tools.bench_module, ("asked", "directions", "subjects"))
     real, goals = FAR[name]
-    machine = Path(bench.__file__).parent / "machines" / f"{name}.toml"
-    made = symkin.load(machine if machine.exists() else name)
-    lines = directions.direction_of(asked.Asked(made, Options(real, home=bench.HOMES.get(name))))
+    machine = subjects.machine_of(name)
+    lines = directions.direction_of(asked.Asked(machine.mechanism, machine.options(real)))
     home = lines.home.repeated(len(goals))
     outcome = lines.run(home, np.array(goals), np.random.default_rng(0))
     assert not np.any(outcome.ok & ~outcome.right)
