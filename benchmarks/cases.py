@@ -111,7 +111,7 @@ def all_cases(seed: int) -> list[Case]:
         about_reference("3-RPS", three_rps(), 16),
         about_reference("delta, spatial", spatial, 40),
         about_example("zhao2000", symkin.load("zhao2000"), 4, shipped=True),
-        about_reference("3-TRT+SPS, links", symkin.load("zhao2000_links"), 32, shipped=True),
+        about_reference("3-TRT+SPS, links", symkin.load("zhao2000_links"), 64, shipped=True),
         of_joints("yao2020", symkin.load("yao2020"), 8, shipped=True),
         of_joints("gluon_6l3", symkin.load("gluon_6l3"), 8, shipped=True),
         of_joints("spherical wrist", pieper(), 8),

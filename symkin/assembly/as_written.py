@@ -2,22 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from symkin.assembly.mode_order import order_of_modes
 from symkin.assembly.modes_result import Group, Modes
-from symkin.closure.closure import Closure
 from symkin.machine.lower import Lowered, lowered
 from symkin.model.mechanism import Mechanism
-from symkin.numeric.tolerances import CLOSURE_TOLERANCE
 from symkin.position.feasible_pose import ties_poses
 from symkin.position.given import Given, given_from
 from symkin.position.given_by_name import plain_kind, pose_names, told_by_name
 from symkin.position.problem import Problem
-from symkin.position.solution import Solution
 from symkin.position.solution_list import SolutionList, checked_solutions
 from symkin.position.transfer import many_as_written
 from symkin.spatial.pose import Pose
@@ -73,14 +69,14 @@ def as_written(low: Lowered, problem: Problem, given: Given, found: Modes) -> Mo
     """
     if not is_complete(found):
         return None
-    listed: Sequence[Solution] = ()
+    listed = SolutionList.of_none(problem.closure)
     if len(found):
-        own = np.array([mode.variables for mode in found])
-        told = as_checked(low, problem, found.problem.closure, own, given.values, given.notes)
-        size = problem.closure.characteristic_length
-        if not (told.residual <= CLOSURE_TOLERANCE * size).all():
+        known, owner = np.tile(given.values, (len(found), 1)), np.zeros(len(found), dtype=int)
+        listed = replace(
+            told_as_written(low, problem, found.modes, known, owner), notes=given.notes
+        )
+        if not listed.closed.all():
             return None
-        listed = _in_order(problem, _with_proofs(told, found))
     names = {reading.of: reading.name for reading in low.readings}
     return replace(
         found,
@@ -92,43 +88,23 @@ def as_written(low: Lowered, problem: Problem, given: Given, found: Modes) -> Mo
     )
 
 
-def as_checked(
-    low: Lowered,
-    problem: Problem,
-    own: Closure,
-    values: np.ndarray,
-    known: np.ndarray,
-    notes: tuple[str, ...] = (),
+def told_as_written(
+    low: Lowered, problem: Problem, own: SolutionList, known: np.ndarray, owner: np.ndarray
 ) -> SolutionList:
-    """Configurations of the machine, variables of its `own` closure (m, own variables), in the
-    coordinates of the description at its `known` values, with what its rows leave open.
+    """The machine's modes (m,) of the inputs `owner` (m,), rising, with what is proved of them, in
+    the coordinates of the description at its `known` values (m, known): in the order of the modes
+    there, with what its rows leave open.
     """
-    told = many_as_written(problem.closure, own, values, low)
-    told[:, problem.known_places] = known
-    return checked_solutions(problem, told, notes)
+    values = many_as_written(problem.closure, own.closure, own.values, low)
+    values[:, problem.known_places] = known
+    proofs = {"certified": own.certified, "radius": own.radius, "ground": own.ground}
+    listed = replace(checked_solutions(problem, values), **proofs)  # type: ignore[arg-type]
+    return listed.chosen(order_of_modes(problem, listed, owner))
 
 
 def _is_pose(mechanism: Mechanism, given: Given) -> bool:
     """Whether the platform's pose as a whole is what is given."""
     return given.of_pose or given.names == pose_names(mechanism)
-
-
-def _with_proofs(listed: SolutionList, found: Modes) -> SolutionList:
-    """Modes with what is proved of those that they are."""
-    certified = [-1 if mode.certified is None else int(mode.certified) for mode in found]
-    radius = [np.nan if mode.radius is None else mode.radius for mode in found]
-    ground = np.full(len(listed), None, dtype=object)
-    for place, mode in enumerate(found):
-        ground[place] = mode.ground
-    return replace(
-        listed, certified=np.array(certified), radius=np.array(radius), ground=ground, _made={}
-    )
-
-
-def _in_order(problem: Problem, listed: SolutionList) -> SolutionList:
-    one_input = np.zeros(len(listed), dtype=int)
-    order = order_of_modes(problem, listed.values, listed.position, listed.quaternion, one_input)
-    return listed.chosen(order)
 
 
 def _renamed(group: Group, names: dict[str, str]) -> Group:

@@ -23,7 +23,6 @@ from symkin.assembly.modes_result import Modes, sampling
 from symkin.assembly.search import Search
 from symkin.assembly.tree import Solving, Step, Tree, grown_together
 from symkin.errors import InputError, TooManyModesError
-from symkin.numeric.tolerances import CLOSURE_TOLERANCE
 from symkin.position.given import Given
 from symkin.position.problem import Problem
 from symkin.position.roots import MOST_MODES
@@ -256,9 +255,9 @@ def _checked(
     certify: bool,
 ) -> GroupedModes:
     found = checked_solutions(problem, combined.values)
-    order = order_of_modes(problem, found.values, found.position, found.quaternion, combined.owner)
+    order = order_of_modes(problem, found, combined.owner)
     # what is listed closes: on all rows together, not only on those of its groups
-    closed = found.residual[order] <= CLOSURE_TOLERANCE * problem.closure.characteristic_length
+    closed = found.closed[order]
     owner = combined.owner[order]
     left_out = np.zeros(len(known), dtype=bool)
     left_out[owner[~closed]] = True

@@ -65,11 +65,7 @@ def _minima(problem: Problem, given: Given, search: Search) -> SolutionList:
     )
     solutions = checked_solutions(problem, values, given.notes)
     solutions = solutions.chosen(_distinct(problem, solutions.values))
-    owner = np.zeros(len(solutions), dtype=int)
-    order = order_of_modes(
-        problem, solutions.values, solutions.position, solutions.quaternion, owner
-    )
-    return solutions.chosen(order)
+    return solutions.chosen(order_of_modes(problem, solutions, np.zeros(len(solutions), dtype=int)))
 
 
 def _distinct(problem: Problem, values: np.ndarray) -> list[int]:

@@ -8,6 +8,7 @@ import numpy as np
 
 from symkin.position.given import pose_from
 from symkin.position.problem import Problem
+from symkin.position.solution_list import SolutionList
 from symkin.spatial.pose import Pose
 
 _DIGITS = 6
@@ -16,25 +17,20 @@ decide the order.
 """
 
 
-def order_of_modes(
-    problem: Problem,
-    values: np.ndarray,
-    position: np.ndarray,
-    quaternion: np.ndarray,
-    owner: np.ndarray,
-) -> np.ndarray:
-    """Places (m,) that sort modes by their points `owner`, then by nearness, then by values (m,
-    variables).
+def order_of_modes(problem: Problem, listed: SolutionList, owner: np.ndarray) -> np.ndarray:
+    """Places (m,) that sort modes by their points `owner`, then by nearness, then by their
+    variables.
     """
-    without = problem.mechanism.platform_link is None
     away = (
-        _joint_distances(problem, values) if without else _distances(problem, position, quaternion)
+        _joint_distances(problem, listed.values)
+        if problem.mechanism.platform_link is None
+        else _distances(problem, listed.position, listed.quaternion)
     )
     order = np.lexsort((away, owner))
     tied = (np.diff(away[order]) == 0.0) & (np.diff(owner[order]) == 0)
     if not tied.any():
         return order
-    return np.lexsort((*np.round(values.T[::-1], _DIGITS), away, owner))
+    return np.lexsort((*np.round(listed.values.T[::-1], _DIGITS), away, owner))
 
 
 def _distances(problem: Problem, position: np.ndarray, quaternion: np.ndarray) -> np.ndarray:

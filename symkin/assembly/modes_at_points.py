@@ -1,38 +1,33 @@
 """Modes at many points of one problem as arrays: what a sweep asks for.
 
 Points are solved together, group by group (see `by_groups`), of the machine that the description
-means (see `machine_finder`); those that need another look one by one, as `symkin.modes` does.
+means; those that need another look one by one, as `symkin.modes` does.
 """
 
 from __future__ import annotations
 
 import hashlib
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import prod
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from symkin.assembly.account import FEW
-from symkin.assembly.as_written import given_of_machine, machine_of, may_contradict
+from symkin.assembly.as_written import (
+    COMPLETE,
+    given_of_machine,
+    machine_of,
+    may_contradict,
+    told_as_written,
+)
 from symkin.assembly.block_paths import BlockPaths
 from symkin.assembly.by_groups import modes_by_groups
 from symkin.assembly.closed_roots import ClosedBlock
 from symkin.assembly.group_roots import STATEMENTS
 from symkin.assembly.group_solvers import most_roots, solved_groups, solvers_of
-from symkin.assembly.machine_finder import Finder, MachineFinder, Plain
-from symkin.assembly.mode_table import (
-    COMPLETENESS,
-    ModeTable,
-    at_places,
-    concatenated,
-    from_modes,
-    joined,
-    nothing,
-    stored_counts,
-    table_of,
-)
+from symkin.assembly.mode_table import COMPLETENESS, ModeTable, stored_counts
 from symkin.assembly.modes_by_name import modes_by_name
 from symkin.assembly.search import Search
 from symkin.assembly.without_search import (
@@ -42,6 +37,7 @@ from symkin.assembly.without_search import (
 )
 from symkin.computed_once import cached_property
 from symkin.errors import InputError, TooManyModesError
+from symkin.machine.lower import Lowered
 from symkin.position.determination import determination, refuse_unless_determined
 from symkin.position.given import Given
 from symkin.position.given_by_name import any_given, problem_of
@@ -52,33 +48,44 @@ ROOTS_AT_ONCE = 40_000
 """Complex roots that are held at once."""
 
 
+class Plain(NamedTuple):
+    """Modes of the points at the `places` (n,), rising."""
+
+    table: ModeTable
+    places: np.ndarray
+
+
 @dataclass(frozen=True, eq=False)
 class ModeFinder:
     """What is prepared once for all points of one problem of a mechanism; `search` holds starts and
-    seed of random starts, for the points that need some.
+    seed of random starts, for the points that need some. `own` is what is solved: the problem
+    itself, or where `low` is told that of the machine which the description means, whose known
+    values are the problem's at `columns`.
     """
 
     problem: Problem
     search: Search
     certify: bool
-    plain: Finder
+    own: GroupFinder
+    low: Lowered | None = None
+    columns: tuple[int, ...] = ()
 
     @property
     def engine(self) -> str:
         """What tracks the paths."""
-        return self.plain.engine or "none"
+        return self.own.engine or "none"
 
     @property
     def starts_digest(self) -> str:
         """Hash of the roots from which paths begin."""
-        return self.plain.starts_digest
+        return self.own.starts_digest
 
     @property
     def bound(self) -> int | None:
         """Most isolated modes that a point can have, where paths tell."""
         if self.problem.is_explicit:
             return 1
-        return self.plain.most_modes if self.plain.is_tracked else None
+        return self.own.most_modes if self.own.is_tracked else None
 
     def enumerate(self, inputs: Sequence[Mapping[str, Any]]) -> ModeTable:
         """All modes at points given as arguments of `symkin.modes`."""
@@ -97,25 +104,43 @@ class ModeFinder:
         off = np.zeros(len(known)) if off_motion is None else off_motion
         feasible = np.flatnonzero(off == 0.0)
         with np.errstate(all="ignore"):
-            found = self.plain.find(known[feasible], certify=self.certify)
-            places = feasible[found.places]
-            if len(places) == len(known):
-                return found.table
-            others = np.setdiff1d(np.arange(len(known)), places).tolist()
-            return joined(
-                found.table, places, {i: self._one(known[i], float(off[i])) for i in others}
-            )
+            found, places = self._together(known[feasible])
+            places = feasible[places]
+            others = np.setdiff1d(np.arange(len(known)), places)
+            if not others.size:
+                return found
+            alone = [self._one(known[i], float(off[i])) for i in others.tolist()]
+            return ModeTable.joined([found, *alone]).at(np.argsort(np.append(places, others)))
+
+    def _together(self, known: np.ndarray) -> Plain:
+        """Modes at those of the points known (n, values) that need not be looked at one by one; of
+        the machine's where its list is complete and closes on all rows of the description.
+        """
+        low = self.low
+        if low is None:
+            return self.own.find(known, certify=self.certify)
+        there, places = self.own.find(known[:, list(self.columns)], certify=self.certify)
+        whole = np.isin(there.completeness, [COMPLETENESS.index(c) for c in COMPLETE])
+        kept = np.flatnonzero(whole & (there.count >= 0))
+        there, places = there.at(kept), places[kept]
+        listed = told_as_written(
+            low, self.problem, there.listed, known[places[there.owner]], there.owner
+        )
+        is_open = np.bincount(there.owner, ~listed.closed, minlength=len(places))
+        closed = np.flatnonzero(is_open == 0)
+        told = replace(there, problem=self.problem, listed=listed)
+        return Plain(told.at(closed), places[closed])
 
     def _one(self, known: np.ndarray, off_motion: float) -> ModeTable:
         """One point, alone."""
         if off_motion > 0.0:
-            return nothing(self.problem, "off the motion", 0)
+            return ModeTable.of_none(self.problem, "off the motion", 0)
         given = Given(self.problem.kind, known, {})
         try:
             found = known_without_search(self.problem, given, self.search)
-            return from_modes(found or modes_by_name(self.problem, [given], self.search)[0])
+            return ModeTable.of(found or modes_by_name(self.problem, [given], self.search)[0])
         except TooManyModesError:
-            return nothing(self.problem, "too many to list", -1)
+            return ModeTable.of_none(self.problem, "too many to list", -1)
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,7 +158,7 @@ class GroupFinder:
     def _groups(self) -> tuple[Problem, ...]:
         """The groups of the problem; none where nothing is searched."""
         problem = self.problem
-        if problem.kind != "given" and (problem.is_explicit or free_unknowns(problem)):
+        if not problem.by_name and (problem.is_explicit or free_unknowns(problem)):
             return ()
         return solved_groups(problem, self.search)
 
@@ -173,12 +198,11 @@ class GroupFinder:
         known = known[chosen]
         each = max(1, ROOTS_AT_ONCE // max(self.most_modes, 1))
         begins = range(0, max(len(known), 1), each)
-        table = concatenated([self._table(known[i : i + each], certify) for i in begins])
-        places = np.arange(len(known))
-        if determination(self.problem).misfit:
-            places = np.flatnonzero(table.count != 0)
-            table = at_places(table, places)
-        return Plain(table, chosen[places])
+        table = ModeTable.joined([self._table(known[i : i + each], certify) for i in begins])
+        if not determination(self.problem).misfit:
+            return Plain(table, chosen)
+        places = np.flatnonzero(table.count != 0)
+        return Plain(table.at(places), chosen[places])
 
     def _table(self, known: np.ndarray, certify: bool) -> ModeTable:
         found = modes_by_groups(self.problem, known, self.search, certify=certify)
@@ -191,7 +215,7 @@ class GroupFinder:
         said = np.array([COMPLETENESS.index(statement) for statement in STATEMENTS])[
             found.statement
         ]
-        return table_of(
+        return ModeTable(
             self.problem,
             found.listed.chosen(~many[found.owner]),
             count=np.where(many, -1, listed),
@@ -207,25 +231,22 @@ def make_finder(problem: Problem, *, starts: int, seed: int, certify: bool) -> M
     the problem has no isolated solutions.
     """
     search = Search("continuation", starts, seed, "batched")
-    if problem.kind == "given":
+    if problem.by_name:
         refuse_unless_determined(problem)
-    return ModeFinder(
-        problem,
-        search,
-        certify,
-        _of_machine(problem, search) or _own(problem, search),
+    return _of_machine(problem, search, certify) or ModeFinder(
+        problem, search, certify, _own(problem, search)
     )
 
 
-def _of_machine(problem: Problem, search: Search) -> MachineFinder | None:
-    """The finder of the machine that a description means, for values of joints; None where that is
-    the description.
+def _of_machine(problem: Problem, search: Search, certify: bool) -> ModeFinder | None:
+    """The finder that solves the machine which a description means, for values of joints; None
+    where that is the description.
     """
     names = tuple(c.name for c in problem.known_coordinates)
-    if any(c.width > 1 for c in problem.known_coordinates) or problem.kind == "inverse":
+    if any(c.width > 1 for c in problem.known_coordinates) or problem.of_pose:
         return None
     # values that tell which of them the machine takes
-    given = Given(problem.kind, np.arange(len(names)), {}, names if problem.kind == "given" else ())
+    given = Given(problem.kind, np.arange(len(names)), {}, names if problem.by_name else ())
     low = machine_of(problem.mechanism, given)
     if low is None or may_contradict(low, given):
         return None
@@ -233,18 +254,14 @@ def _of_machine(problem: Problem, search: Search) -> MachineFinder | None:
     of_machine = problem_of(low.machine, there)
     if of_machine.is_explicit:
         return None
-    own = _own(of_machine, search)
-    return MachineFinder(problem, low, of_machine, tuple(map(int, there.values)), own)
+    columns = tuple(map(int, there.values))
+    return ModeFinder(problem, search, certify, _own(of_machine, search), low, columns)
 
 
 def _own(problem: Problem, search: Search) -> GroupFinder:
     """The finder of a description itself."""
     mechanism = problem.mechanism
-    if (
-        problem.kind != "given"
-        and mechanism.serial
-        and problem.system.freedom > problem.generic_rank
-    ):
+    if not problem.by_name and mechanism.serial and problem.system.freedom > problem.generic_rank:
         raise InputError(
             f"{mechanism.name}: its {len(mechanism.actuated)} joints leave solutions of a pose "
             f"free, so that none is isolated; "

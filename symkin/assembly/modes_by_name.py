@@ -58,7 +58,7 @@ def _off_the_motion(modes: Modes, given: Given) -> Modes:
     """
     return replace(
         modes,
-        modes=(),
+        modes=modes.modes.chosen(slice(0)),
         count=0,
         completeness="sampled",
         complex_count=None,

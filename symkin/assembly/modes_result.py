@@ -15,6 +15,7 @@ from symkin.computed_once import cached_property
 from symkin.position.problem import Problem
 from symkin.position.roots import Roots
 from symkin.position.solution import Solution, finite, heading, read_together
+from symkin.position.solution_list import SolutionList
 from symkin.position.table import given_text, solution_table
 from symkin.result import Result, Summary
 from symkin.text import counted, first_of
@@ -96,7 +97,7 @@ class Modes(Result):
 
     problem: Problem
     given: dict[str, Any]
-    modes: Sequence[Solution]
+    modes: SolutionList
     completeness: Completeness
     method: str
     seed: int | None

@@ -104,7 +104,7 @@ class Prover:
         """Why no root can be certified, where that is so: more distances than six, and redundant
         rows of which no square part is known to imply the others at a closed configuration.
         """
-        from symkin.certificate.certificate import certify
+        from symkin.certificate.certificate import certify_batch
 
         more = redundant_distances(self.problem)
         if more:
@@ -117,8 +117,8 @@ class Prover:
         values = closed_configurations(self.problem.closure, 0)[0]
         one = values[self.problem.places(self.block.unknowns)]
         knowns = self.knowns(values[self.problem.known_places][None])
-        tried = certify(self.whole, self._algebraic(one[None]), knowns, self._size)
-        return None if tried.certified.any() else tried.reasons[0]
+        tried = certify_batch(self.whole, self._algebraic(one[None]), knowns, size=self._size)
+        return None if tried.certified.any() else tried.reason(0)
 
     def completes(self, found: CertificateBatch, listed: np.ndarray) -> np.ndarray:
         """Instances (n,) whose certified roots are all that there are, the real ones as many as

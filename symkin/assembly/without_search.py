@@ -14,8 +14,7 @@ from symkin.homotopy.systems import system_of, unsuitable
 from symkin.numeric.tolerances import CLOSURE_TOLERANCE
 from symkin.position.given import Given
 from symkin.position.problem import Problem
-from symkin.position.solution import Solution
-from symkin.position.solution_list import make_solution
+from symkin.position.solution_list import SolutionList, checked_solutions
 from symkin.position.starts import start_values
 
 
@@ -31,20 +30,21 @@ def free_unknowns(problem: Problem) -> str | None:
     )
 
 
-def _certified(problem: Problem, solution: Solution) -> Solution:
+def _certified(problem: Problem, listed: SolutionList) -> SolutionList:
     """The pose that a formula gives, certified in balls as any other solution."""
     if unsuitable(problem) is not None:
-        return solution
-    values, owner = solution.variables[None], np.zeros(1, dtype=int)
+        return listed
+    values, owner = listed.values, np.zeros(1, dtype=int)
     radii = list[float]()
     for block in problem.blocks:
         prover = prover_of(problem, system_of(problem, block), block)
         knowns = prover.knowns(values[:, problem.known_places])
         found = prover.proofs(values[:, problem.places(block.unknowns)], owner, knowns)
         if not found.certified[0]:
-            return replace(solution, certified=False, radius=None)
+            return replace(listed, certified=np.zeros(1, dtype=int))
         radii.append(float(found.radius[0]))
-    return replace(solution, certified=True, radius=max(radii, default=0.0))
+    radius = np.array([max(radii, default=0.0)])
+    return replace(listed, certified=np.ones(1, dtype=int), radius=radius)
 
 
 def meet_conditions(problem: Problem, known: np.ndarray) -> np.ndarray:
@@ -100,15 +100,16 @@ def _of_no_unknowns(problem: Problem, given: Given, search: Search) -> Modes:
         )
     what = "is a function of its joints" if problem.is_explicit else "has no unknowns"
     search.refuse_unless_multistart(f"{who} {what}, and nothing is searched")
-    solution = make_solution(problem, problem.join_values(unknown, given.values), notes=given.notes)
+    values = problem.join_values(unknown, given.values)
+    listed = checked_solutions(problem, values[None], given.notes)
     if problem.is_explicit:
-        if not solution.residual <= CLOSURE_TOLERANCE * problem.closure.characteristic_length:
-            return _nothing(problem, given, search, solution.residual)
-        solution = _certified(problem, solution)
+        if not listed.closed[0]:
+            return _nothing(problem, given, search, float(listed.residual[0]))
+        listed = _certified(problem, listed)
     return Modes(
         problem=problem,
         given=given.echo,
-        modes=(solution,),
+        modes=listed,
         completeness="proved",
         method="forward" if problem.is_explicit else search.method,
         seed=None if problem.is_explicit else search.seed,
@@ -126,7 +127,7 @@ def _nothing(
     return Modes(
         problem=problem,
         given=given.echo,
-        modes=(),
+        modes=SolutionList.of_none(problem.closure),
         completeness="sampled",
         method=search.method,
         seed=search.seed,

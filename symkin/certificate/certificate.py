@@ -13,7 +13,6 @@ what that leaves open is proved point by point in ball arithmetic (`open_points`
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -23,7 +22,7 @@ from symkin.certificate.coordinates import aligned, in_phase, spread
 from symkin.certificate.discs import Discs
 from symkin.certificate.knowns import Knowns
 from symkin.certificate.krawczyk import Box, box_about
-from symkin.certificate.open_points import prove_points
+from symkin.certificate.open_points import prove_points, prove_pose
 from symkin.certificate.quick_test import enclose_all
 from symkin.certificate.separation import (
     Features,
@@ -36,7 +35,7 @@ from symkin.certificate.separation import (
 )
 from symkin.computed_once import cached_property
 from symkin.homotopy.algebraic import AlgebraicSystem
-from symkin.numeric.balls import COMPLEX, REAL, UP, Number, precision
+from symkin.numeric.balls import COMPLEX, REAL, UP, precision
 
 _DOUBLE = 53
 """Bits of what is computed with balls around the proofs."""
@@ -50,63 +49,14 @@ _DIAGONAL = 1.4143
 
 
 @dataclass(frozen=True, eq=False)
-class Certificates:
-    """What is proved of the n roots of one instance.
+class CertificateBatch:
+    """What is proved of n roots of m instances.
 
+    `instance` (n,) says which of the known values each root belongs to, in ascending order.
     `certified` (n,): one regular root lies in the box |Re (z_j - centre_j)|, |Im (z_j -
     centre_j)| <= ball about `centre` (width, n); of a ray, the representative x with conj(g).(x -
     c) = 0, g the given unit ray and c the centre. Where the root is real the box is one of real
-    points. `radius` (n,), length unit: how far the root is from the given point in any coordinate:
-    lengths, position, and angles and unit quaternion times the size; for a root that is not proved
-    real, in z times the size. `real` (n,): "real", "not real" or "unknown". `pose` (n,): e.e is not
-    zero. `distinct`: so many of the certified roots are proved to differ from each other. `reasons`
-    (n,): why a root is not certified, else empty.
-    """
-
-    system: AlgebraicSystem
-    certified: np.ndarray
-    centre: np.ndarray
-    ball: np.ndarray
-    real: np.ndarray
-    pose: np.ndarray
-    distinct: int
-    batch: CertificateBatch
-    instance: int
-
-    @property
-    def radius(self) -> np.ndarray:
-        return self.batch.radius[self._rows]
-
-    @property
-    def reasons(self) -> tuple[str, ...]:
-        return tuple(self.batch.reason(i) for i in range(self._rows.start, self._rows.stop))
-
-    @property
-    def _rows(self) -> slice:
-        return self.batch.rows(self.instance)
-
-    @property
-    def disjoint(self) -> bool:
-        """Whether all certified roots are proved to differ from each other."""
-        return self.distinct == int(np.sum(self.certified))
-
-    def find(self, point: np.ndarray) -> tuple[int, float] | None:
-        """The certified real root at a real point (width,), such as one with other whole turns,
-        scale or sign of a length, or one that was polished on other rows: its index, and `radius`
-        about that point. None where there is none.
-        """
-        index, radius = self.batch.find(
-            np.asarray(point, dtype=complex)[:, None], np.array([self.instance])
-        )
-        return None if index[0] < 0 else (int(index[0]) - self._rows.start, float(radius[0]))
-
-
-@dataclass(frozen=True, eq=False)
-class CertificateBatch:
-    """What is proved of n roots of m instances: arrays as in `Certificates`, `pose` and `distinct`
-    (m,), for each instance, where they are asked for.
-
-    `instance` (n,) says which of the known values each root belongs to, in ascending order.
+    points. `real` (n,): "real", "not real" or "unknown"; `reasons`: why a root is not certified.
     """
 
     system: AlgebraicSystem
@@ -133,7 +83,10 @@ class CertificateBatch:
 
     @cached_property
     def radius(self) -> np.ndarray:
-        """How far each root is from its point, (n,)."""
+        """How far each root (n,) is from its point in any coordinate, in the length unit: lengths,
+        position, and angles and unit quaternion times the size; for a root that is not proved real,
+        in z times the size.
+        """
         real = self.real == "real"
         away = _away(self.centre, self.ball, np.where(real, self.given.real, self.given))
         away[real] = spread(
@@ -141,33 +94,9 @@ class CertificateBatch:
         )
         return away * self.characteristic_length * UP
 
-    @cached_property
-    def _places(self) -> np.ndarray:
-        """Where the roots of each instance begin; (m + 1,)."""
-        return np.searchsorted(self.instance, np.arange(self.knowns.count + 1))
-
-    def rows(self, j: int) -> slice:
-        """The roots of instance j."""
-        return slice(*self._places[j : j + 2].tolist())
-
     def reason(self, i: int) -> str:
         """Why root i is not certified, else nothing."""
         return self.reasons.get(i, "")
-
-    def of(self, j: int) -> Certificates:
-        """What is proved of instance j."""
-        rows = self.rows(j)
-        return Certificates(
-            system=self.system,
-            certified=self.certified[rows],
-            centre=self.centre[:, rows],
-            ball=self.ball[rows],
-            real=self.real[rows],
-            pose=self.pose[rows],
-            distinct=int(self.distinct[j]),
-            batch=self,
-            instance=j,
-        )
 
     @cached_property
     def _marks(self) -> tuple[np.ndarray, np.ndarray]:
@@ -228,20 +157,6 @@ class CertificateBatch:
         return nearest
 
 
-def certify(
-    system: AlgebraicSystem,
-    z: np.ndarray,
-    k: Knowns | Sequence[Number] | np.ndarray,
-    size: float | None = None,
-) -> Certificates:
-    """Certificates of approximate roots z (width, n) of one instance with known values k: doubles,
-    taken as exact, or balls. `size` is the length that z has as its unit, by default the system's.
-    """
-    return certify_batch(system, z, k if isinstance(k, Knowns) else Knowns.of_one(k), size=size).of(
-        0
-    )
-
-
 def certify_batch(
     system: AlgebraicSystem,
     z: np.ndarray,
@@ -250,7 +165,7 @@ def certify_batch(
     size: float | None = None,
 ) -> CertificateBatch:
     """Certificates of approximate roots z (width, n) of the instances `instance` (n,), ascending,
-    of known values.
+    of known values. `size` is the length that z has as its unit, by default the system's.
     """
     instance = np.zeros(z.shape[1], dtype=int) if instance is None else np.asarray(instance)
     given = in_phase(system, np.asarray(z, dtype=complex))
@@ -382,8 +297,16 @@ class _Roots:
             return found
         poses: np.ndarray = self._features.poses & found
         for i in np.flatnonzero(found & ~poses).tolist() if not poses.all() else ():
-            poses[i] = is_pose(self.system, self._box(i))
+            poses[i] = is_pose(self.system, self._box(i)) or self._is_pose_by_bits(i)
         return poses
+
+    def _is_pose_by_bits(self, i: int) -> bool:
+        with precision(_DOUBLE):
+            balls = BallSystem(self.system, self.knowns.numbers(int(self.instance[i])))
+            point = self.centre[:, i]
+            return prove_pose(
+                balls, point.real if self.real[i] else point, is_real=bool(self.real[i])
+            )
 
     @cached_property
     def distinct(self) -> np.ndarray:

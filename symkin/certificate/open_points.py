@@ -11,6 +11,7 @@ import numpy as np
 
 from symkin.certificate.ball_system import BallSystem
 from symkin.certificate.krawczyk import Box, chart_of, enclose
+from symkin.certificate.separation import is_pose
 from symkin.homotopy.algebraic import AlgebraicSystem
 from symkin.numeric.balls import COMPLEX, REAL, RINGS
 
@@ -83,6 +84,17 @@ def _prove(
         f"no proof by {_BITS[-1]} bits: the point is no root, or one that is singular or nearly so"
     )
     return box, "" if box is not None else reason
+
+
+def prove_pose(balls: BallSystem, point: np.ndarray, *, is_real: bool) -> bool:
+    """Whether more bits show that the root at a point is a pose: its rotation may have large
+    entries, e.e close to zero, and the box of doubles hold zero.
+    """
+    chart, ring = chart_of(balls, point.real if is_real else point), REAL if is_real else COMPLEX
+    if chart is None:
+        return False
+    boxes = (enclose(balls, chart, ring, point, bits) for bits in _BITS[1:])
+    return any(box is not None and is_pose(balls.system, box) for box in boxes)
 
 
 def _conjugates(given: np.ndarray) -> dict[int, int]:

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -77,6 +77,11 @@ class Closure:
     def bound(self, expression: ca.SX) -> ca.SX:
         """The expression with the nominal geometry in place of p; constants fold."""
         return ca.substitute(expression, self.parameters, ca.SX(ca.DM(self.parameter_values)))
+
+    def symbols(self, coordinates: Iterable[Coordinate]) -> ca.SX:
+        """The symbols of some coordinates, one below the other."""
+        places = (self.slices[c.name] for c in coordinates)
+        return ca.vertcat(ca.SX(0, 1), *(self.variables[place] for place in places))
 
     def role(self, *roles: str) -> tuple[Coordinate, ...]:
         return tuple(c for c in self.coordinates if c.role in roles)

@@ -52,6 +52,12 @@ class LinkFrames:
         hung = {link for bridge in self.bridges for link in bridge.links}
         return tuple(link for link in self.frames if link not in hung)
 
+    def bound(self, expression: ca.SX) -> ca.SX:
+        """The expression with the nominal geometry."""
+        symbols = ca.vertcat(ca.SX(0, 1), *(symbol for symbol, _ in self.geometry.values()))
+        numbers = ca.SX(ca.DM([value for _, value in self.geometry.values()]))
+        return ca.substitute(expression, symbols, numbers)
+
 
 @lru_cache(maxsize=128)
 def link_frames(closure: Closure) -> LinkFrames:
@@ -83,7 +89,7 @@ def link_frames(closure: Closure) -> LinkFrames:
             }
     geometry, theirs, ours = _geometry(builder, closure)
     theirs += [builder.coordinates[c.name][1] for c in closure.coordinates]
-    ours += [closure.variables[closure.slices[c.name]] for c in closure.coordinates]
+    ours.append(closure.symbols(closure.coordinates))
     nothing = ca.SX(0, 1)
     frames = ca.substitute(
         _frames(list(sides.values())), [ca.vertcat(nothing, *theirs)], [ca.vertcat(nothing, *ours)]

@@ -95,8 +95,6 @@ def reading_expressions(closure: Closure) -> dict[str, tuple[ca.SX, ...]]:
     Joints at links that may spin, which no expression places, are left out.
     """
     found = link_frames(closure)
-    symbols = ca.vertcat(ca.SX(0, 1), *(symbol for symbol, _ in found.geometry.values()))
-    numbers = ca.SX(ca.DM([value for _, value in found.geometry.values()]))
     read: dict[str, tuple[ca.SX, ...]] = {}
     for joint, between in _between(found):
         if joint.type == "S":
@@ -106,16 +104,14 @@ def reading_expressions(closure: Closure) -> dict[str, tuple[ca.SX, ...]]:
             for part in _parts(joint, between)
         ]
         for c, values in zip(joint.coordinates, parts, strict=True):
-            read[c.name] = tuple(ca.substitute(value, symbols, numbers) for value in values)
+            read[c.name] = tuple(map(found.bound, values))
     return read
 
 
 def link_expressions(closure: Closure) -> dict[str, Pose]:
     """As `link_poses`, over the closure's variables at the geometry of the description."""
     found = link_frames(closure)
-    symbols = ca.vertcat(ca.SX(0, 1), *(symbol for symbol, _ in found.geometry.values()))
-    numbers = ca.SX(ca.DM([value for _, value in found.geometry.values()]))
-    frames = ca.densify(ca.substitute(ca.horzcat(*found.frames.values()), symbols, numbers))
+    frames = ca.densify(found.bound(ca.horzcat(*found.frames.values())))
     poses = {
         link: Pose(frames[:3, k], normalized(frames[3:, k])) for k, link in enumerate(found.frames)
     }
@@ -164,9 +160,7 @@ class _PlacedLinks:
 @lru_cache(maxsize=128)
 def _placed_links(closure: Closure) -> _PlacedLinks:
     found = link_frames(closure)
-    symbols = ca.vertcat(ca.SX(0, 1), *(symbol for symbol, _ in found.geometry.values()))
-    numbers = ca.SX(ca.DM([value for _, value in found.geometry.values()]))
-    packed = ca.densify(ca.substitute(ca.vertcat(*found.frames.values()), symbols, numbers))
+    packed = ca.densify(found.bound(ca.vertcat(*found.frames.values())))
     evaluate = ca.Function(
         "links", [ca.vertcat(ca.SX(0, 1), closure.variables)], [packed], {"cse": True}
     )
@@ -184,11 +178,9 @@ class _ReadJoints:
 @lru_cache(maxsize=128)
 def _read_joints(closure: Closure) -> _ReadJoints:
     found = link_frames(closure)
-    symbols = ca.vertcat(ca.SX(0, 1), *(symbol for symbol, _ in found.geometry.values()))
-    numbers = ca.SX(ca.DM([value for _, value in found.geometry.values()]))
     between = dict(_between(found))
     parts = [part for joint, pose in between.items() for part in joint_coordinates(joint, pose)]
-    packed = ca.densify(ca.substitute(ca.vertcat(ca.SX(0, 1), *parts), symbols, numbers))
+    packed = ca.densify(found.bound(ca.vertcat(ca.SX(0, 1), *parts)))
     evaluate = ca.Function(
         "joints", [ca.vertcat(ca.SX(0, 1), closure.variables)], [packed], {"cse": True}
     )

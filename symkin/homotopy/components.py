@@ -17,7 +17,7 @@ from symkin.homotopy.values import algebraic_point, known_values
 from symkin.numeric.levenberg import levenberg_marquardt
 from symkin.numeric.system import System
 from symkin.position.given import Given
-from symkin.position.problem import Problem, free_system
+from symkin.position.problem import Problem
 from symkin.position.roots import merge
 from symkin.position.starts import random_starts
 
@@ -81,7 +81,7 @@ def _real_roots(
     """Regular closed configurations z (width, n) with known values k (known, n), from starts
     anywhere, known coordinates free as well.
     """
-    free = free_system(problem, block)
+    free = block.freed(problem.known_coordinates)
     reference = problem.select_values(problem.closure.reference, problem.known_coordinates)
     starts = random_starts(problem, free, Given(problem.kind, reference, {}), _REAL_STARTS, rng)
     batch = levenberg_marquardt(free, starts, np.zeros(0))

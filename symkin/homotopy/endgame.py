@@ -164,13 +164,14 @@ def _with_far_roots(
     system: AlgebraicSystem, start: Fibre, target: np.ndarray, tracked: Tracked
 ) -> Ends | None:
     """Ends where all that did not arrive are regular roots far from the real ones, which Newton's
-    method with more bits finds; else None.
+    method with more bits finds; else None. Those that are no pose to the last digits are at
+    infinity.
     """
-    from symkin.homotopy.far_roots import are_far, carried, settled
+    from symkin.homotopy.far_roots import are_far, are_infinite, carried, is_square, settled
 
     z = tracked.z.copy()
     left = np.flatnonzero(~are_regular(system, tracked, target))
-    if system.projective or system.count != system.width or not are_far(system, z[:, left]).all():
+    if not is_square(system) or not are_far(system, z[:, left]).all():
         return None
     found, z[:, left] = settled(system, z[:, left], target)
     doubtful = np.isin(np.arange(z.shape[1]), left[~found]) | (separations(system, z) < _ONE)
@@ -184,7 +185,8 @@ def _with_far_roots(
             break
     if (separations(system, z) < _ONE).any():
         return None
-    return Ends(z, SingularRoots.none(system.width), 0, ())
+    infinite = are_infinite(system, z)
+    return Ends(z[:, ~infinite], SingularRoots.none(system.width), int(infinite.sum()), ())
 
 
 def _attempt(

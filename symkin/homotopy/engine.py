@@ -1,7 +1,7 @@
 """The engine that tracks paths of a system: compiled C where a compiler is found and it pays, else
-NumPy, which has a faster form for quadratic rows.
+NumPy.
 
-All have the same meaning (see `tracker`) and agree on the roots. SYMKIN_ENGINE = numpy keeps to
+Both have the same meaning (see `tracker`) and agree on the roots. SYMKIN_ENGINE = numpy keeps to
 NumPy.
 """
 
@@ -11,10 +11,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from symkin.homotopy import quadratic, tracker
+from symkin.homotopy import tracker
 from symkin.homotopy.algebraic import AlgebraicSystem
 from symkin.homotopy.compiled import CompiledTracker, load
-from symkin.homotopy.quadratic_form import quadratic_form
 from symkin.homotopy.tracker import Tracked, TrackSettings
 
 Line = tuple[np.ndarray, np.ndarray]
@@ -37,9 +36,6 @@ def track(
     compiled, _ = engine_of(system)
     if compiled is not None:
         return compiled.track(z, begin, end, settings)
-    form = quadratic_form(system)
-    if form is not None:
-        return quadratic.track(system, form, z, begin, end, settings)
     return tracker.track(system, z, begin, end, settings)
 
 
@@ -49,10 +45,10 @@ def track_lines(
     lines: Sequence[Line],
     settings: TrackSettings | None = None,
 ) -> list[Tracked]:
-    """Roots (width, n) of each line's beginning to its end, all lines at once but where the tracker
-    of quadratic rows, whose paths share one line, is faster; the same as `track` of each.
+    """Roots (width, n) of each line's beginning to its end, all lines at once: the same as `track`
+    of each.
     """
-    if len(lines) < 2 or (engine_of(system)[0] is None and quadratic_form(system) is not None):
+    if len(lines) < 2:
         return [
             track(system, z, begin, end, settings)
             for z, (begin, end) in zip(roots, lines, strict=True)

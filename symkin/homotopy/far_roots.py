@@ -1,8 +1,10 @@
-"""Roots that double precision cannot settle because angles have large imaginary parts.
+"""Roots that double precision cannot settle because angles have large imaginary parts, or rotations
+large entries.
 
-Near a special geometry, such as axes that are parallel but for 1e-4 rad, some roots of the inverse
-problem lie far from the real ones: sines and cosines of 1e4 and more are subtracted from each
-other, and few digits are left. There Newton's method is done with more bits.
+Near a special geometry, such as axes that are parallel but for 1e-4 rad, or values beside those of
+a symmetry, some roots lie far from the real ones: sines and cosines of 1e4 and more are subtracted
+from each other, and few digits are left. There Newton's method is done with more bits. At a ray x
+of homogeneous coordinates its step d meets conj(x).d = 0.
 """
 
 from __future__ import annotations
@@ -14,6 +16,8 @@ import numpy as np
 
 from symkin.computed_once import lru_cache
 from symkin.homotopy.algebraic import AlgebraicSystem
+from symkin.homotopy.point_checks import is_no_pose
+from symkin.homotopy.tracker import in_newest_chart
 from symkin.numeric.balls import COMPLEX, BallFunction, Number, precision, upper
 
 _BITS = 128
@@ -21,6 +25,12 @@ _FAR = 4.0
 """Imaginary part of an angle from which on a root is far: its sine is 27."""
 _REFINEMENTS = 10
 """Newton steps at most; near a regular root each doubles the digits."""
+_LARGE_ENTRIES = 1e-4
+"""|e.e| / |e|^2 and |e| / |(e, g)| of a ray below which a root is far: rotation matrices with
+entries, positions beyond 1e4.
+"""
+_LAST_DIGITS = 1e-11
+"""The same below which a root found by more bits, then rounded, is at infinity."""
 _NEAREST = 1e-3
 """Largest distance of a root from the point that stands for it."""
 _TOLERANCE = 1e-5
@@ -32,11 +42,14 @@ _LAST = 23.0
 
 
 def are_far(system: AlgebraicSystem, z: np.ndarray) -> np.ndarray:
-    """Which points (width, n) have an angle with a large imaginary part."""
+    """Which points (width, n) have an angle with a large imaginary part, or a rotation with large
+    entries.
+    """
     angles = [i for i, c in enumerate(system.unknowns) if c.is_periodic]
-    return np.asarray(
-        np.isfinite(z).all(axis=0) & (np.max(np.abs(z[angles].imag), axis=0, initial=0.0) > _FAR)
-    )
+    far = np.max(np.abs(z[angles].imag), axis=0, initial=0.0) > _FAR
+    if system.projective:
+        far |= is_no_pose(system, z, thin=_LARGE_ENTRIES, far=_LARGE_ENTRIES)
+    return np.asarray(np.isfinite(z).all(axis=0) & far)
 
 
 def settled(system: AlgebraicSystem, z: np.ndarray, k: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -45,13 +58,23 @@ def settled(system: AlgebraicSystem, z: np.ndarray, k: np.ndarray) -> tuple[np.n
     to the last digits.
     """
     found, points = np.zeros(z.shape[1], dtype=bool), z.copy()
-    if system.projective or system.count != system.width:
+    if not is_square(system):
         return found, points
     for i in range(z.shape[1]):
         root = _settle(system, z[:, i], k)
         if root is not None and np.max(np.abs(root - z[:, i])) < _NEAREST:
             points[:, i], found[i] = root, True
     return found, points
+
+
+def are_infinite(system: AlgebraicSystem, z: np.ndarray) -> np.ndarray:
+    """Which roots (width, n) found by more bits are no pose."""
+    return is_no_pose(system, z, thin=_LAST_DIGITS, far=_LAST_DIGITS)
+
+
+def is_square(system: AlgebraicSystem) -> bool:
+    """Whether there are as many rows as unknowns, a ray's length left out."""
+    return system.count + bool(system.projective) == system.width
 
 
 def _settle(system: AlgebraicSystem, z: np.ndarray, k: np.ndarray) -> np.ndarray | None:
@@ -62,7 +85,7 @@ def _settle(system: AlgebraicSystem, z: np.ndarray, k: np.ndarray) -> np.ndarray
         rows, known = _at(system, k)
         point = [COMPLEX.number(v) for v in z.tolist()]
         for _ in range(_REFINEMENTS):
-            step = _newton_step(rows, known, point)
+            step = _newton_step(system, rows, known, point)
             size = 1.0 if step is None else max(upper(d) for d in step)
             if step is None or not size < 1.0:
                 return None
@@ -72,15 +95,34 @@ def _settle(system: AlgebraicSystem, z: np.ndarray, k: np.ndarray) -> np.ndarray
     return None
 
 
-def _newton_step(rows: BallFunction, known: list[Any], point: list[Number]) -> list[Number] | None:
+def _newton_step(
+    system: AlgebraicSystem, rows: BallFunction, known: list[Any], point: list[Number]
+) -> list[Number] | None:
     """What Newton's method subtracts at a point; None where the derivatives have no inverse."""
-    matrix = COMPLEX.matrix(len(point), len(point), rows.evaluate(1, point, known)).mid()
     try:
-        return list(
-            matrix.solve(COMPLEX.column(rows.evaluate(0, point, known)).mid()).mid().entries()
-        )
+        return _solved(system, rows, known, point, rows.evaluate(0, point, known))
     except ZeroDivisionError:
         return None
+
+
+def _solved(
+    system: AlgebraicSystem,
+    rows: BallFunction,
+    known: list[Any],
+    point: list[Number],
+    right: list[Number],
+) -> list[Number]:
+    """x with dF/dz x = right at a point, and conj(p).x = 0 for the point's ray p."""
+    derivatives, column = list(rows.evaluate(1, point, known)), list(right)
+    if system.projective:
+        still = COMPLEX.number(0.0)
+        ray = [complex(p).conjugate() for p in point]
+        derivatives += [
+            COMPLEX.number(ray[i]) if i in system.projective else still for i in range(len(point))
+        ]
+        column.append(still)
+    matrix = COMPLEX.matrix(len(point), len(point), derivatives).mid()
+    return list(matrix.solve(COMPLEX.column(column).mid()).mid().entries())
 
 
 def carried(
@@ -103,7 +145,8 @@ def _follow(
 ) -> tuple[np.ndarray, bool]:
     """One path: the polynomial through the last three points and their tangents predicts, two
     Newton steps correct. It is followed over u = -log(1 - s), s its share: a root that is far
-    away is neared as s is, one at infinity by steps that are equally long in u.
+    away is neared as s is, one at infinity by steps that are equally long in u; a ray that is no
+    pose to the last digits is not followed on.
     """
     way, u, h = end - begin, 0.0, _FIRST
     first = _corrected(system, z, begin, way)
@@ -113,7 +156,11 @@ def _follow(
     for _ in range(_MOST_STEPS):
         ahead = min(u + h, _LAST)
         left = float(np.exp(-ahead))
-        found = _corrected(system, _predicted(stations[-3:], ahead), end - left * way, left * way)
+        found = _corrected(
+            system, _predicted(system, stations, ahead), end - left * way, left * way
+        )
+        if found is not None and are_infinite(system, found[0][:, None])[0]:
+            break
         if found is None:
             h = 0.3 * (ahead - u)
             if h < _SMALLEST:
@@ -136,13 +183,17 @@ _Station = tuple[float, np.ndarray, np.ndarray]
 """Place u on a path, point and tangent there."""
 
 
-def _predicted(stations: list[_Station], u: float) -> np.ndarray:
+def _predicted(system: AlgebraicSystem, stations: list[_Station], u: float) -> np.ndarray:
     """Hermite's polynomial through points and tangents, at u: Newton's divided differences over
     doubled places.
     """
     places = [place for place, _, _ in stations for _ in (0, 1)]
-    column = [z for _, z, _ in stations for _ in (0, 1)]
-    tangents = [t for _, _, t in stations]
+    newest_first = np.array([one[1:] for one in stations[::-1]])
+    points, tangents = in_newest_chart(
+        system, newest_first[:, 0, :, None], newest_first[:, 1, :, None]
+    )
+    points, tangents = points[::-1, :, 0], tangents[::-1, :, 0]
+    column: list[np.ndarray] = [z for z in points for _ in (0, 1)]
     total, product = column[0].copy(), 1.0
     for order in range(1, len(places)):
         gaps = [places[i + order] - places[i] for i in range(len(places) - order)]
@@ -152,7 +203,7 @@ def _predicted(stations: list[_Station], u: float) -> np.ndarray:
         ]
         product *= u - places[order - 1]
         total += product * column[0]
-    return total
+    return np.asarray(total)
 
 
 def _corrected(
@@ -167,7 +218,7 @@ def _corrected(
         rows, known = _at(system, k)
         point = [COMPLEX.number(v) for v in z.tolist()]
         for _ in range(2):
-            before, step = point, _newton_step(rows, known, point)
+            before, step = point, _newton_step(system, rows, known, point)
             if step is None:
                 return None
             point = [(p - d).mid() for p, d in zip(point, step, strict=True)]
@@ -176,14 +227,18 @@ def _corrected(
                 _TOLERANCE, 0.01 * (sizes[0] + 1e-12) if len(sizes) > 1 else _TOLERANCE
             ):
                 return None
-        matrix = COMPLEX.matrix(system.width, system.width, rows.evaluate(1, before, known)).mid()
         moved = motion.evaluate(
             0,
             point,
             motion.prepare(COMPLEX, [*(complex(v) for v in k), *(complex(v) for v in along)]),
         )
-        tangent = matrix.solve(COMPLEX.column(moved)).entries()
-    return np.array([complex(p) for p in point]), -np.array([complex(t) for t in tangent]), sizes[0]
+        tangent = _solved(system, rows, known, before, moved)
+    root = np.array([complex(p) for p in point])
+    along = -np.array([complex(t) for t in tangent])
+    ray = list(system.projective)
+    if ray:
+        along[ray] /= np.linalg.norm(root[ray])
+    return np.asarray(system.unit_rays(root)), along, sizes[0]
 
 
 def _at(system: AlgebraicSystem, k: np.ndarray) -> tuple[BallFunction, list[Any]]:

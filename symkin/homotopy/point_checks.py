@@ -97,19 +97,25 @@ def polish(system: AlgebraicSystem, z: np.ndarray, k: np.ndarray) -> tuple[np.nd
     return z, look(system, z, k)
 
 
-def is_no_pose(system: AlgebraicSystem, z: np.ndarray, error: float = 0.0) -> np.ndarray:
+def is_no_pose(
+    system: AlgebraicSystem,
+    z: np.ndarray,
+    error: float = 0.0,
+    *,
+    far: float = _FAR,
+    thin: float = _NO_WEIGHT,
+) -> np.ndarray:
     """Rays (e, g), each known within an error, without a rotation: e = 0 beside g or e.e = 0, where
-    roots are at infinity.
+    roots are at infinity. `far` and `thin` are the shares |e| / |(e, g)| and |e.e| / |e|^2 that
+    count as none.
     """
     if not system.projective:
         return np.zeros(z.shape[1], dtype=bool)
     ray = z[list(system.projective)]
     e = ray[:4]
     norm = np.linalg.norm(e, axis=0)
-    far = norm <= max(_FAR, 10 * error) * np.linalg.norm(ray, axis=0)
-    return np.asarray(
-        far | (np.abs(np.sum(e * e, axis=0)) <= max(_NO_WEIGHT, 10 * error) * norm**2)
-    )
+    short = norm <= max(far, 10 * error) * np.linalg.norm(ray, axis=0)
+    return np.asarray(short | (np.abs(np.sum(e * e, axis=0)) <= max(thin, 10 * error) * norm**2))
 
 
 def lie_on_sets(system: AlgebraicSystem, z: np.ndarray, k: np.ndarray) -> np.ndarray:

@@ -45,7 +45,7 @@ from symkin.position.closed_configurations import closed_configurations
 from symkin.position.given import Given
 from symkin.position.mobility import mobility
 from symkin.position.multistart import batched
-from symkin.position.problem import Problem, free_system
+from symkin.position.problem import Problem
 from symkin.position.roots import merge
 
 LOG = logging.getLogger(__name__)
@@ -284,7 +284,7 @@ def _by_monodromy(
 
 def redundant_rows(problem: Problem, block: System) -> int:
     """Rows of a block less their rank at generic closed configurations, all coordinates free."""
-    system = free_system(problem, block)
+    system = block.freed(problem.known_coordinates)
     ranks = []
     for values in closed_configurations(problem.closure, 0):
         _, jacobian = system.linearise_one(

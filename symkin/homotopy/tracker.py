@@ -213,7 +213,7 @@ def _extrapolate(system: AlgebraicSystem, paths: _Paths, h: np.ndarray) -> np.nd
     """Hermite's polynomial through (c, c, b, b, a, a), newest point c first, at h beyond c; fewer
     points, lower degree.
     """
-    z, t = _in_last_chart(system, paths)
+    z, t = in_newest_chart(system, paths.z, paths.t)
     two, three = paths.count >= 2, paths.count >= 3
     d1 = np.where(two, paths.s[1] - paths.s[0], 1.0)
     d2 = np.where(three, paths.s[2] - paths.s[0], 2.0)
@@ -227,14 +227,16 @@ def _extrapolate(system: AlgebraicSystem, paths: _Paths, h: np.ndarray) -> np.nd
     return np.asarray(z[0] + h * (t[0] + h * middle))
 
 
-def _in_last_chart(system: AlgebraicSystem, paths: _Paths) -> tuple[np.ndarray, np.ndarray]:
-    """Points and tangents with rays p scaled to conj(x).p = 1, x the newest ray: p / a, t / a - p
-    b / a^2 for a = conj(x).p, b = conj(x).t.
+def in_newest_chart(
+    system: AlgebraicSystem, z: np.ndarray, t: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Points and tangents (any, width, n), newest first, with rays p scaled to conj(x).p = 1, x the
+    newest ray: p / a, t / a - p b / a^2 for a = conj(x).p, b = conj(x).t.
     """
     if not system.projective:
-        return paths.z, paths.t
+        return z, t
     ray = slice(system.projective[0], system.projective[-1] + 1)
-    z, t = paths.z.copy(), paths.t.copy()
+    z, t = z.copy(), t.copy()
     p, v = z[1:, ray], t[1:, ray]
     c = np.conj(z[0, ray])
     a, b = np.sum(c * p, axis=1, keepdims=True), np.sum(c * v, axis=1, keepdims=True)

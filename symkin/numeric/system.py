@@ -61,6 +61,13 @@ class System:
         """The same rows with the values of coordinates that were `known` unknown, and back."""
         return replace(self, unknowns=known, unknown=self.known, known=self.unknown)
 
+    def freed(self, known: tuple[Coordinate, ...]) -> System:
+        """The same rows with the values of coordinates that were `known` unknown as well, behind
+        the others.
+        """
+        both = ca.vertcat(self.unknown, self.known)
+        return replace(self, unknowns=(*self.unknowns, *known), unknown=both, known=ca.SX(0, 1))
+
     def norms(self, z: ca.SX) -> ca.SX:
         """|q|^2 - 1 of each quaternion of a point z (width,)."""
         turns = [

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import casadi as ca
 import numpy as np
 
 from symkin.computed_once import lru_cache
@@ -181,16 +180,7 @@ def _to_pose(whole: System, joints: int, z: np.ndarray, pose: np.ndarray) -> np.
 @lru_cache(maxsize=64)
 def _whole(problem: Problem) -> System:
     """All rows with joints and pose unknown, joints first."""
-    system = problem.system
-    both = ca.vertcat(system.unknown, system.known)
-    return System(
-        (*system.unknowns, *problem.known_coordinates),
-        both,
-        ca.SX(0, 1),
-        system.rows,
-        system.errors,
-        system.characteristic_length,
-    )
+    return problem.system.freed(problem.known_coordinates)
 
 
 def _take(problem: Problem, values: np.ndarray) -> np.ndarray:

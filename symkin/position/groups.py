@@ -31,7 +31,7 @@ from symkin.numeric.rank import Rank, independent_rows
 from symkin.numeric.system import System
 from symkin.numeric.tolerances import RANK_TOLERANCE
 from symkin.position.closed_configurations import closed_configurations
-from symkin.position.problem import Problem, free_system
+from symkin.position.problem import Problem
 
 _POINTS = 3
 """Random points at which derivatives are looked at: one that vanishes at all of them is zero."""
@@ -77,8 +77,12 @@ def is_tied(group: Problem) -> bool:
     system = group.system
     if int(system.rows.shape[0]) <= system.freedom:
         return False
-    free, values = free_system(group, system), np.array(closed_configurations(group.closure, 0))
+    free, values = (
+        system.freed(group.known_coordinates),
+        np.array(closed_configurations(group.closure, 0)),
+    )
     places = np.concatenate([group.unknown_places, group.known_places])
+    free = system.freed(group.known_coordinates)
     jacobians = free.linearise(values[:, places], np.zeros(0))[1]
     whole = max(jacobians, key=lambda jacobian: Rank.of(jacobian).value)
     return Rank.of(whole).value > Rank.of(whole[:, : system.freedom]).value
@@ -152,8 +156,8 @@ def _part(
     known = tuple(c for name, c in found.items() if name in held and c not in unknowns)
     system = System(
         unknowns,
-        _stacked(closure, unknowns),
-        ca.vertcat(ca.SX(0, 1), _stacked(closure, known)),
+        closure.symbols(unknowns),
+        closure.symbols(known),
         rows,
         errors,
         closure.characteristic_length,
@@ -189,12 +193,7 @@ def without_later(rows: ca.SX, closure: Closure, allowed: Collection[str]) -> ca
     if not later:
         return rows
     values = np.concatenate([closure.reference[closure.slices[c.name]] for c in later])
-    return ca.substitute(rows, _stacked(closure, later), ca.SX(ca.DM(values)))
-
-
-def _stacked(closure: Closure, coordinates: Sequence[Coordinate]) -> ca.SX:
-    """The symbols of coordinates, one below the other."""
-    return ca.vertcat(*(closure.variables[closure.slices[c.name]] for c in coordinates))
+    return ca.substitute(rows, closure.symbols(later), ca.SX(ca.DM(values)))
 
 
 def _coordinates_in(rows: ca.SX, closure: Closure) -> set[str]:

@@ -6,7 +6,6 @@ from __future__ import annotations
 
 import math
 
-import casadi as ca
 import numpy as np
 
 from symkin.closure.closure import build_closure
@@ -57,18 +56,13 @@ def limbs(mechanism: Mechanism) -> tuple[System, ...]:
     passive = closure.role("passive")
     if not passive:
         return ()
-    known = [
-        closure.variables[closure.slices[c.name]]
-        for role in ("actuated", "pose")
-        for c in closure.role(role)
-    ]
-    unknown = [closure.variables[closure.slices[c.name]] for c in passive]
+    known = (*closure.role("actuated"), *closure.role("pose"))
     rows, errors = closure.bound(closure.rows), closure.bound(closure.errors)
     return split_blocks(
         System(
             passive,
-            ca.vertcat(*unknown),
-            ca.vertcat(*known),
+            closure.symbols(passive),
+            closure.symbols(known),
             rows,
             errors,
             closure.characteristic_length,

@@ -53,7 +53,7 @@ def poses_vary(
     """
     closure = build_closure(mechanism)
     joints = closure.role("actuated", "passive")
-    unknown = ca.vertcat(*(closure.variables[closure.slices[c.name]] for c in joints))
+    unknown = closure.symbols(joints)
     names = [name for name, _, _ in box]
     varied = ca.SX.sym("varied", len(names))
     held = _held(closure, Pose(np.array(base[:3]), np.array(base[3:])))

@@ -153,7 +153,7 @@ class Problem(OfKind):
         pose = self.closure.forward
         if pose is None:
             return None
-        known = _stack(self.closure, self.known_coordinates)
+        known = self.closure.symbols(self.known_coordinates)
         return ca.Function(
             "forward", [known], [self.closure.bound(ca.vertcat(pose.position, pose.quaternion))]
         )
@@ -256,8 +256,8 @@ def _problem(closure: Closure, kind: Kind, names: tuple[str, ...]) -> Problem:
     unknowns = tuple(c for c in closure.coordinates if c not in known)
     system = System(
         unknowns,
-        _stack(closure, unknowns),
-        _stack(closure, known),
+        closure.symbols(unknowns),
+        closure.symbols(known),
         numbered_rows(closure)
         if kind not in KNOWN and not closure.partition.geometry
         else closure.bound(closure.rows),
@@ -281,22 +281,4 @@ def _partition(
     geometry = not names and held is None
     return Partition(
         frozenset(wanted) & joints, pose=whole, pose_conditions=conditions, geometry=geometry
-    )
-
-
-def _stack(closure: Closure, coordinates: tuple[Coordinate, ...]) -> ca.SX:
-    return ca.vertcat(*(closure.variables[closure.slices[c.name]] for c in coordinates))
-
-
-def free_system(problem: Problem, block: System) -> System:
-    """The rows of a block with its known coordinates unknown as well."""
-    coordinates = (*block.unknowns, *problem.known_coordinates)
-    variables = ca.vertcat(block.unknown, block.known)
-    return System(
-        coordinates,
-        variables,
-        ca.SX(0, 1),
-        block.rows,
-        block.errors,
-        problem.closure.characteristic_length,
     )

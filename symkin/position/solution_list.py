@@ -13,7 +13,7 @@ import numpy as np
 from symkin.closure.closure import Closure
 from symkin.numeric.linear_algebra import condition_of
 from symkin.numeric.root_checks import NEARLY_SINGULAR, are_double
-from symkin.numeric.tolerances import SINGULAR_CONDITION
+from symkin.numeric.tolerances import CLOSURE_TOLERANCE, SINGULAR_CONDITION
 from symkin.position.canonical import canonical, poses_of
 from symkin.position.groups import structure_groups
 from symkin.position.problem import Problem
@@ -61,6 +61,11 @@ class SolutionList(Sequence[Solution]):
             self._made.setdefault(place, self._make(place))
         return self._made[place]
 
+    @property
+    def closed(self) -> np.ndarray:
+        """Which of them (m,) close to rounding."""
+        return np.asarray(self.residual <= CLOSURE_TOLERANCE * self.closure.characteristic_length)
+
     def chosen(self, places: np.ndarray | Sequence[int] | slice) -> SolutionList:
         """Some of the solutions, in the order of their places (any,), a part of them, or where a
         mask (m,) holds.
@@ -71,6 +76,42 @@ class SolutionList(Sequence[Solution]):
             if isinstance(getattr(self, f.name), np.ndarray)
         }
         return replace(self, **arrays, _made={})
+
+    @staticmethod
+    def of_none(closure: Closure) -> SolutionList:
+        """No solutions."""
+        none, flags = np.zeros(0), np.zeros(0, dtype=int)
+        return SolutionList(
+            closure,
+            values=np.zeros((0, closure.reference.size)),
+            position=np.zeros((0, 3)),
+            quaternion=np.zeros((0, 4)),
+            residual=none,
+            condition=none,
+            within_limits=flags,
+            certified=flags,
+            radius=none,
+            notes=(),
+        )
+
+    @staticmethod
+    def joined(lists: Sequence[SolutionList]) -> SolutionList:
+        """The solutions of several lists of one closure, one after the other, with what is said in
+        all of these.
+        """
+        first = lists[0]
+        if len(lists) == 1:
+            return first
+        arrays = {
+            f.name: [getattr(one, f.name) for one in lists]
+            for f in fields(first)
+            if isinstance(getattr(first, f.name), np.ndarray | None)
+        }
+        told = {
+            name: None if any(part is None for part in parts) else np.concatenate(parts)
+            for name, parts in arrays.items()
+        }
+        return replace(first, **told, _made={})  # type: ignore[arg-type]
 
     def __repr__(self) -> str:
         return f"<{len(self)} solutions of {self.closure.mechanism.name}>"

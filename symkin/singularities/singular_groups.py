@@ -7,11 +7,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-import casadi as ca
 import numpy as np
 
 from symkin.closure.branches import layout_of
-from symkin.numeric.system import System
 from symkin.numeric.tolerances import SINGULAR_VALUE
 from symkin.position.groups import structure_groups
 from symkin.position.loops import loops_at
@@ -68,14 +66,7 @@ def _least_singular_value(group: Problem, values: np.ndarray, tolerance: float) 
     unknowns and knowns.
     """
     system, knowns = group.system, group.known_coordinates
-    both = System(
-        (*system.unknowns, *knowns),
-        ca.vertcat(system.unknown, system.known),
-        ca.SX(0, 1),
-        system.rows,
-        system.errors,
-        system.characteristic_length,
-    )
+    both = system.freed(knowns)
     point = np.concatenate([group.select_values(values, c) for c in (system.unknowns, knowns)])
     rows = row_basis(both.linearise_one(point, np.zeros(0))[1], tolerance)
     singular = np.linalg.svd(rows[:, : system.freedom], compute_uv=False)

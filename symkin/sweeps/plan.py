@@ -128,7 +128,7 @@ def make_plan(
 def _usual_chunk(plan: Plan) -> int:
     """Points that are computed and written at a time where nobody says how many."""
     finder = plan.finder()
-    bound = finder.bound if finder.plain.is_tracked and not plan.certify else None
+    bound = finder.bound if finder.own.is_tracked and not plan.certify else None
     largest = (
         _SLOW_CHUNK
         if bound is None

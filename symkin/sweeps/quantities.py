@@ -247,23 +247,23 @@ def arrays_of(
     needs.
     """
     chosen = variables(quantity, certify, problem)
-    derived = _derived(found) | (_distances(found, problem) if quantity == "conditioning" else {})
+    told = vars(found.listed) | vars(found) | _derived(found)
+    if any(v.name in ("joints", "points") for v in chosen):
+        told |= dict(zip(("joints", "points"), found.joints_and_points, strict=True))
+    if quantity == "conditioning":
+        told |= _distances(found, problem)
     arrays = {}
     for v in chosen:
-        values = derived.get(v.name, getattr(found, v.name, None))
+        values = told[v.name]
         arrays[v.name] = (
-            _spread(found.count, values, v) if v.per_mode else np.asarray(values).astype(v.dtype)
+            _spread(found, values, v) if v.per_mode else np.asarray(values).astype(v.dtype)
         )
     return arrays
 
 
-def _owners(count: np.ndarray) -> np.ndarray:
-    return np.repeat(np.arange(len(count)), np.maximum(count, 0))
-
-
-def _spread(count: np.ndarray, values: Any, variable: Variable) -> np.ndarray:
+def _spread(found: ModeTable, values: Any, variable: Variable) -> np.ndarray:
     """Values (m, ...) of all modes as (points, most modes, ...)."""
-    owner = _owners(count)
+    count, owner = found.count, found.owner
     begins = np.cumsum(np.maximum(count, 0)) - np.maximum(count, 0)
     spread = np.full(
         (len(count), int(count.max(initial=0)), *values.shape[1:]),
@@ -276,11 +276,11 @@ def _spread(count: np.ndarray, values: Any, variable: Variable) -> np.ndarray:
 
 def _derived(found: ModeTable) -> dict[str, np.ndarray]:
     """What is computed for each point from its modes."""
-    n, owner = len(found.count), _owners(found.count)
+    n, owner = len(found.count), found.owner
     least, largest = np.full(n, np.inf), np.full(n, -np.inf)
-    np.minimum.at(least, owner, found.condition)
-    np.maximum.at(largest, owner, found.condition)
-    inside = np.bincount(owner, weights=found.within_limits != 0, minlength=n).astype(int)
+    np.minimum.at(least, owner, found.listed.condition)
+    np.maximum.at(largest, owner, found.listed.condition)
+    inside = np.bincount(owner, weights=found.listed.within_limits != 0, minlength=n).astype(int)
     decided = (inside > 0) | ((found.count >= 0) & ~found.continuum)
     return {
         "least_condition": np.where(found.count > 0, least, np.nan),
@@ -301,7 +301,7 @@ def _distances(found: ModeTable, problem: Problem) -> dict[str, np.ndarray]:
         roles.closure,
         generic_ranks(mechanism, None, roles if roles.by_name else None),
     )
-    there = many_elsewhere(closure, problem.closure, found.values)
+    there = many_elsewhere(closure, problem.closure, found.listed.values)
     rows = [
         distances(
             closure, limbwise_equations(closure, values, SINGULAR_VALUE, roles), generic, roles

@@ -86,7 +86,7 @@ def prepare(folder: Path) -> None:
     for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
         os.environ.setdefault(name, "1")
     os.environ["SYMKIN_CACHE"] = str(folder / "cache")
-    from helpers.inside import certify, continuation, main  # noqa: F401
+    from helpers.inside import certify_batch, continuation, main  # noqa: F401
     from oracle import mechanism_checks  # noqa: F401
     from symkin import track  # noqa: F401
 

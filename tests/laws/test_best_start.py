@@ -13,12 +13,11 @@ from helpers.inside import (
     bases_beside,
     best_start,
     build_problem,
+    engine,
     known_values,
-    quadratic_form,
     start_of,
     universal_system,
 )
-from helpers.inside import track_quadratic as track
 
 
 @lru_cache
@@ -28,16 +27,6 @@ def setting() -> tuple[Fibre, list[np.ndarray]]:
     start, _ = start_of(problem, universal_system(), problem.blocks[0])
     joints, rng = np.array(problem.mechanism.example.joints), np.random.default_rng(0)
     return start, [known_values(problem, joints + rng.uniform(-20, 20, 6)) for _ in range(4)]
-
-
-def fast(system, z, begin, end, settings=None):
-    return track(system, quadratic_form(system), z, begin, end, settings)
-
-
-def fast_lines(system, roots, lines, settings=None):
-    return [
-        fast(system, z, begin, end, settings) for z, (begin, end) in zip(roots, lines, strict=True)
-    ]
 
 
 def test_bases_stand_beside_the_targets():
@@ -61,14 +50,14 @@ def test_the_best_start_is_a_start_with_the_fewest_steps():
     """
     start, targets = setting()
     system = universal_system()
-    choice = best_start(system, start, bases_beside(targets, 4, seed=0), targets, fast_lines)
+    choice = best_start(system, start, bases_beside(targets, 4, seed=0), targets)
     rows, _ = system.linearise(
         choice.start.z, np.repeat(choice.start.k[:, None], choice.start.z.shape[1], axis=1)
     )
     assert np.max(np.abs(rows)) < 1e-10
     assert choice.start.z.shape == start.z.shape
     steps = np.mean(
-        [fast(system, choice.start.z, choice.start.k, target).steps for target in targets]
+        [engine.track(system, choice.start.z, choice.start.k, target).steps for target in targets]
     )
     assert (min(choice.failures), steps) == min(zip(choice.failures, choice.steps, strict=True))
 
@@ -79,7 +68,7 @@ def test_a_base_that_loses_roots_is_no_candidate():
 
     def stuck(system, roots, lines, settings=None) -> list[Tracked]:
         if any(np.array_equal(lines[0][1], target) for target in targets):
-            return fast_lines(system, roots, lines, settings)
+            return engine.track_lines(system, roots, lines, settings)
         none, one = np.zeros(start.z.shape[1]), np.ones(start.z.shape[1], dtype=int)
         return [Tracked(z, none > 0, none, one) for z in roots]
 
@@ -94,7 +83,7 @@ def test_a_base_at_which_roots_merge_is_no_candidate():
 
     def merged(system, roots, lines, settings=None) -> list[Tracked]:
         if any(np.array_equal(lines[0][1], target) for target in targets):
-            return fast_lines(system, roots, lines, settings)
+            return engine.track_lines(system, roots, lines, settings)
         moved = [np.hstack([z[:, :1], z[:, :1], z[:, 2:]]) for z in roots]
         one = np.ones(start.z.shape[1], dtype=int)
         return [Tracked(z, one > 0, one, one) for z in moved]
@@ -109,10 +98,8 @@ def test_a_base_at_which_roots_merge_is_no_candidate():
 def test_orbits_of_operation_modes_go_with_the_roots():
     """Roots keep their order, so that what was known of each still belongs to it."""
     start, targets = setting()
-    choice = best_start(
-        universal_system(), start, bases_beside(targets, 2, seed=1), targets, fast_lines
-    )
-    back = fast(universal_system(), choice.start.z, choice.start.k, start.k)
+    choice = best_start(universal_system(), start, bases_beside(targets, 2, seed=1), targets)
+    back = engine.track(universal_system(), choice.start.z, choice.start.k, start.k)
     assert back.arrived.all()
     np.testing.assert_allclose(
         universal_system().features(back.z), universal_system().features(start.z), atol=1e-7

@@ -10,6 +10,7 @@ import pytest
 from flint import arb
 
 import symkin
+from helpers.certificates import certify
 from helpers.gate import in_gate
 from helpers.inside import (
     AlgebraicSystem,
@@ -18,7 +19,6 @@ from helpers.inside import (
     algebraic_systems,
     bound_of,
     build_problem,
-    certify,
     exact_known,
     known_values,
     knowns_of,
@@ -28,7 +28,7 @@ from helpers.inside import (
 from helpers.known_roots import DIETMAIER, case, complex_roots, dietmaier
 from helpers.samples import five_bar, unit
 from helpers.spellings import MACHINES, spellings
-from symkin import Joint, Limb, Mechanism
+from symkin import Joint, Limb, Mechanism, Pose
 
 
 def is_complete(certificates, bound) -> bool:
@@ -100,6 +100,21 @@ def test_a_special_platform_stays_below_the_bound():
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("seed", range(6))
+def test_forty_poses_of_a_nearly_special_hexapod_are_proved(seed):
+    """Some of Ren's hexapod have rotations with entries of 1e6, beside which boxes of double
+    precision are wide.
+    """
+    hexapod, rng = symkin.load("ren2008_true"), np.random.default_rng(seed)
+    about, turn = hexapod.reference_pose, rng.normal(size=4) + 3 * np.eye(4)[0]
+    place = about.position + hexapod.characteristic_length * rng.uniform(-0.2, 0.2, 3)
+    pose = Pose(place, turn / np.linalg.norm(turn))
+    legs = symkin.solve(hexapod, pose=pose).solution.actuated_values
+    found = symkin.modes(hexapod, joints=legs)
+    assert (found.complex_count, found.completeness) == (40, "proved")
+    assert all(mode.certified for mode in found)
+
+
 @pytest.mark.parametrize("seed", in_gate([2, 5], [2]))
 def test_sixteen_solutions_of_a_general_arm_are_proved(seed):
     """16 certified solutions of a general 6R arm are all that there are; 15 prove nothing."""

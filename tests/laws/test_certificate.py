@@ -13,15 +13,14 @@ from hypothesis import strategies as st
 
 import symkin
 from helpers import moved_points as machines
+from helpers.certificates import Certificates, certify
 from helpers.gate import in_gate
 from helpers.inside import (
     AlgebraicSystem,
-    Certificates,
     Coordinate,
     algebraic_point,
     algebraic_systems,
     build_problem,
-    certify,
     instance,
     known_values,
     precision,

@@ -344,6 +344,17 @@ def links_stretched() -> list[float]:
     return [90.0, 210.0, 330.0, math.sqrt(140**2 - across**2)]
 
 
+@pytest.mark.parametrize("apart", [5e-3, 2e-3, 2e-4])
+def test_poses_with_large_complex_entries_are_counted_beside_a_symmetry(apart):
+    """Where two of a delta's joints are equal four complex poses are at infinity: beside, their
+    rotations have entries of 1e6 and more, and they are poses like others.
+    """
+    free = replace(delta(), motion="spatial")
+    found = [symkin.modes(free, joints=[0.1, 0.03, 0.1 + away]) for away in (0.2, apart)]
+    assert found[0].complex_count == found[1].complex_count
+    assert symkin.modes(free, joints=[0.1, 0.03, 0.1]).complex_count == found[0].complex_count - 4
+
+
 CASES = {
     "delta, free platform, symmetric": lambda: (
         replace(delta(), motion="spatial"),

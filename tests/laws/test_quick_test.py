@@ -15,13 +15,13 @@ from hypothesis import strategies as st
 
 import certificates
 from helpers import inside
+from helpers.certificates import certify, of_instance
 from helpers.gate import in_gate
 from helpers.inside import (
     AlgebraicSystem,
     Coordinate,
     Enclosures,
     Knowns,
-    certify,
     certify_batch,
     disc_library,
     enclose_all,
@@ -252,7 +252,7 @@ def test_many_instances_are_certified_as_one_by_one(name):
     count = z.shape[1]
     assert batch.distinct.tolist() == [count, count - 1, count]
     for j, points in enumerate(sets):
-        alone, of = certify(system, points, k), batch.of(j)
+        alone, of = certify(system, points, k), of_instance(batch, j)
         assert np.array_equal(of.certified, alone.certified)
         assert np.array_equal(of.ball, alone.ball)
         assert np.array_equal(of.radius, alone.radius)

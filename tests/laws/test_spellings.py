@@ -15,10 +15,10 @@ from helpers.gate import in_gate
 from helpers.inside import (
     COMPLETENESS,
     any_given,
-    as_checked,
     lowered,
     make_finder,
     problem_of,
+    told_as_written,
 )
 from helpers.samples import Z, readme_five_bar
 from helpers.spellings import MACHINES, lacking, named, spellings
@@ -86,10 +86,10 @@ def test_a_sweep_finds_the_modes_of_each_point(tmp_path, spelling) -> None:
         found.completeness for found in listed[:-1]
     ]
     modes = [mode for found in listed for mode in found]
-    assert table.certified.tolist() == [int(mode.certified) for mode in modes]
+    assert table.listed.certified.tolist() == [int(mode.certified) for mode in modes]
     size = mechanism.characteristic_length
-    assert np.abs(table.position - [m.position for m in modes]).max() < 1e-9 * size
-    assert table.residual.max() < 1e-9 * size
+    assert np.abs(table.listed.position - [m.position for m in modes]).max() < 1e-9 * size
+    assert table.listed.residual.max() < 1e-9 * size
 
 
 def test_the_coordinates_of_the_file_are_told() -> None:
@@ -198,9 +198,9 @@ def test_a_guide_of_a_motion_is_told_in_its_coordinates() -> None:
             low, given = lowered(guided), any_given(guided, joints=[10.0, -10.0])
             assert [limb.name for limb in low.machine.limbs] == [limb.name for limb in home.limbs]
             plain = symkin.modes(low.machine, joints=[10.0, -10.0])
-            values = np.array([mode.variables for mode in plain])
-            own, known = plain.problem.closure, given.values
-            told = as_checked(low, problem_of(guided, given), own, values, known)
+            known, one_input = np.tile(given.values, (2, 1)), np.zeros(2, dtype=int)
+            problem = problem_of(guided, given)
+            told = told_as_written(low, problem, plain.modes, known, one_input)
             assert len(told) == 2
             assert told.residual.max() < 1e-12 * guided.characteristic_length
 

@@ -195,7 +195,7 @@ def test_points_with_more_modes_than_are_listed_are_counted_as_such():
         found = finder.find_values(np.radians([[20.0], [35.0]]))
         assert found.count.tolist() == [expected, expected]
         assert [COMPLETENESS[code] for code in found.completeness] == [said, said]
-        assert len(found.values) == 2 * max(expected, 0)
+        assert len(found.listed) == 2 * max(expected, 0)
 
 
 def test_a_sweep_says_that_there_are_too_many_modes(tmp_path):

@@ -21,7 +21,8 @@ def modes_of(found, i):
     """Rows (mode, position and quaternion and joints) of point i."""
     begin = int(np.maximum(found.count, 0)[:i].sum())
     part = slice(begin, begin + int(found.count[i]))
-    return np.hstack([found.position[part], found.quaternion[part], found.joints[part]])
+    listed, joints = found.listed, found.joints_and_points[0]
+    return np.hstack([listed.position[part], listed.quaternion[part], joints[part]])
 
 
 def check_same(mechanism, kind, points, tolerance=1e-9):
@@ -71,7 +72,7 @@ def test_direct_problem_as_modes(name, spread):
     """All modes at random inputs are those of `symkin.modes`, in the same order."""
     mechanism = symkin.load(name)
     found = check_same(mechanism, "direct", joints_about(mechanism, 6, spread))
-    assert found.residual.max() < 1e-9 * mechanism.characteristic_length
+    assert found.listed.residual.max() < 1e-9 * mechanism.characteristic_length
 
 
 @pytest.mark.slow
@@ -205,7 +206,7 @@ def test_points_with_more_modes_than_can_be_listed(monkeypatch, mechanism, kind)
     found = enumerated(mechanism, kind, points)
     assert found.count.tolist() == [-1, -1]
     assert {COMPLETENESS[c] for c in found.completeness} == {"too many to list"}
-    assert not len(found.values)
+    assert not len(found.listed)
 
 
 def test_sets_that_are_not_isolated():
@@ -226,16 +227,19 @@ def test_certificates_where_asked():
         enumerated(mechanism, "direct", points, certify=True),
         enumerated(mechanism, "direct", points),
     )
-    assert (proved.certified == 1).all()
-    assert (proved.radius < 1e-6).all()
-    assert (plain.certified == -1).all()
-    assert np.allclose(proved.position, plain.position, atol=1e-9 * mechanism.characteristic_length)
+    assert (proved.listed.certified == 1).all()
+    assert (proved.listed.radius < 1e-6).all()
+    assert (plain.listed.certified == -1).all()
+    assert np.allclose(
+        proved.listed.position, plain.listed.position, atol=1e-9 * mechanism.characteristic_length
+    )
 
 
 def test_limits_are_flags():
     """Modes outside limits are listed and flagged; without limits nothing is said."""
     arm = symkin.load("gluon_6l3")
-    assert (enumerated(arm, "direct", joints_about(arm, 2, 1.0)).within_limits == -1).all()
+    unlimited = enumerated(arm, "direct", joints_about(arm, 2, 1.0))
+    assert (unlimited.listed.within_limits == -1).all()
     text = (
         symkin.load("zhang2009")
         .to_toml()
@@ -246,6 +250,6 @@ def test_limits_are_flags():
     found = enumerated(limited, "direct", [{"joints": legs}, {"joints": [160.0, *legs[1:]]}])
     first = int(found.count[0])
     assert first > 0
-    assert (found.within_limits[:first] == 1).all()
-    assert len(found.within_limits) > first
-    assert (found.within_limits[first:] == 0).all()
+    assert (found.listed.within_limits[:first] == 1).all()
+    assert len(found.listed.within_limits) > first
+    assert (found.listed.within_limits[first:] == 0).all()

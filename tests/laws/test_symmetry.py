@@ -18,18 +18,17 @@ from helpers.inside import (
     binary_null_space,
     build_problem,
     distance_frames,
+    engine,
     find_symmetries,
     known_values,
     matrix_from_quaternion,
     orbits,
     plane_frame,
-    quadratic_form,
     reflection,
     start_of,
     tracker,
     universal_system,
 )
-from helpers.inside import track_quadratic as track
 from helpers.samples import hexapod, pieper, seeds, three_rrr
 from symkin import Mechanism, RodLimb
 
@@ -271,9 +270,8 @@ def test_one_path_of_each_orbit_is_enough():
     """Tracked and unfolded, half of the paths give the ends of all of them."""
     problem, system, start, found = flat_start()
     target = known_values(problem, np.array(problem.mechanism.example.joints))
-    form = quadratic_form(system)
-    everything = track(system, form, start.z, start.k, target)
-    half = found.unfold_tracked(track(system, form, start.z[:, found.first], start.k, target))
+    everything = engine.track(system, start.z, start.k, target)
+    half = found.unfold_tracked(engine.track(system, start.z[:, found.first], start.k, target))
     assert everything.arrived.all()
     assert half.arrived.all()
     np.testing.assert_allclose(system.features(half.z), system.features(everything.z), atol=1e-8)
