@@ -1,5 +1,6 @@
 """What an option says of itself, once: the signature of a verb, the options of its command, their
-help and their messages are made from it. Options that belong together are a record, a TypedDict.
+help and their messages are made from it. Options that belong together are a record, a TypedDict,
+in a module that commands import for their help: what is heavy stands in quotes there, as types.
 """
 
 from __future__ import annotations
@@ -8,7 +9,8 @@ import functools
 import inspect
 from collections.abc import Callable, Sequence
 from dataclasses import KW_ONLY, dataclass
-from typing import Any, Literal, TypeVar, get_args, get_origin, get_type_hints
+from types import NoneType
+from typing import Any, ForwardRef, Literal, TypeVar, get_args, get_origin
 
 from symkin.errors import InputError
 from symkin.text import not_among
@@ -16,7 +18,8 @@ from symkin.text import not_among
 Verb = TypeVar("Verb", bound=Callable[..., Any])
 
 
-GIVEN, HOW, OUTPUT, ROBOT_FILES = "What is given", "How it is found", "Output", "Robot files"
+GIVEN, HOW, OUTPUT = "What is given", "How it is found", "Output"
+FILES, ROBOT_FILES = "Mechanism files", "Robot files"
 ASKED, READINGS, POSTURES = "What is asked", "Readings and their noise", "Postures"
 """Headings of options that several commands have."""
 
@@ -26,7 +29,8 @@ class Option:
     """An option: what its help says, how its value is written, the heading it stands under, its
     names on the command line where they are not its own, how a shell completes it, and in a record
     its default. Without help it is no option of a command. One that may be some words only says so
-    by its type, a `Literal`.
+    by its type, a `Literal`, or by the `words` of the command line. What is a value of another kind
+    in Python is `read` from its text, by what `cli.values` has of this name.
     """
 
     help: str = ""
@@ -36,6 +40,8 @@ class Option:
     flags: Sequence[str] = ()
     complete: Callable[[str], list[str]] | None = None
     default: Any = None
+    words: Sequence[str] = ()
+    read: str = ""
 
 
 @dataclass(frozen=True)
@@ -45,13 +51,21 @@ class Argument(Option):
 
 def options_of(record: type) -> dict[str, tuple[Any, Option]]:
     """List the options of a record by name, with their types."""
-    hints = get_type_hints(record, include_extras=True)
+    hints = record.__annotations__
     return {name: (hint.__origin__, hint.__metadata__[0]) for name, hint in hints.items()}
 
 
 def words_of(kind: Any) -> tuple[str, ...]:
-    """The words that a `Literal` allows; none for another type."""
-    return get_args(kind) if get_origin(kind) is Literal else ()
+    """The words that a `Literal`, or one beside None, allows; none for another type."""
+    kinds = get_args(kind) if NoneType in get_args(kind) else (kind,)
+    return next((get_args(k) for k in kinds if get_origin(k) is Literal), ())
+
+
+def _written(kind: Any) -> str:
+    """A type as it is written."""
+    if isinstance(kind, ForwardRef):
+        return kind.__forward_arg__
+    return kind.__name__ if type(kind) is type else str(kind)
 
 
 def takes(record: type) -> Callable[[Verb], Verb]:
@@ -66,7 +80,10 @@ def takes(record: type) -> Callable[[Verb], Verb]:
         own = [p for p in signature.parameters.values() if p.kind is not p.VAR_KEYWORD]
         added = [
             inspect.Parameter(
-                name, inspect.Parameter.KEYWORD_ONLY, default=option.default, annotation=kind
+                name,
+                inspect.Parameter.KEYWORD_ONLY,
+                default=option.default,
+                annotation=_written(kind),
             )
             for name, (kind, option) in options.items()
         ]
@@ -78,7 +95,7 @@ def takes(record: type) -> Callable[[Verb], Verb]:
             bound.apply_defaults()
             for name, (kind, _) in options.items():
                 word, words = bound.arguments[name], words_of(kind)
-                if words and word not in words:
+                if words and word is not None and word not in words:
                     raise InputError(f"{name} = {not_among(word, words)}")
             return verb(*bound.args, **bound.kwargs)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, TypedDict, Unpack, overload
+from typing import Any, Unpack, overload
 
 import numpy as np
 
@@ -18,11 +18,11 @@ from symkin.assembly.as_written import (
 )
 from symkin.assembly.modes_by_name import modes_by_name
 from symkin.assembly.modes_result import Modes
+from symkin.assembly.options import ModesOptions
 from symkin.assembly.search import DEFAULT_SEED, Search
 from symkin.assembly.without_search import known_without_search
 from symkin.homotopy.monodromy import told_of_searches
 from symkin.model.mechanism import Mechanism, require_mechanism
-from symkin.numeric.levenberg import Progress
 from symkin.position.determination import refuse_unless_determined
 from symkin.position.given import Given, Joints, are_many, motion_note
 from symkin.position.given_by_name import (
@@ -34,24 +34,13 @@ from symkin.position.given_by_name import (
     named_given,
     problem_of,
 )
-from symkin.position.least_squares import LeastSquares
 from symkin.position.mobility import open_loops_note
 from symkin.position.multistart import DEFAULT_STARTS
-from symkin.position.newton import Newton
 from symkin.position.out_of_reach import reach_note
 from symkin.quiet import without_float_warnings
 from symkin.spatial.pose import Pose
 from symkin.verb import verb
-
-Solver = str | Newton | LeastSquares | None
-
-
-class RandomStarts(TypedDict, total=False):
-    """Options of `modes` for what is searched from random starts."""
-
-    starts: int | None
-    seed: int | None
-    solver: Solver
+from symkin.verb_options import takes
 
 
 @overload
@@ -61,10 +50,7 @@ def modes(
     joints: Joints | None = None,
     pose: Sequence[float] | Pose | None = None,
     given: Values | None = None,
-    choose: Sequence[int] = (),
-    method: str | None = None,
-    progress: Progress | None = None,
-    **random: Unpack[RandomStarts],
+    **options: Unpack[ModesOptions],
 ) -> Modes: ...
 @overload
 def modes(
@@ -73,10 +59,7 @@ def modes(
     joints: Sequence[Joints] | Mapping[str, Sequence[float]] | None = None,
     pose: Sequence[Sequence[float] | Pose] | None = None,
     given: Columns | None = None,
-    choose: Sequence[int] = (),
-    method: str | None = None,
-    progress: Progress | None = None,
-    **random: Unpack[RandomStarts],
+    **options: Unpack[ModesOptions],
 ) -> tuple[Modes, ...]: ...
 @overload
 def modes(
@@ -84,21 +67,17 @@ def modes(
     *,
     joints: np.ndarray | None = None,
     pose: np.ndarray | None = None,
-    method: str | None = None,
-    progress: Progress | None = None,
-    **random: Unpack[RandomStarts],
+    **options: Unpack[ModesOptions],
 ) -> Any: ...
 @verb
+@takes(ModesOptions)
 def modes(
     mechanism: Mechanism,
     *,
     joints: Any = None,
     pose: Any = None,
     given: Any = None,
-    choose: Sequence[int] = (),
-    method: str | None = None,
-    progress: Progress | None = None,
-    **random: Unpack[RandomStarts],
+    **options: Unpack[ModesOptions],
 ) -> Modes | tuple[Modes, ...]:
     """Every solution of the direct (`joints`) or inverse (`pose`) problem, values in the
     mechanism's units.
@@ -129,7 +108,11 @@ def modes(
     [4, 4]
     """
     require_mechanism(mechanism)
-    ask = _Ask(mechanism, Search.of(method, **random, progress=progress), choose)
+    choose, method = options["choose"], options["method"]
+    search = Search.of(
+        method, options["starts"], options["seed"], options["solver"], options["progress"]
+    )
+    ask = _Ask(mechanism, search, choose)
     if has_columns(given) or (given is None and (are_many(joints) or are_many(pose))):
         return _found(ask, many_given(mechanism, joints, pose, given))
     one = (

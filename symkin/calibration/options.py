@@ -1,7 +1,5 @@
 """The options of `calibrate`, of `fit_file` and of the command `symkin calibrate fit`."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Annotated, Literal, TypedDict, get_args
 

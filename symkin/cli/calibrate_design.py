@@ -9,12 +9,12 @@ from collections.abc import Collection, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
+from symkin.calibration.design.plan_options import PlanOptions
 from symkin.cli.calibrate_options import (
     MEASURES,
     AllNoise,
     CsvOption,
     ForceOption,
-    GroupsOption,
     Noise,
     PatternOption,
     PosturesOption,
@@ -36,7 +36,7 @@ from symkin.cli.reading import RobotFile, loaded
 from symkin.errors import InputError
 from symkin.files.written_files import check_own_file, write_own_file
 from symkin.ignored_options import refuse_ignored
-from symkin.verb_options import HOW, OUTPUT, POSTURES, READINGS, Option
+from symkin.verb_options import OUTPUT, POSTURES, READINGS, Option
 
 if TYPE_CHECKING:
     from symkin.calibration.design import simulation
@@ -154,14 +154,8 @@ def plan(
     output: CsvOption,
     noise: Noise,
     space: Space,
+    options: PlanOptions,
     postures: PosturesOption = 40,
-    groups: GroupsOption = 5,
-    criterion: Annotated[
-        Literal["D", "A", "I"],
-        Option(
-            "I: pose variance over the workspace; A: parameters; D: their determinant.", group=HOW
-        ),
-    ] = "I",
     wedges: Annotated[
         str | None,
         Option(
@@ -176,7 +170,6 @@ def plan(
         bool,
         Option("Judge poses in their own frames, not after the best base and tool alignment."),
     ] = False,
-    seed: SeedOption = 0,
     force: ForceOption = False,
 ) -> None:
     """Choose postures and wedges that identify the geometry best, and say what they will reach."""
@@ -188,21 +181,18 @@ def plan(
     check_own_file(output, force=force)
     mechanism = loaded(mech, read)
     kinds = names_from(readings or None)
-    _check_anything_read(groups != 0, kinds, noise["noise_group"])
+    _check_anything_read(options["groups"] != 0, kinds, noise["noise_group"])
     _refuse_unread_noise(mechanism, kinds, noise)
     sigmas = _noise(mechanism, noise, "normal")
     told = tuple(o.name for o in observed_kinds(mechanism, kinds))
+    seed = _checked_seed(options["seed"])
+    options["wedges"] = None if wedges is None else angle_pairs(wedges, mechanism, "wedges")
+    options["readings"] = kinds
+    if parameters is not None:
+        options["parameters"] = match_parameters(mechanism, parameters, told)
+    options["aligned"] = not raw
     made = plan_measurements(
-        _workspace(mechanism, space, _LIMIT_MARGIN),
-        postures,
-        sigmas,
-        groups=groups,
-        criterion=criterion,
-        seed=_checked_seed(seed),
-        wedges=None if wedges is None else angle_pairs(wedges, mechanism, "wedges"),
-        readings=kinds,
-        parameters=None if parameters is None else match_parameters(mechanism, parameters, told),
-        aligned=not raw,
+        _workspace(mechanism, space, _LIMIT_MARGIN), postures, sigmas, **options
     )
     write_own_file(output, plan_text(made))
     for k, (alpha, beta) in enumerate(made.wedges):
@@ -218,7 +208,7 @@ def plan(
             f"parameters"
         )
     print("\n".join(made.expected("postures")))
-    print(f"written: {output}, {len(made.groups)} postures, {criterion}-optimal, seed {seed}")
+    print(f"written: {output}, {len(made.groups)} postures, {made.criterion}-optimal, seed {seed}")
 
 
 # --- helpers --------------------------------------------------------------------------------------

@@ -1,7 +1,5 @@
 """Options that the commands of `symkin calibrate` share, and the choices they allow."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Annotated, Any, TypedDict
 
@@ -15,10 +13,6 @@ CsvOption = Annotated[
 PosturesOption = Annotated[
     int,
     Option("Number of postures.", "N", POSTURES),
-]
-GroupsOption = Annotated[
-    int,
-    Option("Groups of equal inclination; 0: none.", "N", POSTURES),
 ]
 RandomPosturesOption = Annotated[
     int | None,

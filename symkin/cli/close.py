@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from symkin.cli.options import JsonOption, MechArgument, print_result
-from symkin.cli.pictures import NamesOption, picture_options
+from symkin.cli.pictures import Drawing, NamedPicture
 from symkin.cli.reading import RobotFile, read_options
 from symkin.errors import InputError
 from symkin.verb_options import OUTPUT, Option
@@ -21,6 +21,7 @@ _SUFFIXES = (".toml", ".json", ".xml")
 def close(
     mech: MechArgument,
     read: RobotFile,
+    picture: NamedPicture,
     output: Annotated[
         Path | None,
         Option(
@@ -31,11 +32,6 @@ def close(
             flags=("-o", "--output"),
         ),
     ] = None,
-    plot: Annotated[
-        Path | None,
-        Option("Draw the closed configuration into a file.", "FILE.png", OUTPUT),
-    ] = None,
-    names: NamesOption = None,
     as_json: JsonOption = False,
 ) -> int:
     """Find the closed configuration nearest to the file's own: how far loops were open, rank,
@@ -45,15 +41,13 @@ def close(
     from symkin.position.close import close as close_one
 
     _check_output(output, mech)
-    options = picture_options(plot, names=names)
+    drawing = Drawing.checked(picture)
     found = close_one(mech, read_options(read))
     written = ""
     if output is not None and found.closed:
         write_output(output, _content(mech, found, output))
         written = f"\nwritten: {output}"
-    if plot is not None and found.closed:
-        found.plot(plot, **options)
-        written += f"\npicture: {plot}"
+    written += drawing.of(found if found.closed else None)
     print_result(as_json, found.to_dict, lambda: str(found) + written)
     return 0 if found.closed else 3
 

@@ -19,7 +19,7 @@ from symkin.errors import InputError
 from symkin.model.shipped import shipped_examples
 from symkin.model.written_number import whole
 from symkin.text import not_among, shown
-from symkin.verb_options import OUTPUT, ROBOT_FILES, Argument, Option, options_of, words_of
+from symkin.verb_options import FILES, OUTPUT, ROBOT_FILES, Argument, Option, options_of, words_of
 
 _OTHERS = "Options"
 """The heading of options that every command has."""
@@ -129,7 +129,9 @@ def command_of(function: Callable[..., Any], name: str, **options: Any) -> Comma
         if is_typeddict(hint):
             offered = {n: (k, o) for n, (k, o) in options_of(hint).items() if o.help}
             records[key] = {n: option for n, (_, option) in offered.items()}
-            parameters += [_parameter(n, k, o, o.default) for n, (k, o) in offered.items()]
+            parameters += [
+                _parameter(n, k, o, None if o.read else o.default) for n, (k, o) in offered.items()
+            ]
         else:
             parameters.append(_parameter(key, hint.__origin__, hint.__metadata__[0], own.default))
 
@@ -168,8 +170,10 @@ def _parameter(name: str, kind: Any, told: Option, default: Any) -> click.Parame
     base = next((k for k in get_args(kind) if NoneType in get_args(kind)), kind)
     several = get_origin(base) is list
     value = get_args(base)[0] if several else base
-    words = "|".join(map(_as_typed, words_of(value)))
-    options: dict[str, Any] = {"metavar": told.metavar or words or None, "type": _type(value)}
+    allowed = told.words or words_of(value)
+    words = "|".join(map(_as_typed, allowed))
+    read = _Word(allowed) if allowed else _type(value)
+    options: dict[str, Any] = {"metavar": told.metavar or words or None, "type": read}
     if told.complete is not None:
         complete = told.complete
         options["shell_complete"] = lambda _ctx, _parameter, word: complete(word)
@@ -188,8 +192,6 @@ def _parameter(name: str, kind: Any, told: Option, default: Any) -> click.Parame
 
 
 def _type(kind: Any) -> click.ParamType[Any]:
-    if words_of(kind):
-        return _Word(words_of(kind))
     if kind is int:
         return _Whole()
     return click.Path(path_type=Path) if kind is Path else click.STRING
@@ -262,7 +264,7 @@ def _write_parameters(
             text = record[1].removesuffix("  [required]")  # the usage says it
             heading = p.told.group if isinstance(p, _Offered) else _OTHERS
             groups.setdefault(heading, []).append((record[0], text))
-    last = [heading for heading in (OUTPUT, ROBOT_FILES, _OTHERS) if heading in groups]
+    last = [heading for heading in (OUTPUT, FILES, ROBOT_FILES, _OTHERS) if heading in groups]
     for heading in [*(heading for heading in groups if heading not in last), *last]:
         with formatter.section(heading):
             formatter.write_dl(groups[heading])

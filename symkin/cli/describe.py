@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Annotated
 
 from symkin.cli.options import JsonOption, MechArgument, print_result
-from symkin.cli.pictures import NamesOption, picture_options
-from symkin.cli.reading import RobotFile, loaded
+from symkin.cli.pictures import NamedPicture
+from symkin.cli.reading import RobotFile
+from symkin.cli.values import Asked
 from symkin.errors import InputError
 from symkin.verb_options import OUTPUT, Option
 
@@ -15,15 +15,11 @@ from symkin.verb_options import OUTPUT, Option
 def show(
     mech: MechArgument,
     read: RobotFile,
+    picture: NamedPicture,
     latex: Annotated[
         bool,
         Option("Print the closure equations as LaTeX.", group=OUTPUT),
     ] = False,
-    plot: Annotated[
-        Path | None,
-        Option("Draw a kinematic sketch into a file.", "FILE.png", OUTPUT),
-    ] = None,
-    names: NamesOption = None,
     as_json: JsonOption = False,
 ) -> None:
     """Show limbs, unknowns, rank, mobility, redundant constraints and reciprocal screws."""
@@ -33,12 +29,12 @@ def show(
             "both --latex and --json are given; the equations are LaTeX, the account is JSON: give "
             "one of them"
         )
-    mechanism = loaded(mech, read)
-    options = picture_options(plot, mechanism, names=names)
-    if plot is not None:
+    asked = Asked.of(mech, read, picture=picture)
+    mechanism, drawing = asked.mechanism, asked.drawing
+    if drawing.path is not None:
         from symkin.plots.figures import draw_sketch
 
-        draw_sketch(mechanism, plot, **options)
+        draw_sketch(mechanism, drawing.path, **drawing.options)
     if latex:
         from symkin.codegen.text.latex import equations
 
@@ -47,7 +43,7 @@ def show(
     from symkin.position.describe import describe
     from symkin.position.mobility import mobility
 
-    picture = "" if plot is None else f"\n\npicture: {plot}"
+    drawn = "" if drawing.path is None else f"\n\npicture: {drawing.path}"
     print_result(
-        as_json, lambda: mobility(mechanism).to_dict(), lambda: describe(mechanism) + picture
+        as_json, lambda: mobility(mechanism).to_dict(), lambda: describe(mechanism) + drawn
     )

@@ -2,79 +2,30 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated
 
-from symkin.cli.options import MechArgument, names_from
-from symkin.cli.poses import EulerOption, PoseReader, RpyOption
-from symkin.cli.reading import RobotFile, loaded, say_left_out
+from symkin.cli.options import FolderOption, MechArgument
+from symkin.cli.poses import PoseForm
+from symkin.cli.reading import RobotFile, say_left_out
 from symkin.cli.streams import say
+from symkin.cli.values import Asked
+from symkin.codegen.firmware_options import FirmwareOptions
 from symkin.verb_options import OUTPUT, Option
 
 
 def firmware(
     mech: MechArgument,
     read: RobotFile,
-    output: Annotated[
-        Path,
-        Option("Folder to write.", "DIR", OUTPUT, flags=("-o", "--output")),
-    ],
-    real: Annotated[
-        Literal["float", "double"], Option("The C type of numbers.", group="The code")
-    ] = "double",
-    home_relative: Annotated[
-        bool,
-        Option(
-            "Joint values and positions as changes from home (platforms on six rods).",
-            group="The code",
-        ),
-    ] = False,
-    geometry: Annotated[
-        Literal["fixed", "struct"],
-        Option("Numbers in the code, or a struct given with each call.", group="The code"),
-    ] = "fixed",
-    home: Annotated[
-        str | None,
-        Option(
-            "Pose about which pivots are chosen (platforms on six rods).",
-            "X,Y,Z,QW,QX,QY,QZ",
-            "The code",
-        ),
-    ] = None,
-    rpy: RpyOption = None,
-    euler: EulerOption = None,
-    given: Annotated[
-        str | None,
-        Option(
-            "Joint coordinates of which a map is written, as many as the mobility; needs --find.",
-            "A,B,...",
-            "A map between joints",
-        ),
-    ] = None,
-    find: Annotated[
-        str | None,
-        Option(
-            "Joint coordinates that the map finds, and from which it leads back.",
-            "C,D,...",
-            "A map between joints",
-        ),
-    ] = None,
-    compact: Annotated[
-        bool,
-        Option("The least code, at some cost of instructions (not of maps).", group="The code"),
-    ] = False,
+    output: FolderOption,
+    options: FirmwareOptions,
+    form: PoseForm,
     package: Annotated[
-        bool,
-        Option("Also files for PlatformIO, Arduino and Zephyr.", group=OUTPUT),
+        bool, Option("Also files for PlatformIO, Arduino and Zephyr.", group=OUTPUT)
     ] = False,
     linuxcnc: Annotated[
-        bool,
-        Option("Also a LinuxCNC kinematics component.", group=OUTPUT),
+        bool, Option("Also a LinuxCNC kinematics component.", group=OUTPUT)
     ] = False,
-    cpp: Annotated[
-        bool,
-        Option("Also a header for C++17 and later.", group=OUTPUT),
-    ] = False,
+    cpp: Annotated[bool, Option("Also a header for C++17 and later.", group=OUTPUT)] = False,
     ros2: Annotated[
         bool,
         Option("Also a ROS 2 package: the map as a transmission of ros2_control.", group=OUTPUT),
@@ -88,34 +39,13 @@ def firmware(
     from symkin.codegen.folder import write_firmware
     from symkin.codegen.own_test import can_run
 
-    mechanism = loaded(mech, read)
-    reader = PoseReader(mechanism, rpy, euler)
-    reader.check_used(home)
-    pose = reader.pose(home, "home")
-    also = [
-        name
-        for name, wanted in (
-            ("package", package),
-            ("linuxcnc", linuxcnc),
-            ("cpp", cpp),
-            ("ros2", ros2),
-        )
-        if wanted
-    ]
-    files = write_firmware(
-        mechanism,
-        output,
-        real=real,
-        home_relative=home_relative,
-        geometry=geometry,
-        home=pose,
-        given=names_from(given),
-        find=names_from(find),
-        also=also,  # type: ignore[arg-type]
-        compact=compact,
-    )
-    if given is None and find is None:
-        say_left_out(mechanism)
+    asked = Asked.of(mech, read, form)
+    values = asked.values(FirmwareOptions, options, "home")
+    more = {"package": package, "linuxcnc": linuxcnc, "cpp": cpp, "ros2": ros2}
+    also = [name for name, wanted in more.items() if wanted]
+    files = write_firmware(asked.mechanism, output, **values, also=also)  # type: ignore[arg-type]
+    if not values.keys() & {"given", "find"}:
+        say_left_out(asked.mechanism)
     if not can_run():
         say(
             "note: there is no C compiler here: the code's own test has not run; `make test` in "

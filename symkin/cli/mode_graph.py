@@ -1,28 +1,28 @@
 """`symkin mode-graph`."""
 
-from __future__ import annotations
+from typing import Annotated, TypedDict
 
-from pathlib import Path
-from typing import Annotated
-
-from symkin.cli.options import (
-    GivenOption,
-    JointsOption,
-    JsonOption,
-    MechArgument,
-    joints_from,
-    named_from,
-    print_result,
-    ranges_from,
-)
+from symkin.cli.options import JsonOption, MechArgument, print_result, ranges_from
+from symkin.cli.pictures import Picture
 from symkin.cli.progress import progress_bar
-from symkin.cli.reading import RobotFile, loaded
-from symkin.verb_options import ASKED, OUTPUT, Option
+from symkin.cli.reading import RobotFile
+from symkin.cli.values import Asked
+from symkin.position.options import JOINTS, VALUES
+from symkin.verb_options import ASKED, Option
+
+
+class GraphInput(TypedDict):
+    """Options of the chosen input."""
+
+    joints: Annotated[str | None, JOINTS]
+    given: Annotated[str | None, VALUES]
 
 
 def mode_graph(
     mech: MechArgument,
     read: RobotFile,
+    inputs: GraphInput,
+    picture: Picture,
     over: Annotated[
         str,
         Option(
@@ -33,37 +33,24 @@ def mode_graph(
         int,
         Option("Points along each range, 2 to 100. Default: 11.", "N", ASKED),
     ] = 11,
-    joints: JointsOption = None,
-    given: GivenOption = None,
-    plot: Annotated[
-        Path | None,
-        Option("Draw the sheets into a file.", "FILE.png", OUTPUT),
-    ] = None,
     as_json: JsonOption = False,
 ) -> None:
     """Find which modes connect without a singularity, over a grid of one or two of the known
     coordinates about what is given.
     """
     from symkin.following.mode_graph import mode_graph as graph_of_modes
-    from symkin.plots.picture_file import check_picture_path
 
-    mechanism = loaded(mech, read)
-    if plot is not None:
-        check_picture_path(plot)
-    unit = mechanism.angle_unit
+    asked = Asked.of(mech, read, picture=picture)
     needed = "NAME=LOW:HIGH,..., such as crank=0:360,"
-    ranges = ranges_from(over, "over", unit, needed)
+    ranges = ranges_from(over, "over", asked.unit, needed)
     axes = [(name, low, high) for name, (low, high) in ranges.items()]
     with progress_bar("points and lines") as progress:
         found = graph_of_modes(
-            mechanism,
+            asked.mechanism,
             axes,
             points,
-            joints=joints_from(joints, "joints", unit),
-            given=None if given is None else named_from(given, "given", unit),
+            **asked.values(GraphInput, inputs),
             progress=progress,
         )
-    if plot is not None:
-        found.plot(plot)
-    picture = "" if plot is None else f"\npicture: {plot}"
-    print_result(as_json, found.to_dict, lambda: str(found) + picture)
+    drawn = asked.drawing.of(found)
+    print_result(as_json, found.to_dict, lambda: str(found) + drawn)

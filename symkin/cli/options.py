@@ -15,7 +15,7 @@ from symkin.cli.streams import print_text
 from symkin.errors import InputError
 from symkin.model.written_number import whole, written_number
 from symkin.text import shown
-from symkin.verb_options import GIVEN, OUTPUT, Argument, Option
+from symkin.verb_options import OUTPUT, Argument, Option
 
 
 def whole_numbers(text: str | None, option: str) -> list[int]:
@@ -40,45 +40,11 @@ MechArgument = Annotated[
         complete=mechanism_names,
     ),
 ]
-JointsOption = Annotated[
-    str | None,
-    Option(
-        "All actuated joints, in file order or as NAME=VALUE,..., in the file's units: the "
-        "direct problem.",
-        "V1,V2,...",
-        GIVEN,
-    ),
-]
-PoseOption = Annotated[
-    str | None,
-    Option("The platform's or tool's pose: the inverse problem.", "X,Y,Z,QW,QX,QY,QZ", GIVEN),
-]
-GivenOption = Annotated[
-    str | None,
-    Option(
-        "Any coordinates, as many as the mobility: joints, passive ones too, and x, y, z, "
-        "azimuth, tilt, torsion of the "
-        "platform, or pose=X,Y,Z,QW,QX,QY,QZ.",
-        "NAME=VALUE,...",
-        GIVEN,
-    ),
-]
-StartOption = Annotated[
-    str | None,
-    Option(
-        "A pose for the direct problem, all actuated joints for the inverse one; "
-        "NAME=VALUE,... with --given and for graphs.",
-        "V1,V2,...",
-    ),
-]
 SeedOption = Annotated[
     int,
     Option("Seed of random numbers.", "N"),
 ]
-SearchSeedOption = Annotated[
-    int | None,
-    Option("Seed of the random starts. Default: 0.", "N"),
-]
+FolderOption = Annotated[Path, Option("Folder to write.", "DIR", OUTPUT, flags=("-o", "--output"))]
 JsonOption = Annotated[
     bool,
     Option("Write one JSON object to stdout and nothing else.", group=OUTPUT, flags=("--json",)),
@@ -107,7 +73,7 @@ def numbers_from(text: str | None, what: str, angle_unit: str) -> list[float] | 
     if not text.strip():
         raise InputError(f"--{what} is empty; numbers separated by commas are needed")
     return [
-        _number(part, f"value {k}", what, angle_unit)
+        number(part, f"value {k}", what, angle_unit)
         for k, part in enumerate(text.split(","), start=1)
     ]
 
@@ -118,17 +84,30 @@ def joints_from(
     """Numbers as `numbers_from`, or numbers by name from `leg1=400,leg2=420`."""
     if text is None or "=" not in text:
         return numbers_from(text, what, angle_unit)
-    found: dict[str, float] = {}
+    wrong = "has no name; either every value has one (NAME=VALUE,...) or none"
+    pieces = pieces_from(text, what, wrong, whole_pose=False)
+    return {name: number(piece, name, what, angle_unit) for name, (piece,) in pieces.items()}
+
+
+def pieces_from(
+    text: str, what: str, wrong: str, *, whole_pose: bool = True
+) -> dict[str, list[str]]:
+    """What stands after each name, up to the next one: one piece, of a whole pose seven. `wrong` is
+    what is said of a piece without a name.
+    """
+    found: dict[str, list[str]] = {}
+    name = ""
     for part in text.split(","):
-        name, equals, value = (piece.strip() for piece in part.partition("="))
-        if not name or not equals:
-            raise InputError(
-                f"--{what}: {shown(part.strip())} has no name; either every value has one "
-                f"(NAME=VALUE,...) or none"
-            )
+        before, equals, after = (piece.strip() for piece in part.partition("="))
+        if not equals and whole_pose and name == "pose":
+            found[name].append(before)
+            continue
+        name = before
+        if not equals or not name:
+            raise InputError(f"--{what}: {shown(part.strip())} {wrong}")
         if name in found:
             raise InputError(f"--{what}: {shown(name)} is given twice")
-        found[name] = _number(value, name, what, angle_unit)
+        found[name] = [after]
     return found
 
 
@@ -140,29 +119,18 @@ def named_from(
     """
     if text is None:
         return None
-    found: dict[str, list[float]] = {}
-    name = ""
-    for part in text.split(",") if text.strip() else []:
-        before, equals, after = (piece.strip() for piece in part.partition("="))
-        if equals:
-            name = before
-            if not name:
-                raise InputError(
-                    f"--{what}: {shown(part.strip())} has no name; values are written "
-                    f"NAME=VALUE,..."
-                )
-            if name in found:
-                raise InputError(f"--{what}: {shown(name)} is given twice")
-            found[name] = []
-        elif not name or name != "pose":
-            raise InputError(
-                f"--{what}: {shown(part.strip())} has no name; values are written NAME=VALUE,..."
-            )
-        found[name].append(_number(after if equals else before, name, what, angle_unit))
-    return {
-        name: values if name == "pose" and len(values) > 1 else values[0]
-        for name, values in found.items()
-    }
+    wrong = "has no name; values are written NAME=VALUE,..."
+    pieces = pieces_from(text, what, wrong) if text.strip() else {}
+    found = {name: [number(p, name, what, angle_unit) for p in own] for name, own in pieces.items()}
+    return {name: values if len(values) > 1 else values[0] for name, values in found.items()}
+
+
+def slices_from(text: str | None, angle_unit: str) -> dict[str, float]:
+    """Where --slice cuts: names with one value each."""
+    if text is None:
+        return {}
+    pieces = pieces_from(text, "slice", "is not of the form NAME=VALUE", whole_pose=False)
+    return {name: number(piece, name, "slice", angle_unit) for name, (piece,) in pieces.items()}
 
 
 def names_from(text: str | None) -> list[str]:
@@ -182,7 +150,7 @@ def ranges_from(
         values = _ends(ends, equals and name, part, f"--{what}", needed, counts)
         if name in found:
             raise InputError(f"--{what}: {shown(name)} is given twice")
-        found[name] = [_number(value, name, what, angle_unit) for value in values]
+        found[name] = [number(value, name, what, angle_unit) for value in values]
     return found
 
 
@@ -192,7 +160,7 @@ def pairs_from(
     """Values in places, from `-5:5,0:10`, as `ranges_from` reads them by name."""
     return [
         [
-            _number(value, f"value {k}", what, angle_unit)
+            number(value, f"value {k}", what, angle_unit)
             for value in _ends(part, "=", part, f"--{what}", needed, counts)
         ]
         for k, part in enumerate(text.split(","), start=1)
@@ -209,6 +177,15 @@ def _ends(
     return values
 
 
+def limits_from(text: str | None, what: str, angle_unit: str) -> list[Any] | None:
+    """A number, or a pair LOW:HIGH, for each motor, or one number for all."""
+    if text is None:
+        return None
+    parts = pairs_from(text, what, angle_unit, "a number, or LOW:HIGH,", (1, 2))
+    pairs = [[-part[0], part[0]] if len(part) == 1 else part for part in parts]
+    return pairs if len(pairs) > 1 or len(parts[0]) > 1 else [parts[0][0]]
+
+
 def start_from(
     text: str | None, angle_unit: str
 ) -> list[float] | dict[str, float | list[float]] | None:
@@ -220,7 +197,7 @@ def start_from(
     )
 
 
-def _number(text: str, which: str, what: str, angle_unit: str) -> float:
+def number(text: str, which: str, what: str, angle_unit: str) -> float:
     try:
         return written_number(text, angle_unit)
     except InputError as error:
@@ -244,19 +221,12 @@ def check_output(output: Path | None, *inputs: Path | str | None) -> None:
     """
     if output is None:
         return
-    if output.is_dir() or not output.resolve().parent.is_dir():
-        raise InputError(
-            f"-o: {str(output)!r} is a folder, or its folder does not exist; the name of a file is "
-            f"needed"
-        )
-    if any(
-        given is not None and Path(given).exists() and Path(given).resolve() == output.resolve()
-        for given in inputs
-    ):
-        raise InputError(f"-o: {str(output)!r} is read by this command; give another name")
+    from symkin.files.outputs import check_place
+
+    check_place(output, *inputs)
     if ".toml" in (output.suffix.lower(), output.resolve().suffix.lower()):
         raise InputError(
-            f"-o: {str(output)!r} is the name of a mechanism file; give another suffix"
+            f"output {str(output)!r} is the name of a mechanism file; give another suffix"
         )
 
 

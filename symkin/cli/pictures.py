@@ -1,67 +1,93 @@
-"""Options of pictures that commands share, and their check before a long computation."""
+"""The picture of a command: its options, which are checked before a long computation, and what is
+told of it.
+"""
 
-from __future__ import annotations
-
+from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, TypedDict
 
 from symkin.errors import InputError
 from symkin.verb_options import OUTPUT, Option
 
 if TYPE_CHECKING:
     from symkin.model.mechanism import Mechanism
-
-NamesOption = Annotated[
-    str | None,
-    Option(
-        "Names in the picture of --plot: of joints and links, of one of them, of the "
-        "joints that close loops of a graph, of none.",
-        "all|joints|links|loops|none",
-        OUTPUT,
-    ),
-]
-ViewsOption = Annotated[
-    str | None,
-    Option(
-        "Sides in the picture of --plot, of main, top, front, side: a panel each. Default: main.",
-        "VIEW,...",
-        OUTPUT,
-    ),
-]
+    from symkin.result import Result
 
 
-def picture_options(
-    plot: Path | None,
-    mechanism: Mechanism | None = None,
-    *,
-    names: str | None = None,
-    views: str | None = None,
-    modes: str | None = None,
-) -> dict[str, Any]:
-    """What `result.plot` takes of a command's options, checked with the picture's path. Raises
-    InputError, too where there is no picture that they are about.
-    """
-    chosen = {
-        name: value
-        for name, value in (("names", names), ("views", views), ("modes", modes))
-        if value is not None
-    }
-    if plot is None:
-        for name in chosen:
-            raise InputError(
-                f"--{name} is given without --plot; it says what the picture shows: give --plot "
-                f"FILE.png too"
-            )
-        return {}
-    from symkin.plots.picture_file import check_picture_path
-    from symkin.plots.picture_options import check_numbers, names_from, views_from
+class Picture(TypedDict):
+    """Options of a picture."""
 
-    check_picture_path(plot)
-    if names is not None:
-        graph, name = (True, "") if mechanism is None else (mechanism.is_graph, mechanism.name)
-        names_from(names, graph=graph, mechanism=name)
-    if views is not None:
-        views_from(views)
-    if modes is not None and modes.strip() != "all":
-        check_numbers(modes)
-    return chosen
+    plot: Annotated[Path | None, Option("Draw the result into a file.", "FILE.png", OUTPUT)]
+
+
+class NamedPicture(Picture):
+    """Options of a picture of a mechanism."""
+
+    names: Annotated[
+        str | None,
+        Option(
+            "Names in the picture of --plot: of joints and links, of one of them, of the joints "
+            "that close loops of a graph, of none.",
+            "all|joints|links|loops|none",
+            OUTPUT,
+        ),
+    ]
+
+
+class PictureOfSides(NamedPicture):
+    """Options of a picture that may show several sides."""
+
+    views: Annotated[
+        str | None,
+        Option(
+            "Sides in the picture of --plot, of main, top, front, side: a panel each. Default: "
+            "main.",
+            "VIEW,...",
+            OUTPUT,
+        ),
+    ]
+
+
+@dataclass(frozen=True)
+class Drawing:
+    """Where a command draws, and what `result.plot` takes of its options."""
+
+    path: Path | None
+    options: dict[str, Any]
+
+    @classmethod
+    def checked(cls, told: Mapping[str, Any], mechanism: "Mechanism | None" = None) -> "Drawing":
+        """The options `plot`, `names`, `views` and `modes` that a command has. Raises InputError,
+        too where there is no picture that they are about.
+        """
+        path = told["plot"]
+        chosen = {
+            name: told[name] for name in ("names", "views", "modes") if told.get(name) is not None
+        }
+        if path is None:
+            for name in chosen:
+                raise InputError(
+                    f"--{name} is given without --plot; it says what the picture shows: give "
+                    f"--plot FILE.png too"
+                )
+            return cls(None, {})
+        from symkin.plots.picture_file import check_picture_path
+        from symkin.plots.picture_options import check_numbers, names_from, views_from
+
+        check_picture_path(path)
+        if "names" in chosen:
+            graph, name = (True, "") if mechanism is None else (mechanism.is_graph, mechanism.name)
+            names_from(chosen["names"], graph=graph, mechanism=name)
+        if "views" in chosen:
+            views_from(chosen["views"])
+        if chosen.get("modes", "all").strip() != "all":
+            check_numbers(chosen["modes"])
+        return cls(path, chosen)
+
+    def of(self, found: "Result | None") -> str:
+        """Draw a result, where there is one; the line that names the picture."""
+        if self.path is None or found is None:
+            return ""
+        found.plot(self.path, **self.options)
+        return f"\npicture: {self.path}"

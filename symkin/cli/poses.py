@@ -1,9 +1,7 @@
 """Poses on the command line: seven numbers, or a position and angles."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, TypedDict
 
 from symkin.cli.options import named_from, numbers_from, start_from
 from symkin.cli.streams import say
@@ -14,27 +12,33 @@ from symkin.verb_options import GIVEN, Option
 
 if TYPE_CHECKING:
     from symkin.model.mechanism import Mechanism
+    from symkin.spatial.pose import AngleUnit
 
-RpyOption = Annotated[
-    str | None,
-    Option(
-        "Roll, pitch, yaw of a pose that is given as X,Y,Z: turns about the fixed axes x, "
-        "then y, then z.",
-        "R,P,Y",
-        GIVEN,
-        flags=("--rpy",),
-    ),
-]
-EulerOption = Annotated[
-    str | None,
-    Option(
-        "Poses are X,Y,Z,A,B,C with three angles: capitals (ZYX) turn about moving axes, "
-        "small letters (xyz, or rpy) about fixed ones.",
-        "SEQUENCE",
-        GIVEN,
-        flags=("--euler",),
-    ),
-]
+EULER = Option(
+    "Poses are X,Y,Z,A,B,C with three angles: capitals (ZYX) turn about moving axes, small letters "
+    "(xyz, or rpy) about fixed ones.",
+    "SEQUENCE",
+    GIVEN,
+)
+
+
+class PoseForm(TypedDict):
+    """Options that tell how poses are written."""
+
+    rpy: Annotated[
+        str | None,
+        Option(
+            "Roll, pitch, yaw of a pose that is given as X,Y,Z: turns about the fixed axes x, then "
+            "y, then z.",
+            "R,P,Y",
+            GIVEN,
+        ),
+    ]
+    euler: Annotated[str | None, EULER]
+
+
+UNTOLD: PoseForm = {"rpy": None, "euler": None}
+
 ROLL_PITCH_YAW, _FIXED = "rpy", "xyz"
 """Roll, pitch and yaw, and the Euler sequence that they are: about fixed axes, in this order."""
 _QUATERNION, _ANGLES, _POSITION = 7, 6, 3
@@ -47,10 +51,15 @@ class PoseReader:
     the command takes --rpy.
     """
 
-    mechanism: Mechanism
+    mechanism: "Mechanism"
     rpy: str | None = None
     euler: str | None = None
     has_rpy: bool = True
+
+    @property
+    def unit(self) -> "AngleUnit":
+        """The unit of angles."""
+        return self.mechanism.angle_unit
 
     def pose(self, text: str | None, option: str) -> list[float] | None:
         """x, y, z, qw, qx, qy, qz of an option. Raises InputError for a number of values that does
@@ -60,10 +69,10 @@ class PoseReader:
             raise InputError("both --rpy and --euler are given; give one of them")
         if self.rpy is not None and text is None:
             raise InputError(f"--rpy is given without a position; write --{option} X,Y,Z beside it")
-        numbers = numbers_from(text, option, self.mechanism.angle_unit)
+        numbers = numbers_from(text, option, self.unit)
         if numbers is None:
             return None
-        angles = numbers_from(self.rpy, "rpy", self.mechanism.angle_unit)
+        angles = numbers_from(self.rpy, "rpy", self.unit)
         if angles is not None:
             _check_count(numbers, _POSITION, f"--{option}", "X,Y,Z beside --rpy")
             _check_count(angles, 3, "--rpy", "R,P,Y")
@@ -72,7 +81,7 @@ class PoseReader:
 
     def given(self, text: str | None) -> dict[str, float | list[float]] | None:
         """Values by name, of which `pose` may be a whole pose."""
-        values = named_from(text, "given", self.mechanism.angle_unit)
+        values = named_from(text, "given", self.unit)
         whole = None if values is None else values.get("pose")
         if values is None or not isinstance(whole, list):
             return values
@@ -82,7 +91,7 @@ class PoseReader:
         self, text: str | None, *, is_pose: bool
     ) -> list[float] | dict[str, float | list[float]] | None:
         """A start: a pose where `is_pose`, else joints, or values by name."""
-        begun = start_from(text, self.mechanism.angle_unit)
+        begun = start_from(text, self.unit)
         return (
             self._complete(begun, "--start")
             if is_pose and isinstance(begun, list) and self.euler is not None
@@ -129,7 +138,7 @@ class PoseReader:
                 f"radians, as in pi/2. Are degrees meant?"
             )
         letters = _FIXED if sequence == ROLL_PITCH_YAW else sequence
-        pose = Pose.from_euler(position, angles, letters, angle_unit=self.mechanism.angle_unit)
+        pose = Pose.from_euler(position, angles, letters, angle_unit=self.unit)
         return [*position, *map(float, pose.quaternion)]
 
 

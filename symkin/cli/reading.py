@@ -1,8 +1,6 @@
-"""The options that tell, beside a robot's file, how it is read: the same for every command that
-takes MECH.
+"""The options that tell, beside a file, how it is read: the same for every command that takes
+MECH.
 """
-
-from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -11,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, TypedDict
 from symkin.cli.streams import say
 from symkin.errors import InputError
 from symkin.text import first_of, shown
-from symkin.verb_options import ROBOT_FILES, Option
+from symkin.verb_options import FILES, ROBOT_FILES, Option
 
 if TYPE_CHECKING:
     from symkin.formats.read_options import ReadOptions
@@ -19,8 +17,16 @@ if TYPE_CHECKING:
 
 
 class RobotFile(TypedDict):
-    """Options that tell how a robot's file is read."""
+    """Options that tell how a file is read: a mechanism file, and a robot's."""
 
+    set: Annotated[
+        list[str] | None,
+        Option(
+            "Numbers of the file's [parameters], or arithmetic, in place of its own.",
+            "NAME=VALUE,...",
+            FILES,
+        ),
+    ]
     loop: Annotated[
         list[str] | None,
         Option(
@@ -61,7 +67,7 @@ class RobotFile(TypedDict):
     model: Annotated[str | None, Option("Which model of an SDF file.", "NAME", ROBOT_FILES)]
 
 
-def loaded(mech: str, read: RobotFile | None) -> Mechanism:
+def loaded(mech: str, read: RobotFile | None) -> "Mechanism":
     """The mechanism of a command; what is odd about a mechanism file's numbers is said on stderr,
     of a robot's file its limits.
     """
@@ -76,7 +82,7 @@ def loaded(mech: str, read: RobotFile | None) -> Mechanism:
     return mechanism
 
 
-def say_left_out(mechanism: Mechanism) -> None:
+def say_left_out(mechanism: "Mechanism") -> None:
     """Tell which joints of a graph are left out where the arm in it is taken alone."""
     from symkin.model.arm import joints_left_out
 
@@ -88,7 +94,7 @@ def say_left_out(mechanism: Mechanism) -> None:
         )
 
 
-def read_options(told: RobotFile) -> ReadOptions:
+def read_options(told: RobotFile) -> "ReadOptions":
     """What is told beside a robot's file."""
     from symkin.formats.read_options import ReadOptions
 
@@ -103,6 +109,7 @@ def read_options(told: RobotFile) -> ReadOptions:
         arguments=_pairs(told["arguments"], "arguments"),
         packages=told["packages"] or (),
         model=told["model"],
+        set=_pairs(told["set"], "set"),
     )
 
 

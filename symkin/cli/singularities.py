@@ -3,44 +3,36 @@
 from __future__ import annotations
 
 import json
-from pathlib import Path
 from typing import Annotated
 
 from symkin.cli.options import (
-    GivenOption,
-    JointsOption,
     JsonOption,
     MechArgument,
-    PoseOption,
-    SearchSeedOption,
-    StartOption,
-    joints_from,
     names_from,
     numbers_from,
     pairs_from,
     print_result,
 )
-from symkin.cli.pictures import NamesOption, ViewsOption, picture_options
-from symkin.cli.poses import EulerOption, PoseReader, RpyOption
+from symkin.cli.pictures import PictureOfSides
+from symkin.cli.poses import PoseForm
 from symkin.cli.progress import progress_bar
-from symkin.cli.reading import RobotFile, loaded
+from symkin.cli.reading import RobotFile
 from symkin.cli.streams import say
+from symkin.cli.values import Asked
 from symkin.errors import InputError
 from symkin.ignored_options import refuse_ignored
+from symkin.position.options import SEED, Begun
 from symkin.position.solve_result import SolveError
 from symkin.result import Result
-from symkin.verb_options import ASKED, OUTPUT, Option
+from symkin.verb_options import ASKED, Option
 
 
 def singularities(
     mech: MechArgument,
     read: RobotFile,
-    joints: JointsOption = None,
-    pose: PoseOption = None,
-    rpy: RpyOption = None,
-    euler: EulerOption = None,
-    given: GivenOption = None,
-    start: StartOption = None,
+    inputs: Begun,
+    form: PoseForm,
+    picture: PictureOfSides,
     plane: Annotated[
         str | None,
         Option(
@@ -58,17 +50,11 @@ def singularities(
             "The window of --plane, in the file's units.", "U0:U1,V0:V1", ASKED, flags=("--range",)
         ),
     ] = None,
-    plot: Annotated[
-        Path | None,
-        Option("Draw the configuration, or the loci of --plane, into a file.", "FILE.png", OUTPUT),
-    ] = None,
-    names: NamesOption = None,
-    views: ViewsOption = None,
     starts: Annotated[
         int | None,
         Option("Random starts for --plane. Default: 200.", "N"),
     ] = None,
-    seed: SearchSeedOption = None,
+    seed: Annotated[int | None, SEED] = None,
     output: Annotated[
         str | None,
         Option(
@@ -106,28 +92,20 @@ def singularities(
             "--output and --point belong to one configuration, not to --plane, whose loci are "
             "those of the platform"
         )
-    mechanism = loaded(mech, read)
-    if plane is not None and (names is not None or views is not None):
+    if plane is not None and (picture["names"] is not None or picture["views"] is not None):
         raise InputError(
             "--names and --views belong to the picture of one configuration, not to that of "
             "--plane, which shows curves"
         )
-    options = picture_options(plot, mechanism, names=names, views=views)
-    unit = mechanism.angle_unit
+    asked = Asked.of(mech, read, form, picture)
+    unit = asked.unit
     needed = "U0:U1,V0:V1, such as -100:100,-50:50,"
     sides = None if window is None else pairs_from(window, "range", unit, needed)
-    reader = PoseReader(mechanism, rpy, euler)
-    reader.check_used(pose, given, start)
-    values = reader.given(given)
+    values = asked.values(Begun, inputs, "pose", "given", "start")
+    driven = list(values["given"]) if "given" in values else None
     outputs = None if output is None else names_from(output)
     try:
-        solution = configuration(
-            mechanism,
-            joints=joints_from(joints, "joints", unit),
-            pose=reader.pose(pose, "pose"),
-            given=values,
-            start=reader.start(start, is_pose=pose is None),
-        )
+        solution = configuration(asked.mechanism, **values)
     except SolveError as error:
         if as_json and error.result is not None:
             print(json.dumps(error.result.to_dict(), allow_nan=False))
@@ -137,7 +115,6 @@ def singularities(
     if plane is None:
         from symkin.singularities.classification import singularity
 
-        driven = None if values is None else list(values)
         found = singularity(
             solution, given=driven, output=outputs, point=numbers_from(point, "point", unit)
         )
@@ -148,14 +125,11 @@ def singularities(
             found = singular_loci(
                 solution,
                 names_from(plane),
-                given=None if values is None else list(values),
+                given=driven,
                 ranges=sides,
                 starts=DEFAULT_STARTS if starts is None else starts,
                 seed=0 if seed is None else seed,
             )
-    picture = ""
-    if plot is not None:
-        found.plot(plot, **options)
-        picture = f"\npicture: {plot}"
-    print_result(as_json, found.to_dict, lambda: str(found) + picture)
+    drawn = asked.drawing.of(found)
+    print_result(as_json, found.to_dict, lambda: str(found) + drawn)
     return 0

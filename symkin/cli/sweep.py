@@ -5,23 +5,25 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager, nullcontext
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated
 
 from symkin.cli.options import (
     Interrupted,
     JsonOption,
     MechArgument,
-    SearchSeedOption,
     check_output,
     joints_from,
     names_from,
     print_result,
+    slices_from,
 )
-from symkin.cli.poses import EulerOption, PoseReader, RpyOption
+from symkin.cli.poses import PoseForm
 from symkin.cli.progress import progress_bar
-from symkin.cli.reading import RobotFile, loaded
+from symkin.cli.reading import RobotFile
+from symkin.cli.values import Asked
 from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
+from symkin.sweeps.options import SweepOptions
 from symkin.verb_options import GIVEN, OUTPUT, Option
 
 
@@ -37,11 +39,13 @@ def sweep(
             flags=("-o", "--output"),
         ),
     ],
+    options: SweepOptions,
+    form: PoseForm,
     grid: Annotated[
         str | None,
         Option(
-            "What is swept of the actuated joints, or of poses; NAME=LOW:HIGH with "
-            "--random, NAME=VALUE for one value.",
+            "What is swept of the actuated joints, or of poses; NAME=LOW:HIGH with --random, "
+            "NAME=VALUE for one value.",
             "NAME=LOW:HIGH:COUNT,...",
             GIVEN,
         ),
@@ -49,54 +53,21 @@ def sweep(
     given: Annotated[
         str | None,
         Option(
-            "In place of --grid: any coordinates, as many as the mobility, swept or held; "
-            "as --given of modes.",
+            "In place of --grid: any coordinates, as many as the mobility, swept or held; as "
+            "--given of modes.",
             "NAME=LOW:HIGH:COUNT,NAME=VALUE,...",
             GIVEN,
         ),
     ] = None,
-    poses: Annotated[
-        bool,
-        Option(
-            "Sweep x, y, z, gamma from the reference, or the rotation vector rx, ry, rz "
-            "before the orientation of --at; those of the motion.",
-            group=GIVEN,
-        ),
-    ] = False,
     at: Annotated[
         str | None,
         Option(
             "What is not swept: all actuated joints, or a pose with --poses.", "V1,V2,...", GIVEN
         ),
     ] = None,
-    rpy: RpyOption = None,
-    euler: EulerOption = None,
-    random: Annotated[int | None, Option("Random points in place of a grid.", "N", GIVEN)] = None,
-    seed: SearchSeedOption = None,
-    quantity: Annotated[
-        Literal["modes", "conditioning", "reach"], Option("What is stored.", group=OUTPUT)
-    ] = "modes",
-    certify: Annotated[
-        bool,
-        Option("Prove every mode; takes many times as long."),
-    ] = False,
-    starts: Annotated[
-        int | None, Option("Random starts where paths do not decide. Default: 2000.", "N")
-    ] = None,
-    workers: Annotated[
-        int | None, Option("Local processes; 0: this one. Default: one a processor.", "N")
-    ] = None,
-    dask: Annotated[
-        str | None,
-        Option("Dask scheduler that computes in place of local processes.", "ADDRESS"),
-    ] = None,
-    chunk: Annotated[
-        int | None, Option("Points that are computed and written at a time.", "N")
-    ] = None,
     as_json: JsonOption = False,
     plot: Annotated[
-        Path | None,
-        Option("Draw a map of the result into a file.", "FILE.png", OUTPUT),
+        Path | None, Option("Draw a map of the result into a file.", "FILE.png", OUTPUT)
     ] = None,
     of: Annotated[
         str | None,
@@ -131,25 +102,20 @@ def sweep(
 
     Needs xarray, zarr and dask: pip install 'symkin[sweep]'
     """
+    from symkin.cli.ranges import ranged, read_given, read_ranges
     from symkin.sweeps.drawable import check_drawable
-    from symkin.sweeps.ranges import (
-        check_map_is_left,
-        check_slices,
-        ranged,
-        read_given,
-        read_ranges,
-        read_values,
-    )
     from symkin.sweeps.run import sweep as run
+    from symkin.sweeps.slices import check_map_is_left, check_slices
     from symkin.sweeps.store import require_zarr
 
     require_zarr()
-    mechanism = loaded(mech, read)
-    unit, sampled = mechanism.angle_unit, random is not None
+    asked = Asked.of(mech, read, form)
+    mechanism, unit = asked.mechanism, asked.unit
+    poses, sampled = options["poses"], options["random"] is not None
     ranges = None if grid is None else read_ranges(grid, sampled=sampled, angle_unit=unit)
     told = None if given is None else read_given(given, sampled=sampled, angle_unit=unit)
     values = ranged(told or {}) if ranges is None else ranges
-    cuts = read_values(slices, "slice", angle_unit=unit) if slices is not None else {}
+    cuts = slices_from(slices, unit)
     check_slices(cuts, values, sampled=sampled)
     check_map_is_left(cuts, values)
     drawn = _drawn(of, slices, plot, loci=loci)
@@ -160,28 +126,19 @@ def sweep(
 
         check_picture_path(plot)
     if drawn:
-        check_drawable(mechanism, quantity, list(values), drawn)
+        check_drawable(mechanism, options["quantity"], list(values), drawn)
     check_output(table)
-    reader = PoseReader(mechanism, rpy, euler)
-    reader.check_used(at if poses else None)
-    held = reader.pose(at, "at") if poses else joints_from(at, "at", unit)
+    asked.reader.check_used(at if poses else None)
+    held = asked.reader.pose(at, "at") if poses else joints_from(at, "at", unit)
     with _kept_when_interrupted(output), progress_bar("points") as progress:
         swept = run(
             mechanism,
             ranges,
             output,
             given=told,
-            poses=poses,
             at=held,
-            random=random,
-            seed=seed,
-            quantity=quantity,
-            certify=certify,
-            starts=starts,
-            chunk=chunk,
-            workers=workers,
-            dask=dask,
             progress=progress,
+            **asked.values(SweepOptions, options),
         )
     lines = [str(swept)]
     if table is not None:

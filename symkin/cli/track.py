@@ -8,17 +8,17 @@ from typing import Annotated, Any
 from symkin.cli.options import (
     JsonOption,
     MechArgument,
-    StartOption,
     check_output,
     joints_from,
     print_result,
     ranges_from,
 )
-from symkin.cli.pictures import NamesOption, ViewsOption, picture_options
-from symkin.cli.poses import EulerOption, PoseReader
+from symkin.cli.pictures import Drawing, PictureOfSides
+from symkin.cli.poses import EULER, PoseReader
 from symkin.cli.progress import progress_bar
 from symkin.cli.reading import RobotFile, loaded
 from symkin.errors import InputError
+from symkin.position.options import START
 from symkin.text import shown
 from symkin.verb_options import GIVEN, OUTPUT, Option
 
@@ -29,6 +29,7 @@ _PATH = "NAME=FROM:TO,..., such as crank=0:360,"
 def track(
     mech: MechArgument,
     read: RobotFile,
+    picture: PictureOfSides,
     begin: Annotated[
         str | None,
         Option(
@@ -46,7 +47,7 @@ def track(
         bool,
         Option("--from, --to or the CSV file are poses: the inverse problem.", group=GIVEN),
     ] = False,
-    euler: EulerOption = None,
+    euler: Annotated[str | None, EULER] = None,
     csv: Annotated[
         Path | None,
         Option("A trajectory, in place of --from and --to.", "FILE.csv", GIVEN),
@@ -61,7 +62,7 @@ def track(
             GIVEN,
         ),
     ] = None,
-    start: StartOption = None,
+    start: Annotated[str | None, START] = None,
     samples: Annotated[
         int | None,
         Option("Samples on the path; default 101, or those of the file.", "N"),
@@ -76,12 +77,6 @@ def track(
             "Write the configurations into a file.", "FILE.csv", OUTPUT, flags=("-o", "--output")
         ),
     ] = None,
-    plot: Annotated[
-        Path | None,
-        Option("Draw the track into a file.", "FILE.png", OUTPUT),
-    ] = None,
-    names: NamesOption = None,
-    views: ViewsOption = None,
     as_json: JsonOption = False,
 ) -> int:
     """Follow one mode along a path of joints, poses or any coordinates, with a proof, up to the
@@ -92,7 +87,7 @@ def track(
 
     mechanism = loaded(mech, read)
     check_output(output, mech, csv)
-    options = picture_options(plot, mechanism, names=names, views=views)
+    drawing = Drawing.checked(picture, mechanism)
     reader = PoseReader(mechanism, euler=euler, has_rpy=False)
     if euler is not None and csv is not None and start is None:
         raise InputError(
@@ -129,14 +124,8 @@ def track(
         )
     if output is not None:
         write_track(found, output)
-    drawn = plot if found.samples else None
-    if drawn is not None:
-        found.plot(drawn, **options)
-    files = "".join(
-        f"\n{what}: {name}"
-        for what, name in (("configurations", output), ("picture", drawn))
-        if name is not None
-    )
+    files = "" if output is None else f"\nconfigurations: {output}"
+    files += drawing.of(found if found.samples else None)
     print_result(as_json, found.to_dict, lambda: str(found) + files)
     return 0 if found.reached else 3
 

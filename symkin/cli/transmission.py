@@ -10,28 +10,25 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 from symkin.cli.options import (
     JsonOption,
     MechArgument,
-    named_from,
     names_from,
     numbers_from,
-    pairs_from,
     print_result,
-    ranges_from,
 )
-from symkin.cli.pictures import picture_options
-from symkin.cli.reading import RobotFile, loaded
+from symkin.cli.reading import RobotFile
 from symkin.cli.streams import say
+from symkin.cli.values import Asked
 from symkin.errors import InputError, NoConfigurationError
-from symkin.verb_options import ASKED, GIVEN, HOW, OUTPUT, Option
+from symkin.transmissions.options import TransmissionOptions
+from symkin.verb_options import ASKED, GIVEN, OUTPUT, Option
 
 if TYPE_CHECKING:
     from symkin.transmissions.transmission_result import Transmission
-
-_MOTORS = "Motors"
 
 
 def transmission(
     mech: MechArgument,
     read: RobotFile,
+    options: TransmissionOptions,
     motors: Annotated[
         str | None,
         Option("Coordinates that motors drive. Default: those of the file.", "A,B,...", ASKED),
@@ -51,28 +48,6 @@ def transmission(
     at_joints: Annotated[
         str | None, Option("The joints' values, in place of --at.", "V1,V2,...", GIVEN)
     ] = None,
-    start: Annotated[
-        str | None,
-        Option("A configuration whose mode is meant, by some values.", "NAME=VALUE,...", HOW),
-    ] = None,
-    ranges: Annotated[
-        str | None,
-        Option(
-            "Limits of coordinates in place of the file's.", "NAME=LOW:HIGH,...", flags=("--range",)
-        ),
-    ] = None,
-    inertia: Annotated[
-        str | None, Option("Inertia of each motor, at its coordinate.", "I1,I2,...", _MOTORS)
-    ] = None,
-    torque_limits: Annotated[
-        str | None, Option("Largest torques, or LOW:HIGH of each.", "T1,T2,...", _MOTORS)
-    ] = None,
-    speed_limits: Annotated[
-        str | None, Option("Largest rates, or LOW:HIGH of each.", "W1,W2,...", _MOTORS)
-    ] = None,
-    resolution: Annotated[
-        str | None, Option("Steps of each motor's sensor, for the play.", "R1,R2,...", _MOTORS)
-    ] = None,
     language: Annotated[
         Literal["array", "c", "ros2"],
         Option(
@@ -82,8 +57,7 @@ def transmission(
         ),
     ] = "array",
     output: Annotated[
-        Path | None,
-        Option("Folder to write into.", "DIR", OUTPUT, flags=("-o", "--output")),
+        Path | None, Option("Folder to write into.", "DIR", OUTPUT, flags=("-o", "--output"))
     ] = None,
     serial: Annotated[
         Path | None,
@@ -102,24 +76,14 @@ def transmission(
     from symkin.position.solve_result import SolveError
     from symkin.transmissions.transmission import transmission as find
 
-    mechanism = loaded(mech, read)
-    picture_options(plot, mechanism)
-    unit = mechanism.angle_unit
+    asked = Asked.of(mech, read, picture={"plot": plot})
+    mechanism, unit = asked.mechanism, asked.unit
     if motors is None and joints is not None:
         raise InputError("--joints needs --motors beside it: the coordinates that motors drive")
     if output is None and language != "array":
         raise InputError(f"--format {language} needs -o DIR: the folder to write into")
     names = (names_from(motors), names_from(joints) or None) if motors is not None else ()
-    found = find(
-        mechanism,
-        *names,
-        inertia=numbers_from(inertia, "inertia", unit),
-        torque_limits=_limits(torque_limits, "torque-limits", unit),
-        speed_limits=_limits(speed_limits, "speed-limits", unit),
-        resolution=numbers_from(resolution, "resolution", unit),
-        ranges=ranges_from(ranges, "range", unit, "NAME=LOW:HIGH,...") if ranges else {},
-        start=named_from(start, "start", unit),
-    )
+    found = find(mechanism, *names, **asked.values(TransmissionOptions, options))
     several: list[Transmission] = list(found.values() if isinstance(found, Mapping) else [found])
     to_dict: Callable[[], dict[str, Any]] = found.to_dict
     text = found.__str__
@@ -141,10 +105,8 @@ def transmission(
         for note in write_serial(mechanism, several, serial):
             say(note)
         files.append(serial)
-    if plot is not None:
-        found.plot(plot)
-        files.append(plot)
-    lines = "".join(f"\n{file}" for file in files)
+    drawn = asked.drawing.of(found)
+    lines = "".join(f"\n{file}" for file in files) + drawn
     print_result(as_json, to_dict, lambda: text() + lines)
 
 
@@ -213,12 +175,3 @@ def _written(several: list[Transmission], folder: Path, language: str) -> list[P
             also=also,
         )
     return files
-
-
-def _limits(text: str | None, what: str, unit: str) -> list[Any] | None:
-    """A number for each motor, or a pair LOW:HIGH."""
-    if text is None:
-        return None
-    parts = pairs_from(text, what, unit, "a number, or LOW:HIGH,", (1, 2))
-    pairs = [[-part[0], part[0]] if len(part) == 1 else part for part in parts]
-    return pairs if len(pairs) > 1 or len(parts[0]) > 1 else [parts[0][0]]

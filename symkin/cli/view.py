@@ -6,18 +6,13 @@ from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-from symkin.cli.options import (
-    GivenOption,
-    JointsOption,
-    MechArgument,
-    PoseOption,
-    joints_from,
-    named_from,
-)
-from symkin.cli.poses import EulerOption, PoseReader, RpyOption
+from symkin.cli.options import MechArgument, slices_from
+from symkin.cli.poses import PoseForm
 from symkin.cli.progress import progress_bar
-from symkin.cli.reading import RobotFile, loaded
+from symkin.cli.reading import RobotFile
+from symkin.cli.values import Asked
 from symkin.errors import InputError
+from symkin.position.options import Given
 from symkin.verb_options import GIVEN, OUTPUT, Option
 
 if TYPE_CHECKING:
@@ -28,11 +23,8 @@ if TYPE_CHECKING:
 def view(
     mech: MechArgument,
     read: RobotFile,
-    joints: JointsOption = None,
-    pose: PoseOption = None,
-    rpy: RpyOption = None,
-    euler: EulerOption = None,
-    given: GivenOption = None,
+    inputs: Given,
+    form: PoseForm,
     path: Annotated[
         Path | None,
         Option(
@@ -74,20 +66,13 @@ def view(
     """
     from symkin.page.view import view_mechanism
 
-    mechanism = loaded(mech, read)
+    asked = Asked.of(mech, read, form)
+    mechanism, told = asked.mechanism, {**inputs, **form, "path": path}
     if swept is not None:
-        told = {
-            "--joints": joints,
-            "--pose": pose,
-            "--rpy": rpy,
-            "--euler": euler,
-            "--given": given,
-            "--path": path,
-        }
         for name, value in told.items():
             if value is not None:
                 raise InputError(
-                    f"both --map and {name} are given; a map brings its values: give one of them"
+                    f"both --map and --{name} are given; a map brings its values: give one of them"
                 )
         print(_shown(_of_map(mechanism, swept, slices, loci=loci), html))
         return
@@ -96,32 +81,23 @@ def view(
             f"{'--slice' if slices is not None else '--loci'} belongs to the map of a sweep; give "
             f"--map FOLDER, or leave it out"
         )
-    reader = PoseReader(mechanism, rpy, euler)
-    reader.check_used(pose)
-    if pose is not None:
-        for name, value in (("--joints", joints), ("--given", given), ("--path", path)):
-            if value is not None:
+    if told["pose"] is not None:
+        for name in ("joints", "given", "path"):
+            if told[name] is not None:
                 raise InputError(
-                    f"both --pose and {name} are given; each tells where the page begins: give one "
-                    f"of them"
+                    f"both --pose and --{name} are given; each tells where the page begins: give "
+                    f"one of them"
                 )
-    values = _plain(named_from(given, "given", mechanism.angle_unit))
-    page = view_mechanism(
-        mechanism,
-        joints_from(joints, "joints", mechanism.angle_unit),
-        values,
-        path,
-        reader.pose(pose, "pose"),
-    )
-    print(_shown(page, html))
+    values = asked.values(Given, inputs, "pose")
+    given = _plain(values.pop("given", None))
+    print(_shown(view_mechanism(mechanism, given=given, path=path, **values), html))
 
 
 def _of_map(mechanism: Mechanism, folder: Path, slices: str | None, *, loci: bool) -> View:
     """The page of a sweep's map. Raises InputError for a sweep of another mechanism."""
     from symkin.page.sweep_plane import view_of_sweep
-    from symkin.sweeps.ranges import read_values
 
-    cuts = {} if slices is None else read_values(slices, "slice", angle_unit=mechanism.angle_unit)
+    cuts = slices_from(slices, mechanism.angle_unit)
     with progress_bar("singularity loci") if loci else nullcontext():
         page = view_of_sweep(folder, cuts, loci=loci)
     if page.mechanism.to_toml() != mechanism.to_toml():

@@ -6,15 +6,16 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Unpack
 
 import casadi as ca
 
 from symkin._version import __version__
 from symkin.codegen.cpp_header import cpp_text
 from symkin.codegen.described import check_description
+from symkin.codegen.firmware_options import FirmwareOptions
 from symkin.codegen.joint_map import JointMap
 from symkin.codegen.joint_map_vectors import MapVectors
 from symkin.codegen.linuxcnc import linuxcnc_text
@@ -41,24 +42,16 @@ from symkin.files.written_files import (
 from symkin.model.arm import arm_of
 from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.verb import verb
+from symkin.verb_options import takes
 
 _KEY = "model_sha256"
 """What the manifest of a folder of firmware has, and others have not."""
 
 
 @verb
+@takes(FirmwareOptions)
 def write_firmware(
-    mechanism: Mechanism,
-    directory: Path | str,
-    *,
-    real: Literal["float", "double"] = "double",
-    home_relative: bool = False,
-    geometry: Literal["fixed", "struct"] = "fixed",
-    home: Sequence[float] | None = None,
-    given: Sequence[str] = (),
-    find: Sequence[str] = (),
-    also: Collection[Literal["package", "linuxcnc", "cpp", "ros2"]] = (),
-    compact: bool = False,
+    mechanism: Mechanism, directory: Path | str, **options: Unpack[FirmwareOptions]
 ) -> list[Path]:
     """Write C99 for controllers into a folder and return its files: direct and inverse kinematics,
     Jacobian, test, build files.
@@ -84,11 +77,7 @@ def write_firmware(
     ['.h', '.c', '.c']
     """
     require_mechanism(mechanism)
-    pose = None if home is None else tuple(float(v) for v in home)
-    chosen = Options(
-        real, home_relative, geometry, pose, tuple(given), tuple(find), tuple(also), compact
-    )
-    return write_folder(mechanism, Path(directory), chosen)
+    return write_folder(mechanism, Path(directory), Options.of(options))
 
 
 def write_folder(

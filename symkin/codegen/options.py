@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from shlex import quote
-from typing import Literal
+from typing import Any, Literal
 
 from symkin.codegen.rod_kernel import is_rod_platform
 from symkin.errors import InputError
@@ -29,6 +30,14 @@ class Options:
     find: tuple[str, ...] = ()
     also: tuple[Literal["package", "linuxcnc", "cpp", "ros2"], ...] = ()
     compact: bool = False
+
+    @classmethod
+    def of(cls, told: Mapping[str, Any]) -> Options:
+        """What a call of `write_firmware` asks."""
+        home = told["home"]
+        names = {key: tuple(told[key]) for key in ("given", "find", "also")}
+        pose = None if home is None else tuple(float(v) for v in home)
+        return cls(**{**told, **names, "home": pose})
 
     @property
     def package(self) -> bool:

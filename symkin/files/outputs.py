@@ -46,13 +46,21 @@ def check_output(
             f"output {str(path)!r} has another suffix than {', '.join(suffixes)}, which {verb} "
             f"writes"
         )
+    check_place(output, reads)
+
+
+def check_place(output: Path, *reads: str | Path | None) -> None:
+    """Refuse, before the work, an output that cannot be written, and one that would replace what is
+    read. Raises InputError.
+    """
     if output.is_dir() or not output.resolve().parent.is_dir():
         raise InputError(
-            f"output {str(path)!r} is a folder, or its folder does not exist; the name of a file "
+            f"output {str(output)!r} is a folder, or its folder does not exist; the name of a file "
             f"is needed"
         )
-    if str(reads) and output.exists() and Path(reads).exists() and os.path.samefile(output, reads):
-        raise InputError(f"output {str(path)!r} is read by this command; give another name")
+    files = [Path(given) for given in reads if given and Path(given).exists()]
+    if output.exists() and any(os.path.samefile(output, file) for file in files):
+        raise InputError(f"output {str(output)!r} is read by this command; give another name")
 
 
 def _status(path: str | Path) -> os.stat_result | None:

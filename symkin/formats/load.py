@@ -4,8 +4,9 @@ described elsewhere.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -14,7 +15,7 @@ from symkin.formats.read_options import AS_IT_IS, ReadOptions
 from symkin.model.file import read as read_file
 from symkin.model.file import shipped
 from symkin.model.mechanism import Mechanism
-from symkin.model.shipped import shipped_names
+from symkin.model.shipped import SHIPPED, shipped_names
 from symkin.text import meant, shown
 from symkin.verb import verb
 
@@ -23,12 +24,18 @@ if TYPE_CHECKING:
 
 
 @verb
-def load(name_or_path: str | Path, read: ReadOptions = AS_IT_IS) -> Mechanism:
+def load(
+    name_or_path: str | Path,
+    read: ReadOptions = AS_IT_IS,
+    *,
+    set: Mapping[str, float | str] | None = None,
+) -> Mechanism:
     """Load a shipped mechanism by name, or a mechanism by path: .toml, or a robot in MJCF (.xml),
     URDF (.urdf, .xacro) or SDF (.sdf).
 
     A robot becomes a graph of links at the closed configuration that is nearest to the file's own,
-    in metres and radians, its root held as the link "base"; `close` tells the rest. `read` tells
+    in metres and radians, its root held as the link "base"; `close` tells the rest. `set` gives
+    parameters of a mechanism file other numbers, or arithmetic, than the file does. `read` tells
     what the robot's file does not: kinds of closures, actuated joints, the link of the platform
     frame, arguments of xacro, packages. Raises InputError when there is no such mechanism or file,
     MechanismError for a file that is not right: one line with file, key path or line and element,
@@ -40,12 +47,13 @@ def load(name_or_path: str | Path, read: ReadOptions = AS_IT_IS) -> Mechanism:
     (6, 'mm')
     """
     text, path = str(name_or_path), Path(name_or_path)
+    read = read if set is None else replace(read, set=set)
     if text in shipped_names():
         _refuse_for_files_of_ours(read, text)
-        return shipped(text)
+        return read_file(SHIPPED / f"{text}.toml", read.set) if read.set else shipped(text)
     if path.suffix.lower() == ".toml":
         _refuse_for_files_of_ours(read, text)
-        return read_file(path)
+        return read_file(path, read.set)
     if is_robot(path):
         from symkin.formats.assembled import mechanism_of
 
@@ -118,7 +126,7 @@ def _naming(path: Path) -> Iterator[None]:
 
 def _refuse_for_files_of_ours(read: ReadOptions, text: str) -> None:
     read.refuse_but(
-        (),
+        ("set",),
         text,
         "it is told of robots in MJCF, URDF and SDF, and a mechanism file says everything itself",
     )

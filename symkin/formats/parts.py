@@ -12,14 +12,16 @@ Statements stand between semicolons; commas, colons and equals signs are no char
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
 from symkin.errors import MechanismError
 from symkin.model.graph import LinkPoint
 from symkin.model.joint import Joint
+from symkin.model.joint_forms import JointType
 from symkin.model.mechanism import unit_quaternion
 from symkin.spatial.pose import Pose
 from symkin.text import shown
@@ -29,7 +31,6 @@ KEY = "symkin"
 JOINTS_TAG = f"{KEY}:joints"
 NAMESPACE = f"urn:{KEY}"
 """Element and namespace of the text in XML that has none of its own."""
-_LISTS = ("actuated", "zeros", "reference", "welds", "turned", "order", "platform", "points")
 _KINDS = ("R", "P", "H", "C", "U", "S", "weld", "rod")
 
 
@@ -86,18 +87,6 @@ class Parts:
         """Whether a joint is written in parts, or is one."""
         return any(joint in (whole.name, *whole.parts) for whole in self.wholes)
 
-    def at(self, reference: Mapping[str, float]) -> Parts:
-        """The same with the values at which the loops are closed."""
-        return replace(self, reference=reference)
-
-    def in_file(
-        self, zeros: Mapping[str, float], welds: tuple[str, ...], turned: tuple[str, ...]
-    ) -> Parts:
-        """The same with what is added to the file's values, and welds and turned joints by their
-        names there.
-        """
-        return replace(self, zeros=zeros, welds=welds, turned=turned)
-
     def moved(self, displacements: Mapping[str, Pose]) -> Parts:
         """The same where links are displaced."""
         points = [
@@ -129,23 +118,10 @@ def parts_text(parts: Parts) -> str:
         f"{w.name} = {w.kind}{f' {w.number!r}' if w.number else ''}: {', '.join(w.parts)}"
         for w in parts.wholes
     ]
-    if parts.actuated is not None:
-        lines.append(f"actuated: {', '.join(parts.actuated)}")
-    for key in ("zeros", "reference"):
-        values: Mapping[str, float] = getattr(parts, key)
-        if values:
-            lines.append(
-                f"{key}: " + ", ".join(f"{name} = {value!r}" for name, value in values.items())
-            )
-    for key in ("welds", "turned", "order"):
-        names: tuple[str, ...] = getattr(parts, key)
-        if names:
-            lines.append(f"{key}: {', '.join(names)}")
-    if parts.platform is not None:
-        link, pose = parts.platform
-        lines.append(f"platform: {_entry(link, *pose.position, *pose.quaternion)}")
-    if parts.points:
-        lines.append(f"points: {', '.join(_entry(p.name, p.link, *p.point) for p in parts.points)}")
+    for key, (write, _) in _LISTS.items():
+        told = getattr(parts, key)
+        if told or (key == "actuated" and told is not None):
+            lines.append(f"{key}: {', '.join(write(told))}")
     return "; ".join(lines)
 
 
@@ -154,13 +130,13 @@ def parts_from(text: str, where: str) -> Parts:
     not right.
     """
     wholes: list[Whole] = []
-    found: dict[str, tuple[str, ...]] = {}
+    found: dict[str, Any] = {}
     for statement in filter(None, (" ".join(piece.split()) for piece in text.split(";"))):
         head, colon, names = statement.partition(":")
         entries = tuple(filter(None, (name.strip() for name in names.split(","))))
         name, equals, kind = (piece.strip() for piece in head.partition("="))
         if colon and not equals and name in _LISTS and name not in found:
-            found[name] = entries
+            found[name] = _LISTS[name][1](entries, where)
         elif colon and equals and name and entries and kind.partition(" ")[0] in _KINDS:
             word, _, number = kind.partition(" ")
             wholes.append(Whole(name, word, entries, _number(number or "0", statement, where)))
@@ -169,17 +145,7 @@ def parts_from(text: str, where: str) -> Parts:
                 f"{where}: {shown(statement)} is no statement on joints in parts; remove it, or "
                 f"write it as symkin does"
             )
-    return Parts(
-        tuple(wholes),
-        found.get("actuated"),
-        _values(found.get("zeros", ()), where),
-        _values(found.get("reference", ()), where),
-        found.get("welds", ()),
-        found.get("turned", ()),
-        found.get("order", ()),
-        _platform(found.get("platform", ()), where),
-        tuple(_points(found.get("points", ()), where)),
-    )
+    return Parts(tuple(wholes), **found)
 
 
 def _entry(*values: object) -> str:
@@ -188,12 +154,15 @@ def _entry(*values: object) -> str:
     return " | ".join(texts)
 
 
-def _points(entries: Sequence[str], where: str) -> Iterator[LinkPoint]:
+def _points(entries: Sequence[str], where: str) -> tuple[LinkPoint, ...]:
+    found = []
     for entry in entries:
         words = [word.strip() for word in entry.split("|")]
         if len(words) != 5:
             raise MechanismError(f"{where}: points: {shown(entry)} is no NAME | LINK | X | Y | Z")
-        yield LinkPoint(words[1], words[0], [_number(word, entry, where) for word in words[2:]])
+        numbers = [_number(word, entry, where) for word in words[2:]]
+        found.append(LinkPoint(words[1], words[0], numbers))
+    return tuple(found)
 
 
 def _platform(entries: Sequence[str], where: str) -> tuple[str, Pose] | None:
@@ -214,6 +183,25 @@ def _platform(entries: Sequence[str], where: str) -> tuple[str, Pose] | None:
 def _values(entries: Sequence[str], where: str) -> dict[str, float]:
     pairs = [entry.partition("=") for entry in entries]
     return {name.strip(): _number(value, f"{name} = {value}", where) for name, _, value in pairs}
+
+
+_Written = tuple[Callable[[Any], Iterable[str]], Callable[[Sequence[str], str], Any]]
+_NAMES: _Written = tuple, lambda entries, _: entries
+_NUMBERS: _Written = lambda told: [f"{name} = {value!r}" for name, value in told.items()], _values
+_LISTS: dict[str, _Written] = {
+    "actuated": _NAMES,
+    "zeros": _NUMBERS,
+    "reference": _NUMBERS,
+    "welds": _NAMES,
+    "turned": _NAMES,
+    "order": _NAMES,
+    "platform": (
+        lambda told: [_entry(told[0], *told[1].position, *told[1].quaternion)],
+        _platform,
+    ),
+    "points": (lambda told: [_entry(p.name, p.link, *p.point) for p in told], _points),
+}
+"""What a file tells beside joints in parts, by its word: how it is written and read."""
 
 
 def _number(text: str, statement: str, where: str) -> float:
@@ -237,4 +225,15 @@ def turned(joint: Joint) -> Joint:
     )
     return (
         replace(joint, axis=axis2, axis2=axis) if joint.type == "U" else replace(joint, axis=axis)
+    )
+
+
+def in_two(joint: Joint) -> tuple[Joint, Joint]:
+    """A joint of two coordinates as two joints, which have the names of these."""
+    first, second = (c.name for c in joint.coordinates)
+    other = joint.axis2 if joint.type == "U" else joint.axis
+    kind: JointType = "R" if joint.type == "U" else "P"
+    return (
+        Joint(first, "R", joint.point, joint.axis, actuated=joint.actuated),
+        Joint(second, kind, joint.point, other, actuated=joint.actuated),
     )

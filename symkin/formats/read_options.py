@@ -1,5 +1,5 @@
-"""What is told of a robot beside its file: kinds of closures, actuated joints, the platform's link,
-arguments of xacro, packages, the model.
+"""What is told beside a file: parameters of a mechanism file; of a robot kinds of closures,
+actuated joints, the platform's link, arguments of xacro, packages, the model.
 """
 
 from __future__ import annotations
@@ -28,16 +28,17 @@ _CLOSURES: tuple[JointType, ...] = ("S", "U", "R", "C", "P", "weld")
 
 @dataclass(frozen=True)
 class ReadOptions:
-    """What is told of a robot in a format of others, beside its file, to `load`, `close` and
-    `convert`.
+    """What is told beside a file to `load`, `close` and `convert`: parameters of a mechanism file,
+    and what the file of a robot in a format of others leaves out.
 
-    `loop`: the kind of closures by name, R, S, C, P, U or weld, about or along the z axis of their
-    frames; "R:x" names another of its axes (x, y, z). `actuated`: names of the joints that motors
-    drive, in place of what the file tells. `platform`: the link (or a body that a fixed joint makes
-    part of one) whose own frame is the platform frame, so that poses can be given and told; its
-    `[platform]`. `arguments`: those of a file in xacro. `packages`: folders that are packages or
-    hold them, for `package://NAME`, `model://NAME` and `$(find NAME)`. `model`: which model of an
-    SDF file. Raises InputError, when the file is read, for what does not fit it.
+    `set`: numbers of `[parameters]`, or arithmetic, in place of the file's. `loop`: the kind of
+    closures by name, R, S, C, P, U or weld, about or along the z axis of their frames; "R:x" names
+    another of its axes (x, y, z). `actuated`: names of the joints that motors drive, in place of
+    what the file tells. `platform`: the link (or a body that a fixed joint makes part of one) whose
+    own frame is the platform frame, so that poses can be given and told; its `[platform]`.
+    `arguments`: those of a file in xacro. `packages`: folders that are packages or hold them, for
+    `package://NAME`, `model://NAME` and `$(find NAME)`. `model`: which model of an SDF file. Raises
+    InputError, when the file is read, for what does not fit it.
 
     >>> import symkin
     >>> symkin.ReadOptions(loop={"closing_knee": "R:x"}, actuated=["hip"]).actuated
@@ -50,10 +51,14 @@ class ReadOptions:
     arguments: Mapping[str, str] = field(default_factory=dict)
     packages: Sequence[Path | str] = ()
     model: str | None = None
+    set: Mapping[str, float | str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        for key in ("loop", "arguments"):
-            object.__setattr__(self, key, dict(getattr(self, key)))
+        for key in ("loop", "arguments", "set"):
+            value = getattr(self, key)
+            if not isinstance(value, Mapping):
+                raise InputError(f"{key} = {shown(value)}; a mapping of names to values is needed")
+            object.__setattr__(self, key, dict(value))
         for key in ("actuated", "packages"):
             value = getattr(self, key)
             if isinstance(value, str):
@@ -80,6 +85,8 @@ class ReadOptions:
         """
         given = [option.name for option in fields(self) if getattr(self, option.name)]
         wrong = next((key for key in given if key not in allowed), None)
+        if wrong == "set":
+            because = "parameters are those of a mechanism file (.toml), in its [parameters]"
         if wrong is not None:
             raise InputError(f"{wrong} (--{wrong}) has no meaning for {what}: {because}")
 

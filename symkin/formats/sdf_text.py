@@ -8,6 +8,7 @@ Masses are plain: they have no meaning for the kinematics.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 
@@ -141,9 +142,8 @@ class _Text:
         other_way = tuple(
             self.names[e.joint.name] for e in self.joints if e.joint.name in self.turned
         )
-        return parts_text(
-            parts.in_file({self.names[n]: z for n, z in self.zeros.items()}, welds, other_way)
-        )
+        zeros = {self.names[name]: zero for name, zero in self.zeros.items()}
+        return parts_text(replace(parts, zeros=zeros, welds=welds, turned=other_way))
 
     def _tagged(self, joint: Joint) -> Iterator[tuple[Coordinate, str]]:
         """The coordinates with the elements of their axes in the file; of a universal joint that is

@@ -10,9 +10,11 @@ from dataclasses import dataclass, replace
 from symkin.errors import MechanismError
 from symkin.formats.graph_form import as_graph
 from symkin.formats.naming import fresh_name
+from symkin.formats.parts import in_two
 from symkin.model.graph import LinkJoint
 from symkin.model.graph_checks import links_of
-from symkin.model.joint import BASE, Joint
+from symkin.model.joined import Joined
+from symkin.model.joint import BASE
 from symkin.model.mechanism import Mechanism
 from symkin.model.motor import Motor
 
@@ -76,29 +78,19 @@ def serial_form(
 def _driven(entry: LinkJoint, drives: Mapping[str, Drive], links: set[str]) -> Iterator[LinkJoint]:
     """A driven joint; one of two coordinates as two, which have a range each."""
     joint, (first, second) = entry.joint, entry.links
-    names = [c.name for c in joint.coordinates]
-    if len(names) == 1:
-        own = drives[joint.name]
-        driven = replace(joint, actuated=True, limits=own.limits, motor=own.motor)
-        yield LinkJoint(driven, entry.links)
-        return
-    middle = fresh_name(f"{joint.name}.link", links)
-    other = joint.axis2 if joint.type == "U" else joint.axis
-    for name, kind, axis, ends in (
-        (names[0], "R", joint.axis, (first, middle)),
-        (names[1], "R" if joint.type == "U" else "P", other, (middle, second)),
-    ):
-        part = Joint(name, kind, joint.point, axis, actuated=True)  # type: ignore[arg-type]
-        own = drives[name]
-        yield LinkJoint(replace(part, limits=own.limits, motor=own.motor), ends)
+    parts, ends = [joint], [entry.links]
+    if len(joint.coordinates) > 1:
+        middle = fresh_name(f"{joint.name}.link", links)
+        parts, ends = [*in_two(joint)], [(first, middle), (middle, second)]
+    for part, between in zip(parts, ends, strict=True):
+        own = drives[part.name]
+        yield LinkJoint(replace(part, actuated=True, limits=own.limits, motor=own.motor), between)
 
 
 def _reached(joints: Sequence[LinkJoint]) -> set[str]:
     """The links that joints carry from the base on."""
-    reached, before = {BASE}, set[str]()
-    while reached != before:
-        before = set(reached)
-        for entry in joints:
-            if reached & set(entry.links):
-                reached |= set(entry.links)
-    return reached
+    joined = Joined[str]()
+    for entry in joints:
+        joined.join(*entry.links)
+    links = {BASE, *(link for entry in joints for link in entry.links)}
+    return {link for link in links if joined.head(link) == joined.head(BASE)}

@@ -9,6 +9,7 @@ Masses are plain: they have no meaning for the kinematics.
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
 import numpy as np
 
@@ -96,7 +97,7 @@ class _Text:
             if joint.actuated:
                 self._transmission(root, joint)
         reference = {joint.name: joint.zero for joint in self.tree.joints if joint.zero}
-        inside(root, JOINTS_TAG, parts_text(parts.at(reference)))
+        inside(root, JOINTS_TAG, parts_text(replace(parts, reference=reference)))
         return document(
             root,
             f"{graph.name}, written by symkin: metres and radians; masses have no meaning{told}",

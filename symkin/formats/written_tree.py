@@ -18,7 +18,7 @@ import numpy as np
 from symkin.errors import MechanismError
 from symkin.formats.graph_form import as_graph, is_closed_at_reference
 from symkin.formats.naming import fresh_name
-from symkin.formats.parts import Parts, Whole, turned
+from symkin.formats.parts import Parts, Whole, in_two, turned
 from symkin.model.graph import Coupling, LinkJoint, LinkRod
 from symkin.model.graph_checks import links_of
 from symkin.model.joined import Joined
@@ -307,14 +307,7 @@ class _Writer:
         point, name = joint.point, joint.name
         match joint.type:
             case "U" | "C":
-                first, second = (c.name for c in joint.coordinates)
-                kind: JointType = "R" if joint.type == "U" else "P"
-                other = joint.axis2 if joint.type == "U" else joint.axis
-                driven = joint.actuated
-                return [
-                    Joint(first, "R", point, joint.axis, actuated=driven),
-                    Joint(second, kind, point, other, actuated=driven),
-                ], 0.0
+                return [*in_two(joint)], 0.0
             case "S":
                 words = [fresh_name(f"{name}.{word}", self.names) for word in "xyz"]
                 return [

@@ -52,10 +52,12 @@ def kept_or_computed(key: str, system: AlgebraicSystem, compute: Callable[[], Fo
 
 
 @lru_cache(maxsize=256)
-def closure_key(system: AlgebraicSystem) -> str:
-    """Hash of the block's rows: instructions, places and constants."""
+def closure_key(system: AlgebraicSystem, search: str = "") -> str:
+    """Hash of the block's rows: instructions, places and constants; and of what searches its roots,
+    where another `search` than the block's own does.
+    """
     function = ca.Function("rows", [system.z, system.k], [system.rows], {"cse": True})
-    return hash_of(function, f"{system.projective} {[c.kind for c in system.unknowns]} ()")
+    return hash_of(function, f"{system.projective} {[c.kind for c in system.unknowns]} ({search})")
 
 
 def hash_of(function: ca.Function, text: str) -> str:

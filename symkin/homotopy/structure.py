@@ -23,7 +23,7 @@ import numpy as np
 
 from symkin.closure.numpy_code import vectorise
 from symkin.computed_once import cached_property, lru_cache
-from symkin.homotopy.algebraic import AlgebraicSystem, complex_normal, known_root
+from symkin.homotopy.algebraic import SAME_ROOT, AlgebraicSystem, complex_normal, known_root
 from symkin.homotopy.body_on_rods import distances_of, universal_system_of
 from symkin.homotopy.engine import newton, track
 from symkin.homotopy.many_instances import plain_instances
@@ -34,7 +34,7 @@ from symkin.homotopy.monodromy import (
     fibre,
     progress_of_searches,
 )
-from symkin.homotopy.seeds import random_known
+from symkin.homotopy.seeds import random_known, regular
 from symkin.homotopy.start_files import closure_key, kept_or_computed
 from symkin.homotopy.tracker import TrackSettings
 from symkin.homotopy.universal_start import universal_start
@@ -42,6 +42,7 @@ from symkin.homotopy.values import known_values
 from symkin.model.joint import Coordinate
 from symkin.numeric.levenberg import Progress
 from symkin.position.problem import Problem
+from symkin.position.roots import merge
 
 MOST_UNKNOWNS = 4
 """Unknowns of a block at most: its rows have three to this power coefficients each."""
@@ -62,6 +63,10 @@ _EQUAL = 1e-10
 """Difference of equal coefficients, over the largest of their row."""
 _SEARCHES = 3
 """Second searches at most; the first that finds what is known settles the count."""
+_POINTS, _NEWTON_STEPS = 256, 40
+"""Random points, and Newton steps from each, that look for roots which loops do not reach."""
+_SEARCH = "loops and random points"
+"""What finds a structure's roots: kept ones that loops alone found are not taken."""
 _CLOSED = 1e-9
 """Largest last step of Newton's method at a root."""
 
@@ -137,7 +142,9 @@ def start_of_structure(problem: Problem, structure: Structure) -> Fibre | None:
         start: Fibre | None = universal_start()
     else:
         start, _ = kept_or_computed(
-            closure_key(structure.system), structure.system, lambda: _searched(structure.system)
+            closure_key(structure.system, _SEARCH),
+            structure.system,
+            lambda: _searched(structure.system),
         )
     if start is None:
         return None
@@ -300,7 +307,12 @@ def _search(
         return complex_normal(system.width, rng), complex_normal(int(system.k.shape[0]), rng)
 
     rng = np.random.default_rng(seed)
-    return fibre(system, points, rng, seed, system.count, Looping(), known, progress)
+    found = fibre(system, points, rng, seed, system.count, Looping(), known, progress)
+    fresh = None if found is None else _not_connected(system, found, seed)
+    if found is None or fresh is None or not fresh.shape[1]:
+        return found
+    everything = (np.hstack([found.z, fresh]), found.k)
+    return fibre(system, points, rng, seed, system.count, Looping(), everything, progress)
 
 
 def _beside(system: AlgebraicSystem, start: Fibre, z: np.ndarray, k: np.ndarray) -> np.ndarray:
@@ -308,6 +320,23 @@ def _beside(system: AlgebraicSystem, start: Fibre, z: np.ndarray, k: np.ndarray)
     tracked = track(system, z, k, start.k, TrackSettings(tolerance=1e-5))
     ends, last = newton(system, tracked.z[:, tracked.arrived], start.k)
     ends = ends[:, last <= _CLOSED]
+    return ends[:, known_root(system, start.z, ends) < 0]
+
+
+def _not_connected(system: AlgebraicSystem, start: Fibre, seed: int) -> np.ndarray:
+    """Roots at the start's base that Newton's method finds there from random points, and loops did
+    not: a root that is the same whatever the coefficients are is connected to no other.
+    """
+    rng = np.random.default_rng([seed, 2])
+    z = complex_normal(system.width * _POINTS, rng).reshape(system.width, _POINTS)
+    turns = [i for i, c in enumerate(system.unknowns) if c.is_periodic]
+    z[turns] += rng.uniform(-np.pi, np.pi, (len(turns), _POINTS))
+    ends, last = newton(system, z, start.k, _NEWTON_STEPS)
+    ends = ends[:, last <= _CLOSED]
+    ends = ends[:, regular(system, ends, np.repeat(start.k[:, None], ends.shape[1], axis=1))]
+    features = system.features(ends)
+    first, _ = merge(np.hstack([features.real, features.imag]), SAME_ROOT)
+    ends = ends[:, first]
     return ends[:, known_root(system, start.z, ends) < 0]
 
 

@@ -4,10 +4,10 @@
     product = factor (("*" | "/") factor)*
     factor  = ("+" | "-") factor | power
     power   = atom ["^" factor]
-    atom    = number | "pi" | "(" sum ")" | ("sqrt" | "sin" | "cos" | "tan") "(" sum ")"
+    atom    = number | "pi" | name | "(" sum ")" | ("sqrt" | "sin" | "cos" | "tan") "(" sum ")"
 
 Numbers are decimal, in ASCII: 12, 0.5, .5, 5., 1e-3; no digit groups, no leading zeros, no inf, no
-nan. Spaces and tabs separate.
+nan. Names are those of parameters. Spaces and tabs separate.
 """
 
 from __future__ import annotations
@@ -15,17 +15,18 @@ from __future__ import annotations
 import math
 import operator
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 from symkin.errors import MechanismError
-from symkin.text import shown
+from symkin.text import first_of, meant, shown
 
 _ALLOWED = "numbers, + - * / ^ ( ), sqrt, sin, cos, tan, pi"
 _LONGEST = 200
 """Characters of an expression, which bounds the depth of its brackets too."""
 _DECIMAL = r"(?:0|[1-9][0-9]*)(?:\.[0-9]*)?(?:[eE][-+]?[0-9]+)?|\.[0-9]+(?:[eE][-+]?[0-9]+)?"
 _NUMBER = re.compile(rf"[-+]?(?:{_DECIMAL})")
-_TOKEN = re.compile(rf"[ \t]*((?:{_DECIMAL})(?![0-9.])|[-+*/^()]|[a-z]+)[ \t]*")
+_TOKEN = re.compile(rf"[ \t]*((?:{_DECIMAL})(?![0-9.])|[-+*/^()]|[A-Za-z_][A-Za-z0-9_]*)[ \t]*")
+_NAME = re.compile("[A-Za-z_][A-Za-z0-9_]*")
 _FUNCTIONS: dict[str, Callable[[float], float]] = {
     "sin": math.sin,
     "cos": math.cos,
@@ -35,14 +36,22 @@ _SIGNS: dict[str, Callable[[float, float], float]] = {"+": operator.add, "-": op
 _TIMES: dict[str, Callable[[float, float], float]] = {"*": operator.mul, "/": operator.truediv}
 
 
-def evaluate(text: str, angle_unit: str) -> float:
+def evaluate(text: str, angle_unit: str, parameters: Mapping[str, float] | None = None) -> float:
     """Value of an arithmetic expression; trigonometric functions take their argument in
-    `angle_unit`.
+    `angle_unit`. `parameters` are the numbers that have names.
 
-    Raises MechanismError for anything else than numbers, + - * / ^ ( ), sqrt, sin, cos, tan and pi.
+    Raises MechanismError for anything else than numbers, + - * / ^ ( ), sqrt, sin, cos, tan, pi and
+    these names.
     """
     try:
-        return _Parser(text, math.pi / 180 if angle_unit == "deg" else 1.0).value()
+        factor = math.pi / 180 if angle_unit == "deg" else 1.0
+        return _Parser(text, factor, parameters or {}).value()
+    except _UnknownNameError as error:
+        known = list(parameters or ())
+        raise MechanismError(
+            f"{shown(text)} is no arithmetic: {error} is no parameter{meant(str(error), known)}; "
+            f"allowed: {_ALLOWED}, and the parameters {first_of(known)}"
+        ) from None
     except _NoArithmeticError:
         longer = f", to {_LONGEST} characters" if len(text) > _LONGEST else ""
         raise MechanismError(
@@ -52,6 +61,17 @@ def evaluate(text: str, angle_unit: str) -> float:
         raise MechanismError(f"{shown(text)} has no value ({error})") from None
     except _NotFiniteError:
         raise MechanismError(f"{shown(text)} is not finite") from None
+
+
+def parameter_fault(name: str) -> str | None:
+    """Why expressions cannot have a parameter of this name; None where they can."""
+    if name in (*_FUNCTIONS, "sqrt", "pi"):
+        return f"{name} has a meaning in arithmetic; another name is needed"
+    if _NAME.fullmatch(name) is None:
+        return (
+            "the name of a parameter has letters, digits and _ in ASCII, and begins with no digit"
+        )
+    return None
 
 
 def plain_number(text: str) -> float | None:
@@ -66,6 +86,10 @@ class _NoArithmeticError(Exception):
     pass
 
 
+class _UnknownNameError(Exception):
+    pass
+
+
 class _NotFiniteError(Exception):
     pass
 
@@ -73,9 +97,9 @@ class _NotFiniteError(Exception):
 class _Parser:
     """One expression, read from left to right; `factor` turns its angles into radians."""
 
-    def __init__(self, text: str, factor: float) -> None:
+    def __init__(self, text: str, factor: float, parameters: Mapping[str, float]) -> None:
         self.tokens = _tokens(text)
-        self.factor = factor
+        self.factor, self.parameters = factor, parameters
 
     def value(self) -> float:
         result = self._sum()
@@ -125,8 +149,11 @@ class _Parser:
             return math.pi
         if token == "(":
             return self._bracketed()
+        if token in self.parameters:
+            return self.parameters[token]
         if token != "sqrt" and token not in _FUNCTIONS:
-            raise _NoArithmeticError
+            is_name = self.parameters and token.isidentifier()
+            raise _UnknownNameError(token) if is_name else _NoArithmeticError
         self._need("(")
         argument = self._bracketed()
         return _finite(

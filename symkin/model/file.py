@@ -25,7 +25,7 @@ from symkin.model.graph import (
 )
 from symkin.model.joint import BASE, PLATFORM, Joint
 from symkin.model.joint_forms import JOINT_FORMS
-from symkin.model.keys import MECHANISM, Place, read_table
+from symkin.model.keys import MECHANISM, Place, read_table, with_parameters
 from symkin.model.limb import LIMB_LINKS, Limb, Rod, RodLimb
 from symkin.model.mechanism import Example, Mechanism, serial_arm_from_dh
 from symkin.model.shipped import SHIPPED
@@ -39,18 +39,22 @@ def shipped(name: str) -> Mechanism:
     return read(SHIPPED / f"{name}.toml")
 
 
-def read(path: Path) -> Mechanism:
-    """The mechanism that a file describes."""
+def read(path: Path, told: Mapping[str, Any] | None = None) -> Mechanism:
+    """The mechanism that a file describes; `told` are numbers of its parameters in place of the
+    file's own.
+    """
     try:
         text = content_of(path).decode("utf-8-sig")
         text = text.replace("\r\n", "\n").replace("\r", "\n")
     except UnicodeDecodeError:
         raise MechanismError(f"{path}: the file is not UTF-8 text") from None
-    return parse(text, str(path))
+    return parse(text, str(path), told)
 
 
-def parse(text: str, file: str = "mechanism") -> Mechanism:
-    """The mechanism that a TOML text describes; `file` names it in messages."""
+def parse(text: str, file: str = "mechanism", told: Mapping[str, Any] | None = None) -> Mechanism:
+    """The mechanism that a TOML text describes; `file` names it in messages, `told` are numbers of
+    its parameters in place of its own.
+    """
     try:
         data = tomllib.loads(text)
     except (ValueError, RecursionError) as error:
@@ -62,18 +66,20 @@ def parse(text: str, file: str = "mechanism") -> Mechanism:
             f"{file}: the file is empty; format = 1, name, units and at least one limb are needed"
         )
     try:
-        return _mechanism(data)
+        return _mechanism(data, told or {})
     except SymkinError as error:
         raise MechanismError(f"{file}: {error}") from None
 
 
-def _mechanism(data: dict[str, Any]) -> Mechanism:
+def _mechanism(data: dict[str, Any], told: Mapping[str, Any]) -> Mechanism:
     found = foreign_key(data)
     if found is not None:
         raise MechanismError(f"{_key_path(data, found[0])}: {found[1]}")
     # sin, cos, tan in arithmetic need the unit before it is read; a wrong one is refused there
     unit = data.get("angle_unit")
-    table = read_table(MECHANISM, data, Place("rad" if unit == "rad" else "deg"))
+    place = Place("rad" if unit == "rad" else "deg")
+    place = with_parameters(place, data.get("parameters", {}), told)
+    table = read_table(MECHANISM, data, place)
     form = _form(table)
     _check_frames(form, table)
     _check_link_tables(table)

@@ -58,8 +58,8 @@ def foreign_key(data: dict[str, Any]) -> tuple[tuple[str | int, ...], str] | Non
         last = keys[-1]
         if last == "platform" and len(keys) == 1 and isinstance(value, list):
             return keys, _PLATFORMS
-        # names of points and of coupled joints are the user's own
-        if str(last) in _KEYS and not {"points", "of"} & set(keys):
+        # names of points, of coupled joints and of parameters are the user's own
+        if str(last) in _KEYS and not {"points", "of", "parameters"} & set(keys):
             return keys, _KEYS[str(last)]
     return None
 

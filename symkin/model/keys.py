@@ -6,12 +6,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from types import SimpleNamespace
 from typing import Any, Literal, get_args
 
 from symkin.errors import MechanismError
-from symkin.model.arithmetic import evaluate
+from symkin.model.arithmetic import evaluate, parameter_fault
 from symkin.model.foreign_keys import JOINT_TYPES as FOREIGN_TYPES
 from symkin.model.foreign_keys import LINKS_IN_A_LIMB
 from symkin.model.joint import interval
@@ -19,7 +19,7 @@ from symkin.model.joint_forms import JOINT_TYPES
 from symkin.model.limb import LIMB_LINKS, ROD_TYPES
 from symkin.model.motor import Motor
 from symkin.model.names import name_fault, text_fault
-from symkin.text import meant, shown
+from symkin.text import first_of, meant, shown
 
 LENGTH_UNITS, ANGLE_UNITS = ("m", "mm"), ("deg", "rad")
 Motion = Literal["spatial", "schoenflies", "planar", "translation", "spherical"]
@@ -30,10 +30,13 @@ _NEEDED = object()
 
 @dataclass(frozen=True)
 class Place:
-    """Where a value stands in a file, and the unit that sin, cos and tan take there."""
+    """Where a value stands in a file, the unit that sin, cos and tan take there, and the parameters
+    that arithmetic may use.
+    """
 
     angle_unit: str
     path: str = ""
+    parameters: Mapping[str, float] = field(default_factory=dict)
 
     def key(self, name: str) -> Place:
         return replace(self, path=f"{self.path}{'.' if self.path else ''}{name}")
@@ -158,7 +161,7 @@ def _number(value: Any, place: Place) -> float:
     """A finite number, or a string of arithmetic."""
     if isinstance(value, str):
         try:
-            return evaluate(value, place.angle_unit)
+            return evaluate(value, place.angle_unit, place.parameters)
         except MechanismError as error:
             raise place.refusal(value, str(error)) from None
     if isinstance(value, bool) or not isinstance(value, int | float):
@@ -285,6 +288,28 @@ _NAME, _VECTOR, _QUATERNION = _text(name_fault), _numbers(3), _numbers(4)
 _LINKS = _items(_text(), "a list of two links is", 2)
 
 
+def with_parameters(place: Place, raw: Any, told: Mapping[str, Any]) -> Place:
+    """The place of a file whose arithmetic may use its `[parameters]`, each of which may use those
+    before it; `told` are numbers, or arithmetic, in place of the file's. Raises MechanismError.
+    """
+    if not isinstance(raw, dict):
+        raise place.key("parameters").refusal(raw, "a table of names with numbers is needed")
+    for name in told:
+        if name not in raw:
+            known = f"parameters: {first_of([*raw])}" if raw else "the file has no [parameters]"
+            raise MechanismError(
+                f"set: no parameter is named {shown(name)}{meant(name, raw)}; {known}"
+            )
+    for name, value in raw.items():
+        own = (replace(place, path="set") if name in told else place.key("parameters")).key(name)
+        reason = parameter_fault(name)
+        if reason is not None:
+            raise MechanismError(f"{own.path}: {reason}")
+        number = _number(told.get(name, value), own)
+        place = replace(place, parameters={**place.parameters, name: number})
+    return place
+
+
 # --- the tables -----------------------------------------------------------------------------------
 
 
@@ -390,6 +415,7 @@ HEAD = (
 )
 MECHANISM = (
     *HEAD,
+    Key("parameters", lambda _, place: place.parameters, None),
     Key("limb", _items(_limb, "a list of tables ([[limb]]) is"), ()),
     Key("platform", _one(PLATFORM), None),
     Key("dh", _one(DH), None),

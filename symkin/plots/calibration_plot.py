@@ -15,6 +15,7 @@ from symkin.calibration.data.observables import judged_link
 from symkin.calibration.data.parameters import MEASURING_FRAMES
 from symkin.drawing.palette import COLOURS
 from symkin.errors import InputError
+from symkin.plots.sheet import blank_figure
 from symkin.plots.style import drawing
 from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import quaternion_from_rotation_vector
@@ -342,11 +343,7 @@ def _figure(
     """Set axes side by side, as wide as the ratios say of what the inches `aside`, before each and
     at the end, leave.
     """
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(width, height))
-    FigureCanvasAgg(figure)
+    figure = blank_figure(width, height)
     share = (width - sum(aside)) / sum(ratios)
     bottom, tall = _BELOW / height, 1.0 - (_BELOW + _ABOVE) / height
     left, panels = 0.0, []

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from symkin.drawing.palette import COLOURS
-from symkin.plots.sheet import foot_legend, head, new_figure
+from symkin.plots.sheet import foot_legend, head, labelled, name_axes, new_figure
 from symkin.plots.style import drawing
 from symkin.position.varied_pose import axis_title
 from symkin.singularities.loci import MISSING, NONE_MET
@@ -37,8 +37,7 @@ def figure_of_loci(loci: Loci) -> Figure:
         draw_curves(axes, loci)
         head(figure, f"{loci.plane.mechanism.name}: singularity loci")
         axes.set_title(loci.held, fontsize=9, color=COLOURS["quiet"], parse_math=False)
-        handles, labels = axes.get_legend_handles_labels()
-        foot_legend(figure, dict(zip(labels, handles, strict=True)), 3)
+        foot_legend(figure, labelled(axes), 3)
     return figure
 
 
@@ -74,8 +73,7 @@ def draw_curves(axes: Any, loci: Loci, *, emphasise: bool = True) -> None:
     axes.set(xlim=loci.ranges[0], ylim=loci.ranges[1])
     titles = map(axis_title, loci.plane.names) if loci.plane.of_pose else loci.plane.names
     names = [f"{title} [{unit}]" for title, unit in zip(titles, loci.units, strict=True)]
-    axes.set_xlabel(names[0] + _caption(loci), color=COLOURS["text"], parse_math=False)
-    axes.set_ylabel(names[1], color=COLOURS["text"], parse_math=False)
+    name_axes(axes, names[0] + _caption(loci), names[1], COLOURS["text"])
     if (
         loci.units[0] == loci.units[1]
         and 1 / _NARROW <= np.ptp(loci.ranges[0]) / np.ptp(loci.ranges[1]) <= _NARROW
@@ -108,11 +106,8 @@ def _draw_points(axes: Any, loci: Loci) -> None:
     )
     axes.axhline(0.0, color=COLOURS["grid"], lw=1.0, zorder=1)
     axes.set(xlim=loci.ranges[0], ylim=(-1.0, 1.0), yticks=[])
-    axes.set_xlabel(
-        f"{loci.plane.names[0]} [{loci.units[0]}]" + _caption(loci),
-        color=COLOURS["text"],
-        parse_math=False,
-    )
+    name = f"{loci.plane.names[0]} [{loci.units[0]}]"
+    name_axes(axes, name + _caption(loci), colour=COLOURS["text"])
 
 
 def _caption(loci: Loci) -> str:

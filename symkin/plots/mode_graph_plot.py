@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from symkin.drawing.palette import COLOURS
-from symkin.plots.sheet import foot_legend, head, new_figure
+from symkin.plots.sheet import foot_legend, head, name_axes, new_figure
 from symkin.plots.style import drawing
 from symkin.position.given_by_name import given_coordinates
 
@@ -82,10 +82,8 @@ def _sheet(panel: Any, graph: ModeGraph, k: int) -> None:
     panel.set_title(f"sheet {k + 1}{of}", fontsize=9, color=COLOURS["quiet"])
     panel.locator_params(nbins=5)
     titles = [f"{axis.name} [{_unit(graph, axis.name)}]" for axis in graph.axes]
-    panel.set_xlabel(titles[0], color=COLOURS["text"], parse_math=False)
-    if len(titles) == 2:
-        panel.set_ylabel(titles[1], color=COLOURS["text"], parse_math=False)
-    else:
+    name_axes(panel, titles[0], titles[1] if len(titles) == 2 else None, COLOURS["text"])
+    if len(titles) == 1:
         panel.set(yticks=[], ylim=(-1.0, 1.0))
 
 

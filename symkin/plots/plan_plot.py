@@ -10,7 +10,7 @@ import numpy as np
 
 from symkin.calibration.design.planning import Plan
 from symkin.drawing.palette import COLOURS, SERIES
-from symkin.plots.sheet import foot_legend, head, new_figure
+from symkin.plots.sheet import foot_legend, head, labelled, new_figure
 from symkin.plots.style import drawing
 
 if TYPE_CHECKING:
@@ -40,8 +40,7 @@ def figure_of_plan(plan: Plan) -> Figure:
     )
     title = f"{m.name}: {len(plan.groups)} configurations to measure, {plan.criterion}-optimal"
     head(figure, title, 12)
-    handles, labels = first.get_legend_handles_labels()
-    foot_legend(figure, dict(zip(labels, handles, strict=True)), 6)
+    foot_legend(figure, labelled(first), 6)
     return figure
 
 

@@ -18,14 +18,19 @@ _APART = 8.0
 """Pixels below which two symbols stand at one place."""
 
 
-def new_figure(width: float, height: float) -> Figure:
-    """A figure of some inches whose axes lay themselves out."""
+def blank_figure(width: float, height: float, **look: Any) -> Figure:
+    """A white figure of some inches."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(width, height), facecolor="white", layout="constrained")
+    figure = Figure(figsize=(width, height), facecolor="white", **look)
     FigureCanvasAgg(figure)
     return figure
+
+
+def new_figure(width: float, height: float) -> Figure:
+    """A figure of some inches whose axes lay themselves out."""
+    return blank_figure(width, height, layout="constrained")
 
 
 def foot_legend(figure: Figure, entries: Mapping[str, Any], columns: int) -> None:
@@ -36,6 +41,35 @@ def foot_legend(figure: Figure, entries: Mapping[str, Any], columns: int) -> Non
         figure.legend(list(entries.values()), list(entries), loc=place, ncols=columns, **look)
 
 
+def labelled(ax: Any) -> dict[str, Any]:
+    """What is drawn on axes by the names for a legend, each once."""
+    handles, labels = ax.get_legend_handles_labels()
+    return dict(zip(labels, handles, strict=True))
+
+
+def own_legend(ax: Any, entries: Mapping[str, Any], **place: Any) -> None:
+    """A legend of axes without a frame, whose texts are no mathematics; none without entries."""
+    if entries:
+        look: dict[str, Any] = {"frameon": False, "labelcolor": COLOURS["text"], **place}
+        for text in ax.legend(list(entries.values()), list(entries), **look).get_texts():
+            text.set_parse_math(False)
+
+
+def name_axes(ax: Any, x: str, y: str | None = None, colour: str = COLOURS["quiet"]) -> None:
+    """Write what axes are, which is no mathematics."""
+    ax.set_xlabel(x, color=colour, parse_math=False)
+    if y is not None:
+        ax.set_ylabel(y, color=colour, parse_math=False)
+
+
+def colour_bar(ax: Any, drawn: Any, what: str, **look: Any) -> Any:
+    """What the colours of a map mean, beside it."""
+    bar = ax.figure.colorbar(drawn, ax=ax, pad=0.02, **look)
+    bar.set_label(what, color=COLOURS["quiet"], parse_math=False)
+    bar.ax.tick_params(colors=COLOURS["quiet"])
+    return bar
+
+
 def head(figure: Figure, title: str, size: float = 13.0) -> None:
     """The title of a figure."""
     look: dict[str, Any] = {"fontsize": size, "fontweight": "bold", "color": COLOURS["text"]}
@@ -44,13 +78,7 @@ def head(figure: Figure, title: str, size: float = 13.0) -> None:
 
 def make_sheet(width: float, height: float) -> tuple[Figure, Any]:
     """A figure whose axes are its pixels."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    figure = Figure(
-        figsize=(width / SHEET_DPI, height / SHEET_DPI), dpi=SHEET_DPI, facecolor="white"
-    )
-    FigureCanvasAgg(figure)
+    figure = blank_figure(width / SHEET_DPI, height / SHEET_DPI, dpi=SHEET_DPI)
     return figure, sheet_axes(figure)
 
 

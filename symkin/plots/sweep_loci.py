@@ -8,7 +8,7 @@ from typing import Any
 
 from symkin.drawing.palette import COLOURS
 from symkin.plots.loci_plot import KIND_COLOURS, draw_locus
-from symkin.plots.sheet import foot_legend
+from symkin.plots.sheet import foot_legend, labelled
 from symkin.singularities.loci import MISSING, NONE_MET, Loci
 
 _WORDS = "singular, "
@@ -36,7 +36,6 @@ def draw_loci(figure: Any, ax: Any, loci: Loci, names: Sequence[str]) -> None:
         else:
             turned = replace(curve, points=curve.points[:, order], cusps=curve.cusps[:, order])
             draw_locus(ax, turned, emphasise=False, words=_WORDS, path_effects=edge)
-    handles, labels = ax.get_legend_handles_labels()
     ax.set(xlim=limits[0], ylim=limits[1])
     missing = {MISSING, NONE_MET} & set(loci.notes)
     told = "" if loci.curves else f"{loci.without_curves}; "
@@ -54,4 +53,4 @@ def draw_loci(figure: Any, ax: Any, loci: Loci, names: Sequence[str]) -> None:
             color=COLOURS["text"],
             path_effects=edge,
         )
-    foot_legend(figure, dict(zip(labels, handles, strict=True)), 3)
+    foot_legend(figure, labelled(ax), 3)

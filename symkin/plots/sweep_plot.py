@@ -16,7 +16,7 @@ import numpy as np
 from symkin.drawing.palette import COLOURS
 from symkin.errors import InputError
 from symkin.plots.picture_file import check_picture_path, write_picture
-from symkin.plots.sheet import new_figure
+from symkin.plots.sheet import colour_bar, name_axes, new_figure, own_legend
 from symkin.plots.style import drawing
 from symkin.plots.sweep_loci import draw_loci
 from symkin.plots.sweep_text import axis_text, write_title
@@ -87,7 +87,7 @@ def figure_of_sweep(
         if part.y is None:
             _curve(ax, part, name)
         elif name == "least_condition":
-            _continuous_map(figure, ax, part)
+            _continuous_map(ax, part)
         else:
             _discrete_map(ax, part)
         _words(figure, ax, part, attributes, name)
@@ -195,18 +195,11 @@ def _discrete_map(ax: Any, part: MapSlice) -> None:
         f"{'not counted' if counts[i] < 0 else counts[i]}  ({100 * points[i] / points.sum():.3g} %)"
         for i in shown
     ]
-    ax.legend(
-        handles,
-        texts,
-        loc="upper left",
-        bbox_to_anchor=(1.01, 1.0),
-        frameon=False,
-        fontsize=9,
-        labelcolor=COLOURS["text"],
-    )
+    entries = dict(zip(texts, handles, strict=True))
+    own_legend(ax, entries, loc="upper left", bbox_to_anchor=(1.01, 1.0), fontsize=9)
 
 
-def _continuous_map(figure: Figure, ax: Any, part: MapSlice) -> None:
+def _continuous_map(ax: Any, part: MapSlice) -> None:
     from matplotlib.colors import LogNorm
     from matplotlib.ticker import LogLocator
 
@@ -215,12 +208,8 @@ def _continuous_map(figure: Figure, ax: Any, part: MapSlice) -> None:
     ax.set_facecolor(_UNKNOWN if part.scattered else _NONE)
     drawn = _painted(ax, part, cmap="viridis_r", norm=LogNorm(low, max(high, 1.01 * low)))
     ticks = np.geomspace(low, high, 5) if high < _NARROW * low else LogLocator(subs=(1.0, 2.0, 5.0))
-    bar = figure.colorbar(drawn, ax=ax, pad=0.02, ticks=ticks, format="%.3g")
-    bar.minorticks_off()
-    bar.set_label(
-        f"condition ({'cross' if part.scattered else 'grey'}: no mode)", color=COLOURS["quiet"]
-    )
-    bar.ax.tick_params(colors=COLOURS["quiet"])
+    what = f"condition ({'cross' if part.scattered else 'grey'}: no mode)"
+    colour_bar(ax, drawn, what, ticks=ticks, format="%.3g").minorticks_off()
 
 
 def _words(
@@ -228,13 +217,9 @@ def _words(
 ) -> None:
     """Title, what is fixed, labels of the axes."""
     write_title(figure, ax, TITLES[name], attributes, part.fixed)
-    ax.set_xlabel(
-        axis_text(attributes, part.x[0], part.x[1]), color=COLOURS["quiet"], parse_math=False
-    )
+    axes = [axis for axis in (part.x, part.y) if axis is not None]
+    name_axes(ax, *(axis_text(attributes, *axis[:2]) for axis in axes))
     if part.y is not None:
-        ax.set_ylabel(
-            axis_text(attributes, part.y[0], part.y[1]), color=COLOURS["quiet"], parse_math=False
-        )
-        spans = [float(np.ptp(axis[2])) for axis in (part.x, part.y)]
+        spans = [float(np.ptp(axis[2])) for axis in axes]
         if part.x[1] == part.y[1] and 0.8 < spans[0] / max(spans[1], 1e-300) < 1.25:
             ax.set_aspect("equal")

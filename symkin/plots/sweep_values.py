@@ -17,7 +17,7 @@ import numpy as np
 from symkin.drawing.palette import COLOURS
 from symkin.model.file import parse
 from symkin.model.mechanism import Mechanism
-from symkin.plots.sheet import new_figure
+from symkin.plots.sheet import colour_bar, labelled, name_axes, new_figure, own_legend
 from symkin.plots.style import drawing
 from symkin.plots.sweep_text import axis_text, write_title
 from symkin.sweeps.drawable import check_drawable
@@ -74,7 +74,7 @@ def figure_of_values(
         figure = new_figure(7.4, 6.0 if points else 4.8)
         ax: Any = figure.add_subplot()
         if points:
-            _paths(figure, ax, modes, attributes, names)
+            _paths(ax, modes, attributes, names)
         else:
             _curves(ax, modes, attributes, names)
         write_title(
@@ -203,9 +203,7 @@ def _features(mechanism: Mechanism, joints: np.ndarray, units: Sequence[str]) ->
 # --- drawing --------------------------------------------------------------------------------------
 
 
-def _paths(
-    figure: Figure, ax: Any, modes: _Modes, attributes: Mapping[str, Any], names: Sequence[str]
-) -> None:
+def _paths(ax: Any, modes: _Modes, attributes: Mapping[str, Any], names: Sequence[str]) -> None:
     """Named points in the two directions in which they move most."""
     listed = modes.data["named_point"].values.tolist()
     all_points = _numbers(modes, "points", 2)
@@ -240,13 +238,10 @@ def _paths(
                 linewidth=1.6,
                 label=f"{point}, assembly of the file",
             )
-    bar = figure.colorbar(drawn, ax=ax, pad=0.02)
-    bar.set_label(axis_text(attributes, name, swept_unit), color=COLOURS["quiet"], parse_math=False)
-    bar.ax.tick_params(colors=COLOURS["quiet"])
+    colour_bar(ax, drawn, axis_text(attributes, name, swept_unit))
     ax.set_aspect("equal", adjustable="datalim")
-    ax.set_xlabel(f"{'xyz'[across[0]]} [{unit}]", color=COLOURS["quiet"])
-    ax.set_ylabel(f"{'xyz'[across[1]]} [{unit}]", color=COLOURS["quiet"])
-    _legend(ax)
+    name_axes(ax, *(f"{'xyz'[k]} [{unit}]" for k in across))
+    own_legend(ax, labelled(ax), fontsize=9, loc="best")
 
 
 def _curves(ax: Any, modes: _Modes, attributes: Mapping[str, Any], names: Sequence[str]) -> None:
@@ -273,14 +268,10 @@ def _curves(ax: Any, modes: _Modes, attributes: Mapping[str, Any], names: Sequen
             ax.plot(x, y, color=colour, linewidth=1.6, label=f"{joint}, assembly of the file")
         else:
             ax.plot([], [], ".", color=colour, label=joint)
-    ax.set_xlabel(axis_text(attributes, name, unit), color=COLOURS["quiet"], parse_math=False)
-    ax.set_ylabel(
-        ", ".join(dict.fromkeys(f"{n} [{units[listed.index(n)]}]" for n in names)),
-        color=COLOURS["quiet"],
-        parse_math=False,
-    )
+    shown = ", ".join(dict.fromkeys(f"{n} [{units[listed.index(n)]}]" for n in names))
+    name_axes(ax, axis_text(attributes, name, unit), shown)
     ax.grid(True)
-    _legend(ax)
+    own_legend(ax, labelled(ax), fontsize=9, loc="best")
 
 
 def _without_turns(x: np.ndarray, y: np.ndarray, half_turn: float) -> tuple[np.ndarray, np.ndarray]:
@@ -296,13 +287,3 @@ def _along(values: np.ndarray, line: np.ndarray) -> np.ndarray:
 
 def _dot_area(count: int) -> float:
     return float(np.clip(_ALL_DOTS / max(1, count), _LEAST_AREA, _LARGEST_AREA))
-
-
-def _legend(ax: Any) -> None:
-    handles, texts = ax.get_legend_handles_labels()
-    if handles:
-        legend = ax.legend(
-            handles, texts, frameon=False, fontsize=9, labelcolor=COLOURS["text"], loc="best"
-        )
-        for text in legend.get_texts():
-            text.set_parse_math(False)

@@ -18,7 +18,7 @@ from symkin.following.track_result import Track
 from symkin.plots.figures import Block
 from symkin.plots.look import panel_of
 from symkin.plots.picture_options import looks_of
-from symkin.plots.sheet import SHEET_DPI
+from symkin.plots.sheet import SHEET_DPI, blank_figure, labelled, own_legend
 from symkin.plots.style import drawing
 from symkin.plots.track_curves import Curve, CurvePanel, Input, inputs_of, panels_of
 
@@ -158,11 +158,7 @@ class _Sheet:
         )
 
     def draw(self) -> Figure:
-        from matplotlib.backends.backend_agg import FigureCanvasAgg
-        from matplotlib.figure import Figure
-
-        figure = Figure(figsize=(self.width, self.height), dpi=SHEET_DPI, facecolor="white")
-        FigureCanvasAgg(figure)
+        figure = blank_figure(self.width, self.height, dpi=SHEET_DPI)
         self._heading(figure)
         top = self.height - _HEAD - _HEAD_LINE * (len(self.facts) + 1)
         legend = top - self.block.size[1] - _LEGEND + 0.2
@@ -383,20 +379,16 @@ def _entries(panel: CurvePanel) -> list[str]:
 def _legend(ax: Any, panel: CurvePanel) -> None:
     from matplotlib.lines import Line2D
 
-    handles = ax.get_legend_handles_labels()[0][:_MOST_NAMED]
+    handles = list(labelled(ax).values())[:_MOST_NAMED]
     thin = [Line2D([], [], color=handle.get_color(), linewidth=2.0) for handle in handles]
     texts = _entries(panel)
     blank = [Line2D([], [], linewidth=0.0) for _ in texts[len(thin) :]]
-    legend = ax.legend(
-        [*thin, *blank],
-        texts,
+    own_legend(
+        ax,
+        dict(zip(texts, [*thin, *blank], strict=True)),
         loc="center left",
         bbox_to_anchor=(1.0, 0.5),
-        frameon=False,
         fontsize=8,
-        labelcolor=COLOURS["text"],
         labelspacing=0.3,
         handlelength=1.4,
     )
-    for text in legend.get_texts():
-        text.set_parse_math(False)

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
+from typing import Unpack
 
 import numpy as np
 
@@ -15,8 +16,8 @@ from symkin.numeric.levenberg import patiently
 from symkin.numeric.root_checks import POLISHING, is_root
 from symkin.numeric.tolerances import CLOSURE_TOLERANCE
 from symkin.position.closed import ClosedForm
-from symkin.position.given import Given, Joints, given_from, motion_note
-from symkin.position.given_by_name import Values, named_given, plain_case
+from symkin.position.given import Given, given_from, motion_note
+from symkin.position.given_by_name import named_given, plain_case
 from symkin.position.least_squares import LeastSquares
 from symkin.position.moved_starts import (
     StartRank,
@@ -26,6 +27,7 @@ from symkin.position.moved_starts import (
     nearly_closes,
 )
 from symkin.position.newton import Newton
+from symkin.position.options import SolveOptions
 from symkin.position.out_of_reach import reach_note
 from symkin.position.problem import Problem, build_problem
 from symkin.position.solution import Solution
@@ -34,9 +36,9 @@ from symkin.position.solve_by_name import Start, solve_by_name
 from symkin.position.solve_result import SolveError, SolveResult, iterates_of
 from symkin.position.start_notes import start_notes
 from symkin.position.starts import random_starts, start_values
-from symkin.spatial.pose import Pose
 from symkin.text import not_among
 from symkin.verb import verb
+from symkin.verb_options import takes
 
 Solver = Newton | LeastSquares | ClosedForm
 SOLVERS: dict[str, Solver] = {
@@ -49,16 +51,8 @@ RESTARTS = 20
 
 
 @verb
-def solve(
-    mechanism: Mechanism,
-    *,
-    joints: Joints | None = None,
-    pose: Sequence[float] | Pose | None = None,
-    given: Values | None = None,
-    start: Start = None,
-    solver: str | Solver = "newton",
-    check: bool = True,
-) -> SolveResult:
+@takes(SolveOptions)
+def solve(mechanism: Mechanism, **options: Unpack[SolveOptions]) -> SolveResult:
     """Find one solution of F(q, x, X, p) = 0 near `start`, for given `joints` q, a `pose` X, or
     values `given` by name.
 
@@ -88,15 +82,14 @@ def solve(
     ('ok', [81.6, -157.2, -29.4, 105.2])
     """
     require_mechanism(mechanism)
+    asked = options["joints"], options["pose"], options["given"]
+    start, solver = options["start"], options["solver"]
     chosen = SOLVERS.get(solver) if isinstance(solver, str) else solver
     if chosen is None or not hasattr(chosen, "name"):
         raise InputError(f"solver = {not_among(solver, SOLVERS)}")
-    plain = plain_case(mechanism, joints, pose, given)
+    plain = plain_case(mechanism, *asked)
     if plain is None:
-        own, known = (
-            None if solver == "newton" else chosen,
-            named_given(mechanism, joints, pose, given),
-        )
+        own, known = None if solver == "newton" else chosen, named_given(mechanism, *asked)
         result = solve_by_name(mechanism, known, start, own)
     else:
         known = given_from(mechanism, *plain)
@@ -107,7 +100,7 @@ def solve(
     if result.solution is not None:
         note = motion_note(mechanism, [result.solution.pose])
         result = result if note is None else replace(result, notes=(*result.notes, note))
-    if check and result.solution is None:
+    if options["check"] and result.solution is None:
         raise SolveError("; ".join([result.message, *result.notes]), result)
     return result
 

@@ -14,7 +14,7 @@ import numpy as np
 from symkin.errors import InputError
 from symkin.model.file import parse
 from symkin.sweeps.layout import labels
-from symkin.sweeps.ranges import check_map_is_left, check_slices
+from symkin.sweeps.slices import check_map_is_left, check_slices
 from symkin.sweeps.space import Axis, Space
 from symkin.sweeps.store import read_attributes, require_zarr
 

@@ -6,29 +6,25 @@ from collections import Counter
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Unpack
 
 import numpy as np
 
 from symkin.assembly.search import DEFAULT_SEED
 from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
-from symkin.position.given import Joints
 from symkin.position.multistart import DEFAULT_STARTS
 from symkin.result import Result, Summary
-from symkin.spatial.pose import Pose
 from symkin.sweeps.arguments import check_types, refuse_unread
 from symkin.sweeps.damage import mend
 from symkin.sweeps.executors import Crew, dask_crew, given_crew, local_crew
+from symkin.sweeps.options import SweepOptions
 from symkin.sweeps.plan import Job, Plan, compute_chunk, make_plan
 from symkin.sweeps.space import Values, make_space, make_space_by_name
 from symkin.sweeps.store import Store, locked, open_store, read_attributes, require_zarr
 from symkin.sweeps.table import write_csv
-from symkin.text import not_among
 from symkin.verb import verb
-
-OVER = ("inputs", "poses")
-"""What a sweep's points are: values of the actuated joints, or poses."""
+from symkin.verb_options import takes
 
 if TYPE_CHECKING:
     from concurrent.futures import Executor
@@ -109,25 +105,12 @@ class Swept(Result):
 
 
 @verb
+@takes(SweepOptions)
 def sweep(
     mechanism: Mechanism,
     grid: Mapping[str, Values] | None = None,
     directory: Path | str | None = None,
-    *,
-    given: Mapping[str, float | Values] | None = None,
-    over: str = "inputs",
-    poses: bool = False,
-    at: Joints | Pose | None = None,
-    random: int | None = None,
-    seed: int | None = None,
-    quantity: str = "modes",
-    certify: bool = False,
-    starts: int | None = None,
-    chunk: int | None = None,
-    executor: Executor | None = None,
-    workers: int | None = None,
-    dask: str | None = None,
-    progress: Progress | None = None,
+    **options: Unpack[SweepOptions],
 ) -> Swept:
     """Find every mode at all points of a grid, or of a random sample, as labelled arrays in the
     folder `directory`.
@@ -164,38 +147,33 @@ def sweep(
     >>> found.points_by_count
     {4: 2}
     """
-    others = {
-        "at": at,
-        "executor": executor,
-        "progress": progress,
-    }
-    check_types(mechanism, grid, given, directory, **others)
+    given, at, sample = options["given"], options["at"], options["random"]
+    executor, progress = options["executor"], options["progress"]
+    check_types(mechanism, grid, given, directory, at=at, executor=executor, progress=progress)
     assert directory is not None  # noqa: S101 - checked
-    if over not in OVER:
-        raise InputError(f"over = {not_among(over, OVER)}")
-    folder = Path(directory)
+    folder, starts = Path(directory), options["starts"]
     require_zarr()
     read_attributes(folder)
+    workers, dask = options["workers"], options["dask"]
     if (executor is not None) + (workers is not None) + (dask is not None) > 1:
         raise InputError(
             "executor, workers and dask are given together; one of them is needed, or none"
         )
-    chosen_seed = DEFAULT_SEED if seed is None else seed
+    seed = DEFAULT_SEED if options["seed"] is None else options["seed"]
+    poses = options["poses"] or options["over"] == "poses"
     if given is not None:
-        _refuse_poses(poses, over)
-        space = make_space_by_name(mechanism, given, sample=random, seed=chosen_seed)
+        _refuse_poses(poses)
+        space = make_space_by_name(mechanism, given, sample=sample, seed=seed)
     else:
-        space = make_space(
-            mechanism,
-            grid or {},
-            poses=poses or over == "poses",
-            at=at,
-            sample=random,
-            seed=chosen_seed,
-        )
-    refuse_unread(space, at=at, seed=seed, starts=starts)
-    count = DEFAULT_STARTS if starts is None else starts
-    plan = make_plan(space, quantity=quantity, certify=certify, starts=count, chunk=chunk)
+        space = make_space(mechanism, grid or {}, poses=poses, at=at, sample=sample, seed=seed)
+    refuse_unread(space, at=at, seed=options["seed"], starts=starts)
+    plan = make_plan(
+        space,
+        quantity=options["quantity"],
+        certify=options["certify"],
+        starts=DEFAULT_STARTS if starts is None else starts,
+        chunk=options["chunk"],
+    )
     finder = plan.finder()
     pinned = plan.pinned(finder)
     with _crew(executor, workers, dask) as crew:
@@ -205,8 +183,8 @@ def sweep(
             return replace(_run(store, crew, Job(plan, pinned).packed(), progress), damaged=damaged)
 
 
-def _refuse_poses(poses: bool, over: str) -> None:
-    if poses or over == "poses":
+def _refuse_poses(poses: bool) -> None:
+    if poses:
         raise InputError(
             "given tells coordinates by name, and poses (--poses) takes a grid; give x, y, z, "
             "azimuth, tilt and torsion by name, or a grid"

@@ -4,9 +4,9 @@ refuse what is none.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from itertools import combinations
-from typing import Any, overload
+from typing import Unpack, overload
 
 import numpy as np
 
@@ -21,9 +21,11 @@ from symkin.text import first_of
 from symkin.transmissions.found import Group, group_with, groups_of, with_ranges
 from symkin.transmissions.linkage import Linkage
 from symkin.transmissions.motors import motors_of_file, read_motors
+from symkin.transmissions.options import MotorOptions, TransmissionOptions
 from symkin.transmissions.states import States
 from symkin.transmissions.transmission_result import Transmission, Transmissions
 from symkin.verb import verb
+from symkin.verb_options import takes
 
 _OPEN = 1e-6
 """Closure error at the reference, over the size, above which loops are open there."""
@@ -40,39 +42,22 @@ def transmission(
     mechanism: Mechanism,
     motors: None = None,
     joints: None = None,
-    *,
-    inertia: Any = None,
-    torque_limits: Any = None,
-    speed_limits: Any = None,
-    resolution: Any = None,
-    ranges: Mapping[str, Sequence[float]] | None = None,
-    start: Solution | Values | None = None,
+    **options: Unpack[TransmissionOptions],
 ) -> Transmissions: ...
 @overload
 def transmission(
     mechanism: Mechanism,
     motors: Sequence[str],
     joints: Sequence[str] | None = None,
-    *,
-    inertia: Any = None,
-    torque_limits: Any = None,
-    speed_limits: Any = None,
-    resolution: Any = None,
-    ranges: Mapping[str, Sequence[float]] | None = None,
-    start: Solution | Values | None = None,
+    **options: Unpack[TransmissionOptions],
 ) -> Transmission: ...
 @verb
+@takes(TransmissionOptions)
 def transmission(
     mechanism: Mechanism,
     motors: Sequence[str] | None = None,
     joints: Sequence[str] | None = None,
-    *,
-    inertia: Any = None,
-    torque_limits: Any = None,
-    speed_limits: Any = None,
-    resolution: Any = None,
-    ranges: Mapping[str, Sequence[float]] | None = None,
-    start: Solution | Values | None = None,
+    **options: Unpack[TransmissionOptions],
 ) -> Transmission | Transmissions:
     """The exact map between motors and the joints that they drive by a closed linkage.
 
@@ -92,13 +77,7 @@ def transmission(
         ((1, 1), (1, 1, 1))
     """
     require_mechanism(mechanism)
-    mechanism = with_ranges(_begun(mechanism, start), ranges or {})
-    options = {
-        "inertia": inertia,
-        "torque_limits": torque_limits,
-        "speed_limits": speed_limits,
-        "resolution": resolution,
-    }
+    mechanism = with_ranges(_begun(mechanism, options["start"]), options["ranges"] or {})
     if motors is None and joints is None:
         return _all(mechanism, options)
     for what, names in (("motors", motors), ("joints", joints)):
@@ -142,7 +121,7 @@ def _begun(mechanism: Mechanism, start: Solution | Values | None) -> Mechanism:
     return with_reference_at(closure, begun.variables)
 
 
-def _all(mechanism: Mechanism, options: dict[str, Any]) -> Transmissions:
+def _all(mechanism: Mechanism, options: MotorOptions) -> Transmissions:
     found, notes = [], []
     for group in groups_of(mechanism):
         try:
@@ -163,7 +142,7 @@ def _all(mechanism: Mechanism, options: dict[str, Any]) -> Transmissions:
 
 
 def _named(
-    mechanism: Mechanism, group: Group, motors: tuple[str, ...], options: dict[str, Any]
+    mechanism: Mechanism, group: Group, motors: tuple[str, ...], options: MotorOptions
 ) -> Transmission:
     """The transmission of a linkage whose joints nobody names."""
     whole = Linkage(group.alone, motors, tuple(c.name for c in group.coordinates))
@@ -222,7 +201,7 @@ def _decide(whole: Linkage, names: Sequence[str]) -> bool:
     return all(_rank(whole, names, at_reference=at) == whole.mobility for at in (True, False))
 
 
-def _checked(robot: str, linkage: Linkage, options: dict[str, Any]) -> Transmission:
+def _checked(robot: str, linkage: Linkage, options: MotorOptions) -> Transmission:
     """The transmission of motors and joints. Raises InputError where these make none."""
     motors, joints, free = linkage.motors, linkage.joints, linkage.mobility
     if linkage.system.residual(linkage.reference, np.zeros(0)) > _OPEN * linkage.size:

@@ -103,9 +103,8 @@ def test_a_geometry_bent_to_wrong_readings_is_not_usable(capsys, tmp_path, poses
     figures, the slip named.
     """
     path, out = tmp_path / "data.csv", tmp_path / "out"
-    write_measurements(
-        path, NOMINAL, replace(poses, orientation=poses.orientation * (1, -1, -1, -1))
-    )
+    few = poses.subset(np.arange(20))
+    write_measurements(path, NOMINAL, replace(few, orientation=few.orientation * (1, -1, -1, -1)))
     with pytest.raises(SystemExit) as ended:
         main(["calibrate", "fit", "zhang2009", str(path), "-o", str(out)])
     said = capsys.readouterr().out

@@ -133,7 +133,7 @@ ENCODERS = ("rocker", "output")
 @pytest.fixture(scope="module")
 def encoders() -> Measurements:
     """What encoders on the two rockers of a six-bar read."""
-    rng, groups, noise = np.random.default_rng(4), np.full(24, -1), Noise(0.0, 0.0)
+    rng, groups, noise = np.random.default_rng(4), np.full(12, -1), Noise(0.0, 0.0)
     made = random_configurations(Workspace.about(LINKAGE), groups, noise, rng)
     return simulate_readings(LINKAGE, made, groups, ENCODERS, noise, rng)
 

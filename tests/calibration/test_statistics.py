@@ -113,13 +113,13 @@ def test_differences_lose_what_their_covariance_says():
 @pytest.mark.slow
 def test_covariance_is_that_of_the_estimates():
     """Standard deviations of parameters against the scatter of estimates at one set of postures,
-    over 80 draws of noise.
+    over 40 draws of noise.
     """
     truth, rng = geometry(TRUE), np.random.default_rng(3)
     joints, groups = groups_of_postures(truth, rng)
     noise = ROD / math.sqrt(12)
     found, sigma = [], None
-    for _ in range(80):
+    for _ in range(40):
         data = Measurements(
             joints + noise * rng.normal(size=joints.shape),
             groups=groups,

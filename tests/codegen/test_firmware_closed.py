@@ -4,7 +4,6 @@ among them, the rest is refused.
 
 from __future__ import annotations
 
-import json
 import subprocess
 from dataclasses import replace
 
@@ -15,7 +14,7 @@ import symkin
 from helpers import firmware_tools as tools
 from helpers.arms import direction, free, random_values, serial, short_structures, structures
 from helpers.gate import in_gate
-from helpers.inside import Options, folder_files, plan_of, write_folder
+from helpers.inside import Options, build_program, codegen_folder, plan_of, write_folder
 from helpers.samples import pieper
 
 ARMS = structures(np.random.default_rng(3)) | short_structures(np.random.default_rng(3))
@@ -60,10 +59,15 @@ int main(void)
 
 
 def answers(
-    arm: symkin.Mechanism, folder, real: str, rows: list[list[float]], *flags: str
+    arm: symkin.Mechanism,
+    folder,
+    real: str,
+    rows: list[list[float]],
+    *flags: str,
+    write=tools.write_code,
 ) -> list[tuple[np.ndarray, int, np.ndarray]]:
     """Of rows of a pose and a guess: all branches, the status of the nearest one, and that one."""
-    write_folder(arm, folder, Options(real))
+    write(arm, folder, Options(real))
     n = len(arm.actuated)
     main = MAIN.replace("@", arm.name).replace("^", arm.name.upper()).replace("$", str(n))
     (folder / "all.c").write_text(main)
@@ -214,7 +218,7 @@ def test_only_branches_within_the_limits_are_listed(tmp_path):
 
 def test_a_calibrated_arm_keeps_its_branches(tmp_path):
     """Axes that are off by a thousandth have no closed form of their own: the ideal arm's begins
-    Newton's method, which ends at this arm's pose.
+    Newton's method, which ends at this arm's pose; the folder's own test passes too.
     """
     rng = np.random.default_rng(2)
     (limb,) = pieper().limbs
@@ -231,7 +235,7 @@ def test_a_calibrated_arm_keeps_its_branches(tmp_path):
     poses, rows = cases(arm, 10)
     counts = []
     for pose, (branches, status, near) in zip(
-        poses, answers(arm, tmp_path, "double", rows), strict=True
+        poses, answers(arm, tmp_path, "double", rows, write=write_folder), strict=True
     ):
         counts.append(len(branches))
         for values in [*branches, *([near] if status == 0 else [])]:
@@ -243,11 +247,11 @@ def test_a_calibrated_arm_keeps_its_branches(tmp_path):
 
 def test_what_a_folder_says_of_its_closed_form():
     """Steps in README and manifest, names in the header."""
-    files = folder_files(symkin.load("gluon_6l3"), Options("float"))
-    steps = json.loads(files["manifest.json"])["closed_form"]
+    folder = tools.folder("gluon_6l3_double")
+    steps, said = tools.manifest("gluon_6l3_double")["closed_form"], folder / "README.md"
     assert steps["choices"] == ["shoulder", "wrist", "elbow"]
-    assert all(line in files["README.md"] for line in steps["steps"])
-    assert "#define GLUON_6L3_ELBOW (1U)" in files["gluon_6l3.h"]
+    assert all(line in said.read_text() for line in steps["steps"])
+    assert "#define GLUON_6L3_ELBOW (1U)" in (folder / "gluon_6l3.h").read_text()
 
 
 @pytest.mark.parametrize("kind", ["struct", pytest.param("general", marks=pytest.mark.long)])
@@ -257,6 +261,6 @@ def test_a_folder_without_a_closed_form_says_so(kind):
     if kind == "general":
         rng = np.random.default_rng(0)
         arm, options = serial("general", [free(rng) for _ in range(6)], rng), Options()
-    files = folder_files(arm, options)
-    assert "None was found" in files["README.md"]
-    assert "inverse_all" not in files[f"{arm.name}.h"]
+    program = build_program(arm, options)
+    assert "None was found" in codegen_folder.readme(program)
+    assert "inverse_all" not in program.header

@@ -12,7 +12,7 @@ import symkin
 from helpers import firmware_tools as tools
 from helpers.arms import free, serial
 from helpers.gate import in_gate, in_gate_but
-from helpers.inside import Options, folder_files, write_folder
+from helpers.inside import Options, build_program, codegen_folder, write_folder
 from symkin import InputError
 
 MACHINES = Path(__file__).parents[2] / "codegen" / "bench" / "machines"
@@ -139,12 +139,10 @@ def test_the_folder_passes_its_own_test_and_is_smaller(name, tmp_path):
 
 
 def test_the_option_is_written_down():
-    files = folder_files(symkin.load("ren2008"), Options("float", compact=True))
-    assert "options: --real float --compact." in files["ren2008.h"]
-    assert '"compact": true' in files["manifest.json"]
-    assert (
-        '"compact"' not in folder_files(symkin.load("ren2008"), Options("float"))["manifest.json"]
-    )
+    program = build_program(symkin.load("ren2008"), Options("float", compact=True))
+    assert "options: --real float --compact." in program.header
+    assert '"compact": true' in codegen_folder.manifest(program, {})
+    assert "compact" not in tools.manifest("ren2008_float")["options"]
 
 
 def test_maps_are_refused(tmp_path):

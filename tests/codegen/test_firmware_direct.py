@@ -15,7 +15,7 @@ import symkin
 from helpers import firmware_tools as tools
 from helpers import samples
 from helpers.gate import in_gate
-from helpers.inside import LimbPlatform, Options, Real, build_program, folder_files
+from helpers.inside import LimbPlatform, Options, build_program
 from helpers.samples import delta_directions
 from symkin import Joint, Limb, Mechanism, Rod
 
@@ -72,24 +72,24 @@ def test_lines_from_all_over_the_workspace(name, real):
 @pytest.mark.parametrize("name", in_gate(MACHINES, ["3-TRT + SPS", "delta"]))
 def test_formulas_are_found(name):
     """And nothing of Newton's method is left in the direct problem."""
-    program = build_program(MACHINES[name](), Options("float"))
+    program = build_program(MACHINES[name](), Options("double"))
     assert isinstance(program.kind, LimbPlatform)
     assert program.kind.direct_formulas is not None
     assert "_direct_newton(" not in program.source
-    assert "atan2f" not in program.source.split("_direct_reach(", 1)[1].split("_track(", 1)[0]
+    assert "atan2" not in program.source.split("_direct_reach(", 1)[1].split("_track(", 1)[0]
 
 
 def test_machines_without_formulas_keep_the_iteration():
     """Limbs that no formulas solve, and a geometry that is told at run time."""
-    made = LimbPlatform(samples.three_rps(), Options("double"), Real("double"))
-    assert made.direct_formulas is None
+    program = build_program(samples.three_rps(), Options("double"))
+    assert program.kind.direct_formulas is None
     program = build_program(symkin.load("delta"), Options("double", geometry="struct"))
     assert program.kind.direct_formulas is None
     assert "_direct_newton(" in program.source
 
 
 def test_the_readme_derives_the_formulas():
-    text = folder_files(symkin.load("delta"), Options("double"))["README.md"]
+    text = (tools.folder("delta_double") / "README.md").read_text()
     assert "## Direct problem in closed form" in text
     assert "cut by the quadratic one: two values" in text
     assert "Newton's method finds" not in text
@@ -120,7 +120,7 @@ def test_formulas_that_nothing_can_stop_compile_without_a_warning(kind, real, tm
     second = Joint("b", "R", (100.0, -50.0, 0.0), (0.0, 0.0, 1.0), actuated=True)
     limb = Limb("limb", [first, second])
     made = Mechanism("arm", [limb], platform_position=(-100.0, -100.0, 0.0), motion="schoenflies")
-    found = LimbPlatform(made, Options(real), Real(real)).direct_formulas
+    found = build_program(made, Options(real)).kind.direct_formulas
     assert found is not None
     assert not found.guards
     symkin.write_firmware(made, tmp_path, real=real)

@@ -15,7 +15,7 @@ import pytest
 import symkin
 from helpers import firmware_tools as tools
 from helpers.gate import in_gate
-from helpers.inside import ClosedDirection, Options, Real, build_program, folder_files, write_folder
+from helpers.inside import ClosedDirection, Options, Real, build_program, folder_files
 from symkin import Coupling, Joint, Limb, LinkJoint, Mechanism
 
 MODELS = Path(__file__).parents[1] / "data" / "models"
@@ -31,7 +31,7 @@ def library(tmp_path_factory):
     def built(name, options):
         mechanism = symkin.load(name) if isinstance(name, str) else name
         folder = tmp_path_factory.mktemp("code")
-        write_folder(mechanism, folder, options)
+        tools.write_code(mechanism, folder, options)
         command = [
             "gcc",
             "-O1",

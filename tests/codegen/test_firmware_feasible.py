@@ -102,9 +102,9 @@ decides its turn.
 """
 
 
-def library(mechanism: symkin.Mechanism, folder: Path, **options: object) -> ctypes.CDLL:
+def library(mechanism: symkin.Mechanism, folder: Path, **options: tuple[str, ...]) -> ctypes.CDLL:
     """The code of a mechanism, compiled without a warning."""
-    symkin.write_firmware(mechanism, folder, **options)  # type: ignore[arg-type]
+    tools.write_code(mechanism, folder, Options(**options))
     tools.built("gcc", folder, [f"{mechanism.name}.c"], "code.so", "-O1", "-shared", "-fPIC")
     return ctypes.CDLL(str(folder / "code.so"))
 
@@ -174,7 +174,7 @@ def test_no_ok_across_infinity(tmp_path):
     """The guide of a lever is at infinity where the slot is along it; within a branch the answer is
     10 / tan theta.
     """
-    code = library(loaded(tmp_path, LEVER), tmp_path / "c", given=["guide"], find=["theta"])
+    code = library(loaded(tmp_path, LEVER), tmp_path / "c", given=("guide",), find=("theta",))
     for degrees in (1.0, 44.0, 45.0, 90.0, 135.0, 170.0):
         guide = doubles([0.0])
         assert (
@@ -205,7 +205,7 @@ def test_limits_of_passive_joints_are_kept_by_a_map(tmp_path, joint, low, high):
     """
     text = (Path(symkin.__file__).parent / "mechanisms" / "four_bar.toml").read_text()
     made = loaded(tmp_path, limited(text, joint, low, high))
-    code = library(made, tmp_path / "c", given=["crank"], find=["follower"])
+    code = library(made, tmp_path / "c", given=("crank",), find=("follower",))
     reference = symkin.solve(made, given={"crank": 90.0}).solution.joints["follower"]
     statuses = set()
     for crank in np.linspace(60.0, 125.0, 14):

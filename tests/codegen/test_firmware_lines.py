@@ -13,7 +13,7 @@ import pytest
 
 from helpers import firmware_tools as tools
 from helpers.gate import in_gate
-from helpers.inside import Options, write_folder
+from helpers.inside import Options
 from helpers.wide_five_bar import COUPLER, HOME, passes_dead_centre, slack_of, tip_of, wide_five_bar
 
 MANY = """
@@ -32,7 +32,7 @@ def _direct(real, motion, folder):
     statuses and tips.
     """
     mechanism = wide_five_bar(motion)
-    write_folder(mechanism, folder, Options(real))
+    tools.write_code(mechanism, folder, Options(real))
     (folder / "many.c").write_text(MANY)
     command = [
         tools.compiler("gcc"),

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import re
+import shutil
 from pathlib import Path
 
 import pytest
@@ -80,13 +81,12 @@ def test_fuzz_under_sanitizers_and_traps(folder):
 
 def test_a_trap_is_told(tmp_path):
     """Code that divides by zero is found, with its place."""
-    folder = tmp_path / "folder"
-    write_folder(load("scara"), folder, Options("double"))
+    folder = shutil.copytree(tools.folder("scara_float"), tmp_path / "folder")
     source = folder / "scara.c"
     source.write_text(
         source.read_text().replace(
             "scara_status status = scara_check_limits(joints);",
-            "scara_status status = (1.0 / (joints[0] - joints[0]) > 2.0) ? SCARA_OK : "
+            "scara_status status = (1.0f / (joints[0] - joints[0]) > 2.0f) ? SCARA_OK : "
             "SCARA_SINGULAR;",
             1,
         )

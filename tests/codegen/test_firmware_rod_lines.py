@@ -13,7 +13,7 @@ import pytest
 
 import symkin
 from helpers import firmware_tools as tools
-from helpers.inside import Options, folder_files, write_folder
+from helpers.inside import Options, folder_files
 
 ARM = symkin.load("ren2008")
 POINTS = 2000
@@ -40,7 +40,7 @@ void many(int count, const double *lines, int *said)
 
 def _asked(folder, options, lines):
     """Status, joint and iterations for lines (n, 2, 7)."""
-    write_folder(ARM, folder, options)
+    tools.write_code(ARM, folder, options)
     struct = options.geometry == "struct"
     nominal = (
         "static const ren2008_geometry nominal = REN2008_NOMINAL;\n#define FIRST &nominal,\n"

@@ -15,7 +15,7 @@ import symkin
 from helpers import firmware_tools as tools
 from helpers import joint_types
 from helpers.gate import in_gate
-from helpers.inside import Options, SerialArm, build_program, multiply, write_folder
+from helpers.inside import Options, SerialArm, build_program, multiply
 
 OK, NONFINITE, OUT_OF_RANGE = 0, 3, 4
 ARMS = {
@@ -40,7 +40,7 @@ class Code:
     """The compiled C of an arm."""
 
     def __init__(self, arm: symkin.Mechanism, real: str, folder) -> None:
-        write_folder(arm, folder, Options(real))
+        tools.write_code(arm, folder, Options(real))
         compiler = tools.compiler("gcc")
         subprocess.run(
             [compiler, "-O1", "-shared", "-fPIC", f"{arm.name}.c", "-o", "code.so", "-lm"],

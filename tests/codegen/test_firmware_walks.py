@@ -16,7 +16,7 @@ import symkin
 from helpers import firmware_tools as tools
 from helpers import joint_types, samples
 from helpers.gate import in_gate, in_gate_but
-from helpers.inside import Options, folder_files, write_folder
+from helpers.inside import Options
 from helpers.samples import bars
 from symkin import Joint, Limb, Mechanism
 
@@ -44,12 +44,8 @@ def test_walks_keep_their_branch(name, real):
     assert found.ok_of_regular > least
 
 
-def _library(mechanism, folder, *, tested=True):
-    if tested:
-        write_folder(mechanism, folder, Options("double"))
-    else:
-        for name, text in folder_files(mechanism, Options("double")).items():
-            (folder / name).write_text(text)
+def _library(mechanism, folder):
+    tools.write_code(mechanism, folder, Options("double"))
     command = [
         tools.compiler("gcc"),
         "-O1",
@@ -138,7 +134,7 @@ def test_no_answer_lies_beyond_a_dead_centre_however_near(degrees, tmp_path):
     angle back.
     """
     # rates of a slide by motions across it are not defined, and the folder's own test asks for them
-    library = _library(_short_coupler(), tmp_path, tested=False)
+    library = _library(_short_coupler(), tmp_path)
     home = _numbers([_short_coupler().platform_position[0], 0, 0, 1, 0, 0, 0])
     pose, back, given = _numbers([0.0] * 7), _numbers([0.0]), math.radians(degrees)
     if library.short_direct(None, _numbers([given]), home, pose, None) == 0:

@@ -7,6 +7,7 @@ from __future__ import annotations
 import json
 import shutil
 from collections.abc import Callable, Iterator
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -100,8 +101,14 @@ def open_page(tab: Tab, tmp_path: Path) -> Iterator[Callable[..., Any]]:
     assert all(url.startswith(("file:", "blob:", "data:", "about:")) for url in tab.asked)
 
 
-def page_of(name: str, **options: Any) -> str:
-    return str(symkin.view(symkin.load(name), **options).html)
+def page_of(machine: symkin.Mechanism | str) -> str:
+    """The page of a mechanism without options, made once for all tests here."""
+    return _page(symkin.load(machine) if isinstance(machine, str) else machine)
+
+
+@cache
+def _page(mechanism: symkin.Mechanism) -> str:
+    return str(symkin.view(mechanism).html)
 
 
 def apart(mechanism: symkin.Mechanism, solution: symkin.Solution, told: dict[str, Any]) -> float:
@@ -193,11 +200,11 @@ SEARCH_ALL = """rows => rows.map(row => {
 
 @pytest.mark.parametrize("name", in_gate(EQUAL, ["delta", "zhao2000_links", "3-RRR"]))
 def test_modes_are_those_of_symkin(name: str, open_page: Callable[..., Any]) -> None:
-    """At 40 inputs each mode of either list stands in the other, to rounding that its condition
+    """At 20 inputs each mode of either list stands in the other, to rounding that its condition
     multiplies."""
     mechanism = EQUAL[name]()
-    rows = random_rows(mechanism, 40, seed=11, share=0.1)
-    told = open_page(symkin.view(mechanism).html).evaluate(SEARCH_ALL, rows)
+    rows = random_rows(mechanism, 20, seed=11, share=0.1)
+    told = open_page(page_of(mechanism)).evaluate(SEARCH_ALL, rows)
     found = symkin.modes(mechanism, joints=[one["at"] for one in told])
     for one, every in zip(told, found, strict=True):
         assert len(one["modes"]) == len(every)
@@ -211,7 +218,7 @@ def test_modes_appear_and_vanish_as_those_of_symkin_do(open_page: Callable[..., 
     wherever it says that none may be missing.
     """
     mechanism = symkin.load("ren2008")
-    rows = random_rows(mechanism, 40, seed=5, share=0.25)
+    rows = random_rows(mechanism, 20, seed=5, share=0.25)
     page = open_page(page_of("ren2008"))
     told = [
         one for one in zip(rows, page.evaluate(SET_ALL, rows), strict=True) if one[1]["reached"]
@@ -260,7 +267,7 @@ def test_limits_of_passive_joints_stop_it_where_they_stop_track(
     assert joint
     (tmp_path / "limited.toml").write_text(f"{before}{joint}limits = [-8.0, 8.0]\n{after}")
     mechanism = symkin.load(tmp_path / "limited.toml")
-    page = open_page(symkin.view(mechanism).html)
+    page = open_page(page_of(mechanism))
     for end in (150.0, 30.0):
         tracked = symkin.track(mechanism, joints=[[90.0], [end]])
         assert tracked.stop is not None
@@ -737,7 +744,7 @@ def test_more_solutions_than_are_followed_are_told(
 ) -> None:
     """The page keeps to the mode shown and those of the start."""
     monkeypatch.setattr(inside.model_data, "_MOST_ROOTS", 1)
-    page = open_page(page_of("klann_leg"))
+    page = open_page(symkin.view(symkin.load("klann_leg")).html)
     page.wait_for_function(
         "document.querySelector('#modes').innerText.includes('4 complex solutions are too many')"
     )
@@ -804,7 +811,7 @@ def test_parts_that_share_nothing_are_solved_as_the_whole(
 ) -> None:
     """Least squares, change of the Jacobian and singular values are the same."""
     made, sizes = PARTED[name]
-    found = open_page(symkin.view(made()).html).evaluate(PARTS)
+    found = open_page(page_of(made())).evaluate(PARTS)
     assert found["sizes"] == sizes
     np.testing.assert_allclose(
         *found["solutions"], rtol=1e-7, atol=1e-9 * np.abs(found["solutions"][1]).max()
@@ -822,7 +829,7 @@ def test_joints_that_begin_beyond_limits_do_not_hold_what_leaves_them_there(
     mechanism = symkin.load(
         Path(__file__).parents[1] / "data" / "models" / "mjcf" / "kangaroo_lower_body.xml"
     )
-    page = open_page(symkin.view(mechanism).html)
+    page = open_page(page_of(mechanism))
     assert page.evaluate("symkin.solution().within_limits") is False
     names = page.evaluate("symkin.names")
     stops = {}
@@ -861,7 +868,7 @@ def test_a_stop_at_a_limit_is_the_last(open_page: Callable[..., Any]) -> None:
     """Asked again and again, a slide stays where it stopped, within its limits, and the value of
     the stop is told.
     """
-    page = open_page(symkin.view(symkin.load("scara")).html)
+    page = open_page(page_of("scara"))
     first = page.evaluate("symkin.set({slide: 1e3}).stop")
     stopped = page.evaluate("symkin.solution().joints.slide")
     assert first["kind"] == "limit"
@@ -876,9 +883,9 @@ def test_where_branches_meet_it_is_said(open_page: Callable[..., Any]) -> None:
     """A parallelogram passes its flat configuration as one or as a crossed one; a six-rod
     platform's modes end in each other.
     """
-    page = open_page(symkin.view(symkin.load("parallel_gripper")).html)
+    page = open_page(page_of("parallel_gripper"))
     assert "branches meet here" in page.evaluate("symkin.set({left: -20}).stop.sentence")
-    page = open_page(symkin.view(symkin.load("zhang2009")).html)
+    page = open_page(page_of("zhang2009"))
     assert "beyond it this mode does not go on" in page.evaluate(
         "symkin.set({leg1: 700}).stop.sentence"
     )
@@ -941,7 +948,7 @@ def test_a_value_out_of_reach_is_not_called_singular(open_page: Callable[..., An
     """UR5e: a serial arm has no singularity of the direct problem, whatever is typed; with limits
     it stops there.
     """
-    page = open_page(symkin.view(symkin.load("ur5e")).html)
+    page = open_page(page_of("ur5e"))
     name = page.evaluate("symkin.names[0]")
     assert page.evaluate(f"symkin.set({{{name}: 0.3}}).reached")
     for value in (1e9, -1e12, 1e200):

@@ -71,7 +71,7 @@ def kept_files(
     run.
     """
     told = [option for option in options if option is not None]
-    key = sha256(pickle.dumps((mechanism, told))).hexdigest()
+    key = sha256(pickle.dumps((write.__name__, mechanism, told))).hexdigest()
     place = Path(os.environ["SYMKIN_FOLDERS"]) / "files" / key
     if not place.exists():
         files = write(mechanism, *options)
@@ -89,6 +89,22 @@ def write_untested(mechanism: object, folder: Path, options: object) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     for name, text in inside.codegen_folder.folder_files(mechanism, options).items():
         (folder / name).write_text(text)
+
+
+def write_code(mechanism: object, folder: Path, options: object) -> None:
+    """Write source and header of a mechanism for a test that calls the functions itself: vectors
+    for the folder's own test take longer than the code.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    for name, text in kept_files(_code_files, mechanism, options).items():
+        (folder / name).write_text(text)
+
+
+def _code_files(mechanism: object, options: object) -> dict[str, str]:
+    """Source and header by their names."""
+    program = inside.codegen_program.build_program(mechanism, options)
+    name = program.mechanism.name
+    return {f"{name}.h": program.header, f"{name}.c": program.source}
 
 
 def tested_once(

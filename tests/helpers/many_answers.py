@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from helpers import firmware_tools as tools
-from helpers.inside import Options, write_folder
+from helpers.inside import Options
 from symkin import Mechanism
 
 _MANY = """
@@ -30,7 +30,7 @@ Answers = Callable[[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]
 def answers_of(mechanism: Mechanism, options: Options, folder: Path) -> Answers:
     """Compile the generated C in a folder."""
     name = mechanism.name
-    write_folder(mechanism, folder, options)
+    tools.write_code(mechanism, folder, options)
     prefixed = _MANY.replace("NAME_JOINTS", f"{name.upper()}_JOINTS").replace("NAME", name)
     (folder / "many.c").write_text(prefixed)
     command = [

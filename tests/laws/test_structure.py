@@ -28,6 +28,7 @@ from helpers.inside import (
     system_of,
     vectorise,
 )
+from oracle.plain_graph import configurations, read
 
 group_paths = partial(group_solvers._group_paths.__wrapped__, _folder="")
 HEAD = 'format = 1\nname = "bars"\nlength_unit = "mm"\nangle_unit = "deg"\n'
@@ -182,6 +183,33 @@ def test_a_part_that_nothing_moves_is_complete_too():
     turns = {round(abs(mode.joints["f1"]), 6) for mode in found}
     # the triangle as drawn, and turned over about the line of its feet
     assert turns == {0.0, round(2 * np.degrees(np.arctan2(80, 30)), 6)}
+
+
+def test_roots_that_no_loop_moves_are_found(tmp_path):
+    """Two spherical loops without freedom: two of their roots are the same whatever the angles
+    between the axes are, and no loop of these leads from the others to them.
+    """
+    axes = (
+        *((1, 2, -1), (1, 0, -1), (1, -2, 1), (-2, 1, 0)),
+        *((1, 0, 1), (1, 0, 1), (2, -2, 1)),
+    )
+    links = (
+        *(("base", "link1"), ("link1", "link2"), ("link2", "link3"), ("link3", "base")),
+        *(("link2", "link4"), ("link4", "link5"), ("link5", "base")),
+    )
+    file = tmp_path / "loops.toml"
+    file.write_text(
+        HEAD
+        + "".join(
+            joint(f"j{k}", pair, 50.0 * np.array(axis), axis=str(axis)[1:-1])
+            for k, (pair, axis) in enumerate(zip(links, axes, strict=True), start=1)
+        )
+    )
+    found = symkin.modes(symkin.load(file), given={"j6": 20.0})
+    judge = configurations(read(file, ["j6"]), {"j6": 20.0}, 300)
+    assert judge.isolated.all()
+    assert len(found) == len(judge.isolated)
+    assert found.completeness == "probability one"
 
 
 @pytest.mark.usefixtures("_empty_cache")

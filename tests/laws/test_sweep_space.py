@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import symkin
-from helpers.inside import Blocks, check_slices, labels, make_space, read_ranges, read_values
+from helpers.inside import Blocks, check_slices, labels, make_space, read_ranges, slices_from
 from helpers.laws import ball_turn
 from helpers.samples import Z, five_bar
 from symkin import InputError, Joint, Limb, Mechanism
@@ -108,7 +108,7 @@ def test_ranges_as_text():
     assert np.array_equal(found["a"], [0, 0.25, 0.5, 0.75, 1])
     assert (found["b"], found["c"]) == ([2.0], [3.0])
     assert np.array_equal(read_ranges("a=0:1", sampled=True)["a"], [0, 1])
-    assert read_values("a=1,b=2e1", "slice") == {"a": 1.0, "b": 20.0}
+    assert slices_from("a=1,b=2e1", "rad") == {"a": 1.0, "b": 20.0}
 
 
 def test_ranges_may_be_arithmetic():
@@ -121,7 +121,7 @@ def test_ranges_may_be_arithmetic():
     assert read_ranges("a=cos(60):sin(90)", sampled=True, angle_unit="deg")["a"] == pytest.approx(
         [0.5, 1.0]
     )
-    assert read_values("a=2*sin(pi/6)", "slice", angle_unit="rad") == pytest.approx({"a": 1.0})
+    assert slices_from("a=2*sin(pi/6)", "rad") == pytest.approx({"a": 1.0})
 
 
 @pytest.mark.parametrize(

@@ -9,20 +9,20 @@ least, constant base and tool frames taken away ("aligned") or not.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, fields
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 
 from symkin.calibration.data.columns import WEDGE, measure_of
 from symkin.calibration.data.files import CsvColumns
 from symkin.calibration.design.exchange_algorithm import (
-    CRITERIA,
     Candidates,
     Criterion,
     ExchangeSearch,
 )
+from symkin.calibration.design.plan_options import PlanOptions
 from symkin.calibration.design.reading_slopes import reading_slopes, readings_problem
 from symkin.calibration.design.simulation import (
     Noise,
@@ -47,8 +47,8 @@ from symkin.ignored_options import refuse_ignored
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.tolerances import RANK_TOLERANCE
 from symkin.result import Result, Summary
-from symkin.text import not_among
 from symkin.verb import verb
+from symkin.verb_options import takes
 
 _CANDIDATES_PER_WEDGE, _MAX_CANDIDATES = 150, 3000
 """Candidates for each wedge, and in all."""
@@ -183,48 +183,30 @@ def corner_wedges(tilt: float) -> np.ndarray:
     )
 
 
-@dataclass(frozen=True, eq=False)
-class _Options:
-    """Hold the options of one call of `plan_measurements`."""
-
-    groups: int
-    readings: Sequence[str]
-    wedges: np.ndarray | None
-    criterion: Criterion
-    parameters: Sequence[str] | None
-    aligned: bool
-    seed: int
-
-    def check(self, configurations: int) -> None:
-        """Raise InputError for what cannot be, and for wedges that nothing stands on."""
-        if self.criterion not in CRITERIA:
-            raise InputError(f"criterion = {not_among(self.criterion, CRITERIA)}")
-        if configurations > _MAX_PLANNED:
-            raise InputError(
-                f"a plan of {configurations} postures is asked for; allowed: 1 to {_MAX_PLANNED}"
-            )
-        group_numbers(configurations, self.groups)
-        if not self.readings and not self.groups:
-            raise InputError("nothing is read beside the joints; name groups or readings")
-        if not self.groups:
-            refuse_ignored(
-                {"wedges": self.wedges}, "there are no groups that stand on them", "ask for groups"
-            )
+def _check(options: PlanOptions, configurations: int) -> None:
+    """Raise InputError for what cannot be, and for wedges that nothing stands on."""
+    if configurations > _MAX_PLANNED:
+        raise InputError(
+            f"a plan of {configurations} postures is asked for; allowed: 1 to {_MAX_PLANNED}"
+        )
+    group_numbers(configurations, options["groups"])
+    if not options["readings"] and not options["groups"]:
+        raise InputError("nothing is read beside the joints; name groups or readings")
+    if not options["groups"]:
+        refuse_ignored(
+            {"wedges": options["wedges"]},
+            "there are no groups that stand on them",
+            "ask for groups",
+        )
 
 
 @verb
+@takes(PlanOptions)
 def plan_measurements(
     workspace: Workspace | Mechanism,
     configurations: int,
     noise: Noise | Mapping[str, float],
-    *,
-    groups: int = 5,
-    readings: Sequence[str] = (),
-    wedges: np.ndarray | None = None,
-    criterion: Criterion = "I",
-    parameters: Sequence[str] | None = None,
-    aligned: bool = True,
-    seed: int = 0,
+    **options: Unpack[PlanOptions],
 ) -> Plan:
     """Choose the configurations whose measurement identifies the geometry best, by exchange of
     random candidates.
@@ -255,10 +237,9 @@ def plan_measurements(
     """
     workspace = Workspace.about(workspace) if isinstance(workspace, Mechanism) else workspace
     noise = noise if isinstance(noise, Noise) else _noise_by_name(noise)
-    chosen = _Options(groups, readings, wedges, criterion, parameters, aligned, seed)
-    chosen.check(configurations)
-    platform_kinds(workspace.mechanism, chosen.readings, grouped=chosen.groups > 0)
-    task = _Task(workspace, configurations, noise, chosen)
+    _check(options, configurations)
+    platform_kinds(workspace.mechanism, options["readings"], grouped=options["groups"] > 0)
+    task = _Task(workspace, configurations, noise, options)
     pool = task.chosen_candidates()
     order = np.argsort(pool.wedge, kind="stable")
     used = sorted(set(pool.wedge.tolist()) - {-1})
@@ -269,8 +250,8 @@ def plan_measurements(
         configurations=planned,
         groups=numbers,
         wedges=np.zeros((0, 2)) if task.offered is None else task.offered[used],
-        criterion=chosen.criterion,
-        seed=chosen.seed,
+        criterion=options["criterion"],
+        seed=options["seed"],
         accuracy=task.accuracy(planned, numbers),
         random=task.random_accuracy(),
         observable=task.observable,
@@ -300,28 +281,30 @@ class _Task:
     the observable directions.
     """
 
-    def __init__(self, workspace: Workspace, count: int, noise: Noise, options: _Options) -> None:
+    def __init__(
+        self, workspace: Workspace, count: int, noise: Noise, options: PlanOptions
+    ) -> None:
         self.workspace, self.count, self.noise, self.options = workspace, count, noise, options
-        self.mechanism, self.rng = workspace.mechanism, np.random.default_rng(options.seed)
-        read = tuple(o.name for o in observed_kinds(self.mechanism, options.readings))
+        self.mechanism, self.rng = workspace.mechanism, np.random.default_rng(options["seed"])
+        read = tuple(o.name for o in observed_kinds(self.mechanism, options["readings"]))
         self.names = (
             default_parameters(self.mechanism, read)
-            if options.parameters is None
-            else tuple(options.parameters)
+            if options["parameters"] is None
+            else tuple(options["parameters"])
         )
         wedges = (
             corner_wedges(workspace.lean)
-            if options.wedges is None
-            else np.asarray(options.wedges, dtype=float)
+            if options["wedges"] is None
+            else np.asarray(options["wedges"], dtype=float)
         )
-        self.offered = wedges if options.groups else None
+        self.offered = wedges if options["groups"] else None
         tests = workspace.draw(workspace.inclinations(_TEST_POSES, self.rng), self.rng, held=False)
         slopes, loops = pose_slopes(self.mechanism, tests, self.names)
         # steps with which redundant loops stay closed all over the workspace
         allowed = unbound(loops.reshape(-1, len(self.names)))
         self.allowed = allowed @ allowed.T
         self.length = lever(self.mechanism)
-        self.pose = less_frames(slopes, tests.poses, self.length) if options.aligned else slopes
+        self.pose = less_frames(slopes, tests.poses, self.length) if options["aligned"] else slopes
         self.prior = 1.0 / (PRIOR_SHARE * self.mechanism.characteristic_length) ** 2
         self.directions = np.eye(len(self.names))
         self.seed = int(self.rng.integers(2**31))
@@ -336,7 +319,7 @@ class _Task:
         self.observable = self.rank(pool.configurations, pool.wedge)
         reduced = self.reduced(slopes)
         allowed = self._search(reduced.thinned(max(_THINNED_CANDIDATES, self.count))).best_wedges(
-            self.count, self.options.groups
+            self.count, self.options["groups"]
         )
         first = self._search(reduced)
         pool = pool.take(np.array(first.improve(first.greedy(self.count, allowed), allowed)))
@@ -369,7 +352,9 @@ class _Task:
         )
 
     def _search(self, candidates: Candidates) -> ExchangeSearch:
-        return ExchangeSearch(candidates, self._wedges, self.options.criterion, self.q, self.prior)
+        return ExchangeSearch(
+            candidates, self._wedges, self.options["criterion"], self.q, self.prior
+        )
 
     @property
     def _wedges(self) -> int:
@@ -379,7 +364,7 @@ class _Task:
         slopes = reading_slopes(
             self.mechanism,
             pool,
-            self.options.readings,
+            self.options["readings"],
             self.noise,
             self.names,
             grouped=bool(np.all(wedge >= 0)),
@@ -389,7 +374,7 @@ class _Task:
     def rank(self, made: ClosedConfigurations, groups: np.ndarray) -> int:
         """Count the combinations of parameters that a fit of readings there determines."""
         problem, z = readings_problem(
-            self.mechanism, made, groups, self.options.readings, self.noise, self.names
+            self.mechanism, made, groups, self.options["readings"], self.noise, self.names
         )
         return told_rank(problem, evaluate(problem, problem.model.nominal, z, "means"))
 
@@ -414,7 +399,7 @@ class _Task:
 
     def random_accuracy(self) -> Accuracy:
         """Predict what as many random configurations in as many random groups would reach."""
-        numbers = group_numbers(self.count, self.options.groups)
+        numbers = group_numbers(self.count, self.options["groups"])
         return self.accuracy(
             random_configurations(self.workspace, numbers, Noise(), self.rng), numbers
         )

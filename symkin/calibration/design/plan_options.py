@@ -1,0 +1,28 @@
+"""The options of `plan_measurements`."""
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Annotated, Literal, TypedDict
+
+from symkin.verb_options import POSTURES, Option
+
+if TYPE_CHECKING:
+    import numpy as np
+
+
+class PlanOptions(TypedDict, total=False):
+    """Options of `plan_measurements`."""
+
+    groups: Annotated[
+        int, Option("Groups of equal inclination; 0: none.", "N", POSTURES, default=5)
+    ]
+    readings: Annotated[Sequence[str], Option(default=())]
+    wedges: Annotated["np.ndarray | None", Option()]
+    criterion: Annotated[
+        Literal["D", "A", "I"],
+        Option(
+            "I: pose variance over the workspace; A: parameters; D: their determinant.", default="I"
+        ),
+    ]
+    parameters: Annotated[Sequence[str] | None, Option()]
+    aligned: Annotated[bool, Option(default=True)]
+    seed: Annotated[int, Option("Seed of random numbers.", "N", default=0)]
