@@ -15,7 +15,6 @@ from helpers import joint_types, samples
 from helpers.gate import in_gate
 from helpers.inside import Options, write_folder
 from helpers.wide_five_bar import wide_five_bar
-from symkin import load
 
 TRAPS = "trap"
 SANITIZED = ["-O1", "-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"]
