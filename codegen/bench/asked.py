@@ -8,11 +8,14 @@ import tempfile
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
+from symkin.codegen.folder import write_folder
 from symkin.codegen.options import Options
 from symkin.codegen.program import Program, build_program
+from symkin.machine.limbs import with_limbs
 from symkin.model.mechanism import Mechanism
 
 STATUSES = ("OK", "MAX_ITERATIONS", "SINGULAR", "NONFINITE", "OUT_OF_RANGE", "WRONG_BRANCH")
@@ -20,8 +23,7 @@ STATUSES = ("OK", "MAX_ITERATIONS", "SINGULAR", "NONFINITE", "OUT_OF_RANGE", "WR
 FLAGS = ["-O2", "-std=c99", "-fno-math-errno", "-ffp-contract=off", "-shared", "-fPIC", "-I."]
 
 
-@dataclass(frozen=True)
-class Answers:
+class Answers(NamedTuple):
     """Status, what was found, and count of steps of each call."""
 
     status: np.ndarray
@@ -30,22 +32,55 @@ class Answers:
 
 
 @dataclass(frozen=True, eq=False)
+class Machine:
+    """A mechanism and the options of its folder."""
+
+    mechanism: Mechanism
+    given: tuple[str, ...] = ()
+    find: tuple[str, ...] = ()
+    home: tuple[float, ...] | None = None
+
+    @property
+    def kind(self) -> str:
+        return "map" if self.given else "arm" if self.mechanism.serial else "platform"
+
+    def options(self, real: str) -> Options:
+        return Options(real, home=self.home, given=self.given, find=self.find)  # type: ignore[arg-type]
+
+
+def built(machine: Machine, real: str, folder: Path) -> ctypes.CDLL:
+    """The library of a machine's code, whose own test has passed: else `write_folder` refuses."""
+    mechanism = (
+        machine.mechanism if machine.given else with_limbs(machine.mechanism, "firmware", "")
+    )
+    write_folder(mechanism, folder, machine.options(real))
+    joints = len(machine.given) or len(mechanism.actuated)
+    return compiled(folder, mechanism.name, real, machine.kind, joints)
+
+
+@dataclass(frozen=True, eq=False)
 class Asked:
     """The generated C of one mechanism: of a platform its direct problem, of an arm its inverse
-    one.
+    one, of a map both. Without a library that was `built` its text alone is compiled.
     """
 
     mechanism: Mechanism
     options: Options
+    built: ctypes.CDLL | None = None
 
     @property
     def number(self) -> type[np.floating]:
         return np.float32 if self.options.real == "float" else np.float64
 
-    def answers(self, goals: np.ndarray, guesses: np.ndarray) -> Answers:
-        """Answers to each goal from each guess; what is not found is zero."""
-        width = len(self.mechanism.actuated) if self.mechanism.serial else 7
-        function = self._library.ask_all
+    def rounded(self, values: np.ndarray) -> np.ndarray:
+        """Values as the code's numbers are."""
+        return values.astype(self.number).astype(float)
+
+    def answers(self, goals: np.ndarray, guesses: np.ndarray, way: str = "ask_all") -> Answers:
+        """Answers to each goal from each guess, of a map's inverse problem by `way` "ask_inverse";
+        what is not found is zero.
+        """
+        function, width = getattr(self._library, way), guesses.shape[1]
         found, status, steps = asked(
             function, self.options.real, [goals, guesses], [width], "iiosn"
         )
@@ -63,6 +98,8 @@ class Asked:
 
     @cached_property
     def _library(self) -> ctypes.CDLL:
+        if self.built is not None:
+            return self.built
         folder, name = Path(tempfile.mkdtemp()), self.mechanism.name
         for suffix, text in ((".h", self.program.header), (".c", self.program.source)):
             (folder / f"{name}{suffix}").write_text(text)

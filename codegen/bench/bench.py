@@ -13,15 +13,13 @@ from __future__ import annotations
 import argparse
 from collections.abc import Iterator, Mapping, Sequence
 
-from bench_cases import HOME
 from harness import harness_of
 from processors import HOST, measure
 from readme import README, written
+from subjects import HOME, machine_of
 from symkin.codegen.options import Options
 
 PARALLEL = (("ren2008", "m"), ("zhao2000", "mm"), ("zhao2000_links", "mm"), ("delta", "mm"))
-MAP = ("ankle", ("upper_motor", "lower_motor"), ("ankle.1", "ankle.2"))
-"""The two-motor ankle, given and found coordinates, as in generate.py."""
 SERIAL = ("gluon_6l3", "yao2020", "ur5e", "scara")
 
 
@@ -37,9 +35,7 @@ def subjects() -> Iterator[tuple[str, str, Options, tuple[str, ...], str]]:
     for real, board in boards.items():
         for name, unit in (*PARALLEL, *((name, "rad or mm") for name in SERIAL)):
             yield f"{name} {real}", name, Options(real), (board, HOST), unit  # type: ignore[arg-type]
-        name, given, find = MAP
-        options = Options(real, given=given, find=find)  # type: ignore[arg-type]
-        yield f"{name} {real}", name, options, (board, HOST), "rad"
+        yield f"ankle {real}", "ankle", machine_of("ankle").options(real), (board, HOST), "rad"
 
 
 def rows_of(chosen: Sequence[str]) -> dict[str, list[str]]:

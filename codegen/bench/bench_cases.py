@@ -8,6 +8,7 @@ from functools import lru_cache
 
 import numpy as np
 
+from subjects import HOME
 from symkin.codegen.joint_map import JointMap
 from symkin.codegen.joint_map_vectors import MapVectors
 from symkin.codegen.program import Kind
@@ -16,11 +17,6 @@ from symkin.codegen.serial_arm import SerialArm
 from symkin.codegen.vectors import build_vectors, rounded_to
 from symkin.position.problem import build_problem
 from symkin.spatial.rotation import multiply
-
-HOME = (0.0, 0.0, 420.0, 1.0, 0.0, 0.0, 0.0)
-"""Home of the platform whose singular reference asks for one, as in generate.py."""
-HOMES = {"zhang2009": HOME}
-
 
 vectors_of = lru_cache(maxsize=8)(build_vectors)
 """A folder's own vectors; kinds compare by identity."""

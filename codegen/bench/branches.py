@@ -25,32 +25,17 @@ from pathlib import Path
 
 import numpy as np
 
-from asked import STATUSES
-from bench_cases import HOMES
+from asked import STATUSES, Asked
+from directions import Direction, Outcome, direction_of
 from goals import MIDDLE, SMALL, WIDEST, Reach
-from lines import Lines, Outcome
 from readme import written
+from subjects import machine_of
 from symkin.codegen.options import Options
-from symkin.formats.load import load
 from symkin.model.mechanism import Mechanism
 
-_MACHINES = Path(__file__).with_name("machines")
-SHIPPED = ("zhang2009", "ren2008", "zhao2000", "zhao2000_links", "delta")
 STUDIED = (
-    *SHIPPED,
-    *(
-        str(_MACHINES / f"{name}.toml")
-        for name in (
-            "five_bar",
-            "three_rrr",
-            "three_rpr",
-            "three_rps",
-            "linear_delta",
-            "orthoglide",
-            "six_rss",
-            "hexaglide",
-        )
-    ),
+    *("zhang2009", "ren2008", "zhao2000", "zhao2000_links", "delta", "five_bar", "three_rrr"),
+    *("three_rpr", "three_rps", "linear_delta", "orthoglide", "six_rss", "hexaglide"),
 )
 RANGES = {"small": SMALL, "middle": MIDDLE, "widest": WIDEST}
 _BATCH = 4096
@@ -103,17 +88,17 @@ def study(
     """Asks the generated C for `count` random goals a leg, and compares what it calls OK with the
     fine continuation.
     """
-    return studied(Lines(mechanism, options), count, reach, seed, legs, folds)
+    return studied(direction_of(Asked(mechanism, options)), count, reach, seed, legs, folds)
 
 
 def studied(
-    lines: Lines, count: int, reach: Reach, seed: int, legs: int, folds: bool = True
+    lines: Direction, count: int, reach: Reach, seed: int, legs: int, folds: bool = True
 ) -> Found:
     """The same of lines whose code is compiled once."""
     rng, found, begun = np.random.default_rng(seed), Found(), time.monotonic()
     for first in range(0, count, _BATCH):
         number = min(_BATCH, count - first)
-        home = lines.home(number)
+        home = lines.home.repeated(number)
         starts, stopped = home, None
         for leg in range(legs + folds):
             if leg == legs and stopped is not None:
@@ -126,20 +111,20 @@ def studied(
     return found
 
 
-def statuses(lines: Lines, count: int, reach: Reach, seed: int, legs: int = 2) -> str:
+def statuses(lines: Direction, count: int, reach: Reach, seed: int, legs: int = 2) -> str:
     """The letter of the status of each goal, without a walk: of `count` from home, then as many
     from what was OK on the leg before.
     """
-    rng, home = np.random.default_rng(seed), lines.home(count).guesses
+    rng, home = np.random.default_rng(seed), lines.home.repeated(count).guesses
     guesses, said = home, ""
     for _ in range(legs):
-        answers = lines.asked.answers(lines.goals(count, reach, rng), guesses)
+        answers = lines.answers(lines.goals(count, reach, rng), guesses)
         said += "".join(LETTERS[status] for status in answers.status)
         guesses = np.where((answers.status == 0)[:, None], answers.found, home)
     return said
 
 
-def _count(found: Found, lines: Lines, outcome: Outcome) -> None:
+def _count(found: Found, lines: Direction, outcome: Outcome) -> None:
     """Adds one batch to the counts, and says what is wrong in it."""
     ok, status, steps = outcome.ok, outcome.answers.status, outcome.answers.steps
     refused = outcome.regular & ~ok
@@ -158,7 +143,7 @@ def _count(found: Found, lines: Lines, outcome: Outcome) -> None:
         found.said.append(_said(lines, outcome, int(k), reached[k]))
 
 
-def _said(lines: Lines, outcome: Outcome, k: int, reached: np.ndarray) -> str:
+def _said(lines: Direction, outcome: Outcome, k: int, reached: np.ndarray) -> str:
     """One wrong answer, with all that repeats it."""
     number = lines.asked.number
     guess, goal = (
@@ -166,7 +151,7 @@ def _said(lines: Lines, outcome: Outcome, k: int, reached: np.ndarray) -> str:
         for values in (outcome.starts.guesses, outcome.goals)
     )
     what = (
-        f"{lines.mechanism.name} {lines.options.real}: OK is wrong, goal [{goal}], guess "
+        f"{lines.mechanism.name} {lines.real}: OK is wrong, goal [{goal}], guess "
         f"[{guess}], found {outcome.answers.found[k].tolist()}, "
     )
     if outcome.ends.shortest[k] > 0.0:
@@ -182,7 +167,8 @@ def report(
     rows, seconds = [], 0.0
     for name in names:
         for real in reals:
-            lines = Lines(load(name), Options(real, home=HOMES.get(name)))  # type: ignore[arg-type]
+            machine = machine_of(name)
+            lines = direction_of(Asked(machine.mechanism, machine.options(real)))
             for words, reach in ranges.items():
                 found = studied(lines, count, reach, seed, legs)
                 rows.append(found.row(Path(name).stem, real, words))

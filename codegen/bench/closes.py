@@ -28,35 +28,18 @@ import numpy as np
 sys.path.append(str(Path(__file__).resolve().parents[2] / "tests"))
 
 import symkin
-from asked import asked, compiled
-from bench_cases import HOMES
+from asked import Machine, asked, built
 from campaigns.random_files import random_file, to_toml
 from campaigns.random_graphs import Drawing
 from oracle import plain_graph
 from oracle.plain_closure import PlainMechanism, matrix_quaternion
 from oracle.plain_search import closed_configurations, random_configurations, solve
-from symkin.codegen.folder import write_folder
-from symkin.codegen.options import Options
+from subjects import ARMS, MAPS, PLACE, PLATFORMS, machine_of
 from symkin.errors import InputError, SymkinError
 from symkin.machine.limbs import with_limbs
 from symkin.model.mechanism import Mechanism
 from symkin.model.writer import mechanism_to_toml
 
-BENCH = Path(__file__).resolve().parent
-PLATFORMS = ("delta", "zhao2000", "zhao2000_links", "ren2008", "ren2008_true", "zhang2009")
-ARMS = ("gluon_6l3", "scara", "ur5e", "yao2020")
-MAPS = (
-    ("ankle", "upper_motor,lower_motor", "ankle.1,ankle.2"),
-    ("four_bar", "crank", "follower"),
-    ("bennett", "input", "output"),
-    ("sarrus", "foot_x", "head_y"),
-    ("slider_crank", "crank", "piston"),
-    ("watt_six_bar", "crank", "output"),
-    ("stephenson_six_bar", "crank", "output"),
-    ("goldberg", "input", "output"),
-    ("pantograph_five_bar", "arm1,arm2", "wrist1,plate_pivot"),
-    ("excavator_bucket", "boom_cylinder,stick_cylinder,bucket_cylinder", "boom,stick,bucket"),
-)
 LOOPS = {
     "four_bar": (("crank", "crank_pin"), ("follower", "follower_pin")),
     "bennett": (("input", "crank_pin"), ("output", "rocker_pin")),
@@ -99,31 +82,6 @@ class Tally:
             f"{self.open:4} worst {self.worst:8.1e} "
             f"still refused {self.moved:3} feasible taken {self.on_set_ok}/{self.on_set}"
         )
-
-
-@dataclass(frozen=True, eq=False)
-class Machine:
-    """A mechanism and the options of its folder."""
-
-    mechanism: Mechanism
-    given: tuple[str, ...] = ()
-    find: tuple[str, ...] = ()
-    home: tuple[float, ...] | None = None
-
-    @property
-    def kind(self) -> str:
-        return "map" if self.given else "arm" if self.mechanism.serial else "platform"
-
-
-def built(machine: Machine, real: str, folder: Path) -> ctypes.CDLL:
-    """The library of a machine's code, whose own test has passed: else `write_folder` refuses."""
-    options = Options(real, home=machine.home, given=machine.given, find=machine.find)  # type: ignore[arg-type]
-    mechanism = (
-        machine.mechanism if machine.given else with_limbs(machine.mechanism, "firmware", "")
-    )
-    write_folder(mechanism, folder, options)
-    joints = len(machine.given) or len(mechanism.actuated)
-    return compiled(folder, mechanism.name, real, machine.kind, joints)
 
 
 # --- platforms and arms by limbs ------------------------------------------------------------------
@@ -383,9 +341,8 @@ def as_limbs(name: str, limbs: tuple[tuple[str, ...], ...]) -> Mechanism:
 
 def named() -> Iterator[Machine]:
     """Shipped machines and those of bench/machines."""
-    for name in (*PLATFORMS, *ARMS):
-        yield Machine(symkin.load(name), home=HOMES.get(name))
-    for file in sorted((BENCH / "machines").glob("*.toml")):
+    yield from map(machine_of, (*PLATFORMS, *ARMS))
+    for file in sorted(PLACE.glob("*.toml")):
         made = symkin.load(file)
         yield Machine(made)
         if made.motion != "spatial":
@@ -394,8 +351,7 @@ def named() -> Iterator[Machine]:
             yield Machine(replace(made, name=f"{made.name}_six", motion="spatial"))
     for name, limbs in LOOPS.items():
         yield Machine(as_limbs(name, limbs))
-    for name, given, find in MAPS:
-        yield Machine(symkin.load(name), tuple(given.split(",")), tuple(find.split(",")))
+    yield from map(machine_of, MAPS)
 
 
 def drawn(seed: int, folder: Path) -> Iterator[Machine]:

@@ -1,35 +1,48 @@
-"""The problems of generated C that take a guess, asked many at once: of platforms, arms and maps
-between joints.
+"""The problems of generated C that take a guess, asked many at once, and the same lines walked
+finely beside it: of platforms, arms and maps between joints.
 """
 
 from __future__ import annotations
 
-import ctypes
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
-from asked import asked
-from closes import Machine, built
-from continuation import Walker
-from lines import Lines, Starts
+from asked import STATUSES, Answers, Asked, Machine, built
+from continuation import LONGEST, Ends, Walker
+from goals import Reach, goals_about
 from symkin.codegen.joint_map import JointMap
 from symkin.codegen.limb_platform import LimbPlatform
-from symkin.codegen.options import Options
+from symkin.codegen.program import Kind
 from symkin.codegen.rod_platform import RodPlatform
 from symkin.codegen.serial_arm import SerialArm
 from symkin.codegen.text.c import Real
+from symkin.model.joint import Coordinate
+from symkin.model.mechanism import Mechanism
+from symkin.position.canonical import poses_of
 from symkin.position.problem import Problem, build_problem
 
-OUT_OF_RANGE = 4
+OUT_OF_RANGE = STATUSES.index("OUT_OF_RANGE")
+REGULAR = 1.0 / 25600
+"""A line that needs shorter steps than this part of it passes too near a singularity to be called
+regular.
+"""
 PLAIN = 0.25
 """Step of the fine walk, as a part of a line, which lines that nothing is beside take."""
 HARD = 50.0
 """Condition from which on a refusal beside a singularity is not held against the code: bounds are
 kept from it.
 """
+_REFUSED = 0.2
+"""Refused goals that are walked too, as a part of all goals: they tell how many regular lines are
+OK.
+"""
+_BESIDE = {"double": 6.0, "float": 2.5}
+"""Guesses beside a fold lie at most ten to this power nearer to it than the line was long."""
 _FIRM = 0.02
 """Condition of a limb at a given pose, times the root of rounding, from which on the limb is beside
 a dead centre: an error t of the pose is one of sqrt(t) there, and code keeps bounds of some such.
@@ -39,73 +52,151 @@ _REACH = 0.9
 """How far paths go from home (rad, or of the size), where no limits are nearer."""
 
 
+class Starts(NamedTuple):
+    """Where lines begin: unknowns, known values, and the same as the generated code's guesses."""
+
+    unknowns: np.ndarray
+    known: np.ndarray
+    guesses: np.ndarray
+
+    def where(self, chosen: np.ndarray, other: Starts) -> Starts:
+        """These where chosen, else the other ones."""
+        pairs = zip(self, other, strict=True)
+        return Starts(*(np.where(chosen[:, None], mine, yours) for mine, yours in pairs))
+
+    def repeated(self, count: int) -> Starts:
+        """Each of these so many times."""
+        return Starts(*(np.repeat(part, count, axis=0) for part in self))
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """One batch of lines: the C's answers, which lines were walked and where they led, and which
+    answers are right.
+    """
+
+    starts: Starts
+    goals: np.ndarray
+    answers: Answers
+    walked: np.ndarray
+    ends: Ends
+    right: np.ndarray
+
+    @property
+    def ok(self) -> np.ndarray:
+        return np.asarray(self.answers.status == 0)
+
+    @property
+    def regular(self) -> np.ndarray:
+        """Walked lines that are regular, of goals within limits."""
+        return np.asarray(
+            self.walked & (self.ends.shortest >= REGULAR) & (self.answers.status != OUT_OF_RANGE)
+        )
+
+
 @dataclass(frozen=True, eq=False)
 class Direction:
-    """One problem of one machine's code: a function of ask.c and the closure that it solves."""
+    """One problem of one machine's code, a function of ask.c, and the closure that it solves; of a
+    map the places of what is found among the unknowns, and the problem that leads `back`.
+    """
 
-    machine: Machine
-    real: str
-    library: ctypes.CDLL
-    function: ctypes._CFuncPtr
+    asked: Asked
     problem: Problem
-    home: Starts
-    lines: Lines
-    places: np.ndarray | None
-    solved_by: str
+    longest: float = LONGEST
+    way: str = "ask_all"
+    places: np.ndarray | None = None
+    solved_by: str = ""
     back: Direction | None = None
 
     @cached_property
     def walker(self) -> Walker:
-        return Walker(self.problem, PLAIN)
+        return Walker(self.problem, self.longest)
+
+    @property
+    def mechanism(self) -> Mechanism:
+        return self.asked.mechanism
+
+    @property
+    def kind(self) -> Kind:
+        return self.asked.program.kind
+
+    @property
+    def real(self) -> str:
+        return self.asked.options.real
+
+    @property
+    def epsilon(self) -> float:
+        return Real(self.asked.options.real).epsilon
 
     @property
     def size(self) -> float:
-        return self.machine.mechanism.characteristic_length
+        return self.mechanism.characteristic_length
 
-    def rounded(self, values: np.ndarray) -> np.ndarray:
-        """Values as the code's numbers are."""
-        return values.astype(np.float32 if self.real == "float" else np.float64).astype(float)
+    @property
+    def is_map(self) -> bool:
+        return self.places is not None
 
-    def answers(self, goals: np.ndarray, guesses: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Statuses and what is found."""
-        found, status, _ = asked(
-            self.function, self.real, [goals, guesses], [guesses.shape[1]], "iiosn"
-        )
-        return status, found
+    @cached_property
+    def home(self) -> Starts:
+        """Home; of an arm the first of its samples, which is regular."""
+        kind, problem = self.kind, self.problem
+        if isinstance(kind, SerialArm):
+            joints, pose = kind.samples[0]
+            return Starts(joints[None], pose[None], joints[None])
+        if isinstance(kind, JointMap):
+            values = kind.reference
+        else:
+            # code may be of another machine that the mechanism means: its home is the reference
+            alike = kind.mechanism == problem.mechanism
+            values = kind.home_values if alike else problem.closure.reference
+        unknowns = problem.select_values(values, problem.system.unknowns)[None]
+        known = problem.select_values(values, problem.known_coordinates)[None]
+        return Starts(unknowns, known, self.stated(unknowns, known))
+
+    @property
+    def found_coordinates(self) -> Sequence[Coordinate]:
+        """What an arm's or a map's code finds."""
+        if self.places is None:
+            return self.mechanism.actuated
+        system = self.problem.system
+        at = {s.start: c for c, s in zip(system.unknowns, system.slices, strict=True)}
+        return [at[int(place)] for place in self.places]
+
+    def answers(self, goals: np.ndarray, guesses: np.ndarray) -> Answers:
+        return self.asked.answers(goals, guesses, self.way)
 
     def stated(self, unknowns: np.ndarray, known: np.ndarray) -> np.ndarray:
+        """What the code finds at configurations: poses, an arm's joint values, a map's found
+        values.
+        """
         if self.places is not None:
             return unknowns[:, self.places]
-        return self.lines.stated(unknowns, known)
+        if self.mechanism.serial:
+            return unknowns
+        return np.hstack(poses_of(self.problem.closure, self.problem.join_values(unknowns, known)))
 
     def gives_back(self, found: np.ndarray, known: np.ndarray) -> np.ndarray:
         """Whether the code's limbs, on the reference's branches, reach a pose with these joint
         values: else one is past a dead centre.
         """
-        if self.places is not None or self.machine.mechanism.serial:
+        if self.is_map or self.mechanism.serial:
             return np.ones(len(found), bool)
-        number = len(self.machine.mechanism.actuated)
-        joints, status = asked(self.library.back_all, self.real, [found], [number], "ios")
-        units = np.array(
-            [1.0 if c.is_angular else self.size for c in self.problem.known_coordinates]
-        )
-        away = joints - known
-        away[:, units == 1.0] = np.angle(np.exp(1j * away[:, units == 1.0]))
+        status, joints = self.asked.back(found)
+        away = self._away(joints - known, self.problem.known_coordinates, turns=True)
         # beside a dead centre joints differ by the root of the pose's rounding
-        near = np.sqrt(Real(self.real).epsilon)  # type: ignore[arg-type]
-        return np.asarray((status == 0) & (np.max(np.abs(away / units), axis=1) < near))
+        return np.asarray((status == 0) & (away < np.sqrt(self.epsilon)))
 
     def is_firm(self, unknowns: np.ndarray, known: np.ndarray) -> np.ndarray:
         """Whether rounded poses tell on which side of their dead centres limbs stand: those of
         configurations at which the limbs' rows, the pose given, are far from singular.
         """
-        if self.places is not None or self.machine.mechanism.serial:
+        if self.is_map or self.mechanism.serial:
             return np.ones(len(unknowns), bool)
         values = self.problem.join_values(unknowns, known)
-        limbs = build_problem(self.machine.mechanism, "inverse")
+        limbs = build_problem(self.mechanism, "inverse")
         parts = (limbs.system.unknowns, limbs.known_coordinates)
         conditions = limbs.system.conditions(*(limbs.select_values(values, c) for c in parts))
-        return np.asarray(conditions * np.sqrt(Real(self.real).epsilon) < _FIRM)  # type: ignore[arg-type]
+        return np.asarray(conditions * np.sqrt(self.epsilon) < _FIRM)
 
     def tells(self, guesses: np.ndarray, known: np.ndarray, *, easily: bool = False) -> np.ndarray:
         """Whether guesses alone tell the code that it stands at these known values: those of a map
@@ -114,28 +205,121 @@ class Direction:
         """
         if self.back is None:
             return np.ones(len(guesses), bool)
-        home = self.back.home
-        begin = (np.repeat(part, len(guesses), axis=0) for part in (home.unknowns, home.known))
-        ends = self.back.walker.reached(*begin, guesses)
+        home = self.back.home.repeated(len(guesses))
+        ends = self.back.walker.reached(home.unknowns, home.known, guesses)
         away = self.back.off(self.back.stated(ends.unknowns, guesses), known)
-        near = 10 * np.sqrt(Real(self.real).epsilon)  # type: ignore[arg-type]
-        told = (ends.shortest > 0.0) & (away < near)
+        told = (ends.shortest > 0.0) & (away < 10 * np.sqrt(self.epsilon))
         if easily:
             conditions = self.back.problem.system.conditions(ends.unknowns, guesses)
             told &= (ends.shortest >= PLAIN) & (conditions < HARD)
         return np.asarray(told)
 
     def off(self, found: np.ndarray, reached: np.ndarray) -> np.ndarray:
-        """Differences (n,), over the size or in rad; of maps by whole turns."""
-        if self.places is None:
-            return self.lines.distance(found, reached) / self.size
-        units = np.array(
-            [1.0 if c.is_angular else self.size for c in self.problem.system.unknowns]
-        )[self.places]
-        away = found - reached
-        turns = units == 1.0
-        away[:, turns] = np.angle(np.exp(1j * away[:, turns]))
-        return np.asarray(np.max(np.abs(away / units), axis=1))
+        """Largest differences (n,), over the size or in rad; of quaternions twice that, up to sign;
+        of maps but for whole turns.
+        """
+        if not self.is_map and not self.mechanism.serial:
+            q, r = found[:, 3:], reached[:, 3:]
+            turned = np.minimum(np.max(np.abs(q - r), axis=1), np.max(np.abs(q + r), axis=1))
+            return np.maximum(
+                np.max(np.abs(found[:, :3] - reached[:, :3]), axis=1) / self.size, 2 * turned
+            )
+        return self._away(found - reached, self.found_coordinates, turns=self.is_map)
+
+    def _away(
+        self, differences: np.ndarray, coordinates: Sequence[Coordinate], *, turns: bool
+    ) -> np.ndarray:
+        """The largest difference of coordinates (n,), over the size or in rad, with `turns` but for
+        whole ones.
+        """
+        units = np.array([1.0 if c.is_angular else self.size for c in coordinates])
+        angular, away = np.array([c.is_angular for c in coordinates]), differences / units
+        if turns:
+            away[:, angular] = np.angle(np.exp(1j * away[:, angular]))
+        return np.asarray(np.max(np.abs(away), axis=1))
+
+    def goals(self, count: int, reach: Reach, rng: np.random.Generator) -> np.ndarray:
+        """Goals as the C's numbers are."""
+        return self.asked.rounded(goals_about(self.kind, count, reach, rng))
+
+    def run(self, starts: Starts, goals: np.ndarray, rng: np.random.Generator) -> Outcome:
+        """Asks for all goals; walks the lines of all that are OK, and of some that are not."""
+        answers = self.answers(goals, starts.guesses)
+        walked = (answers.status == 0) | (rng.random(len(goals)) < _REFUSED)
+        begins, ends_at = self.line(starts.known, goals)
+        parts = self.walker.reached(starts.unknowns[walked], begins[walked], ends_at[walked])
+        ends = Ends(starts.unknowns.copy(), np.zeros(len(goals)), np.zeros(len(goals)))
+        for whole, part in (
+            (ends.unknowns, parts.unknowns),
+            (ends.done, parts.done),
+            (ends.shortest, parts.shortest),
+        ):
+            whole[walked] = part
+        begun = Starts(starts.unknowns, begins, starts.guesses)
+        return Outcome(begun, ends_at, answers, walked, ends, self._right(ends, ends_at, answers))
+
+    def line(self, known: np.ndarray, goals: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Begins and ends of lines: angles the nearer way round and within limits, quaternions of
+        the same sign and of length one, which those of float goals are not quite; a map's goals
+        are where they are.
+        """
+        begin, end, place = known.copy(), goals.copy(), 0
+        if self.is_map:
+            return begin, end
+        for c in self.problem.known_coordinates:
+            at = slice(place, place + c.width)
+            if c.kind == "quaternion":
+                end[:, at] *= np.where(np.sum(begin[:, at] * end[:, at], axis=1) < 0, -1.0, 1.0)[
+                    :, None
+                ]
+                end[:, at] /= np.linalg.norm(end[:, at], axis=1, keepdims=True)
+            elif c.kind == "angle" and not self.mechanism.serial:
+                turns = 2 * np.pi * np.round((end[:, place] - begin[:, place]) / (2 * np.pi))
+                if c.limits is None:
+                    end[:, place] -= turns
+                else:
+                    moved = begin[:, place] + turns
+                    begin[:, place] = np.where(
+                        (moved >= c.limits[0]) & (moved <= c.limits[1]), moved, begin[:, place]
+                    )
+            place += c.width
+        return begin, end
+
+    def _right(self, ends: Ends, goals: np.ndarray, answers: Answers) -> np.ndarray:
+        """Whether what is found is where the line leads, but for what rounding makes of the rows
+        there: 16 units in the last place times the condition, and 2e-7 of the size.
+        """
+        right = (answers.status == 0) & (ends.shortest > 0.0)
+        judged = np.flatnonzero(right)
+        if len(judged):
+            z, known = ends.unknowns[judged], goals[judged]
+            off = self.off(answers.found[judged], self.stated(z, known))
+            conditions = self.problem.system.conditions(z, known)
+            right[judged] = off < 2e-7 + 16 * self.epsilon * conditions
+        return right
+
+    def after(self, outcome: Outcome, home: Starts) -> Starts:
+        """Right answers, else home."""
+        reached = Starts(outcome.ends.unknowns, outcome.goals, outcome.answers.found)
+        return reached.where(outcome.right, home)
+
+    def beside_folds(self, outcome: Outcome, home: Starts, rng: np.random.Generator) -> Starts:
+        """Guesses short of the folds at which lines stopped, where the code's other problem gives
+        their known values back; else home.
+        """
+        stopped = outcome.walked & (outcome.ends.shortest == 0.0) & (outcome.ends.done > 0.0)
+        nearer = 10.0 ** -rng.uniform(1.0, _BESIDE[self.real], len(stopped))
+        part = (outcome.ends.done * (1.0 - nearer))[:, None]
+        begin = outcome.starts.known
+        known = begin + part * (outcome.goals - begin)
+        z, good = home.unknowns.copy(), np.zeros(len(stopped), dtype=bool)
+        if stopped.any():
+            parts = self.walker.reached(
+                outcome.starts.unknowns[stopped], begin[stopped], known[stopped]
+            )
+            z[stopped], good[stopped] = parts.unknowns, parts.shortest > 0.0
+        starts = Starts(z, known, self.stated(z, known))
+        return starts.where(good & self.gives_back(starts.guesses, known), home)
 
 
 def solved_by(kind: object, way: object = None) -> str:
@@ -155,43 +339,26 @@ def solved_by(kind: object, way: object = None) -> str:
     )
 
 
+def direction_of(asked: Asked, longest: float = LONGEST) -> Direction:
+    """The problem of a platform's or an arm's code."""
+    problem = build_problem(asked.mechanism, "inverse" if asked.mechanism.serial else "direct")
+    return Direction(asked, problem, longest, solved_by=solved_by(asked.program.kind))
+
+
 def directions(machine: Machine, real: str, folder: Path) -> list[Direction]:
-    """The problems of a machine's code that take a guess."""
-    library = built(machine, real, folder)
-    options = Options(real, home=machine.home, given=machine.given, find=machine.find)  # type: ignore[arg-type]
-    lines = Lines(machine.mechanism, options)
-    kind = lines.kind
+    """The problems of a machine's code that take a guess, walked in long steps."""
+    asked = Asked(machine.mechanism, machine.options(real), built(machine, real, folder))
+    kind = asked.program.kind
     if not isinstance(kind, JointMap):
-        start = lines.home(1)
-        home = Starts(start.unknowns, start.known, start.guesses)
-        return [
-            Direction(
-                machine,
-                real,
-                library,
-                library.ask_all,
-                lines.problem,
-                home,
-                lines,
-                None,
-                solved_by(kind),
-            )
-        ]
+        return [direction_of(asked, PLAIN)]
     found = []
     for way, function, wanted in (
-        (kind.direct, library.ask_all, machine.find),
-        (kind.inverse, library.ask_inverse, machine.given),
+        (kind.direct, "ask_all", machine.find),
+        (kind.inverse, "ask_inverse", machine.given),
     ):
-        problem, reference = way.problem, kind.reference
-        unknowns, known = (problem.select_values(reference, c) for c in (way.unknown, way.known))
         names = [c.name for c in way.unknown]
         places = np.array([way.problem.system.slices[names.index(n)].start for n in wanted])
-        home = Starts(unknowns[None], known[None], unknowns[None][:, places])
-        found.append(
-            Direction(
-                machine, real, library, function, problem, home, lines, places, solved_by(kind, way)
-            )
-        )
+        found.append(Direction(asked, way.problem, PLAIN, function, places, solved_by(kind, way)))
     direct, inverse = found
     return [replace(direct, back=inverse), replace(inverse, back=direct)]
 
@@ -200,7 +367,7 @@ def paths_of(direction: Direction, paths: int, steps: int, rng: np.random.Genera
     """Goals (steps, paths, known): sums of sines about home within limits; poses of an arm are
     those of such joints.
     """
-    mechanism = direction.machine.mechanism
+    mechanism = direction.mechanism
     arm = mechanism.serial
     coordinates = mechanism.actuated if arm else direction.problem.known_coordinates
     home = direction.home.unknowns[0] if arm else direction.home.known[0]
@@ -224,5 +391,5 @@ def paths_of(direction: Direction, paths: int, steps: int, rng: np.random.Genera
     found = np.stack(goals, axis=-1)
     if not arm:
         return found
-    kind: SerialArm = direction.lines.kind  # type: ignore[assignment]
+    kind: SerialArm = direction.kind  # type: ignore[assignment]
     return np.array([[kind.forward_at(q) for q in row] for row in found])

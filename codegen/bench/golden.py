@@ -19,12 +19,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from bench_cases import HOMES
+from asked import Asked
 from branches import LETTERS, RANGES, statuses
-from lines import Lines
+from directions import direction_of
+from subjects import machine_of
 from symkin.codegen.operation_bound import Bound
-from symkin.codegen.options import Options
-from symkin.formats.load import load
 
 BENCH = Path(__file__).parent
 GOLDEN = BENCH.parents[1] / "tests" / "data" / "golden_counts.toml"
@@ -36,42 +35,13 @@ LEGS = 2
 _TOLD = 8
 """Changed goals that a sentence names."""
 SEED = 42
-_SHIPPED = (
-    "delta",
-    "gluon_6l3",
-    "ren2008",
-    "scara",
-    "ur5e",
-    "yao2020",
-    "zhang2009",
-    "zhao2000",
-    "zhao2000_links",
+MACHINES = (
+    *("delta", "gluon_6l3", "ren2008", "scara", "ur5e", "yao2020"),
+    *("zhang2009", "zhao2000", "zhao2000_links", "five_bar", "hexaglide", "linear_delta"),
+    *("orthoglide", "six_rss", "three_rpr", "three_rps", "three_rrr", "tricept"),
+    *("ankle", "excavator_bucket", "four_bar", "slider_crank", "spherical_wrist"),
+    *("stephenson_six_bar", "watt_six_bar"),
 )
-_BENCH = (
-    "five_bar",
-    "hexaglide",
-    "linear_delta",
-    "orthoglide",
-    "six_rss",
-    "three_rpr",
-    "three_rps",
-    "three_rrr",
-    "tricept",
-)
-_MAPS = {
-    "ankle": (("upper_motor", "lower_motor"), ("ankle.1", "ankle.2")),
-    "excavator_bucket": (
-        ("boom_cylinder", "stick_cylinder", "bucket_cylinder"),
-        ("boom", "stick", "bucket"),
-    ),
-    "four_bar": (("crank",), ("follower",)),
-    "slider_crank": (("crank",), ("piston",)),
-    "spherical_wrist": (("motor1", "motor2", "motor3"), ("tip1", "tip2", "tip3")),
-    "stephenson_six_bar": (("crank",), ("output",)),
-    "watt_six_bar": (("crank",), ("output",)),
-}
-"""Maps between joints: given and found coordinates."""
-MACHINES = (*_SHIPPED, *_BENCH, *_MAPS)
 _HEAD = f"""\
 # What `python codegen/bench/golden.py --write` found of the generated C, for comparison.
 #
@@ -97,14 +67,14 @@ def found(machine: str, real: str) -> Figures:
     """The figures of one machine's C as it is written now; maps between joints have no lines to ask
     for.
     """
-    given, find = _MAPS.get(machine, ((), ()))
-    source = machine if machine not in _BENCH else str(BENCH / "machines" / f"{machine}.toml")
-    lines = Lines(load(source), Options(real, home=HOMES.get(machine), given=given, find=find))  # type: ignore[arg-type]
-    ranges = {} if given else RANGES
-    return Figures(
-        {function: _row(bound) for function, bound in lines.asked.program.worst.usual.items()},
-        {words: statuses(lines, GOALS, reach, SEED, LEGS) for words, reach in ranges.items()},
-    )
+    made = machine_of(machine)
+    asked = Asked(made.mechanism, made.options(real))
+    operations = {function: _row(bound) for function, bound in asked.program.worst.usual.items()}
+    if made.given:
+        return Figures(operations, {})
+    lines = direction_of(asked)
+    said = {words: statuses(lines, GOALS, reach, SEED, LEGS) for words, reach in RANGES.items()}
+    return Figures(operations, said)
 
 
 def _row(bound: Bound | None) -> tuple[int, ...] | None:

@@ -14,7 +14,6 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from directions import OUT_OF_RANGE, Direction
-from symkin.codegen.text.c import Real
 
 _STEP = 0.03
 """Length of a step from home (rad, or of the size)."""
@@ -53,19 +52,20 @@ def grazed(direction: Direction, lines: int, rng: np.random.Generator) -> Grazes
     if any(c.width != 1 for c in coordinates):
         return found
     known, guesses, beyond = _refused(direction, lines, rng)
-    near = _STAYS * np.sqrt(Real(direction.real).epsilon)  # type: ignore[arg-type]
+    near = _STAYS * np.sqrt(direction.epsilon)
     for k in range(_GOALS if len(known) else 0):
         part = 10.0 ** -rng.uniform(0.0, _FINE[direction.real], (len(known), 1)) if k % 2 else 0.5
-        goal = direction.rounded(beyond + part * (known - beyond))
-        status, answers = direction.answers(goal, guesses)
+        goal = direction.asked.rounded(beyond + part * (known - beyond))
+        status, answers, _ = direction.answers(goal, guesses)
         ok = (status == 0)[:, None]
         held = np.where(ok, answers, guesses)
-        again, there = direction.answers(goal, held)
+        again, there, _ = direction.answers(goal, held)
         there = np.where((again == 0)[:, None], there, held)
         moved = ok[:, 0] & ((again != 0) | (direction.off(there, held) > near))
         lost = moved.copy()
         for way in _WAYS_OUT if moved.any() else ():
-            lost &= direction.answers(direction.rounded(goal + way * (known - goal)), held)[0] != 0
+            back = direction.asked.rounded(goal + way * (known - goal))
+            lost &= direction.answers(back, held).status != 0
         found.asked, found.ok = found.asked + len(known), found.ok + int(ok.sum())
         found.moved, found.lost = found.moved + int(moved.sum()), found.lost + int(lost.sum())
         found.unread += int((moved & (again == OUT_OF_RANGE)).sum())
@@ -90,14 +90,14 @@ def _refused(
         np.array([c.limits[e] if c.limits else s * np.inf for c in coordinates])
         for e, s in ((0, -1), (1, 1))
     )
-    known, guesses = (np.repeat(values, lines, axis=0) for values in (home.known, home.guesses))
+    _, known, guesses = home.repeated(lines)
     way = rng.normal(size=known.shape)
     step = _STEP * units * way / np.linalg.norm(way, axis=1, keepdims=True)
     beyond, going, refused = known.copy(), np.ones(lines, bool), np.zeros(lines, bool)
     for _ in range(_STEPS):
-        goal = direction.rounded(known + step)
+        goal = direction.asked.rounded(known + step)
         going &= np.all((goal >= low) & (goal <= high), axis=1)
-        status, answers = direction.answers(goal, guesses)
+        status, answers, _ = direction.answers(goal, guesses)
         ends = going & (status != 0)
         beyond[ends], refused, going = goal[ends], refused | ends, going & ~ends
         known = np.where(going[:, None], goal, known)

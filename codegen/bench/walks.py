@@ -29,11 +29,19 @@ from pathlib import Path
 
 import numpy as np
 
-from closes import Machine, drawn, late, named
-from directions import HARD, OUT_OF_RANGE, PLAIN, Direction, directions, paths_of
+from asked import Machine
+from closes import drawn, late, named
+from directions import (
+    HARD,
+    OUT_OF_RANGE,
+    PLAIN,
+    REGULAR,
+    Direction,
+    Starts,
+    directions,
+    paths_of,
+)
 from grazes import Grazes, grazed
-from lines import REGULAR, Starts
-from symkin.codegen.text.c import Real
 from symkin.errors import InputError
 from symkin.formats.load import load
 
@@ -60,11 +68,8 @@ class Tally:
 
 def walked(direction: Direction, paths: int, steps: int, rng: np.random.Generator) -> Tally:
     """Follow random paths."""
-    tally, home = Tally(), direction.home
-    goals = direction.rounded(paths_of(direction, paths, steps, rng))
-    at = Starts(
-        *(np.repeat(part, paths, axis=0) for part in (home.unknowns, home.known, home.guesses))
-    )
+    tally, at = Tally(), direction.home.repeated(paths)
+    goals = direction.asked.rounded(paths_of(direction, paths, steps, rng))
     for goal in goals:
         at = _step(direction, at, goal, tally)
     return tally
@@ -74,10 +79,8 @@ def _step(direction: Direction, at: Starts, goal: np.ndarray, tally: Tally) -> S
     """Ask for the next goal of each path, judge the answers, and go on from those that are
     right.
     """
-    status, found = direction.answers(goal, at.guesses)
-    begin, end = (
-        (at.known, goal) if direction.places is not None else direction.lines.line(at.known, goal)
-    )
+    status, found, _ = direction.answers(goal, at.guesses)
+    begin, end = direction.line(at.known, goal)
     ends = direction.walker.reached(at.unknowns, begin, end)
     ok, regular, reached = (
         status == 0,
@@ -86,8 +89,8 @@ def _step(direction: Direction, at: Starts, goal: np.ndarray, tally: Tally) -> S
     )
     away = np.where(ok, direction.off(found, reached), 0.0)
     conditions = direction.problem.system.conditions(ends.unknowns, end)
-    epsilon = Real(direction.real).epsilon  # type: ignore[arg-type]
-    allowed = 2e-7 + 64 * epsilon * np.minimum(conditions, 1e6) + 2e-3 * (direction.real == "float")
+    rounding = 64 * direction.epsilon * np.minimum(conditions, 1e6)
+    allowed = 2e-7 + rounding + 2e-3 * (direction.real == "float")
     wrong = ok & ((ends.shortest <= 0.0) | (away > allowed))
     easy = regular & (conditions < HARD) & (ends.shortest >= PLAIN)
     stuck = ~ok & (status != OUT_OF_RANGE) & easy
@@ -95,7 +98,7 @@ def _step(direction: Direction, at: Starts, goal: np.ndarray, tally: Tally) -> S
     stuck &= direction.gives_back(reached, end) & direction.is_firm(ends.unknowns, end)
     # an answer that could not be left again, because the code does not read it, is rightly refused
     stuck &= direction.tells(reached, end, easily=True)
-    again, _ = direction.answers(goal, np.where(ok[:, None], found, at.guesses))
+    again = direction.answers(goal, np.where(ok[:, None], found, at.guesses)).status
     moved = ok & ~wrong & (again != 0) & regular & told
     tally.steps, tally.ok = tally.steps + len(goal), tally.ok + int(ok.sum())
     for what, which in (("wrong", wrong), ("stuck", stuck), ("moved", moved)):
@@ -107,13 +110,10 @@ def _step(direction: Direction, at: Starts, goal: np.ndarray, tally: Tally) -> S
             f"condition {conditions[k]:.2g}"
             for k in np.flatnonzero(which)[:1]
         ]
-    pairs = ((ends.unknowns, at.unknowns), (end, at.known), (found, at.guesses))
-    new = Starts(*(np.where((ok & ~wrong)[:, None], new, old) for new, old in pairs))
+    new = Starts(ends.unknowns, end, found).where(ok & ~wrong, at)
     untold = ok & ~wrong & ~told
     tally.anew += int(untold.sum())
-    home = direction.home
-    homes = ((home.unknowns, new.unknowns), (home.known, new.known), (home.guesses, new.guesses))
-    return Starts(*(np.where(untold[:, None], first, there) for first, there in homes))
+    return direction.home.where(untold, new)
 
 
 @dataclass

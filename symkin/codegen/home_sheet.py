@@ -17,7 +17,7 @@ import casadi as ca
 import numpy as np
 
 from symkin.codegen.joint_map import Direction, JointMap
-from symkin.codegen.samples import followed
+from symkin.codegen.samples import all_followed
 from symkin.model.joint import Coordinate, units_of
 
 _REACHES = (1.0, 0.8, 0.6, 0.45, 0.3, 0.2)
@@ -76,31 +76,29 @@ def _followed_rays(
     problem, system = direction.problem, direction.problem.system
     begin, home = made.reference_of(direction.known), made.reference_of(direction.unknown)
     scale = reach * _units(made, direction.known, 1.0 / 3.0)
-    determinant = _determinant(system.linearise_one(home, begin)[1])
-    found = [(np.zeros(len(begin)), home)]
-    side = np.linspace(-1.0, 1.0, _RAYS)
-    for share in product(side, repeat=len(begin)):
-        if max(abs(v) for v in share) < 1.0:
-            continue
-        z = home
-        for part in range(1, _PARTS + 1):
-            before, now = (np.array(share) * p / _PARTS for p in (part - 1, part))
-            after = followed(problem, z, begin + before * scale, begin + now * scale)
-            if after is None:
-                return None
-            z = after
-            if (
-                _determinant(system.linearise_one(z, begin + now * scale)[1])
-                < _REGULAR * determinant
-            ):
-                return None
-            found.append((now, z))
-    return found
+    least = _REGULAR * _determinants(system.linearise(home[None], begin[None])[1])[0]
+    shares = np.array(
+        [
+            v
+            for v in product(np.linspace(-1.0, 1.0, _RAYS), repeat=len(begin))
+            if max(map(abs, v)) >= 1.0
+        ]
+    )
+    parts, unknown = [], np.tile(home, (len(shares), 1))
+    for part in range(1, _PARTS + 1):
+        before, now = (begin + shares * p / _PARTS * scale for p in (part - 1, part))
+        unknown, whole = all_followed(problem, unknown, before, now)
+        if not whole.all() or _determinants(system.linearise(unknown, now)[1]).min() < least:
+            return None
+        parts.append([(share * part / _PARTS, z) for share, z in zip(shares, unknown, strict=True)])
+    rays = (point for ray in zip(*parts, strict=True) for point in ray)
+    return [(np.zeros(len(begin)), home), *rays]
 
 
-def _determinant(matrix: np.ndarray) -> float:
-    """|det|; 0 for a matrix that is not square, of which no box is told."""
-    return float(abs(np.linalg.det(matrix))) if matrix.shape[0] == matrix.shape[1] else 0.0
+def _determinants(matrices: np.ndarray) -> np.ndarray:
+    """|det| (n,); 0 of matrices that are not square, of which no box is told."""
+    square = matrices.shape[1] == matrices.shape[2]
+    return np.asarray(np.abs(np.linalg.det(matrices))) if square else np.zeros(len(matrices))
 
 
 def _fitted(

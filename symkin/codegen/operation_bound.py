@@ -12,7 +12,7 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 USUAL_ITERATIONS = 100
 """What a call without a config may take (NAME_MAX_STEPS)."""
@@ -64,9 +64,9 @@ def bounds(source: str, iterations: Sequence[int]) -> list[dict[str, Bound | Non
     None where the text does not tell it.
     """
     functions = {f.name: f for f in _functions(source)}
-    read, plain = dict[Tokens, list[_Statement]](), dict[Tokens, Count]()
     public = [name for name, f in functions.items() if f.is_public]
-    counters = [_Counter(functions, count, read, plain) for count in iterations]
+    first = _Counter(functions, iterations[0])
+    counters = [first, *(replace(first, iterations=count) for count in iterations[1:])]
     return [{name: counter.bound(name) for name in public} for counter in counters]
 
 
@@ -211,15 +211,20 @@ def _statement(tokens: Tokens, at: int) -> tuple[_Statement, int]:
 @dataclass
 class _Counter:
     """Counts the operations of functions, each once for each set of whole numbers that it is called
-    with. What is `read` of a text, and its `plain` expressions, are the same for all iterations.
+    with. What is `read` of a text is the same for all iterations, as are counts of expressions
+    without the functions that they call (`plain`), and of blocks without loops and calls (`fixed`).
     """
 
     functions: dict[str, _Function]
     iterations: int
-    read: dict[Tokens, list[_Statement]]
-    plain: dict[Tokens, Count]
-    _counts: dict[tuple[str, tuple[tuple[str, int], ...]], Count] = field(default_factory=dict)
-    _active: list[str] = field(default_factory=list)
+    read: dict[Tokens, list[_Statement]] = field(default_factory=dict)
+    plain: dict[Tokens, Count] = field(default_factory=dict)
+    fixed: dict[Tokens, Count] = field(default_factory=dict)
+    counts: dict[tuple[str, tuple[tuple[str, int], ...]], Count] = field(default_factory=dict)
+    active: list[str] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        self._leading = {"for", "while", *self.functions}
 
     def bound(self, name: str) -> Bound | None:
         """The bound of a call; None where the text does not tell it."""
@@ -234,17 +239,17 @@ class _Counter:
         iterations.
         """
         function = self.functions[name]
-        if name in self._active:
+        if name in self.active:
             raise NotDerivedError(f"{name} calls itself")
         numbers = {key: value for key, value in known.items() if key in function.parameters}
         if "config" in function.parameters:
             numbers.setdefault("config", _Allowed(self.iterations))
         key = (name, tuple(sorted(numbers.items())))
-        if key not in self._counts:
-            self._active.append(name)
-            self._counts[key] = self._block(function.body, numbers)
-            self._active.pop()
-        return self._counts[key]
+        if key not in self.counts:
+            self.active.append(name)
+            self.counts[key] = self._block(function.body, numbers)
+            self.active.pop()
+        return self.counts[key]
 
     def _statements(self, tokens: Tokens) -> list[_Statement]:
         if tokens not in self.read:
@@ -253,6 +258,13 @@ class _Counter:
 
     def _block(self, tokens: Tokens, known: Known) -> Count:
         """The sum of statements; what they tell of whole numbers stays within them."""
+        if not self._leading.isdisjoint(tokens):
+            return self._summed(tokens, known)
+        if tokens not in self.fixed:
+            self.fixed[tokens] = self._summed(tokens, {})
+        return self.fixed[tokens]
+
+    def _summed(self, tokens: Tokens, known: Known) -> Count:
         total, own = Count(), dict(known)
         for statement in self._statements(tokens):
             head = statement.head
@@ -295,8 +307,7 @@ class _Counter:
             raise NotDerivedError(f"for ({' '.join(head[1])})")
         values = range(first, max(ends) - 1, -1) if down else range(first, min(ends) + 1)
         test = self._expression(head[1], known)
-        inner = any(t in ("for", "while") or t in self.functions for t in body)
-        if not inner or name not in body:
+        if self._leading.isdisjoint(body) or name not in body:
             return _times(self._block(body, known) + test, len(values)) + test
         passes = (self._block(body, {**known, name: value}) + test for value in values)
         return sum(passes, start=Count(test))
@@ -383,6 +394,8 @@ class _Counter:
         if tokens not in self.plain:
             self.plain[tokens] = _operations(tokens, self.functions)
         total = self.plain[tokens]
+        if self.functions.keys().isdisjoint(tokens):
+            return total
         for k, token in enumerate(tokens):
             if token in self.functions and tokens[k + 1 : k + 2] == ("(",):
                 called = self.call(token, self._arguments(tokens, k, known))
@@ -413,7 +426,7 @@ def _operations(tokens: Tokens, functions: Collection[str]) -> Count:
         elif token == "++":
             total[f"++{tokens[-1]}"] += 1
         elif token[0] in _ARITHMETIC and token not in ("--", "->"):
-            if token.endswith("=") or _is_operand(tokens[:k]):
+            if token.endswith("=") or _is_operand(tokens, k):
                 total[_ARITHMETIC[token[0]]] += 1
         elif called and token not in functions:
             name = token.removesuffix("f")
@@ -425,11 +438,12 @@ def _operations(tokens: Tokens, functions: Collection[str]) -> Count:
     return total
 
 
-def _is_operand(before: Tokens) -> bool:
-    """Whether what stands before a sign is a value, so that the sign has two sides."""
-    token = before[-1] if before else ""
+def _is_operand(tokens: Tokens, k: int) -> bool:
+    """Whether what stands before the sign at k is a value, so that the sign has two sides."""
+    token = tokens[k - 1] if k else ""
     if token == ")":
         # brackets read from their end
+        before = tokens[:k]
         end = _closing(tuple({"(": ")", ")": "("}.get(t, t) for t in reversed(before)), 0)
         inside = before[len(before) - end : -1]
         return not inside or not all(_TYPE.match(t) or t == "*" for t in inside)

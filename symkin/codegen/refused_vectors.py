@@ -94,14 +94,17 @@ def _is_open_in_a_limb(
 def _is_open(
     system: System, known: np.ndarray, near: Sequence[np.ndarray], rng: np.random.Generator
 ) -> bool:
-    """Whether least squares leave the rows open at known values, from all of some starts and from
-    others about them.
+    """Whether least squares leave the rows open at known values, from all of some starts, and then
+    from others about them.
     """
     starts = np.array([near[i % len(near)] for i in range(max(_STARTS, len(near)))])
     steps = rng.normal(size=(len(starts), system.freedom)) * system.characteristic_length
     steps[: len(near)] = 0.0
-    ends = levenberg_marquardt(system, system.move(starts, steps), known).points
-    return bool(np.min(system.residuals(ends, known)) > _OPEN * system.characteristic_length)
+    begun, least = system.move(starts, steps), _OPEN * system.characteristic_length
+    return all(
+        np.min(system.residuals(levenberg_marquardt(system, part, known).points, known)) > least
+        for part in (begun[: len(near)], begun[len(near) :])
+    )
 
 
 def _beyond_passive(kind: LimbPlatform) -> list[np.ndarray]:

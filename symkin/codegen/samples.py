@@ -87,29 +87,19 @@ def _limb_signs(direct: Problem, values: np.ndarray) -> np.ndarray:
     return np.hstack(signs)
 
 
-def followed(
-    direct: Problem, z: np.ndarray, start: np.ndarray, goal: np.ndarray
-) -> np.ndarray | None:
-    """The unknowns after the joints' straight line from start to goal; None where it is not
-    followed (see `all_followed`).
-    """
-    ends, whole = all_followed(direct, z, start, goal[None])
-    return ends[0] if whole[0] else None
-
-
 def all_followed(
     direct: Problem, z: np.ndarray, start: np.ndarray, goals: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """The unknowns (n, width) after the joints' straight lines from start to each of the goals
-    (n, known), in small steps, and which lines (n,) are followed: none of whose steps fails, or
-    turns the matrix over, det(A^T B) < 0, where a fold was leapt.
+    """The unknowns (n, width) after the joints' straight lines from a start, or one of each (n,
+    known), to each of the goals (n, known), in small steps, and which lines (n,) are followed: none
+    of whose steps fails, or turns the matrix over, det(A^T B) < 0, where a fold was leapt.
     """
-    system = direct.system
+    system, starts = direct.system, np.broadcast_to(start, goals.shape)
     closed = CLOSURE_TOLERANCE * system.characteristic_length
-    ends, going = np.tile(z, (len(goals), 1)), np.arange(len(goals))
-    matrices = system.linearise(ends, np.tile(start, (len(goals), 1)))[1]
+    ends = np.broadcast_to(z, (len(goals), z.shape[-1])).copy()
+    going, matrices = np.arange(len(goals)), system.linearise(ends, starts)[1]
     for k in range(1, _STEPS + 1):
-        known = start + k / _STEPS * (goals[going] - start)
+        known = starts[going] + k / _STEPS * (goals[going] - starts[going])
         found = system.polish_many(ends[going], known, 6)
         turned = np.linalg.slogdet(matrices[going].transpose(0, 2, 1) @ found.jacobians)[0]
         fine = (

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import casadi as ca
 import numpy as np
@@ -16,11 +17,12 @@ from symkin.codegen.passive_limits import keeps_limits
 from symkin.codegen.pose_coordinates import COLUMNS
 from symkin.codegen.refused_vectors import infeasible_poses, joints_past
 from symkin.codegen.rod_platform import RodPlatform
-from symkin.codegen.samples import Configuration, configurations
+from symkin.codegen.samples import MORE, Configuration, configurations
 from symkin.codegen.serial_arm import NEARLY, SerialArm, closed_misfit
 from symkin.codegen.text.c import Real
 from symkin.errors import InputError
 from symkin.model.joint import Coordinate, units_of
+from symkin.numeric.mapped import Mapped
 from symkin.numeric.system import System
 from symkin.position.problem import Problem, build_problem
 from symkin.position.solution import pose_of
@@ -269,7 +271,7 @@ def _each(system: System) -> list[tuple[str, str]]:
     return [(c.role, c.name) for c in system.unknowns for _ in range(c.freedom)]
 
 
-def _decided(arm: SerialArm, branches: ca.Function | None) -> list[bool]:
+def _decided(arm: SerialArm, branches: Mapped | None) -> list[bool]:
     """For each sample of an arm whether the steps of its closed form decide their joints firmly
     there, as at most samples, and reach the pose as vectors have it. The pose of an arm of fewer
     than six joints is beside those that it can take by rounding, and a joint that is decided weakly
@@ -278,7 +280,7 @@ def _decided(arm: SerialArm, branches: ca.Function | None) -> list[bool]:
     if branches is None or len(arm.actuated) >= 6:
         return [True] * len(arm.samples)
     size = arm.mechanism.characteristic_length
-    found = np.array([np.asarray(branches(_canonical(pose))[2]).ravel() for _, pose in arm.samples])
+    found = branches(np.array([_canonical(pose) for _, pose in arm.samples]))[2][:, :, 0]
     firm = np.all(~(found < _FIRM * np.nanmedian(found, axis=0)), axis=1)
     gaps, rng = [], np.random.default_rng(22)
     for _, pose in arm.samples:
@@ -291,9 +293,9 @@ def _decided(arm: SerialArm, branches: ca.Function | None) -> list[bool]:
     return (firm & (np.array(gaps) < _REACHED * closed_misfit(arm.real, size))).tolist()  # type: ignore[no-any-return]
 
 
-def _reached(arm: SerialArm, branches: ca.Function, target: np.ndarray) -> float:
+def _reached(arm: SerialArm, branches: Mapped, target: np.ndarray) -> float:
     """How far the nearest branch of a closed form is from a pose."""
-    ends = np.asarray(branches(target)[0]).T
+    ends = branches(target[None])[0][0].T
     size = arm.mechanism.characteristic_length
     return min(
         (_pose_gap(arm.forward_at(q), target, size) for q in ends if np.all(np.isfinite(q))),
@@ -315,43 +317,27 @@ def _serial(arm: SerialArm) -> _Found:
     real, size = arm.real, arm.mechanism.characteristic_length
     system = arm.inverse.system
     tolerance = real.epsilon * size * (1.0 if real.name == "float" else 1e4)
-    rng = np.random.default_rng(21)
+    scales = units_of(arm.actuated, size)
     rows: list[_Row] = []
     jacobians: list[np.ndarray] = []
     branches = _branches(arm)
-    for (q, _), firm in zip(arm.samples, _decided(arm, branches), strict=True):
-        if len(rows) == COUNT:
-            break
-        given = rounded_to(real, q)
-        pose = _canonical(arm.forward_at(given))
-        target = rounded_to(real, tidied(pose, _pose_scales(size)))
-        condition = system.condition(given, target)
-        unit = target / np.array([1, 1, 1, *[np.linalg.norm(target[3:])] * 4])
-        units = np.array(units_of(arm.actuated, size))
-        away = (
-            _AWAY
-            if branches is None
-            else min(_AWAY, _AWAY_SHARE * np.sqrt(_least_square(branches, given, target)))
-        )
-        beside = units * np.round(
-            (given + away * rng.uniform(-1, 1, len(q)) * _scales(arm)) / units, 6
-        )
-        guess = rounded_to(real, _within(beside, arm.actuated))
-        if condition > (60.0 if arm.is_redundant else 300.0) or not firm:
-            continue
-        end = _followed(arm, guess, unit, branches)
-        if end is None:
-            continue
-        if not arm.is_redundant and np.max(np.abs(end - given) / _scales(arm)) > 1e-6:
-            continue
-        inverse = end if arm.is_redundant else system.polish(given, unit, 6)
-        scales = units_of(arm.actuated, size)
-        bound = _bound(real, size, condition, tolerance)
-        rows.append(
-            (given, guess, tidied(pose, _pose_scales(size)), tidied(inverse, scales), bound)
-        )
-        if len(jacobians) < JACOBIANS:
-            jacobians.append(tidied(arm.jacobian_at(given), size).ravel())
+    lines = _lines(arm, branches)
+    while lines and len(rows) < COUNT:
+        # some lines more than are lacking, since not all are followed
+        tried, lines = lines[: COUNT - len(rows) + MORE], lines[COUNT - len(rows) + MORE :]
+        ends, whole = _all_followed(arm, tried, branches)
+        for line, end, is_whole in zip(tried, ends, whole, strict=True):
+            given = line.joints
+            if len(rows) == COUNT or not is_whole:
+                continue
+            if not arm.is_redundant and np.max(np.abs(end - given) / _scales(arm)) > 1e-6:
+                continue
+            inverse = end if arm.is_redundant else system.polish(given, line.target, 6)
+            bound = _bound(real, size, line.condition, tolerance)
+            pose = tidied(_canonical(arm.forward_at(given)), _pose_scales(size))
+            rows.append((given, line.guess, pose, tidied(inverse, scales), bound))
+            if len(jacobians) < JACOBIANS:
+                jacobians.append(tidied(arm.jacobian_at(given), size).ravel())
     zero = np.array([c.reference[0] for c in arm.actuated])
     singular = np.linalg.svd(
         arm.kernel.matrix(zero, arm.forward_at(zero), arm.geometry.values), compute_uv=False
@@ -367,8 +353,43 @@ def _serial(arm: SerialArm) -> _Found:
     return rows, jacobians, np.zeros(0), starts
 
 
+class _Line(NamedTuple):
+    """Joints of an arm, a guess beside them, their pose as generated code reads it, with a unit
+    quaternion, and the condition there.
+    """
+
+    joints: np.ndarray
+    guess: np.ndarray
+    target: np.ndarray
+    condition: float
+
+
+def _lines(arm: SerialArm, branches: Mapped | None) -> list[_Line]:
+    """Lines to the samples at which an arm is regular and its closed form decides firmly."""
+    real, size, rng = arm.real, arm.mechanism.characteristic_length, np.random.default_rng(21)
+    units = np.array(units_of(arm.actuated, size))
+    joints = [rounded_to(real, q) for q, _ in arm.samples]
+    poses = [tidied(_canonical(arm.forward_at(q)), _pose_scales(size)) for q in joints]
+    targets = [rounded_to(real, pose) for pose in poses]
+    away = np.full(len(joints), _AWAY)
+    if branches is not None:
+        squares = _least_squares(branches, np.array(joints), np.array(targets))
+        away = np.minimum(_AWAY, _AWAY_SHARE * np.sqrt(squares))
+    found, firm = [], _decided(arm, branches)
+    for k, (given, target) in enumerate(zip(joints, targets, strict=True)):
+        moves = away[k] * rng.uniform(-1, 1, len(given)) * _scales(arm)
+        guess = rounded_to(
+            real, _within(units * np.round((given + moves) / units, 6), arm.actuated)
+        )
+        condition = arm.inverse.system.condition(given, target)
+        if condition <= (60.0 if arm.is_redundant else 300.0) and firm[k]:
+            unit = target / np.array([1, 1, 1, *[np.linalg.norm(target[3:])] * 4])
+            found.append(_Line(given, guess, unit, condition))
+    return found
+
+
 def _within(joints: np.ndarray, coordinates: Sequence[Coordinate]) -> np.ndarray:
-    """The nearest joint values that are clearly within the limits."""
+    """The nearest joint values (joints,) or (n, joints) that are clearly within the limits."""
     ranges = np.array([c.limits or (-np.inf, np.inf) for c in coordinates])
     finite = np.isfinite(ranges[:, 1])
     aside = np.where(finite, _ASIDE * (ranges[:, 1] - np.where(finite, ranges[:, 0], 0.0)), 0.0)
@@ -379,7 +400,7 @@ def _scales(arm: SerialArm) -> np.ndarray:
     return np.array(units_of(arm.actuated, 0.1 * arm.mechanism.characteristic_length))
 
 
-def _branches(arm: SerialArm) -> ca.Function | None:
+def _branches(arm: SerialArm) -> Mapped | None:
     """At a pose the joint values of all branches of the closed form, a column each; the least
     square by which a step of each decides; the strengths of the first one's steps. None without a
     closed form.
@@ -395,41 +416,50 @@ def _branches(arm: SerialArm) -> ca.Function | None:
         ca.horzcat(*least),
         made[0].strengths,
     ]
-    return ca.Function("branches", [symbol], outputs)
+    return Mapped.of([symbol], outputs)
 
 
-def _least_square(branches: ca.Function, q: np.ndarray, pose: np.ndarray) -> float:
-    """The least square by which a step of the branch decides that the joints are of; 0 where there
-    is none.
+def _least_squares(branches: Mapped, joints: np.ndarray, poses: np.ndarray) -> np.ndarray:
+    """The least square (n,) by which a step of the branch decides that joints (n, joints) are of; 0
+    where there is none.
     """
-    joints, squares, _ = (np.asarray(part) for part in branches(pose))
-    gaps = np.abs(np.angle(np.exp(1j * (joints - q[:, None])))).max(axis=0)
-    nearest = int(np.argmin(np.where(np.isfinite(gaps), gaps, np.inf)))
-    return max(float(squares[0, nearest]), 0.0) if np.isfinite(gaps[nearest]) else 0.0
+    found, squares, _ = branches(poses)
+    gaps = np.abs(np.angle(np.exp(1j * (found - joints[:, :, None])))).max(axis=1)
+    gaps = np.where(np.isfinite(gaps), gaps, np.inf)
+    every, nearest = np.arange(len(joints)), np.argmin(gaps, axis=1)
+    told = np.maximum(squares[every, 0, nearest], 0.0)
+    return np.asarray(np.where(np.isfinite(gaps[every, nearest]), told, 0.0))
 
 
-def _followed(
-    arm: SerialArm, guess: np.ndarray, target: np.ndarray, branches: ca.Function | None
-) -> np.ndarray | None:
-    """The joints after the line of poses from the guess's to the target, in small steps; None where
-    one is long, leaves limits, or is too near to another branch for a closed form's check of lines.
+def _all_followed(
+    arm: SerialArm, lines: Sequence[_Line], branches: Mapped | None
+) -> tuple[np.ndarray, np.ndarray]:
+    """The joints (n, joints) after the lines of poses from the guesses' to the targets, in small
+    steps, and which lines (n,) are followed: no step is long, leaves limits, or is too near to
+    another branch for a closed form's check of lines.
     """
     least = NEARLY if arm.plan is not None and arm.plan[1] else _CLEAR * arm.real.epsilon
-    start = arm.forward_at(guess)
-    start = start if start[3:] @ target[3:] > 0 else np.concatenate([start[:3], -start[3:]])
-    q = guess
+    ends, targets = np.array([line.guess for line in lines]), np.array([v.target for v in lines])
+    starts = np.array([arm.forward_at(guess) for guess in ends])
+    starts[:, 3:] *= np.where(np.sum(starts[:, 3:] * targets[:, 3:], axis=1) > 0, 1.0, -1.0)[
+        :, None
+    ]
+    going = np.arange(len(lines))
     for k in range(1, 41):
-        pose = start + k / 40 * (target - start)
-        pose[3:] /= np.linalg.norm(pose[3:])
-        moved = arm.inverse.system.polish(q, pose, 6)
-        if np.max(np.abs(moved - q) / _scales(arm)) > 0.1 or np.any(
-            moved != _within(moved, arm.actuated)
-        ):
-            return None
-        if branches is not None and _least_square(branches, moved, pose) <= least:
-            return None
-        q = moved
-    return q
+        poses = starts[going] + k / 40 * (targets[going] - starts[going])
+        poses[:, 3:] /= np.linalg.norm(poses[:, 3:], axis=1, keepdims=True)
+        moved = arm.inverse.system.polish_many(ends[going], poses, 6).points
+        fine = np.max(np.abs(moved - ends[going]) / _scales(arm), axis=1) <= 0.1
+        fine &= np.all(moved == _within(moved, arm.actuated), axis=1)
+        if branches is not None:
+            fine &= _least_squares(branches, moved, poses) > least
+        going = going[fine]
+        ends[going] = moved[fine]
+        if not going.size:
+            break
+    whole = np.zeros(len(lines), dtype=bool)
+    whole[going] = True
+    return ends, whole
 
 
 def _canonical(pose: np.ndarray) -> np.ndarray:

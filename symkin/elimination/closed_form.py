@@ -282,7 +282,7 @@ def _begun(system: System, rows: ca.SX, samples: np.ndarray) -> tuple[Workspace,
             samples,
             system.characteristic_length,
         )
-        work.rows = [work.tidied(row) for row in polynomials]
+        work.rows = work.all_tidied(polynomials)
         terms = sum(len(row.terms) for row in work.rows)
         if chosen is None or terms < chosen[0]:
             chosen = terms, work, before

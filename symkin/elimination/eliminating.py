@@ -377,9 +377,7 @@ def _defer(
 ) -> None:
     """Put rows that give unknowns aside, and rows without them in their place."""
     gone = {id(row) for row in (givers if taken is None else taken)}
-    work.rows = [row for row in work.rows if id(row) not in gone] + [
-        work.tidied(row) for row in rest
-    ]
-    work.rows = [row for row in work.rows if work.ring.held(row)]
+    left = [row for row in work.rows if id(row) not in gone]
+    work.rows = [row for row in (*left, *work.all_tidied(rest)) if work.ring.held(row)]
     work.deferred.append(Deferred(unknowns, tuple(givers)))
     work.active -= set(unknowns)

@@ -272,7 +272,7 @@ def _limb(system: System, poses: np.ndarray) -> _Limb | None:
     except NotPolynomialError:
         return None
     work = Workspace(ring, rows, set(), [system.known], poses, system.characteristic_length)
-    rows = [work.tidied(row) for row in rows]
+    rows = work.all_tidied(rows)
     if any(not c.is_constant() for row in rows for m, c in row.terms.items() if m != ring.one):
         return None
     point = ca.vertcat(*(row.terms.get(ring.one, ca.SX(0)) for row in rows))

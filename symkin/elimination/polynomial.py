@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from operator import add
 from typing import Literal
 
 import casadi as ca
@@ -93,7 +94,7 @@ class Ring:
         terms: dict[Monomial, ca.SX] = {}
         for a, x in first.terms.items():
             for b, y in second.terms.items():
-                monomial = tuple(i + j for i, j in zip(a, b, strict=True))
+                monomial = tuple(map(add, a, b))
                 add_term(terms, monomial, times(x, y))
         return self._reduced(terms)
 
@@ -160,32 +161,42 @@ class Ring:
         return polynomial.terms.get(self.one, ca.SX(0))
 
 
-def times(first: float | ca.SX, second: ca.SX) -> ca.SX:
-    """A product of coefficients, of constants as numbers, which takes a fraction of the time."""
-    if isinstance(first, float):
-        if first == 1.0:
-            return second
-    elif first.is_constant():
-        first = float(first)
-    if isinstance(first, float) and second.is_constant():
-        return ca.SX(first * float(second))
-    return first * second
+def times(first: float | ca.SX, second: float | ca.SX) -> float | ca.SX:
+    """A product of coefficients, of constants as numbers, which takes a fraction of the time; that
+    of two floats is one.
+    """
+    if isinstance(first, float) and first == 1.0:
+        return second
+    a, b = _number(first), _number(second)
+    if a is None or b is None:
+        return (first if a is None else a) * second
+    both = isinstance(first, float) and isinstance(second, float)
+    return a * b if both else ca.SX(a * b)
 
 
-def add_term(terms: dict[Monomial, ca.SX], monomial: Monomial, coefficient: ca.SX) -> None:
+def add_term(terms: dict[Monomial, ca.SX], monomial: Monomial, coefficient: float | ca.SX) -> None:
     """Add to a coefficient. Constants that cancel to rounding leave nothing, since a sum of
     constants forgets its terms.
     """
     before = terms.get(monomial)
     if before is None:
         terms[monomial] = coefficient
-    elif before.is_constant() and coefficient.is_constant():
-        first, second = float(before), float(coefficient)
-        cancelled = abs(first + second) <= _CANCELLED * (abs(first) + abs(second))
-        terms[monomial] = ca.SX(0.0 if cancelled else first + second)
-    else:
+        return
+    a, b = _number(before), _number(coefficient)
+    if a is None or b is None:
         whole = before + coefficient
         terms[monomial] = ca.SX(0) if whole.is_zero() else whole
+        return
+    total = 0.0 if abs(a + b) <= _CANCELLED * (abs(a) + abs(b)) else a + b
+    both = isinstance(before, float) and isinstance(coefficient, float)
+    terms[monomial] = total if both else ca.SX(total)
+
+
+def _number(value: float | ca.SX) -> float | None:
+    """The number that a constant is, None for what is none."""
+    if isinstance(value, float):
+        return value
+    return float(value) if value.is_constant() else None
 
 
 def _moved(monomial: Monomial, changes: dict[int, int]) -> Monomial:

@@ -45,7 +45,8 @@ def polynomial_rows(
     halves = _halved(function, ring)
     reader = _Reader(ring, system, halves)
     walk(function, reader)
-    return [_whole(ring, reader.found[k], halves) for k in range(int(rows.shape[0]))]
+    whole = (_whole(ring, reader.found[k], halves) for k in range(int(rows.shape[0])))
+    return [Polynomial({m: ca.SX(c) for m, c in row.terms.items()}) for row in whole]
 
 
 @dataclass
@@ -103,8 +104,8 @@ def _combined(op: int, operands: Sequence[AngleSum | float]) -> AngleSum:
 
 @dataclass
 class _Reader:
-    """Evaluator that makes polynomials; the generators of an angle in `halves` are those of half of
-    it.
+    """Evaluator that makes polynomials, whose constant coefficients are floats meanwhile; the
+    generators of an angle in `halves` are those of half of it.
     """
 
     ring: Ring
@@ -117,10 +118,17 @@ class _Reader:
             return self.ring.constant(self.system.known[nonzero])
         if self.ring.unknowns[nonzero].is_angular:
             return AngleSum.of(nonzero)
-        return self.ring.generator(self.ring.places[nonzero][0])
+        return self._generator(self.ring.places[nonzero][0])
 
     def constant(self, number: float) -> _Value:
-        return self.ring.constant(number)
+        return self._constant(number)
+
+    def _constant(self, value: float | ca.SX) -> Polynomial:
+        known = ca.SX(value)
+        return Polynomial({self.ring.one: float(known) if known.is_constant() else known})
+
+    def _generator(self, place: int) -> Polynomial:
+        return Polynomial({self.ring.power(place): 1.0})
 
     def output(self, number: int, nonzero: int, value: _Value) -> None:
         if number == 0:
@@ -143,9 +151,7 @@ class _Reader:
 
     def _factor(self, op: int, value: Polynomial) -> AngleSum | float:
         """A number beside angles: a constant factor, or something known that is added."""
-        known = self.ring.scalar(value)
-        if known is None:
-            raise NotPolynomialError
+        known = self._known(value)
         if op == ca.OP_MUL:
             if not known.is_constant():
                 raise NotPolynomialError
@@ -155,8 +161,8 @@ class _Reader:
     def _cosine_and_sine(self, angle: AngleSum) -> tuple[Polynomial, Polynomial]:
         """By the addition theorems, from those of the offset."""
         cosine, sine = (
-            self.ring.constant(ca.cos(angle.offset)),
-            self.ring.constant(ca.sin(angle.offset)),
+            self._constant(ca.cos(angle.offset)),
+            self._constant(ca.sin(angle.offset)),
         )
         product = self.ring.product
         for unknown, factor in angle.factors.items():
@@ -164,7 +170,7 @@ class _Reader:
             count = factor / own
             if count != round(count):
                 raise NotPolynomialError
-            c, s = (self.ring.generator(place) for place in self.ring.places[unknown])
+            c, s = (self._generator(place) for place in self.ring.places[unknown])
             for _ in range(abs(round(count))):
                 turn = s.times(1.0 if count > 0 else -1.0)
                 cosine, sine = (
@@ -181,7 +187,7 @@ class _Reader:
                 return a.times(-1.0 if op == ca.OP_NEG else 2.0)
             if op == ca.OP_SQ:
                 return ring.product(a, a)
-            return ring.constant(ca.SX.unary(op, self._known(a)))
+            return self._constant(ca.SX.unary(op, self._known(a)))
         a, b = operands
         if op in (ca.OP_ADD, ca.OP_SUB):
             return a.plus(b, 1.0 if op == ca.OP_ADD else -1.0)
@@ -189,14 +195,14 @@ class _Reader:
             return ring.product(a, b)
         if op == ca.OP_DIV:
             return a.times(1 / self._known(b))
-        return ring.constant(ca.SX.binary(op, self._known(a), self._known(b)))
+        return self._constant(ca.SX.binary(op, self._known(a), self._known(b)))
 
     def _known(self, value: Polynomial) -> ca.SX:
         """Raises NotPolynomialError for what depends on unknowns."""
         known = self.ring.scalar(value)
         if known is None:
             raise NotPolynomialError
-        return known
+        return ca.SX(known)
 
 
 def _whole(ring: Ring, row: Polynomial, halves: set[int]) -> Polynomial:

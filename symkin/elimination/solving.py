@@ -23,7 +23,7 @@ from symkin.elimination.workspace import Deferred, Workspace
 def solve_deferred(work: Workspace) -> bool:
     """Solve what has been deferred and hangs on solved unknowns only."""
     for entry in work.deferred:
-        rows = [work.known_put_in(row) for row in entry.rows]
+        rows = work.known_put_in(entry.rows)
         if set().union(*map(work.ring.held, rows)) <= set(entry.unknowns):
             work.deferred.remove(entry)
             return _from_rows(work, entry, rows)

@@ -116,7 +116,27 @@ class Workspace:
         """The same row without coefficients that are zero, and with numbers for those that are
         constant.
         """
-        values, sizes = self._numbers_and_sizes(list(row.terms.values()))
+        return self.all_tidied([row])[0]
+
+    def all_tidied(self, rows: Sequence[Polynomial]) -> list[Polynomial]:
+        """Each of some rows as `tidied` makes it."""
+        return [
+            self._tidied(row, values, sizes)
+            for row, (values, sizes) in zip(rows, self._of_rows(rows), strict=True)
+        ]
+
+    def _of_rows(self, rows: Sequence[Polynomial]) -> list[tuple[np.ndarray, np.ndarray]]:
+        """Of each row its coefficients (samples, terms) at the sampled values and the sizes of
+        their terms, of all rows together.
+        """
+        values, sizes = self._numbers_and_sizes([c for row in rows for c in row.terms.values()])
+        ends = np.cumsum([len(row.terms) for row in rows])
+        return [
+            (values[:, end - len(row.terms) : end], sizes[:, end - len(row.terms) : end])
+            for row, end in zip(rows, ends, strict=True)
+        ]
+
+    def _tidied(self, row: Polynomial, values: np.ndarray, sizes: np.ndarray) -> Polynomial:
         units = np.array([self._unit(monomial) for monomial in row.terms])
         largest = np.max(np.abs(values) * units, axis=1, initial=0.0, keepdims=True)
         vanishing = np.all(np.abs(values) <= ROUNDING * np.maximum(sizes, largest / units), axis=0)
@@ -141,11 +161,9 @@ class Workspace:
 
     def is_parallel(self, first: Sequence[ca.SX], second: Sequence[ca.SX]) -> bool:
         """Whether two vectors of coefficients are parallel at all samples."""
-        largest = int(np.argmax(np.min(np.abs(self.numbers(first)), axis=0)))
-        return all(
-            bool(self.agree(a * second[largest], first[largest] * b).all())
-            for a, b in zip(first, second, strict=True)
-        )
+        values, sizes = self._numbers_and_sizes([*first, *second])
+        n = len(first)
+        return _parallel(values[:, :n], sizes[:, :n], values[:, n:], sizes[:, n:])
 
     def agree(self, first: ca.SX, second: ca.SX) -> np.ndarray:
         """Samples at which two expressions differ by rounding only."""
@@ -218,10 +236,13 @@ class Workspace:
             number, part = self.ring.generators[place]
             self.values[place] = self.define(value, f"{self.name(number)}_{part}")
         self.active.discard(unknown)
-        self.rows = [row for row in map(self.known_put_in, self.rows) if self.ring.held(row)]
+        self.rows = [row for row in self.known_put_in(self.rows) if self.ring.held(row)]
 
-    def known_put_in(self, row: Polynomial) -> Polynomial:
-        """A row with the values of what is solved."""
+    def known_put_in(self, rows: Sequence[Polynomial]) -> list[Polynomial]:
+        """Rows with the values of what is solved."""
+        return self.all_tidied([self._put_in(row) for row in rows])
+
+    def _put_in(self, row: Polynomial) -> Polynomial:
         terms: dict[tuple[int, ...], ca.SX] = {}
         for monomial, coefficient in row.terms.items():
             left = list(monomial)
@@ -230,31 +251,32 @@ class Workspace:
                     coefficient = coefficient * value
                 left[place] = 0
             add_term(terms, tuple(left), coefficient)
-        return self.tidied(Polynomial(terms))
+        return Polynomial(terms)
 
     def without_repeats(self) -> None:
         """Leave out rows that are multiples of others: of two parts of a turned one, put that
         together; else keep the later one where the first comes nearer to zero by half.
         """
         kept: list[Polynomial] = []
-        for row in self.rows:
-            if not self.ring.held(row):
-                continue
-            alike = next((i for i, other in enumerate(kept) if self._repeats(row, other)), None)
+        rows = [row for row in self.rows if self.ring.held(row)]
+        found = dict(zip(rows, self._of_rows(rows), strict=True))
+        for row in rows:
+            alike = next(
+                (
+                    i
+                    for i, other in enumerate(kept)
+                    if _repeats(row, other, found[row], found[other])
+                ),
+                None,
+            )
             if alike is None:
                 kept.append(row)
             elif (whole := self._put_together(row, kept[alike])) is not None:
                 kept[alike] = whole
+                found[whole] = self._of_rows([whole])[0]
             elif self._least(row) > 2.0 * self._least(kept[alike]):
                 kept[alike] = row
         self.rows = kept
-
-    def _repeats(self, row: Polynomial, other: Polynomial) -> bool:
-        """Whether a row is a multiple of another at all samples."""
-        monomials = sorted(row.terms)
-        return sorted(other.terms) == monomials and self.is_parallel(
-            [row.terms[m] for m in monomials], [other.terms[m] for m in monomials]
-        )
 
     def _put_together(self, row: Polynomial, other: Polynomial) -> Polynomial | None:
         """Of rows a F and b F with known a and b, of which a^2 + b^2 = c^2 is constant, and neither
@@ -276,3 +298,35 @@ class Workspace:
     def _least(self, row: Polynomial) -> float:
         """The smallest length of a row's coefficients among the samples."""
         return float(np.min(np.linalg.norm(self.numbers(list(row.terms.values())), axis=1)))
+
+
+def _repeats(
+    row: Polynomial,
+    other: Polynomial,
+    own: tuple[np.ndarray, np.ndarray],
+    others: tuple[np.ndarray, np.ndarray],
+) -> bool:
+    """Whether a row is a multiple of another at all samples, by coefficients and sizes of each."""
+    if row.terms.keys() != other.terms.keys():
+        return False
+    places = {monomial: k for k, monomial in enumerate(other.terms)}
+    order = [places[monomial] for monomial in row.terms]
+    return _parallel(*own, *(part[:, order] for part in others))
+
+
+def _parallel(
+    first: np.ndarray, first_sizes: np.ndarray, second: np.ndarray, second_sizes: np.ndarray
+) -> bool:
+    """Whether vectors (samples, n) are parallel at all samples, as far as the sizes of their terms
+    tell: a_i b_l = a_l b_i for the place l at which the first is farthest from zero.
+    """
+    at = int(np.argmax(np.min(np.abs(first), axis=0)))
+    a, a_size = first[:, at, None], first_sizes[:, at, None]
+    b, b_size = second[:, at, None], second_sizes[:, at, None]
+    sizes = (
+        np.abs(first) * b_size
+        + np.abs(b) * first_sizes
+        + np.abs(a) * second_sizes
+        + np.abs(second) * a_size
+    )
+    return bool(np.all(np.abs(first * b - a * second) <= ROUNDING * sizes))

@@ -24,7 +24,7 @@ def _one_folder_of_a_kind(_shared_folders_of_c):
         )
         # what calls the code itself needs no vectors; the campaign of this name runs own tests
         patch.setattr(
-            firmware_tools.bench_module("closes"), "write_folder", firmware_tools.write_code
+            firmware_tools.bench_module("asked"), "write_folder", firmware_tools.write_code
         )
         yield
 

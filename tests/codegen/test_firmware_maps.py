@@ -21,11 +21,11 @@ from helpers.inside import (
     JointMap,
     Options,
     Real,
+    all_followed,
     app,
     build_program,
     can_run,
     folder_files,
-    followed,
     home_sheet,
     map_configurations,
     run_own_test,
@@ -522,9 +522,10 @@ def test_polynomials_about_home_lie_where_the_map_leads():
         made.direct.problem,
     )
     begin, home = made.reference_of(made.given), made.reference_of(made.direct.unknown)
-    for share in rng.uniform(-1, 1, (30, len(begin))):
-        there = followed(problem, home, begin, begin + share * sheet.reach)
-        assert there is not None
+    shares = rng.uniform(-1, 1, (30, len(begin)))
+    ends, whole = all_followed(problem, home, begin, begin + shares * sheet.reach)
+    assert whole.all()
+    for share, there in zip(shares, ends, strict=True):
         full = made.reference.copy()
         full[problem.unknown_places] = there
         found = problem.select_values(full, made.found)

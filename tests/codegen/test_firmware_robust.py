@@ -15,7 +15,6 @@ from helpers import joint_types, samples
 from helpers.gate import in_gate
 from helpers.inside import Options, write_folder
 from helpers.wide_five_bar import wide_five_bar
-from symkin import load
 
 TRAPS = "trap"
 SANITIZED = ["-O1", "-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"]
@@ -138,7 +137,8 @@ def test_not_one_ok_on_another_branch(name, count, real, least):
     """
     tools.compiler("gcc")
     branches = tools.bench_module("branches")
-    found = branches.study(load(name), Options(real, home=branches.HOMES.get(name)), count, seed=4)
+    machine = tools.bench_module("subjects").machine_of(name)
+    found = branches.study(machine.mechanism, machine.options(real), count, seed=4)
     assert found.wrong == 0
     assert found.ok_of_regular > least
 
@@ -148,9 +148,10 @@ def test_all_near_goals_are_ok():
     """Within 60 mm and 0.25 rad of home every answer is OK and right."""
     tools.compiler("gcc")
     branches = tools.bench_module("branches")
+    machine = tools.bench_module("subjects").machine_of("zhang2009")
     near = branches.study(
-        load("zhang2009"),
-        Options("float", home=branches.HOMES["zhang2009"]),
+        machine.mechanism,
+        machine.options("float"),
         200,
         branches.Reach(60.0 / 531.2592, 0.25),
         seed=5,

@@ -209,14 +209,12 @@ FAR = {
 def test_far_goals_that_were_answered_wrongly(name):
     """What is OK is what the fine walk of the line reaches, and no line that ends is OK."""
     tools.compiler("gcc")
-    lines, bench = tools.bench_module("lines"), tools.bench_module("branches")
+    asked, directions, subjects = map(tools.bench_module, ("asked", "directions", "subjects"))
     real, goals = FAR[name]
-    machine = Path(bench.__file__).parent / "machines" / f"{name}.toml"
-    asked = lines.Lines(
-        symkin.load(machine if machine.exists() else name),
-        Options(real, home=bench.HOMES.get(name)),
-    )
-    outcome = asked.run(asked.home(len(goals)), np.array(goals), np.random.default_rng(0))
+    machine = subjects.machine_of(name)
+    lines = directions.direction_of(asked.Asked(machine.mechanism, machine.options(real)))
+    home = lines.home.repeated(len(goals))
+    outcome = lines.run(home, np.array(goals), np.random.default_rng(0))
     assert not np.any(outcome.ok & ~outcome.right)
 
 
@@ -247,12 +245,11 @@ def test_a_regular_line_is_not_refused(name, tmp_path):
     real, guess, goal = (np.array([v]) for v in REGULAR[name])
     machine = symkin.load(Path(closes.__file__).parent / "machines" / f"{name}.toml")
     (direction,) = directions.directions(closes.Machine(machine), str(real[0]), tmp_path)
-    status, found = direction.answers(goal, guess)
+    status, found, _ = direction.answers(goal, guess)
     assert status[0] == 0
-    back = direction.library.back_all
-    begin, _ = closes.asked(back, str(real[0]), [guess], [goal.shape[1]], "ios")
+    _, begin = direction.asked.back(guess)
     for part in np.linspace(0.0, 1.0, 51)[1:]:
-        status, guess = direction.answers(begin + part * (goal - begin), guess)
+        status, guess, _ = direction.answers(begin + part * (goal - begin), guess)
         assert status[0] == 0
     assert direction.off(found, guess)[0] < 1e-4
 
@@ -330,8 +327,8 @@ def test_a_short_line_that_is_refused_is_not_tried_for_ever(tmp_path):
     """
     tools.compiler("gcc")
     direct, _ = _map_directions("sarrus", "float", tmp_path)
-    goals = direct.rounded(np.linspace(0.6397, 0.6437, 100)[:, None])
-    status, _ = direct.answers(goals, np.full_like(goals, -2.367640733718872))
+    goals = direct.asked.rounded(np.linspace(0.6397, 0.6437, 100)[:, None])
+    status = direct.answers(goals, np.full_like(goals, -2.367640733718872)).status
     assert not np.any(status == 1)  # MAX_ITERATIONS
 
 
@@ -348,10 +345,12 @@ def test_a_slide_beside_zero_is_not_answered_on_the_other_side(tmp_path):
     )
     guess = home.guesses
     for part in np.linspace(0.0, 1.0, 60)[1:]:
-        at = direction.rounded(home.known + part * (goal - home.known))
-        status, answer = direction.answers(at, guess)
+        at = direction.asked.rounded(home.known + part * (goal - home.known))
+        status, answer, _ = direction.answers(at, guess)
         guess = answer if status[0] == 0 else guess
-    goals = direction.rounded(goal + 1e-5 * rng.normal(size=(500, 4)) * [1.0, 1.0, 1.0, 100.0])
-    status, answers = direction.answers(goals, np.repeat(guess, 500, axis=0))
-    again, _ = direction.answers(goals, answers)
+    goals = direction.asked.rounded(
+        goal + 1e-5 * rng.normal(size=(500, 4)) * [1.0, 1.0, 1.0, 100.0]
+    )
+    status, answers, _ = direction.answers(goals, np.repeat(guess, 500, axis=0))
+    again = direction.answers(goals, answers).status
     assert np.all(again[status == 0] == 0)

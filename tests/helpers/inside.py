@@ -480,7 +480,7 @@ NAMES = {
     "build_program": "symkin.codegen.program",
     "readme_of": "symkin.codegen.readme:readme",
     "configurations": "symkin.codegen.samples",
-    "followed": "symkin.codegen.samples",
+    "all_followed": "symkin.codegen.samples",
     "SerialArm": "symkin.codegen.serial_arm",
     "declared_functions": "symkin.codegen.signature:FUNCTIONS",
     "tidied": "symkin.codegen.text.simplification",
