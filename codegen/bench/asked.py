@@ -49,7 +49,7 @@ class Machine:
 
 
 def built(machine: Machine, real: str, folder: Path) -> ctypes.CDLL:
-    """The library of a machine's code, whose own test has passed: else `write_folder` refuses."""
+    """The library of a machine's code; `write_folder` refuses it where its own test fails."""
     mechanism = (
         machine.mechanism if machine.given else with_limbs(machine.mechanism, "firmware", "")
     )

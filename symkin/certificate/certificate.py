@@ -303,10 +303,9 @@ class _Roots:
     def _is_pose_by_bits(self, i: int) -> bool:
         with precision(_DOUBLE):
             balls = BallSystem(self.system, self.knowns.numbers(int(self.instance[i])))
-            point = self.centre[:, i]
-            return prove_pose(
-                balls, point.real if self.real[i] else point, is_real=bool(self.real[i])
-            )
+            is_real = bool(self.real[i])
+            point = self.centre[:, i].real if is_real else self.centre[:, i]
+            return prove_pose(balls, point, float(self.half[i]), is_real=is_real)
 
     @cached_property
     def distinct(self) -> np.ndarray:

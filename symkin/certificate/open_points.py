@@ -86,15 +86,23 @@ def _prove(
     return box, "" if box is not None else reason
 
 
-def prove_pose(balls: BallSystem, point: np.ndarray, *, is_real: bool) -> bool:
-    """Whether more bits show that the root at a point is a pose: its rotation may have large
-    entries, e.e close to zero, and the box of doubles hold zero.
+def prove_pose(balls: BallSystem, point: np.ndarray, half: float, *, is_real: bool) -> bool:
+    """Whether more bits show that the one root within `half` of a point is a pose: its rotation may
+    have large entries, e.e close to zero, and the box of doubles hold zero.
     """
     chart, ring = chart_of(balls, point.real if is_real else point), REAL if is_real else COMPLEX
     if chart is None:
         return False
-    boxes = (enclose(balls, chart, ring, point, bits) for bits in _BITS[1:])
-    return any(box is not None and is_pose(balls.system, box) for box in boxes)
+    for bits in _BITS[1:]:
+        box = enclose(balls, chart, ring, point, bits)
+        if box is None:
+            continue
+        # charts about a point and about its box's centre differ by rounding: half of the way is
+        # left to it, and what lies nearer is the same root
+        away = float(np.max(np.abs(box.point - point))) + box.rounding + box.radius
+        if away <= 0.5 * half and is_pose(balls.system, box):
+            return True
+    return False
 
 
 def _conjugates(given: np.ndarray) -> dict[int, int]:

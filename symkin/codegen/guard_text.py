@@ -133,7 +133,7 @@ class GuardText:
             lines += [
                 f"const {real.type} bend{j} = {bend};",
                 f"const {real.type} lesser{j} = (({a} < {b}) ? {a} : {b}) - {rounding};",
-                f"const {real.type} greater{j} = ({a} < {b}) ? {b} : {a};",
+                f"const {real.type} greater{j} = (({a} < {b}) ? {b} : {a}) - {rounding};",
                 f"const {real.type} most{j} = {real.literal(3.0)} * lesser{j} + greater{j};",
                 f"if (!((lesser{j} > {zero}) && (bend{j} < most{j}))) {{",
                 *(
@@ -248,7 +248,7 @@ of the given angles: a finite sum of waves in the angles and of Chebyshev polyno
 over their ranges, with amplitudes $a$, so that $|g''| \le \sum_a |a| (\sum_i k_i |d_i|)^2$, $k_i$
 the order of the wave (of a Chebyshev polynomial its largest derivatives). The amplitudes are those
 of exact trigonometric interpolation of $g$, compared with it at points of their own when the code
-was generated. Values of $g$ below 64 roundings of the sum of its amplitudes count as zero."""
+was generated."""
 
 _ROOT = r"""A guard that holds the root $r$ of another one, $D$, is $P + Q r$ with polynomials $P$
 and $Q$; where $D \ge m$ on a part of the line, $r' = D' / (2 r)$ and
@@ -284,10 +284,15 @@ def guard_tables(name: str, watched: Mapping[str, Watched]) -> str:
     """A README's tables of what is watched along lines: the bound of each guard over the widest
     ranges, and the word for how it is known.
     """
-    parts = ["## What is watched along a line"]
+    parts = [
+        "## What is watched along a line",
+        "On a part of a line on which given values change by $d_i$ a guard $g$ bends by at most "
+        r"$|g''| \le \sum_i W_i \, d_i^2$. Values of $g$ below 64 roundings of its size count as "
+        "zero.",
+    ]
     for function, (ways, guards) in watched.items():
         lines = [f"`{name}_{function}`, by the squares of changes of {', '.join(ways)}:", ""]
-        lines += ["| above 0 stays | $W / 2$ | largest | bound |", "|---|---|---|---|"]
+        lines += ["| above 0 stays | $W / 2$ | size | bound |", "|---|---|---|---|"]
         parts.append("\n".join([*lines, *(_row(guard) for guard in guards)]))
     return "\n\n".join(parts)
 

@@ -91,8 +91,11 @@ def _limb(found: Mobility, limb: AnyLimb) -> Iterator[str]:
     m = found.closure.mechanism
     relations = Counter(r.relation for r in found.closure.row_sources if r.limb == limb.name)
     rows = ", ".join(f"{count} {relation}" for relation, count in relations.items())
-    links = "" if limb.links == (BASE, PLATFORM) else f", {limb.links[0]} - {limb.links[1]}"
-    yield f"  {limb.name} ({limb.type}){links}: rows: {rows or 'none left'}"
+    links, told = "", "rows"
+    if limb.links != (BASE, PLATFORM):
+        # of a loop of links the rows are those of the limb that closes it
+        links, told = f", {limb.links[0]} - {limb.links[1]}", "rows of its loop"
+    yield f"  {limb.name} ({limb.type}){links}: {told}: {rows or 'none left'}"
     yield from (f"    {_joint(m, joint)}" for joint in limb.joints)
     yield from (f"    {_rod(bar)}" for bar in limb.bars(m.reference_pose))
 

@@ -77,10 +77,7 @@ def is_tied(group: Problem) -> bool:
     system = group.system
     if int(system.rows.shape[0]) <= system.freedom:
         return False
-    free, values = (
-        system.freed(group.known_coordinates),
-        np.array(closed_configurations(group.closure, 0)),
-    )
+    values = np.array(closed_configurations(group.closure, 0))
     places = np.concatenate([group.unknown_places, group.known_places])
     free = system.freed(group.known_coordinates)
     jacobians = free.linearise(values[:, places], np.zeros(0))[1]

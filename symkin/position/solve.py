@@ -274,10 +274,10 @@ def _from_some(
 
 
 def _near(problem: Problem, solver: Solver) -> float:
-    """Closure error (length unit) up to which an end may be a solution: damped steps end where the
-    digits of a file leave them, others may be held off by limits.
+    """Closure error (length unit) up to which an end may be a solution: others than those that the
+    digits of a file leave open may be held off by limits.
     """
-    share = DIGITS if isinstance(solver, Levenberg) else _NEARLY_CLOSED
+    share = DIGITS if _may_be_least(problem, solver) else _NEARLY_CLOSED
     return share * problem.closure.characteristic_length
 
 
@@ -329,9 +329,11 @@ def _judge(
         return ("singular" if is_singular(problem, path[0], known) else "nonfinite"), left
     end = system.wrap(system.unit(end))
     left = system.residual(system.polish(end, known), known)
-    near = isinstance(solver, Levenberg) or left <= CLOSURE_TOLERANCE * system.characteristic_length
-    if near and _is_answer(problem, system.polish(end, known, POLISHING), known):
-        return "ok", left
+    near = left <= CLOSURE_TOLERANCE * system.characteristic_length
+    if near or _may_be_least(problem, solver):
+        polished = system.polish(end, known, POLISHING)
+        if _is_answer(problem, polished, known):
+            return "ok", left
     if isinstance(solver, Levenberg) or system.width == 0:
         return "infeasible", left
     if is_singular(problem, path[0], known):
@@ -342,6 +344,13 @@ def _judge(
     if not any(is_root(system, z, known) for z in reached):
         return "infeasible", min(best, left)
     return ("singular" if is_singular(problem, end, known) else "max_iterations"), left
+
+
+def _may_be_least(problem: Problem, solver: Solver) -> bool:
+    """Whether an end counts that closes redundant rows only to the digits of a file: values by name
+    are given of files that were not written for symkin, and damped steps end there.
+    """
+    return problem.by_name or isinstance(solver, Levenberg)
 
 
 def _is_answer(problem: Problem, z: np.ndarray, known: np.ndarray) -> bool:

@@ -226,12 +226,13 @@ def jacobian(
     `kind` is "direct" (t = J q'), "inverse" (q' = J^-1 t), "analytic" (rates of the pose
     coordinates) or "passive" (x' = Jp q'), as `Jacobian` says with shapes and units. With
     `parameters` the geometry stays symbols, else it is bound as numbers. Passive joints are
-    eliminated limb by limb with orthogonal projections (see `symkin.velocity.equations`); of a
-    graph of links with a platform link, group by group, with geometry as numbers. `of` and
-    `by` name coordinates of any mechanism, a graph of links too: joints, passive ones too, and x,
-    y, z, azimuth, tilt, torsion of the platform; the matrix is that of the rates of `of` by those
-    of `by`, which are as many as the mobility. Raises InputError for a kind that is unknown or that
-    the mechanism lacks, and for names that nothing has or that do not decide the motion.
+    eliminated with orthogonal projections, in parts that share none (see
+    `symkin.velocity.equations`); of a graph of links with a platform link, group by group, with
+    geometry as numbers. `of` and `by` name coordinates of any mechanism, a graph of links too:
+    joints, passive ones too, and x, y, z, azimuth, tilt, torsion of the platform; the matrix is
+    that of the rates of `of` by those of `by`, which are as many as the mobility. Raises InputError
+    for a kind that is unknown or that the mechanism lacks, and for names that nothing has or that
+    do not decide the motion.
 
         >>> import symkin
         >>> arm = symkin.load("gluon_6l3")

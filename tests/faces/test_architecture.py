@@ -7,6 +7,7 @@ from __future__ import annotations
 import ast
 import gc
 import re
+import tomllib
 from collections.abc import Iterator
 from functools import cache, lru_cache
 from itertools import pairwise
@@ -327,3 +328,10 @@ def test_the_way_of_the_data_has_at_most_eight_steps() -> None:
         re.search(r"`[\w/]+\.py`: `\w+`", line)
         for line in re.findall(r"^\d\. .*(?:\n   .*)*", text, re.M)
     )
+
+
+def test_each_fault_of_the_mutations_stands_in_the_code() -> None:
+    """A fault whose text has gone is no longer tried, and its test guards nothing that is known."""
+    faults = tomllib.loads((TESTS / "campaigns" / "mutations.toml").read_text())["fault"]
+    for fault in faults:
+        assert (ROOT / fault["file"]).read_text().count(fault["old"]) == 1, fault["name"]

@@ -100,7 +100,7 @@ def test_a_special_platform_stays_below_the_bound():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", in_gate(range(6), [3, 4]))
 def test_forty_poses_of_a_nearly_special_hexapod_are_proved(seed):
     """Some of Ren's hexapod have rotations with entries of 1e6, beside which boxes of double
     precision are wide.

@@ -191,7 +191,12 @@ def test_loops_that_close_only_to_the_digits_of_a_file_have_configurations(tmp_p
     assert exact is not None
     solved = symkin.solve(symkin.load(path), given={"input": 40.0})
     listed = symkin.modes(symkin.load(path), given={"input": 40.0})
-    for found, notes in ((solved.solution, solved.notes), (listed[0], listed.notes)):
+    others = [
+        symkin.solve(symkin.load(path), given={"input": 40.0}, solver=name)
+        for name in ("ipopt", "fast_newton")
+    ]
+    results = [(one.solution, one.notes) for one in (solved, *others)]
+    for found, notes in (*results, (listed[0], listed.notes)):
         assert found is not None
         assert 1e-6 < found.residual < 1e-2
         assert found.joints == pytest.approx(exact.joints, abs=1e-2)

@@ -77,7 +77,7 @@ def _empty_cache(tmp_path, monkeypatch):
     # as in a process that has not met these blocks
     monkeypatch.setattr(group_solvers, "group_paths", group_paths)
     # blocks that have a closed form take their paths here
-    monkeypatch.setattr(group_solvers, "closed_block", lambda _group, _number: None)
+    monkeypatch.setattr(group_solvers, "closed_block", lambda *_: None)
 
 
 # --- the polynomials ------------------------------------------------------------------------------
