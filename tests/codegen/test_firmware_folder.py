@@ -102,10 +102,10 @@ def test_the_readme_says_how_each_bound_is_known(name, given, find, grounds):
     """
     program = build_program(symkin.load(name), Options(given=given, find=find))
     chapter = readme_of(program).split("## What is watched along a line\n\n")[1].split("\n## ")[0]
-    tables = chapter.strip().split("\n\n`")
+    _, *tables = chapter.strip().split("\n\n`")
     assert len(tables) == len(grounds)
     for table, (function, words) in zip(tables, grounds.items(), strict=True):
         rows = [line for line in table.splitlines() if line.startswith("|")][2:]
-        assert table.lstrip("`").startswith(f"{name}_{function}`")
+        assert table.startswith(f"{name}_{function}`")
         assert len(rows) == len(program.watched[function][1]) > 0
         assert {row.rstrip(" |").split("| ")[-1] for row in rows} == words
