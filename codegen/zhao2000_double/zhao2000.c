@@ -1376,7 +1376,8 @@ static bool zhao2000_direct_keeps(zhao2000_direct_work *w, const zhao2000_real c
     const zhao2000_real bend0 = 216000.0 * sum0;
     const zhao2000_real lesser0 = ((w->left[0] < w->guard[0])
         ? w->left[0] : w->guard[0]) - 6.91e-10;
-    const zhao2000_real greater0 = (w->left[0] < w->guard[0]) ? w->guard[0] : w->left[0];
+    const zhao2000_real greater0 = ((w->left[0] < w->guard[0])
+        ? w->guard[0] : w->left[0]) - 6.91e-10;
     const zhao2000_real most0 = 3.0 * lesser0 + greater0;
     if (!((lesser0 > 0.0) && (bend0 < most0))) {
         if (kept && (lesser0 > 0.0)) {
@@ -1398,7 +1399,8 @@ static bool zhao2000_direct_keeps(zhao2000_direct_work *w, const zhao2000_real c
         + per0 * (2.24e+16 * sum0 + per0 * per0 * (2.38e+20 * sum0));
     const zhao2000_real lesser1 = ((w->left[1] < w->guard[1])
         ? w->left[1] : w->guard[1]) - noise1[w->reach];
-    const zhao2000_real greater1 = (w->left[1] < w->guard[1]) ? w->guard[1] : w->left[1];
+    const zhao2000_real greater1 = ((w->left[1] < w->guard[1])
+        ? w->guard[1] : w->left[1]) - noise1[w->reach];
     const zhao2000_real most1 = 3.0 * lesser1 + greater1;
     if (!((lesser1 > 0.0) && (bend1 < most1))) {
         if (kept && (lesser1 > 0.0)) {
@@ -1410,7 +1412,8 @@ static bool zhao2000_direct_keeps(zhao2000_direct_work *w, const zhao2000_real c
     /* divisor 1: proved */
     const zhao2000_real bend2 = 57600.0 * sum0;
     const zhao2000_real lesser2 = ((w->left[2] < w->guard[2]) ? w->left[2] : w->guard[2]) - 2.3e-10;
-    const zhao2000_real greater2 = (w->left[2] < w->guard[2]) ? w->guard[2] : w->left[2];
+    const zhao2000_real greater2 = ((w->left[2] < w->guard[2])
+        ? w->guard[2] : w->left[2]) - 2.3e-10;
     const zhao2000_real most2 = 3.0 * lesser2 + greater2;
     if (!((lesser2 > 0.0) && (bend2 < most2))) {
         if (kept && (lesser2 > 0.0)) {
@@ -1423,7 +1426,8 @@ static bool zhao2000_direct_keeps(zhao2000_direct_work *w, const zhao2000_real c
     const zhao2000_real bend3 = 4.0 * sum0;
     const zhao2000_real lesser3 = ((w->left[3] < w->guard[3])
         ? w->left[3] : w->guard[3]) - 2.13e-14;
-    const zhao2000_real greater3 = (w->left[3] < w->guard[3]) ? w->guard[3] : w->left[3];
+    const zhao2000_real greater3 = ((w->left[3] < w->guard[3])
+        ? w->guard[3] : w->left[3]) - 2.13e-14;
     const zhao2000_real most3 = 3.0 * lesser3 + greater3;
     if (!((lesser3 > 0.0) && (bend3 < most3))) {
         if (kept && (lesser3 > 0.0)) {
