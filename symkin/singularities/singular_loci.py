@@ -36,11 +36,7 @@ _FEW_HITS = 2
 
 @verb
 @takes(LociOptions)
-def singular_loci(
-    solution: Solution,
-    plane: Sequence[str],
-    **options: Unpack[LociOptions],
-) -> Loci:
+def singular_loci(solution: Solution, plane: Sequence[str], **options: Unpack[LociOptions]) -> Loci:
     """Find the curves of singular configurations over two coordinates, or the points over one, all
     others as in `solution`.
 
