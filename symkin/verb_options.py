@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import functools
 import inspect
+import re
 from collections.abc import Callable, Sequence
 from dataclasses import KW_ONLY, dataclass
 from types import NoneType
@@ -16,6 +17,8 @@ from symkin.errors import InputError
 from symkin.text import not_among
 
 Verb = TypeVar("Verb", bound=Callable[..., Any])
+_MODULES = re.compile(r"\b(typing|collections\.abc)\.")
+"""Modules from which types are imported by name."""
 
 
 GIVEN, HOW, OUTPUT = "What is given", "How it is found", "Output"
@@ -62,10 +65,10 @@ def words_of(kind: Any) -> tuple[str, ...]:
 
 
 def _written(kind: Any) -> str:
-    """A type as it is written."""
+    """A type as it is written where its names are imported."""
     if isinstance(kind, ForwardRef):
         return kind.__forward_arg__
-    return kind.__name__ if type(kind) is type else str(kind)
+    return kind.__name__ if type(kind) is type else _MODULES.sub("", str(kind))
 
 
 def takes(record: type) -> Callable[[Verb], Verb]:
@@ -97,7 +100,7 @@ def takes(record: type) -> Callable[[Verb], Verb]:
                 if name not in whole.parameters:
                     raise TypeError(f"{verb.__name__} has no argument {name!r}")
                 words = allowed.get(name)
-                if words and word is not None and word not in words:
+                if words and word not in (*words, defaults[name]):
                     raise InputError(f"{name} = {not_among(word, words)}")
             return verb(*values, **(defaults | named))
 

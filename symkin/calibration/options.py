@@ -13,6 +13,7 @@ FORMS: tuple[Form, ...] = get_args(Form)
 """Forms of the residuals."""
 Loss = Literal["squared", "huber", "cauchy"]
 OutlierRule = Literal["remove", "report", "ignore"]
+SEED = Option("Seed of random numbers.", "N", default=0)
 LEAST_CHANGE = "least"
 """Frames chosen by the least change from nominal."""
 
@@ -49,7 +50,7 @@ class FitOptions(TypedDict, total=False):
             default=False,
         ),
     ]
-    seed: Annotated[int, Option("Seed of random numbers.", "N", default=0)]
+    seed: Annotated[int, SEED]
     level: Annotated[float | None, Option()]
     max_iterations: Annotated[int, Option(default=60)]
 

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from symkin.calibration.design.plan_options import PlanOptions
+from symkin.calibration.options import SEED
 from symkin.cli.calibrate_options import (
     MEASURES,
     AllNoise,
@@ -23,7 +24,7 @@ from symkin.cli.calibrate_options import (
     ReadingsOption,
     Space,
 )
-from symkin.cli.options import MechArgument, SeedOption, check_output, names_from
+from symkin.cli.options import MechArgument, check_output, names_from
 from symkin.cli.quantities import (
     angle_pairs,
     check_noise,
@@ -88,7 +89,7 @@ def simulate(
         bool,
         Option("Leave the sequence out of the header.", group=OUTPUT),
     ] = False,
-    seed: SeedOption = 0,
+    seed: Annotated[int, SEED] = 0,
     force: ForceOption = False,
 ) -> None:
     """Write measurements as a measuring system would take them, of random postures or those of a

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated
 
 from symkin.cli.options import MechArgument
 from symkin.cli.reading import RobotFile, read_options
+from symkin.position.options import ConvertOptions
 from symkin.verb_options import OUTPUT, Option
 
 
@@ -22,19 +23,14 @@ def convert(
             flags=("-o", "--output"),
         ),
     ],
-    loops: Annotated[
-        Literal["loop", "yaml"],
-        Option(
-            "URDF: loops in the file as those of URDF+, or in a YAML file beside it.", group=OUTPUT
-        ),
-    ] = "loop",
+    options: ConvertOptions,
 ) -> None:
     """Write a mechanism in another format: `symkin convert ankle -o ankle.xml`. Its kinematics are
     the same; masses are plain.
     """
     from symkin.position.convert import convert as convert_one
 
-    written = convert_one(mech, output, read_options(read), loops=loops)
+    written = convert_one(mech, output, read_options(read), **options)
     print(f"written: {written}")
-    if loops == "yaml":
+    if options["loops"] == "yaml":
         print(f"written: {written.with_suffix('.yaml')}")

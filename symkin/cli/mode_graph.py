@@ -1,27 +1,20 @@
 """`symkin mode-graph`."""
 
-from typing import Annotated, TypedDict
+from typing import Annotated
 
 from symkin.cli.options import JsonOption, MechArgument, print_result, ranges_from
 from symkin.cli.pictures import Picture
 from symkin.cli.progress import progress_bar
 from symkin.cli.reading import RobotFile
 from symkin.cli.values import Asked
-from symkin.position.options import JOINTS, VALUES
+from symkin.following.options import GraphOptions
 from symkin.verb_options import ASKED, Option
-
-
-class GraphInput(TypedDict):
-    """Options of the chosen input."""
-
-    joints: Annotated[str | None, JOINTS]
-    given: Annotated[str | None, VALUES]
 
 
 def mode_graph(
     mech: MechArgument,
     read: RobotFile,
-    inputs: GraphInput,
+    options: GraphOptions,
     picture: Picture,
     over: Annotated[
         str,
@@ -49,7 +42,7 @@ def mode_graph(
             asked.mechanism,
             axes,
             points,
-            **asked.values(GraphInput, inputs),
+            **asked.values(GraphOptions, options),
             progress=progress,
         )
     drawn = asked.drawing.of(found)

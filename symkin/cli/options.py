@@ -40,10 +40,6 @@ MechArgument = Annotated[
         complete=mechanism_names,
     ),
 ]
-SeedOption = Annotated[
-    int,
-    Option("Seed of random numbers.", "N"),
-]
 FolderOption = Annotated[Path, Option("Folder to write.", "DIR", OUTPUT, flags=("-o", "--output"))]
 JsonOption = Annotated[
     bool,

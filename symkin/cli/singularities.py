@@ -9,8 +9,6 @@ from symkin.cli.options import (
     JsonOption,
     MechArgument,
     names_from,
-    numbers_from,
-    pairs_from,
     print_result,
 )
 from symkin.cli.pictures import PictureOfSides
@@ -21,16 +19,17 @@ from symkin.cli.streams import say
 from symkin.cli.values import Asked
 from symkin.errors import InputError
 from symkin.ignored_options import refuse_ignored
-from symkin.position.options import SEED, Begun
 from symkin.position.solve_result import SolveError
 from symkin.result import Result
+from symkin.singularities.options import LociOptions, SingularityOptions
 from symkin.verb_options import ASKED, Option
 
 
 def singularities(
     mech: MechArgument,
     read: RobotFile,
-    inputs: Begun,
+    *,
+    options: SingularityOptions,
     form: PoseForm,
     picture: PictureOfSides,
     plane: Annotated[
@@ -44,35 +43,7 @@ def singularities(
             ASKED,
         ),
     ] = None,
-    window: Annotated[
-        str | None,
-        Option(
-            "The window of --plane, in the file's units.", "U0:U1,V0:V1", ASKED, flags=("--range",)
-        ),
-    ] = None,
-    starts: Annotated[
-        int | None,
-        Option("Random starts for --plane. Default: 200.", "N"),
-    ] = None,
-    seed: Annotated[int | None, SEED] = None,
-    output: Annotated[
-        str | None,
-        Option(
-            "What type 1 and 2 are about, of x, y, z, rx, ry, rz (velocities, base frame) or "
-            "joints, in place of position and "
-            "orientation together.",
-            "NAME,...",
-            ASKED,
-        ),
-    ] = None,
-    point: Annotated[
-        str | None,
-        Option(
-            "The output's point in the platform's frame; without --output x,y,z of it.",
-            "X,Y,Z",
-            ASKED,
-        ),
-    ] = None,
+    of_plane: LociOptions,
     as_json: JsonOption = False,
 ) -> int:
     """Name the singularity of one configuration, driven by its actuated joints or what --given
@@ -81,29 +52,27 @@ def singularities(
     from symkin.singularities.configuration import configuration
 
     if plane is None:
-        loci_only = {"--range": window, "--starts": starts, "--seed": seed}
+        ranges, starts, seed = of_plane["ranges"], of_plane["starts"], of_plane["seed"]
         refuse_ignored(
-            loci_only,
+            {"--range": ranges, "--starts": starts, "--seed": seed},
             "such options belong to --plane U,V, which names the two coordinates of loci",
             "give --plane",
         )
-    if plane is not None and (output is not None or point is not None):
+    elif options["output"] is not None or options["point"] is not None:
         raise InputError(
             "--output and --point belong to one configuration, not to --plane, whose loci are "
             "those of the platform"
         )
-    if plane is not None and (picture["names"] is not None or picture["views"] is not None):
+    elif picture["names"] is not None or picture["views"] is not None:
         raise InputError(
             "--names and --views belong to the picture of one configuration, not to that of "
             "--plane, which shows curves"
         )
     asked = Asked.of(mech, read, form, picture)
-    unit = asked.unit
-    needed = "U0:U1,V0:V1, such as -100:100,-50:50,"
-    sides = None if window is None else pairs_from(window, "range", unit, needed)
-    values = asked.values(Begun, inputs, "pose", "given", "start")
+    curves = asked.values(LociOptions, of_plane)
+    values = asked.values(SingularityOptions, options, "pose", "given", "start")
+    wanted = {name: values.pop(name) for name in ("output", "point") if name in values}
     driven = list(values["given"]) if "given" in values else None
-    outputs = None if output is None else names_from(output)
     try:
         solution = configuration(asked.mechanism, **values)
     except SolveError as error:
@@ -115,21 +84,12 @@ def singularities(
     if plane is None:
         from symkin.singularities.classification import singularity
 
-        found = singularity(
-            solution, given=driven, output=outputs, point=numbers_from(point, "point", unit)
-        )
+        found = singularity(solution, given=driven, **wanted)
     else:
-        from symkin.singularities.singular_loci import DEFAULT_STARTS, singular_loci
+        from symkin.singularities.singular_loci import singular_loci
 
         with progress_bar("singularity loci"):
-            found = singular_loci(
-                solution,
-                names_from(plane),
-                given=driven,
-                ranges=sides,
-                starts=DEFAULT_STARTS if starts is None else starts,
-                seed=0 if seed is None else seed,
-            )
+            found = singular_loci(solution, names_from(plane), given=driven, **curves)
     drawn = asked.drawing.of(found)
     print_result(as_json, found.to_dict, lambda: str(found) + drawn)
     return 0

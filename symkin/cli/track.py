@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, cast
 
 from symkin.cli.options import (
     JsonOption,
@@ -18,7 +18,7 @@ from symkin.cli.poses import EULER, PoseReader
 from symkin.cli.progress import progress_bar
 from symkin.cli.reading import RobotFile, loaded
 from symkin.errors import InputError
-from symkin.position.options import START
+from symkin.following.options import TrackOptions
 from symkin.text import shown
 from symkin.verb_options import GIVEN, OUTPUT, Option
 
@@ -30,6 +30,7 @@ def track(
     mech: MechArgument,
     read: RobotFile,
     picture: PictureOfSides,
+    *,
     begin: Annotated[
         str | None,
         Option(
@@ -62,11 +63,7 @@ def track(
             GIVEN,
         ),
     ] = None,
-    start: Annotated[str | None, START] = None,
-    samples: Annotated[
-        int | None,
-        Option("Samples on the path; default 101, or those of the file.", "N"),
-    ] = None,
+    options: TrackOptions,
     ignore_limits: Annotated[
         bool,
         Option("Go on beyond joint limits."),
@@ -85,7 +82,7 @@ def track(
     from symkin.following.track import track as follow_mode
     from symkin.following.track_csv import read_trajectory, write_track
 
-    mechanism = loaded(mech, read)
+    mechanism, start = loaded(mech, read), cast("str | None", options["start"])
     check_output(output, mech, csv)
     drawing = Drawing.checked(picture, mechanism)
     reader = PoseReader(mechanism, euler=euler, has_rpy=False)
@@ -111,17 +108,12 @@ def track(
             if given is None
             else _named(given, begin, end, mechanism.angle_unit)
         )
-        samples = 101 if samples is None else samples
-    begun = reader.start(start, is_pose=not poses)
+        options["samples"] = 101 if options["samples"] is None else options["samples"]
+    options["limits"] = not ignore_limits
+    options["start"] = reader.start(start, is_pose=not poses)
     with progress_bar("samples") as progress:
-        found = follow_mode(
-            mechanism,
-            **path,
-            start=begun,
-            samples=samples,
-            limits=not ignore_limits,
-            progress=progress,
-        )
+        options["progress"] = progress
+        found = follow_mode(mechanism, **path, **options)
     if output is not None:
         write_track(found, output)
     files = "" if output is None else f"\nconfigurations: {output}"

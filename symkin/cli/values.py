@@ -12,6 +12,7 @@ from symkin.cli.options import (
     named_from,
     names_from,
     numbers_from,
+    pairs_from,
     ranges_from,
     whole_numbers,
 )
@@ -31,6 +32,11 @@ READ: dict[str, Callable[[PoseReader, str | None, str], Any]] = {
     "named": lambda reader, text, option: named_from(text, option, reader.unit),
     "ranges": lambda reader, text, _: (
         None if text is None else ranges_from(text, "range", reader.unit, "NAME=LOW:HIGH,...")
+    ),
+    "window": lambda reader, text, _: (
+        None
+        if text is None
+        else pairs_from(text, "range", reader.unit, "U0:U1,V0:V1, such as -100:100,-50:50,")
     ),
     "limits": lambda reader, text, option: limits_from(text, option, reader.unit),
     "names": lambda _, text, __: None if text is None else names_from(text),

@@ -15,7 +15,7 @@ from collections import deque
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise, product
-from typing import Any, Literal
+from typing import Any, Literal, Unpack
 
 import numpy as np
 
@@ -24,17 +24,18 @@ from symkin.assembly.modes_result import Modes
 from symkin.errors import InputError
 from symkin.following.follow import carried
 from symkin.following.meeting_modes import listed_unknowns, nearest_mode
+from symkin.following.options import GraphOptions
 from symkin.following.path_system import path_systems
 from symkin.following.track import branch_from
 from symkin.following.trajectory import Trajectory, make_trajectory
 from symkin.model.mechanism import Mechanism, require_mechanism
-from symkin.numeric.levenberg import Progress
 from symkin.position.given import Joints, given_from
 from symkin.position.given_by_name import Values, given_by_name, plain_kind
 from symkin.position.problem import Problem
 from symkin.result import Result, Summary
 from symkin.text import meant
 from symkin.verb import verb
+from symkin.verb_options import takes
 
 _MOST_POINTS = 10_000
 """Grid points at most."""
@@ -166,14 +167,12 @@ class ModeGraph(Result):
 
 
 @verb
+@takes(GraphOptions)
 def mode_graph(
     mechanism: Mechanism,
     axes: Sequence[Axis | tuple[str, float, float]],
     n: int,
-    *,
-    joints: Joints | None = None,
-    given: Values | None = None,
-    progress: Progress | None = None,
+    **options: Unpack[GraphOptions],
 ) -> ModeGraph:
     """Find which modes connect without a singularity over one or two known coordinates: their graph
     on n or n x n points.
@@ -201,6 +200,7 @@ def mode_graph(
         >>> graph.groups, graph.certified   # tip above or below the elbows, parted by a singularity
         ([[0], [1]], True)
     """
+    joints, given, progress = options["joints"], options["given"], options["progress"]
     require_mechanism(mechanism)
     if mechanism.serial and (given is None or plain_kind(mechanism, given) is not None):
         raise InputError(

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
+from typing import Unpack
 
 import numpy as np
 
@@ -13,11 +14,12 @@ from symkin.errors import InputError
 from symkin.following.follow import Branch, PathPoint, evaluate_formula, follow, ground, is_formula
 from symkin.following.joint_limits import LimitWatch
 from symkin.following.nearest_singularity import nearest_to_singularity
+from symkin.following.options import TrackOptions
 from symkin.following.sample import Sample, make_sample, places_read
 from symkin.following.steps import Step
 from symkin.following.stop import Stop, stop_of
 from symkin.following.track_result import Track
-from symkin.following.trajectory import Columns, Trajectory, make_trajectory
+from symkin.following.trajectory import Trajectory, make_trajectory
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.tolerances import SINGULAR_CONDITION
 from symkin.position.determination import refuse_unless_determined
@@ -30,6 +32,7 @@ from symkin.position.start_notes import start_notes
 from symkin.position.transfer import variables_elsewhere
 from symkin.spatial.pose import Pose
 from symkin.verb import verb
+from symkin.verb_options import takes
 
 _OFF_START = 1e-6
 """A start mode's given values may differ from the path's first sample by this (of the size, or
@@ -40,20 +43,8 @@ Start = Solution | Joints | Values | Pose | None
 
 
 @verb
-def track(
-    mechanism: Mechanism,
-    *,
-    joints: Sequence[Joints] | Mapping[str, Sequence[float]] | np.ndarray | None = None,
-    poses: Sequence[Sequence[float] | Pose] | np.ndarray | None = None,
-    given: Columns | None = None,
-    start: Start = None,
-    times: Sequence[float] | None = None,
-    samples: int | None = None,
-    limits: bool = True,
-    name_modes: bool = True,
-    notes: Sequence[str] = (),
-    progress: Callable[[int, int], None] | None = None,
-) -> Track:
+@takes(TrackOptions)
+def track(mechanism: Mechanism, **options: Unpack[TrackOptions]) -> Track:
     """Follow one assembly mode along rows of actuated joint values, one working mode along poses,
     or one mode along values by name.
 
@@ -89,33 +80,27 @@ def track(
     begin = time.perf_counter()
     trajectory = make_trajectory(
         mechanism,
-        joints=joints,
-        poses=poses,
-        given=given,
-        times=times,
-        count=samples,
-        limits=limits,
+        joints=options["joints"],
+        poses=options["poses"],
+        given=options["given"],
+        times=options["times"],
+        count=options["samples"],
+        limits=options["limits"],
     )
-    trajectory = replace(trajectory, notes=(*notes, *trajectory.notes))
-    found = _track(trajectory, start, limits, name_modes, progress)
+    trajectory = replace(trajectory, notes=(*options["notes"], *trajectory.notes))
+    found = _track(trajectory, options)
     return replace(found, elapsed_s=time.perf_counter() - begin)
 
 
-def _track(
-    trajectory: Trajectory,
-    start: Start,
-    limits: bool,
-    name_modes: bool,
-    progress: Callable[[int, int], None] | None,
-) -> Track:
+def _track(trajectory: Trajectory, options: TrackOptions) -> Track:
     problem = trajectory.problem
     _check_isolated(problem)
-    mode, notes = _start_mode(trajectory, start)
+    mode, notes = _start_mode(trajectory, options["start"])
     if mode is None:
         return _not_begun(trajectory, problem, "; ".join(notes))
     trajectory = replace(trajectory, notes=(*trajectory.notes, *notes))
-    branch = branch_from(mode, trajectory, limits=limits, progress=progress)
-    return _result(trajectory, problem, branch, name_modes)
+    branch = branch_from(mode, trajectory, limits=options["limits"], progress=options["progress"])
+    return _result(trajectory, problem, branch, options["name_modes"])
 
 
 def branch_from(

@@ -11,7 +11,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Literal
 
 import numpy as np
 
@@ -27,11 +26,6 @@ from symkin.model.joint_forms import JointType
 from symkin.model.mechanism import Mechanism
 from symkin.model.motor import Motor
 
-Loops = Literal["loop", "yaml"]
-"""How loops are written that a format has two forms for: as <loop> of URDF+ in the file, or in the
-YAML file of the Gepetto team beside it.
-"""
-LOOPS: tuple[Loops, ...] = ("loop", "yaml")
 MASS, INERTIA = 0.1, 1e-3
 """Kilograms and kilogram square metres of every link: any that are not zero do."""
 _CLOSED = 1e-5

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
+from typing import Unpack
 
 from symkin.errors import InputError, MechanismError
 from symkin.files.outputs import check_output, write_output
@@ -11,11 +12,11 @@ from symkin.formats.gepetto_yaml import YAML_ENDINGS
 from symkin.formats.graph_form import as_graph, is_closed_at_reference
 from symkin.formats.load import load
 from symkin.formats.read_options import AS_IT_IS, ReadOptions
-from symkin.formats.written_tree import LOOPS, Loops
 from symkin.model.mechanism import Mechanism
 from symkin.position.close import close
-from symkin.text import not_among
+from symkin.position.options import ConvertOptions
 from symkin.verb import read_as, verb
+from symkin.verb_options import takes
 
 _CLOSED = 1e-12
 """Of the size: rods and couplings that miss their lengths and values by less are closed at the
@@ -24,12 +25,12 @@ reference.
 
 
 @verb
+@takes(ConvertOptions)
 def convert(
     mechanism: str | Path | Mechanism,
     path: Path | str,
     read: ReadOptions = AS_IT_IS,
-    *,
-    loops: Loops = "loop",
+    **options: Unpack[ConvertOptions],
 ) -> Path:
     """Write a mechanism as a mechanism file (.toml), MJCF (.xml), URDF (.urdf) or SDF (.sdf), by
     the path's suffix; returns the path.
@@ -50,6 +51,7 @@ def convert(
     """
     if not isinstance(mechanism, Mechanism):
         mechanism = read_as("str | Path", "mechanism", mechanism)
+    loops = options["loops"]
     output, source = Path(path), "" if isinstance(mechanism, Mechanism) else mechanism
     check_output(output, tuple(_WRITERS), "convert", source)
     _check_loops(output, loops)
@@ -66,13 +68,9 @@ def convert(
 
 
 def _check_loops(output: Path, loops: str) -> None:
-    """Refuse an unknown form of loops, one that the format has not, and loops beside a file that
-    has its own.
-    """
-    if loops not in LOOPS:
-        raise InputError(f"loops = {not_among(loops, LOOPS)}")
+    """Refuse a form of loops that the format has not, and loops beside a file that has its own."""
     if output.suffix.lower() != ".urdf":
-        if loops != LOOPS[0]:
+        if loops != "loop":
             raise InputError(
                 f"loops = {loops!r} is a form of URDF, and {str(output)!r} is none; leave it out"
             )

@@ -1,9 +1,9 @@
-"""The options of `solve`, and what every verb is given that asks for a position."""
+"""The options of `solve` and `convert`, and what every verb is given that asks for a position."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Annotated, TypedDict
+from typing import TYPE_CHECKING, Annotated, Literal, TypedDict
 
-from symkin.verb_options import GIVEN, Option
+from symkin.verb_options import GIVEN, OUTPUT, Option
 
 if TYPE_CHECKING:
     from symkin.position.closed import ClosedForm
@@ -69,3 +69,16 @@ class SolveOptions(Begun, total=False):
         ),
     ]
     check: Annotated[bool, Option(default=True)]
+
+
+class ConvertOptions(TypedDict, total=False):
+    """Options of `convert`."""
+
+    loops: Annotated[
+        Literal["loop", "yaml"],
+        Option(
+            "URDF: loops in the file as those of URDF+, or in a YAML file beside it.",
+            group=OUTPUT,
+            default="loop",
+        ),
+    ]

@@ -21,6 +21,7 @@ singularity (Zlatanov, Bonev and Gosselin 2002).
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import Unpack
 
 import numpy as np
 
@@ -29,7 +30,6 @@ from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.rank import null_space, row_space
 from symkin.numeric.tolerances import RANK_TOLERANCE, SINGULAR_VALUE
-from symkin.position.given import Joints
 from symkin.position.given_by_name import Values
 from symkin.position.problem import build_problem
 from symkin.position.solution import Solution
@@ -44,6 +44,7 @@ from symkin.singularities.motion_ranks import (
     held_motions,
 )
 from symkin.singularities.named_screw import NamedScrew, joint_rates, named_twist, named_wrench
+from symkin.singularities.options import SingularityOptions
 from symkin.singularities.output import (
     Output,
     OutputEquations,
@@ -54,24 +55,17 @@ from symkin.singularities.output import (
 )
 from symkin.singularities.singular_groups import SingularGroup, singular_groups
 from symkin.singularities.singularity_result import Singularity
-from symkin.spatial.pose import Pose
 from symkin.spatial.screw import tidy_rows
 from symkin.velocity.limb_equations import LimbwiseEquations, limbwise_equations
 from symkin.velocity.roles import Roles, roles_of
 from symkin.verb import verb
+from symkin.verb_options import takes
 
 
 @verb
+@takes(SingularityOptions)
 def singularity(
-    mechanism: Mechanism | Solution,
-    *,
-    joints: Joints | None = None,
-    pose: Sequence[float] | Pose | None = None,
-    given: Values | Sequence[str] | None = None,
-    start: Joints | Values | Pose | None = None,
-    tolerance: float = SINGULAR_VALUE,
-    output: Sequence[str] | None = None,
-    point: Sequence[float] | None = None,
+    mechanism: Mechanism | Solution, **options: Unpack[SingularityOptions]
 ) -> Singularity:
     """Classify a configuration: which kinds of singularity, how near each is, and the screws that
     show it.
@@ -108,9 +102,11 @@ def singularity(
         >>> [symkin.singularity(stretched, given=[by]).kinds for by in ("crank", "piston")]
         [(), ('type 2',)]
     """
+    joints, pose, start = options["joints"], options["pose"], options["start"]
+    given, output, tolerance = options["given"], options["output"], options["tolerance"]
     described = mechanism.mechanism if isinstance(mechanism, Solution) else mechanism
     names = coordinate_names(described, output) if isinstance(described, Mechanism) else None
-    wanted = make_output(output if names is None else None, point)
+    wanted = make_output(output if names is None else None, options["point"])
     if isinstance(mechanism, Solution):
         if not (joints is None and pose is None and start is None):
             raise InputError(

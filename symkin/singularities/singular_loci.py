@@ -12,6 +12,7 @@ configurations there were, `hits` how many of them led to each curve.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Unpack
 
 import numpy as np
 
@@ -21,9 +22,11 @@ from symkin.position.solution import Solution
 from symkin.singularities.loci import LOST_OVER_PLANE, MISSING, NONE_MET, Loci
 from symkin.singularities.locus import Locus, make_locus, merged
 from symkin.singularities.locus_search import seeds_of, traced_curves
-from symkin.singularities.locus_system import LocusKind, LocusSystem, Plane, locus_systems, plane_of
+from symkin.singularities.locus_system import LocusSystem, Plane, locus_systems, plane_of
 from symkin.singularities.motion_ranks import generic_ranks
+from symkin.singularities.options import LociOptions
 from symkin.verb import verb
+from symkin.verb_options import takes
 
 DEFAULT_STARTS = 200
 MOST_STARTS = 100_000
@@ -32,16 +35,8 @@ _FEW_HITS = 2
 
 
 @verb
-def singular_loci(
-    solution: Solution,
-    plane: Sequence[str],
-    *,
-    given: Sequence[str] | None = None,
-    ranges: Sequence[Sequence[float]] | None = None,
-    kinds: Sequence[LocusKind] = ("type 1", "type 2"),
-    starts: int = DEFAULT_STARTS,
-    seed: int = 0,
-) -> Loci:
+@takes(LociOptions)
+def singular_loci(solution: Solution, plane: Sequence[str], **options: Unpack[LociOptions]) -> Loci:
     """Find the curves of singular configurations over two coordinates, or the points over one, all
     others as in `solution`.
 
@@ -55,8 +50,8 @@ def singular_loci(
     the same meaning as in `symkin.sweep`: x, y, z, gamma (about z, from the reference), or the
     rotation vector rx, ry, rz (base frame, before the orientation of `solution`). `ranges` are two
     pairs in the mechanism's units, by default half the size or half a turn to both sides; `kinds`
-    the curves that are sought; `starts` (1 to 100,000) the random configurations, `seed` which.
-    Raises InputError for values that do not fit.
+    the curves that are sought; `starts` (1 to 100,000, default 200) the random configurations,
+    `seed` (default 0) which. Raises InputError for values that do not fit.
 
     `given` names all coordinates that are known, as many as the mobility; the plane's are then two
     of them, or one, and the curves, or points, are where they do not decide the others (type 2).
@@ -78,9 +73,12 @@ def singular_loci(
         >>> [round(float(point.points[0, 0]), 6) for point in dead.curves]
         [45.0, 125.0]
     """
-    chosen = plane_of(solution, plane, given)
+    kinds = options["kinds"]
+    starts = DEFAULT_STARTS if options["starts"] is None else options["starts"]
+    seed = 0 if options["seed"] is None else options["seed"]
+    chosen = plane_of(solution, plane, options["given"])
     _check(chosen, kinds, starts, seed)
-    window = _window(chosen, ranges)
+    window = _window(chosen, options["ranges"])
     curves: list[Locus] = []
     notes: list[str] = []
     for system in locus_systems(chosen, kinds):

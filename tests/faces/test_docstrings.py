@@ -75,6 +75,14 @@ def test_a_public_name_is_documented(name: str) -> None:
         assert "Raises" in text
 
 
+@pytest.mark.parametrize("name", NAMES)
+def test_types_of_a_signature_are_written_as_users_write_them(name: str) -> None:
+    """Help of Python shows `Sequence[float]` and `Literal`, not the modules that they are from."""
+    value = getattr(symkin, name)
+    if inspect.isfunction(value):
+        assert not re.search(r"\b(typing|collections|pathlib)\.", str(inspect.signature(value)))
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("name", in_gate_but(NAMES, DEAR))
 def test_the_example_of_a_public_name_runs(name: str) -> None:

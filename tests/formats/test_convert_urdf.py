@@ -115,6 +115,7 @@ def test_loops_beside_the_file(tmp_path: Path) -> None:
             {"loops": "srdf"},
             "'srdf' is unknown; allowed: loop, yaml",
         ),
+        (("ankle", tmp_path / "ankle.urdf"), {"loops": None}, "allowed: loop, yaml"),
     ]:
         with pytest.raises(symkin.InputError, match=sentence):
             symkin.convert(*arguments, **options)

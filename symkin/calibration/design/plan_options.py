@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Annotated, Literal, TypedDict
 
+from symkin.calibration.options import SEED
 from symkin.verb_options import POSTURES, Option
 
 if TYPE_CHECKING:
@@ -25,4 +26,4 @@ class PlanOptions(TypedDict, total=False):
     ]
     parameters: Annotated[Sequence[str] | None, Option()]
     aligned: Annotated[bool, Option(default=True)]
-    seed: Annotated[int, Option("Seed of random numbers.", "N", default=0)]
+    seed: Annotated[int, SEED]
