@@ -12,7 +12,7 @@ from symkin.closure.closure import Closure
 from symkin.machine.lower import Lowered, lowered
 from symkin.model.mechanism import Mechanism
 from symkin.position.feasible_pose import ties_poses
-from symkin.position.given import Given, given_pose
+from symkin.position.given import Given, given_of_pose
 from symkin.position.given_by_name import plain_kind, pose_names, told_by_name
 from symkin.position.problem import Problem
 from symkin.position.solution_list import SolutionList, checked_solutions
@@ -54,7 +54,7 @@ def given_of_machine(low: Lowered, given: Given) -> Given:
         pose = Pose(given.values[:3], given.values[3:])
         taken = pose if low.frames is None else low.frames.taken(pose)
         found = given.off_motion == 0.0 and ties_poses(low.written)
-        given = replace(given_pose(low.machine, taken, is_feasible=found), echo=given.echo)
+        given = replace(given_of_pose(low.machine, taken, is_feasible=found), echo=given.echo)
         return told_by_name(low.machine, given) if low.machine.is_graph else given
     kind = plain_kind(low.machine, given.names) if given.by_name else None
     if kind is None:

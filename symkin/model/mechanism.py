@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from typing import Literal
 
 import numpy as np
@@ -143,6 +143,17 @@ class Mechanism:
             _check_serial(self)
         if self.example is not None:
             _check_example(self, self.example)
+
+    def __hash__(self) -> int:
+        return self._hash
+
+    @cached_property
+    def _hash(self) -> int:
+        return hash(tuple(getattr(self, f.name) for f in fields(self) if f.compare))
+
+    def __getstate__(self) -> dict[str, object]:
+        """What is pickled: another process has other hashes of texts."""
+        return {name: value for name, value in vars(self).items() if name != "_hash"}
 
     @cached_property
     def is_graph(self) -> bool:

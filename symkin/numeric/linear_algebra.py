@@ -9,6 +9,7 @@ singular.
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from math import prod
 
 import numpy as np
@@ -141,6 +142,11 @@ def _squared_extremes(matrices: np.ndarray) -> np.ndarray:
     return np.linalg.eigvalsh(gram)[:, [-1, 0]]
 
 
+def squared_norms(stack: np.ndarray) -> np.ndarray:
+    """Sums (n,) of the squares of the entries of each vector or matrix of a stack (n, ...)."""
+    return np.asarray(np.add.reduce(stack * stack, axis=tuple(range(1, stack.ndim))))
+
+
 def least_squares_steps(
     jacobians: np.ndarray, values: np.ndarray, cut_below: float = ROUNDED_STEP
 ) -> np.ndarray:
@@ -149,10 +155,10 @@ def least_squares_steps(
     """
     if min(jacobians.shape) == 0:
         return np.zeros((len(jacobians), jacobians.shape[2]))
-    return part_by_part(lambda j, f: _least_squares_steps(j, f, cut_below), jacobians, values)
+    return part_by_part(partial(_least_squares_steps, cut_below), jacobians, values)
 
 
-def _least_squares_steps(jacobians: np.ndarray, values: np.ndarray, cut_below: float) -> np.ndarray:
+def _least_squares_steps(cut_below: float, jacobians: np.ndarray, values: np.ndarray) -> np.ndarray:
     if not jacobians.shape[1]:
         return np.zeros((len(jacobians), jacobians.shape[2]))
     steps, regular = _regular_steps(jacobians, values)
@@ -181,9 +187,8 @@ def _regular_steps(jacobians: np.ndarray, values: np.ndarray) -> tuple[np.ndarra
     except np.linalg.LinAlgError:
         return np.zeros((count, columns)), np.zeros(count, dtype=bool)
     # |J| |J^-1| in the Frobenius norm is at least the condition, at most `columns` times it
-    size = np.einsum("nij,nij->n", jacobians, jacobians) * np.einsum(
-        "nij,nij->n", inverses, inverses
-    )
+    with np.errstate(over="ignore"):
+        size = squared_norms(jacobians) * squared_norms(inverses)
     steps = -(inverses @ right)
     steps = steps if basis is None else basis @ steps
     return steps[:, :, 0], size < WELL_CONDITIONED**2

@@ -7,7 +7,7 @@ from typing import Protocol
 
 import numpy as np
 
-from symkin.numeric.linear_algebra import least_squares_steps
+from symkin.numeric.linear_algebra import least_squares_steps, squared_norms
 from symkin.numeric.tolerances import CLOSURE_ROUNDING, FREE_DIRECTION, ROUNDED_STEP
 
 _ROUNDING = 2.0**-50
@@ -55,8 +55,10 @@ def polish(
     """
     found = Polished(z.copy(), *system.linearise(z, known))
     size, every = system.characteristic_length, np.arange(len(z))
-    stuck = _descend(system, found, known, steps, every, (floor * size, ROUNDED_STEP))
-    _descend(system, found, known, steps, stuck, (CLOSURE_ROUNDING * size, FREE_DIRECTION))
+    with np.errstate(over="ignore"):
+        stuck = _descend(system, found, known, steps, every, (floor * size, ROUNDED_STEP))
+        if stuck.size:
+            _descend(system, found, known, steps, stuck, (CLOSURE_ROUNDING * size, FREE_DIRECTION))
     return found
 
 
@@ -74,7 +76,7 @@ def _descend(
     """
     floor, cut = bounds
     z, rows, jacobians = found.points, found.rows, found.jacobians
-    sizes = np.sqrt(np.einsum("ni,ni->n", rows, rows))
+    sizes = np.sqrt(squared_norms(rows))
     finite = np.isfinite(jacobians).all(axis=(1, 2)) & np.isfinite(sizes)
     going, stuck = chosen[finite[chosen] & (sizes[chosen] > floor)], [chosen[:0]]
     for _ in range(steps):
@@ -84,7 +86,7 @@ def _descend(
         trial_rows, trial_jacobians = system.linearise(
             trial, known[going] if known.ndim == 2 else known
         )
-        trial_sizes = np.sqrt(np.einsum("ni,ni->n", trial_rows, trial_rows))
+        trial_sizes = np.sqrt(squared_norms(trial_rows))
         better = (trial_sizes < sizes[going]) & np.isfinite(trial_jacobians).all(axis=(1, 2))
         stuck.append(going[~better])
         going, left = going[better], trial_sizes[better]

@@ -387,13 +387,17 @@ def feasible_poses(
     return values, off
 
 
-def given_pose(
-    mechanism: Mechanism, given: Sequence[float] | Pose, *, is_feasible: bool = False
-) -> Given:
+def given_pose(mechanism: Mechanism, given: Sequence[float] | Pose) -> Given:
     """The known values of the inverse problem: of a pose on the declared motion, and, where joints
-    tie poses, on those that they can take, unless it `is_feasible` anyway.
+    tie poses, on those that they can take.
     """
-    pose = pose_from(given)
+    return given_of_pose(mechanism, pose_from(given))
+
+
+def given_of_pose(mechanism: Mechanism, pose: Pose, *, is_feasible: bool = False) -> Given:
+    """`given_pose` of numbers that were looked at before; the joints can take a pose that
+    `is_feasible`.
+    """
     values, off = pose_coordinates(mechanism, pose)
     notes: tuple[str, ...] = ()
     if 0.0 < off < _ON_MOTION * mechanism.characteristic_length:

@@ -1,6 +1,10 @@
 """Mechanisms: layout only, frozen, hashable, printable; size; checks."""
 
 import math
+import os
+import pickle
+import subprocess
+import sys
 from dataclasses import FrozenInstanceError, replace
 from itertools import combinations
 
@@ -29,6 +33,27 @@ def test_a_mechanism_is_a_frozen_value(rng):
     with pytest.raises(FrozenInstanceError):
         one.name = "other"
     assert replace(one, name="other") != one
+
+
+def test_a_mechanism_is_a_key_in_another_process():
+    """Where texts have other hashes."""
+    machine = delta()
+    hash(machine)
+    look = (
+        "import pickle, sys; from dataclasses import replace; "
+        "one = pickle.load(sys.stdin.buffer); print(hash(one) == hash(replace(one)))"
+    )
+    told = [
+        subprocess.run(
+            [sys.executable, "-c", look],
+            input=pickle.dumps(machine),
+            env={**os.environ, "PYTHONHASHSEED": seed},
+            capture_output=True,
+            check=True,
+        ).stdout.split()
+        for seed in ("1", "2")
+    ]
+    assert told == [[b"True"]] * 2
 
 
 def vars_of(mechanism):
