@@ -244,7 +244,6 @@ NAMES = {
     "binary_null_space": "symkin.homotopy.symmetry",
     "find_symmetries": "symkin.homotopy.symmetry",
     "orbits": "symkin.homotopy.symmetry:orbits_under",
-    "algebraic_systems": "symkin.homotopy.systems",
     "system_of": "symkin.homotopy.systems",
     "TrackSettings": "symkin.homotopy.tracker",
     "Tracked": "symkin.homotopy.tracker",
