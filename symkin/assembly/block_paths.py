@@ -1,8 +1,8 @@
-"""Real roots of one block of a problem at many instances, by paths, with what is in doubt left to
+"""Real roots of one group at many instances, by paths, with what is in doubt left to
 others.
 
 All steps take all instances together: paths, certificates of the complex roots, real candidates,
-Newton's method on the block's own rows, the check on all rows. An instance is plain where none of
+Newton's method on the group's own rows, the check on all rows. An instance is plain where none of
 them leaves a doubt: every path arrived at a regular root of its own, every root is real or not
 beyond doubt, and every real one is well conditioned and differs from the others.
 """
@@ -36,7 +36,7 @@ _REAL, _NOT_REAL = 1e-10, 1e-4
 
 @dataclass(frozen=True, eq=False)
 class BlockPaths(BlockSolver):
-    """A block with its algebraic system and the start of its paths: its own, or those of its
+    """A group with its algebraic system and the start of its paths: its own, or those of its
     structure (`shared`), or those of combinations of its rows (`combined`).
     """
 
@@ -62,7 +62,7 @@ class BlockPaths(BlockSolver):
 
     @cached_property
     def prover(self) -> Prover:
-        return prover_of(self.problem, self.algebraic, self.block, self.shared)
+        return prover_of(self.problem, self.algebraic, self.shared)
 
     @property
     def digest(self) -> bytes:
@@ -80,12 +80,12 @@ class BlockPaths(BlockSolver):
         z = ends[chosen].transpose(1, 0, 2).reshape(self.algebraic.width, -1)
         whole = np.ones(len(instance), dtype=bool)
         if self.combined:
-            whole = meets_all_rows(self.problem, self.block, self.algebraic, z, k[:, instance])
+            whole = meets_all_rows(self.problem, self.algebraic, z, k[:, instance])
         counts = np.bincount(instance[whole], minlength=k.shape[1])
         origin = np.flatnonzero(whole & (imaginary_part(self.algebraic, z) < _REAL))
         owner = instance[origin]
         points = self._points(z[:, origin], owner, k)
-        points, kept = checked_roots(self.block, points, owner, known, plain)
+        points, kept = checked_roots(self.problem.system, points, owner, known, plain)
         return GroupRoots.of_all(
             points,
             owner[kept],
@@ -105,9 +105,9 @@ class BlockPaths(BlockSolver):
         return np.asarray(clear.reshape(n, roots).all(axis=1))
 
     def _points(self, z: np.ndarray, owner: np.ndarray, k: np.ndarray) -> np.ndarray:
-        """Points of the block for real roots z (width, any) at the instances `owner`."""
+        """Points of the group for real roots z (width, any) at the instances `owner`."""
         values = many_real_values(self.problem, self.algebraic, z, k[:, owner])
-        names = [c.name for c in self.block.unknowns]
+        names = [c.name for c in self.problem.system.unknowns]
         if self.shared is not None and not self.algebraic.projective:
             values = dict(zip(names, values.values(), strict=True))
         return np.concatenate([values[name] for name in names], axis=1)
@@ -144,15 +144,12 @@ def _paths(group: Problem, combined: bool, _folder: str) -> tuple[BlockPaths | N
     why = unsuitable(group)
     if why is not None:
         return None, why
-    (block,) = group.blocks
-    system = system_of(group, block)
+    system = system_of(group)
     if combined:
         system = squared(system)
     elif group.kind == "given" and is_tied(group) and not system.projective:
         return None, TIED
-    start, why = start_of(group, system, block)
+    start, why = start_of(group, system)
     return (
-        (None, why)
-        if start is None
-        else (BlockPaths(group, block, system, start, combined=combined), "")
+        (None, why) if start is None else (BlockPaths(group, system, start, combined=combined), "")
     )

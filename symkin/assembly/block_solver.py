@@ -1,20 +1,18 @@
-"""What finds the roots of one block of a problem at many instances: formulas, paths or parts."""
+"""What finds the roots of one group at many instances: formulas, paths or parts."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from typing import ClassVar
 
-from symkin.numeric.system import System
 from symkin.position.problem import Problem
 
 
 @dataclass(frozen=True, eq=False)
 class BlockSolver:
-    """A block of a problem; `method` is how users read what finds its roots."""
+    """A group; `method` is how users read what finds its roots."""
 
     problem: Problem
-    block: System
     method: ClassVar[str] = "continuation"
 
     @property

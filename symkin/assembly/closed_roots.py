@@ -1,4 +1,4 @@
-"""Real roots of one block of a problem at many instances, by formulas, with what is in doubt left
+"""Real roots of one group at many instances, by formulas, with what is in doubt left
 to paths.
 
 Formulas are used where they account for all solutions: generically every branch, complex ones
@@ -61,7 +61,7 @@ class Formulas(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class ClosedBlock(BlockSolver):
-    """A block with its formulas; `regular` are known values (known,) of a regular configuration."""
+    """A group with its formulas; `regular` are known values (known,) of a regular configuration."""
 
     formulas: Formulas
     regular: np.ndarray
@@ -85,7 +85,7 @@ class ClosedBlock(BlockSolver):
     @property
     def _is_square(self) -> bool:
         """Whether no row is more than the unknowns need."""
-        return int(self.block.rows.shape[0]) <= self.block.freedom
+        return int(self.problem.system.rows.shape[0]) <= self.problem.system.freedom
 
     @cached_property
     def is_determined(self) -> bool:
@@ -96,8 +96,10 @@ class ClosedBlock(BlockSolver):
         if self._is_square or isinstance(self.formulas, ClosedForm):
             return True
         found = self.formulas.solutions(self.regular[None])
-        errors = self.block.residuals(found.values[0][found.real[0]], self.regular)
-        return bool(found.clear[0] and np.all(errors <= _SOLVES * self.block.characteristic_length))
+        errors = self.problem.system.residuals(found.values[0][found.real[0]], self.regular)
+        return bool(
+            found.clear[0] and np.all(errors <= _SOLVES * self.problem.system.characteristic_length)
+        )
 
     @property
     def is_whole(self) -> bool:
@@ -118,14 +120,17 @@ class ClosedBlock(BlockSolver):
         points, real, plain = self.formulas.solutions(known)
         owner, branch = np.nonzero(real & plain[:, None])
         chosen, plain = points[owner, branch], plain.copy()
-        errors = self.block.residuals(chosen, known[owner]) / self.block.characteristic_length
+        errors = (
+            self.problem.system.residuals(chosen, known[owner])
+            / self.problem.system.characteristic_length
+        )
         fails = np.zeros(len(errors), dtype=bool) if self.is_determined else errors >= _FAILS
         plain[owner[~fails & ~(errors <= _SOLVES)]] = False
         kept = plain[owner] & ~fails
         chosen, owner = chosen[kept], owner[kept]
         # of an arm whose branches must meet further conditions only real ones are held against them
         count: float = self.formulas.count if self.is_determined else NOT_KNOWN
-        chosen, closed = checked_roots(self.block, chosen, owner, known, plain)
+        chosen, closed = checked_roots(self.problem.system, chosen, owner, known, plain)
         # a branch that solves all steps and fails the check leaves a doubt
         n, left = len(known), owner[closed]
         plain[np.bincount(owner, minlength=n) != np.bincount(left, minlength=n)] = False
@@ -160,24 +165,24 @@ def accounts_for_all(closed: ClosedBlock, paths: BlockPaths | None) -> bool:
 
 @lru_cache(maxsize=256)
 def closed_block(problem: Problem) -> ClosedBlock | None:
-    """The only block of a problem with the formulas that solve it; None where there are none."""
-    (block,), arm = problem.blocks, arm_formulas(problem)
+    """A group with the formulas that solve it; None where there are none."""
+    system, arm = problem.system, arm_formulas(problem)
     if arm is not None:
-        return ClosedBlock(problem, block, arm, arm.random_known())
+        return ClosedBlock(problem, arm, arm.random_known())
     if problem.is_explicit or (problem.by_name and is_linear(problem)):
         return None
     if problem.implied and len(problem.system.unknowns) > _MOST_IMPLIED:
         return None
     near = problem.reference_known
-    rods = rod_lengths(block)
+    rods = rod_lengths(system)
     if rods is not None:
-        return ClosedBlock(problem, block, rods, near)
-    samples = samples_about(block, near, problem.known_coordinates)
-    found = closed_form(block, samples, all_rows=problem.by_name)
+        return ClosedBlock(problem, rods, near)
+    samples = samples_about(system, near, problem.known_coordinates)
+    found = closed_form(system, samples, all_rows=problem.by_name)
     if found is None:
         return None
     if problem.by_name and found.has_conditions:
         # rows that divisors of the formulas take out may be nothing at the reference
         generic = closed_configurations(problem.closure, 0)[0]
         near = problem.select_values(generic, problem.known_coordinates)
-    return ClosedBlock(problem, block, found, near)
+    return ClosedBlock(problem, found, near)

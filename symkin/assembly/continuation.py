@@ -33,7 +33,7 @@ _LEAST_ERROR_STARTS = 200
 def by_continuation(
     problem: Problem, given: Given, starts: int, rng: np.random.Generator
 ) -> tuple[Roots, tuple[str, ...]]:
-    """Roots of a problem of one block by paths; where it has no start system by `starts` random
+    """Roots of a group by paths; where it has no start system by `starts` random
     starts, with a note why. These are of use too where paths left something in doubt.
     """
     from symkin.certificate.disc_library import begin_loading
@@ -42,18 +42,17 @@ def by_continuation(
     paths, why = own_paths(problem)
     if paths is not None:
         return _block_roots(paths, given, starts, rng), paths.notes
-    (block,) = problem.blocks
-    names = ", ".join(sorted(c.name for c in block.unknowns))
-    sampled = batched(problem, block, given, starts, rng)
+    names = ", ".join(sorted(c.name for c in problem.system.unknowns))
+    sampled = batched(problem, given, starts, rng)
     return sampled, (f"{names}: sampled by multistart, {why}",)
 
 
 def _block_roots(paths: BlockPaths, given: Given, starts: int, rng: np.random.Generator) -> Roots:
-    """Roots that are real: polished on the block's own rows and checked on all of them. Where paths
+    """Roots that are real: polished on the group's own rows and checked on all of them. Where paths
     are unresolved, or end on a set that is not isolated, `starts` random starts look for what they
     missed; where no root is real, a fixed number of fixed ones looks for the least error.
     """
-    problem, block, algebraic = paths.problem, paths.block, paths.algebraic
+    problem, system, algebraic = paths.problem, paths.problem.system, paths.algebraic
     k = known_values(problem, given.values)
     ends, prover = instance(algebraic, paths.start, k), paths.prover
     knowns = prover.knowns(given.values[None])
@@ -64,25 +63,23 @@ def _block_roots(paths: BlockPaths, given: Given, starts: int, rng: np.random.Ge
     possible = np.concatenate([ends.z[:, ~unreal], ends.singular.z], axis=1)
     possible = possible[:, imaginary_part(algebraic, possible) < _REAL]
     real = [real_values(problem, algebraic, z, k) for z in possible.T]
-    found = _polished(block, given.values, real)
+    found = _polished(system, given.values, real)
     points, continuum, smallest = found.points, found.continuum, found.smallest_residual
     doubtful = bool(ends.unresolved) or not ends.singular.isolated.all()
     if doubtful or not len(points):
         sampled = (
-            batched(problem, block, given, starts, rng)
-            if doubtful
-            else _least_errors(problem, block, given)
+            batched(problem, given, starts, rng) if doubtful else _least_errors(problem, given)
         )
         continuum = sampled.continuum if continuum is None else continuum
         points = np.concatenate([points, sampled.points])
         smallest = min(smallest, sampled.smallest_residual)
-    first, _ = unite(block, points, given.values, continuum_met=continuum is not None)
+    first, _ = unite(system, points, given.values, continuum_met=continuum is not None)
     points = points[first]
     isolated = _isolated(problem, ends, given)
     columns = np.repeat(k[:, None], isolated.shape[1], axis=1)
-    whole = meets_all_rows(problem, block, algebraic, isolated, columns)
+    whole = meets_all_rows(problem, algebraic, isolated, columns)
     return Roots(
-        block,
+        system,
         points,
         None,
         smallest,
@@ -98,13 +95,13 @@ def _block_roots(paths: BlockPaths, given: Given, starts: int, rng: np.random.Ge
     )
 
 
-def _least_errors(problem: Problem, block: System, given: Given) -> Roots:
-    return batched(problem, block, given, _LEAST_ERROR_STARTS, np.random.default_rng(0))
+def _least_errors(problem: Problem, given: Given) -> Roots:
+    return batched(problem, given, _LEAST_ERROR_STARTS, np.random.default_rng(0))
 
 
-def least_error(problem: Problem, block: System, given: Given) -> float:
+def least_error(problem: Problem, given: Given) -> float:
     """The least closure error that a fixed number of fixed starts reach."""
-    return _least_errors(problem, block, given).smallest_residual
+    return _least_errors(problem, given).smallest_residual
 
 
 def _isolated(problem: Problem, ends: Ends, given: Given) -> np.ndarray:
@@ -139,8 +136,8 @@ def _missing(ends: Ends) -> str | None:
 
 
 def _polished(
-    block: System, known: np.ndarray, configurations: list[dict[str, np.ndarray]]
+    system: System, known: np.ndarray, configurations: list[dict[str, np.ndarray]]
 ) -> PolishedRoots:
     """The roots among configurations, and those of them that are not isolated."""
-    starts = [np.concatenate([named[c.name] for c in block.unknowns]) for named in configurations]
-    return polished_roots(block, np.array(starts).reshape(len(starts), block.width), known)
+    starts = [np.concatenate([named[c.name] for c in system.unknowns]) for named in configurations]
+    return polished_roots(system, np.array(starts).reshape(len(starts), system.width), known)

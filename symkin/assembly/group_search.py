@@ -64,7 +64,7 @@ def _searched(group: Problem, given: Given, search: Search) -> tuple[Roots, tupl
     if search.method == "continuation":
         roots, notes = by_continuation(group, given, search.starts, rng)
     elif search.solver == "batched":
-        roots = batched(group, group.blocks[0], given, search.starts, rng, search.progress)
+        roots = batched(group, given, search.starts, rng, search.progress)
     else:
         roots = one_by_one(group, given, search.starts, rng, search.solver, search.progress)
     return roots, (*notes, *_notes_of(group, roots))

@@ -58,9 +58,7 @@ def solved_groups(problem: Problem, search: Search) -> tuple[Problem, ...]:
 def _solved_groups(problem: Problem, by_paths: bool, formulas: bool) -> tuple[Problem, ...]:
     if problem.kind == "given":
         return structure_groups(problem)
-    blocks: tuple[Problem, ...] = (problem,)
-    if len(problem.blocks) != 1 or problem.conditions.errors.shape[0]:
-        blocks = tuple(replace(problem, system=block) for block in problem.blocks)
+    blocks = problem.independent
     if by_paths and any(_lacks_solver(block) for block in blocks):
         finer = structure_groups(problem)
         return finer if len(finer) > len(blocks) else blocks
@@ -106,13 +104,12 @@ def group_paths(group: Problem) -> BlockPaths | None:
 def _group_paths(group: Problem, _folder: str) -> BlockPaths | None:
     if unsuitable(group) is not None or redundant_distances(group):
         return None
-    (block,) = group.blocks
-    system = system_of(group, block)
+    system = system_of(group)
     structure = structure_of(group, system) if group.kind == "given" else None
     if structure is not None:
         shared = start_of_structure(group, structure)
         if shared is not None:
-            return BlockPaths(group, block, structure.system, shared, structure)
+            return BlockPaths(group, structure.system, shared, structure)
     return paths_of_rows(group)[0]
 
 
@@ -158,7 +155,7 @@ def solved_parts(group: Problem) -> tuple[Problem, ...]:
         return ()
     whole = group
     if group.kind != "given":
-        if group.kind != "direct" or len(group.blocks) != 1:
+        if group.kind != "direct":
             return ()
         whole = replace(group, kind="given", row_places=group.places_of_rows)
     elif group.system.freedom <= MOST_UNKNOWNS and group_paths(group) is not None:

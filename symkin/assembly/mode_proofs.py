@@ -77,8 +77,7 @@ def proofs_of_group(
     near = np.isfinite(away).all(axis=1)
     if not near.any():
         return PartProofs(certified, ground), roots
-    (block,) = group.blocks
-    prover = prover_of(group, system_of(group, block), block)
+    prover = prover_of(group, system_of(group))
     knowns, number = prover.knowns(known[near], away[near]), np.cumsum(near) - 1
     chosen = np.flatnonzero(near[roots.owner])
     owner = number[roots.owner[chosen]]

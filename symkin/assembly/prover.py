@@ -1,4 +1,4 @@
-"""What is proved of the roots of one block at many instances: each one by a certificate, and their
+"""What is proved of the roots of one group at many instances: each one by a certificate, and their
 number where a theorem bounds it.
 """
 
@@ -15,7 +15,6 @@ from symkin.homotopy.six_distances import DISTANCES, redundant_distances
 from symkin.homotopy.structure import Structure
 from symkin.homotopy.systems import system_of
 from symkin.homotopy.values import algebraic_points
-from symkin.numeric.system import System
 from symkin.position.closed_configurations import closed_configurations
 from symkin.position.problem import Problem
 from symkin.position.roots import Proofs
@@ -28,13 +27,12 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Prover:
-    """Certificates of a block's roots: of all complex ones where the paths' system holds all its
+    """Certificates of a group's roots: of all complex ones where the paths' system holds all its
     coordinates (`proves_ends`), else of the real ones. `bound` is a theorem on their number, where
     one is known.
     """
 
     problem: Problem
-    block: System
     whole: AlgebraicSystem
     bound: Bound | None
     proves_ends: bool
@@ -81,7 +79,7 @@ class Prover:
         ends: CertificateBatch | None = None,
         origin: np.ndarray | None = None,
     ) -> Proofs:
-        """What is proved of real roots `points` (m, width) of the block at the instances `owner`,
+        """What is proved of real roots `points` (m, width) of the group at the instances `owner`,
         rising, by certificates of the complex roots `ends`, where these stand among them (at
         `origin`, where that is told), else by their own.
         """
@@ -115,7 +113,7 @@ class Prover:
         if not self.is_redundant:
             return None
         values = closed_configurations(self.problem.closure, 0)[0]
-        one = values[self.problem.places(self.block.unknowns)]
+        one = values[self.problem.unknown_places]
         knowns = self.knowns(values[self.problem.known_places][None])
         tried = certify_batch(self.whole, self._algebraic(one[None]), knowns, size=self._size)
         return None if tried.certified.any() else tried.reason(0)
@@ -138,7 +136,7 @@ class Prover:
         of independent ones of others where rows are redundant, as numbers of a `PartialProof` (m,
         4) whose radius is infinite where nothing is proved.
         """
-        rows = int(self.block.rows.shape[0])
+        rows = int(self.problem.system.rows.shape[0])
         found = np.tile([rows, rows, np.inf, 0.0], (len(owner), 1))
         found[:, 2] = np.where(proofs.certified, proofs.radius, np.inf)
         left = np.flatnonzero(~proofs.certified) if self.is_redundant else ()
@@ -155,29 +153,27 @@ class Prover:
 
     def _algebraic(self, points: np.ndarray) -> np.ndarray:
         """The roots (width, m) of the paths' system that real roots `points` (m, width) are."""
-        values = {
-            c.name: points[:, s]
-            for c, s in zip(self.block.unknowns, self.block.slices, strict=True)
-        }
+        system = self.problem.system
+        values = {c.name: points[:, s] for c, s in zip(system.unknowns, system.slices, strict=True)}
         return algebraic_points(self.problem, self.whole, values)
 
 
 @lru_cache(maxsize=128)
 def prover_of(
-    problem: Problem, algebraic: AlgebraicSystem, block: System, structure: Structure | None = None
+    problem: Problem, algebraic: AlgebraicSystem, structure: Structure | None = None
 ) -> Prover:
-    """The prover of a block whose paths are those of `algebraic`, which may be the system of its
+    """The prover of a group whose paths are those of `algebraic`, which may be the system of its
     structure.
     """
     from symkin.certificate.bounds import bound_of
 
-    whole = system_of(problem, block)
+    whole = system_of(problem)
     if structure is not None and not structure.system.projective:
-        # the unknowns of a structure of joints are those of the block
+        # the unknowns of a structure of joints are those of the group
         algebraic, structure = whole, None
     if algebraic.width == whole.width and algebraic.count < whole.count:
         # roots of combined rows need not be roots of all of them
-        return Prover(problem, block, whole, None, proves_ends=False)
+        return Prover(problem, whole, None, proves_ends=False)
     bound = bound_of(problem, algebraic, structure)
     proves_ends = bound is not None or whole is algebraic
-    return Prover(problem, block, whole, bound, proves_ends)
+    return Prover(problem, whole, bound, proves_ends)

@@ -14,7 +14,6 @@ from symkin.homotopy.start_files import SHIPPED, content_of
 from symkin.homotopy.start_store import compute_start, start_key
 from symkin.homotopy.systems import system_of
 from symkin.model.shipped import shipped_names
-from symkin.numeric.system import System
 from symkin.position.problem import Problem, build_problem
 
 
@@ -22,15 +21,15 @@ def write_shipped() -> None:
     """Write the starts of the limbs' direct and inverse problems anew."""
     for old in SHIPPED.glob("*.npz"):
         old.unlink()
-    for problem, system, block in shipped_systems():
-        start, reason = compute_start(problem, system, block)
+    for problem, system in shipped_systems():
+        start, reason = compute_start(problem, system)
         (SHIPPED / f"{start_key(problem, system)}.npz").write_bytes(content_of(start, reason))
-        names = ", ".join(c.name for c in block.unknowns)
+        names = ", ".join(c.name for c in problem.system.unknowns)
         told = reason if start is None else f"{start.z.shape[1]} roots"
         print(problem.mechanism.name, problem.kind, names, told)
 
 
-def shipped_systems() -> Iterator[tuple[Problem, AlgebraicSystem, System]]:
+def shipped_systems() -> Iterator[tuple[Problem, AlgebraicSystem]]:
     """The systems whose starts the package carries: of the blocks of shipped mechanisms of limbs,
     and of the parts that implied rows take them apart into.
     """
@@ -39,11 +38,12 @@ def shipped_systems() -> Iterator[tuple[Problem, AlgebraicSystem, System]]:
             problem = build_problem(mechanism, kind)
             if problem.is_explicit:
                 continue
-            yield from ((problem, system_of(problem, block), block) for block in problem.blocks)
-            for part in solved_parts(problem) if len(problem.blocks) == 1 else ():
+            blocks = problem.independent
+            yield from ((block, system_of(block)) for block in blocks)
+            for part in solved_parts(blocks[0]) if len(blocks) == 1 else ():
                 for solver in solvers_of(part):
                     if isinstance(solver, BlockPaths) and solver.shared is None:
-                        yield part, solver.algebraic, solver.block
+                        yield part, solver.algebraic
 
 
 if __name__ == "__main__":

@@ -315,7 +315,7 @@ def with_least_errors(
         return roots.with_rows(places, searched_alone(group, known[places], solving.search))
     smallest = roots.smallest.copy()
     for place in places.tolist():
-        smallest[place] = least_error(group, group.blocks[0], Given(group.kind, known[place], {}))
+        smallest[place] = least_error(group, Given(group.kind, known[place], {}))
     return replace(roots, smallest=smallest)
 
 
@@ -365,22 +365,22 @@ def _held_against(
     """Distinct solutions (m, width) of all rows of a group among whole configurations, with their
     inputs, rising, and hits; and the inputs (n,) at which a set that is not isolated was met.
     """
-    (block,) = group.blocks
+    system = group.system
     points, n = tree.values[:, group.unknown_places], len(known)
     plain = np.ones(n, dtype=bool)
-    found, origin = checked_roots(block, points, tree.owner, known, plain)
+    found, origin = checked_roots(system, points, tree.owner, known, plain)
     parts = [
         (found[kept], tree.owner[origin[kept]], tree.hits[origin[kept]])
         for kept in [plain[tree.owner[origin]]]
     ]
     met = np.zeros(n, dtype=bool)
-    places = {c.name: place for c, place in zip(block.unknowns, block.slices, strict=True)}
+    places = {c.name: place for c, place in zip(system.unknowns, system.slices, strict=True)}
     for i in np.flatnonzero(~plain).tolist():
         mine = np.flatnonzero(tree.owner == i)
-        polished = polished_roots(block, points[mine], known[i])
+        polished = polished_roots(system, points[mine], known[i])
         met[i] = polished.continuum is not None
-        first, _ = unite(block, polished.points, known[i], continuum_met=bool(met[i]))
-        own = canonical(block.unknowns, places, polished.points[first])
+        first, _ = unite(system, polished.points, known[i], continuum_met=bool(met[i]))
+        own = canonical(system.unknowns, places, polished.points[first])
         least = np.full(len(own), np.min(tree.hits[mine], initial=np.inf))
         parts.append((own, np.full(len(own), i), least))
     points, owner, hits = (np.concatenate(column) for column in zip(*parts, strict=True))

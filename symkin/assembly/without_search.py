@@ -39,10 +39,10 @@ def _certified(problem: Problem, one: SolutionList, values: np.ndarray) -> Solut
         return one
     owner = np.zeros(1, dtype=int)
     radii = list[float]()
-    for block in problem.blocks:
-        prover = prover_of(problem, system_of(problem, block), block)
+    for part in problem.independent:
+        prover = prover_of(part, system_of(part))
         knowns = prover.knowns(values[:, problem.known_places])
-        found = prover.proofs(values[:, problem.places(block.unknowns)], owner, knowns)
+        found = prover.proofs(values[:, part.unknown_places], owner, knowns)
         if not found.certified[0]:
             return replace(one, certified=np.zeros(1, dtype=int), _made={})
         radii.append(float(found.radius[0]))

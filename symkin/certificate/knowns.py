@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from flint import acb, arb
 
-from symkin.certificate.disc_arithmetic import TINY, UP
+from symkin.certificate.disc_arithmetic import UP
 from symkin.certificate.discs import Discs
 from symkin.numeric.balls import Number, precision
 
@@ -50,14 +50,6 @@ class Knowns:
         return Knowns(discs, numbers)
 
     @staticmethod
-    def of_one(k: Sequence[Number] | np.ndarray) -> Knowns:
-        """One instance: doubles and complex numbers, taken as exact, or balls."""
-        numbers = tuple(plain(v) for v in k)
-        pairs = [_disc(v) for v in numbers]
-        middle = np.array([m for m, _ in pairs])
-        return Knowns(Discs(middle[None], np.array([[r for _, r in pairs]])), lambda _: numbers)
-
-    @staticmethod
     def exact(k: np.ndarray) -> Knowns:
         """Doubles or complex numbers (m, known), taken as exact."""
         middle = np.asarray(k)
@@ -74,14 +66,3 @@ def plain(value: Number) -> Number:
         return value.real if isinstance(value, acb) and value.imag == 0 else value
     number = complex(value)
     return number.real if number.imag == 0.0 else number
-
-
-def _disc(value: Number) -> tuple[float | complex, float]:
-    """Middle and radius: of a ball, the double next to its middle, and what that leaves out."""
-    if isinstance(value, arb):
-        middle = float(value)
-        return middle, float((value - middle).abs_upper()) * UP + TINY
-    if isinstance(value, acb):
-        point = complex(float(value.real), float(value.imag))
-        return point, float((value - point).abs_upper()) * UP + TINY
-    return value, 0.0

@@ -341,12 +341,6 @@ MAP = (
         "joints, found, joint_limits -> found_limits",
     ),
 )
-FUNCTIONS = {
-    "platforms": (*PLATFORM, LINE, *PLATFORM_SPEEDS),
-    "arms": (*ARM, *CLOSED_ARM, *ARM_SPEEDS),
-    "maps": MAP,
-}
-"""All functions of each kind of machine."""
 
 
 def declarations(functions: Sequence[Function], values: Mapping[str, object]) -> str:

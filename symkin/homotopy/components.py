@@ -31,7 +31,6 @@ _REAL_STARTS = 96
 def roots_elsewhere(
     problem: Problem,
     system: AlgebraicSystem,
-    block: System,
     points: Points,
     rank: int,
     start: Fibre,
@@ -43,7 +42,7 @@ def roots_elsewhere(
     rng = np.random.default_rng([seed, 1])
     drawn = (
         seed_roots(system, points, rng, rank, COMPLEX_POINTS),
-        _real_roots(problem, system, block, rng),
+        _real_roots(problem, system, rng),
     )
     z, k = (np.hstack(parts) for parts in zip(*drawn, strict=True))
     ends = carried(system, z, k, start.k)
@@ -53,7 +52,6 @@ def roots_elsewhere(
 def real_seeds(
     problem: Problem,
     system: AlgebraicSystem,
-    block: System,
     points: Points,
     rng: np.random.Generator,
 ) -> tuple[np.ndarray, np.ndarray] | None:
@@ -61,7 +59,7 @@ def real_seeds(
     Rows that are redundant at closed configurations alone, as those of Bennett's linkage are, have
     no other points near which Newton's method finds a root.
     """
-    z, k = _real_roots(problem, system, block, rng)
+    z, k = _real_roots(problem, system, rng)
     if not z.shape[1]:
         return None
     base = points(rng, True)[1]
@@ -76,12 +74,12 @@ def _distinct(system: AlgebraicSystem, z: np.ndarray) -> np.ndarray:
 
 
 def _real_roots(
-    problem: Problem, system: AlgebraicSystem, block: System, rng: np.random.Generator
+    problem: Problem, system: AlgebraicSystem, rng: np.random.Generator
 ) -> tuple[np.ndarray, np.ndarray]:
     """Regular closed configurations z (width, n) with known values k (known, n), from starts
     anywhere, known coordinates free as well.
     """
-    free = block.freed(problem.known_coordinates)
+    free = problem.system.freed(problem.known_coordinates)
     reference = problem.select_values(problem.closure.reference, problem.known_coordinates)
     starts = random_starts(problem, free, Given(problem.kind, reference, {}), _REAL_STARTS, rng)
     batch = levenberg_marquardt(free, starts, np.zeros(0))

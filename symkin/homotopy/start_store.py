@@ -40,7 +40,6 @@ from symkin.homotopy.universal_start import machine_start, universal_start
 from symkin.homotopy.values import algebraic_point, coordinate_scale, known_angles, known_values
 from symkin.numeric.levenberg import Progress
 from symkin.numeric.rank import Rank
-from symkin.numeric.system import System
 from symkin.position.closed_configurations import closed_configurations
 from symkin.position.given import Given
 from symkin.position.mobility import mobility
@@ -68,16 +67,14 @@ or not at all, and then how many second searches.
 """
 
 
-def start_of(problem: Problem, system: AlgebraicSystem, block: System) -> tuple[Fibre | None, str]:
-    """The generic roots of a block, or None and the reason."""
+def start_of(problem: Problem, system: AlgebraicSystem) -> tuple[Fibre | None, str]:
+    """The generic roots of a problem, or None and the reason."""
     return kept_or_computed(
-        start_key(problem, system), system, lambda: compute_start(problem, system, block)
+        start_key(problem, system), system, lambda: compute_start(problem, system)
     )
 
 
-def compute_start(
-    problem: Problem, system: AlgebraicSystem, block: System
-) -> tuple[Fibre | None, str]:
+def compute_start(problem: Problem, system: AlgebraicSystem) -> tuple[Fibre | None, str]:
     """Generic roots from the universal start of six distances where the closure is that, else by
     monodromy; at a base from which real instances take few steps.
     """
@@ -108,7 +105,7 @@ def compute_start(
         )
     else:
         try:
-            found, reason = _by_monodromy(problem, system, block)
+            found, reason = _by_monodromy(problem, system)
         except TooManyRootsError as error:
             return (
                 None,
@@ -228,35 +225,26 @@ def _settled(system: AlgebraicSystem, z: np.ndarray, k: np.ndarray) -> np.ndarra
     return ends if found.all() else None
 
 
-def _by_monodromy(
-    problem: Problem, system: AlgebraicSystem, block: System
-) -> tuple[Fibre | None, str]:
+def _by_monodromy(problem: Problem, system: AlgebraicSystem) -> tuple[Fibre | None, str]:
     if problem.of_joints:
         found = mobility(problem.mechanism)
         if found.closed and found.direct_rank.value < found.rank.value:
             return None, f"{AGREEING}: {found.actuated} of them for {found.mobility} freedoms"
     # fewer combinations of the rows than these are no more redundant than they
-    whole = int(block.rows.shape[0]) - (
-        redundant_rows(problem, block) if not problem.of_pose else 0
-    )
-    rank = (
-        min(system.count, whole)
-        if problem.by_name
-        else system.count - int(block.rows.shape[0]) + whole
-    )
+    count = int(problem.system.rows.shape[0])
+    whole = count - (redundant_rows(problem) if not problem.of_pose else 0)
+    rank = min(system.count, whole) if problem.by_name else system.count - count + whole
 
     def points(rng: np.random.Generator, near: bool) -> tuple[np.ndarray, np.ndarray]:
         return random_point(problem, system, rng, near=near)
 
-    if not _is_determined(
-        system, _closed_points(problem, system, block) if problem.by_name else points
-    ):
+    if not _is_determined(system, _closed_points(problem, system) if problem.by_name else points):
         return None, TIED
-    combined = system.count < system_of(problem, block).count
+    combined = system.count < system_of(problem).count
     loops, runs = (_FEW_LOOPS, _FEW_RUNS) if combined else (_LOOPS, _RUNS)
     bound = 1 if len(system.unknowns) == 1 and system.unknowns[0].least is not None else None
     looping = Looping(known_angles(problem), bound, most_loops=loops)
-    search = _Searching(problem, system, block, points, rank, looping)
+    search = _Searching(problem, system, points, rank, looping)
     first = search.fibre(0, 0, progress=progress_of_searches())
     if first is None:
         return None, "no generic complex solution was found"
@@ -268,10 +256,8 @@ def _by_monodromy(
         )
         grown = _agree(search, first, seed)
         best = grown or first
-        missing = missing_roots(problem, system, block, best, seed)
-        fresh = np.hstack(
-            [missing, roots_elsewhere(problem, system, block, points, rank, best, seed)]
-        )
+        missing = missing_roots(problem, system, best, seed)
+        fresh = np.hstack([missing, roots_elsewhere(problem, system, points, rank, best, seed)])
         if grown is None and fresh.shape[1] == 0:
             return first, ""
         if fresh.shape[1] == 0:
@@ -282,21 +268,19 @@ def _by_monodromy(
     return None, "independent searches for the generic count disagree"
 
 
-def redundant_rows(problem: Problem, block: System) -> int:
-    """Rows of a block less their rank at generic closed configurations, all coordinates free."""
-    system = block.freed(problem.known_coordinates)
+def redundant_rows(problem: Problem) -> int:
+    """Rows of a problem less their rank at generic closed configurations, all coordinates free."""
+    system = problem.system.freed(problem.known_coordinates)
     ranks = []
     for values in closed_configurations(problem.closure, 0):
         _, jacobian = system.linearise_one(
             problem.select_values(values, system.unknowns), np.zeros(0)
         )
         ranks.append(Rank.of(jacobian).value)
-    return int(block.rows.shape[0]) - max(ranks)
+    return int(system.rows.shape[0]) - max(ranks)
 
 
-def missing_roots(
-    problem: Problem, system: AlgebraicSystem, block: System, start: Fibre, seed: int
-) -> np.ndarray:
+def missing_roots(problem: Problem, system: AlgebraicSystem, start: Fibre, seed: int) -> np.ndarray:
     """Roots (width, n) at the start's base that real instances show to be missing there.
 
     At random closed configurations the roots must come in conjugate pairs, and must hold every real
@@ -310,9 +294,7 @@ def missing_roots(
     lost = []
     for known, k, tracked in zip(instances, ks, there, strict=True):
         ends, _ = newton(system, tracked.z[:, tracked.arrived], k)
-        wanted = np.concatenate(
-            [np.conj(ends), _real_points(problem, system, block, known, seed)], axis=1
-        )
+        wanted = np.concatenate([np.conj(ends), _real_points(problem, system, known, seed)], axis=1)
         lost.append(
             wanted[:, known_root(system, ends, wanted) < 0]
             if tracked.arrived.any()
@@ -329,30 +311,27 @@ def missing_roots(
 
 
 def _real_points(
-    problem: Problem, system: AlgebraicSystem, block: System, known: np.ndarray, seed: int
+    problem: Problem, system: AlgebraicSystem, known: np.ndarray, seed: int
 ) -> np.ndarray:
     """Regular real roots of an instance that random starts reach, as points of the algebraic
     system.
     """
-    given = Given(problem.kind, known, {})
-    found = batched(problem, block, given, _CHECK_STARTS, np.random.default_rng(seed))
+    given, rows = Given(problem.kind, known, {}), problem.system
+    found = batched(problem, given, _CHECK_STARTS, np.random.default_rng(seed))
     columns = []
     for z in found.points:
-        if block.condition(z, known) < 1e7:
+        if rows.condition(z, known) < 1e7:
             columns.append(
                 algebraic_point(
                     problem,
                     system,
-                    {
-                        c.name: z[place]
-                        for c, place in zip(block.unknowns, block.slices, strict=True)
-                    },
+                    {c.name: z[place] for c, place in zip(rows.unknowns, rows.slices, strict=True)},
                 )
             )
     return np.array(columns).T.reshape(system.width, len(columns))
 
 
-def _closed_points(problem: Problem, system: AlgebraicSystem, block: System) -> Points:
+def _closed_points(problem: Problem, system: AlgebraicSystem) -> Points:
     """Draws generic closed configurations: rows that close for any known values may still depend on
     them elsewhere.
     """
@@ -360,7 +339,8 @@ def _closed_points(problem: Problem, system: AlgebraicSystem, block: System) -> 
 
     def draw(rng: np.random.Generator, near: bool) -> tuple[np.ndarray, np.ndarray]:  # noqa: ARG001 - all are near the reference
         values = closed[int(rng.integers(len(closed)))]
-        named = {c.name: values[problem.closure.slices[c.name]] for c in block.unknowns}
+        unknowns = problem.system.unknowns
+        named = {c.name: values[problem.closure.slices[c.name]] for c in unknowns}
         z = algebraic_point(problem, system, named)
         return z, known_values(
             problem, problem.select_values(values, problem.known_coordinates)
@@ -384,11 +364,10 @@ def _is_determined(system: AlgebraicSystem, points: Points) -> bool:
 
 @dataclass(frozen=True)
 class _Searching:
-    """What every search of a block's generic roots is told."""
+    """What every search of a problem's generic roots is told."""
 
     problem: Problem
     system: AlgebraicSystem
-    block: System
     points: Points
     rank: int
     looping: Looping
@@ -410,7 +389,7 @@ class _Searching:
         found = fibre(self.system, self.points, rng, seed, self.rank, looping, known, progress)
         if found is None and known is None:
             known = real_seeds(
-                self.problem, self.system, self.block, self.points, np.random.default_rng([draw, 2])
+                self.problem, self.system, self.points, np.random.default_rng([draw, 2])
             )
             if known is not None:
                 found = fibre(
@@ -436,6 +415,6 @@ def _agree(search: _Searching, first: Fibre, seed: int) -> Fibre | None:
 
 
 def start_key(problem: Problem, system: AlgebraicSystem) -> str:
-    """Hash of what a block's generic roots depend on: its rows, or the points of its distances."""
+    """Hash of what generic roots depend on: a problem's rows, or the points of its distances."""
     distances = distance_function(problem) if is_universal(problem) else None
     return closure_key(system) if distances is None else hash_of(distances, "six distances")

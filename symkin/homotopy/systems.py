@@ -1,4 +1,4 @@
-"""The algebraic systems of a problem: its blocks over the complex numbers."""
+"""The algebraic system of a problem: its rows over the complex numbers."""
 
 from __future__ import annotations
 
@@ -20,7 +20,6 @@ from symkin.homotopy.six_distances import (
     universal_system,
 )
 from symkin.model.joint import Coordinate, units_of
-from symkin.numeric.system import System
 from symkin.position.groups import without_later
 from symkin.position.problem import KNOWN, Problem
 
@@ -30,19 +29,19 @@ projected close them to 1e-9.
 """
 
 
-@lru_cache(maxsize=64)
-def algebraic_systems(problem: Problem) -> tuple[AlgebraicSystem, ...]:
-    """The blocks of a problem over the complex numbers. Platforms held by six rods share one
-    system, whose known values are lengths and points.
+@lru_cache(maxsize=256)
+def system_of(problem: Problem) -> AlgebraicSystem:
+    """The rows of a problem over the complex numbers. Platforms held by six rods share one system,
+    whose known values are lengths and points.
     """
     if problem.by_name:
-        return (_of_given(problem),)
+        return _of_given(problem)
     if is_universal(problem):
-        return (universal_system(),)
+        return universal_system()
     return _build(problem)
 
 
-def _build(problem: Problem) -> tuple[AlgebraicSystem, ...]:
+def _build(problem: Problem) -> AlgebraicSystem:
     pose_unknown = problem.of_joints
     algebraic = build_algebraic_closure(
         problem.mechanism,
@@ -88,8 +87,8 @@ def _build(problem: Problem) -> tuple[AlgebraicSystem, ...]:
     )
     cut = tuple((c, expressions[len(rows) + i]) for i, (c, _) in enumerate(eliminated))
     if whole.projective:
-        return (whole,)
-    return tuple(_part(whole, cut, {c.name for c in block.unknowns}) for block in problem.blocks)
+        return whole
+    return _part(whole, cut, {c.name for c in problem.system.unknowns})
 
 
 def _of_given(problem: Problem) -> AlgebraicSystem:
@@ -179,16 +178,6 @@ def floating_bodies(coordinates: Sequence[Coordinate]) -> tuple[str, ...]:
     return tuple(dict.fromkeys(c.body for c in coordinates if c.body is not None and c.is_rotation))
 
 
-def system_of(problem: Problem, block: System) -> AlgebraicSystem:
-    """The algebraic system of one block of a problem; the systems stand in the order of the
-    blocks.
-    """
-    numbers = [
-        number for number, other in enumerate(problem.blocks) if other.unknowns == block.unknowns
-    ]
-    return algebraic_systems(problem)[numbers[0]]
-
-
 @lru_cache(maxsize=64)
 def squared(system: AlgebraicSystem) -> AlgebraicSystem:
     """As many random combinations of the rows as there are unknowns: their roots are those of all
@@ -202,12 +191,12 @@ def squared(system: AlgebraicSystem) -> AlgebraicSystem:
 
 
 def meets_all_rows(
-    problem: Problem, block: System, system: AlgebraicSystem, z: np.ndarray, k: np.ndarray
+    problem: Problem, system: AlgebraicSystem, z: np.ndarray, k: np.ndarray
 ) -> np.ndarray:
-    """Which roots z (width, n) at k (known, n) meet all rows of the block, of which `system` may
+    """Which roots z (width, n) at k (known, n) meet all rows of the problem, of which `system` may
     hold combinations.
     """
-    whole = system_of(problem, block)
+    whole = system_of(problem)
     if whole.count <= system.count or whole.width != system.width:
         return np.ones(z.shape[1], dtype=bool)
     f, _ = whole.linearise(z, k.astype(complex))

@@ -134,7 +134,7 @@ def _starts(
     z = instance(paths.algebraic, paths.start, k[:, 0]).isolated
     k = np.repeat(k, z.shape[1], axis=1)
     if paths.combined:
-        z = z[:, meets_all_rows(group, paths.block, paths.algebraic, z, k)]
+        z = z[:, meets_all_rows(group, paths.algebraic, z, k)]
     found = np.zeros((z.shape[1], len(start)), dtype=complex)
     found[:, group.known_places] = known
     named = complex_values(group, paths.algebraic, z)

@@ -15,7 +15,6 @@ import numpy as np
 
 from symkin.drawing.palette import COLOURS
 from symkin.errors import InputError
-from symkin.plots.picture_file import check_picture_path, write_picture
 from symkin.plots.sheet import colour_bar, name_axes, new_figure, own_legend
 from symkin.plots.style import drawing
 from symkin.plots.sweep_loci import draw_loci
@@ -41,16 +40,6 @@ _MOST_ENTRIES = 12
 """Counts that the legend of a map names one by one; of more, it names evenly spaced ones."""
 _NARROW = 20.0
 """Ratio of conditions below which powers of ten alone make too few ticks."""
-
-
-def draw_sweep(
-    folder: Path | str, path: Path | str, *, slices: Mapping[str, float] | None = None
-) -> None:
-    """Write the map of a sweep's folder to a picture, whose suffix is its format, as
-    `figure_of_sweep` draws it.
-    """
-    target = check_picture_path(path)
-    write_picture(figure_of_sweep(folder, slices=slices), target)
 
 
 def figure_of_sweep(

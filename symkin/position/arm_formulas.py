@@ -11,7 +11,6 @@ from symkin.closed.plan import Plan, forward, plan_of
 from symkin.computed_once import cached_property, lru_cache
 from symkin.elimination.closed_form import Solutions
 from symkin.numeric.mapped import Mapped
-from symkin.numeric.system import System
 from symkin.position.problem import Problem
 
 DOUBLE_ROOT = 1e-8
@@ -22,10 +21,9 @@ solutions are then nearer than 1e-4, or nothing decides a joint.
 
 @dataclass(frozen=True, eq=False)
 class ArmFormulas:
-    """The only block of an arm's inverse problem, with its plan: joint by joint."""
+    """An arm's inverse problem, with its plan: joint by joint."""
 
     problem: Problem
-    block: System
     plan: Plan
 
     @property
@@ -62,7 +60,7 @@ class ArmFormulas:
         known = self.problem.system.known
         found = [self.plan.branch(pose, signs) for signs in self.plan.signs.tolist()]
         places = {screw.name: i for i, screw in enumerate(self.plan.arm.screws)}
-        order = [places[c.name] for c in self.block.unknowns]
+        order = [places[c.name] for c in self.problem.system.unknowns]
         joints = ca.vertcat(*(branch.joints[order] for branch in found))
         return Mapped.of(
             [known],
@@ -77,12 +75,12 @@ def arm_formulas(problem: Problem) -> ArmFormulas | None:
     """
     if not problem.of_pose or len(problem.blocks) != 1:
         return None
-    (block,), plan = problem.blocks, plan_of(problem.mechanism)
-    if plan is None or {c.name for c in block.unknowns} != {
+    plan = plan_of(problem.mechanism)
+    if plan is None or {c.name for c in problem.system.unknowns} != {
         screw.name for screw in plan.arm.screws
     }:
         return None
-    return ArmFormulas(problem, block, plan)
+    return ArmFormulas(problem, plan)
 
 
 def judged(discriminants: np.ndarray, strengths: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -53,12 +53,7 @@ def implied_parts(group: Problem) -> tuple[Problem, ...]:
     it apart: a platform's pose, say, then the passive joints of each limb. None of them where they
     do not.
     """
-    if (
-        group.implied
-        or group.closure.partition.geometry
-        or len(group.blocks) != 1
-        or is_tied(group)
-    ):
+    if group.implied or group.closure.partition.geometry or is_tied(group):
         return ()
     candidates = _with_implied(group, _implied_rows(group))
     if not candidates.implied:

@@ -32,30 +32,30 @@ LOG = logging.getLogger(__name__)
 
 def batched(
     problem: Problem,
-    block: System,
     given: Given,
     starts: int,
     rng: np.random.Generator,
     progress: Progress | None = None,
 ) -> Roots:
-    """Roots of a block that Levenberg-Marquardt on all rows reaches, all starts at once."""
+    """Roots of a problem that Levenberg-Marquardt on all rows reaches, all starts at once."""
     LOG.info("%d random starts", starts)
-    points = random_starts(problem, block, given, starts, rng)
-    batch = levenberg_marquardt(block, points, given.values, progress=progress)
+    system = problem.system
+    points = random_starts(problem, system, given, starts, rng)
+    batch = levenberg_marquardt(system, points, given.values, progress=progress)
     ends = batch.points[batch.converged]
     if not len(ends):
-        return _no_roots(block, batch.points, batch.largest_row, given, starts)
-    return distinct(block, ends, given.values, starts)
+        return _no_roots(system, batch.points, batch.largest_row, given, starts)
+    return distinct(system, ends, given.values, starts)
 
 
 def _no_roots(
-    block: System, points: np.ndarray, largest: np.ndarray, given: Given, starts: int
+    system: System, points: np.ndarray, largest: np.ndarray, given: Given, starts: int
 ) -> Roots:
     """Refine the best ends, so that the smallest residual is that of a minimum."""
     order = np.argsort(np.where(np.isfinite(largest), largest, np.inf))[:16]
-    batch = patiently(block, points[order], given.values)
-    smallest = float(np.nanmin(block.residuals(batch.points, given.values)))
-    return Roots(block, np.zeros((0, block.width)), np.zeros(0, dtype=int), smallest, starts)
+    batch = patiently(system, points[order], given.values)
+    smallest = float(np.nanmin(system.residuals(batch.points, given.values)))
+    return Roots(system, np.zeros((0, system.width)), np.zeros(0, dtype=int), smallest, starts)
 
 
 def one_by_one(

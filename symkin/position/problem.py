@@ -7,7 +7,7 @@ name.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Literal
 
 import casadi as ca
@@ -106,6 +106,14 @@ class Problem(OfKind):
         coordinates and such a limb is cut at another joint.
         """
         return split_blocks(self.system, self._together)
+
+    @cached_property
+    def independent(self) -> tuple[Problem, ...]:
+        """Its blocks, each a problem of its own, without the rows that no unknown enters."""
+        conditions = self.conditions
+        if len(self.blocks) == 1 and not (conditions.errors.shape[0] or conditions.rows.shape[0]):
+            return (self,)
+        return tuple(replace(self, system=block) for block in self.blocks)
 
     @property
     def _together(self) -> list[set[int]]:

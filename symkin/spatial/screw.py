@@ -9,13 +9,11 @@ is zero.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 
 import numpy as np
 
 from symkin.spatial.backend import Array, cos, cross, dot, scale, sin, sqrt, vector, where
 from symkin.spatial.pose import Pose
-from symkin.spatial.rotation import quaternion_from_axis_angle, rotate
 
 
 def revolute_screw(point: Array, axis: Array, pitch_per_turn: Array = 0.0) -> Array:
@@ -53,22 +51,6 @@ def exponential(screw: Array, value: Array) -> Pose:
     t = cross(s, s0)
     position = s0 + scale(first, t) + scale(second, cross(s, t))
     return Pose(position, vector(half_cos, half_sinc * s[0], half_sinc * s[1], half_sinc * s[2]))
-
-
-def product_of_exponentials(screws: Sequence[Array], values: Sequence[Array], home: Pose) -> Pose:
-    """exp(S1 q1) ... exp(Sn qn) home: Brockett's formula, screws in the base frame at the
-    reference.
-    """
-    total = home
-    for screw, value in zip(reversed(screws), reversed(values), strict=True):
-        total = exponential(screw, value) @ total
-    return total
-
-
-def turn_about(point: Array, axis: Array, angle: Array) -> Pose:
-    """Rotation by `angle` about the unit `axis` through `point`."""
-    q = quaternion_from_axis_angle(axis, angle)
-    return Pose(point - rotate(q, point), q)
 
 
 def move_screw(pose: Pose, screw: Array) -> Array:

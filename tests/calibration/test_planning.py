@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from typing import get_args
 
 import casadi as ca
 import numpy as np
@@ -16,9 +17,9 @@ from helpers import inside
 from helpers.built_machines import random_postures
 from helpers.gate import in_gate
 from helpers.inside import (
-    CRITERIA,
     NO_GROUP,
     Candidates,
+    Criterion,
     ExchangeSearch,
     Noise,
     System,
@@ -34,6 +35,7 @@ from helpers.samples import delta, five_bar, three_rps
 from symkin import InputError, Measurements, Pose, calibrate, plan_measurements
 
 NOMINAL, TRUE = symkin.load("ren2008"), symkin.load("ren2008_true")
+CRITERIA = get_args(Criterion)
 NOISE = Noise(lengths=2e-6 / math.sqrt(12), group=math.radians(0.001) / math.sqrt(12), uniform=True)
 
 

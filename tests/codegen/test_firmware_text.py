@@ -9,7 +9,14 @@ import numpy as np
 import pytest
 
 from helpers import firmware_tools as tools
-from helpers.inside import WIDTH, Emitter, Real, declared_functions, narrowed, rounded_up
+from helpers.inside import WIDTH, Emitter, Real, narrowed, rounded_up, signature
+
+DECLARED = {
+    "platforms": (*signature.PLATFORM, signature.LINE, *signature.PLATFORM_SPEEDS),
+    "arms": (*signature.ARM, *signature.CLOSED_ARM, *signature.ARM_SPEEDS),
+    "maps": signature.MAP,
+}
+"""The functions of each kind of machine."""
 
 
 @pytest.mark.parametrize("folder", tools.at_hand(tools.FOLDERS))
@@ -41,7 +48,7 @@ def test_the_page_on_generated_c_has_every_function():
     listed = page[page.index("/* platforms */") : page.index("## Less code")]
     _, platforms, arms, closed, maps = re.split(r"(?m)^ *\/\* .*\*/", "    " + listed)
     told = {"platforms": platforms, "arms": arms + closed, "maps": maps}
-    for kind, functions in declared_functions.items():
+    for kind, functions in DECLARED.items():
         calls = re.findall(r"NAME_(\w+)\(([^()]*)\)", told[kind].replace("NAME_BRANCHES", "B"))
         found = {name: re.sub(r"\[.*?\]", "", words).split(", ") for name, words in calls}
         found.pop("inverse_all", None)

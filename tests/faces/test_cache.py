@@ -15,13 +15,13 @@ import pytest
 import symkin
 from helpers import inside
 from helpers.inside import (
-    algebraic_systems,
     build_problem,
     cache_folder,
     keep,
     read_kept,
     start_files,
     start_store,
+    system_of,
 )
 from helpers.samples import five_bar
 from symkin import InputError
@@ -69,7 +69,7 @@ WRONG = {
 def shipped():
     """A system and the file of its start, whose roots have mirrors."""
     problem = build_problem(symkin.load("zhao2000"), "direct")
-    (system,) = algebraic_systems(problem)
+    system = system_of(problem)
     return system, (
         start_files.SHIPPED / f"{start_store.start_key(problem, system)}.npz"
     ).read_bytes()

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import symkin
-from helpers.inside import draw_sweep, figure_of_sweep, main
+from helpers.inside import figure_of_sweep, main
 from helpers.samples import Z, three_rrr
 from symkin import InputError, Joint, Limb, Mechanism, sweep
 
@@ -199,9 +199,9 @@ def test_maps_of_samples_and_of_nothing(tmp_path):
             quantity=quantity,
             workers=0,
         )
-        draw_sweep(tmp_path / quantity, tmp_path / "nothing.png")
+        figure_of_sweep(tmp_path / quantity)
     with pytest.raises(InputError, match="holds no sweep"):
-        draw_sweep(tmp_path / "missing", tmp_path / "a.png")
+        figure_of_sweep(tmp_path / "missing")
 
 
 @pytest.mark.slow

@@ -9,7 +9,15 @@ from collections import Counter
 import numpy as np
 import pytest
 
-from helpers.inside import Robot, closed_neighbours, nearest_closed, rank_at, read_urdf, turn_about
+from helpers.inside import (
+    Robot,
+    closed_neighbours,
+    exponential,
+    nearest_closed,
+    rank_at,
+    read_urdf,
+    revolute_screw,
+)
 from helpers.robot_files import (
     MODELS,
     all_frames,
@@ -85,7 +93,7 @@ def flipped(joint: Joint) -> Pose:
     """Half a turn about a line through the joint's point, square to its axis."""
     point, axis = np.array(joint.point), np.array(joint.axis)
     across = np.cross(axis, np.eye(3)[int(np.argmin(np.abs(axis)))])
-    return turn_about(point, across / np.linalg.norm(across), np.pi)
+    return exponential(revolute_screw(point, across / np.linalg.norm(across)), np.pi)
 
 
 @pytest.mark.parametrize("name", [name for name in NAMES if "digit" not in name])

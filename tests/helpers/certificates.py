@@ -2,13 +2,22 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from flint import acb, arb
 
-from helpers.inside import AlgebraicSystem, CertificateBatch, Knowns, certify_batch
+from helpers.inside import (
+    AlgebraicSystem,
+    CertificateBatch,
+    Discs,
+    Knowns,
+    certify_batch,
+    plain_number,
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,6 +85,29 @@ def of_instance(batch: CertificateBatch, j: int) -> Certificates:
     )
 
 
+def knowns_of_one(k: Sequence[Any] | np.ndarray) -> Knowns:
+    """Known values of one instance: doubles and complex numbers, taken as exact, or balls."""
+    numbers = tuple(plain_number(v) for v in k)
+    pairs = [_disc(v) for v in numbers]
+    middle = np.array([m for m, _ in pairs])
+    return Knowns(Discs(middle[None], np.array([[r for _, r in pairs]])), lambda _: numbers)
+
+
+def _disc(value: Any) -> tuple[float | complex, float]:
+    """Middle and radius: of a ball, the double next to its middle, and what that leaves out."""
+    if isinstance(value, arb):
+        middle = float(value)
+        return middle, _above((value - middle).abs_upper())
+    if isinstance(value, acb):
+        point = complex(float(value.real), float(value.imag))
+        return point, _above((value - point).abs_upper())
+    return value, 0.0
+
+
+def _above(value: arb) -> float:
+    return math.nextafter(float(value), math.inf)
+
+
 def certify(
     system: AlgebraicSystem,
     z: np.ndarray,
@@ -85,5 +117,5 @@ def certify(
     """Certificates of approximate roots z (width, n) of one instance with known values k: doubles,
     taken as exact, or balls. `size` is the length that z has as its unit, by default the system's.
     """
-    knowns = k if isinstance(k, Knowns) else Knowns.of_one(k)
+    knowns = k if isinstance(k, Knowns) else knowns_of_one(k)
     return of_instance(certify_batch(system, z, knowns, size=size), 0)

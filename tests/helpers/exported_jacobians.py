@@ -11,7 +11,7 @@ from typing import Any
 import casadi
 import numpy as np
 
-from helpers.inside import jacobian_text, symbols_read, write_jacobian
+from helpers.inside import jacobian_text, symbols_read
 from helpers.latex_reader import evaluated
 
 STRICT = ["-std=c99", "-Wall", "-Wextra", "-Wconversion", "-pedantic", "-Werror"]
@@ -30,7 +30,7 @@ def run_exported(symbolic: Any, language: str, inputs: Sequence[float], folder: 
             return run_c(symbolic, inputs, folder)
         case "latex":
             return run_latex(symbolic, inputs)
-    write_jacobian(symbolic, "casadi", folder / "j.casadi")
+    (folder / "j.casadi").write_text(jacobian_text(symbolic, "casadi"))
     return casadi.Function.load(str(folder / "j.casadi")).call(list(inputs))[0].full()
 
 

@@ -12,12 +12,12 @@ import symkin
 from helpers.inside import (
     AlgebraicSystem,
     Problem,
-    algebraic_systems,
     build_problem,
     instance,
     known_values,
     merge,
     start_of,
+    system_of,
 )
 from symkin import Mechanism, RodLimb
 
@@ -53,11 +53,11 @@ def case(name: str) -> Case:
             ),
         )
     problem = build_problem(mechanism, kind)
-    (system,) = algebraic_systems(problem)
+    system = system_of(problem)
     k = known_values(problem, values)
     if kind == "inverse":
         return problem, system, k, complex_roots(system, k)
-    start, _ = start_of(problem, system, problem.blocks[0])
+    start, _ = start_of(problem, system)
     return problem, system, k, instance(system, start, k).z
 
 

@@ -24,7 +24,7 @@ from helpers.inside import (
 def setting() -> tuple[Fibre, list[np.ndarray]]:
     """The generic roots of the flat hexapod, and lengths near its example."""
     problem = build_problem(symkin.load("zhang2009"), "direct")
-    start, _ = start_of(problem, universal_system(), problem.blocks[0])
+    start, _ = start_of(problem, universal_system())
     joints, rng = np.array(problem.mechanism.example.joints), np.random.default_rng(0)
     return start, [known_values(problem, joints + rng.uniform(-20, 20, 6)) for _ in range(4)]
 

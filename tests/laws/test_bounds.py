@@ -16,13 +16,13 @@ from helpers.inside import (
     AlgebraicSystem,
     Coordinate,
     algebraic_point,
-    algebraic_systems,
     bound_of,
     build_problem,
     exact_known,
     known_values,
     knowns_of,
     proves,
+    system_of,
     univariate_degree,
 )
 from helpers.known_roots import DIETMAIER, case, complex_roots, dietmaier
@@ -122,7 +122,7 @@ def test_sixteen_solutions_of_a_general_arm_are_proved(seed):
     pose = symkin.solve(mechanism, joints=[0.3, -0.2, 0.5, 0.7, -0.4, 0.1]).solution
     values = np.concatenate([pose.position, pose.quaternion])
     problem = build_problem(mechanism, "inverse")
-    (system,) = algebraic_systems(problem)
+    system = system_of(problem)
     z = complex_roots(system, known_values(problem, values))
     bound = bound_of(problem, system)
     assert bound is not None
@@ -147,8 +147,9 @@ def test_rod_lengths_are_proved_alone():
     platform = symkin.load("zhang2009")
     problem = build_problem(platform, "inverse")
     values = np.array([10.0, 20, 300, 0.9, 0.1, -0.2, 0.05])
-    for system in algebraic_systems(problem):
-        bound = bound_of(problem, system)
+    for part in problem.independent:
+        system = system_of(part)
+        bound = bound_of(part, system)
         assert bound is not None
         assert bound.theorem.count == 1
         k = known_values(problem, values)
@@ -207,7 +208,7 @@ def test_no_theorem_no_bound():
     bound.
     """
     problem = build_problem(five_bar(), "direct")
-    assert all(bound_of(problem, system) is None for system in algebraic_systems(problem))
+    assert bound_of(problem, system_of(problem)) is None
 
 
 def test_known_balls_hold_the_quotients():

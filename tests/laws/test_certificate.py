@@ -19,7 +19,6 @@ from helpers.inside import (
     AlgebraicSystem,
     Coordinate,
     algebraic_point,
-    algebraic_systems,
     build_problem,
     instance,
     known_values,
@@ -42,11 +41,12 @@ def sampled(mechanism: Mechanism, shift: float = 0.04) -> Case:
         mechanism, joints=[mechanism.angle_out(q) for q in joints], method="multistart", starts=400
     )
     problem = build_problem(mechanism, "direct")
-    (block,) = problem.blocks
-    system = system_of(problem, block)
+    system = system_of(problem)
     points = [
         algebraic_point(
-            problem, system, {c.name: np.atleast_1d(m.values[c.name]) for c in block.unknowns}
+            problem,
+            system,
+            {c.name: np.atleast_1d(m.values[c.name]) for c in problem.system.unknowns},
         )
         for m in found
     ]
@@ -279,7 +279,7 @@ def test_a_double_root_is_not_certified():
     """
     platform = symkin.load("zhang2009")
     problem = build_problem(platform, "direct")
-    (system,) = algebraic_systems(problem)
+    system = system_of(problem)
     values = {
         "pose.quaternion": np.array([1.0, 0, 0, 0]),
         **{f"pose.{a}": np.zeros(1) for a in "xyz"},
@@ -435,8 +435,8 @@ def test_random_platforms_are_certified_whole():
         pose = symkin.Pose(rng.normal(size=3), q / np.linalg.norm(q))
         legs = symkin.solve(platform, pose=pose).solution.actuated_values
         problem = build_problem(platform, "direct")
-        (system,) = algebraic_systems(problem)
-        start, _ = start_of(problem, system, problem.blocks[0])
+        system = system_of(problem)
+        start, _ = start_of(problem, system)
         k = known_values(problem, np.array(legs))
         found: Certificates = certify(
             system, instance(system, start, k).z, k, problem.closure.characteristic_length

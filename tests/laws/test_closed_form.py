@@ -143,8 +143,8 @@ COUNTED = [name for name in NAMES if name != "3-RPS limb"]
 @pytest.mark.parametrize("name", in_gate(COUNTED, COUNTED[::3]))
 def test_there_are_as_many_as_paths_find(name: str) -> None:
     problem, number = parts()[name]
-    block = problem.blocks[number]
-    start, _ = start_of(problem, system_of(problem, block), block)
+    part = problem.independent[number]
+    start, _ = start_of(part, system_of(part))
     assert start is not None
     assert formulas(name).count == start.z.shape[1]
 

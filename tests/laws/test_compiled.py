@@ -20,11 +20,11 @@ from helpers.inside import (
     CompilerError,
     Coordinate,
     TrackSettings,
-    algebraic_systems,
     build_problem,
     compiled,
     find_compilers,
     start_of,
+    system_of,
     tracker,
 )
 from helpers.samples import five_bar
@@ -60,9 +60,10 @@ def cache(tmp_path_factory):
 @lru_cache(maxsize=8)
 def machine(name, kind):
     """The system of a mechanism's first block and its generic roots."""
-    problem = build_problem(five_bar() if name == "five_bar" else symkin.load(name), kind)
-    system = algebraic_systems(problem)[0]
-    start, reason = start_of(problem, system, problem.blocks[0])
+    whole = build_problem(five_bar() if name == "five_bar" else symkin.load(name), kind)
+    problem = whole.independent[0]
+    system = system_of(problem)
+    start, reason = start_of(problem, system)
     assert start is not None, reason
     return system, start
 

@@ -15,7 +15,6 @@ from helpers.gate import in_gate
 from helpers.inside import (
     BOUND,
     algebraic_point,
-    algebraic_systems,
     build_algebraic_closure,
     build_closure,
     build_problem,
@@ -26,6 +25,7 @@ from helpers.inside import (
     shipped_systems,
     start_files,
     start_store,
+    system_of,
     universal_start,
     universal_system,
     vectorise,
@@ -67,7 +67,7 @@ def test_study_rows_are_homogeneous(name):
     """A ray is a pose: scaling (e, g) by any complex number keeps roots roots (rows scale by its
     powers 1 or 2).
     """
-    (system,) = algebraic_systems(build_problem(symkin.load(name), "direct"))
+    system = system_of(build_problem(symkin.load(name), "direct"))
     rng = np.random.default_rng(2)
     z = rng.normal(size=(system.width, 1)) + 1j * rng.normal(size=(system.width, 1))
     k = rng.normal(size=(int(system.k.shape[0]), 1)) + 0j
@@ -105,7 +105,7 @@ def test_vectorised_code_is_the_function():
 def test_real_points_come_back():
     """algebraic_point and real_values are inverse to each other."""
     problem = build_problem(symkin.load("zhao2000_links"), "direct")
-    (system,) = algebraic_systems(problem)
+    system = system_of(problem)
     mode = symkin.modes(problem.mechanism)[0]
     values = {c.name: np.atleast_1d(mode.values[c.name]) for c in problem.system.unknowns}
     back = real_values(problem, system, algebraic_point(problem, system, values), np.zeros(0))
@@ -245,8 +245,8 @@ def test_random_legs_of_a_symmetric_platform():
 def test_complex_roots_come_in_conjugate_pairs():
     """At real known values the conjugate of a root is a root."""
     problem = build_problem(symkin.load("zhang2009"), "direct")
-    (system,) = algebraic_systems(problem)
-    start, _ = start_store.start_of(problem, system, problem.blocks[0])
+    system = system_of(problem)
+    start, _ = start_store.start_of(problem, system)
     ends = instance(
         system, start, known_values(problem, np.array(symkin.load("zhang2009").example.joints))
     )
@@ -350,7 +350,7 @@ def test_every_shipped_start_is_read():
     parts of those that implied rows take apart: none is computed.
     """
     problems = set()
-    for problem, system, _ in shipped_systems():
+    for problem, system in shipped_systems():
         kept = start_files.SHIPPED / f"{start_store.start_key(problem, system)}.npz"
         assert kept.exists(), (problem.mechanism.name, problem.kind)
         problems.add((problem.mechanism.name, problem.kind))

@@ -232,9 +232,8 @@ def test_rows_that_contradict_each_other_leave_paths_unresolved():
 @cache
 def problem_of(mechanism: Mechanism, kind: str) -> tuple[Problem, AlgebraicSystem, Fibre]:
     problem = build_problem(mechanism, kind)  # type: ignore[arg-type]
-    (block,) = problem.blocks
-    system = system_of(problem, block)
-    start, reason = start_of(problem, system, block)
+    system = system_of(problem)
+    start, reason = start_of(problem, system)
     assert start is not None, reason
     return problem, system, start
 

@@ -161,9 +161,9 @@ def test_a_part_that_no_given_value_enters_has_its_own_redundant_rows():
     problem = build_problem(
         Mechanism("slides", limbs, platform_position=(85, 68, -180), motion="schoenflies"), "direct"
     )
-    height, plane = sorted(problem.blocks, key=lambda block: len(block.unknowns))
-    assert [c.name for c in height.unknowns] == ["pose.z"]
-    assert (redundant_rows(problem, height), redundant_rows(problem, plane)) == (1, 0)
+    height, plane = sorted(problem.independent, key=lambda part: len(part.system.unknowns))
+    assert [c.name for c in height.system.unknowns] == ["pose.z"]
+    assert (redundant_rows(height), redundant_rows(plane)) == (1, 0)
 
 
 def test_firmware_is_refused_where_a_pose_leaves_a_limb_free(tmp_path):

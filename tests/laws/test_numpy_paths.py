@@ -9,9 +9,9 @@ from hypothesis import given
 
 from helpers.inside import (
     AlgebraicSystem,
-    algebraic_systems,
     build_problem,
     known_values,
+    system_of,
     tracker,
     universal_start,
     universal_system,
@@ -90,7 +90,7 @@ def test_redundant_rows_are_solved_together():
     rows.
     """
     problem = build_problem(delta(), "direct")
-    (system,) = algebraic_systems(problem)
+    system = system_of(problem)
     here = known_values(problem, np.zeros(3))
     up = np.array([0.0, 0.0, -np.sqrt(220.0**2 - 180.0**2)]) / system.characteristic_length
     end = np.array([0.3, -0.2, 0.1]) + 0j

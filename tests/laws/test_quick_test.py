@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 
 import certificates
 from helpers import inside
-from helpers.certificates import certify, of_instance
+from helpers.certificates import certify, knowns_of_one, of_instance
 from helpers.gate import in_gate
 from helpers.inside import (
     AlgebraicSystem,
@@ -90,7 +90,7 @@ def test_boxes_of_mechanisms_are_true_by_balls(engine, name):
     """The same on roots of mechanisms; a point off by less than 1e-10 is certified."""
     _, system, k, z = case(name)
     rng = np.random.default_rng(0)
-    roots = certificates.Roots(name, system, Knowns.of_one(k), z[:, ::4])
+    roots = certificates.Roots(name, system, knowns_of_one(k), z[:, ::4])
     certified, failures = certificates.count_failures(roots, rng)[1:]
     assert certified > 20 * roots.z.shape[1]
     assert failures == 0
@@ -135,7 +135,7 @@ def test_a_box_holds_for_all_known_values_in_their_discs(engine):
         system,
         np.array([[np.sqrt(2) + 0j]]),
         np.array([True]),
-        Knowns.of_one([arb(2.0, 1e-9)]),
+        knowns_of_one([arb(2.0, 1e-9)]),
         np.zeros(1, dtype=int),
     )
     assert found.found[0]
@@ -170,7 +170,7 @@ def test_points_beside_roots_have_no_box_that_is_near(engine, name):
         system,
         given_points,
         np.zeros(z.shape[1], dtype=bool),
-        Knowns.of_one(k),
+        knowns_of_one(k),
         np.zeros(z.shape[1], dtype=int),
     )
     away = np.max(np.abs(found.centre - given_points), axis=0)
@@ -187,7 +187,7 @@ def test_missing_numbers_show_nothing(engine, bad):
     spoiled[2, 5] = bad
     near = np.max(np.abs(start.imag), axis=0) < 1e-7
     found, clean = (
-        enclose_all(system, p, near, Knowns.of_one(k), np.zeros(z.shape[1], dtype=int))
+        enclose_all(system, p, near, knowns_of_one(k), np.zeros(z.shape[1], dtype=int))
         for p in (spoiled, start)
     )
     others = np.arange(z.shape[1]) != 5
@@ -230,10 +230,10 @@ def test_a_point_does_not_depend_on_its_neighbours(engine):
     """Boxes of all points together and of each alone are the same, bit for bit."""
     _, system, k, z = case("yao2020")
     start, near = in_phase(system, z), np.zeros(z.shape[1], dtype=bool)
-    whole = enclose_all(system, start, near, Knowns.of_one(k), np.zeros(z.shape[1], dtype=int))
+    whole = enclose_all(system, start, near, knowns_of_one(k), np.zeros(z.shape[1], dtype=int))
     for i in range(z.shape[1]):
         alone = enclose_all(
-            system, start[:, [i]], near[[i]], Knowns.of_one(k), np.zeros(1, dtype=int)
+            system, start[:, [i]], near[[i]], knowns_of_one(k), np.zeros(1, dtype=int)
         )
         assert alone.half_width[0] == whole.half_width[i]
         assert np.array_equal(alone.centre[:, 0], whole.centre[:, i])

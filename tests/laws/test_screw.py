@@ -1,7 +1,6 @@
 """Screws: exponentials, the adjoint map and reciprocity."""
 
 import math
-from functools import reduce
 
 import casadi as ca
 import numpy as np
@@ -53,9 +52,6 @@ def test_exponential_of_a_joint_is_its_turn_and_slide(rng, value, pitch):
     )
     slid = displacement(np.eye(3), c, value * a)
     assert np.allclose(sc.exponential(sc.prismatic_screw(a), value).matrix, slid, atol=1e-13)
-    assert np.allclose(
-        sc.turn_about(c, a, value).matrix, displacement(axis_turn(a, value), c), atol=1e-12
-    )
 
 
 @given(seeds, st.floats(-2, 2))
@@ -84,24 +80,6 @@ def test_exponential_is_smooth_where_the_series_takes_over(rng):
     s = sc.revolute_screw(np.array(point(rng, 2.0)), np.array(unit(rng)))
     below, above = sc.exponential(s, 1e-5 * (1 - 1e-7)), sc.exponential(s, 1e-5 * (1 + 1e-7))
     assert np.max(np.abs(below.matrix - above.matrix)) < 1e-11
-
-
-@given(seeds)
-def test_product_of_exponentials_is_the_product_of_matrices(rng):
-    """exp(S1 q1) ... exp(Sn qn) home, for turns and slides."""
-    home = Pose(np.array(point(rng)), np.array(unit(rng, 4)))
-    screws, q, matrices = [], rng.uniform(-3, 3, 5), []
-    for k in range(5):
-        c, a = np.array(point(rng)), np.array(unit(rng))
-        slides = rng.random() < 0.4
-        screws.append(sc.prismatic_screw(a) if slides else sc.revolute_screw(c, a))
-        matrices.append(
-            displacement(np.eye(3), c, q[k] * a) if slides else displacement(axis_turn(a, q[k]), c)
-        )
-    expected = reduce(np.matmul, matrices) @ frame(home.position, home.quaternion)
-    assert np.allclose(
-        sc.product_of_exponentials(screws, list(q), home).matrix, expected, atol=1e-9
-    )
 
 
 @given(seeds, values)

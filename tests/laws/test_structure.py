@@ -93,7 +93,7 @@ def test_the_structures_rows_are_those_of_the_block_at_complex_points(name):
     rng = np.random.default_rng(5)
     looked = 0
     for group in groups(symkin.load(name)):
-        system = system_of(group, group.blocks[0])
+        system = system_of(group)
         found = structure_of(group, system)
         if found is None:
             continue
@@ -111,7 +111,7 @@ def test_blocks_that_are_no_such_polynomials_have_no_structure():
     """A body in Study coordinates beside a joint, and loops with more rows than unknowns."""
     for name in ("double_wishbone", "bennett"):
         (first, *_) = groups(symkin.load(name))
-        assert structure_of(first, system_of(first, first.blocks[0])) is None
+        assert structure_of(first, system_of(first)) is None
 
 
 # --- one search -----------------------------------------------------------------------------------
@@ -232,7 +232,7 @@ def test_coefficients_are_those_of_the_rows_for_a_circle():
     angle, one constant a row.
     """
     (group,) = groups(drawn(4))
-    found = structure_of(group, system_of(group, group.blocks[0]))
+    found = structure_of(group, system_of(group))
     assert found is not None
     assert (found.system.count, found.system.width) == (2, 2)
     code, numbers = (
@@ -251,7 +251,7 @@ def test_a_platform_on_a_platform_is_held_by_six_distances():
     base that moves too.
     """
     for group in groups(symkin.load("hexapod_stack")):
-        system = system_of(group, group.blocks[0])
+        system = system_of(group)
         found = structure_of(group, system)
         assert found is not None
         paths = group_solvers.group_paths(group)
@@ -265,7 +265,7 @@ def test_distances_of_a_moving_base_are_those_between_the_points():
     """
     mechanism = symkin.load("hexapod_stack")
     group = groups(mechanism)[1]
-    found = structure_of(group, system_of(group, group.blocks[0]))
+    found = structure_of(group, system_of(group))
     assert found is not None
     size = mechanism.characteristic_length
     for values in closed_configurations(group.closure, 0)[:3]:

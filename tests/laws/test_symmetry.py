@@ -14,7 +14,6 @@ from helpers.inside import (
     AlgebraicSystem,
     Symmetries,
     algebraic_point,
-    algebraic_systems,
     binary_null_space,
     build_problem,
     distance_frames,
@@ -26,6 +25,7 @@ from helpers.inside import (
     plane_frame,
     reflection,
     start_of,
+    system_of,
     tracker,
     universal_system,
 )
@@ -54,7 +54,7 @@ def case(name: str) -> tuple[AlgebraicSystem, Symmetries, object]:
         "three_rrr": (three_rrr(), "direct"),
         "pieper": (pieper(), "inverse"),
     }[name]
-    system = algebraic_systems(build_problem(mechanism, kind))[0]
+    system = system_of(build_problem(mechanism, kind).independent[0])
     draw = lengths_only(mechanism) if name == "zhang2009" else None
     return system, find_symmetries(system, draw), draw
 
@@ -121,7 +121,7 @@ def test_a_wrist_turns_over():
 @pytest.mark.parametrize("name", ["yao2020", "gluon_6l3"])
 def test_arms_of_general_shape_have_none(name):
     """Neither arm's closure keeps its rows under a change of signs."""
-    (system,) = algebraic_systems(build_problem(symkin.load(name), "inverse"))
+    system = system_of(build_problem(symkin.load(name), "inverse"))
     assert len(find_symmetries(system)) == 1
 
 
@@ -239,8 +239,8 @@ def test_a_point_off_the_plane_leaves_no_mirror(off):
 @lru_cache
 def flat_start():
     problem = build_problem(symkin.load("zhang2009"), "direct")
-    (system,) = algebraic_systems(problem)
-    start, _ = start_of(problem, system, problem.blocks[0])
+    system = system_of(problem)
+    start, _ = start_of(problem, system)
     return problem, system, start, orbits(system, case("zhang2009")[1], start.z)
 
 

@@ -30,8 +30,6 @@ _LEAST_LEFT = 0.05
 be a difference.
 """
 
-CRITERIA: tuple[Criterion, ...] = ("D", "A", "I")
-
 
 @dataclass(frozen=True, eq=False)
 class Candidates:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import keyword
 import textwrap
 from collections.abc import Callable, Collection, Mapping
-from pathlib import Path
 
 import casadi as ca
 
@@ -15,7 +14,6 @@ from symkin.codegen.text.jacobian_latex import latex_source
 from symkin.codegen.text.languages import NUMPY_NAMES, SYMPY_NAMES, python_language
 from symkin.codegen.text.printer import Printer
 from symkin.errors import InputError
-from symkin.files.outputs import write_output
 from symkin.text import c_comment, docstring_line, not_among
 from symkin.velocity.jacobian import AnyJacobian
 
@@ -189,8 +187,3 @@ def jacobian_text(jacobian: AnyJacobian, language: str) -> str:
     if language not in FORMATS:
         raise InputError(f"format = {not_among(language, FORMATS)}")
     return FORMATS[language](jacobian)
-
-
-def write_jacobian(jacobian: AnyJacobian, language: str, path: str | Path) -> None:
-    """Write the Jacobian into a file, whole or not at all."""
-    write_output(path, jacobian_text(jacobian, language))
