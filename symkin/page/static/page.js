@@ -193,6 +193,7 @@ function frame(now) {
   drag.step();
   plane?.step();
   player?.step(now);
+  strip.step();
   drawing.render();
   requestAnimationFrame(frame);
 }

@@ -79,12 +79,6 @@ export function thread(centre, axis, length, radius, wire) {
   return new THREE.TubeGeometry(new THREE.CatmullRomCurve3(points), 96, wire, 6).applyQuaternion(turn).translate(...centre);
 }
 
-/** The open half of a ball joint, opening along a direction. */
-export function socket(centre, direction, radius) {
-  const turn = new THREE.Quaternion().setFromUnitVectors(Y, vector(direction).normalize().negate());
-  return new THREE.SphereGeometry(radius, 20, 10, 0, 2 * Math.PI, 0, 0.5 * Math.PI).applyQuaternion(turn).translate(...centre);
-}
-
 export function arrow(start, direction, length, radius) {
   const way = vector(direction).normalize(), a = vector(start);
   const neck = a.clone().addScaledVector(way, Math.max(0, length - 5 * radius));

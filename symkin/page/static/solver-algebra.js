@@ -2,12 +2,11 @@
 
 const RANK = 1e-13; // pivots below this share of the first are zero
 
-/** Solve min |A y - b| for A (m, n) row by row, by QR; null where numbers are not finite. Columns without a pivot get zero; of a matrix
- * of full rank pivots need not be sought. */
-export function leastSquares(a, b, n, pivoted = true) {
+/** Solve min |A y - b| for A (m, n) row by row, by QR; null where numbers are not finite. Columns without a pivot get zero. */
+export function leastSquares(a, b, n) {
   const m = n ? a.length / n : 0, y = new Float64Array(n);
   if (!n) return y;
-  const { pivots, rank } = reduce(a, b, m, n, 1, pivoted);
+  const { pivots, rank } = reduce(a, b, m, n, 1);
   substitute(a, b, y, n, 1, 0, pivots, rank);
   return y.every(Number.isFinite) ? y : null;
 }
@@ -17,7 +16,7 @@ export function leastSquares(a, b, n, pivoted = true) {
 export function relativeChange(a, b, n) {
   const m = n ? a.length / n : 0, y = new Float64Array(n);
   for (let k = 0; k < b.length; k++) b[k] -= a[k];
-  const { pivots, rank } = reduce(a, b, m, n, n, true);
+  const { pivots, rank } = reduce(a, b, m, n, n);
   if (rank < n) return Infinity;
   let sum = 0;
   for (let column = 0; column < n; column++) {
@@ -37,12 +36,12 @@ function substitute(a, b, y, n, width, column, pivots, rank) {
 }
 
 /** Reduce A to a triangle in place (its columns in the order of `pivots`), b (m, width) with it. */
-function reduce(a, b, m, n, width, pivoted) {
+function reduce(a, b, m, n, width) {
   const pivots = Array.from({ length: n }, (_, k) => k), most = Math.min(m, n);
   let first = 0, rank = 0;
   for (; rank < most; rank++) {
     let best = rank, norm = -1;
-    for (let j = rank; j < (pivoted ? n : rank + 1); j++) {
+    for (let j = rank; j < n; j++) {
       let sum = 0;
       for (let r = rank; r < m; r++) sum += a[r * n + pivots[j]] ** 2;
       if (sum > norm) [best, norm] = [j, sum];
