@@ -1,4 +1,6 @@
 // The strip of small views, one a mode; a click takes it.
+import { element } from "symkin/inputs";
+
 const MOST = 64; // small views at most
 const SEARCH = 25; // milliseconds of a search between two frames that goes on
 const FIRST = 100; // milliseconds for the modes at new values at once, where the last ones took less
@@ -91,10 +93,9 @@ export class Strip {
   }
 
   _add(k) {
-    const button = document.createElement("button");
-    button.type = "button";
+    const button = element("button", { type: "button" });
     button.setAttribute("role", "option");
-    button.append(document.createElement("canvas"), document.createElement("span"));
+    button.append(element("canvas"), element("span"));
     button.addEventListener("click", () => this.onChoose(k));
     this.list.append(button);
     this.buttons.push(button);
