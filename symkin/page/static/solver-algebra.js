@@ -2,11 +2,12 @@
 
 const RANK = 1e-13; // pivots below this share of the first are zero
 
-/** Solve min |A y - b| for A (m, n) row by row, by QR; null where numbers are not finite. Columns without a pivot get zero. */
-export function leastSquares(a, b, n) {
+/** Solve min |A y - b| for A (m, n) row by row, by QR; null where numbers are not finite. Columns without a pivot get zero; of a matrix
+ * of full rank pivots need not be sought. */
+export function leastSquares(a, b, n, pivoted = true) {
   const m = n ? a.length / n : 0, y = new Float64Array(n);
   if (!n) return y;
-  const { pivots, rank } = reduce(a, b, m, n, 1);
+  const { pivots, rank } = reduce(a, b, m, n, 1, pivoted);
   substitute(a, b, y, n, 1, 0, pivots, rank);
   return y.every(Number.isFinite) ? y : null;
 }
@@ -16,7 +17,7 @@ export function leastSquares(a, b, n) {
 export function relativeChange(a, b, n) {
   const m = n ? a.length / n : 0, y = new Float64Array(n);
   for (let k = 0; k < b.length; k++) b[k] -= a[k];
-  const { pivots, rank } = reduce(a, b, m, n, n);
+  const { pivots, rank } = reduce(a, b, m, n, n, true);
   if (rank < n) return Infinity;
   let sum = 0;
   for (let column = 0; column < n; column++) {
@@ -36,12 +37,12 @@ function substitute(a, b, y, n, width, column, pivots, rank) {
 }
 
 /** Reduce A to a triangle in place (its columns in the order of `pivots`), b (m, width) with it. */
-function reduce(a, b, m, n, width) {
+function reduce(a, b, m, n, width, pivoted) {
   const pivots = Array.from({ length: n }, (_, k) => k), most = Math.min(m, n);
   let first = 0, rank = 0;
   for (; rank < most; rank++) {
     let best = rank, norm = -1;
-    for (let j = rank; j < n; j++) {
+    for (let j = rank; j < (pivoted ? n : rank + 1); j++) {
       let sum = 0;
       for (let r = rank; r < m; r++) sum += a[r * n + pivots[j]] ** 2;
       if (sum > norm) [best, norm] = [j, sum];

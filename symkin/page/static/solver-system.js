@@ -5,8 +5,8 @@ const ROUNDING = 1e-7; // Newton's step below which it need not contract: near a
 
 export class System {
   /** `evaluate(x, values, gradients)` fills the rows and what of their gradients is not always zero, by x in units of `columns`. */
-  constructor(evaluate, { rows, columns, known, unknown }) {
-    Object.assign(this, { evaluate, columns, known, unknown });
+  constructor(evaluate, { rows, columns, known, unknown, pivoted = true }) {
+    Object.assign(this, { evaluate, columns, known, unknown, pivoted });
     this.values = new Float64Array(rows);
     this.gradients = new Float64Array(rows * columns.length).fill(NaN);
     this.parts = null; // once rows have been evaluated
@@ -28,7 +28,7 @@ export class System {
     const matrices = this.linearise(x), width = this.columns.length, right = this.values.map(() => 0);
     for (let r = 0; r < right.length; r++)
       for (const k of this.known) right[r] -= (this.gradients[r * width + k] * way[k]) / this.columns[k];
-    return this.parts.solve(matrices, right);
+    return this.parts.solve(matrices, right, this.pivoted);
   }
 
   /** A copy of x with its unknowns moved for some time. */
@@ -47,7 +47,7 @@ export class System {
   newton(x, close, most, allowed, unit = () => 1) {
     let first = 0, last = Infinity;
     for (let k = 0; k < most; k++) {
-      const matrices = this.linearise(x), step = this.parts.solve(matrices, this.values.map((v) => -v));
+      const matrices = this.linearise(x), step = this.parts.solve(matrices, this.values.map((v) => -v), this.pivoted);
       const length = step ? Math.hypot(...step) / unit(x) : Infinity;
       if (!Number.isFinite(length) || !allowed(length, last)) return 0;
       x.set(this.moved(x, step, 1));
@@ -74,5 +74,5 @@ export function complexSystem(evaluate, { rows, columns, known, unknown }) {
     }
   };
   const sizes = { rows: 2 * rows, columns: columns.flatMap((v) => [v, v]), known: known.flatMap(pairs), unknown: unknown.flatMap(pairs) };
-  return new System(evaluatePairs, sizes);
+  return new System(evaluatePairs, { ...sizes, pivoted: false }); // paths from generic values keep full rank
 }
