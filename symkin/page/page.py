@@ -23,7 +23,7 @@ _MODULES = {
     "OrbitControls": "vendor/OrbitControls.js",
     **{
         f"symkin/{name}": f"{name}.js"
-        for name in ("look", "shapes", "items", "drawing", "sketch", "inputs", "labels", "strip")
+        for name in ("look", "shapes", "items", "drawing", "inputs", "labels", "strip")
     },
     **{f"symkin/{name}": f"{name}.js" for name in ("drag", "plane", "player", "trace", "page")},
 }

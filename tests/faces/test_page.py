@@ -466,6 +466,29 @@ def test_a_click_takes_a_mode(open_page: Callable[..., Any]) -> None:
     assert page.evaluate("symkin.choose(9)") is False
 
 
+def test_small_views_are_pictures_of_their_modes(open_page: Callable[..., Any]) -> None:
+    """Each mode's small view shows something, and no two show the same; the large one stands in
+    the mode shown."""
+    page = open_page(page_of("zhang2009"))
+    page.wait_for_function(
+        """() => {
+          const views = Array.from(document.querySelectorAll("#strip canvas"));
+          const painted = view => view.getContext("2d")
+            .getImageData(0, 0, view.width, view.height).data.some(Boolean);
+          const pictures = new Set(views.map(view => view.toDataURL()));
+          return views.length === 4 && views.every(painted) && pictures.size === 4;
+        }"""
+    )
+    page.locator("#strip button").nth(2).click()
+    page.wait_for_timeout(500)
+    shown, mode = page.evaluate(
+        "[symkinPage.items.at({link: symkinPage.items.links.length - 1,"
+        " point: [0, 0, 0]}).toArray(),"
+        " symkinPage.poses.slice(-12)]"
+    )
+    assert shown == pytest.approx([mode[k] for k in (3, 7, 11)], abs=1e-12)
+
+
 ON_PLATFORM = """() => {
   for (let y = 20; y < 600; y += 8)
     for (let x = 20; x < 900;
@@ -776,9 +799,9 @@ PARTS = """async () => {
   const [{createSolver}, generated, {leastSquares, relativeChange, singularPair}] =
     await Promise.all(['solver', 'generated', 'solver-algebra'].map(name => import(name)));
   const {model} = JSON.parse(document.getElementById('data').textContent);
-  const solver = createSolver(model, generated), {parts, unknown} = solver, n = unknown.length,
-    m = model.rows;
-  const whole = x => { generated.system(x, solver.rows, solver.gradients);
+  const solver = createSolver(model, generated).system, {parts, unknown} = solver,
+    n = unknown.length, m = model.rows;
+  const whole = x => { generated.system(x, solver.values, solver.gradients);
     return Float64Array.from({length: m * n}, (_,
       k) => solver.gradients[Math.floor(k / n) * model.width + unknown[k % n]]) };
   const x = Float64Array.from(model.start), other = x.map((v, k) => v + 0.01 * Math.sin(k));

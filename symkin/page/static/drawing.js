@@ -74,13 +74,21 @@ export class Drawing {
     this.dirty = true;
   }
 
+  /** The box along the camera's axes that holds what is drawn at some configurations. */
+  boxOf(manyPoses) {
+    const box = new THREE.Box3(), here = this.poses;
+    this.camera.updateMatrixWorld();
+    for (const poses of manyPoses) {
+      this.items.place(poses);
+      for (const p of this.items.places()) box.expandByPoint(p.divideScalar(this.scene.size).applyMatrix4(this.camera.matrixWorldInverse));
+    }
+    this.items.place(here);
+    return box;
+  }
+
   /** Bring everything that is drawn into the picture. */
   fit() {
-    const places = this.items.places().map((p) => p.divideScalar(this.scene.size));
-    const seen = new THREE.Box3(), offset = this.camera.position.clone().sub(this.controls.target).setLength(5);
-    this.camera.updateMatrixWorld();
-    const inverse = this.camera.matrixWorldInverse;
-    places.forEach((p) => seen.expandByPoint(p.clone().applyMatrix4(inverse)));
+    const seen = this.boxOf([this.poses]), offset = this.camera.position.clone().sub(this.controls.target).setLength(5);
     const centre = seen.getCenter(new THREE.Vector3()).applyMatrix4(this.camera.matrixWorld);
     this.controls.target.copy(centre);
     this.camera.position.copy(centre).add(offset);
@@ -100,7 +108,7 @@ export class Drawing {
     const aspect = width / height, half = MARGIN * Math.max(this.half[1], this.half[0] / aspect, 0.2);
     Object.assign(this.camera, { left: -half * aspect, right: half * aspect, top: half, bottom: -half });
     this.camera.updateProjectionMatrix();
-    this.look.outline.uniforms.pixels.value.set(width, height);
+    this.look.setContours(width, height);
     this.dirty = true;
   }
 
@@ -122,6 +130,46 @@ export class Drawing {
     this.renderer.render(this.world, this.camera);
     this.listeners.forEach((listener) => listener());
     return true;
+  }
+
+  // --- small views -------------------------------------------------------------------------------------------------
+
+  /** Draw configurations into small canvases, seen as the large view is, until a time is over; how many of `jobs` ([canvas, poses]) were
+   * drawn. All that is in `box` is in each picture. The large view is drawn anew after them. */
+  drawSmall(jobs, box, until) {
+    const { items, renderer, poses: here } = this, hidden = [this.grid, this.extras, ...items.meshes].filter((object) => object.visible);
+    for (const object of hidden) object.visible = false;
+    renderer.setScissorTest(true);
+    let drawn = 0;
+    for (const [canvas, poses] of jobs) {
+      if (drawn && performance.now() > until) break;
+      items.place(poses);
+      this._drawSmall(canvas, box);
+      drawn += 1;
+    }
+    for (const object of hidden) object.visible = true;
+    renderer.setScissorTest(false);
+    renderer.setViewport(0, 0, this.width, this.height);
+    this.look.setContours(this.width, this.height);
+    this.place(here);
+    return drawn;
+  }
+
+  /** Draw what stands in the scene in a corner of the large canvas, and copy it. */
+  _drawSmall(canvas, box) {
+    const { renderer } = this, { clientWidth: width, clientHeight: height } = canvas, ratio = renderer.getPixelRatio();
+    const camera = this.camera.clone(false), middle = box.getCenter(new THREE.Vector3()), span = box.getSize(new THREE.Vector3());
+    const scale = (0.5 / 0.86) * Math.max(span.x / width, span.y / height, 0.2 / height);
+    Object.assign(camera, { left: middle.x - scale * width, right: middle.x + scale * width, zoom: 1 });
+    Object.assign(camera, { bottom: middle.y - scale * height, top: middle.y + scale * height });
+    camera.updateProjectionMatrix();
+    this.look.setContours(width, height, 0.4);
+    renderer.setViewport(0, 0, width, height);
+    renderer.setScissor(0, 0, width, height);
+    renderer.render(this.world, camera);
+    Object.assign(canvas, { width: width * ratio, height: height * ratio });
+    const place = [0, renderer.domElement.height - canvas.height, canvas.width, canvas.height];
+    canvas.getContext("2d").drawImage(renderer.domElement, ...place, 0, 0, canvas.width, canvas.height);
   }
 
   /** Where a point of the base frame is on the screen, in pixels of the picture. */

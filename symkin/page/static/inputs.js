@@ -37,8 +37,7 @@ export class Inputs {
 class Row {
   constructor(name, unit, range, limits, onChange) {
     this.range = range;
-    this.element = document.createElement("div");
-    this.element.className = "input";
+    this.element = element("div", { className: "input" });
     const id = `given-${name}`;
     const label = element("label", { htmlFor: id, textContent: name, title: name });
     this.number = element("input", { type: "text", inputMode: "decimal", id: `${id}-number`, autocomplete: "off", spellcheck: false });
@@ -121,6 +120,6 @@ export function shown(value, digits = DIGITS) {
   return text.includes("e") ? text : text.includes(".") ? text.replace(/\.?0+$/, "") : text;
 }
 
-function element(tag, properties) {
+export function element(tag, properties = {}) {
   return Object.assign(document.createElement(tag), properties);
 }

@@ -34,8 +34,7 @@ class Items {
   /** Move everything to poses (12 numbers a link: rows of [R|t]). */
   place(poses) {
     this.links.forEach((group, k) => {
-      const p = poses.subarray ? poses.subarray(12 * k, 12 * k + 12) : poses.slice(12 * k, 12 * k + 12);
-      group.matrix.set(p[0], p[1], p[2], p[3], p[4], p[5], p[6], p[7], p[8], p[9], p[10], p[11], 0, 0, 0, 1);
+      group.matrix.set(...poses.subarray(12 * k, 12 * k + 12), 0, 0, 0, 1);
       group.matrixWorldNeedsUpdate = true;
     });
     for (const { group, link, ends } of this.middles) {
@@ -122,16 +121,14 @@ class Items {
     const [before, after] = item.links.map((k) => this.links[k]);
     const fill = item.actuated ? "accent" : "white", s = this.symbol, [axis, axis2] = item.axes, p = item.point;
     const hold = item.slides ? after : before;
+    if (["R", "H", "C"].includes(item.type)) this._solid(hold, shapes.drum(p, axis, s, R_WIDTH * s), fill, item);
     switch (item.type) {
       case "R":
-        this._solid(hold, shapes.drum(p, axis, s, R_WIDTH * s), fill, item);
-        break;
+        break; // the drum alone
       case "H":
-        this._solid(hold, shapes.drum(p, axis, s, R_WIDTH * s), fill, item);
         this._solid(hold, shapes.thread(p, axis, 0.85 * s, R_WIDTH * s, 0.035 * s), "link", item);
         break;
       case "C":
-        this._solid(hold, shapes.drum(p, axis, s, R_WIDTH * s), fill, item);
         this._solid(hold, shapes.drum(p, axis, 2.2 * s, 0.08 * s, 12), "link", item);
         break;
       case "P":
@@ -148,7 +145,7 @@ class Items {
         this._solid(after, shapes.block(p, [0, 0, 1], 0.36 * s, 0.36 * s), "link", item);
     }
     if (item.slides) this._rail(item);
-    const ends = [item.start, p].map((point, k) => ({ link: item.links[k], point }));
+    const ends = endsOf(item);
     this.labels.push({ item, at: item.type === "P" ? ends : [ends[1]] });
   }
 
@@ -162,7 +159,7 @@ class Items {
   _rail(item) {
     const object = new THREE.Mesh(shapes.unitRod(0.07 * this.symbol), this.look.solid("link"));
     this.root.add(object);
-    const [from, to] = [item.start, item.point].map((point, k) => ({ link: item.links[k], point }));
+    const [from, to] = endsOf(item);
     this.stretched.push({ object, from, to, apply: (length) => (object.scale.z = length) });
   }
 
@@ -173,7 +170,7 @@ class Items {
     this._solid(group, shapes.block([0, 0, 0], axis, s, 2 * R_WIDTH * s), fill, item);
     this._solid(group, shapes.drum([0, 0, 0], axis, 1.7 * s, 0.07 * s, 12), "link", item);
     this.root.add(group);
-    this.middles.push({ group, link: before, ends: [item.start, item.point].map((point, k) => ({ link: item.links[k], point })) });
+    this.middles.push({ group, link: before, ends: endsOf(item) });
   }
 
   add_rod(item) {
@@ -250,6 +247,11 @@ class Items {
     group.add(mesh);
     return mesh;
   }
+}
+
+/** The points of a joint on the links before and after it. */
+function endsOf({ start, point, links }) {
+  return [start, point].map((place, k) => ({ link: links[k], point: place }));
 }
 
 function middle([a, b]) {

@@ -1,5 +1,5 @@
 // Names and measures beside what they name, and the tip under the pointer.
-import { shown } from "symkin/inputs";
+import { element, shown } from "symkin/inputs";
 
 const TYPES = { R: "revolute", P: "prismatic", C: "cylindrical", H: "helical", U: "universal", S: "spherical", weld: "weld" };
 
@@ -10,11 +10,9 @@ export class Labels {
     this.solver = solver;
     this.names = this.measures = false;
     this.entries = drawing.items.labels.map(({ item, at }) => {
-      const element = document.createElement("span");
-      element.className = `label ${item.kind} ${item.role ?? ""}`;
-      element.hidden = true;
-      layer.append(element);
-      return { item, at, element };
+      const mark = element("span", { className: `label ${item.kind} ${item.role ?? ""}`, hidden: true });
+      layer.append(mark);
+      return { item, at, element: mark };
     });
     drawing.listeners.push(() => this.update());
   }

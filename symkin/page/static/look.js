@@ -56,6 +56,12 @@ export class Look {
     this.outline.uniforms.colour.value.set(this.colour("outline"));
   }
 
+  /** Contours of a width, in pixels of a picture of so many. */
+  setContours(across, up, width = 1.25) {
+    this.outline.uniforms.pixels.value.set(across, up);
+    this.outline.uniforms.width.value = width;
+  }
+
   _kept(name, key, make) {
     if (!this.materials.has(name)) {
       const material = make();

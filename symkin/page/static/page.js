@@ -52,7 +52,7 @@ function choose(index) {
   const taken = solver.choose(index);
   if (taken) {
     trace.clear();
-    moved({ reached: true, share: 1, stop: null });
+    stand(null);
     strip.refresh();
   }
   return taken;
@@ -71,6 +71,11 @@ function moved(result) {
   for (const name of solver.names) inputs.mark(name, null, false);
   slow = setTimeout(ranges, 160);
   return result;
+}
+
+/** Show where the mechanism stands without a movement. */
+function stand(stop) {
+  moved({ reached: true, share: 1, stop });
 }
 
 /** Show where the platform was dragged, and say so where it could not come to the place. */
@@ -193,6 +198,7 @@ function frame(now) {
   drag.step();
   plane?.step();
   player?.step(now);
+  strip.step();
   drawing.render();
   requestAnimationFrame(frame);
 }
@@ -225,14 +231,14 @@ toggle("meshes", (on) => drawing.setMeshes(on));
 $("meshes").hidden = !drawing.items.meshes.length;
 toggle("heed", (on) => {
   solver.heedsLimits = on;
-  moved({ reached: true, share: 1, stop: solver.stopHere() });
+  stand(solver.stopHere());
 });
 $("heed").hidden = !solver.limited.length;
 $("fit").addEventListener("click", () => drawing.fit());
 $("reset").addEventListener("click", () => {
   player?.rewind();
   takeStart();
-  moved({ reached: true, share: 1, stop: solver.stopHere() });
+  stand(solver.stopHere());
 });
 $("passive").addEventListener("toggle", readout);
 $("inputs").addEventListener("refused", (event) => ($("status").textContent = event.detail));
@@ -282,7 +288,7 @@ $("hints").textContent = solver.names.length && scene.items.some((item) => item.
 takeStart();
 $("notes").textContent = scene.notes.join(" ");
 dress(options.dark ?? window.matchMedia?.("(prefers-color-scheme: dark)").matches ?? false);
-moved({ reached: true, share: 1, stop: solver.stopHere() });
+stand(solver.stopHere());
 drawing.fit();
 new ResizeObserver(() => drawing.resize()).observe($("stage"));
 requestAnimationFrame(frame);

@@ -1,4 +1,6 @@
 // A plane of two coordinates with singular curves and the map of a sweep: where the mechanism is, and a place to point at where it shall go.
+import { element } from "symkin/inputs";
+
 const COLOURS = { "type 1": "#d55e00", "type 2": "#0072b2", passive: "#009e73" };
 const SIDE = 14; // pixels around the plane
 const SHADES = ["#46327e", "#365c8d", "#277f8e", "#1fa187", "#4ac16d", "#a0da39", "#fde725"]; // viridis
@@ -23,31 +25,37 @@ function coloured({ values, condition }) {
 
 /** A swatch with its text, which stay together. */
 function entry(colour, text, kind) {
-  const item = document.createElement("span"), swatch = Object.assign(document.createElement("i"), { className: kind });
+  const item = element("span"), swatch = element("i", { className: kind });
   if (colour) swatch.style.background = colour;
   item.append(swatch, text);
   return item;
 }
 
+/** A list of entries as what is appended to a title; nothing of none. */
+function keyOf(entries) {
+  const list = element("span", { className: "legend" });
+  for (const one of entries) list.append(one, " ");
+  return entries.length ? [" ", list] : [];
+}
+
 export class PlaneMap {
   /** `plane` {names, units, ranges, held, curves: [{kind, points}], map: {title, values, condition, every, edges or points} or absent};
    * `go(u, v)` moves there; `now()` tells where it is, `off()` the names of what it holds that have other values now. */
-  constructor(element, plane, { go, now, off, ink }) {
+  constructor(place, plane, { go, now, off, ink }) {
     Object.assign(this, { plane, go, now, off, ink });
-    element.hidden = false;
+    place.hidden = false;
     const kinds = [...new Set(plane.curves.map((curve) => curve.kind))];
-    const title = Object.assign(document.createElement("p"), { className: "path-title" });
+    const title = element("p", { className: "path-title" });
     const curves = `ingular curves${kinds.length ? "" : ": none met"}`, told = kinds.length > 0 || !plane.map || plane.lociAsked;
     title.textContent = [plane.map ? `${plane.map.title}${told ? `, s${curves}` : ""}` : `S${curves}`, plane.held].filter(Boolean).join("; ");
-    this._curveKey(title, kinds);
+    title.append(...keyOf(kinds.map((kind) => entry(COLOURS[kind] ?? this.ink("loop"), kind, "curve"))));
     if (plane.map) this._legend(title);
-    this.canvas = document.createElement("canvas");
-    this.canvas.tabIndex = 0;
+    this.canvas = element("canvas", { tabIndex: 0 });
     this.canvas.setAttribute("role", "img");
     this.canvas.setAttribute("aria-label", `Plane of ${plane.names.join(" and ")} with ${plane.map ? "the map of a sweep" : "singular curves"}; point at a place to go there, or use the arrow keys`);
-    this.elsewhere = Object.assign(document.createElement("div"), { className: "path-title" });
+    this.elsewhere = element("div", { className: "path-title" });
     this.elsewhere.setAttribute("aria-live", "polite");
-    element.append(title, this.elsewhere, this.canvas);
+    place.append(title, this.elsewhere, this.canvas);
     this.canvas.addEventListener("pointerdown", (event) => {
       this.canvas.setPointerCapture(event.pointerId);
       this._point(event);
@@ -57,20 +65,12 @@ export class PlaneMap {
     new ResizeObserver(() => this.draw()).observe(this.canvas);
   }
 
-  _curveKey(title, kinds) {
-    const list = Object.assign(document.createElement("span"), { className: "legend" });
-    for (const kind of kinds) list.append(entry(COLOURS[kind] ?? this.ink("loop"), kind, "curve"), " ");
-    if (kinds.length) title.append(" ", list);
-  }
-
   _legend(title) {
     const { colour, legend } = coloured(this.plane.map);
     this.colour = colour;
     const { every } = this.plane.map, entries = [...legend, [null, "none"]];
     if (every > 1) title.append(`; one point of ${every} each way`);
-    const list = Object.assign(document.createElement("span"), { className: "legend" });
-    for (const [shade, text] of entries) list.append(entry(shade, text, shade ? "" : "no-mode"), " ");
-    title.append(" ", list);
+    title.append(...keyOf(entries.map(([shade, text]) => entry(shade, text, shade ? "" : "no-mode"))));
   }
 
   /** The map's cells or dots, drawn once for each size and theme. */
@@ -78,7 +78,7 @@ export class PlaneMap {
     const { edges, points, values } = this.plane.map, none = NO_MODE[document.documentElement.dataset.theme === "dark" ? "dark" : "light"];
     const key = [width, height, ratio, none].join();
     if (this.drawn?.key === key) return this.drawn.canvas;
-    const canvas = Object.assign(document.createElement("canvas"), { width: width * ratio, height: height * ratio }), pen = canvas.getContext("2d");
+    const canvas = element("canvas", { width: width * ratio, height: height * ratio }), pen = canvas.getContext("2d");
     pen.scale(ratio, ratio);
     values.forEach((value, k) => {
       if (points && value === null) return;

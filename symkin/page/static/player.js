@@ -5,8 +5,8 @@ const SECONDS = 8; // of a whole path at speed 1 where the file has no times
 export class Player {
   /** `path` {names, rows, times or null, title}; `go(values)` moves there and tells what came of it; `onStop(stop, share)`: a stop, and
    * the share of the path at which it is. */
-  constructor(element, path, { go, onEnd, onStop }) {
-    Object.assign(this, { path, go, onEnd, onStop });
+  constructor(element, path, { go, onStop }) {
+    Object.assign(this, { path, go, onStop });
     this.times = path.times ?? path.rows.map((_, k) => (SECONDS * k) / Math.max(1, path.rows.length - 1));
     this.time = this.times[0];
     this.running = false;
@@ -45,11 +45,7 @@ export class Player {
     const time = this.time + ((now - this.last) / 1000) * Number(this.speed.value);
     this.last = now;
     const end = this.times[this.times.length - 1];
-    if (!this.seek(Math.min(time, end))) this.play(false);
-    else if (time >= end) {
-      this.play(false);
-      this.onEnd?.();
-    }
+    if (!this.seek(Math.min(time, end)) || time >= end) this.play(false);
   }
 
   /** Go to a time, row by row, so that the path is kept; whether it was reached. */

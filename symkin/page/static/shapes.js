@@ -6,6 +6,9 @@ const Y = new THREE.Vector3(0, 1, 0);
 
 export const vector = (point) => new THREE.Vector3(point[0], point[1], point[2]);
 
+/** The rotation from a unit vector to a direction. */
+const turned = (from, way) => new THREE.Quaternion().setFromUnitVectors(from, vector(way).normalize());
+
 /** One geometry of many: positions and normals only, without an index. */
 export function merged(geometries) {
   const plain = geometries.map((g) => (g.index ? g.toNonIndexed() : g));
@@ -47,8 +50,7 @@ export function unitRod(radius, sides = 16) {
 
 export function tube(start, end, radius, sides = 14) {
   const a = vector(start), along = vector(end).sub(a), length = along.length();
-  const turn = new THREE.Quaternion().setFromUnitVectors(Y, along.clone().divideScalar(length || 1));
-  const middle = a.addScaledVector(along, 0.5);
+  const turn = turned(Y, along.toArray()), middle = a.addScaledVector(along, 0.5);
   return new THREE.CylinderGeometry(radius, radius, length, sides).applyQuaternion(turn).translate(middle.x, middle.y, middle.z);
 }
 
@@ -64,33 +66,24 @@ export function drum(centre, axis, length, radius, sides = 28) {
 }
 
 export function block(centre, axis, length, side) {
-  const turn = new THREE.Quaternion().setFromUnitVectors(Z, vector(axis).normalize());
-  return new THREE.BoxGeometry(side, side, length).applyQuaternion(turn).translate(...centre);
+  return new THREE.BoxGeometry(side, side, length).applyQuaternion(turned(Z, axis)).translate(...centre);
 }
 
 /** A thread around a cylinder. */
 export function thread(centre, axis, length, radius, wire) {
-  const turn = new THREE.Quaternion().setFromUnitVectors(Z, vector(axis).normalize());
   const points = [];
   for (let k = 0; k <= 96; k++) {
     const angle = (k / 96) * 8 * Math.PI;
     points.push(new THREE.Vector3(radius * Math.cos(angle), radius * Math.sin(angle), (k / 96 - 0.5) * length));
   }
-  return new THREE.TubeGeometry(new THREE.CatmullRomCurve3(points), 96, wire, 6).applyQuaternion(turn).translate(...centre);
-}
-
-/** The open half of a ball joint, opening along a direction. */
-export function socket(centre, direction, radius) {
-  const turn = new THREE.Quaternion().setFromUnitVectors(Y, vector(direction).normalize().negate());
-  return new THREE.SphereGeometry(radius, 20, 10, 0, 2 * Math.PI, 0, 0.5 * Math.PI).applyQuaternion(turn).translate(...centre);
+  return new THREE.TubeGeometry(new THREE.CatmullRomCurve3(points), 96, wire, 6).applyQuaternion(turned(Z, axis)).translate(...centre);
 }
 
 export function arrow(start, direction, length, radius) {
   const way = vector(direction).normalize(), a = vector(start);
   const neck = a.clone().addScaledVector(way, Math.max(0, length - 5 * radius));
-  const turn = new THREE.Quaternion().setFromUnitVectors(Y, way);
   const tip = neck.clone().addScaledVector(way, 2.5 * radius);
-  const head = new THREE.ConeGeometry(2.4 * radius, 5 * radius, 18).applyQuaternion(turn).translate(tip.x, tip.y, tip.z);
+  const head = new THREE.ConeGeometry(2.4 * radius, 5 * radius, 18).applyQuaternion(turned(Y, direction)).translate(tip.x, tip.y, tip.z);
   return merged([tube(start, neck.toArray(), radius), head]);
 }
 
@@ -100,8 +93,7 @@ export function turnArrow(centre, axis, radius, wire) {
   const arc = new THREE.TorusGeometry(radius, wire, 10, 48, sweep);
   const head = new THREE.ConeGeometry(2.6 * wire, 6 * wire, 18).translate(0, 3 * wire, 0);
   head.rotateZ(sweep).translate(radius * Math.cos(sweep), radius * Math.sin(sweep), 0);
-  const turn = new THREE.Quaternion().setFromUnitVectors(Z, vector(axis).normalize());
-  return merged([arc, head]).applyQuaternion(turn).translate(...centre);
+  return merged([arc, head]).applyQuaternion(turned(Z, axis)).translate(...centre);
 }
 
 /** Triangles of flat rings of points, both sides seen by the material. */

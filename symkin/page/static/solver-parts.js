@@ -27,10 +27,10 @@ export class Parts {
   }
 
   /** Unknowns of least squares for a right side of all rows; null where numbers are not finite. The matrices are overwritten. */
-  solve(matrices, right) {
+  solve(matrices, right, pivoted = true) {
     const y = new Float64Array(this.unknown.length);
     for (const [i, { rows, columns }] of this.parts.entries()) {
-      const found = leastSquares(matrices[i], Float64Array.from(rows, (r) => right[r]), columns.length);
+      const found = leastSquares(matrices[i], Float64Array.from(rows, (r) => right[r]), columns.length, pivoted);
       if (!found) return null;
       columns.forEach((k, j) => (y[k] = found[j]));
     }

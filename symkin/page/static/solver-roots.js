@@ -2,7 +2,7 @@
 //
 // A step's unknowns follow from formulas with signs; where these lose digits, and where there are none, they are the ends of paths
 // from complex solutions that symkin has found: from generic known values, paths to any real ones meet no singularity on the way.
-import { leastSquares } from "solver-algebra";
+import { complexSystem } from "solver-system";
 
 const LONGEST = [0.35, 0.05, 0.01]; // steps of a path's parameter, at first and where paths are in doubt
 const SHORTEST = 1e-10;
@@ -93,17 +93,15 @@ export class Roots {
 /** One step: `places` of its known values and unknowns, `signs` of its formulas' branches, `starts` as pairs at these places. */
 class Step {
   constructor({ model, functions }, { number, known, unknown, rows, signs, margins, starts }) {
-    Object.assign(this, { model, known, unknown, rows, signs, margins });
+    Object.assign(this, { model, known, unknown, signs, margins });
     this.coordinates = model.coordinates.filter((c) => unknown.includes(c.place));
     this.starts = starts.map((pairs) => {
       const start = new Float64Array(2 * model.width);
       [...known, ...unknown].forEach((place, k) => start.set(pairs.slice(2 * k, 2 * k + 2), 2 * place));
       return start;
     });
-    this.system = functions[`step${number}`];
+    this.system = complexSystem(functions[`step${number}`], { rows, columns: model.columns, known, unknown });
     this.branches = functions[`branches${number}`];
-    this.rowsAt = new Float64Array(2 * rows);
-    this.gradients = new Float64Array(2 * rows * model.width);
     this.unresolved = 0;
   }
 
@@ -224,7 +222,7 @@ class Step {
       else if (next.error > 1e-3) step *= 0.5;
       if (this._far(here)) return INFINITE;
     }
-    return this._newton(here, 1e-13, 6) ? here : null;
+    return this._correct(here, 1e-13, 6) ? here : null;
   }
 
   /** Whether a solution has gone to infinity. */
@@ -239,77 +237,23 @@ class Step {
   _advance(x, start, way, t, step) {
     const slopes = [];
     for (const [share, before] of [[0, 0], [0.5, 0], [0.5, 1], [1, 2]]) {
-      const at = share ? this._moved(x, slopes[before], share * step) : Float64Array.from(x);
-      this._setKnown(at, start, way, t + share * step);
-      const slope = this._tangent(at, way);
+      const at = share ? this.system.moved(x, slopes[before], share * step) : Float64Array.from(x);
+      this.system.setKnown(at, start, way, t + share * step);
+      const slope = this.system.tangent(at, way);
       if (!slope) return null;
       slopes.push(slope);
     }
     const mean = slopes[0].map((v, k) => (v + 2 * slopes[1][k] + 2 * slopes[2][k] + slopes[3][k]) / 6);
-    const next = this._moved(x, mean, step);
-    this._setKnown(next, start, way, step === 1 - t ? 1 : t + step);
-    const error = this._newton(next, 1e-9, 3);
+    const next = this.system.moved(x, mean, step);
+    this.system.setKnown(next, start, way, step === 1 - t ? 1 : t + step);
+    const error = this._correct(next, 1e-9, 3);
     return error && error < 2e-2 ? { x: next, error } : null;
   }
 
-  _moved(x, slope, step) {
-    const next = Float64Array.from(x);
-    this.unknown.forEach((place, i) => {
-      for (const k of [0, 1]) next[2 * place + k] += step * this.model.columns[place] * slope[2 * i + k];
-    });
-    return next;
-  }
-
-  _setKnown(x, start, way, t) {
-    for (const place of this.known) for (const k of [2 * place, 2 * place + 1]) x[k] = start[k] + t * way[k];
-  }
-
-  _tangent(x, way) {
-    const matrix = this._linearise(x), right = new Float64Array(2 * this.rows), { width, columns } = this.model;
-    for (const place of this.known) {
-      const re = way[2 * place] / columns[place], im = way[2 * place + 1] / columns[place];
-      for (let r = 0; r < this.rows; r++) {
-        const gr = this.gradients[2 * (r * width + place)], gi = this.gradients[2 * (r * width + place) + 1];
-        right[2 * r] -= gr * re - gi * im;
-        right[2 * r + 1] -= gr * im + gi * re;
-      }
-    }
-    return leastSquares(matrix, right, 2 * this.unknown.length, false);
-  }
-
-  /** Newton's method in place until a step is below `close`; the first step's length (at least 1e-300), 0 where it fails. Lengths of
-   * steps are shares of the solution's own where that is large. */
-  _newton(x, close, most) {
-    let first = 0, last = Infinity;
-    for (let k = 0; k < most; k++) {
-      const step = leastSquares(this._linearise(x), this.rowsAt.map((v) => -v), 2 * this.unknown.length, false);
-      const length = step ? Math.hypot(...step) / this._magnitude(x) : Infinity;
-      if (!(length < 10)) return 0;
-      x.set(this._moved(x, step, 1));
-      if (k === 0) first = Math.max(length, 1e-300);
-      if (length < close || (length < 1e-8 && length > 0.3 * last)) return first;
-      last = length;
-    }
-    return last < 1e-7 ? first : 0;
-  }
-
-  /** The largest unknown, in units of its column, at least 1. */
-  _magnitude(x) {
-    return Math.max(1, ...this.unknown.map((k) => Math.hypot(x[2 * k], x[2 * k + 1]) / this.model.columns[k]));
-  }
-
-  /** The unknowns' gradients as a real matrix of twice the size: a + ib is [[a, -b], [b, a]]. */
-  _linearise(x) {
-    this.system(x, this.rowsAt, this.gradients);
-    const n = 2 * this.unknown.length, matrix = new Float64Array(2 * this.rows * n);
-    for (let r = 0; r < this.rows; r++)
-      this.unknown.forEach((place, i) => {
-        const from = 2 * (r * this.model.width + place), to = 2 * r * n + 2 * i;
-        matrix[to] = matrix[to + n + 1] = this.gradients[from];
-        matrix[to + n] = this.gradients[from + 1];
-        matrix[to + 1] = -this.gradients[from + 1];
-      });
-    return matrix;
+  /** Newton's method; lengths of its steps are shares of the solution's own where that is large. */
+  _correct(x, close, most) {
+    const { unknown, columns } = this.system, size = (at) => Math.max(1, ...unknown.map((k) => Math.abs(at[k]) / columns[k]));
+    return this.system.newton(x, close, most, (length) => length < 10, size);
   }
 }
 

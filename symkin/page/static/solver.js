@@ -1,12 +1,12 @@
 // Follows a mechanism's closure: Newton's method on all rows with step control, all modes, the inverse problem of a drag.
 // No imports but the linear algebra; plain numbers; runs in browsers and in node alike.
 import { leastSquares } from "solver-algebra";
-import { Parts } from "solver-parts";
 import { Roots } from "solver-roots";
+import { System } from "solver-system";
 
 const NEWTON = 12; // iterations at most
 const CLOSED = 1e-13; // Newton's step, over the size, at which a configuration is closed
-const ROUNDING = 1e-7; // Newton's step, over the size, below which it need not contract: near a singularity rounding is that large
+const ROUNDING = 1e-7; // Newton's step, over the size, below which rounding may keep it from contracting
 const REACH = 0.12; // of a step in units of the size and radians
 const CORRECTION = 0.25; // share of a predicted step that Newton may add to it
 const CONTRACTION = 0.2; // of Newton's second step over its first
@@ -40,11 +40,8 @@ class Solver {
     const places = new Map(model.coordinates.map((c) => [c.name, c.place]));
     this.places = this.names.map((name) => places.get(name));
     this.kinds = this.names.map((name) => model.coordinates.find((c) => c.name === name).kind);
-    this.rows = new Float64Array(model.rows);
-    this.gradients = new Float64Array(model.rows * model.width).fill(NaN);
-    generated.system(this.x, this.rows, this.gradients);
-    this.parts = new Parts(this.gradients, model.width, this.unknown);
-    this.gradients.fill(0);
+    const { rows, columns } = model;
+    this.system = new System(generated.system, { rows, columns, known: this.places, unknown: this.unknown });
     this.limited = this._limited();
     this.heedsLimits = true; // whether movements stop at limits
     this.correct(this.x);
@@ -86,17 +83,17 @@ class Solver {
 
   /** Move in a straight line to values by name. */
   set(values) {
-    const target = this.places.map((place) => this.x[place]);
+    const target = Float64Array.from(this.x);
     for (const [name, value] of Object.entries(values)) {
       const k = this.names.indexOf(name);
       if (k < 0) throw new Error(`${JSON.stringify(name)} is not given here; allowed: ${this.names.join(", ")}`);
       if (typeof value !== "number" || !Number.isFinite(value)) throw new Error(`${name} = ${value} is not a finite number`);
-      target[k] = this._in(this.kinds[k], value);
+      target[this.places[k]] = this._in(this.kinds[k], value);
     }
     return this.goTo(target);
   }
 
-  /** The same to values in radians and lengths; the stop is told with its sentence, motion and place. */
+  /** The same to the known values of a target in radians and lengths; the stop is told with its sentence, motion and place. */
   goTo(target) {
     const { x, share, halt } = this.follow(this.x, target), moved = this._apart(this.x, x);
     if (halt?.kind === "halt") halt.meets = this._goesOn(x, target);
@@ -107,20 +104,17 @@ class Solver {
 
   // --- following -----------------------------------------------------------------------------------------------------
 
-  /** From a configuration to known values: {x, share, halt}, halt null where they were reached. */
+  /** From a configuration to the known values of a target: {x, share, halt}, halt null where they were reached. */
   follow(from, target) {
-    const start = this.places.map((place) => from[place]);
-    const way = target.map((value, k) => value - start[k]);
-    const scales = this.places.map((place) => this.model.columns[place]);
-    const length = Math.hypot(...way.map((v, k) => v / scales[k]));
+    const way = target.map((value, k) => value - from[k]), length = this._apart(from, target);
     let x = Float64Array.from(from), share = 0;
     if (length === 0) return { x, share: 1, halt: null };
-    if (length > FARTHEST) return this._followPart(from, start, way, (0.999 * FARTHEST) / length);
+    if (length > FARTHEST) return this._followPart(from, way, (0.999 * FARTHEST) / length);
     const allowed = this._excesses(x);
     let step = Math.min(1, REACH / length), least = ESCAPE, limit = null;
     while (share < 1) {
       if (share + step > 1) step = 1 - share;
-      const next = this._advance(x, way, start, share, step), excesses = next && this._excesses(next);
+      const next = this._advance(x, way, from, share, step), excesses = next && this._excesses(next);
       const left = next && this.heedsLimits && this._limitLeft(excesses, allowed);
       if (left) [limit, least] = [left, AT_LIMIT];
       const leaves = step >= SMALLEST || limit || (next && this._ratio(next) > this._ratio(x));
@@ -141,27 +135,24 @@ class Solver {
 
   /** The one given coordinate that is still to move to a target, null where more are. */
   _movedAlone(target) {
-    const left = this.names.filter((name, k) => Math.abs(target[k] - this.x[this.places[k]]) > 1e-12 * this.model.columns[this.places[k]]);
+    const left = this.names.filter((name, k) => Math.abs(target[this.places[k]] - this.x[this.places[k]]) > 1e-12 * this.model.columns[this.places[k]]);
     return left.length === 1 ? left[0] : null;
   }
 
   /** Whether a solution lies straight beyond a stop, as where branches meet, not where two solutions end in each other. */
   _goesOn(x, target) {
-    const here = this.places.map((place) => x[place]), way = target.map((value, k) => value - here[k]);
-    const length = Math.hypot(...this.places.map((place, k) => way[k] / this.model.columns[place]));
+    const length = this._apart(x, target);
     if (length < 2 * AHEAD) return false;
-    const step = way.map((v) => (AHEAD / length) * v);
-    const { x: before, halt } = this.follow(x, here.map((value, k) => value - step[k]));
+    const { x: before, halt } = this.follow(x, x.map((v, k) => v - (AHEAD / length) * (target[k] - v)));
     if (halt) return false;
     const guess = x.map((v, i) => 2 * v - before[i]);
-    this.places.forEach((place, k) => (guess[place] = here[k] + step[k]));
     const beyond = Float64Array.from(guess), apart = (a, b) => Math.hypot(...this.unknown.map((i) => (a[i] - b[i]) / this.model.columns[i]));
     return this.correct(beyond) && apart(beyond, guess) < 0.1 * apart(beyond, before);
   }
 
   /** The first part of a movement that is too long for one. */
-  _followPart(from, start, way, part) {
-    const { x, share, halt } = this.follow(from, way.map((v, k) => start[k] + part * v));
+  _followPart(from, way, part) {
+    const { x, share, halt } = this.follow(from, from.map((v, k) => v + part * way[k]));
     return { x, share: part * share, halt: halt ?? { kind: "far" } };
   }
 
@@ -173,48 +164,28 @@ class Solver {
   /** One step: tangent, then Newton; null where the corrector does not contract as near a regular configuration, and where a singular
    * one may lie within the step. */
   _advance(x, way, start, share, step) {
-    const next = Float64Array.from(x), { width, columns } = this.model;
-    const jacobian = this._linearise(x);
-    const right = new Float64Array(this.rows.length);
-    for (let r = 0; r < right.length; r++)
-      this.places.forEach((place, k) => (right[r] -= (this.gradients[r * width + place] * way[k] * step) / columns[place]));
-    const tangent = this.parts.solve(jacobian, right);
+    const { system } = this, tangent = system.tangent(x, way);
     if (!tangent) return null;
-    const reach = Math.hypot(...tangent);
+    const reach = step * Math.hypot(...tangent);
     if (!(reach < 2 * REACH)) return null;
-    this.unknown.forEach((place, k) => (next[place] += tangent[k] * columns[place]));
-    this.places.forEach((place, k) => (next[place] = share + step === 1 ? start[k] + way[k] : start[k] + (share + step) * way[k]));
-    const known = Math.hypot(...way.map((v, k) => (v * step) / columns[this.places[k]]));
+    const next = system.moved(x, tangent, step);
+    system.setKnown(next, start, way, step === 1 - share ? 1 : share + step);
+    const known = this._apart(x, next);
     if (!this.correct(next, CORRECTION * (reach + known) + ROUNDING)) return null;
-    return this.parts.change(this._linearise(x), this._linearise(next)) < CHANGE ? next : null;
+    return system.parts.change(system.linearise(x), system.linearise(next)) < CHANGE ? next : null;
   }
 
   /** Newton's method on the unknowns of x, in place; whether it closed, its first step within `most` and contracting. */
   correct(x, most = Infinity) {
-    let last = Infinity;
-    for (let k = 0; k < NEWTON; k++) {
-      const jacobian = this._linearise(x);
-      const step = this.parts.solve(jacobian, this.rows.map((v) => -v));
-      if (!step) return false;
-      const length = Math.hypot(...step);
-      if (!(k === 0 ? length <= most : length <= Math.max(CONTRACTION * last, ROUNDING) || !Number.isFinite(most))) return false;
-      this.unknown.forEach((place, i) => (x[place] += step[i] * this.model.columns[place]));
-      if (length <= CLOSED || (length < ROUNDING && length > 0.5 * last)) return this._closed(x);
-      last = length;
-    }
-    return false;
+    const contracts = (length, last) => length <= Math.max(CONTRACTION * last, ROUNDING);
+    const allowed = (length, last) => most === Infinity || (last === Infinity ? length <= most : contracts(length, last));
+    return this.system.newton(x, CLOSED, NEWTON, allowed) > 0 && this._closed(x);
   }
 
   /** Rows that are not zero remain where known values contradict each other. */
   _closed(x) {
-    this.functions.system(x, this.rows, this.gradients);
-    return this.rows.every((v) => Math.abs(v) < this.model.tolerances.closure);
-  }
-
-  /** Rows and the unknowns' columns of their Jacobian, part by part. */
-  _linearise(x) {
-    this.functions.system(x, this.rows, this.gradients);
-    return this.parts.matrices(this.gradients);
+    this.system.evaluate(x, this.system.values, this.system.gradients);
+    return this.system.values.every((v) => Math.abs(v) < this.model.tolerances.closure);
   }
 
   // --- limits --------------------------------------------------------------------------------------------------------
@@ -272,12 +243,17 @@ class Solver {
   }
 
   _ratio(x) {
-    return this.parts.singularPair(this._linearise(x)).ratio;
+    return this._pair(x).ratio;
+  }
+
+  _pair(x) {
+    const matrices = this.system.linearise(x);
+    return this.system.parts.singularPair(matrices);
   }
 
   /** The motion that the given values hold least: the platform's twist (velocity, angular velocity; null where it stands), and in words. */
   _singularMotion() {
-    const { vector } = this.parts.singularPair(this._linearise(this.x));
+    const { vector } = this._pair(this.x);
     const twist = this.model.hasPlatform ? this._twistOf(vector) : null, length = (k) => (k < 3 ? 1 / this.size : 1);
     const motion = twist && Math.hypot(...twist.map((v, k) => v * length(k))) > STANDS ? twist : null;
     const rates = this.model.coordinates.flatMap((c) => {
@@ -300,12 +276,12 @@ class Solver {
   rangeLeft(name, ends) {
     const k = this.names.indexOf(name), limits = ends ?? this.limits[name];
     const half = this.kinds[k] === "length" ? 0.5 * this.size : Math.PI;
-    const now = this.places.map((place) => this.x[place]);
+    const place = this.places[k];
     return [0, 1].map((side) => {
       const end = limits?.[side] ?? null;
-      const target = [...now];
-      target[k] = end === null ? now[k] + (side ? half : -half) : this._in(this.kinds[k], end);
-      return this._out(this.kinds[k], this.follow(this.x, target).x[this.places[k]]);
+      const target = Float64Array.from(this.x);
+      target[place] = end === null ? target[place] + (side ? half : -half) : this._in(this.kinds[k], end);
+      return this._out(this.kinds[k], this.follow(this.x, target).x[place]);
     });
   }
 
@@ -423,11 +399,12 @@ class Solver {
   _towards(position, quaternion) {
     const { width, columns } = this.model, pose = new Float64Array(7), gradients = new Float64Array(7 * width);
     this.functions.pose(this.x, pose, gradients);
-    this.functions.system(this.x, this.rows, this.gradients);
-    const count = this.rows.length + (quaternion ? 6 : 3) + width, matrix = new Float64Array(count * width), right = new Float64Array(count);
+    const { values: rows, gradients: closing } = this.system;
+    this.system.evaluate(this.x, rows, closing);
+    const count = rows.length + (quaternion ? 6 : 3) + width, matrix = new Float64Array(count * width), right = new Float64Array(count);
     const stiff = 1e4;
-    this.gradients.forEach((v, k) => (matrix[k] = stiff * v));
-    let row = this.rows.length;
+    closing.forEach((v, k) => (matrix[k] = stiff * v));
+    let row = rows.length;
     for (let k = 0; k < 3; k++, row++) {
       for (let c = 0; c < width; c++) matrix[row * width + c] = gradients[k * width + c] / this.size;
       right[row] = (position[k] - pose[k]) / this.size;
@@ -447,7 +424,9 @@ class Solver {
     const length = Math.hypot(...step);
     if (length < 1e-6) return null;
     const part = Math.min(1, 0.3 / length);
-    return this.places.map((place, k) => this._clamped(this.names[k], this.x[place] + part * step[place] * columns[place]));
+    const target = Float64Array.from(this.x);
+    this.places.forEach((place, k) => (target[place] = this._clamped(this.names[k], target[place] + part * step[place] * columns[place])));
+    return target;
   }
 
   _clamped(name, value) {

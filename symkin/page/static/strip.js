@@ -1,10 +1,11 @@
 // The strip of small views, one a mode; a click takes it.
-import { drawSketch, frameOf } from "symkin/sketch";
+import { element } from "symkin/inputs";
 
 const MOST = 64; // small views at most
 const SEARCH = 25; // milliseconds of a search between two frames that goes on
 const FIRST = 100; // milliseconds for the modes at new values at once, where the last ones took less
 const QUICK = 12; // milliseconds within which the modes are found at every movement
+const DRAWING = 8; // milliseconds of a frame for small views, at least one of them
 
 export class Strip {
   constructor(list, text, { solver, drawing, onChoose }) {
@@ -13,6 +14,7 @@ export class Strip {
     this.modes = [];
     this.took = this.spent = 0; // milliseconds of the last search, and so far of the one that goes on
     this.timer = 0;
+    [this.last, this.stale] = [-1, 0]; // the small view drawn last, and how many after it are to be drawn anew
     list.addEventListener("keydown", (event) => this._key(event));
   }
 
@@ -46,13 +48,20 @@ export class Strip {
     this.draw();
   }
 
-  /** Draw the small views as the large one is seen. */
+  /** Draw the small views anew as the large one is seen, in this frame and the next ones. */
   draw() {
-    if (!this.poses) return;
-    const axes = this.drawing.axes, frame = this.poses.length ? frameOf(this.drawing.scene, this.poses, axes) : null;
-    this.buttons.forEach((button, k) => {
-      drawSketch(button.firstChild, this.drawing.scene, this.poses[k], axes, frame, (key) => this.drawing.look.colour(key));
-    });
+    this.stale = this.buttons.length;
+    this.box = null;
+  }
+
+  /** Draw some of the small views, once a frame. */
+  step() {
+    if (!this.stale) return;
+    const count = this.buttons.length, turns = Array.from({ length: this.stale }, (_, k) => (this.last + k + 1) % count);
+    const jobs = turns.map((k) => [this.buttons[k].firstChild, this.poses[k]]);
+    this.box ??= this.drawing.boxOf(this.poses);
+    const drawn = this.drawing.drawSmall(jobs, this.box, performance.now() + DRAWING);
+    [this.last, this.stale] = [turns[drawn - 1], this.stale - drawn];
   }
 
   _words() {
@@ -70,7 +79,7 @@ export class Strip {
       if (chosen && button.getAttribute("aria-selected") !== "true") this._bring(button);
       button.setAttribute("aria-selected", String(chosen));
       button.tabIndex = chosen || (this.solver.modeIndex < 0 && k === 0) ? 0 : -1;
-      const outside = mode.within_limits === false || mode.withinLimits === false;
+      const outside = mode.within_limits === false;
       button.classList.toggle("outside", outside);
       button.lastChild.textContent = outside ? `${k + 1} · outside limits` : `${k + 1}`;
       button.setAttribute("aria-label", `mode ${k + 1}${chosen ? ", shown" : ""}${outside ? ", outside the limits" : ""}`);
@@ -84,10 +93,9 @@ export class Strip {
   }
 
   _add(k) {
-    const button = document.createElement("button");
-    button.type = "button";
+    const button = element("button", { type: "button" });
     button.setAttribute("role", "option");
-    button.append(document.createElement("canvas"), document.createElement("span"));
+    button.append(element("canvas"), element("span"));
     button.addEventListener("click", () => this.onChoose(k));
     this.list.append(button);
     this.buttons.push(button);
