@@ -182,15 +182,17 @@ def solve_problem(problem: Problem, given: Given, solver: Solver, start: np.ndar
     """Iterate from a start (unknowns of the problem's system), verify on all rows, name the
     outcome.
     """
-    begin = time.perf_counter()
-    name = solver.name
+    return _outcome(problem, given, solver, _iterates(problem, given, solver, start))
+
+
+def _outcome(problem: Problem, given: Given, solver: Solver, path: list[np.ndarray]) -> SolveResult:
+    """What the iterates from a start have come to."""
+    begin, name = time.perf_counter(), solver.name
     if given.off_motion > 0.0:
-        path, status, left = [start], "infeasible", given.off_motion
+        status, left = "infeasible", given.off_motion
     elif problem.is_explicit:
-        path, status, left = [start], "ok", 0.0
-        name = "forward"
+        status, left, name = "ok", 0.0, "forward"
     else:
-        path = _iterates(problem, solver, start, given.values)
         status, left = _judge(problem, solver, path, given.values)
     solution, left = _verified(problem, path[-1], given, status, left)
     status = "infeasible" if status == "ok" and solution is None else status
@@ -221,15 +223,16 @@ def solve_beside(
     if given.off_motion > 0.0 or problem.is_explicit or problem.system.width == 0:
         return solve_problem(problem, given, solver, start)
     damped = isinstance(solver, Levenberg)
+    first: SolveResult | None = None
     if damped:
-        result = solve_problem(problem, given, solver, start)
-        if result.solution is not None:
-            return result
+        first = solve_problem(problem, given, solver, start)
+        if first.solution is not None:
+            return first
     rank = StartRank.at(problem, start, given.values)
     if not damped and (not rank.is_singular or nearly_closes(problem, start, given.values)):
-        result = solve_problem(problem, given, solver, start)
-        if result.solution is not None or not rank.is_nearly_singular:
-            return result
+        first = solve_problem(problem, given, solver, start)
+        if first.solution is not None or not rank.is_nearly_singular:
+            return first
     starts = moved_starts(problem, start, given.values)
     found = _from_some(problem, given, solver, starts)
     if found is not None:
@@ -241,9 +244,11 @@ def solve_beside(
             else moved_note(problem, given, rank, began, which)
         )
         return replace(again, notes=(*again.notes, note))
-    tried = [solve_problem(problem, given, solver, z) for z in (start, starts[0])]
     verdict = min(
-        tried,
+        (
+            solve_problem(problem, given, solver, start) if first is None else first,
+            solve_problem(problem, given, solver, starts[0]),
+        ),
         key=lambda r: (r.solution is None, r.status != "infeasible", r.smallest_residual or 0.0),
     )
     if verdict.solution is not None or damped:
@@ -267,17 +272,17 @@ def _from_some(
     if found is None:
         ends = patiently(problem.system, starts, given.values).points
         ends = ends[np.isfinite(ends).all(axis=1)]
-        ends = ends[problem.system.residuals(ends, given.values) <= _near(problem, solver)]
+        ends = ends[problem.system.residuals(ends, given.values) <= _near(problem)]
         tries = ends if isinstance(solver, Levenberg) else np.vstack([starts[1:], ends])
         found = _first_that_closes(problem, given, solver, tries) if len(ends) else None
     return None if found is None else (tries[found[0]], found[1])
 
 
-def _near(problem: Problem, solver: Solver) -> float:
+def _near(problem: Problem) -> float:
     """Closure error (length unit) up to which an end may be a solution: others than those that the
     digits of a file leave open may be held off by limits.
     """
-    share = DIGITS if _may_be_least(problem, solver) else _NEARLY_CLOSED
+    share = DIGITS if problem.by_name else _NEARLY_CLOSED
     return share * problem.closure.characteristic_length
 
 
@@ -285,13 +290,14 @@ def _first_that_closes(
     problem: Problem, given: Given, solver: Solver, starts: np.ndarray
 ) -> tuple[int, SolveResult] | None:
     """The first of some starts that leads to a solution: its index, and the result."""
-    system, near = problem.system, _near(problem, solver)
+    system, near = problem.system, _near(problem)
     for k, start in enumerate(starts):
-        end = solver.iterate(problem, start, given.values)[-1]
+        path = _iterates(problem, given, solver, start)
+        end = path[-1]
         closes = np.all(np.isfinite(end)) and (
             system.residual(system.wrap(system.unit(end)), given.values) <= near
         )
-        result = solve_problem(problem, given, solver, start) if closes else None
+        result = _outcome(problem, given, solver, path) if closes else None
         if result is not None and result.solution is not None:
             return k, result
     return None
@@ -311,11 +317,11 @@ def _from_default(problem: Problem, given: Given, solver: Solver, begin: np.ndar
 
 
 def _iterates(
-    problem: Problem, solver: Solver, start: np.ndarray, known: np.ndarray
+    problem: Problem, given: Given, solver: Solver, start: np.ndarray
 ) -> list[np.ndarray]:
-    if problem.system.width == 0:
+    if given.off_motion > 0.0 or problem.is_explicit or problem.system.width == 0:
         return [start]
-    return solver.iterate(problem, start, known)
+    return solver.iterate(problem, start, given.values)
 
 
 def _judge(
@@ -329,8 +335,8 @@ def _judge(
         return ("singular" if is_singular(problem, path[0], known) else "nonfinite"), left
     end = system.wrap(system.unit(end))
     left = system.residual(system.polish(end, known), known)
-    near = left <= CLOSURE_TOLERANCE * system.characteristic_length
-    if near or _may_be_least(problem, solver):
+    # values by name may be those of a file that closes redundant rows only to its digits
+    if problem.by_name or left <= CLOSURE_TOLERANCE * system.characteristic_length:
         polished = system.polish(end, known, POLISHING)
         if _is_answer(problem, polished, known):
             return "ok", left
@@ -344,13 +350,6 @@ def _judge(
     if not any(is_root(system, z, known) for z in reached):
         return "infeasible", min(best, left)
     return ("singular" if is_singular(problem, end, known) else "max_iterations"), left
-
-
-def _may_be_least(problem: Problem, solver: Solver) -> bool:
-    """Whether an end counts that closes redundant rows only to the digits of a file: values by name
-    are given of files that were not written for symkin, and damped steps end there.
-    """
-    return problem.by_name or isinstance(solver, Levenberg)
 
 
 def _is_answer(problem: Problem, z: np.ndarray, known: np.ndarray) -> bool:

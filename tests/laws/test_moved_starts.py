@@ -262,3 +262,24 @@ def test_the_command_solves_from_zero_joints(solver, capsys):
     joints = np.array([content["solution"]["joints"][f"q{k}"] for k in range(1, 7)])
     assert np.abs(dh_product(joints) - dh_product(np.array(EXAMPLE))).max() < 1e-6
     assert any("the start is singular" in n for n in content["notes"])
+
+
+class Counted(symkin.Newton):
+    """Newton's method that keeps where it began."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        object.__setattr__(self, "begun", list[bytes]())
+
+    def iterate(self, problem, start, known):
+        self.begun.append(np.asarray(start).tobytes())
+        return super().iterate(problem, start, known)
+
+
+def test_no_start_that_leads_to_a_solution_is_gone_from_twice():
+    """From a singular start the moved one is iterated, and what it came to is judged as it is."""
+    arm, solver = symkin.load("gluon_6l3"), Counted()
+    pose = symkin.solve(arm, joints=EXAMPLE).solution.pose
+    found = symkin.solve(arm, pose=pose, start=[0.0] * 6, solver=solver)
+    assert found.solution is not None
+    assert len(solver.begun) == len(set(solver.begun)) > 0
