@@ -19,6 +19,7 @@ from symkin.closure.numpy_code import vectorise
 from symkin.computed_once import cached_property
 from symkin.model.joint import Coordinate
 from symkin.numeric.mapped import Mapped
+from symkin.position.roots import merge
 
 SAME_ROOT = 1e-6
 """Largest difference of features (relative to 1) of two equal roots."""
@@ -147,6 +148,12 @@ def known_root(system: AlgebraicSystem, known: np.ndarray, z: np.ndarray) -> np.
     apart = np.abs(system.features(z)[:, None] - system.features(known)[None])
     same = np.max(apart, axis=2, initial=0.0) < SAME_ROOT
     return np.where(same.any(axis=1), np.argmax(same, axis=1), -1)
+
+
+def first_of_each(system: AlgebraicSystem, z: np.ndarray) -> np.ndarray:
+    """Places of the roots z (width, n) that repeat no earlier one."""
+    features = system.features(z)
+    return merge(np.hstack([features.real, features.imag]), SAME_ROOT)[0]
 
 
 def imaginary_part(system: AlgebraicSystem, z: np.ndarray) -> np.ndarray:

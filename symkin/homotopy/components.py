@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from symkin.homotopy.algebraic import AlgebraicSystem, known_root
+from symkin.homotopy.algebraic import AlgebraicSystem, first_of_each, known_root
 from symkin.homotopy.monodromy import Fibre
 from symkin.homotopy.seeds import Points, carried, regular, seed_roots
 from symkin.homotopy.values import algebraic_point, known_values
@@ -18,7 +18,6 @@ from symkin.numeric.levenberg import levenberg_marquardt
 from symkin.numeric.system import System
 from symkin.position.given import Given
 from symkin.position.problem import Problem
-from symkin.position.roots import merge
 from symkin.position.starts import random_starts
 
 COMPLEX_POINTS, REAL_POINTS = 32, 32
@@ -64,13 +63,7 @@ def real_seeds(
         return None
     base = points(rng, True)[1]
     ends = carried(system, z, k, base)
-    return (_distinct(system, ends), base) if ends.shape[1] else None
-
-
-def _distinct(system: AlgebraicSystem, z: np.ndarray) -> np.ndarray:
-    features = system.features(z)
-    first, _ = merge(np.hstack([features.real, features.imag]), 1e-6)
-    return np.asarray(z[:, first])
+    return (ends[:, first_of_each(system, ends)], base) if ends.shape[1] else None
 
 
 def _real_roots(

@@ -15,13 +15,12 @@ from itertools import pairwise
 
 import numpy as np
 
-from symkin.homotopy.algebraic import SAME_ROOT, AlgebraicSystem, complex_normal, known_root
+from symkin.homotopy.algebraic import AlgebraicSystem, complex_normal, first_of_each, known_root
 from symkin.homotopy.engine import newton, track_lines
 from symkin.homotopy.seeds import Points, carried, seed_roots
 from symkin.homotopy.symmetry import Orbits
 from symkin.homotopy.tracker import TrackSettings
 from symkin.numeric.levenberg import Progress
-from symkin.position.roots import merge
 
 MOST_ROOTS = 130
 MOST_WORK = 4e7
@@ -83,8 +82,7 @@ class _Found:
 
     @staticmethod
     def of(system: AlgebraicSystem, z: np.ndarray) -> _Found:
-        features = system.features(z)
-        first, _ = merge(np.hstack([features.real, features.imag]), SAME_ROOT)
+        first = first_of_each(system, z)
         return _Found(system, z[:, first], list(range(len(first))))
 
     def match(self, z: np.ndarray) -> np.ndarray:

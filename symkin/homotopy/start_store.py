@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from symkin.homotopy.algebraic import AlgebraicSystem, complex_normal, known_root
+from symkin.homotopy.algebraic import AlgebraicSystem, complex_normal, first_of_each, known_root
 from symkin.homotopy.best_start import bases_beside, best_start
 from symkin.homotopy.components import real_seeds, roots_elsewhere
 from symkin.homotopy.coplanar import distance_frames, reflection
@@ -45,7 +45,6 @@ from symkin.position.given import Given
 from symkin.position.mobility import mobility
 from symkin.position.multistart import batched
 from symkin.position.problem import Problem
-from symkin.position.roots import merge
 
 LOG = logging.getLogger(__name__)
 RIGID = "no coordinate is known that would move the solutions"
@@ -305,8 +304,7 @@ def missing_roots(problem: Problem, system: AlgebraicSystem, start: Fibre, seed:
     if not any(z.shape[1] for z in missing):
         return np.zeros((system.width, 0), dtype=complex)
     everything = np.hstack([start.z, *missing])
-    f = system.features(everything)
-    first, _ = merge(np.hstack([f.real, f.imag]), 1e-6)
+    first = first_of_each(system, everything)
     return np.asarray(everything[:, first[first >= start.z.shape[1]]])
 
 

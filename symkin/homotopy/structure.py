@@ -23,7 +23,7 @@ import numpy as np
 
 from symkin.closure.numpy_code import vectorise
 from symkin.computed_once import cached_property, lru_cache
-from symkin.homotopy.algebraic import SAME_ROOT, AlgebraicSystem, complex_normal, known_root
+from symkin.homotopy.algebraic import AlgebraicSystem, complex_normal, first_of_each, known_root
 from symkin.homotopy.body_on_rods import distances_of, universal_system_of
 from symkin.homotopy.engine import newton, track
 from symkin.homotopy.many_instances import plain_instances
@@ -42,7 +42,6 @@ from symkin.homotopy.values import known_values
 from symkin.model.joint import Coordinate
 from symkin.numeric.levenberg import Progress
 from symkin.position.problem import Problem
-from symkin.position.roots import merge
 
 MOST_UNKNOWNS = 4
 """Unknowns of a block at most: its rows have three to this power coefficients each."""
@@ -308,8 +307,10 @@ def _search(
 
     rng = np.random.default_rng(seed)
     found = fibre(system, points, rng, seed, system.count, Looping(), known, progress)
-    fresh = None if found is None else _not_connected(system, found, seed)
-    if found is None or fresh is None or not fresh.shape[1]:
+    if found is None:
+        return None
+    fresh = _not_connected(system, found, seed)
+    if not fresh.shape[1]:
         return found
     everything = (np.hstack([found.z, fresh]), found.k)
     return fibre(system, points, rng, seed, system.count, Looping(), everything, progress)
@@ -334,9 +335,7 @@ def _not_connected(system: AlgebraicSystem, start: Fibre, seed: int) -> np.ndarr
     ends, last = newton(system, z, start.k, _NEWTON_STEPS)
     ends = ends[:, last <= _CLOSED]
     ends = ends[:, regular(system, ends, np.repeat(start.k[:, None], ends.shape[1], axis=1))]
-    features = system.features(ends)
-    first, _ = merge(np.hstack([features.real, features.imag]), SAME_ROOT)
-    ends = ends[:, first]
+    ends = ends[:, first_of_each(system, ends)]
     return ends[:, known_root(system, start.z, ends) < 0]
 
 
