@@ -186,7 +186,7 @@ def plan(
     _refuse_unread_noise(mechanism, kinds, noise)
     sigmas = _noise(mechanism, noise, "normal")
     told = tuple(o.name for o in observed_kinds(mechanism, kinds))
-    seed = _checked_seed(options["seed"])
+    options["seed"] = _checked_seed(options["seed"])
     options["wedges"] = None if wedges is None else angle_pairs(wedges, mechanism, "wedges")
     options["readings"] = kinds
     if parameters is not None:
@@ -209,7 +209,10 @@ def plan(
             f"parameters"
         )
     print("\n".join(made.expected("postures")))
-    print(f"written: {output}, {len(made.groups)} postures, {made.criterion}-optimal, seed {seed}")
+    print(
+        f"written: {output}, {len(made.groups)} postures, {made.criterion}-optimal, "
+        f"seed {made.seed}"
+    )
 
 
 # --- helpers --------------------------------------------------------------------------------------

@@ -18,6 +18,7 @@ from symkin.codegen.composed import Composed, Condition, Part
 from symkin.codegen.guard_text import GuardText
 from symkin.codegen.guards import (
     SLIDE_PARTS,
+    Bound,
     Guard,
     Line,
     even_units,
@@ -254,21 +255,23 @@ class ClosedDirection:
         value = self._of_known(one.value * guard.factor)
         few = len(self.direction.known) <= _MOST_GIVEN
         proved = line.proved(guard, value, roots, before, ca.SX(0, 1)) if few else None
-        # lines may leave the whole of a range that no limits bound
-        if proved is not None and self._is_bounded:
+        kept: tuple[Bound, ...] = ()
+        if proved is not None:
             # values are over their usual size, and so are their roundings
-            return replace(proved, bounds=tuple(replace(b, size=1.0) for b in proved.bounds))
+            kept = tuple(replace(b, size=1.0) for b in proved.bounds)
+            if self._is_bounded:
+                return replace(proved, bounds=kept)
+            # lines may leave the whole of a range that no limits bound
+            kept = kept[:-1] if proved.root is None else ()
         read, share = self._read_by(j), ca.SX(1)
         for i in read:
             share = share * self._shares[i]
         scales = np.array(units_of(self.direction.known, self.made.size))
-        bounds = [
+        sampled = (
             sampled_bound(self._over_usual[j], share, line, part, scales, self.units)
-            for part in range(len(line.spans))
-        ]
-        if proved is not None and proved.root is None:
-            bounds[:-1] = [replace(b, size=1.0) for b in proved.bounds[:-1]]
-        return replace(guard, ground="sampled", bounds=tuple(bounds), read=read)
+            for part in range(len(kept), len(line.spans))
+        )
+        return replace(guard, ground="sampled", bounds=(*kept, *sampled), read=read)
 
     def _read_by(self, j: int) -> tuple[int, ...]:
         """Numbers of the conditions whose roots or quotients a condition is made of, those of these

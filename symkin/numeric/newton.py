@@ -49,9 +49,9 @@ def polish(
 ) -> Polished:
     """Move points z (n, width) at known values (n, known) or (known,) by z <- z - J^+ F(z), each
     point until its rows are rounding (`floor`, of the size) or a step no longer shrinks them, at
-    most `steps` times.
-    Points where F or J is not finite stay. Where the rows stay larger than those of roots,
-    directions that a set of roots leaves free have misled the step, and it is taken without them.
+    most `steps` times. Points where F or J is not finite stay. Where the rows stay larger than
+    those of roots, directions that a set of roots leaves free have misled the step, and it is taken
+    without them.
     """
     found = Polished(z.copy(), *system.linearise(z, known))
     size, every = system.characteristic_length, np.arange(len(z))

@@ -149,7 +149,7 @@ def sweep(
     """
     given, at, sample = options["given"], options["at"], options["random"]
     executor, progress = options["executor"], options["progress"]
-    check_types(mechanism, grid, given, directory, at=at, executor=executor, progress=progress)
+    _check_types(mechanism, grid, given, directory, at=at, executor=executor, progress=progress)
     assert directory is not None  # noqa: S101 - checked
     folder, starts = Path(directory), options["starts"]
     require_zarr()
@@ -174,7 +174,7 @@ def sweep(
         sample=sample,
         seed=seed,
     )
-    refuse_unread(space, at=at, seed=options["seed"], starts=starts)
+    _refuse_unread(space, at=at, seed=options["seed"], starts=starts)
     plan = make_plan(
         space,
         quantity=options["quantity"],
@@ -233,7 +233,7 @@ def _counts(store: Store, chunks: np.ndarray) -> Counter[int]:
 # --- arguments ------------------------------------------------------------------------------------
 
 
-def check_types(mechanism: Any, grid: Any, given: Any, directory: Any, **others: Any) -> None:
+def _check_types(mechanism: Any, grid: Any, given: Any, directory: Any, **others: Any) -> None:
     """Raises InputError; `others` are the arguments `at`, `executor` and `progress`."""
     require_mechanism(mechanism)
     wanted = "a mapping of names to values is needed, such as {'NAME': [0.0, 0.5, 1.0]}"
@@ -271,7 +271,7 @@ def check_types(mechanism: Any, grid: Any, given: Any, directory: Any, **others:
     )
 
 
-def refuse_unread(space: Space, *, at: Any, seed: int | None, starts: int | None) -> None:
+def _refuse_unread(space: Space, *, at: Any, seed: int | None, starts: int | None) -> None:
     """Refuse what the user gives and no point of the sweep reads: values of `at` that are all swept
     or told by name, random starts of a formula.
     """
