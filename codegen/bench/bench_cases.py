@@ -10,11 +10,11 @@ import numpy as np
 
 from subjects import HOME
 from symkin.codegen.joint_map import JointMap
-from symkin.codegen.joint_map_vectors import MapVectors
 from symkin.codegen.program import Kind
 from symkin.codegen.rod_platform import RodPlatform, sample_poses
 from symkin.codegen.serial_arm import SerialArm
-from symkin.codegen.vectors import build_vectors, rounded_to
+from symkin.codegen.samples import rounded_to
+from symkin.codegen.vectors import build_vectors
 from symkin.position.problem import build_problem
 from symkin.spatial.rotation import multiply
 
@@ -31,15 +31,15 @@ def cases_of(kind: Kind) -> dict[str, np.ndarray]:
         return platform_cases(kind)
     if isinstance(kind, JointMap):
         return map_cases(kind)
-    v = vectors_of(kind)
+    vectors = vectors_of(kind)
+    told = vectors.answers
     if isinstance(kind, SerialArm):
-        return {"guesses": v.guesses, "poses": v.poses, "expected": v.inverse}
-    odd, n = np.arange(len(v.joints)) % 2 == 1, len(v.joints)
+        return {"guesses": told["guesses"], "poses": told["poses"], "expected": told["inverse"]}
     return {
-        "joints": v.joints[odd],
-        "cold": np.tile(v.home, (n // 2, 1)),
-        "warm": v.guesses[odd],
-        "expected": v.poses[odd],
+        "joints": told["joints"][1::2],
+        "cold": np.tile(vectors.places["home"], (len(told["joints"]) // 2, 1)),
+        "warm": told["guesses"][1::2],
+        "expected": told["poses"][1::2],
     }
 
 
@@ -47,7 +47,8 @@ def map_cases(kind: JointMap) -> dict[str, np.ndarray]:
     """The map's own vectors that start next to their answers; `cold_...` is the reference, where
     the first starts.
     """
-    tables = MapVectors(kind).tables
+    derived = ("jacobians", "seconds")
+    tables = {k: v for k, v in vectors_of(kind).answers.items() if k not in derived}
     cases = {name: table[1::2] for name, table in tables.items()}
     return cases | {
         "cold_guesses": tables["guesses"][:1],

@@ -23,7 +23,8 @@ def check_description(program: Program, vectors: Vectors) -> None:
     described, size = program.described, program.described.characteristic_length
     if described == program.lowered:
         return
-    rows = zip(vectors.joints, vectors.poses, vectors.bounds, strict=True)
+    answers = vectors.answers
+    rows = zip(answers["joints"], answers["poses"], vectors.bounds, strict=True)
     for joints, pose, bound in list(rows)[:_JUDGED]:
         given = {
             c.name: described.angle_out(value) if c.is_angular else value

@@ -17,7 +17,6 @@ from symkin.codegen.cpp_header import cpp_text
 from symkin.codegen.described import check_description
 from symkin.codegen.firmware_options import FirmwareOptions
 from symkin.codegen.joint_map import JointMap
-from symkin.codegen.joint_map_vectors import MapVectors
 from symkin.codegen.linuxcnc import linuxcnc_text
 from symkin.codegen.options import Options
 from symkin.codegen.own_test import run_own_test
@@ -138,9 +137,8 @@ def folder_files(
     """Write the text of each file, by its name."""
     program = build_program(mechanism, options, measured)
     kind = program.kind
-    vectors = MapVectors(kind) if isinstance(kind, JointMap) else build_vectors(kind)
-    if not isinstance(vectors, MapVectors):
-        check_description(program, vectors)
+    vectors = build_vectors(kind)
+    check_description(program, vectors)
     name = program.mechanism.name
     values = program.values | _folder_values(program)
     templates = program.kind.templates
@@ -155,8 +153,8 @@ def folder_files(
         "README.md": readme(program),
     }
     files |= package_files(program.mechanism, values) if options.package else {}
-    if options.linuxcnc and not isinstance(vectors, MapVectors):
-        files[f"{name}_kins.c"] = linuxcnc_text(program, vectors.home)
+    if options.linuxcnc:
+        files[f"{name}_kins.c"] = linuxcnc_text(program, vectors.places.get("home"))
     files |= {f"{name}.hpp": cpp_text(program)} if options.cpp else {}
     files |= ros2_files(kind, values) if options.ros2 and isinstance(kind, JointMap) else {}
     files = {

@@ -172,6 +172,8 @@ class JointMap:
     is_redundant: ClassVar[bool] = False
     has_dead_centres: ClassVar[bool] = False
     can_be_compact: ClassVar[bool] = False
+    zero: ClassVar[float] = 0.0
+    """Joint values at home are themselves."""
 
     @property
     def name(self) -> str:

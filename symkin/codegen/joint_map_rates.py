@@ -228,7 +228,7 @@ class MapRates:
             set_ = [*self.numbers.circles("joints", made.given, "y", places), *set_]
         rates = [
             f"rates[{n * i} + j] = {step_text(made.real, *place)};"
-            for i, place in enumerate(step_columns(direction, wanted, made.size))
+            for i, place in enumerate(step_columns(direction.unknown, wanted, made.size))
         ]
         nj, nsides = n * n, values["nsides"]
         shown = {
@@ -266,7 +266,7 @@ class MapRates:
             "seconds": indent(
                 [
                     f"rates[{n * n + pairs * i} + j] = {step_text(made.real, *place)};"
-                    for i, place in enumerate(step_columns(direct, made.found, made.size))
+                    for i, place in enumerate(step_columns(direct.unknown, made.found, made.size))
                 ]
             ),
         }
@@ -277,7 +277,7 @@ class MapRates:
             "rows' second derivatives.",
             [
                 f"steps[{freedom} * j + {i}] = {step_text(made.real, *place)};"
-                for i, place in enumerate(step_columns(direct, direct.unknown, made.size))
+                for i, place in enumerate(step_columns(direct.unknown, direct.unknown, made.size))
             ],
             written=f"{real} jacobian[{n * n}], {real} second[{n**3}]",
             most_sides=m * max(n, pairs),

@@ -384,7 +384,7 @@ class JointMapSource:
         sheet = self.home_sheets.get(direction.name)
         if sheet is None:
             return [*line, *self._other_lines(direction, "w.x")]
-        columns = step_columns(direction, self._wanted(direction), self.made.size)
+        columns = step_columns(direction.unknown, self._wanted(direction), self.made.size)
         return [
             "/* near the reference configuration by one step of Newton's method from polynomials "
             "*/",

@@ -40,9 +40,9 @@ _DEGREES = 180.0 / np.pi
 _MM = {"mm": 1.0, "m": 1000.0}
 
 
-def linuxcnc_text(program: Program, home: np.ndarray) -> str:
+def linuxcnc_text(program: Program, home: np.ndarray | None) -> str:
     """NAME_kins.c, which includes NAME.c; `home` is the pose (7,) from which a platform's direct
-    problem begins. Raises InputError for a geometry whose names are too long for HAL.
+    problem begins, None of arms. Raises InputError for a geometry whose names are too long for HAL.
     """
     name = program.mechanism.name
     unit = program.mechanism.length_unit
@@ -59,7 +59,7 @@ def linuxcnc_text(program: Program, home: np.ndarray) -> str:
         ),
         "units": "degrees" if all(units) else "mm" if not any(units) else "mm and degrees",
         "turns_told": _TURNS[motion],
-        "memory": "" if serial else _memory(program, home),
+        "memory": "" if home is None else _memory(program, home),
         "pins": _pins_text(name, pins),
         "new_pins": indent(_new_pins(name, pins)),
         "pins_told": f"\n * HAL pins {name}_kins.* hold the geometry ({unit}, radians)."

@@ -10,7 +10,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from symkin.codegen.joint_map import JointMap
-from symkin.codegen.joint_map_vectors import MapVectors
 from symkin.codegen.program import Kind, Program, is_closed
 from symkin.codegen.serial_arm import SerialArm
 from symkin.codegen.signature import CLOSED_ARM, LINE, Function
@@ -58,7 +57,7 @@ _NEAREST = 8.0
 # --- vectors --------------------------------------------------------------------------------------
 
 
-def vectors_text(program: Program, vectors: Vectors | MapVectors) -> str:
+def vectors_text(program: Program, vectors: Vectors) -> str:
     """Write NAME_vectors.h: every number as a hexadecimal float, exactly as it is compared."""
     name, real, prefix = program.mechanism.name, program.real, program.mechanism.name.upper()
     lines = [
@@ -223,7 +222,7 @@ def _problems(program: Program) -> list[_Asked]:
     return asked
 
 
-def _numbers(function: Function, vectors: Vectors | MapVectors, real: Real, joints: int) -> str:
+def _numbers(function: Function, vectors: Vectors, real: Real, joints: int) -> str:
     """The first vector's configuration, and ones for all other numbers that a function takes."""
     numbers = list[float]()
     for value in function.takes:
@@ -278,7 +277,7 @@ def _call(function: Function, joints: int, *, struct: bool) -> str:
 # --- the test -------------------------------------------------------------------------------------
 
 
-def own_test_text(program: Program, vectors: Vectors | MapVectors) -> str:
+def own_test_text(program: Program, vectors: Vectors) -> str:
     """Write NAME_test.c."""
     kind, problems, name = program.kind, _problems(program), program.mechanism.name
     joints = len(kind.given if isinstance(kind, JointMap) else program.mechanism.actuated)
@@ -409,7 +408,7 @@ def _speed_unit(program: Program) -> str:
     return f"({' || '.join(slides)}) ? {size} : 1.0" if slides else "1.0"
 
 
-def _refused_rows(program: Program, vectors: Vectors | MapVectors) -> list[str]:
+def _refused_rows(program: Program, vectors: Vectors) -> list[str]:
     """Statements that ask for what no configuration has, what is beyond limits and what is
     singular.
     """

@@ -4,15 +4,22 @@ are made.
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
+from symkin.codegen.text.c import Real
 from symkin.model.joint import Coordinate, units_of
+from symkin.numeric.newton import Polished
+from symkin.numeric.system import System
 from symkin.numeric.tolerances import CLOSURE_TOLERANCE
 from symkin.position.problem import Problem, build_problem
 
 _STEPS = 12
+_LONGEST = 0.25
+"""Longest step, in sizes and radians."""
 MORE = 4
 """Lines that are followed at once beside those that are lacking: some are left out."""
 _DISTINCT = 1e-4
@@ -88,38 +95,49 @@ def _limb_signs(direct: Problem, values: np.ndarray) -> np.ndarray:
 
 
 def all_followed(
-    direct: Problem, z: np.ndarray, start: np.ndarray, goals: np.ndarray
+    problem: Problem, z: np.ndarray, start: np.ndarray, goals: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """The unknowns (n, width) after the joints' straight lines from a start, or one of each (n,
-    known), to each of the goals (n, known), in small steps, and which lines (n,) are followed: none
-    of whose steps fails, or turns the matrix over, det(A^T B) < 0, where a fold was leapt.
+    """The unknowns (n, width) after the known values' straight lines from a start, or one of each
+    (n, known), to each of the goals (n, known), in small steps, and which lines (n,) are followed:
+    none of whose steps fails, or turns the matrix over, det(A^T B) < 0, where a fold was leapt.
     """
-    system, starts = direct.system, np.broadcast_to(start, goals.shape)
-    closed = CLOSURE_TOLERANCE * system.characteristic_length
-    ends = np.broadcast_to(z, (len(goals), z.shape[-1])).copy()
-    going, matrices = np.arange(len(goals)), system.linearise(ends, starts)[1]
-    for k in range(1, _STEPS + 1):
-        known = starts[going] + k / _STEPS * (goals[going] - starts[going])
-        found = system.polish_many(ends[going], known, 6)
+    system, starts = problem.system, np.broadcast_to(start, goals.shape)
+    size, begin = system.characteristic_length, np.broadcast_to(z, (len(goals), z.shape[-1]))
+    units, matrices = np.array(units_of(system.unknowns, size)), system.linearise(begin, starts)[1]
+
+    def kept(going: np.ndarray, before: np.ndarray, found: Polished, known: np.ndarray) -> Any:
         turned = np.linalg.slogdet(matrices[going].transpose(0, 2, 1) @ found.jacobians)[0]
-        fine = (
-            (system.residuals(found.points, known) <= closed)
-            & ~_jumped(direct, ends[going], found.points)
-            & ~(turned < 0.0)
-        )
+        way = np.max(np.abs(found.points - before) / units, axis=1, initial=0.0)
+        matrices[going] = found.jacobians
+        closed = system.residuals(found.points, known) <= CLOSURE_TOLERANCE * size
+        return closed & ~(way > _LONGEST) & ~(turned < 0.0)
+
+    return followed(system, begin, lambda part: starts + part * (goals - starts), _STEPS, kept)
+
+
+def followed(
+    system: System,
+    z: np.ndarray,
+    line: Callable[[float], np.ndarray],
+    steps: int,
+    kept: Callable[[np.ndarray, np.ndarray, Polished, np.ndarray], np.ndarray],
+) -> tuple[np.ndarray, np.ndarray]:
+    """The unknowns (n, width) after lines from z, whose known values at a part of them are `line`
+    (n, known), and which lines (n,) are followed: all of whose steps are `kept`, by the lines'
+    numbers, the unknowns before and after, and the known values.
+    """
+    ends, going = z.copy(), np.arange(len(z))
+    for k in range(1, steps + 1):
+        known = line(k / steps)[going]
+        found = system.polish_many(ends[going], known, 6)
+        fine = kept(going, ends[going], found, known)
         going = going[fine]
-        ends[going], matrices[going] = found.points[fine], found.jacobians[fine]
+        ends[going] = found.points[fine]
         if not going.size:
             break
-    whole = np.zeros(len(goals), dtype=bool)
+    whole = np.zeros(len(z), dtype=bool)
     whole[going] = True
     return ends, whole
-
-
-def _jumped(direct: Problem, before: np.ndarray, after: np.ndarray) -> np.ndarray:
-    """Which points (n, width) have moved too far in a step."""
-    units = units_of(direct.system.unknowns, direct.closure.characteristic_length)
-    return np.asarray(np.max(np.abs(after - before) / units, axis=1, initial=0.0) > 0.25)
 
 
 def _limited(joint: Coordinate) -> tuple[float, float]:
@@ -147,3 +165,37 @@ def _within(joints: tuple[Coordinate, ...], begin: np.ndarray, moves: np.ndarray
         if c.least is not None:
             inside[i] = max(inside[i], c.least + 1e-2 * abs(c.reference[0] - c.least))
     return inside
+
+
+# --- numbers --------------------------------------------------------------------------------------
+
+
+def rounded_to(real: Real, values: Sequence[float] | np.ndarray) -> np.ndarray:
+    """Numbers as the generated code reads them."""
+    exact = np.asarray(values, dtype=float)
+    return exact.astype(np.float32).astype(float) if real.name == "float" else exact
+
+
+def tidied(
+    values: Sequence[float] | np.ndarray, scales: Sequence[float] | np.ndarray | float
+) -> np.ndarray:
+    """Each number rounded to 13 digits of its scale (the size for lengths, 1 for angles and
+    quaternions): below every tolerance, above what linear algebra libraries differ by.
+    """
+    numbers = np.asarray(values, dtype=float)
+    digits = [
+        13 - int(np.ceil(np.log10(scale)))
+        for scale in np.broadcast_to(scales, numbers.shape).ravel()
+    ]
+    rounded = [round(float(v), d) + 0.0 for v, d in zip(numbers.ravel(), digits, strict=True)]
+    return np.array(rounded).reshape(numbers.shape)
+
+
+def tidied_pose(pose: np.ndarray, size: float) -> np.ndarray:
+    """The seven numbers of a pose, rounded."""
+    return tidied(pose, pose_scales(size))
+
+
+def pose_scales(size: float) -> list[float]:
+    """Scales of the seven numbers of a pose."""
+    return [size] * 3 + [1.0] * 4

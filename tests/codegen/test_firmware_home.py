@@ -133,7 +133,7 @@ def test_cases_are_distinct_and_within_limits(limits):
     narrow = solve(flat(limits=None), joints=[71.5] * 6, start=ABOVE).solution
     assert narrow is not None
     platform = flat(Example(pose=tuple(_seven(narrow.pose))), limits)
-    joints = build_vectors(build_program(platform, Options("double")).kind).joints
+    joints = build_vectors(build_program(platform, Options("double")).kind).answers["joints"]
     assert len(joints) == 24
     apart = np.max(np.abs(joints[:, None] - joints), axis=2) + 1e9 * np.eye(len(joints))
     assert np.min(apart) > 1e-4
@@ -146,7 +146,7 @@ def test_cases_are_distinct_and_within_limits(limits):
 def test_shipped_cases_are_distinct(name):
     """With limits, without, and of an arm."""
     kind = build_program(load(name), Options("float")).kind
-    assert len(np.unique(build_vectors(kind).joints, axis=0)) == 24
+    assert len(np.unique(build_vectors(kind).answers["joints"], axis=0)) == 24
 
 
 def _example(folder, *edit: tuple[str, str]):

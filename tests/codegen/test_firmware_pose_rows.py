@@ -206,7 +206,8 @@ def test_bounds_of_vectors_allow_for_the_worse_of_both_problems():
     kind = LimbPlatform(made, Options("float"), Real("float"))
     vectors, size = build_vectors(kind), made.characteristic_length
     worse = 0
-    for joints, pose, bound in zip(vectors.joints, vectors.poses, vectors.bounds, strict=True):
+    told = vectors.answers
+    for joints, pose, bound in zip(told["joints"], told["poses"], vectors.bounds, strict=True):
         there = symkin.modes(made, pose=pose)
         near = min(
             there,
