@@ -21,6 +21,7 @@ from symkin.model.joint import Coordinate
 
 _MOST_MULTIPLE = 4
 """Largest multiple of an angle that the addition theorems expand."""
+_SCALED = (ca.OP_NEG, ca.OP_TWICE, ca.OP_MUL, ca.OP_DIV)
 _Value: TypeAlias = "ca.SX | AngleSum"
 
 
@@ -209,55 +210,23 @@ def _steps(numbers: Numbers, factor: float) -> tuple[tuple[ca.SX, ca.SX], float]
 # --- couplings ------------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True, eq=False)
-class _Sine:
-    """A constant times the sine of a sum of angles."""
-
-    inner: AngleSum
-
-
-_Read: TypeAlias = "AngleSum | _Sine | float | None"
-
-
 def sum_of_angles(
     expression: ca.SX, symbols: Sequence[ca.SX], angular: Sequence[Sequence[bool]]
 ) -> AngleSum | None:
     """The sum of angles, by (input, entry), whose sine a row is up to a constant factor, as the row
     of a coupling is; None for any other row.
     """
-    function = ca.Function("f", list(symbols), [ca.densify(expression)])
-    reader = _SineReader(angular)
-    walk(function, reader)
-    found = reader.found.inner if isinstance(reader.found, _Sine) else reader.found
-    return found if isinstance(found, AngleSum) else None
-
-
-@dataclass
-class _SineReader:
-    """Evaluator that recognises a constant times the sine of a sum of angles; None stands for
-    everything else.
-    """
-
-    angular: Sequence[Sequence[bool]]
-    found: _Read = None
-
-    def input(self, number: int, nonzero: int) -> _Read:
-        return AngleSum.of((number, nonzero)) if self.angular[number][nonzero] else None
-
-    def constant(self, number: float) -> _Read:
-        return number
-
-    def operation(self, op: int, operands: list[_Read]) -> _Read:
-        known = [v for v in operands if isinstance(v, AngleSum | float)]
-        if len(known) == len(operands):
-            if op == ca.OP_SIN and isinstance(known[0], AngleSum):
-                return _Sine(known[0])
-            return combined(op, known) if any(isinstance(v, AngleSum) for v in known) else None
-        sines = [v for v in operands if isinstance(v, _Sine)]
-        scaled = op in (ca.OP_NEG, ca.OP_TWICE, ca.OP_MUL, ca.OP_DIV)
-        constants = [v for v in operands if isinstance(v, float)]
-        return sines[0] if scaled and len(sines) == 1 == len(operands) - len(constants) else None
-
-    def output(self, number: int, nonzero: int, value: _Read) -> None:
-        if (number, nonzero) == (0, 0):
-            self.found = value
+    sine = expression
+    while sine.op() in _SCALED:
+        parts = [sine.dep(k) for k in range(sine.n_dep()) if not sine.dep(k).is_constant()]
+        sine = parts[0] if len(parts) == 1 else ca.SX(0)
+    inner = sine.dep(0) if sine.op() == ca.OP_SIN else expression
+    everything = ca.vertcat(*symbols)
+    if not ca.is_linear(inner, everything):
+        return None
+    factors, offset = ca.linear_coeff(inner, everything)
+    places = [(i, k) for i, own in enumerate(angular) for k in range(len(own))]
+    held = {place: factors[0, j] for j, place in enumerate(places) if not factors[0, j].is_zero()}
+    if not all(angular[i][k] and f.is_constant() for (i, k), f in held.items()):
+        return None
+    return AngleSum({place: float(f) for place, f in held.items()}, offset) if held else None
