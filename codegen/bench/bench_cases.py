@@ -12,8 +12,8 @@ from subjects import HOME
 from symkin.codegen.joint_map import JointMap
 from symkin.codegen.program import Kind
 from symkin.codegen.rod_platform import RodPlatform, sample_poses
-from symkin.codegen.serial_arm import SerialArm
 from symkin.codegen.samples import rounded_to
+from symkin.codegen.serial_arm import SerialArm
 from symkin.codegen.vectors import build_vectors
 from symkin.position.problem import build_problem
 from symkin.spatial.rotation import multiply

@@ -11,8 +11,9 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import lru_cache
 
 USUAL_ITERATIONS = 100
 """What a call without a config may take (NAME_MAX_STEPS)."""
@@ -31,6 +32,8 @@ _TOKEN = re.compile(
     r"0[xX][0-9a-fA-F.]+(?:[pP][-+]?\d+)?[a-zA-Z]*|(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?[a-zA-Z]*|[A-Za-z_]\w*|"
     r"->|\+\+|--|<<|>>|&&|\|\||[-+*/%<>=!&|^]=|\S"
 )
+_VALUE = re.compile(r"[\w.)\]]")
+"""What begins a token that ends a value: a sign behind it has two sides."""
 _CLOSING = {"(": ")", "[": "]", "{": "}"}
 
 _TYPED = 4
@@ -66,7 +69,7 @@ def bounds(source: str, iterations: Sequence[int]) -> list[dict[str, Bound | Non
     functions = {f.name: f for f in _functions(source)}
     public = [name for name, f in functions.items() if f.is_public]
     first = _Counter(functions, iterations[0])
-    counters = [first, *(replace(first, iterations=count) for count in iterations[1:])]
+    counters = (replace(first, iterations=count) for count in iterations)
     return [{name: counter.bound(name) for name in public} for counter in counters]
 
 
@@ -173,13 +176,14 @@ class _Statement:
     other: Tokens = ()
 
 
-def _statements(tokens: Tokens) -> list[_Statement]:
-    """The statements of a block, one after the other."""
-    found, at = [], 0
+@lru_cache(maxsize=1 << 14)
+def _statements(tokens: Tokens) -> tuple[_Statement, ...]:
+    """The statements of a block, one after the other; of one in brackets, those inside."""
+    found, at = list[_Statement](), 0
     while at < len(tokens):
         statement, at = _statement(tokens, at)
         found.append(statement)
-    return found
+    return tuple(found)
 
 
 def _statement(tokens: Tokens, at: int) -> tuple[_Statement, int]:
@@ -211,20 +215,15 @@ def _statement(tokens: Tokens, at: int) -> tuple[_Statement, int]:
 @dataclass
 class _Counter:
     """Counts the operations of functions, each once for each set of whole numbers that it is called
-    with. What is `read` of a text is the same for all iterations, as are counts of expressions
-    without the functions that they call (`plain`), and of blocks without loops and calls (`fixed`).
+    with.
     """
 
     functions: dict[str, _Function]
     iterations: int
-    read: dict[Tokens, list[_Statement]] = field(default_factory=dict)
-    plain: dict[Tokens, Count] = field(default_factory=dict)
-    fixed: dict[Tokens, Count] = field(default_factory=dict)
     counts: dict[tuple[str, tuple[tuple[str, int], ...]], Count] = field(default_factory=dict)
     active: list[str] = field(default_factory=list)
-
-    def __post_init__(self) -> None:
-        self._leading = {"for", "while", *self.functions}
+    straight: dict[Tokens, Count] = field(default_factory=dict)
+    """Blocks without loops and calls."""
 
     def bound(self, name: str) -> Bound | None:
         """The bound of a call; None where the text does not tell it."""
@@ -251,22 +250,15 @@ class _Counter:
             self.active.pop()
         return self.counts[key]
 
-    def _statements(self, tokens: Tokens) -> list[_Statement]:
-        if tokens not in self.read:
-            self.read[tokens] = _statements(tokens)
-        return self.read[tokens]
+    def _is_straight(self, tokens: Tokens) -> bool:
+        return self.functions.keys().isdisjoint(tokens) and not {"for", "while"} & {*tokens}
 
     def _block(self, tokens: Tokens, known: Known) -> Count:
         """The sum of statements; what they tell of whole numbers stays within them."""
-        if not self._leading.isdisjoint(tokens):
-            return self._summed(tokens, known)
-        if tokens not in self.fixed:
-            self.fixed[tokens] = self._summed(tokens, {})
-        return self.fixed[tokens]
-
-    def _summed(self, tokens: Tokens, known: Known) -> Count:
+        if tokens in self.straight:
+            return self.straight[tokens]
         total, own = Count(), dict(known)
-        for statement in self._statements(tokens):
+        for statement in _statements(tokens):
             head = statement.head
             match statement.word:
                 case "":
@@ -279,6 +271,8 @@ class _Counter:
                     total.update(self._expression(head, own) + sides)
                 case _:
                     total.update(self._loop(statement, own))
+        if self._is_straight(tokens):
+            self.straight[tokens] = total
         return total
 
     # --- loops ------------------------------------------------------------------------------------
@@ -307,7 +301,7 @@ class _Counter:
             raise NotDerivedError(f"for ({' '.join(head[1])})")
         values = range(first, max(ends) - 1, -1) if down else range(first, min(ends) + 1)
         test = self._expression(head[1], known)
-        if self._leading.isdisjoint(body) or name not in body:
+        if name not in body or self._is_straight(body):
             return _times(self._block(body, known) + test, len(values)) + test
         passes = (self._block(body, {**known, name: value}) + test for value in values)
         return sum(passes, start=Count(test))
@@ -323,8 +317,8 @@ class _Counter:
         """Of `while (count < most)`, or of `for (;;)` that breaks at `count >= most`, whose body
         counts up: `most`.
         """
-        body = self._statements(loop.body)
-        inner = self._statements(body[0].body) if body and body[0].word == "{" else body
+        inner = _statements(loop.body)
+        inner = _statements(inner[0].body) if inner and inner[0].word == "{" else inner
         counted = [_bare(s.head[1:]) for s in inner if s.word == "" and s.head[:1] == ("++",)]
         limits = [_cut(part, "<") for part in _conjuncts(loop.head) if loop.word == "while"]
         limits += [_cut(s.head, ">=") for s in inner if s.word == "if" and _breaks(s.body)]
@@ -384,70 +378,68 @@ class _Counter:
 
     def _returned(self, tokens: Tokens, known: Known) -> int | None:
         """The largest number that a function returns which counts up from 0 to what it returns."""
-        last = self._statements(self.functions[tokens[0]].body)[-1].head
+        last = _statements(self.functions[tokens[0]].body)[-1].head
         if len(last) != 2 or last[0] != "return":
             return None
-        return self.call(tokens[0], self._arguments(tokens, 0, known))[f"++{last[1]}"] or None
+        ((name, given), *_) = _operations(tokens)[1]
+        return self.call(name, self._arguments(name, given, known))[f"++{last[1]}"] or None
 
     def _expression(self, tokens: Tokens, known: Known) -> Count:
         """Operations of an expression and of the calls in it."""
-        if tokens not in self.plain:
-            self.plain[tokens] = _operations(tokens, self.functions)
-        total = self.plain[tokens]
-        if self.functions.keys().isdisjoint(tokens):
-            return total
-        for k, token in enumerate(tokens):
-            if token in self.functions and tokens[k + 1 : k + 2] == ("(",):
-                called = self.call(token, self._arguments(tokens, k, known))
-                total = total + Counter({n: c for n, c in called.items() if n[0] != "+"})
+        operations, calls = _operations(tokens)
+        if not calls:
+            return operations
+        total = Count(operations)
+        for name, given in calls:
+            own = name.removesuffix("f")
+            if name in self.functions:
+                called = self.call(name, self._arguments(name, given, known))
+                total.update({n: c for n, c in called.items() if n[0] != "+"})
+            elif own in _COUNTED:
+                total[own] += 1
+            elif own != "fabs" and name != "sizeof":
+                raise NotDerivedError(f"{name} is called")
         return total
 
-    def _arguments(self, tokens: Tokens, k: int, known: Known) -> dict[str, int]:
+    def _arguments(self, name: str, given: Sequence[Tokens], known: Known) -> dict[str, int]:
         """What a call hands on of whole numbers and configs."""
-        given = _parts(tokens[k + 2 : _closing(tokens, k + 1)], ",")
         found: dict[str, int] = {}
-        for name, value in zip(self.functions[tokens[k]].parameters, given, strict=False):
-            is_config = name == "config"
+        for parameter, value in zip(self.functions[name].parameters, given, strict=False):
+            is_config = parameter == "config"
             number = self._of_config(value, known) if is_config else self._whole(value, known)
             if number is not None:
-                found[name] = _Allowed(number) if is_config else number
+                found[parameter] = _Allowed(number) if is_config else number
         return found
 
 
-def _operations(tokens: Tokens, functions: Collection[str]) -> Count:
-    """Operations of an expression, without the functions of the file that it calls."""
-    total: Count = Counter()
-    k = 0
+@lru_cache(maxsize=1 << 14)
+def _operations(tokens: Tokens) -> tuple[Count, list[tuple[str, list[Tokens]]]]:
+    """Operations of an expression, and what it calls with which arguments. A sign behind a value
+    has two sides; what stands before a cast tells of one behind it.
+    """
+    total, calls, before, k = Count(), list[tuple[str, list[Tokens]]](), "", 0
     while k < len(tokens):
         token = tokens[k]
-        called = tokens[k + 1 : k + 2] == ("(",) and _NAME.match(token) and not _TYPE.match(token)
-        if token == "[":
-            k = _closing(tokens, k)
+        if token == "(" and _NAME.match(before) and before != "return":
+            calls.append((before, _parts(tokens[k + 1 : _closing(tokens, k)], ",")))
+        elif token == "(" and _is_cast(tokens, k):
+            k, token = _closing(tokens, k), before
+        elif token == "[":
+            k, token = _closing(tokens, k), "]"
         elif token == "++":
             total[f"++{tokens[-1]}"] += 1
         elif token[0] in _ARITHMETIC and token not in ("--", "->"):
-            if token.endswith("=") or _is_operand(tokens, k):
-                total[_ARITHMETIC[token[0]]] += 1
-        elif called and token not in functions:
-            name = token.removesuffix("f")
-            if name in _COUNTED:
-                total[name] += 1
-            elif name != "fabs" and token != "sizeof":
-                raise NotDerivedError(f"{token} is called")
-        k += 1
-    return total
+            is_value = _VALUE.match(before) and not _TYPE.match(before)
+            total[_ARITHMETIC[token[0]]] += token.endswith("=") or bool(is_value)
+        before, k = token, k + 1
+    return +total, calls
 
 
-def _is_operand(tokens: Tokens, k: int) -> bool:
-    """Whether what stands before the sign at k is a value, so that the sign has two sides."""
-    token = tokens[k - 1] if k else ""
-    if token == ")":
-        # brackets read from their end
-        before = tokens[:k]
-        end = _closing(tuple({"(": ")", ")": "("}.get(t, t) for t in reversed(before)), 0)
-        inside = before[len(before) - end : -1]
-        return not inside or not all(_TYPE.match(t) or t == "*" for t in inside)
-    return bool(token == "]" or re.match(r"[\w.]", token)) and not _TYPE.match(token)
+def _is_cast(tokens: Tokens, k: int) -> bool:
+    """Whether the bracket at k holds a type."""
+    if not _TYPE.match(tokens[k + 1]):
+        return False
+    return all(t == "*" or _TYPE.match(t) for t in tokens[k + 1 : _closing(tokens, k)])
 
 
 def _breaks(body: Tokens) -> bool:
