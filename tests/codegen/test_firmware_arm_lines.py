@@ -1,14 +1,11 @@
-"""Lines of tool poses that the closed form of generated arms calls OK, followed finely by
-codegen/bench/arm_lines.c.
+"""Lines of tool poses that the closed form of generated arms calls OK, followed finely by the walks
+of codegen/bench.
 """
 
 from __future__ import annotations
 
 import math
-import re
-import subprocess
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -18,9 +15,6 @@ from helpers import firmware_tools as tools
 from helpers.arms import structures
 from helpers.gate import in_gate
 from helpers.inside import Options
-
-CODE = Path(__file__).parents[2] / "codegen" / "bench" / "arm_lines.c"
-
 
 GUESS = """
 #include "scara.h"
@@ -43,6 +37,10 @@ int main(void)
 """
 
 
+POINTS = 200
+"""Points of a line at which limits are looked at."""
+
+
 def limited(name: str, seed: int = 5) -> symkin.Mechanism:
     """An arm of this structure whose joints have limits of different widths, half a turn to more
     than a whole one.
@@ -61,54 +59,44 @@ def limited(name: str, seed: int = 5) -> symkin.Mechanism:
     return replace(arm, limbs=(replace(arm.limbs[0], joints=tuple(joints)),))
 
 
-def walked(
-    arm: symkin.Mechanism, folder: Path, count: int, points: int, reach: float, real: str = "double"
-) -> dict[str, int]:
-    """Counts that arm_lines.c prints, by the word after each; it fails where an OK is wrong."""
-    tools.write_code(arm, folder, Options(real))
-    angular = ",".join(str(int(c.is_angular)) for c in arm.actuated)
-    limits = ",".join(str(int(c.limits is not None)) for c in arm.actuated)
-    free = [
-        math.pi if c.is_angular else math.pi * arm.characteristic_length / 3 for c in arm.actuated
-    ]
-    spans = [c.limits or (-half, half) for c, half in zip(arm.actuated, free, strict=True)]
-    ends = [
-        f"-D{end}={{{','.join(repr(float(s[i])) for s in spans)}}}"
-        for i, end in enumerate(("LOW", "HIGH"))
-    ]
-    macros = [
-        f"-DNAME={arm.name}",
-        f"-DUPPER={arm.name.upper()}",
-        f'-DSOURCE="{arm.name}.c"',
-        f"-DANGULAR={{{angular}}}",
-    ]
-    macros += [f"-DLIMITED={{{limits}}}", *ends]
-    command = [
-        tools.compiler("gcc"),
-        "-O2",
-        *macros,
-        f"-I{folder}",
-        str(CODE),
-        "-lm",
-        "-o",
-        str(folder / "lines"),
-    ]
-    subprocess.run(command, check=True)
-    arguments = [str(count), "1", str(points), str(reach)]
-    done = subprocess.run(
-        [str(folder / "lines"), *arguments], capture_output=True, text=True, check=False
-    )
-    assert done.returncode == 0, done.stdout
-    counts = re.search(
-        r"(\d+) lines, (\d+) OK.*?(\d+) regular, (\d+) of them OK; (\d+) leave", done.stdout
-    )
-    return dict(
-        zip(
-            ("lines", "ok", "regular", "answered", "outside"),
-            map(int, counts.groups()),
-            strict=True,
-        )
-    )
+def walked(arm: symkin.Mechanism, count: int, reach: float, real: str = "double") -> dict[str, int]:
+    """Counts of lines: all, OK, regular ones that keep off limits by a hundredth of the range, OK
+    of these, and those that leave limits. Fails where what is OK leaves limits (but for the room of
+    16 roundings), or is not where the line leads.
+    """
+    tools.compiler("gcc")
+    asked, directions = tools.bench_module("asked"), tools.bench_module("directions")
+    lines = directions.direction_of(asked.Asked(arm, Options(real)), longest=1.0)
+    rng, joints, size = np.random.default_rng(1), arm.actuated, arm.characteristic_length
+    units = np.array([1.0 if c.is_angular else size / 3 for c in joints])
+    free = [c.limits or (-math.pi * u, math.pi * u) for c, u in zip(joints, units, strict=True)]
+    (low, high), limited = np.array(free).T, np.array([c.limits is not None for c in joints])
+    guesses = lines.asked.rounded(rng.uniform(low, high, (count, len(joints))))
+    moves = reach * units * rng.uniform(-1.0, 1.0, guesses.shape)
+    ends = lines.asked.rounded(np.clip(guesses + moves, low, high))
+    known, goals = (np.array([lines.kind.forward_at(q) for q in part]) for part in (guesses, ends))
+    goals = lines.asked.rounded(goals)
+    answers = lines.answers(goals, guesses)
+    begin, end = lines.line(known, goals)
+    at, whole, spare = guesses, np.ones(count, bool), np.ones(count)
+    for k in range(POINTS):
+        parts = [begin + p / POINTS * (end - begin) for p in (k, k + 1)]
+        for part in parts:
+            part[:, 3:] /= np.linalg.norm(part[:, 3:], axis=1, keepdims=True)
+        walked = lines.walker.reached(at, *parts)
+        whole &= walked.shortest > 0.0
+        at = np.where(whole[:, None], walked.unknowns, at)
+        share = (at - low) / (high - low)
+        near = np.where(limited, np.minimum(share, 1.0 - share), 1.0)
+        spare = np.minimum(spare, near.min(axis=1))
+    ok = answers.status == 0
+    right = whole & (spare > (-1e-5 if real == "float" else -1e-8))
+    right &= np.max(np.abs(at - answers.found) / units, axis=1) < 1e-2
+    assert np.all(right[ok]), (guesses[ok & ~right][:2].tolist(), goals[ok & ~right][:2].tolist())
+    regular = whole & (spare > 0.01)
+    counts = (np.ones(count), ok, regular, ok & regular, whole & (spare < 0.0))
+    names = ("lines", "ok", "regular", "answered", "outside")
+    return {name: int(np.sum(c)) for name, c in zip(names, counts, strict=True)}
 
 
 @pytest.mark.slow
@@ -120,21 +108,21 @@ def walked(
     ),
 )
 @pytest.mark.parametrize("reach", in_gate([0.2, 1.0, 3.1], [1.0]))
-def test_lines_that_are_ok_have_their_branch_everywhere(name, reach, tmp_path):
-    """Each of a thousand points of a line has the guess's branch, and its joints end at the answer,
+def test_lines_that_are_ok_have_their_branch_everywhere(name, reach):
+    """Each point of a line has the guess's branch, and its joints end at the answer,
     whole turns included; and enough lines are answered for that to say something.
     """
     made = structures(np.random.default_rng(3))
-    found = walked(made.get(name) or symkin.load(name), tmp_path, 1500, 1000, reach)
+    found = walked(made.get(name) or symkin.load(name), 1500, reach)
     assert found["ok"] > 0.05 * found["lines"]
 
 
 @pytest.mark.parametrize("real", in_gate(["double", "float"], ["double"]))
-def test_the_scara_keeps_its_limits_along_lines(real, tmp_path):
-    """No OK where one of 2,000 points is outside, nearly all OK where all are inside by a hundredth
+def test_the_scara_keeps_its_limits_along_lines(real):
+    """No OK where a point is outside, nearly all OK where all are inside by a hundredth
     of the range.
     """
-    found = walked(symkin.load("scara"), tmp_path, 600, 2000, 1.0, real)
+    found = walked(symkin.load("scara"), 600, 1.0, real)
     assert found["outside"] > 0.02 * found["lines"]
     assert found["answered"] >= 0.95 * found["regular"] > 0.3 * found["lines"]
 
@@ -142,12 +130,12 @@ def test_the_scara_keeps_its_limits_along_lines(real, tmp_path):
 @pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["parallel_inner", "wrist_parallel_two_three", "stanford"])
-def test_arms_keep_their_limits_along_lines(name, tmp_path):
+def test_arms_keep_their_limits_along_lines(name):
     """The same of arms of six joints, limits more than a whole turn wide and slides among them;
     lines that are free of limits are as often OK as those of the arm without limits.
     """
-    free = walked(structures(np.random.default_rng(3))[name], tmp_path / "free", 400, 1500, 0.3)
-    found = walked(limited(name), tmp_path / "limited", 400, 1500, 0.3)
+    free = walked(structures(np.random.default_rng(3))[name], 400, 0.3)
+    found = walked(limited(name), 400, 0.3)
     assert found["outside"] > 0.02 * found["lines"]
     assert found["answered"] / found["regular"] >= free["answered"] / free["regular"] - 0.05
 
