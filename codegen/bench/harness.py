@@ -2,7 +2,9 @@
 
     python codegen/bench/harness.py FOLDER -o bench.c
 
-writes it for a committed folder, as `targets/host/Makefile` does.
+writes it for a committed folder, as `targets/host/Makefile` does. Cases are those of the folder's
+own vectors that start next to their answers, of arms all of them; 64 poses about home for a
+platform whose home is HOME.
 """
 
 from __future__ import annotations
@@ -10,18 +12,25 @@ from __future__ import annotations
 import argparse
 import json
 import tempfile
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
-from bench_cases import cases_of
+from subjects import HOME
 from symkin.codegen.folder import write_folder
-from symkin.codegen.joint_map import JointMap
 from symkin.codegen.options import Options
 from symkin.codegen.program import Program, build_program
+from symkin.codegen.rod_platform import RodPlatform, sample_poses
+from symkin.codegen.samples import rounded_to
+from symkin.codegen.signature import Function
 from symkin.codegen.text.c import Real
+from symkin.codegen.vectors import build_vectors
 from symkin.formats.load import load
+from symkin.position.problem import build_problem
+from symkin.spatial.rotation import multiply
 
 MAIN = """
 #include "board.h"
@@ -66,8 +75,39 @@ int main(void)
 """
 
 
-MAP_KINDS = ("cold", "warm", "back, cold", "back, warm", "track", "track back", "derivatives")
-"""Cases of a map between joints; the last one is the Jacobian and the second derivatives."""
+class Case(NamedTuple):
+    """What is measured: a function and the tables of what it is given, where it starts and what it
+    must find.
+    """
+
+    name: str
+    function: str
+    given: tuple[str, ...]
+    start: str
+    expected: str
+
+
+CASES = {
+    "parallel": (
+        Case("cold", "direct", ("joints",), "home", "poses"),
+        Case("warm", "direct", ("joints",), "guesses", "poses"),
+        Case("track", "track", ("joints",), "guesses", "poses"),
+    ),
+    "serial": tuple(
+        Case(name, name, ("poses",), "guesses", "inverse")
+        for name in ("inverse", "inverse_nearest", "inverse_all")
+    ),
+    "map": (
+        Case("cold", "direct", ("joints",), "home_found", "found"),
+        Case("warm", "direct", ("joints",), "guesses", "found"),
+        Case("back, cold", "inverse", ("found",), "home_joints", "inverse"),
+        Case("back, warm", "inverse", ("found",), "joint_guesses", "inverse"),
+        Case("track", "track", ("joints",), "guesses", "found"),
+        Case("track back", "track_inverse", ("found",), "joint_guesses", "inverse"),
+        Case("derivatives", "second", ("joints", "found"), "found", "found"),
+    ),
+}
+"""Of each kind of machine; the last one of a map is the Jacobian and the second derivatives."""
 
 
 @dataclass(frozen=True)
@@ -84,26 +124,20 @@ class Harness:
 
 def harness_of(source: str, options: Options) -> Harness:
     """The folder of a shipped mechanism or a file, written anew, with its bench."""
-    program = build_program(load(source), options)
-    name = program.mechanism.name
-    folder = Path(tempfile.mkdtemp())
+    program, folder = build_program(load(source), options), Path(tempfile.mkdtemp())
     write_folder(program.described, folder, options)
     (folder / "bench.c").write_text(main_text(program))
-    if isinstance(program.kind, JointMap):
-        calls = ("direct", "inverse", "track", "track_inverse", "second")
-        return Harness(folder, name, tuple(f"{name}_{call}" for call in calls), MAP_KINDS)
-    if program.mechanism.serial:
-        closed = program.kind.plan is not None  # type: ignore[union-attr] - of a serial arm
-        calls = ("inverse", "inverse_nearest", "inverse_all") if closed else ("inverse",)
-        return Harness(folder, name, tuple(f"{name}_{call}" for call in calls), calls)
-    return Harness(folder, name, (f"{name}_direct", f"{name}_track"), ("cold", "warm", "track"))
+    name, cases = program.mechanism.name, cases_of(program)
+    calls = tuple(dict.fromkeys(f"{name}_{case.function}" for case in cases))
+    return Harness(folder, name, calls, tuple(case.name for case in cases))
 
 
-def main_text(program: Program) -> str:
-    """bench.c of a mechanism."""
-    if isinstance(program.kind, JointMap):
-        return _map_text(program)
-    return _serial_text(program) if program.mechanism.serial else _platform_text(program)
+def cases_of(program: Program) -> Sequence[Case]:
+    """The cases of a machine: of an arm without a closed form the first one."""
+    cases = CASES[program.kind.templates]
+    declared = program.header
+    name = program.mechanism.name
+    return [case for case in cases if f" {name}_{case.function}(" in declared]
 
 
 def table(kind: str, name: str, rows: np.ndarray, real: Real) -> str:
@@ -140,90 +174,121 @@ def filled(
     return text
 
 
-def _nominal(program: Program) -> tuple[str, list[str]]:
-    """The first argument of each call, and what it points at."""
-    name = program.mechanism.name
-    if program.options.geometry == "fixed":
-        return "", []
-    return "&nominal, ", [f"static const {name}_geometry nominal = {name.upper()}_NOMINAL;"]
+def tables_of(program: Program) -> dict[str, np.ndarray]:
+    """The rows that are solved, by the name of their table."""
+    kind = program.kind
+    if isinstance(kind, RodPlatform) and kind.options.home == HOME:
+        return platform_tables(kind)
+    vectors = build_vectors(kind)
+    rows = {k: v for k, v in vectors.answers.items() if k not in ("jacobians", "seconds")}
+    if kind.templates != "serial":
+        rows = {name: table[1::2] for name, table in rows.items()}
+    count = len(rows["joints"])
+    return rows | {name: np.tile(row, (count, 1)) for name, row in vectors.places.items()}
 
 
-def _platform_text(program: Program) -> str:
-    name, real = program.mechanism.name, program.real
-    cases = cases_of(program.kind)
-    tables = [table(real.type, key, cases[key], real) for key in ("joints", "cold", "warm")]
-    tables.append(table("double", "expected", cases["expected"], Real("double")))
-    first, nominal = _nominal(program)
-    prepare = f"""const {real.type} *const start = (kind == 0) ? cold[k] : warm[k];
-        {name}_pose pose; {name}_info info; int status;
-          const {real.type} *const result = pose.position;
-        for (int i = 0; i < 3; ++i) {{ pose.position[i] = start[i]; }}
-        for (int i = 0; i < 4; ++i) {{ pose.quaternion[i] = start[3 + i]; }}"""
-    direct = f"(int){name}_direct({first}0, joints[k], &pose, &pose, &info)"
-    call = f"status = (kind < 2) ? {direct} : (int){name}_track({first}joints[k], &pose, &info);"
-    return filled(
-        f'#include "{name}.h"', tables + nominal, prepare, call, 3, 3, len(cases["joints"])
-    )
+def platform_tables(platform: RodPlatform) -> dict[str, np.ndarray]:
+    """64 poses within 60 mm and 0.25 rad of home; warm starts lie within 0.2 mm and 1 mrad of the
+    answer.
+    """
+    system = build_problem(platform.mechanism, "direct").system
+    rng, relative = np.random.default_rng(3), platform.options.home_relative
+    origin = np.array(platform.home.position) if relative else np.zeros(3)
+    joints, warm, answers = [], [], []
+    for pose in sample_poses(platform.home, 64, 60.0, 0.25, 7):
+        given = rounded_to(platform.real, platform.joint_values(pose))
+        z = np.array([*pose.position, *pose.quaternion])
+        for _ in range(2):
+            z = system.polish(z, given + platform.zero, 8)
+        q = multiply(np.array([1.0, *(0.5 * rng.uniform(-1e-3, 1e-3, 3))]), z[3:])
+        joints.append(given)
+        warm.append([*(z[:3] + rng.uniform(-0.2, 0.2, 3) - origin), *(q / np.linalg.norm(q))])
+        answers.append([*(z[:3] - origin), *z[3:]])
+    home = np.tile(platform.stated(platform.home), (64, 1))
+    tables = {"joints": joints, "home": home, "guesses": warm, "poses": answers}
+    return {name: np.array(rows) for name, rows in tables.items()}
 
 
-def _map_text(program: Program) -> str:
-    name, real, cases = program.mechanism.name, program.real, cases_of(program.kind)
-    n = cases["joints"].shape[1]
-    tables = [table(real.type, key, rows, real) for key, rows in cases.items() if key != "inverse"]
-    tables += [
-        table("double", f"expected_{key}", cases[of], Real("double"))
-        for key, of in (("found", "found"), ("joints", "inverse"))
+def main_text(program: Program) -> str:
+    """bench.c of a mechanism."""
+    name, real, cases = program.mechanism.name, program.real, cases_of(program)
+    rows, poses = tables_of(program), program.kind.templates == "parallel"
+    n, count = rows["joints"].shape[1], len(rows["joints"])
+    width = 7 if poses else n
+    read = dict.fromkeys(part for case in cases for part in (*case.given, case.start))
+    tables = [table(real.type, key, rows[key], real) for key in read]
+    exact = dict.fromkeys(case.expected for case in cases)
+    tables += [table("double", f"exact_{key}", rows[key], Real("double")) for key in exact]
+    struct = program.options.geometry == "struct"
+    if struct:
+        tables.append(f"static const {name}_geometry nominal = {name.upper()}_NOMINAL;")
+    pose = "start" if poses else "poses[k]"
+    lines = [
+        f"const {real.type} *const starts[] = {{ {', '.join(f'{c.start}[k]' for c in cases)} }};",
+        f"const {real.type} *const start = starts[kind];",
+        f"const double (*const all_expected[])[{width}] = "
+        f"{{ {', '.join(f'exact_{c.expected}' for c in cases)} }};",
+        f"const double (*const expected)[{width}] = all_expected[kind];",
+        f"{real.type} result[{width}]; {name}_info info; int status;",
+        f"for (int i = 0; i < {width}; ++i) {{ result[i] = start[i]; }}",
+        "(void)info;",
     ]
-    prepare = f"""const bool back = (kind == 2) || (kind == 3) || (kind == 5);
-        const bool cold = (kind == 0) || (kind == 2);
-        const {real.type} *const start = back ? (cold ?
-          cold_joint_guesses[0] : joint_guesses[k]) : (cold ? cold_guesses[0] : guesses[k]);
-        {real.type} jacobian[{n * n}], second[{n**3}];
-        const double (*const expected)[{n}] = back ? expected_joints : expected_found;
-        {real.type} result[{n}]; {name}_info info; int status;
-        for (int i = 0; i < {n}; ++i) {{ result[i] = start[i]; }}"""
-    call = f"""if (kind < 2) {{ status = (int){name}_direct(0, joints[k], start, result, &info); }}
-        else if (kind < 4) {{ status = (int){name}_inverse(0, found[k], start, result, &info); }}
-        else if (kind == 4) {{ status = (int){name}_track(joints[k], result, &info); }}
-        else if (kind == 5) {{
-          status = (int){name}_track_inverse(found[k], result, &info); }}
-        else {{ status = (int){name}_second(joints[k], found[k], jacobian, second); }}"""
-    after = f"""if (kind == 6) {{ for (int i = 0; i < {n}; ++i) {{ result[i] = found[k][i]; }} }}"""
-    include = f'#include "{name}.h"\n#include <stdbool.h>'
-    return filled(include, tables, prepare, call, n, len(MAP_KINDS), len(cases["joints"]), after)
-
-
-def _serial_text(program: Program) -> str:
-    name, real = program.mechanism.name, program.real
-    cases, n = cases_of(program.kind), len(program.mechanism.actuated)
-    tables = [table(real.type, key, cases[key], real) for key in ("guesses", "poses")]
-    tables.append(table("double", "expected", cases["expected"], Real("double")))
-    first, nominal = _nominal(program)
-    prepare = f"""{name}_pose pose; {name}_info info; {real.type} result[{n}]; int status;
-        (void)kind;
-        for (int i = 0; i < 3; ++i) {{ pose.position[i] = poses[k][i]; }}
-        for (int i = 0; i < 4; ++i) {{ pose.quaternion[i] = poses[k][3 + i]; }}"""
-    call = f"status = (int){name}_inverse({first}0, &pose, guesses[k], result, &info);"
-    if program.kind.plan is None:  # type: ignore[union-attr] - of a serial arm
-        return filled(
-            f'#include "{name}.h"', tables + nominal, prepare, call, n, 1, len(cases["poses"])
-        )
-    prepare += f" {real.type} all[{name.upper()}_BRANCHES][{n}]; int found = 0;"
-    call = f"""if (kind == 0) {{ {call} }}
-        else if (kind == 1) {{ status = (int){name}_inverse_nearest(&pose, guesses[k], result); }}
-        else {{ found = {name}_inverse_all(&pose, all); status = (found == 0); }}"""
-    # of all branches, the one that is nearest to the answer
-    after = f"""double least = 4e9;
-        for (int row = 0; row < found; ++row) {{
-            double most = 0.0;
-            for (int i = 0; i < {n}; ++i) {{
-              most = fmax(most, fabs((double)all[row][i] - expected[k][i])); }}
-            if (most < least) {{ least = most; for (int i = 0; i < {n}; ++i) {{
-              result[i] = all[row][i]; }} }}
-        }}"""
+    if program.kind.templates != "map":
+        lines += [
+            f"{name}_pose pose;",
+            f"for (int i = 0; i < 3; ++i) {{ pose.position[i] = {pose}[i]; }}",
+            f"for (int i = 0; i < 4; ++i) {{ pose.quaternion[i] = {pose}[3 + i]; }}",
+        ]
+    else:
+        lines.append(f"{real.type} jacobian[{n * n}], second[{n**3}];")
+    after = ["for (int i = 0; i < 3; ++i) { result[i] = pose.position[i]; }"] if poses else []
+    functions = {f.name: f for f in program.functions}
+    calls = []
+    for k, case in enumerate(cases):
+        if case.function == "inverse_all":
+            lines.append(f"{real.type} all[{name.upper()}_BRANCHES][{n}]; int found = 0;")
+            call = f"found = {name}_inverse_all(&pose, all); status = (found == 0);"
+            after.append(_NEAREST.replace("@n@", str(n)))
+        else:
+            call = _call(functions[case.function], name, case, struct=struct)
+        calls.append(f"if (kind == {k}) {{ {call} }}")
     return filled(
-        f'#include "{name}.h"', tables + nominal, prepare, call, n, 3, len(cases["poses"]), after
+        f'#include "{name}.h"',
+        tables,
+        "\n        ".join(lines),
+        "\n        else ".join([*calls, "{ status = 1; }"]),
+        3 if poses else n,
+        len(cases),
+        count,
+        "\n        ".join(after),
     )
+
+
+_NEAREST = """double least = 4e9; /* of all branches, the one that is nearest to the answer */
+        for (int row = 0; row < found; ++row) {
+            double most = 0.0;
+            for (int i = 0; i < @n@; ++i) {
+              most = fmax(most, fabs((double)all[row][i] - expected[k][i])); }
+            if (most < least) { least = most; for (int i = 0; i < @n@; ++i) {
+              result[i] = all[row][i]; } }
+        }"""
+
+
+def _call(function: Function, name: str, case: Case, *, struct: bool) -> str:
+    """The call of a case: what it gives begins as its start."""
+    given = iter(case.given)
+    arguments = (["&nominal"] if struct else []) + (["0"] if function.config else [])
+    for value in (*function.takes, *function.gives):
+        if not value.count:
+            arguments.append("&pose")
+        elif value.name == "guess":
+            arguments.append("start")
+        elif value in function.takes:
+            arguments.append(f"{next(given)}[k]")
+        else:
+            arguments.append(value.name if value.type == "matrix" else "result")
+    arguments += ["&info"] if function.info else []
+    return f"status = (int){name}_{function.name}({', '.join(arguments)});"
 
 
 def from_folder(folder: Path) -> str:
