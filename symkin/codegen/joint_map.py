@@ -20,7 +20,7 @@ from symkin.codegen.formula_guards import is_firm
 from symkin.codegen.newton_kernel import Kernel
 from symkin.codegen.options import Options
 from symkin.codegen.passive_limits import PassiveLimit, passive_limits
-from symkin.codegen.samples import MORE, Configuration, all_followed
+from symkin.codegen.samples import Configuration, all_followed, configurations
 from symkin.codegen.text.angles import numbers_at, sum_of_angles
 from symkin.codegen.text.c import Real
 from symkin.computed_once import cached_property
@@ -36,8 +36,6 @@ from symkin.position.groups import dependence_of, is_linear, structure_groups
 from symkin.position.problem import Problem, build_problem
 
 _SAMPLES = 40
-_MOST_TRIES = 8
-"""Tries a sample."""
 _SPREAD, _TURN = 0.1, 0.4
 """How far the given coordinates of samples are from the reference: in sizes, and in radians."""
 _DRAWS = 10
@@ -428,34 +426,16 @@ def map_configurations(
     coordinates move in straight lines by up to `spread` sizes and `turn` radians, within their
     limits, and back again when the found ones do.
     """
-    rng, (direct, inverse) = (
-        np.random.default_rng(seed),
-        (made.direct.problem, made.inverse.problem),
-    )
-    begin_known, begin = (made.reference_of(c) for c in (made.given, made.direct.unknown))
-    reach = np.array([turn if c.is_angular else spread * made.size for c in made.given])
+    inverse, home = made.inverse.problem, made.reference
     scales = np.array(units_of(made.inverse.unknown, made.size))
-    found, left = list[Configuration](), _MOST_TRIES * count
-    while len(found) < count and left > 0:
-        tried = min(left, count - len(found) + MORE)
-        left -= tried
-        goals = begin_known + reach * np.round(rng.uniform(-1, 1, (tried, len(reach))), 6)
-        goals = goals[_within(made.given, goals)]
-        ends, whole = all_followed(direct, begin, begin_known, goals)
-        values = np.tile(made.reference, (len(goals), 1))
-        values[:, direct.unknown_places], values[:, direct.known_places] = ends, goals
-        values, places = values[whole], (inverse.unknown_places, inverse.known_places)
-        home = made.reference
-        back, kept = all_followed(inverse, home[places[0]], home[places[1]], values[:, places[1]])
-        kept &= np.all(np.abs(back - values[:, places[0]]) <= _BACK * scales, axis=1)
-        kept &= _within(made.found, values[:, places[1]])
-        found += [
-            Configuration(v, v[direct.unknown_places], v[direct.known_places]) for v in values[kept]
-        ]
-    return found[:count]
+    low, high = np.array([c.limits or (-np.inf, np.inf) for c in made.found]).T
 
+    def leads_back(values: np.ndarray) -> np.ndarray:
+        unknown, known = values[:, inverse.unknown_places], values[:, inverse.known_places]
+        begin = home[inverse.unknown_places], home[inverse.known_places]
+        back, whole = all_followed(inverse, *begin, known)
+        same = np.all(np.abs(back - unknown) <= _BACK * scales, axis=1)
+        return np.asarray(whole & same & np.all((low < known) & (known < high), axis=1))
 
-def _within(coordinates: Sequence[Coordinate], values: np.ndarray) -> np.ndarray:
-    """Which rows (n,) of values (n, coordinates) lie within all limits."""
-    low, high = np.array([c.limits or (-np.inf, np.inf) for c in coordinates]).T
-    return np.asarray(np.all((low < values) & (values < high), axis=1))
+    direct = made.direct.problem
+    return configurations(direct, home, count, seed, spread, turn, leads_back)

@@ -20,6 +20,8 @@ from symkin.position.problem import Problem, build_problem
 _STEPS = 12
 _LONGEST = 0.25
 """Longest step, in sizes and radians."""
+_MOST_TRIES = 8
+"""Tries a configuration."""
 MORE = 4
 """Lines that are followed at once beside those that are lacking: some are left out."""
 _DISTINCT = 1e-4
@@ -44,41 +46,39 @@ def configurations(
     seed: int,
     spread: float = 0.1,
     turn: float = 0.25,
+    kept: Callable[[np.ndarray], np.ndarray] | None = None,
 ) -> list[Configuration]:
     """Distinct configurations, at most `count`, that the machine reaches from `home` (all
     variables) when its joints move in straight lines by up to `spread` times the size and `turn`
-    radians, within their limits; lines that meet a singularity, or bring a limb past a dead centre,
-    are left out.
+    radians, within their limits; lines that meet a singularity are left out, and those whose ends
+    (n, variables) are not `kept`: by default those that bring a limb past a dead centre.
     """
-    rng = np.random.default_rng(seed)
-    joints = direct.known_coordinates
-    begin_known, begin = (
-        direct.select_values(home, joints),
-        direct.select_values(home, direct.system.unknowns),
-    )
-    reach = np.array(
-        [
-            _reach(c, turn if c.is_angular else spread * direct.closure.characteristic_length)
-            for c in joints
-        ]
-    )
-    signs, found = _limb_signs(direct, home[None])[0], list[Configuration]()
-    left = 4 * count
+    rng, size = np.random.default_rng(seed), direct.system.characteristic_length
+    joints, begin = direct.known_coordinates, home[direct.unknown_places]
+    begin_known = home[direct.known_places]
+    reach = np.array([_reach(c, turn if c.is_angular else spread * size) for c in joints])
+    kept = _on_sides_of(direct, home) if kept is None else kept
+    found, left = list[Configuration](), _MOST_TRIES * count
     while len(found) < count and left > 0:
         tried = min(left, count - len(found) + MORE)
         left -= tried
         moves = reach * np.round(rng.uniform(-1, 1, (tried, len(joints))), 6)
         goals = np.array([_within(joints, begin_known, way) for way in moves])
         ends, whole = all_followed(direct, begin, begin_known, goals)
-        values = direct.join_values(ends, goals)
-        whole[whole] = np.all(_limb_signs(direct, values[whole]) == signs, axis=1)
-        for k in range(tried):
+        values = np.tile(home, (tried, 1))
+        values[:, direct.unknown_places], values[:, direct.known_places] = ends, goals
+        whole[whole] = kept(values[whole])
+        for k in np.flatnonzero(whole):
             # joints between narrow limits give the same goal again and again
-            if whole[k] and not any(
-                np.all(np.abs(goals[k] - other.known) <= _DISTINCT * reach) for other in found
-            ):
+            if not any(np.all(np.abs(goals[k] - f.known) <= _DISTINCT * reach) for f in found):
                 found.append(Configuration(values[k], ends[k], goals[k]))
     return found[:count]
+
+
+def _on_sides_of(direct: Problem, home: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
+    """Tells which configurations have their limbs on the sides of dead centres of those at home."""
+    signs = _limb_signs(direct, home[None])[0]
+    return lambda values: np.all(_limb_signs(direct, values) == signs, axis=1)
 
 
 def _limb_signs(direct: Problem, values: np.ndarray) -> np.ndarray:
