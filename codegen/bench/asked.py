@@ -5,6 +5,7 @@ from __future__ import annotations
 import ctypes
 import subprocess
 import tempfile
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -117,7 +118,11 @@ def compiled(folder: Path, name: str, real: str, kind: str, joints: int) -> ctyp
 
 
 def asked(
-    function: ctypes._CFuncPtr, real: str, inputs: list[np.ndarray], outputs: list[int], order: str
+    function: ctypes._CFuncPtr,
+    real: str,
+    inputs: Sequence[np.ndarray],
+    outputs: list[int],
+    order: str,
 ) -> list[np.ndarray]:
     """Call a function of ask.c: its arrays `order` (i input, o output of so many numbers, s status,
     n numbers of steps).

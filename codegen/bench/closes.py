@@ -19,7 +19,7 @@ import signal
 import sys
 import tempfile
 import tomllib
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -145,6 +145,45 @@ def projected(m: PlainMechanism, poses: np.ndarray) -> np.ndarray:
     return np.array(found)
 
 
+def _ask(
+    tally: Tally,
+    function: ctypes._CFuncPtr,
+    what: str,
+    given: Sequence[np.ndarray],
+    width: int,
+    gaps: Callable[[np.ndarray, np.ndarray], np.ndarray],
+    on_set: int = 0,
+) -> None:
+    """Ask for goals, from guesses where the problem has any, and then for each answer from itself.
+    `gaps` tell of answers, with the places of their goals, how far from closing they are; the first
+    `on_set` goals are such that the machine can take.
+    """
+    order = "iiosn" if len(given) == 2 else "ios"
+    found, status, *_ = asked(function, tally.real, given, [width], order)
+    at = np.flatnonzero(status == 0)
+    tally.calls, tally.ok = tally.calls + len(status), tally.ok + len(at)
+    tally.on_set, tally.on_set_ok = (
+        tally.on_set + on_set,
+        tally.on_set_ok + int(np.sum(at < on_set)),
+    )
+    if len(given) == 2 and len(at):
+        again = asked(function, tally.real, [given[0][at], found[at]], [width], order)[1]
+        tally.moved += int(np.sum(again != 0))
+        tally.examples += [
+            f"{what}: standing still refused ({again[k]}): {given[0][at[k]].tolist()} from "
+            f"{found[at[k]].tolist()}"
+            for k in np.flatnonzero(again)[:2]
+        ]
+    off = gaps(at, found[at])
+    tally.worst = max(tally.worst, float(off.max(initial=0.0)))
+    bad = np.flatnonzero(off > CLOSES[tally.real])
+    tally.open += len(bad)
+    tally.examples += [
+        f"{what}: {given[0][at[k]].tolist()} gives {found[at[k]].tolist()} open by {off[k]:.2g}"
+        for k in bad[:2]
+    ]
+
+
 def of_limbs(
     machine: Machine, real: str, poses: int, rng: np.random.Generator, folder: Path
 ) -> Tally:
@@ -157,80 +196,32 @@ def of_limbs(
     x = np.vstack([closed_configurations(plain, poses // 2, spread, rng) for spread in (0.05, 0.3)])
     if not len(x):
         return tally
-    on, number = limbs.poses(x), len(mechanism.actuated)
+    on, number, count = limbs.poses(x), len(mechanism.actuated), len(x)
     units = np.array([1.0 if c.is_angular else plain.size for c in mechanism.actuated])
-    if plain.serial:
-        begin, targets = np.vstack([x, x]), np.vstack([on, limbs.moved(on)])
-        # on the set from beside the answer
-        guesses = (
-            np.vstack([limbs.joints(x)] * 2)
-            + 0.05 * rng.normal(size=(len(targets), number)) * units
-        )
-        joints, status, _ = asked(library.ask_all, real, [targets, guesses], [number], "iiosn")
-        _stand_still(tally, library.ask_all, targets, joints, status == 0, "inverse")
-    else:
-        begin = np.vstack([x, x, x])
-        targets = np.vstack([on, limbs.moved(on), projected(plain, limbs.moved(on))])
-        joints, status = asked(library.back_all, real, [targets], [number], "ios")
-    _count(tally, limbs, begin, targets, joints, status == 0, len(x), "inverse")
+    targets = [on, limbs.moved(on)]
     if not plain.serial:
-        begin, wanted = np.vstack([x, x]), limbs.joints(np.vstack([x, x]))
-        wanted[len(x) :] += 0.3 * rng.normal(size=wanted[len(x) :].shape) * units
-        home = (
-            limbs.poses(plain.reference[None]) if machine.home is None else np.array([machine.home])
-        )
-        guesses = np.tile(home, (len(wanted), 1))
-        found, status, _ = asked(library.ask_all, real, [wanted, guesses], [7], "iiosn")
-        _stand_still(tally, library.ask_all, wanted, found, status == 0, "direct")
-        _count(tally, limbs, begin, found, wanted, status == 0, len(x), "direct")
+        targets.append(projected(plain, limbs.moved(on)))
+    goals, begin = np.vstack(targets), np.vstack([x] * len(targets))
+
+    def of_joints(at: np.ndarray, joints: np.ndarray) -> np.ndarray:
+        return limbs.gaps(begin[at], goals[at], joints)
+
+    joints = np.vstack([limbs.joints(x)] * 2)
+    if plain.serial:
+        # from beside the answer
+        guesses = joints + 0.05 * rng.normal(size=joints.shape) * units
+        _ask(tally, library.ask_all, "inverse", [goals, guesses], number, of_joints, count)
+        return tally
+    _ask(tally, library.back_all, "inverse", [goals], number, of_joints, count)
+    joints[count:] += 0.3 * rng.normal(size=(count, number)) * units
+    home = limbs.poses(plain.reference[None]) if machine.home is None else np.array([machine.home])
+
+    def of_poses(at: np.ndarray, found: np.ndarray) -> np.ndarray:
+        return limbs.gaps(begin[at], found, joints[at])
+
+    guesses = np.tile(home, (len(joints), 1))
+    _ask(tally, library.ask_all, "direct", [joints, guesses], 7, of_poses)
     return tally
-
-
-def _stand_still(
-    tally: Tally,
-    function: ctypes._CFuncPtr,
-    goals: np.ndarray,
-    answers: np.ndarray,
-    ok: np.ndarray,
-    what: str,
-) -> None:
-    """Ask for answers from themselves."""
-    if not ok.any():
-        return
-    _, status, _ = asked(
-        function, tally.real, [goals[ok], answers[ok]], [answers.shape[1]], "iiosn"
-    )
-    tally.moved += int(np.sum(status != 0))
-    for k in np.flatnonzero(status)[:2]:
-        tally.examples.append(
-            f"{what}: standing still refused ({status[k]}): {goals[ok][k].tolist()} from "
-            f"{answers[ok][k].tolist()}"
-        )
-
-
-def _count(
-    tally: Tally,
-    limbs: Limbs,
-    begin: np.ndarray,
-    poses: np.ndarray,
-    joints: np.ndarray,
-    ok: np.ndarray,
-    on_set: int,
-    what: str,
-) -> None:
-    tally.calls += len(ok)
-    tally.ok += int(ok.sum())
-    if what == "inverse":
-        tally.on_set, tally.on_set_ok = on_set, int(ok[:on_set].sum())
-    gaps = limbs.gaps(begin[ok], poses[ok], joints[ok])
-    tally.worst = max(tally.worst, float(gaps.max(initial=0.0)))
-    bad = gaps > CLOSES[tally.real]
-    tally.open += int(bad.sum())
-    for k in np.flatnonzero(bad)[:2]:
-        tally.examples.append(
-            f"{what}: pose {poses[ok][k].tolist()} joints {joints[ok][k].tolist()} open by "
-            f"{gaps[k]:.2g}"
-        )
 
 
 # --- maps -----------------------------------------------------------------------------------------
@@ -246,69 +237,43 @@ def of_map(
     file = folder / "plain.toml"
     file.write_text(mechanism_to_toml(mechanism))
     g = plain_graph.read(file)
-    first, places = (
-        7 * len(g.names),
-        [[g.place(n) for n in part] for part in (machine.given, machine.find)],
-    )
+    places = [[g.place(n) for n in part] for part in (machine.given, machine.find)]
     units = np.array([1.0 if c.angle else g.size for c in g.coordinates])
     near = np.vstack([plain_graph.generic(g, poses // 2, spread, seed=1) for spread in (0.05, 0.3)])
     if not len(near):
         return tally
     values = g.values(near) * units
     home = np.array([c.zero for c in g.coordinates]) * units
-    for function, known, wanted in (
-        (library.ask_all, *places),
-        (library.ask_inverse, *reversed(places)),
+    for what, function, known, wanted in (
+        ("direct", library.ask_all, *places),
+        ("inverse", library.ask_inverse, *reversed(places)),
     ):
-        goals = np.vstack(
-            [
-                values[:, known],
-                values[:, known] + rng.normal(size=(len(near), len(known))) * units[known],
-            ]
-        )
+        on, both = values[:, known], [*known, *wanted]
+        goals = np.vstack([on, on + rng.normal(size=on.shape) * units[known]])
         guesses = np.vstack([values[:, wanted], np.tile(home[wanted], (len(near), 1))])
-        found, status, _ = asked(function, real, [goals, guesses], [len(wanted)], "iiosn")
-        ok = status == 0
-        _stand_still(
-            tally, function, goals, found, ok, "direct" if known is places[0] else "inverse"
-        )
-        tally.calls, tally.ok = tally.calls + len(ok), tally.ok + int(ok.sum())
-        tally.on_set, tally.on_set_ok = (
-            tally.on_set + len(near),
-            tally.on_set_ok + int(ok[: len(near)].sum()),
-        )
-        for x, goal, answer in zip(np.vstack([near, near])[ok], goals[ok], found[ok], strict=True):
-            fixed = dict(
-                zip(
-                    [*known, *wanted],
-                    (np.array([*goal, *answer]) / units[[*known, *wanted]]).tolist(),
-                    strict=True,
-                )
+
+        def gaps(at: np.ndarray, found: np.ndarray, goals=goals, both=both) -> np.ndarray:  # type: ignore[no-untyped-def]
+            numbers = np.hstack([goals[at], found]) / units[both]
+            return np.array(
+                [
+                    _graph_gap(g, near[k % len(near)], dict(zip(both, row, strict=True)), rng)
+                    for k, row in zip(at, numbers.tolist(), strict=True)
+                ]
             )
-            gap = _graph_gap(g, x, fixed, first, rng)
-            tally.worst = max(tally.worst, gap)
-            if gap > CLOSES[real]:
-                tally.open += 1
-                tally.examples.append(
-                    f"{'direct' if known is places[0] else 'inverse'}: {goal.tolist()} gives "
-                    f"{answer.tolist()} open by {gap:.2g}"
-                )
+
+        _ask(tally, function, what, [goals, guesses], len(wanted), gaps, len(near))
     return tally
 
 
 def _graph_gap(
-    g: plain_graph.Graph,
-    x: np.ndarray,
-    fixed: dict[int, float],
-    first: int,
-    rng: np.random.Generator,
+    g: plain_graph.Graph, x: np.ndarray, fixed: dict[int, float], rng: np.random.Generator
 ) -> float:
     """How far from closing a graph is at best with fixed coordinates: from a configuration, then
     from random starts.
     """
     start = x[None].copy()
     for k, value in fixed.items():
-        start[:, first + k] = value
+        start[:, 7 * len(g.names) + k] = value
     columns = np.setdiff1d(np.arange(g.freedom), [6 * len(g.names) + k for k in fixed])
     gap = float(np.max(np.abs(g.closure(plain_graph.solve(g, start, columns))[0])))
     if gap > 1e-6:
