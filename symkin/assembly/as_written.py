@@ -52,9 +52,11 @@ def given_of_machine(low: Lowered, given: Given) -> Given:
     stands_otherwise = low.frames is not None or low.machine.motion != low.written.motion
     if _is_pose(low.written, given) and stands_otherwise:
         pose = Pose(given.values[:3], given.values[3:])
-        taken = pose if low.frames is None else low.frames.taken(pose)
-        found = given.off_motion == 0.0 and ties_poses(low.written)
-        given = replace(given_of_pose(low.machine, taken, is_feasible=found), echo=given.echo)
+        looked_at = low.machine.motion != low.written.motion or ties_poses(low.written)
+        found = given.off_motion == 0.0 and looked_at
+        given = replace(
+            given_of_pose(low.machine, low.taken(pose), is_feasible=found), echo=given.echo
+        )
         return told_by_name(low.machine, given) if low.machine.is_graph else given
     kind = plain_kind(low.machine, given.names) if given.by_name else None
     if kind is None:
@@ -101,7 +103,7 @@ def as_written(told: Told, given: Given, found: Modes) -> Modes | None:
         given=given.echo,
         modes=replace(found.modes, notes=given.notes, _made={}),
         groups=tuple(_renamed(group, names) for group in found.groups),
-        notes=tuple(_told(note, names) for note in found.notes),
+        notes=tuple(dict.fromkeys((*given.notes, *(_told(note, names) for note in found.notes)))),
     )
 
 
