@@ -194,6 +194,7 @@ def test_three_axes_at_right_angles_are_a_ball(last) -> None:
     assert (found.complex_count, found.completeness) == (told.complex_count, told.completeness)
     assert all(mode.certified and mode.residual < 1e-12 for mode in told)
     assert all({"r0", "r1", "r2"} <= set(mode.joints) for mode in told)
+    assert [note for note in told.notes if note.startswith("r0, r1, r2 turn their link as a ball")]
     outputs = [sorted(mode.joints["out"] for mode in modes) for modes in (found, told)]
     assert np.allclose(*outputs, rtol=0.0, atol=1e-9)
 
