@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from symkin.codegen.joint_map import JointMap, map_configurations
-from symkin.codegen.joint_map_derivatives import derivatives
 from symkin.codegen.passive_limits import keeps_limits
+from symkin.codegen.rates import derivatives
 from symkin.codegen.refused_vectors import infeasible_values, joints_past
 from symkin.codegen.samples import Configuration
 from symkin.codegen.text.c import Real
