@@ -1489,16 +1489,16 @@ static bool ankle_inverse_keeps(ankle_inverse_work *w, const ankle_real change[2
     bool kept = true;
     /* upper_motor: proved */
     const ankle_real bend0 = 7.4f * change[0] + 4.76f * change[1];
-    const ankle_real lesser0 = ((w->left[0] < w->guard[0]) ? w->left[0] : w->guard[0]) - 3.81e-06f;
-    const ankle_real greater0 = ((w->left[0] < w->guard[0]) ? w->guard[0] : w->left[0]) - 3.81e-06f;
+    const ankle_real lesser0 = ((w->left[0] < w->guard[0]) ? w->left[0] : w->guard[0]) - 5.09e-06f;
+    const ankle_real greater0 = (w->left[0] < w->guard[0]) ? w->guard[0] : w->left[0];
     const ankle_real most0 = 3.0f * lesser0 + greater0;
     if (!((lesser0 > 0.0f) && (bend0 < most0))) {
         kept = false;
     }
     /* lower_motor: proved */
     const ankle_real bend1 = 7.92f * change[0] + 5.23f * change[1];
-    const ankle_real lesser1 = ((w->left[1] < w->guard[1]) ? w->left[1] : w->guard[1]) - 3.81e-06f;
-    const ankle_real greater1 = ((w->left[1] < w->guard[1]) ? w->guard[1] : w->left[1]) - 3.81e-06f;
+    const ankle_real lesser1 = ((w->left[1] < w->guard[1]) ? w->left[1] : w->guard[1]) - 5.09e-06f;
+    const ankle_real greater1 = (w->left[1] < w->guard[1]) ? w->guard[1] : w->left[1];
     const ankle_real most1 = 3.0f * lesser1 + greater1;
     if (!((lesser1 > 0.0f) && (bend1 < most1))) {
         kept = false;

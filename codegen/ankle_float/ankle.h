@@ -21,7 +21,7 @@
  * iterations):
  *   direct: 400 iterations, 112400 add, 161788 mul, 6107 div, 3662 sqrt
  *   track: 170 add, 222 mul, 11 div, 4 sqrt
- *   inverse: 500 iterations, 82095 add, 111843 mul, 4310 div, 3064 sqrt
+ *   inverse: 500 iterations, 81495 add, 111843 mul, 4310 div, 3064 sqrt
  *   track_inverse: 279 add, 344 mul, 17 div, 12 sqrt
  *   jacobian: 152 add, 219 mul, 4 div, 1 sqrt
  *   inverse_jacobian: 183 add, 257 mul, 4 div, 1 sqrt
@@ -31,11 +31,11 @@
  *   inertia: 197 add, 273 mul, 4 div, 1 sqrt
  *   torque_limits: 156 add, 223 mul, 8 div, 1 sqrt
  *   rate_limits: 187 add, 261 mul, 8 div, 1 sqrt
- *   measured (Cortex-M4F, GCC 12.2.1 -O2, 18972 inputs, seed 1): instructions, bytes of stack with
+ *   measured (Cortex-M4F, GCC 12.2.1 -O2, 18749 inputs, seed 1): instructions, bytes of stack with
  *     callees, bytes of code with callees but without those of libm:
- *   direct: 77020 instructions, 648 stack, 7996 code
+ *   direct: 77170 instructions, 648 stack, 7996 code
  *   track: 1085 instructions, 188 stack, 3496 code
- *   inverse: 91895 instructions, 696 stack, 10960 code
+ *   inverse: 87885 instructions, 696 stack, 10952 code
  *   track_inverse: 1005 instructions, 220 stack, 4864 code
  *   jacobian: 780 instructions, 220 stack, 2944 code
  *   inverse_jacobian: 795 instructions, 236 stack, 3044 code

@@ -1087,8 +1087,8 @@ static bool delta_direct_keeps(delta_direct_work *w, const delta_real change[3])
     /* pose.x_pose.y_pose.z: proved */
     const delta_real sum0 = change[0] + change[1] + change[2];
     const delta_real bend0 = 7150.0 * sum0;
-    const delta_real lesser0 = ((w->left[0] < w->guard[0]) ? w->left[0] : w->guard[0]) - 6.06e-11;
-    const delta_real greater0 = ((w->left[0] < w->guard[0]) ? w->guard[0] : w->left[0]) - 6.06e-11;
+    const delta_real lesser0 = ((w->left[0] < w->guard[0]) ? w->left[0] : w->guard[0]) - 8.08e-11;
+    const delta_real greater0 = (w->left[0] < w->guard[0]) ? w->guard[0] : w->left[0];
     const delta_real most0 = 3.0 * lesser0 + greater0;
     if (!((lesser0 > 0.0) && (bend0 < most0))) {
         if (kept && (lesser0 > 0.0)) {
@@ -1099,8 +1099,8 @@ static bool delta_direct_keeps(delta_direct_work *w, const delta_real change[3])
     }
     /* divisor 1: proved */
     const delta_real bend1 = 0.196 * sum0;
-    const delta_real lesser1 = ((w->left[1] < w->guard[1]) ? w->left[1] : w->guard[1]) - 2.59e-15;
-    const delta_real greater1 = ((w->left[1] < w->guard[1]) ? w->guard[1] : w->left[1]) - 2.59e-15;
+    const delta_real lesser1 = ((w->left[1] < w->guard[1]) ? w->left[1] : w->guard[1]) - 3.45e-15;
+    const delta_real greater1 = (w->left[1] < w->guard[1]) ? w->guard[1] : w->left[1];
     const delta_real most1 = 3.0 * lesser1 + greater1;
     if (!((lesser1 > 0.0) && (bend1 < most1))) {
         if (kept && (lesser1 > 0.0)) {

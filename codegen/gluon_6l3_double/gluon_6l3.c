@@ -872,6 +872,19 @@ gluon_6l3_status gluon_6l3_inverse_nearest(const gluon_6l3_pose *pose,
     return status;
 }
 
+/* A point of the line: joints where it is done, which begin at the guess, those found where it is
+ * tried, and the squares left and guard of the closed form's steps at both; way2: the square of the
+ * joints' last way. */
+typedef struct {
+    gluon_6l3_real joints[6];
+    gluon_6l3_real found[1][6];
+    gluon_6l3_real way2;
+    gluon_6l3_real left[6];
+    gluon_6l3_real guard[6];
+    gluon_6l3_real bent;
+    gluon_6l3_real most;
+} gluon_6l3_inverse_work;
+
 /* Tool pose (x, y, z, qw, qx, qy, qz) of joint values, the squares `margin` of the closed form's
  * steps there (README.md), and the bits of the branch on which they lie. */
 static unsigned int gluon_6l3_read_joints(const gluon_6l3_real joints[6], gluon_6l3_real x[7],
@@ -1060,151 +1073,259 @@ static unsigned int gluon_6l3_read_joints(const gluon_6l3_real joints[6], gluon_
     return wanted;
 }
 
-/* How much of what would keep the steps of the closed form from their singularities between two
- * points of the line is used up, 1 being all: a and b are the squares `margin` there, and a square
- * bends away from its chord by no more than the squares of the tool's way (place over the size,
- * turn) and of the joints' (angles; slides over the size) allow (README.md). */
-static gluon_6l3_real gluon_6l3_line_share(const gluon_6l3_real a[6], const gluon_6l3_real b[6],
-    gluon_6l3_real place, gluon_6l3_real turn, const gluon_6l3_real moved[6])
-{
-    gluon_6l3_real largest = 0.0;
-    (void)a;
-    (void)b;
-    (void)place;
-    (void)turn;
-    (void)moved;
-    /* q2, q3, q4 have parallel axes: a level along them, which they do not change, tells q1 */
-    const gluon_6l3_real bend0 = 5.42 * place + 0.722 * turn;
-    const gluon_6l3_real lesser0 = (a[0] < b[0]) ? a[0] : b[0];
-    const gluon_6l3_real share0 = bend0 / (2.0 * (a[0] + b[0]) + 4.0 * lesser0);
-    largest = (share0 > largest) ? share0 : largest;
-    /* the normal of q2, q3, q4: its level along the axis of q6 tells q5 */
-    const gluon_6l3_real bend1 = 10.0 * turn + 10.0 * moved[0];
-    const gluon_6l3_real lesser1 = (a[1] < b[1]) ? a[1] : b[1];
-    const gluon_6l3_real share1 = bend1 / (2.0 * (a[1] + b[1]) + 4.0 * lesser1);
-    largest = (share1 > largest) ? share1 : largest;
-    /* q6 turns the normal of q2, q3, q4 to where it must be */
-    const gluon_6l3_real bend2 = 5.0 * moved[4];
-    const gluon_6l3_real lesser2 = (a[2] < b[2]) ? a[2] : b[2];
-    const gluon_6l3_real share2 = bend2 / (2.0 * (a[2] + b[2]) + 4.0 * lesser2);
-    largest = (share2 > largest) ? share2 : largest;
-    /* a point of the axis of q4: its distance from the axis of q2 tells q3 */
-    const gluon_6l3_real bend3 = 1.45 * place + 0.921 * turn + 0.512 * moved[4] + 0.54 * moved[5];
-    const gluon_6l3_real lesser3 = (a[3] < b[3]) ? a[3] : b[3];
-    const gluon_6l3_real share3 = bend3 / (2.0 * (a[3] + b[3]) + 4.0 * lesser3);
-    largest = (share3 > largest) ? share3 : largest;
-    /* q2 turns a point of the axis of q4 to where it must be */
-    const gluon_6l3_real bend4 = 11.0 * place + 3.89 * turn + 4.16 * moved[0] + 1.85 * moved[4]
-        + 2.67 * moved[5];
-    const gluon_6l3_real lesser4 = (a[4] < b[4]) ? a[4] : b[4];
-    const gluon_6l3_real share4 = bend4 / (2.0 * (a[4] + b[4]) + 4.0 * lesser4);
-    largest = (share4 > largest) ? share4 : largest;
-    /* q4 turns a direction of the tool to where it must be */
-    const gluon_6l3_real bend5 = 10.0 * turn + 10.0 * moved[0] + 10.0 * moved[4];
-    const gluon_6l3_real lesser5 = (a[5] < b[5]) ? a[5] : b[5];
-    const gluon_6l3_real share5 = bend5 / (2.0 * (a[5] + b[5]) + 4.0 * lesser5);
-    largest = (share5 > largest) ? share5 : largest;
-    return largest;
-}
-
-/* The closed form along the line of tool poses from the guess's to the given one, on the guess's
- * branch, in parts that are kept and halved where they are not. Angles go on from part to part,
- * whole turns included. */
-static gluon_6l3_status gluon_6l3_inverse_along(const gluon_6l3_real to[7],
-    const gluon_6l3_config *config, gluon_6l3_real joints[6], gluon_6l3_info *info)
+/* The joints at a tool pose x of the line, angles within half a turn of where it is done, and the
+ * squares of their ways (angles; slides over the size) as changes of the line; SINGULAR or
+ * OUT_OF_RANGE where the guess's branch does not reach it. */
+static gluon_6l3_status gluon_6l3_inverse_aim(gluon_6l3_inverse_work *w, const gluon_6l3_real x[7],
+    unsigned int wanted, gluon_6l3_real change[8])
 {
     static const gluon_6l3_real per_length[6] = { 1.0, 1.0, 1.0, 1.0, 1.0, 1.0 };
     static const bool angular[6] = { true, true, true, true, true, true };
     static const gluon_6l3_real near[6] = { 0.0 };
-    const gluon_6l3_real most2 = config->max_step * config->max_step * 3.438343587714008e-06;
-    gluon_6l3_real at[7];
-    gluon_6l3_real x[7];
-    gluon_6l3_real left[6] = { 1.0 };
-    gluon_6l3_real margin[6] = { 1.0 };
-    gluon_6l3_real found[1][6];
+    bool undecided = false;
+    if (gluon_6l3_branches(x, near, wanted, w->found, &undecided, w->guard) != 1) {
+        return undecided ? GLUON_6L3_SINGULAR : GLUON_6L3_OUT_OF_RANGE;
+    }
+    w->way2 = 0.0;
+    for (int i = 0; i < 6; ++i) {
+        gluon_6l3_real way = w->found[0][i] - w->joints[i];
+        const gluon_6l3_real number = way * 0.15915494309189535;
+        if (angular[i] && (fabs(number) > 0.5)) {
+            way -= 6.283185307179586 * (gluon_6l3_real)(int)(number + ((number < 0.0)
+                ? -0.5 : 0.5));
+        }
+        w->found[0][i] = w->joints[i] + way;
+        change[2 + i] = (way * per_length[i]) * (way * per_length[i]);
+        w->way2 += change[2 + i];
+    }
+    return GLUON_6L3_OK;
+}
+
+/* Whether the joints' last way is short enough to tell whole turns, and within what the config
+ * allows. */
+static bool gluon_6l3_inverse_follows(gluon_6l3_inverse_work *w, const gluon_6l3_real change[8],
+    gluon_6l3_real most2)
+{
+    const bool follows = (w->way2 <= most2) && (w->way2 <= 2.25);
+    (void)change;
+    return follows;
+}
+
+/* Whether no guard can reach zero between the values w->left and w->guard, on a part of the line of
+ * which `change` are the squares of the known values' changes: a guard bends by no more than its
+ * weights times these allow (README.md). */
+static bool gluon_6l3_inverse_keeps(gluon_6l3_inverse_work *w, const gluon_6l3_real change[8])
+{
+    bool kept = true;
+    /* q2, q3, q4 have parallel axes: a level along them, which they do not change, tells q1:
+     * sampled */
+    const gluon_6l3_real bend0 = 2.71 * change[0] + 0.361 * change[1];
+    const gluon_6l3_real lesser0 = ((w->left[0] < w->guard[0])
+        ? w->left[0] : w->guard[0]) - 6.97e-15;
+    const gluon_6l3_real greater0 = (w->left[0] < w->guard[0]) ? w->guard[0] : w->left[0];
+    const gluon_6l3_real most0 = 3.0 * lesser0 + greater0;
+    if (!((lesser0 > 0.0) && (bend0 < most0))) {
+        if (kept && (lesser0 > 0.0)) {
+            w->bent = bend0;
+            w->most = most0;
+        }
+        kept = false;
+    }
+    /* the normal of q2, q3, q4: its level along the axis of q6 tells q5: sampled */
+    const gluon_6l3_real sum0 = change[1] + change[2];
+    const gluon_6l3_real bend1 = 5.0 * sum0;
+    const gluon_6l3_real lesser1 = ((w->left[1] < w->guard[1])
+        ? w->left[1] : w->guard[1]) - 1.18e-14;
+    const gluon_6l3_real greater1 = (w->left[1] < w->guard[1]) ? w->guard[1] : w->left[1];
+    const gluon_6l3_real most1 = 3.0 * lesser1 + greater1;
+    if (!((lesser1 > 0.0) && (bend1 < most1))) {
+        if (kept && (lesser1 > 0.0)) {
+            w->bent = bend1;
+            w->most = most1;
+        }
+        kept = false;
+    }
+    /* q6 turns the normal of q2, q3, q4 to where it must be: sampled */
+    const gluon_6l3_real bend2 = 2.5 * change[6];
+    const gluon_6l3_real lesser2 = ((w->left[2] < w->guard[2])
+        ? w->left[2] : w->guard[2]) - 1.18e-14;
+    const gluon_6l3_real greater2 = (w->left[2] < w->guard[2]) ? w->guard[2] : w->left[2];
+    const gluon_6l3_real most2 = 3.0 * lesser2 + greater2;
+    if (!((lesser2 > 0.0) && (bend2 < most2))) {
+        if (kept && (lesser2 > 0.0)) {
+            w->bent = bend2;
+            w->most = most2;
+        }
+        kept = false;
+    }
+    /* a point of the axis of q4: its distance from the axis of q2 tells q3: sampled */
+    const gluon_6l3_real bend3 = 0.722 * change[0] + 0.461 * change[1] + 0.256 * change[6]
+        + 0.27 * change[7];
+    const gluon_6l3_real lesser3 = ((w->left[3] < w->guard[3])
+        ? w->left[3] : w->guard[3]) - 1.3e-16;
+    const gluon_6l3_real greater3 = (w->left[3] < w->guard[3]) ? w->guard[3] : w->left[3];
+    const gluon_6l3_real most3 = 3.0 * lesser3 + greater3;
+    if (!((lesser3 > 0.0) && (bend3 < most3))) {
+        if (kept && (lesser3 > 0.0)) {
+            w->bent = bend3;
+            w->most = most3;
+        }
+        kept = false;
+    }
+    /* q2 turns a point of the axis of q4 to where it must be: sampled */
+    const gluon_6l3_real bend4 = 5.48 * change[0] + 1.95 * change[1] + 2.08 * change[2]
+        + 0.923 * change[6] + 1.34 * change[7];
+    const gluon_6l3_real lesser4 = ((w->left[4] < w->guard[4])
+        ? w->left[4] : w->guard[4]) - 4.95e-15;
+    const gluon_6l3_real greater4 = (w->left[4] < w->guard[4]) ? w->guard[4] : w->left[4];
+    const gluon_6l3_real most4 = 3.0 * lesser4 + greater4;
+    if (!((lesser4 > 0.0) && (bend4 < most4))) {
+        if (kept && (lesser4 > 0.0)) {
+            w->bent = bend4;
+            w->most = most4;
+        }
+        kept = false;
+    }
+    /* q4 turns a direction of the tool to where it must be: sampled */
+    const gluon_6l3_real sum1 = change[1] + change[2] + change[6];
+    const gluon_6l3_real bend5 = 5.0 * sum1;
+    const gluon_6l3_real lesser5 = ((w->left[5] < w->guard[5])
+        ? w->left[5] : w->guard[5]) - 1.18e-14;
+    const gluon_6l3_real greater5 = (w->left[5] < w->guard[5]) ? w->guard[5] : w->left[5];
+    const gluon_6l3_real most5 = 3.0 * lesser5 + greater5;
+    if (!((lesser5 > 0.0) && (bend5 < most5))) {
+        if (kept && (lesser5 > 0.0)) {
+            w->bent = bend5;
+            w->most = most5;
+        }
+        kept = false;
+    }
+    return kept;
+}
+
+/* Follows the line of known values from `at`, where the guards are w->left, to `to` in parts that
+ * are kept, and are cut where they are not. */
+static GLUON_6L3_COLD gluon_6l3_status gluon_6l3_inverse_walk(gluon_6l3_inverse_work *w,
+    const gluon_6l3_real at[7], const gluon_6l3_real to[7], unsigned int wanted,
+    gluon_6l3_real most2, unsigned int most,
+    unsigned int *count)
+{
+    gluon_6l3_real way2[2];
+    gluon_6l3_real change[8];
     gluon_6l3_real done = 0.0;
     gluon_6l3_real part = 1.0;
-    gluon_6l3_real moved[6];
-    gluon_6l3_real way2 = 0.0;
-    gluon_6l3_real least = 1.0;
-    unsigned int count = 0U;
-    const unsigned int wanted = gluon_6l3_read_joints(joints, at, left);
+    bool refused = true;
+    gluon_6l3_status status = GLUON_6L3_MAX_ITERATIONS;
     /* of q and -q, one rotation, the one on the guess's side */
     const gluon_6l3_real cosine = at[3] * to[3] + at[4] * to[4] + at[5] * to[5] + at[6] * to[6];
     const gluon_6l3_real side = (cosine < 0.0) ? -1.0 : 1.0;
-    const gluon_6l3_real turn2 = 8.0 * ((1.0 - side * cosine) + 4.440892098500626e-16);
-    gluon_6l3_real place2 = 0.0;
-    gluon_6l3_status status = GLUON_6L3_MAX_ITERATIONS;
+    way2[0] = 0.0;
+    way2[1] = 8.0 * ((1.0 - side * cosine) + 4.440892098500626e-16);
     for (int i = 0; i < 3; ++i) {
-        place2 += (to[i] - at[i]) * (to[i] - at[i]) * 3.438343587714008e-06;
+        way2[0] += (to[i] - at[i]) * (to[i] - at[i]) * 3.438343587714008e-06;
+    }
+    while ((status == GLUON_6L3_MAX_ITERATIONS) && (*count < most)) {
+        const gluon_6l3_real next = done + part;
+        const gluon_6l3_real end = (next < 0.9999) ? next : 1.0;
+        const gluon_6l3_real share = end - done;
+        const gluon_6l3_real share2 = share * share;
+        bool above = true;
+        for (int i = 0; i < 2; ++i) {
+            change[i] = share2 * way2[i];
+        }
+                gluon_6l3_real x[7];
+                for (int i = 0; i < 7; ++i) {
+                    const gluon_6l3_real goal = (i < 3) ? to[i] : (side * to[i]);
+                    x[i] = (end < 1.0) ? (at[i] + end * (goal - at[i])) : goal;
+                }
+                if (end < 1.0) {
+                    const gluon_6l3_real inverse = 1.0 / sqrt(x[3] * x[3] + x[4] * x[4]
+                        + x[5] * x[5] + x[6] * x[6]);
+                    for (int i = 3; i < 7; ++i) {
+                        x[i] *= inverse;
+                    }
+                }
+                const gluon_6l3_status reached = gluon_6l3_inverse_aim(w, x, wanted, change);
+                above = (reached == GLUON_6L3_OK);
+        ++*count;
+        w->bent = 4.0;
+        w->most = 1.0;
+        for (int j = 0; j < 6; ++j) {
+            above = above && (w->guard[j] > 0.0);
+        }
+        if (!above) {
+            /* a point of the line without a configuration, or a singular one */
+            status = ((reached == GLUON_6L3_SINGULAR) || ((reached == GLUON_6L3_OUT_OF_RANGE)
+                && (end >= 1.0))) ? reached : GLUON_6L3_WRONG_BRANCH;
+        } else if (gluon_6l3_inverse_keeps(w, change)
+            && gluon_6l3_inverse_follows(w, change, most2)) {
+            w->joints[0] = w->found[0][0];
+            w->joints[1] = w->found[0][1];
+            w->joints[2] = w->found[0][2];
+            w->joints[3] = w->found[0][3];
+            w->joints[4] = w->found[0][4];
+            w->joints[5] = w->found[0][5];
+            for (int j = 0; j < 6; ++j) {
+                w->left[j] = w->guard[j];
+            }
+            done = end;
+            part = refused ? part : (1.4 * part);
+            refused = false;
+            if (done >= 1.0) {
+                status = GLUON_6L3_OK;
+            }
+        } else {
+            /* what is too long by its square is cut to nine tenths of what would do */
+            part = share * ((w->bent < 80.0 * w->most)
+                ? (0.9 * sqrt(w->most / w->bent)) : 0.1);
+            refused = true;
+            if (part < 0.000244140625) {
+                status = GLUON_6L3_WRONG_BRANCH;
+            }
+        }
+    }
+    return status;
+}
+
+/* The closed form along the line of tool poses from the guess's to the given one, on the guess's
+ * branch. Angles go on from part to part, whole turns included. */
+static gluon_6l3_status gluon_6l3_inverse_along(const gluon_6l3_real to[7],
+    const gluon_6l3_config *config, gluon_6l3_real joints[6], gluon_6l3_info *info)
+{
+    gluon_6l3_inverse_work work;
+    gluon_6l3_inverse_work *const w = &work;
+    gluon_6l3_real at[7];
+    gluon_6l3_real least = 1.0;
+    gluon_6l3_real residual = HUGE_VAL;
+    unsigned int count = 0U;
+    gluon_6l3_status status = GLUON_6L3_OK;
+    w->way2 = 0.0;
+    w->left[0] = 1.0;
+    w->guard[0] = 1.0;
+    const unsigned int wanted = gluon_6l3_read_joints(joints, at, w->left);
+    for (int i = 0; i < 6; ++i) {
+        w->joints[i] = joints[i];
     }
     for (int k = 0; k < 6; ++k) {
-        if (!(left[k] > 2.842170943040401e-14)) {
+        if (!(w->left[k] > 2.842170943040401e-14)) {
             status = GLUON_6L3_SINGULAR;
         }
     }
-    while ((status == GLUON_6L3_MAX_ITERATIONS) && (count < (unsigned int)config->max_iterations)) {
-        const gluon_6l3_real end = (done + part < 0.999) ? (done + part) : 1.0;
-        bool undecided = false;
-        ++count;
-        for (int i = 0; i < 7; ++i) {
-            const gluon_6l3_real goal = (i < 3) ? to[i] : (side * to[i]);
-            x[i] = (end < 1.0) ? (at[i] + end * (goal - at[i])) : goal;
-        }
-        if (end < 1.0) {
-            const gluon_6l3_real inverse = 1.0 / sqrt(x[3] * x[3] + x[4] * x[4] + x[5] * x[5]
-                + x[6] * x[6]);
-            for (int i = 3; i < 7; ++i) {
-                x[i] *= inverse;
-            }
-        }
-        if (gluon_6l3_branches(x, near, wanted, found, &undecided, margin) != 1) {
-            /* the guess's branch does not reach this point of the line */
-            status = undecided ? GLUON_6L3_SINGULAR : ((end < 1.0)
-                ? GLUON_6L3_WRONG_BRANCH : GLUON_6L3_OUT_OF_RANGE);
-        } else {
-            way2 = 0.0;
-            for (int i = 0; i < 6; ++i) {
-                gluon_6l3_real way = found[0][i] - joints[i];
-                const gluon_6l3_real number = way * 0.15915494309189535;
-                if (angular[i] && (fabs(number) > 0.5)) {
-                    way -= 6.283185307179586 * (gluon_6l3_real)(int)(number + ((number < 0.0)
-                        ? -0.5 : 0.5));
-                }
-                found[0][i] = joints[i] + way;
-                moved[i] = (way * per_length[i]) * (way * per_length[i]);
-                way2 += moved[i];
-            }
-            const gluon_6l3_real share = gluon_6l3_line_share(left, margin, part * part * place2,
-                part * part * turn2, moved);
-            if ((way2 <= most2) && (way2 <= 2.25) && (share < 1.0)) {
-                for (int i = 0; i < 6; ++i) {
-                    joints[i] = found[0][i];
-                }
-                for (int k = 0; k < 6; ++k) {
-                    left[k] = margin[k];
-                }
-                done = end;
-                part *= (share < 0.2) ? 2.0 : ((share < 0.6) ? 1.0 : 0.75);
-                if (done >= 1.0) {
-                    status = GLUON_6L3_OK;
-                }
-            } else {
-                part *= (share < 4.0) ? 0.5 : 0.25;
-                if (part < 0.000244140625) {
-                    status = GLUON_6L3_WRONG_BRANCH;
-                }
-            }
-        }
+    if (status == GLUON_6L3_OK) {
+        const gluon_6l3_real most2 = config->max_step * config->max_step * 3.438343587714008e-06;
+        status = gluon_6l3_inverse_walk(w, at, to, wanted, most2,
+            (unsigned int)config->max_iterations, &count);
     }
     for (int k = 0; k < 6; ++k) {
-        least = (left[k] < least) ? left[k] : least;
+        least = (w->left[k] < least) ? w->left[k] : least;
     }
-    gluon_6l3_real residual = HUGE_VAL;
     if (status == GLUON_6L3_OK) {
+        for (int i = 0; i < 6; ++i) {
+            joints[i] = w->joints[i];
+        }
         status = gluon_6l3_hold(to, joints, &residual);
     }
-    gluon_6l3_write_info(info, count, residual, way2 * 290837.71719999996,
+    gluon_6l3_write_info(info, count, residual, w->way2 * 290837.71719999996,
         (least > 2.842170943040401e-14) ? (1.0 / least) : 0.0);
     return status;
 }

@@ -822,6 +822,19 @@ yao2020_status yao2020_inverse_nearest(const yao2020_pose *pose, const yao2020_r
     return status;
 }
 
+/* A point of the line: joints where it is done, which begin at the guess, those found where it is
+ * tried, and the squares left and guard of the closed form's steps at both; way2: the square of the
+ * joints' last way. */
+typedef struct {
+    yao2020_real joints[6];
+    yao2020_real found[1][6];
+    yao2020_real way2;
+    yao2020_real left[5];
+    yao2020_real guard[5];
+    yao2020_real bent;
+    yao2020_real most;
+} yao2020_inverse_work;
+
 /* Tool pose (x, y, z, qw, qx, qy, qz) of joint values, the squares `margin` of the closed form's
  * steps there (README.md), and the bits of the branch on which they lie. */
 static unsigned int yao2020_read_joints(const yao2020_real joints[6], yao2020_real x[7],
@@ -941,147 +954,242 @@ static unsigned int yao2020_read_joints(const yao2020_real joints[6], yao2020_re
     return wanted;
 }
 
-/* How much of what would keep the steps of the closed form from their singularities between two
- * points of the line is used up, 1 being all: a and b are the squares `margin` there, and a square
- * bends away from its chord by no more than the squares of the tool's way (place over the size,
- * turn) and of the joints' (angles; slides over the size) allow (README.md). */
-static yao2020_real yao2020_line_share(const yao2020_real a[5], const yao2020_real b[5],
-    yao2020_real place, yao2020_real turn, const yao2020_real moved[6])
-{
-    yao2020_real largest = 0.0f;
-    (void)a;
-    (void)b;
-    (void)place;
-    (void)turn;
-    (void)moved;
-    /* the point where the axes of theta3, theta2, theta1 meet: its level normal to the plane of L6
-     * and theta5 tells theta4 */
-    const yao2020_real bend0 = 9.75f * place + 11.6f * turn;
-    const yao2020_real lesser0 = (a[0] < b[0]) ? a[0] : b[0];
-    const yao2020_real share0 = bend0 / (2.0f * (a[0] + b[0]) + 4.0f * lesser0);
-    largest = (share0 > largest) ? share0 : largest;
-    /* the point where the axes of theta3, theta2, theta1 meet: its level across L6 tells theta5 */
-    const yao2020_real bend1 = 9.77f * place + 11.0f * turn + 1.48f * moved[3];
-    const yao2020_real lesser1 = (a[1] < b[1]) ? a[1] : b[1];
-    const yao2020_real share1 = bend1 / (2.0f * (a[1] + b[1]) + 4.0f * lesser1);
-    largest = (share1 > largest) ? share1 : largest;
-    /* the axis of theta3: its level along the axis of theta1 tells theta2 */
-    const yao2020_real bend2 = 15.0f * turn + 10.8f * moved[3] + 9.94f * moved[4];
-    const yao2020_real lesser2 = (a[2] < b[2]) ? a[2] : b[2];
-    const yao2020_real share2 = bend2 / (2.0f * (a[2] + b[2]) + 4.0f * lesser2);
-    largest = (share2 > largest) ? share2 : largest;
-    /* theta1 turns the axis of theta3 to where it must be */
-    const yao2020_real bend3 = 15.0f * turn + 10.8f * moved[3] + 9.94f * moved[4];
-    const yao2020_real lesser3 = (a[3] < b[3]) ? a[3] : b[3];
-    const yao2020_real share3 = bend3 / (2.0f * (a[3] + b[3]) + 4.0f * lesser3);
-    largest = (share3 > largest) ? share3 : largest;
-    /* theta3 turns a direction of the tool to where it must be */
-    const yao2020_real bend4 = 12.0f * turn + 10.8f * moved[0] + 11.0f * moved[1]
-        + 11.8f * moved[4];
-    const yao2020_real lesser4 = (a[4] < b[4]) ? a[4] : b[4];
-    const yao2020_real share4 = bend4 / (2.0f * (a[4] + b[4]) + 4.0f * lesser4);
-    largest = (share4 > largest) ? share4 : largest;
-    return largest;
-}
-
-/* The closed form along the line of tool poses from the guess's to the given one, on the guess's
- * branch, in parts that are kept and halved where they are not. Angles go on from part to part,
- * whole turns included. */
-static yao2020_status yao2020_inverse_along(const yao2020_real to[7], const yao2020_config *config,
-    yao2020_real joints[6], yao2020_info *info)
+/* The joints at a tool pose x of the line, angles within half a turn of where it is done, and the
+ * squares of their ways (angles; slides over the size) as changes of the line; SINGULAR or
+ * OUT_OF_RANGE where the guess's branch does not reach it. */
+static yao2020_status yao2020_inverse_aim(yao2020_inverse_work *w, const yao2020_real x[7],
+    unsigned int wanted, yao2020_real change[8])
 {
     static const yao2020_real per_length[6] = { 1.0f, 1.0f, 1.0f, 1.0f, 1.0f, 0.0018017287f };
     static const bool angular[6] = { true, true, true, true, true, false };
     static const yao2020_real near[6] = { 0.0f };
-    const yao2020_real most2 = config->max_step * config->max_step * 3.2462262e-06f;
-    yao2020_real at[7];
-    yao2020_real x[7];
-    yao2020_real left[5] = { 1.0f };
-    yao2020_real margin[5] = { 1.0f };
-    yao2020_real found[1][6];
+    bool undecided = false;
+    if (yao2020_branches(x, near, wanted, w->found, &undecided, w->guard) != 1) {
+        return undecided ? YAO2020_SINGULAR : YAO2020_OUT_OF_RANGE;
+    }
+    w->way2 = 0.0f;
+    for (int i = 0; i < 6; ++i) {
+        yao2020_real way = w->found[0][i] - w->joints[i];
+        const yao2020_real number = way * 0.15915494f;
+        if (angular[i] && (fabsf(number) > 0.5f)) {
+            way -= 6.2831855f * (yao2020_real)(int)(number + ((number < 0.0f) ? -0.5f : 0.5f));
+        }
+        w->found[0][i] = w->joints[i] + way;
+        change[2 + i] = (way * per_length[i]) * (way * per_length[i]);
+        w->way2 += change[2 + i];
+    }
+    return YAO2020_OK;
+}
+
+/* Whether the joints' last way is short enough to tell whole turns, and within what the config
+ * allows. */
+static bool yao2020_inverse_follows(yao2020_inverse_work *w, const yao2020_real change[8],
+    yao2020_real most2)
+{
+    const bool follows = (w->way2 <= most2) && (w->way2 <= 2.25f);
+    (void)change;
+    return follows;
+}
+
+/* Whether no guard can reach zero between the values w->left and w->guard, on a part of the line of
+ * which `change` are the squares of the known values' changes: a guard bends by no more than its
+ * weights times these allow (README.md). */
+static bool yao2020_inverse_keeps(yao2020_inverse_work *w, const yao2020_real change[8])
+{
+    bool kept = true;
+    /* the point where the axes of theta3, theta2, theta1 meet: its level normal to the plane of L6
+     * and theta5 tells theta4: sampled */
+    const yao2020_real bend0 = 4.88f * change[0] + 5.78f * change[1];
+    const yao2020_real lesser0 = ((w->left[0] < w->guard[0])
+        ? w->left[0] : w->guard[0]) - 1.86e-06f;
+    const yao2020_real greater0 = (w->left[0] < w->guard[0]) ? w->guard[0] : w->left[0];
+    const yao2020_real most0 = 3.0f * lesser0 + greater0;
+    if (!((lesser0 > 0.0f) && (bend0 < most0))) {
+        if (kept && (lesser0 > 0.0f)) {
+            w->bent = bend0;
+            w->most = most0;
+        }
+        kept = false;
+    }
+    /* the point where the axes of theta3, theta2, theta1 meet: its level across L6 tells theta5:
+     * sampled */
+    const yao2020_real bend1 = 4.89f * change[0] + 5.47f * change[1] + 0.738f * change[5];
+    const yao2020_real lesser1 = ((w->left[1] < w->guard[1])
+        ? w->left[1] : w->guard[1]) - 3.03e-06f;
+    const yao2020_real greater1 = (w->left[1] < w->guard[1]) ? w->guard[1] : w->left[1];
+    const yao2020_real most1 = 3.0f * lesser1 + greater1;
+    if (!((lesser1 > 0.0f) && (bend1 < most1))) {
+        if (kept && (lesser1 > 0.0f)) {
+            w->bent = bend1;
+            w->most = most1;
+        }
+        kept = false;
+    }
+    /* the axis of theta3: its level along the axis of theta1 tells theta2: sampled */
+    const yao2020_real bend2 = 7.47f * change[1] + 5.36f * change[5] + 4.97f * change[6];
+    const yao2020_real lesser2 = ((w->left[2] < w->guard[2])
+        ? w->left[2] : w->guard[2]) - 6.36e-06f;
+    const yao2020_real greater2 = (w->left[2] < w->guard[2]) ? w->guard[2] : w->left[2];
+    const yao2020_real most2 = 3.0f * lesser2 + greater2;
+    if (!((lesser2 > 0.0f) && (bend2 < most2))) {
+        if (kept && (lesser2 > 0.0f)) {
+            w->bent = bend2;
+            w->most = most2;
+        }
+        kept = false;
+    }
+    /* theta1 turns the axis of theta3 to where it must be: sampled */
+    const yao2020_real bend3 = 7.47f * change[1] + 5.36f * change[5] + 4.97f * change[6];
+    const yao2020_real lesser3 = ((w->left[3] < w->guard[3])
+        ? w->left[3] : w->guard[3]) - 6.36e-06f;
+    const yao2020_real greater3 = (w->left[3] < w->guard[3]) ? w->guard[3] : w->left[3];
+    const yao2020_real most3 = 3.0f * lesser3 + greater3;
+    if (!((lesser3 > 0.0f) && (bend3 < most3))) {
+        if (kept && (lesser3 > 0.0f)) {
+            w->bent = bend3;
+            w->most = most3;
+        }
+        kept = false;
+    }
+    /* theta3 turns a direction of the tool to where it must be: sampled */
+    const yao2020_real bend4 = 5.96f * change[1] + 5.4f * change[2] + 5.5f * change[3]
+        + 5.9f * change[6];
+    const yao2020_real lesser4 = ((w->left[4] < w->guard[4])
+        ? w->left[4] : w->guard[4]) - 6.36e-06f;
+    const yao2020_real greater4 = (w->left[4] < w->guard[4]) ? w->guard[4] : w->left[4];
+    const yao2020_real most4 = 3.0f * lesser4 + greater4;
+    if (!((lesser4 > 0.0f) && (bend4 < most4))) {
+        if (kept && (lesser4 > 0.0f)) {
+            w->bent = bend4;
+            w->most = most4;
+        }
+        kept = false;
+    }
+    return kept;
+}
+
+/* Follows the line of known values from `at`, where the guards are w->left, to `to` in parts that
+ * are kept, and are cut where they are not. */
+static YAO2020_COLD yao2020_status yao2020_inverse_walk(yao2020_inverse_work *w,
+    const yao2020_real at[7], const yao2020_real to[7], unsigned int wanted, yao2020_real most2,
+    unsigned int most,
+    unsigned int *count)
+{
+    yao2020_real way2[2];
+    yao2020_real change[8];
     yao2020_real done = 0.0f;
     yao2020_real part = 1.0f;
-    yao2020_real moved[6];
-    yao2020_real way2 = 0.0f;
-    yao2020_real least = 1.0f;
-    unsigned int count = 0U;
-    const unsigned int wanted = yao2020_read_joints(joints, at, left);
+    bool refused = true;
+    yao2020_status status = YAO2020_MAX_ITERATIONS;
     /* of q and -q, one rotation, the one on the guess's side */
     const yao2020_real cosine = at[3] * to[3] + at[4] * to[4] + at[5] * to[5] + at[6] * to[6];
     const yao2020_real side = (cosine < 0.0f) ? -1.0f : 1.0f;
-    const yao2020_real turn2 = 8.0f * ((1.0f - side * cosine) + 2.3841858e-07f);
-    yao2020_real place2 = 0.0f;
-    yao2020_status status = YAO2020_MAX_ITERATIONS;
+    way2[0] = 0.0f;
+    way2[1] = 8.0f * ((1.0f - side * cosine) + 2.3841858e-07f);
     for (int i = 0; i < 3; ++i) {
-        place2 += (to[i] - at[i]) * (to[i] - at[i]) * 3.2462262e-06f;
+        way2[0] += (to[i] - at[i]) * (to[i] - at[i]) * 3.2462262e-06f;
+    }
+    while ((status == YAO2020_MAX_ITERATIONS) && (*count < most)) {
+        const yao2020_real next = done + part;
+        const yao2020_real end = (next < 0.9999f) ? next : 1.0f;
+        const yao2020_real share = end - done;
+        const yao2020_real share2 = share * share;
+        bool above = true;
+        for (int i = 0; i < 2; ++i) {
+            change[i] = share2 * way2[i];
+        }
+                yao2020_real x[7];
+                for (int i = 0; i < 7; ++i) {
+                    const yao2020_real goal = (i < 3) ? to[i] : (side * to[i]);
+                    x[i] = (end < 1.0f) ? (at[i] + end * (goal - at[i])) : goal;
+                }
+                if (end < 1.0f) {
+                    const yao2020_real inverse = 1.0f / sqrtf(x[3] * x[3] + x[4] * x[4]
+                        + x[5] * x[5] + x[6] * x[6]);
+                    for (int i = 3; i < 7; ++i) {
+                        x[i] *= inverse;
+                    }
+                }
+                const yao2020_status reached = yao2020_inverse_aim(w, x, wanted, change);
+                above = (reached == YAO2020_OK);
+        ++*count;
+        w->bent = 4.0f;
+        w->most = 1.0f;
+        for (int j = 0; j < 5; ++j) {
+            above = above && (w->guard[j] > 0.0f);
+        }
+        if (!above) {
+            /* a point of the line without a configuration, or a singular one */
+            status = ((reached == YAO2020_SINGULAR) || ((reached == YAO2020_OUT_OF_RANGE)
+                && (end >= 1.0f))) ? reached : YAO2020_WRONG_BRANCH;
+        } else if (yao2020_inverse_keeps(w, change) && yao2020_inverse_follows(w, change, most2)) {
+            w->joints[0] = w->found[0][0];
+            w->joints[1] = w->found[0][1];
+            w->joints[2] = w->found[0][2];
+            w->joints[3] = w->found[0][3];
+            w->joints[4] = w->found[0][4];
+            w->joints[5] = w->found[0][5];
+            for (int j = 0; j < 5; ++j) {
+                w->left[j] = w->guard[j];
+            }
+            done = end;
+            part = refused ? part : (1.4f * part);
+            refused = false;
+            if (done >= 1.0f) {
+                status = YAO2020_OK;
+            }
+        } else {
+            /* what is too long by its square is cut to nine tenths of what would do */
+            part = share * ((w->bent < 80.0f * w->most)
+                ? (0.9f * sqrtf(w->most / w->bent)) : 0.1f);
+            refused = true;
+            if (part < 0.00024414062f) {
+                status = YAO2020_WRONG_BRANCH;
+            }
+        }
+    }
+    return status;
+}
+
+/* The closed form along the line of tool poses from the guess's to the given one, on the guess's
+ * branch. Angles go on from part to part, whole turns included. */
+static yao2020_status yao2020_inverse_along(const yao2020_real to[7], const yao2020_config *config,
+    yao2020_real joints[6], yao2020_info *info)
+{
+    yao2020_inverse_work work;
+    yao2020_inverse_work *const w = &work;
+    yao2020_real at[7];
+    yao2020_real least = 1.0f;
+    yao2020_real residual = HUGE_VALF;
+    unsigned int count = 0U;
+    yao2020_status status = YAO2020_OK;
+    w->way2 = 0.0f;
+    w->left[0] = 1.0f;
+    w->guard[0] = 1.0f;
+    const unsigned int wanted = yao2020_read_joints(joints, at, w->left);
+    for (int i = 0; i < 6; ++i) {
+        w->joints[i] = joints[i];
     }
     for (int k = 0; k < 5; ++k) {
-        if (!(left[k] > 1.5258789e-05f)) {
+        if (!(w->left[k] > 1.5258789e-05f)) {
             status = YAO2020_SINGULAR;
         }
     }
-    while ((status == YAO2020_MAX_ITERATIONS) && (count < (unsigned int)config->max_iterations)) {
-        const yao2020_real end = (done + part < 0.999f) ? (done + part) : 1.0f;
-        bool undecided = false;
-        ++count;
-        for (int i = 0; i < 7; ++i) {
-            const yao2020_real goal = (i < 3) ? to[i] : (side * to[i]);
-            x[i] = (end < 1.0f) ? (at[i] + end * (goal - at[i])) : goal;
-        }
-        if (end < 1.0f) {
-            const yao2020_real inverse = 1.0f / sqrtf(x[3] * x[3] + x[4] * x[4] + x[5] * x[5]
-                + x[6] * x[6]);
-            for (int i = 3; i < 7; ++i) {
-                x[i] *= inverse;
-            }
-        }
-        if (yao2020_branches(x, near, wanted, found, &undecided, margin) != 1) {
-            /* the guess's branch does not reach this point of the line */
-            status = undecided ? YAO2020_SINGULAR : ((end < 1.0f)
-                ? YAO2020_WRONG_BRANCH : YAO2020_OUT_OF_RANGE);
-        } else {
-            way2 = 0.0f;
-            for (int i = 0; i < 6; ++i) {
-                yao2020_real way = found[0][i] - joints[i];
-                const yao2020_real number = way * 0.15915494f;
-                if (angular[i] && (fabsf(number) > 0.5f)) {
-                    way -= 6.2831855f * (yao2020_real)(int)(number + ((number < 0.0f)
-                        ? -0.5f : 0.5f));
-                }
-                found[0][i] = joints[i] + way;
-                moved[i] = (way * per_length[i]) * (way * per_length[i]);
-                way2 += moved[i];
-            }
-            const yao2020_real share = yao2020_line_share(left, margin, part * part * place2,
-                part * part * turn2, moved);
-            if ((way2 <= most2) && (way2 <= 2.25f) && (share < 1.0f)) {
-                for (int i = 0; i < 6; ++i) {
-                    joints[i] = found[0][i];
-                }
-                for (int k = 0; k < 5; ++k) {
-                    left[k] = margin[k];
-                }
-                done = end;
-                part *= (share < 0.2f) ? 2.0f : ((share < 0.6f) ? 1.0f : 0.75f);
-                if (done >= 1.0f) {
-                    status = YAO2020_OK;
-                }
-            } else {
-                part *= (share < 4.0f) ? 0.5f : 0.25f;
-                if (part < 0.00024414062f) {
-                    status = YAO2020_WRONG_BRANCH;
-                }
-            }
-        }
+    if (status == YAO2020_OK) {
+        const yao2020_real most2 = config->max_step * config->max_step * 3.2462262e-06f;
+        status = yao2020_inverse_walk(w, at, to, wanted, most2,
+            (unsigned int)config->max_iterations, &count);
     }
     for (int k = 0; k < 5; ++k) {
-        least = (left[k] < least) ? left[k] : least;
+        least = (w->left[k] < least) ? w->left[k] : least;
     }
-    yao2020_real residual = HUGE_VALF;
     if (status == YAO2020_OK) {
+        for (int i = 0; i < 6; ++i) {
+            joints[i] = w->joints[i];
+        }
         status = yao2020_hold(to, joints, &residual);
     }
-    yao2020_write_info(info, count, residual, way2 * 308050.0f,
+    yao2020_write_info(info, count, residual, w->way2 * 308050.0f,
         (least > 1.5258789e-05f) ? (1.0f / least) : 0.0f);
     return status;
 }

@@ -1375,9 +1375,8 @@ static bool zhao2000_direct_keeps(zhao2000_direct_work *w, const zhao2000_real c
     const zhao2000_real sum0 = change[0] + change[1] + change[2];
     const zhao2000_real bend0 = 216000.0 * sum0;
     const zhao2000_real lesser0 = ((w->left[0] < w->guard[0])
-        ? w->left[0] : w->guard[0]) - 6.91e-10;
-    const zhao2000_real greater0 = ((w->left[0] < w->guard[0])
-        ? w->guard[0] : w->left[0]) - 6.91e-10;
+        ? w->left[0] : w->guard[0]) - 9.21e-10;
+    const zhao2000_real greater0 = (w->left[0] < w->guard[0]) ? w->guard[0] : w->left[0];
     const zhao2000_real most0 = 3.0 * lesser0 + greater0;
     if (!((lesser0 > 0.0) && (bend0 < most0))) {
         if (kept && (lesser0 > 0.0)) {
@@ -1391,7 +1390,7 @@ static bool zhao2000_direct_keeps(zhao2000_direct_work *w, const zhao2000_real c
     const zhao2000_real under0 = (least0 > 0.0) ? least0 : 1.0;
     const zhao2000_real per0 = 1.0 / sqrt(under0);
     /* pose.z: proved */
-    static const zhao2000_real noise1[3] = { 0.314, 0.549, 2.7 };
+    static const zhao2000_real noise1[3] = { 0.419, 0.732, 3.6 };
     static const zhao2000_real plain1_0[3] = { 259000000000000.0, 421000000000000.0,
         1750000000000000.0 };
     static const zhao2000_real plain1_3[3] = { 3410000000.0, 5050000000.0, 11600000000.0 };
@@ -1399,8 +1398,7 @@ static bool zhao2000_direct_keeps(zhao2000_direct_work *w, const zhao2000_real c
         + per0 * (2.24e+16 * sum0 + per0 * per0 * (2.38e+20 * sum0));
     const zhao2000_real lesser1 = ((w->left[1] < w->guard[1])
         ? w->left[1] : w->guard[1]) - noise1[w->reach];
-    const zhao2000_real greater1 = ((w->left[1] < w->guard[1])
-        ? w->guard[1] : w->left[1]) - noise1[w->reach];
+    const zhao2000_real greater1 = (w->left[1] < w->guard[1]) ? w->guard[1] : w->left[1];
     const zhao2000_real most1 = 3.0 * lesser1 + greater1;
     if (!((lesser1 > 0.0) && (bend1 < most1))) {
         if (kept && (lesser1 > 0.0)) {
@@ -1411,9 +1409,9 @@ static bool zhao2000_direct_keeps(zhao2000_direct_work *w, const zhao2000_real c
     }
     /* divisor 1: proved */
     const zhao2000_real bend2 = 57600.0 * sum0;
-    const zhao2000_real lesser2 = ((w->left[2] < w->guard[2]) ? w->left[2] : w->guard[2]) - 2.3e-10;
-    const zhao2000_real greater2 = ((w->left[2] < w->guard[2])
-        ? w->guard[2] : w->left[2]) - 2.3e-10;
+    const zhao2000_real lesser2 = ((w->left[2] < w->guard[2])
+        ? w->left[2] : w->guard[2]) - 3.07e-10;
+    const zhao2000_real greater2 = (w->left[2] < w->guard[2]) ? w->guard[2] : w->left[2];
     const zhao2000_real most2 = 3.0 * lesser2 + greater2;
     if (!((lesser2 > 0.0) && (bend2 < most2))) {
         if (kept && (lesser2 > 0.0)) {
@@ -1425,9 +1423,8 @@ static bool zhao2000_direct_keeps(zhao2000_direct_work *w, const zhao2000_real c
     /* divisor 2: proved */
     const zhao2000_real bend3 = 4.0 * sum0;
     const zhao2000_real lesser3 = ((w->left[3] < w->guard[3])
-        ? w->left[3] : w->guard[3]) - 2.13e-14;
-    const zhao2000_real greater3 = ((w->left[3] < w->guard[3])
-        ? w->guard[3] : w->left[3]) - 2.13e-14;
+        ? w->left[3] : w->guard[3]) - 2.84e-14;
+    const zhao2000_real greater3 = (w->left[3] < w->guard[3]) ? w->guard[3] : w->left[3];
     const zhao2000_real most3 = 3.0 * lesser3 + greater3;
     if (!((lesser3 > 0.0) && (bend3 < most3))) {
         if (kept && (lesser3 > 0.0)) {

@@ -350,7 +350,7 @@ class ClosedDirection:
             f"{k}_set_target(w, to, end);",
             f"{k}_formulas(w->k, w->sign, w->x, w->guard);",
         ]
-        walk = self.guard_text.text(self.values | {"aimed": "", "walk_members": ""}, aim, 1.0)
+        walk = self.guard_text.text(self.values, aim, 1.0)
         return fill(
             "map_closed.c",
             self.values

@@ -8,7 +8,6 @@ divisor vanishes the limb is singular.
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -37,32 +36,6 @@ _SINGULAR = 1e-3
 """Share of a root's usual size below which the limb is near a dead centre, where rates are without
 bound.
 """
-
-
-def closed_limb_text(made: LimbPlatform, block: LimbBlock, common: Mapping[str, object]) -> str:
-    """The functions that give a limb's joints, and their rates where no matrix does."""
-    assert block.formulas is not None  # noqa: S101 - the caller has looked
-    written, count = (
-        LimbFormulas(made, block, block.formulas),
-        len(actuated_places(block)) * int(block.sides.shape[1]),
-    )
-    values = {
-        **common,
-        "k": f"{made.name}_{block.name}",
-        "count": block.system.width,
-        "rates": count,
-    }
-    within = f", {made.real.type} within" if block.is_checked else ""
-    words = "; its rows may be off by `within`" if block.is_checked else ""
-    own = {"joints_lines": indent(written.joints), "within": within, "within_words": words}
-    text = fill("closed_limb.c", values | own)
-    if not count or block.kernel is not None:
-        return text
-    rates = written.rates
-    if not any(re.search(r"\bc\[", line) for line in rates):
-        # of slides in a direction that no pose turns
-        rates = ["(void)c;", *rates]
-    return text + fill("closed_rates.c", values | {"rates_lines": indent(rates)})
 
 
 def actuated_places(block: LimbBlock) -> list[int]:

@@ -16,14 +16,15 @@ import casadi as ca
 
 from symkin.closed.evaluation import Evaluation
 from symkin.codegen.closed_line import ClosedLine, LimitCheck
+from symkin.codegen.guards import Bound
 from symkin.codegen.joint_ranges import range_of
+from symkin.codegen.newton_kernel import rounded_up
 from symkin.codegen.text.c import indent
 from symkin.codegen.text.templates import fill
 from symkin.computed_once import cached_property
 from symkin.text import c_comment
 
-_WITHOUT = {"guess_beyond": "", "blamed": "", "limits_kept": "", "blame": ""}
-_ACCEPTED = "(way2 <= most2) && (way2 <= {longest2}) && (share < {one})"
+_WITHOUT = dict.fromkeys(("guess_beyond", "blame", "and_within"), "")
 
 
 @dataclass(frozen=True)
@@ -38,40 +39,38 @@ class _End:
 def limit_check(line: ClosedLine) -> LimitCheck:
     """The check of an arm's limits along the line; of an arm without limits the plain text."""
     real, p = line.real, line.code.values
-    accepted = _ACCEPTED.format(longest2=line.longest2, one=p["one"])
+    prefix, capital, count = p["p"], p["P"], f"{len(line.plan.arm)}U"
     limits = _Limits(line)
     if not limits.ends:
-        return LimitCheck({**_WITHOUT, "kept": accepted, "refused": f"{p['P']}_WRONG_BRANCH"}, "")
-    prefix, capital, count = p["p"], p["P"], f"{len(line.plan.arm)}U"
+        plain = {"limits_kept": "    return follows;", "refused": f"{capital}_WRONG_BRANCH"}
+        return LimitCheck(_WITHOUT | plain, "")
+    beyond = f"    status = {capital}_OUT_OF_RANGE;"
     names = {
-        "blamed": indent(
-            [
-                f"uint8_t blamed = {prefix}_first_beyond(joints); /* the joint that leaves its "
-                f"limits */"
-            ]
-        ),
+        "and_within": ", and the joints keep their limits",
         "guess_beyond": indent(
-            [f"if (blamed < {count}) {{", f"    status = {capital}_OUT_OF_RANGE;", "}"]
+            [
+                "w->beyond = false;",
+                f"w->blamed = {prefix}_first_beyond(joints);",
+                f"if (w->blamed < {count}) {{",
+                beyond,
+                "}",
+            ]
         ),
         "limits_kept": indent(
             [
-                f"const bool follows = {accepted};",
                 "if (follows) {",
-                f"    blamed = {prefix}_first_leaving(joints, found[0], part * part * place2, "
-                f"part * part * turn2, moved, way2);",
-                f"    if ((blamed < {count}) && ({prefix}_first_beyond(found[0]) < {count})) {{",
-                f"        status = {capital}_OUT_OF_RANGE;",
-                "    }",
+                f"    w->blamed = {prefix}_first_leaving(w->joints, w->found[0], change, w->way2);",
+                f"    w->beyond = (w->blamed < {count}) && ({prefix}_first_beyond(w->found[0]) < "
+                f"{count});",
                 "}",
-            ],
-            3,
+                f"return follows && (w->blamed == {count});",
+            ]
         ),
-        "kept": f"follows && (blamed == {count})",
-        "refused": f"(blamed < {count}) ? {capital}_OUT_OF_RANGE : {capital}_WRONG_BRANCH",
+        "refused": f"(w->blamed < {count}) ? {capital}_OUT_OF_RANGE : {capital}_WRONG_BRANCH",
         "blame": indent(
             [
                 f"if ((info != NULL) && (status == {capital}_OUT_OF_RANGE)) {{",
-                "    info->joint = blamed;",
+                "    info->joint = w->blamed;",
                 "}",
             ]
         ),
@@ -88,9 +87,15 @@ def limit_check(line: ClosedLine) -> LimitCheck:
         "per_lengths": line.per_lengths,
         "nn": len(line.plan.arm),
         "turns": 2 * len(line.plan.arm),
+        "nto": len(line.ways),
         "tests": indent(limits.test_lines, 2),
     }
-    return LimitCheck(names, fill("closed_limits.c", {**p, **own}))
+    members = (
+        "uint8_t blamed; /* the joint that leaves its limits */",
+        "bool beyond; /* whether it is beyond them where the line is tried */",
+    )
+    text = fill("closed_limits.c", {**p, **own})
+    return LimitCheck(names, text, members, ("if (w->beyond) {", beyond, "}"))
 
 
 @dataclass(frozen=True, eq=False)
@@ -170,11 +175,11 @@ class _Limits:
             conditions = [
                 f"(joint == {count})",
                 f"{p}_may_reach({side}[{end.joint}], way2)",
-                f"!{p}_keeps_sign(at_a[{e}], at_b[{e}], {self.line.sum_of(bounds[e])})",
+                f"!{p}_keeps_sign(at_a[{e}], at_b[{e}], {self._sum_of(bounds[e])})",
             ]
             # where it is positive always there is no other solution
             if not (self._expressions[m].is_constant() and float(self._expressions[m]) == 1.0):
-                other = f"{p}_keeps_sign(at_a[{m}], at_b[{m}], {self.line.sum_of(bounds[m])})"
+                other = f"{p}_keeps_sign(at_a[{m}], at_b[{m}], {self._sum_of(bounds[m])})"
                 conditions.append(f"!((at_a[{m}] < {zero}) && {other})")
             lines += [
                 f"/* {c_comment(self.line.plan.arm.screws[end.joint].name)}, {reads} limit */",
@@ -183,3 +188,13 @@ class _Limits:
                 "}",
             ]
         return lines
+
+    def _sum_of(self, bound: Bound) -> str:
+        """C text of 2 K."""
+        literal = self.line.real.literal
+        terms = [
+            f"{literal(rounded_up(w))} * change[{i}]"
+            for i, w in enumerate(2.0 * bound.plain)
+            if w > 0.0
+        ]
+        return " + ".join(terms) or literal(0.0)

@@ -7,7 +7,8 @@ joints before. Between two points a, b of the line D stays above zero where its 
 below 2 (D_a + D_b) + 4 min(D_a, D_b). That derivative is bounded by weights times the squares of
 the changes of place, turn and joints between the two points: sampled at random configurations,
 raised, and doubled for speeds that change on the way. Parts of the line for which this holds are
-kept, others are cut. Limits of joints are functions of the same kind (`closed_limits`).
+kept, others are cut (`guard_text`). Limits of joints are functions of the same kind
+(`closed_limits`).
 """
 
 from __future__ import annotations
@@ -23,13 +24,13 @@ from symkin.closed.plan import Plan
 from symkin.closed.steps import Carry, Step
 from symkin.codegen.arm_motion import ArmMotion
 from symkin.codegen.closed_source import ClosedCode
+from symkin.codegen.guard_text import GuardText
 from symkin.codegen.guards import Bound, Guard
-from symkin.codegen.newton_kernel import rounded_up
+from symkin.codegen.newton_kernel import rounded
 from symkin.codegen.text.c import Emitter, Real, indent
-from symkin.codegen.text.templates import fill
+from symkin.codegen.text.templates import copy, fill
 from symkin.computed_once import cached_property
 from symkin.spatial.rotation import multiply
-from symkin.text import c_comment
 
 _WAY = 2.0
 """By how much the second derivative of a square may be larger than at constant speed of the joints
@@ -41,8 +42,8 @@ _LONGEST = 1.5
 """Longest way of the joints in one part (root of the sum of squares; rad, or of the size): it tells
 whole turns.
 """
-_LEAST_PART = 2.0**-12
-"""Shortest part of a line."""
+_LONGER = 1.4
+"""By which parts grow where the last one was kept at once: a point costs all of the closed form."""
 _SAMPLES = 400
 """Random joint values over which derivatives are bounded."""
 _DIRECTIONS = 20
@@ -55,12 +56,15 @@ _LEAST = 256.0
 
 @dataclass(frozen=True)
 class LimitCheck:
-    """How the line asks whether joints keep their limits: values of names in its template, and the
-    functions that these call.
+    """How the line asks whether joints keep their limits: values of names in its template,
+    `members` of its work space, statements where a part is `shorter`, and the functions that these
+    call.
     """
 
     names: dict[str, str]
     text: str
+    members: tuple[str, ...] = ()
+    shorter: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -162,13 +166,18 @@ class ClosedLine:
             [1.0 if s.slides else np.pi for s in screws]
         )
         for function in functions(at):
-            hessian = ca.substitute(ca.hessian(function, moved)[0], moved, ca.DM.zeros(6 + n))
-            values_there = ca.Function("hessian", [q], [ca.densify(hessian)]).map(_SAMPLES)(
-                samples.T
+            still = [
+                ca.densify(ca.substitute(e, moved, ca.DM.zeros(6 + n)))
+                for e in (ca.hessian(function, moved)[0], function)
+            ]
+            bent, values_there = map(
+                np.asarray, ca.Function("there", [q], still).map(_SAMPLES)(samples.T)
             )
-            matrices = np.asarray(values_there).reshape(6 + n, _SAMPLES, 6 + n).transpose(1, 0, 2)
+            matrices = bent.reshape(6 + n, _SAMPLES, 6 + n).transpose(1, 0, 2)
             sums, none = _block_sums(matrices, self._ways(samples)), np.zeros(2 + n)
-            found.append(Bound(1.0, 0.5 * _WAY * _ROOM * sums, none, none))
+            weights = 0.5 * _WAY * _ROOM * np.where(sums > _NOTHING, sums, 0.0)
+            size = rounded(_ROOM * float(np.max(np.abs(values_there))))
+            found.append(Bound(size, weights, none, none))
         return found
 
     def _ways(self, samples: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -200,6 +209,10 @@ class ClosedLine:
 
     # --- text -------------------------------------------------------------------------------------
 
+    @cached_property
+    def guard_text(self) -> GuardText:
+        return GuardText(self.guards, self.real, measures=True)
+
     @property
     def _read_lines(self) -> list[str]:
         """Statements that set margins and bits."""
@@ -219,23 +232,6 @@ class ClosedLine:
         return emitter.lines
 
     @property
-    def _bend_lines(self) -> list[str]:
-        """Statements that say whether each square stays above zero: `place` and `turn` are squares
-        of the tool's way.
-        """
-        lines = []
-        for k, guard in enumerate(self.guards):
-            lines += [
-                f"/* {c_comment(guard.name)} */",
-                f"const {self.real.type} bend{k} = {self.sum_of(guard.bounds[0])};",
-                f"const {self.real.type} lesser{k} = (a[{k}] < b[{k}]) ? a[{k}] : b[{k}];",
-                f"const {self.real.type} share{k} = bend{k} / ({self.real.literal(2.0)} * (a[{k}] "
-                f"+ b[{k}]) + {self.real.literal(4.0)} * lesser{k});",
-                f"largest = (share{k} > largest) ? share{k} : largest;",
-            ]
-        return lines
-
-    @property
     def per_lengths(self) -> str:
         """What makes joint values numbers of the order of one, joint by joint."""
         return ", ".join(
@@ -243,44 +239,44 @@ class ClosedLine:
             for s in self.plan.arm.screws
         )
 
-    @property
-    def longest2(self) -> str:
-        """The square of the longest way of a part."""
-        return self.real.literal(_LONGEST**2)
-
-    def sum_of(self, bound: Bound) -> str:
-        """C text of 2 K."""
-        squares = ["place", "turn", *(f"moved[{j}]" for j in range(len(self.plan.arm)))]
-        terms = [
-            f"{self.real.literal(rounded_up(w))} * {square}"
-            for w, square in zip(2.0 * bound.plain, squares, strict=True)
-            if w > _NOTHING
-        ]
-        return " + ".join(terms) or self.real.literal(0.0)
-
     def text(self, limits: LimitCheck) -> str:
         """The functions, which need those of the closed form."""
-        literal, size = self.real.literal, self.plan.arm.size
-        names = self.code.names | {
-            "turns": 2 * len(self.plan.arm),
-            "read": indent(self._read_lines),
-            "bends": indent(self._bend_lines),
-            "longest2": self.longest2,
-            "per_lengths": self.per_lengths,
-            "per_size2": literal(size**-2),
-            "size2": literal(size**2),
-            "least": literal(_LEAST * self.real.epsilon),
-            "eight": literal(8.0),
-            "quick": literal(0.2),
-            "usual": literal(0.6),
-            "shorter": literal(0.75),
-            "far_shorter": literal(0.25),
-            "near_one": literal(0.999),
-            "turn_noise": literal(4.0 * self.real.epsilon),
-            "least_part": literal(_LEAST_PART),
-            "huge": self.code.values["huge"],
+        literal, size, p = self.real.literal, self.plan.arm.size, self.code.values["P"]
+        names = (
+            self.code.names
+            | {
+                "k": f"{self.code.values['p']}_inverse",
+                "nto": len(self.ways),
+                "nat": 7,
+                "nways": 2,
+                "turns": 2 * len(self.plan.arm),
+                "read": indent(self._read_lines),
+                "longest2": literal(_LONGEST**2),
+                "per_lengths": self.per_lengths,
+                "per_size2": literal(size**-2),
+                "size2": literal(size**2),
+                "least": literal(_LEAST * self.real.epsilon),
+                "eight": literal(8.0),
+                "turn_noise": literal(4.0 * self.real.epsilon),
+                "aimed": f"unsigned int wanted, {self.real.type} most2, ",
+                "take": indent(copy("w->joints", "w->found[0]", len(self.plan.arm)), 3),
+                "longer": f"{literal(_LONGER)} * part",
+                "and_follows": f" && {self.code.values['p']}_inverse_follows(w, change, most2)",
+            }
+            | limits.names
+        )
+        names |= {
+            "members": indent([*self.guard_text.members, *limits.members]),
+            "ways": fill("line_of_poses.c", names),
+            "unreached": (
+                f"((reached == {p}_SINGULAR) || ((reached == {p}_OUT_OF_RANGE) && (end >= "
+                f"{literal(1.0)}))) ? reached : {p}_WRONG_BRANCH"
+            ),
+            "shorter": indent([*self.guard_text.shorter_lines, *limits.shorter], 3),
         }
-        return limits.text + fill("closed_line.c", names | limits.names)
+        aim = fill("point_of_poses.c", names).split("\n")
+        walk = self.guard_text.text(names, aim, 1.0)
+        return limits.text + fill("closed_line.c", names | {"walk": walk})
 
 
 def _span(columns: np.ndarray) -> np.ndarray:

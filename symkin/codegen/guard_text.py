@@ -10,17 +10,29 @@ import numpy as np
 from symkin.codegen.guards import NOISE, SLIDE_PARTS, Guard
 from symkin.codegen.newton_kernel import rounded, rounded_up
 from symkin.codegen.text.c import Real, indent
-from symkin.codegen.text.templates import fill
+from symkin.codegen.text.templates import fill, substitute
 from symkin.text import c_comment, markdown
 
 Watched = tuple[Sequence[str], Sequence[Guard]]
 """What changes along the lines of a function, and its guards."""
 _NOISE = 64.0
 """Roundings of a guard's size below which its value is nothing."""
+_BOTH_ENDS = 4.0 / 3.0
+"""Multiples of this that the lesser end of a part is less, of which three times the value counts:
+as much as both ends less their own.
+"""
 _ALIKE = 0.01
 """Relative difference of weights that are taken as equal: as the largest of them."""
 _LEAST_PART = 2.0**-12
 """Shortest part of a line."""
+_STRAIGHT = dict.fromkeys(("aimed", "walk_members", "and_follows", "take"), "") | {
+    "longer": "part + part"
+}
+"""What the walk along straight lines of known values asks and does beside its guards: nothing."""
+_WAYS = """\
+    for (int i = 0; i < @{nto}; ++i) {
+        way2[i] = (to[i] - at[i]) * (to[i] - at[i]);
+    }"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,12 +92,17 @@ class GuardText:
 
     def text(self, values: Mapping[str, object], aim: Sequence[str], first_part: float) -> str:
         """The functions that hold a part of a line and walk all of it; `aim` are statements that
-        put the guards of its point `end` into w->guard.
+        put the guards of its point `end` into w->guard. Values beside those of `_STRAIGHT` say
+        what else a walk asks and does.
         """
-        call = self.real.literal
+        call, wrong = self.real.literal, f"{values['P']}_WRONG_BRANCH"
+        plain = {"unreached": wrong, "refused": wrong, "nat": values["nto"], "nways": values["nto"]}
         return fill(
             "guarded_line.c",
-            dict(values)
+            _STRAIGHT
+            | plain
+            | {"ways": substitute(_WAYS, values), "shorter": indent(self.shorter_lines, 3)}
+            | dict(values)
             | {
                 "ng": max(1, len(self.guards)),
                 "keep_lines": indent(self._keep_lines),
@@ -93,13 +110,12 @@ class GuardText:
                 "first_part": call(first_part),
                 "near_one": call(0.9999),
                 "least_part": call(_LEAST_PART),
-                "shorter": indent(self._shorter_lines, 3),
                 "not_measured": indent(self._reset_lines, 2),
             },
         )
 
     @property
-    def _shorter_lines(self) -> list[str]:
+    def shorter_lines(self) -> list[str]:
         """Statements of the next part where one was too long."""
         literal = self.real.literal
         if not self.measures:
@@ -127,13 +143,13 @@ class GuardText:
         lines, sums = ["bool kept = true;"], dict[str, str]()
         for j, guard in enumerate(self.guards):
             lines.append(f"/* {c_comment(guard.name)}: {guard.ground} */")
-            rounding = self.by_reach(f"noise{j}", self.roundings(guard), lines)
+            rounding = self.by_reach(f"noise{j}", self.roundings(guard, _BOTH_ENDS), lines)
             bend = self._bend_text(j, guard, lines, sums)
             a, b = f"w->left[{j}]", f"w->guard[{j}]"
             lines += [
                 f"const {real.type} bend{j} = {bend};",
                 f"const {real.type} lesser{j} = (({a} < {b}) ? {a} : {b}) - {rounding};",
-                f"const {real.type} greater{j} = (({a} < {b}) ? {b} : {a}) - {rounding};",
+                f"const {real.type} greater{j} = ({a} < {b}) ? {b} : {a};",
                 f"const {real.type} most{j} = {real.literal(3.0)} * lesser{j} + greater{j};",
                 f"if (!((lesser{j} > {zero}) && (bend{j} < most{j}))) {{",
                 *(

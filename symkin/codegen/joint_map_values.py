@@ -8,7 +8,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from symkin.codegen.joint_map import JointMap
+from symkin.codegen.joint_ranges import range_of
 from symkin.codegen.text.angles import number_counts
+from symkin.codegen.text.c import indexed
 from symkin.codegen.text.templates import FARTHEST
 from symkin.model.joint import Coordinate
 
@@ -36,13 +38,10 @@ class MapValues:
         """Least and largest value of each coordinate: its limits with slack if `bounded`, else how
         far it may be.
         """
-        found = []
+        size, found = self.made.size, []
         for c in coordinates:
-            scale = 1.0 if c.is_angular else self.made.size
-            slack, far = max(1e-9, 16 * self.made.real.epsilon) * scale, FARTHEST * scale
-            found.append(
-                (c.limits[0] - slack, c.limits[1] + slack) if bounded and c.limits else (-far, far)
-            )
+            far = FARTHEST * (1.0 if c.is_angular else size)
+            found.append(range_of(c, self.made.real, size) if bounded and c.limits else (-far, far))
         return found
 
     def places(self, coordinates: Sequence[Coordinate]) -> list[int]:
@@ -60,16 +59,26 @@ class MapValues:
     def circles(
         self, values: str, coordinates: Sequence[Coordinate], target: str, places: Sequence[int]
     ) -> list[str]:
-        """Statements that set the numbers of coordinates by their values."""
+        """Statements that set the numbers of coordinates by an array of their values."""
+        return self.circles_of(indexed(values, len(coordinates)), coordinates, target, places)
+
+    def circles_of(
+        self,
+        values: Sequence[str],
+        coordinates: Sequence[Coordinate],
+        target: str,
+        places: Sequence[int],
+    ) -> list[str]:
+        """Statements that set the numbers of coordinates by C text of their values."""
         lines, k = [], 0
         for i, c in enumerate(coordinates):
             if c.kind == "angle":
                 lines.append(
-                    f"{self.made.name}_cosine_and_sine({values}[{i}], &{target}[{places[k]}]);"
+                    f"{self.made.name}_cosine_and_sine({values[i]}, &{target}[{places[k]}]);"
                 )
                 k += 2
             else:
-                lines.append(f"{target}[{places[k]}] = {values}[{i}];")
+                lines.append(f"{target}[{places[k]}] = {values[i]};")
                 k += 1
         return lines
 

@@ -7,18 +7,16 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import casadi as ca
 import numpy as np
 
 from symkin.codegen.closed_direct_source import ClosedDirectSource
-from symkin.codegen.closed_limb import BESIDE, branch_text, closed_limb_text
+from symkin.codegen.closed_limb import BESIDE, branch_text
 from symkin.codegen.formula_guards import feasible_error
 from symkin.codegen.guard_text import Watched
 from symkin.codegen.guards import DETERMINANT
 from symkin.codegen.joint_ranges import range_functions, ranges_of
-from symkin.codegen.limb_platform import LimbBlock, LimbPlatform
-from symkin.codegen.limb_rates import LimbRates
-from symkin.codegen.limb_source import limb_text, rates_text
+from symkin.codegen.limb_platform import LimbPlatform
+from symkin.codegen.limb_source import LimbSource
 from symkin.codegen.line_parts import line_target
 from symkin.codegen.linear_solver import singular_condition
 from symkin.codegen.newton_kernel import rounded, sampled
@@ -37,7 +35,6 @@ from symkin.codegen.text.templates import common_values, copy, farthest, fill, n
 from symkin.computed_once import cached_property
 from symkin.model.joint import Coordinate
 from symkin.numeric.system import System
-from symkin.text import c_comment
 
 _FIRST_TURN = 0.5
 """Turn of the actuated joints that is tried first (rad): most longer ones are refused."""
@@ -67,9 +64,10 @@ class LimbPlatformSource:
     def _ok(self) -> str:
         return f"{self.name.upper()}_OK"
 
-    @property
-    def _rates(self) -> LimbRates:
-        return LimbRates(self.made, self._ga)
+    @cached_property
+    def _limbs(self) -> list[LimbSource]:
+        """The C of each limb."""
+        return [LimbSource(self.made, block, self._common) for block in self.made.blocks]
 
     @property
     def _ga(self) -> str:
@@ -95,7 +93,7 @@ class LimbPlatformSource:
                 pose_coordinates_text(made.geometry, real, values),
                 "" if made.direct_formulas is not None else pose_text(made.geometry, real, values),
                 range_functions(ranges, real, values),
-                *(self._limb_text(block) for block in made.blocks),
+                *(limb.text for limb in self._limbs),
                 self._solve_limbs,
                 self._check_passive,
                 *self._direct,
@@ -340,77 +338,24 @@ class LimbPlatformSource:
             "}",
         ]
 
-    def _limb_text(self, block: LimbBlock) -> str:
-        """The functions of one limb."""
-        if block.formulas is None:
-            return limb_text(self.made, block, self._common)
-        return closed_limb_text(self.made, block, self._common) + rates_text(
-            self.made, block, self._common
-        )
-
     # --- limbs ------------------------------------------------------------------------------------
 
     @property
     def _solve_limbs(self) -> str:
         """NAME_solve_limbs: all limbs for a pose, on the reference's branches."""
-        lines: list[str] = []
-        for block in self.made.blocks:
-            lines.append(f"/* {c_comment(', '.join(c.name for c in block.system.unknowns))} */")
-            if block.rod is not None:
-                lines += self._rod_lines(block)
-                continue
-            k = f"{self.name}_{block.name}"
-            if block.formulas is not None:
-                copies = [
-                    f"    {array}[{there}] = x[{here}];"
-                    for array, there, here in self._rates.places(block)
-                ]
-                lines += [
-                    f"if (status == {self._ok}) {{",
-                    f"    {self.real.type} x[{block.system.width}];",
-                    f"    status = {k}_joints(c, x{', within' if block.is_checked else ''});",
-                    *copies,
-                    "}",
-                ]
-                continue
-            copies = [
-                f"    {array}[{there}] = w.x[{here}];"
-                for array, there, here in self._rates.places(block)
-            ]
-            lines += [
-                f"if (status == {self._ok}) {{",
-                f"    {k}_work w;",
-                f"    status = {k}_follow_pose({self._ga}&w, c);",
-                *copies,
-                "}",
-            ]
+        lines = [line for limb in self._limbs for line in limb.joint_lines]
         if int(self.made.conditions.rows.shape[0]):
             lines += self._condition_lines(self.made.conditions)
         return fill("solve_limbs.c", self._common | {"limbs": indent(lines)})
 
-    def _rod_lines(self, block: LimbBlock) -> list[str]:
-        """Statements of a rod's coordinate by the pose."""
-        function = ca.Function(
-            "rod", [block.system.known, self.made.geometry.symbols], [block.rod], {"cse": True}
-        )
-        names = [indexed("c", int(block.system.known.shape[0])), self.made.geometry.names]
-        emitter = Emitter(function, names, self.real, prefix=self._rates.prefix(block))
-        text = emitter.value(0, 0)
-        array, there, _ = self._rates.places(block)[0]
-        return [*emitter.lines, f"{array}[{there}] = {text};"]
-
     def _condition_lines(self, conditions: System) -> list[str]:
         """Statements that refuse a pose which violates rows that no joint enters."""
         real, geometry = self.real, self.made.geometry
-        function = ca.Function(
-            "conditions", [conditions.known, geometry.symbols], [conditions.rows], {"cse": True}
-        )
-        emitter = Emitter(
-            function,
-            [indexed("c", int(conditions.known.shape[0])), geometry.names],
-            real,
-            prefix="v",
-        )
+        inputs = [
+            (conditions.known, indexed("c", int(conditions.known.shape[0]))),
+            (geometry.symbols, geometry.names),
+        ]
+        emitter = Emitter.of(real, inputs, conditions.rows, prefix="v")
         limit = real.literal(feasible_error(real.epsilon, conditions.characteristic_length))
         tests = [
             f"({real.call('fabs')}({emitter.value(0, i)}) <= {limit})"
@@ -511,7 +456,7 @@ class LimbPlatformSource:
     @property
     def _inverse(self) -> str:
         """NAME_inverse and NAME_jacobian."""
-        lines = [line for block in self.made.blocks for line in self._rates.lines(block)]
+        lines = [line for limb in self._limbs for line in limb.rate_lines]
         return fill(
             "limb_inverse.c",
             self._common

@@ -11,6 +11,7 @@ from symkin.closure.snapping import snapped_expression
 from symkin.codegen.formula_guards import feasible_error
 from symkin.codegen.geometry import Geometry
 from symkin.codegen.text.c import Emitter, Real, indent, indexed
+from symkin.codegen.text.templates import fill
 from symkin.spatial.rotation import conjugate, multiply
 
 COLUMNS: dict[str, tuple[int, ...]] = {
@@ -74,17 +75,16 @@ def pose_coordinates_text(geometry: Geometry, real: Real, values: dict[str, obje
     found = restricted(geometry, x)
     coordinates, off = found.coordinates, found.off
     count = int(coordinates.shape[0])
-    outputs = [coordinates, ca.vertcat(*off) if off else ca.SX(0, 1)]
-    function = ca.Function("c", [x, geometry.symbols], outputs, {"cse": True})
-    emitter = Emitter(function, [indexed("x", 7), geometry.names], real)
+    inputs = [(x, indexed("x", 7)), (geometry.symbols, geometry.names)]
+    emitter = Emitter.of(real, inputs, coordinates, ca.vertcat(ca.SX(0, 1), *off))
     texts = [emitter.value(0, i) for i in range(count)]
     limit = real.literal(off_motion(geometry, real))
     tests = [f"({real.call('fabs')}({emitter.value(1, i)}) <= {limit})" for i in range(len(off))]
-    stores = [f"c[{i}] = {text};" for i, text in enumerate(texts)]
+    body = [*emitter.lines, *(f"c[{i}] = {text};" for i, text in enumerate(texts))]
     if motion in ("schoenflies", "planar"):
         pi, two_pi = real.literal(np.pi), real.literal(2 * np.pi)
         angle = f"c[{count - 1}]"
-        stores += [
+        body += [
             f"if ({angle} > {pi}) {{",
             f"    {angle} -= {two_pi};",
             "}",
@@ -92,26 +92,10 @@ def pose_coordinates_text(geometry: Geometry, real: Real, values: dict[str, obje
             f"    {angle} += {two_pi};",
             "}",
         ]
-    body = [*emitter.lines, *stores]
     if tests:
         refused = f"    status = {values['P']}_OUT_OF_RANGE;"
         body += [f"if (!({' && '.join(tests)})) {{", refused, "}"]
-    lines = [
-        "/* Pose coordinates of a pose. */",
-        f"static {values['p']}_status {values['p']}_pose_coordinates({values['gp']}const "
-        f"{values['p']}_pose *pose, {real.type} c[{count}])",
-        "{",
-        f"    {real.type} x[7];",
-        f"    {values['p']}_status status = {values['p']}_normalise_pose({values['ga']}pose, x);",
-        f"    if (status == {values['P']}_OK) {{",
-        indent(body, 2),
-        "    }",
-        "    return status;",
-        "}",
-        "",
-        "",
-    ]
-    return "\n".join(lines)
+    return fill("pose_coordinates.c", values | {"count": count, "body": indent(body, 2)})
 
 
 def pose_text(geometry: Geometry, real: Real, values: dict[str, object]) -> str:
@@ -119,32 +103,11 @@ def pose_text(geometry: Geometry, real: Real, values: dict[str, object]) -> str:
     closure = geometry.closure
     symbols = ca.vertcat(*(closure.variables[closure.slices[c.name]] for c in closure.role("pose")))
     expression = snapped_expression(geometry.pose, [symbols, geometry.symbols])
-    function = ca.Function(
-        "p", [symbols, geometry.symbols], [ca.densify(expression)], {"cse": True}
-    )
-    emitter = Emitter(function, [indexed("c", int(symbols.shape[0])), geometry.names], real)
+    count = int(symbols.shape[0])
+    inputs = [(symbols, indexed("c", count)), (geometry.symbols, geometry.names)]
     targets = indexed("pose->position", 3) + indexed("pose->quaternion", 4)
-    texts = [emitter.value(0, i) for i in range(7)]
-    body = [
-        *emitter.lines,
-        *(f"{target} = {text};" for target, text in zip(targets, texts, strict=True)),
-    ]
-    head = (
-        f"static void {values['p']}_pose_from_coordinates({values['gp']}const {real.type} "
-        f"c[{int(symbols.shape[0])}], {values['p']}_pose *pose)"
-    )
-    return "\n".join(
-        [
-            "/* The pose of pose coordinates. */",
-            head,
-            "{",
-            *([f"{values['use']}"] if values["use"] else []),
-            indent(body),
-            "}",
-            "",
-            "",
-        ]
-    )
+    body = indent(Emitter.of(real, inputs, expression).stored(targets))
+    return fill("pose_from_coordinates.c", values | {"count": count, "body": body})
 
 
 def off_motion(geometry: Geometry, real: Real) -> float:

@@ -4,6 +4,7 @@ trigonometry.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import casadi as ca
@@ -166,12 +167,8 @@ class RodSource:
             values = [(2 * self.rods.home_lengths[i] + joints[i]) * joints[i] for i in range(6)]
         else:
             values = [(joints[i] + self.rods.offsets[i]) ** 2 for i in range(6)]
-        function = ca.Function(
-            "target", [joints, self.kernel.geometry], [ca.vertcat(*values)], {"cse": True}
-        )
-        return _rolled(
-            function, [indexed("to", 6), self.platform.geometry_names], self.real, "w->k"
-        )
+        inputs = [(joints, indexed("to", 6))]
+        return self._rolled(inputs, values)
 
     @property
     def _rod_value_lines(self) -> list[str]:
@@ -187,28 +184,34 @@ class RodSource:
                 -f[i] / (ca.sqrt(length**2 - f[i]) + length)
                 for i, length in enumerate(rods.home_lengths)
             ]
-        function = ca.Function(
-            "legs", [f, self.kernel.geometry], [ca.vertcat(*joints)], {"cse": True}
-        )
         return [
             *(f"w->k[{i}] = {self.real.literal(0.0)};" for i in range(6)),
             f"{self.name}_direct_rows({self._common['ga']}w);",
-            *_rolled(
-                function, [indexed("w->f", 6), self.platform.geometry_names], self.real, "w->k"
-            ),
+            *self._rolled([(f, indexed("w->f", 6))], joints),
         ]
+
+    def _rolled(
+        self, inputs: Sequence[tuple[ca.SX, Sequence[str]]], values: Sequence[ca.SX]
+    ) -> list[str]:
+        """Statements that set w->k to a value for each rod: a loop where all six are alike, which
+        takes less room.
+        """
+        whole = [*inputs, (self.kernel.geometry, self.platform.geometry_names)]
+
+        def lines(i: int, prefix: str) -> list[str]:
+            emitter = Emitter.of(self.real, whole, ca.vertcat(*values), prefix=prefix)
+            text = emitter.value(0, i)
+            return [*emitter.lines, f"w->k[{i}] = {text};"]
+
+        each = [[line.replace(f"[{i}]", "[i]") for line in lines(i, "t")] for i in range(6)]
+        if all(found == each[0] for found in each):
+            return ["for (int i = 0; i < 6; ++i) {", *("    " + line for line in each[0]), "}"]
+        return [line for i in range(6) for line in lines(i, f"t{i}_")]
 
     @property
     def _rod_values(self) -> str:
         """NAME_rod_values: joint values at a pose, for the inverse problem."""
-        head = (
-            f"static {self._common['SHARED']} void "
-            f"{self.name}_rod_values({self._common['gp']}{self.name}_direct_work *w)"
-        )
-        return (
-            f"/* Joint values at the state, into w->k. */\n{head}\n{{\n"
-            f"{indent(self._rod_value_lines)}\n}}\n\n"
-        )
+        return fill("rod_values.c", self._common | {"lines": indent(self._rod_value_lines)})
 
     @property
     def _inverse(self) -> str:
@@ -265,25 +268,6 @@ class RodSource:
             "    row[5] = forth * row[1] - aside * row[0];",
             "}",
         ]
-
-
-def _rolled(function: ca.Function, names: list[list[str]], real: Real, target: str) -> list[str]:
-    """Statements target[i] = output i: a loop where all six are alike, which takes less room."""
-    each = []
-    for i in range(6):
-        emitter = Emitter(function, names, real, prefix="t")
-        text = emitter.value(0, i)
-        each.append(
-            [line.replace(f"[{i}]", "[i]") for line in [*emitter.lines, f"{target}[{i}] = {text};"]]
-        )
-    if all(lines == each[0] for lines in each):
-        return ["for (int i = 0; i < 6; ++i) {", *("    " + line for line in each[0]), "}"]
-    unrolled = []
-    for i in range(6):
-        emitter = Emitter(function, names, real, prefix=f"t{i}_")
-        text = emitter.value(0, i)
-        unrolled += [*emitter.lines, f"{target}[{i}] = {text};"]
-    return unrolled
 
 
 def _matrix_lines(platform: RodPlatform) -> list[str]:

@@ -11,10 +11,10 @@ import numpy as np
 
 from symkin.codegen.arm_vectors import canonical, followed_lines, singular_joints
 from symkin.codegen.joint_map import JointMap, map_configurations
-from symkin.codegen.joint_map_derivatives import derivatives, step_columns
 from symkin.codegen.limb_platform import LimbPlatform
 from symkin.codegen.passive_limits import keeps_limits
 from symkin.codegen.pose_coordinates import COLUMNS
+from symkin.codegen.rates import derivatives, step_columns
 from symkin.codegen.refused_vectors import (
     MOST,
     beyond_passive,

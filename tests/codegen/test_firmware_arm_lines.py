@@ -14,7 +14,7 @@ import symkin
 from helpers import firmware_tools as tools
 from helpers.arms import structures
 from helpers.gate import in_gate
-from helpers.inside import Options
+from helpers.inside import Options, build_program, readme_of
 
 GUESS = """
 #include "scara.h"
@@ -115,6 +115,52 @@ def test_lines_that_are_ok_have_their_branch_everywhere(name, reach):
     made = structures(np.random.default_rng(3))
     found = walked(made.get(name) or symkin.load(name), 1500, reach)
     assert found["ok"] > 0.05 * found["lines"]
+
+
+MARGINS = """
+#include "NAME.c"
+#include <stdio.h>
+#include <stdlib.h>
+int main(void)
+{
+    double largest[64] = { 0.0 };
+    for (int k = 0; k < 20000; ++k) {
+        double joints[COUNT], pose[7], margin[64] = { 0.0 };
+        for (int i = 0; i < COUNT; ++i) {
+            joints[i] = 6.3 * rand() / RAND_MAX;
+        }
+        (void)NAME_read_joints(joints, pose, margin);
+        for (int i = 0; i < 64; ++i) {
+            largest[i] = (margin[i] > largest[i]) ? margin[i] : largest[i];
+        }
+    }
+    for (int i = 0; i < 64; ++i) {
+        (void)printf("%.9g ", largest[i]);
+    }
+    return 0;
+}
+"""
+
+
+@pytest.mark.parametrize("name", in_gate(["ur5e", "gluon_6l3", "yao2020"], ["ur5e"]))
+def test_the_size_that_is_told_of_a_guard_bounds_it(name, tmp_path):
+    """The values of an arm's squares at random joints are no larger than the README's sizes, which
+    are no more than half as large again.
+    """
+    arm = symkin.load(name)
+    tools.write_code(arm, tmp_path, Options("double"))
+    told = readme_of(build_program(arm, Options("double")))
+    rows = re.findall(r"\| ([\d.e+-]+) \| sampled \|", told)
+    sizes = np.array([float(row) for row in rows])
+    code = MARGINS.replace("NAME", arm.name).replace("COUNT", str(len(arm.actuated)))
+    (tmp_path / "margins.c").write_text(code)
+    run = [tools.compiler("gcc"), "-O1", "-w", str(tmp_path / "margins.c"), "-lm"]
+    subprocess.run([*run, "-o", str(tmp_path / "margins")], check=True)
+    done = subprocess.run([str(tmp_path / "margins")], capture_output=True, text=True, check=True)
+    largest = np.array([float(word) for word in done.stdout.split()])
+    assert np.all(largest[: len(sizes)] <= 1.005 * sizes)
+    assert np.all(sizes <= 1.5 * largest[: len(sizes)])
+    assert not np.any(largest[len(sizes) :])
 
 
 @pytest.mark.parametrize("real", in_gate(["double", "float"], ["double"]))

@@ -27,7 +27,7 @@ static void @{p}_limit_values(const @{real} joints[@{nn}], @{real} at[@{values}]
 
 /* The first joint, from 0, that is not proved to keep its limits between two points a and b of the line; the number of joints where all
  * are. */
-static uint8_t @{p}_first_leaving(const @{real} a[@{nn}], const @{real} b[@{nn}], @{real} place, @{real} turn, const @{real} moved[@{nn}], @{real} way2)
+static uint8_t @{p}_first_leaving(const @{real} a[@{nn}], const @{real} b[@{nn}], const @{real} change[@{nto}], @{real} way2)
 {
     static const @{real} low[@{nn}] = { @{lows} };
     static const @{real} high[@{nn}] = { @{highs} };
@@ -37,9 +37,7 @@ static uint8_t @{p}_first_leaving(const @{real} a[@{nn}], const @{real} b[@{nn}]
     @{real} above[@{nn}] = { @{zero} };
     bool near = false;
     uint8_t joint = @{nn}U;
-    (void)place;
-    (void)turn;
-    (void)moved;
+    (void)change;
     for (int i = @{last}; i >= 0; --i) {
         if (limited[i]) {
             const bool rises = (a[i] < b[i]);

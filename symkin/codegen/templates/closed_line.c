@@ -1,3 +1,12 @@
+/* A point of the line: joints where it is done, which begin at the guess, those found where it is tried, and the squares left and guard of
+ * the closed form's steps at both; way2: the square of the joints' last way. */
+typedef struct {
+    @{real} joints[@{nn}];
+    @{real} found[1][@{nn}];
+    @{real} way2;
+@{members}
+} @{k}_work;
+
 /* Tool pose (x, y, z, qw, qx, qy, qz) of joint values, the squares `margin` of the closed form's steps there (README.md), and the
  * bits of the branch on which they lie. */
 static unsigned int @{p}_read_joints(const @{real} joints[@{nn}], @{real} x[7], @{real} margin[@{margins}])
@@ -10,116 +19,77 @@ static unsigned int @{p}_read_joints(const @{real} joints[@{nn}], @{real} x[7], 
     return wanted;
 }
 
-/* How much of what would keep the steps of the closed form from their singularities between two points of the line is used up, 1 being
- * all: a and b are the squares `margin` there, and a square bends away from its chord by no more than the squares of the tool's way
- * (place over the size, turn) and of the joints' (angles; slides over the size) allow (README.md). */
-static @{real} @{p}_line_share(const @{real} a[@{margins}], const @{real} b[@{margins}], @{real} place, @{real} turn, const @{real} moved[@{nn}])
-{
-    @{real} largest = @{zero};
-    (void)a;
-    (void)b;
-    (void)place;
-    (void)turn;
-    (void)moved;
-@{bends}
-    return largest;
-}
-
-/* The closed form along the line of tool poses from the guess's to the given one, on the guess's branch, in parts that are kept and
- * halved where they are not. Angles go on from part to part, whole turns included. */
-static @{p}_status @{p}_inverse_along(const @{real} to[7], const @{p}_config *config, @{real} joints[@{nn}], @{p}_info *info)
+/* The joints at a tool pose x of the line, angles within half a turn of where it is done, and the squares of their ways (angles; slides over
+ * the size) as changes of the line; SINGULAR or OUT_OF_RANGE where the guess's branch does not reach it. */
+static @{p}_status @{k}_aim(@{k}_work *w, const @{real} x[7], unsigned int wanted, @{real} change[@{nto}])
 {
     static const @{real} per_length[@{nn}] = { @{per_lengths} };
     static const bool angular[@{nn}] = { @{angular} };
     static const @{real} near[@{nears}] = { @{zero} };
-    const @{real} most2 = config->max_step * config->max_step * @{per_size2};
+    bool undecided = false;
+    if (@{p}_branches(x, near, wanted, w->found, &undecided, w->guard) != 1) {
+        return undecided ? @{P}_SINGULAR : @{P}_OUT_OF_RANGE;
+    }
+    w->way2 = @{zero};
+    for (int i = 0; i < @{nn}; ++i) {
+        @{real} way = w->found[0][i] - w->joints[i];
+        const @{real} number = way * @{per_turn};
+        if (angular[i] && (@{fabs}(number) > @{half})) {
+            way -= @{turn} * (@{real})(int)(number + ((number < @{zero}) ? @{minus_half} : @{half}));
+        }
+        w->found[0][i] = w->joints[i] + way;
+        change[2 + i] = (way * per_length[i]) * (way * per_length[i]);
+        w->way2 += change[2 + i];
+    }
+    return @{P}_OK;
+}
+
+/* Whether the joints' last way is short enough to tell whole turns, and within what the config allows@{and_within}. */
+static bool @{k}_follows(@{k}_work *w, const @{real} change[@{nto}], @{real} most2)
+{
+    const bool follows = (w->way2 <= most2) && (w->way2 <= @{longest2});
+    (void)change;
+@{limits_kept}
+}
+
+@{walk}/* The closed form along the line of tool poses from the guess's to the given one, on the guess's branch. Angles go on from part to part,
+ * whole turns included. */
+static @{p}_status @{k}_along(const @{real} to[7], const @{p}_config *config, @{real} joints[@{nn}], @{p}_info *info)
+{
+    @{k}_work work;
+    @{k}_work *const w = &work;
     @{real} at[7];
-    @{real} x[7];
-    @{real} left[@{margins}] = { @{one} };
-    @{real} margin[@{margins}] = { @{one} };
-    @{real} found[1][@{nn}];
-    @{real} done = @{zero};
-    @{real} part = @{one};
-    @{real} moved[@{nn}];
-    @{real} way2 = @{zero};
     @{real} least = @{one};
+    @{real} residual = @{huge};
     unsigned int count = 0U;
-@{blamed}
-    const unsigned int wanted = @{p}_read_joints(joints, at, left);
-    /* of q and -q, one rotation, the one on the guess's side */
-    const @{real} cosine = at[3] * to[3] + at[4] * to[4] + at[5] * to[5] + at[6] * to[6];
-    const @{real} side = (cosine < @{zero}) ? -@{one} : @{one};
-    const @{real} turn2 = @{eight} * ((@{one} - side * cosine) + @{turn_noise});
-    @{real} place2 = @{zero};
-    @{p}_status status = @{P}_MAX_ITERATIONS;
-    for (int i = 0; i < 3; ++i) {
-        place2 += (to[i] - at[i]) * (to[i] - at[i]) * @{per_size2};
+    @{p}_status status = @{P}_OK;
+    w->way2 = @{zero};
+    w->left[0] = @{one};
+    w->guard[0] = @{one};
+    const unsigned int wanted = @{p}_read_joints(joints, at, w->left);
+    for (int i = 0; i < @{nn}; ++i) {
+        w->joints[i] = joints[i];
     }
     for (int k = 0; k < @{margins}; ++k) {
-        if (!(left[k] > @{least})) {
+        if (!(w->left[k] > @{least})) {
             status = @{P}_SINGULAR;
         }
     }
 @{guess_beyond}
-    while ((status == @{P}_MAX_ITERATIONS) && (count < (unsigned int)config->max_iterations)) {
-        const @{real} end = (done + part < @{near_one}) ? (done + part) : @{one};
-        bool undecided = false;
-        ++count;
-        for (int i = 0; i < 7; ++i) {
-            const @{real} goal = (i < 3) ? to[i] : (side * to[i]);
-            x[i] = (end < @{one}) ? (at[i] + end * (goal - at[i])) : goal;
-        }
-        if (end < @{one}) {
-            const @{real} inverse = @{one} / @{sqrt}(x[3] * x[3] + x[4] * x[4] + x[5] * x[5] + x[6] * x[6]);
-            for (int i = 3; i < 7; ++i) {
-                x[i] *= inverse;
-            }
-        }
-        if (@{p}_branches(x, near, wanted, found, &undecided, margin) != 1) {
-            /* the guess's branch does not reach this point of the line */
-            status = undecided ? @{P}_SINGULAR : ((end < @{one}) ? @{P}_WRONG_BRANCH : @{P}_OUT_OF_RANGE);
-        } else {
-            way2 = @{zero};
-            for (int i = 0; i < @{nn}; ++i) {
-                @{real} way = found[0][i] - joints[i];
-                const @{real} number = way * @{per_turn};
-                if (angular[i] && (@{fabs}(number) > @{half})) {
-                    way -= @{turn} * (@{real})(int)(number + ((number < @{zero}) ? @{minus_half} : @{half}));
-                }
-                found[0][i] = joints[i] + way;
-                moved[i] = (way * per_length[i]) * (way * per_length[i]);
-                way2 += moved[i];
-            }
-            const @{real} share = @{p}_line_share(left, margin, part * part * place2, part * part * turn2, moved);
-@{limits_kept}
-            if (@{kept}) {
-                for (int i = 0; i < @{nn}; ++i) {
-                    joints[i] = found[0][i];
-                }
-                for (int k = 0; k < @{margins}; ++k) {
-                    left[k] = margin[k];
-                }
-                done = end;
-                part *= (share < @{quick}) ? @{two} : ((share < @{usual}) ? @{one} : @{shorter});
-                if (done >= @{one}) {
-                    status = @{P}_OK;
-                }
-            } else {
-                part *= (share < @{four}) ? @{half} : @{far_shorter};
-                if (part < @{least_part}) {
-                    status = @{refused};
-                }
-            }
-        }
+    if (status == @{P}_OK) {
+        const @{real} most2 = config->max_step * config->max_step * @{per_size2};
+        status = @{k}_walk(w, at, to, wanted, most2, (unsigned int)config->max_iterations, &count);
     }
     for (int k = 0; k < @{margins}; ++k) {
-        least = (left[k] < least) ? left[k] : least;
+        least = (w->left[k] < least) ? w->left[k] : least;
     }
-    @{real} residual = @{huge};
     if (status == @{P}_OK) {
+        for (int i = 0; i < @{nn}; ++i) {
+            joints[i] = w->joints[i];
+        }
         status = @{p}_hold(to, joints, &residual);
     }
-    @{p}_write_info(info, count, residual, way2 * @{size2}, (least > @{least}) ? (@{one} / least) : @{zero});
+    @{p}_write_info(info, count, residual, w->way2 * @{size2}, (least > @{least}) ? (@{one} / least) : @{zero});
 @{blame}
     return status;
 }

@@ -8,26 +8,24 @@ static bool @{k}_keeps(@{k}_work *w, const @{real} change[@{nto}])
 
 /* Follows the line of known values from `at`, where the guards are w->left, to `to` in parts that are kept, and are cut where they are
  * not. */
-static @{COLD} @{p}_status @{k}_walk(@{k}_work *w, const @{real} at[@{nto}], const @{real} to[@{nto}], @{aimed}unsigned int most,
+static @{COLD} @{p}_status @{k}_walk(@{k}_work *w, const @{real} at[@{nat}], const @{real} to[@{nat}], @{aimed}unsigned int most,
     unsigned int *count)
 {
-    @{real} way2[@{nto}];
+    @{real} way2[@{nways}];
     @{real} change[@{nto}];
     @{real} done = @{zero};
     @{real} part = @{first_part};
     bool refused = true;
     @{p}_status status = @{P}_MAX_ITERATIONS;
 @{walk_members}
-    for (int i = 0; i < @{nto}; ++i) {
-        way2[i] = (to[i] - at[i]) * (to[i] - at[i]);
-    }
+@{ways}
     while ((status == @{P}_MAX_ITERATIONS) && (*count < most)) {
         const @{real} next = done + part;
         const @{real} end = (next < @{near_one}) ? next : @{one};
         const @{real} share = end - done;
         const @{real} share2 = share * share;
         bool above = true;
-        for (int i = 0; i < @{nto}; ++i) {
+        for (int i = 0; i < @{nways}; ++i) {
             change[i] = share2 * way2[i];
         }
 @{aim}
@@ -38,13 +36,14 @@ static @{COLD} @{p}_status @{k}_walk(@{k}_work *w, const @{real} at[@{nto}], con
         }
         if (!above) {
             /* a point of the line without a configuration, or a singular one */
-            status = @{P}_WRONG_BRANCH;
-        } else if (@{k}_keeps(w, change)) {
+            status = @{unreached};
+        } else if (@{k}_keeps(w, change)@{and_follows}) {
+@{take}
             for (int j = 0; j < @{ng}; ++j) {
                 w->left[j] = w->guard[j];
             }
             done = end;
-            part = refused ? part : (part + part);
+            part = refused ? part : (@{longer});
             refused = false;
             if (done >= @{one}) {
                 status = @{P}_OK;
@@ -53,7 +52,7 @@ static @{COLD} @{p}_status @{k}_walk(@{k}_work *w, const @{real} at[@{nto}], con
 @{shorter}
             refused = true;
             if (part < @{least_part}) {
-                status = @{P}_WRONG_BRANCH;
+                status = @{refused};
             }
         }
     }

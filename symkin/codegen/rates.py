@@ -18,6 +18,7 @@ from symkin.closure.snapping import snapped_expression
 from symkin.codegen.joint_map import Direction, JointMap
 from symkin.codegen.newton_kernel import moves
 from symkin.codegen.text.angles import numbers_at
+from symkin.codegen.text.c import Real
 from symkin.computed_once import lru_cache
 from symkin.model.joint import Coordinate
 
@@ -97,14 +98,19 @@ def derivatives(made: JointMap, values: np.ndarray) -> tuple[np.ndarray, np.ndar
 def step_columns(
     unknown: Sequence[Coordinate], wanted: Sequence[Coordinate], size: float
 ) -> list[tuple[int, float]]:
-    """List the places of each wanted coordinate in a step, and what turns the step's length into
-    its unit.
+    """List the places of each wanted coordinate in a step of the unknown ones, and what turns the
+    step's length into its unit.
     """
     places, column = {}, 0
     for c in unknown:
         places[c.name] = (column, 1.0 / size if c.is_angular else 1.0)
         column += c.freedom
     return [(places[c.name][0] + k, places[c.name][1]) for c in wanted for k in range(c.freedom)]
+
+
+def step_text(real: Real, column: int, scale: float) -> str:
+    """Write an entry of the step in its coordinate's unit."""
+    return f"w.f[{column}]" + (f" * {real.literal(scale)}" if scale != 1.0 else "")
 
 
 def _tangent(coordinates: tuple[Coordinate, ...], numbers: ca.SX) -> ca.SX:
