@@ -206,18 +206,6 @@ function firstOf(names, count = 5) {
   return names.slice(0, count).join(", ") + (names.length > count ? ` and ${names.length - count} more` : "");
 }
 
-/** Take the mode that is nearest to the configuration which the page was made for. */
-function takeStart() {
-  const wanted = options.start;
-  if (!wanted) return solver.takeStart();
-  solver.takeStart((mode) => {
-    const numbers = ([key, value]) => (typeof value === "number" ? [value - mode.joints[key]] : []);
-    const joints = Object.entries(wanted.joints).filter(([key]) => typeof mode.joints?.[key] === "number").flatMap(numbers);
-    const moved = wanted.pose && mode.position ? wanted.pose.position.map((v, k) => v - mode.position[k]) : [];
-    return Math.hypot(...joints, ...moved);
-  });
-}
-
 // --- beginning -------------------------------------------------------------------------------------------------------
 
 toggle("names", (on) => labels.set(on, labels.measures));
@@ -235,7 +223,7 @@ $("heed").hidden = !solver.limited.length;
 $("fit").addEventListener("click", () => drawing.fit());
 $("reset").addEventListener("click", () => {
   player?.rewind();
-  takeStart();
+  solver.takeStart();
   stand(solver.stopHere());
 });
 $("passive").addEventListener("toggle", readout);
@@ -280,10 +268,7 @@ if (options.path) {
   $("player").addEventListener("pointerdown", () => wishes.clear());
 }
 $("reset").parentElement.hidden = !solver.names.length;
-$("hints").textContent = solver.names.length && scene.items.some((item) => item.role === "platform")
-  ? "Drag the platform to move it, with Shift to turn it; drag beside it to turn the view."
-  : "Drag to turn the view, wheel or two fingers to zoom.";
-takeStart();
+$("hints").textContent = options.hint;
 $("notes").textContent = scene.notes.join(" ");
 dress(options.dark ?? window.matchMedia?.("(prefers-color-scheme: dark)").matches ?? false);
 stand(solver.stopHere());
