@@ -19,8 +19,8 @@ from symkin.position.roots import features_of, merge
 from symkin.position.solution_list import SolutionList, checked_solutions
 from symkin.position.starts import random_starts
 
-_STARTS = 400
-"""Random starts; a loop of redundant constraints has few modes."""
+_MOST_STARTS = 400
+"""Random starts at most; a loop of redundant constraints has few modes."""
 _SAME = 1e-4
 """Minima whose coordinates differ by less than this (rad, or times the size) are one."""
 
@@ -44,14 +44,20 @@ def with_least_modes(problem: Problem, given: Given, search: Search, found: Mode
         smallest_residual=None,
         groups=(),
         engine=None,
-        starts=_STARTS,
+        starts=_starts(search),
         notes=(*given.notes, note),
     )
 
 
+def _starts(search: Search) -> int:
+    return min(_MOST_STARTS, search.starts)
+
+
 def _minima(problem: Problem, given: Given, search: Search) -> SolutionList:
     system = problem.system
-    starts = random_starts(problem, system, given, _STARTS, np.random.default_rng(search.seed))
+    starts = random_starts(
+        problem, system, given, _starts(search), np.random.default_rng(search.seed)
+    )
     ends = levenberg_marquardt(system, starts, given.values, max_iterations=200, patience=30).points
     ends = system.polish_many(system.fold(ends[np.isfinite(ends).all(axis=1)]), given.values).points
     left = system.residuals(ends, given.values)

@@ -16,7 +16,7 @@ from symkin.closure.parameters import ParameterTable
 from symkin.closure.pose_forms import PlatformPose
 from symkin.closure.snapping import snapped_constants
 from symkin.model.joint import Joint
-from symkin.spatial.backend import cross, dot
+from symkin.spatial.backend import cross, dot, one_call
 from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import (
     conjugate,
@@ -24,6 +24,13 @@ from symkin.spatial.rotation import (
     quaternion_from_axis_angle,
     rotate,
 )
+
+
+@one_call
+def _turned(v: ca.SX, axis: ca.SX, angle: ca.SX) -> ca.SX:
+    # Rodrigues: R v = cos v + sin (a x v) + (1 - cos) (a.v) a
+    c, s = ca.cos(angle), ca.sin(angle)
+    return c * v + s * cross(axis, v) + (1 - c) * dot(axis, v) * axis
 
 
 @dataclass(frozen=True)
@@ -36,11 +43,7 @@ class Turn:
     slide: ca.SX | None = None
 
     def direction(self, v: ca.SX) -> ca.SX:
-        if self.angle is None:
-            return v
-        # Rodrigues: R v = cos v + sin (a x v) + (1 - cos) (a.v) a
-        c, s = ca.cos(self.angle), ca.sin(self.angle)
-        return c * v + s * cross(self.axis, v) + (1 - c) * dot(self.axis, v) * self.axis
+        return v if self.angle is None else _turned(v, self.axis, self.angle)
 
     def move(self, p: ca.SX) -> ca.SX:
         # screw motion: turn about the axis, then slide along it; the two commute

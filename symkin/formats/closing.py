@@ -44,6 +44,8 @@ steps, and how many.
 """
 _NEAREST_STEPS = 30
 """Steps along the closed configurations towards the file's own."""
+_SAME_DISTANCE = 1e-15
+"""Share of a distance by which another one differs in rounding only: it comes no nearer."""
 _NEIGHBOURS = 2
 _STEPS_ASIDE = (0.1, 0.01)
 """How many closed configurations beside one its generic rank is taken at, and how far from it they
@@ -282,6 +284,8 @@ def _nearest(tree: Tree, state: np.ndarray) -> np.ndarray:
         distance = float(np.linalg.norm(way_between(tree, trial, tree.own)))
         if distance < far and _largest(tree, trial) <= CLOSED * tree.size:
             state, far = trial, distance
+        elif abs(distance - far) <= _SAME_DISTANCE * far:
+            break
         else:
             share *= 0.3
     return state

@@ -14,6 +14,7 @@ from math import prod
 
 import numpy as np
 
+from symkin.computed_once import lru_cache
 from symkin.numeric.tolerances import GRAM_CONDITION, NO_MOTION, ROUNDED_STEP, WELL_CONDITIONED
 
 _LARGE = 64
@@ -25,28 +26,37 @@ def diagonal_parts(matrices: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
     columns) of block diagonal matrices whose rows and columns stand in any order; none where the
     matrices are small or have one part only.
     """
-    columns = matrices.shape[2]
-    if columns < _LARGE:
+    if matrices.shape[2] < _LARGE:
         return []
-    held, holds = np.nonzero((matrices != 0.0).any(axis=0))
+    pattern = (matrices != 0.0).any(axis=0)
+    return _parts_of(np.packbits(pattern).tobytes(), *pattern.shape)
+
+
+@lru_cache(maxsize=16)
+def _parts_of(pattern: bytes, rows: int, columns: int) -> list[tuple[np.ndarray, np.ndarray]]:
+    """The parts of matrices (rows, columns) by the bits of which entries are not zero: the steps of
+    a search ask for the same ones.
+    """
+    bits = np.frombuffer(pattern, dtype=np.uint8)
+    held, holds = np.nonzero(np.unpackbits(bits, count=rows * columns).reshape(rows, columns))
     label, changed = np.arange(columns), True
     while changed:
         # each row and its columns take the least label among them
-        least = np.full(matrices.shape[1], columns)
+        least = np.full(rows, columns)
         np.minimum.at(least, held, label[holds])
         before = label.copy()
         np.minimum.at(label, holds, least[held])
         changed = bool((label != before).any())
-    owner = np.full(matrices.shape[1], -1)
+    owner = np.full(rows, -1)
     owner[held] = label[holds]
     shapes: dict[tuple[int, int], list[tuple[np.ndarray, np.ndarray]]] = {}
     parts = np.unique(label)
-    for rows, own in zip(_places(owner, parts), _places(label, parts), strict=True):
-        shapes.setdefault((len(rows), len(own)), []).append((rows, own))
+    for places, own in zip(_places(owner, parts), _places(label, parts), strict=True):
+        shapes.setdefault((len(places), len(own)), []).append((places, own))
     if len(parts) == 1:
         return []
     return [
-        (np.array([rows for rows, _ in same]), np.array([own for _, own in same]))
+        (np.array([places for places, _ in same]), np.array([own for _, own in same]))
         for same in shapes.values()
     ]
 

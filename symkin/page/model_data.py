@@ -4,7 +4,8 @@ as numbers for JSON.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import math
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -34,7 +35,7 @@ from symkin.position.solution import Solution
 from symkin.position.solve import solve
 from symkin.position.solve_result import SolveResult
 from symkin.spatial.pose import Pose
-from symkin.spatial.rotation import matrix_from_quaternion
+from symkin.spatial.rotation import conjugate, matrix_from_quaternion, multiply
 
 _MOST_ROOTS = 200
 """Modes, and complex solutions of one step, that the page follows at most."""
@@ -52,10 +53,15 @@ class PageModel:
     generated: str
 
 
-def page_model(mechanism: Mechanism, given: Mapping[str, float] | None = None) -> PageModel:
+def page_model(
+    mechanism: Mechanism,
+    given: Mapping[str, float] | None = None,
+    wanted: Mapping[str, Any] | None = None,
+) -> PageModel:
     """The model of a mechanism whose coordinates `given` have sliders; without them its actuated
-    joints, from the example or the reference. Raises InputError where there is no configuration to
-    begin with.
+    joints, from the example or the reference. It begins in the mode that is nearest to the
+    configuration `wanted`, as `Solution.to_dict` tells it. Raises InputError where there is no
+    configuration to begin with.
     """
     found = _start(mechanism, given)
     problem, solution = found.problem, found.solution
@@ -64,7 +70,12 @@ def page_model(mechanism: Mechanism, given: Mapping[str, float] | None = None) -
     links = link_expressions(closure)
     known = tuple(c for c in problem.known_coordinates if c.role != "geometry")
     start = _with_turns(mechanism, closure, solution.variables, known, given or {})
-    roots = _roots(problem, known, solution)
+    roots, here = _roots(problem, known, solution)
+    if wanted is not None and here:
+        known_values = [start[closure.slices[c.name]] for c in known]
+        start = np.array(min(here, key=lambda mode: _apart(mode, wanted)).variables, dtype=float)
+        for c, values in zip(known, known_values, strict=True):
+            start[closure.slices[c.name]] = values
     model = {
         "names": [c.name for c in known],
         "units": {
@@ -96,6 +107,10 @@ def page_model(mechanism: Mechanism, given: Mapping[str, float] | None = None) -
         "hasPlatform": mechanism.platform_link is not None,
         "readings": _readings(closure),
     }
+    model["limited"] = [
+        *_limited(model["coordinates"], read=False),
+        *_limited(model["readings"], read=True),
+    ]
     generated, sizes = _functions(problem, links)
     groups = groups_of(problem)
     follows = roots.pop("listed") <= _MOST_ROOTS and all(
@@ -103,8 +118,29 @@ def page_model(mechanism: Mechanism, given: Mapping[str, float] | None = None) -
     )
     seeds, columns = np.array(roots.pop("seeds")), np.array(sizes["columns"])
     steps, texts = steps_of(groups if follows else [], solution, seeds, columns)
-    model |= sizes | roots | {"steps": steps, "follows": follows, "mostFollowed": _MOST_ROOTS}
+    sentence = _sentence(roots["complexCount"], steps, follows=follows)
+    model |= sizes | roots | {"steps": steps, "follows": follows, "sentence": sentence}
     return PageModel(model, "\n".join([generated, *texts]))
+
+
+def _sentence(count: int | None, steps: Sequence[Mapping[str, Any]], *, follows: bool) -> str:
+    """What the page says of its list of modes, beside paths that are unresolved."""
+    if not follows:
+        return (
+            f"{f'More than {_MOST_ROOTS}' if count is None else count} complex solutions are too "
+            f"many to follow here: away from the start the mode shown alone is followed; symkin "
+            f"modes finds {'others' if count is None else 'all'}."
+        )
+    if not steps:
+        return ""
+    if not all(step["starts"] if step["signs"] is None else step["signs"] for step in steps):
+        return (
+            "No solution could be followed to other values, which must perhaps agree with each "
+            "other: the mode shown alone is followed; symkin modes finds all."
+        )
+    if count is None:
+        return "Solutions that symkin has met are followed; others may be missing."
+    return f"{count} complex {'solution is' if count == 1 else 'solutions are'} followed."
 
 
 # --- start ----------------------------------------------------------------------------------------
@@ -166,8 +202,22 @@ def _result(every: Modes, mode: Solution, tried: SolveResult) -> SolveResult:
     return SolveResult(every.problem, tried.given, "ok", mode, 0, (), None, tried.method, 0.0)
 
 
-def _roots(problem: Problem, known: Sequence[Coordinate], solution: Solution) -> dict[str, Any]:
-    """The modes at the start, and how many complex solutions there are."""
+def _apart(mode: Solution, wanted: Mapping[str, Any]) -> float:
+    """How far a mode is from a configuration, in the joints and the position that both tell."""
+    pairs = [(value, mode.joints.get(name)) for name, value in wanted["joints"].items()]
+    if wanted["pose"] is not None and mode.has_platform:
+        pairs += zip(wanted["pose"]["position"], mode.position, strict=True)
+    return math.hypot(
+        *(a - b for a, b in pairs if isinstance(a, (int, float)) and isinstance(b, (int, float)))
+    )
+
+
+def _roots(
+    problem: Problem, known: Sequence[Coordinate], solution: Solution
+) -> tuple[dict[str, Any], list[Solution]]:
+    """The modes at the start, as variables and as they are, and how many complex solutions there
+    are.
+    """
     mechanism = problem.mechanism
     names = {c.name: _out(mechanism, c, solution.values[c.name]) for c in known}
     if not names:
@@ -176,7 +226,8 @@ def _roots(problem: Problem, known: Sequence[Coordinate], solution: Solution) ->
         found = modes(mechanism, joints=list(names.values()))
     else:
         found = modes(mechanism, given=names)
-    here = [mode.variables.tolist() for mode in found if mode.partition == solution.partition]
+    modes_here = [mode for mode in found if mode.partition == solution.partition]
+    here = [mode.variables.tolist() for mode in modes_here]
     count = found.complex_count
     elsewhere: list[Modes] = []
     if known:
@@ -192,12 +243,13 @@ def _roots(problem: Problem, known: Sequence[Coordinate], solution: Solution) ->
         for mode in place
         if mode.partition == problem.closure.partition
     ]
-    return {
+    roots = {
         "modesHere": here[:_MOST_ROOTS],
         "listed": len(here),
         "seeds": [*here, *beside][:_MOST_ROOTS],
         "complexCount": count,
     }
+    return roots, modes_here
 
 
 def _elsewhere(
@@ -269,6 +321,16 @@ def _told(closure: Closure, c: Coordinate, place: int) -> dict[str, Any]:
     }
 
 
+def _limited(coordinates: Sequence[Mapping[str, Any]], *, read: bool) -> Iterator[dict[str, Any]]:
+    """Coordinates that limits hold: of the closure, where those that cannot be negative count too,
+    or `read` of joints at which loops are cut.
+    """
+    for c in coordinates:
+        limits = c["limits"] or ([c["least"], None] if c["least"] is not None and not read else [])
+        if limits:
+            yield {**c, "low": limits[0], "high": limits[1], "read": read}
+
+
 def _readings(closure: Closure) -> list[dict[str, Any]]:
     """The coordinates that the closure leaves out, with their places among what joints read."""
     left = left_out(closure)
@@ -301,7 +363,8 @@ def _functions(problem: Problem, links: Mapping[str, Pose]) -> tuple[str, dict[s
         javascript("errors", x, [problem.system.errors]),
         javascript("links", x, [ca.vertcat(*places)]),
         javascript("readings", x, [read]),
-        javascript("pose", x, [pose, ca.jacobian(pose, x) @ ca.diag(ca.SX(ca.DM(columns)))]),
+        javascript("pose", x, [pose]),
+        javascript("twist", x, [_twist(pose, x) @ ca.diag(ca.SX(ca.DM(columns)))]),
     ]
     sizes = {
         "rows": int(rows.shape[0]),
@@ -309,6 +372,16 @@ def _functions(problem: Problem, links: Mapping[str, Pose]) -> tuple[str, dict[s
         "columns": columns.tolist(),
     }
     return "\n".join(texts), sizes
+
+
+def _twist(pose: ca.SX, x: ca.SX) -> ca.SX:
+    """Velocity and angular velocity (6, variables) of a pose, position and quaternion, as the
+    variables move.
+    """
+    position, quaternion = pose[:3], pose[3:]
+    rates = ca.horzsplit(ca.jacobian(quaternion, x))
+    turns = [2.0 * multiply(rate, conjugate(quaternion))[1:] for rate in rates]
+    return ca.vertcat(ca.jacobian(position, x), ca.horzcat(*turns))
 
 
 def _column_scales(closure: Closure) -> np.ndarray:

@@ -15,6 +15,7 @@ from typing import Any
 
 from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.page.model_data import page_model
+from symkin.page.plane import painted_plane
 from symkin.page.scene import scene_of
 from symkin.page.sliders import completed_sliders
 
@@ -62,13 +63,14 @@ def page_html(
     require_mechanism(mechanism)
     completed = completed_sliders(mechanism) if given is None else None
     given, note = (given, None) if completed is None else completed
-    made = page_model(mechanism, given)
+    made = page_model(mechanism, given, start)
     scene = scene_of(mechanism, made.model["links"])
     scene["notes"][:0] = [] if note is None else [note]
     data = {
         "model": made.model,
         "scene": scene,
-        "options": _options(mechanism, made.model, path, start, plane),
+        "options": _options(mechanism, made.model, path, plane)
+        | {"hint": _hint(made.model, scene)},
     }
     return _filled(
         {
@@ -92,7 +94,6 @@ def _options(
     mechanism: Mechanism,
     model: Mapping[str, Any],
     path: PlayedPath | None,
-    start: Mapping[str, Any] | None,
     plane: Mapping[str, Any] | None,
 ) -> dict[str, Any]:
     options: dict[str, Any] = {
@@ -100,13 +101,11 @@ def _options(
         "frameName": mechanism.frame_name,
     }
     if plane is not None:
-        options["plane"] = dict(plane)
+        options["plane"] = painted_plane(plane)
         for name, (low, high) in zip(plane["names"], plane["ranges"], strict=True):
             if name in options["ranges"] and _limits(mechanism, name) is None:
                 least, most = options["ranges"][name]
                 options["ranges"][name] = [min(least, low), max(most, high)]
-    if start is not None:
-        options["start"] = {"pose": start["pose"], "joints": dict(start["joints"])}
     if path is not None:
         rows = [[float(v) for v in row] for row in path.rows]
         times = None if path.times is None else [float(t) for t in path.times]
@@ -117,6 +116,15 @@ def _options(
             "times": times,
         }
     return options
+
+
+def _hint(model: Mapping[str, Any], scene: Mapping[str, Any]) -> str:
+    """How the pointer moves the platform, or the view where there is none to move."""
+    if model["names"] and any(item.get("role") == "platform" for item in scene["items"]):
+        return (
+            "Drag the platform to move it, with Shift to turn it; drag beside it to turn the view."
+        )
+    return "Drag to turn the view, wheel or two fingers to zoom."
 
 
 def _limits(mechanism: Mechanism, name: str) -> tuple[float, float] | None:

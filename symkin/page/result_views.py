@@ -92,6 +92,7 @@ def _of_loci(loci: Loci) -> View:
         "units": list(loci.units),
         "ranges": [list(ends) for ends in loci.ranges],
         "held": loci.held,
+        "lociAsked": True,
     }
     return View(
         loci.plane.mechanism, actuated, start=solution.to_dict(), plane=plane | {"curves": curves}

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+import re
 from collections.abc import Iterator, Sequence
 from typing import Any
 
@@ -10,11 +12,12 @@ import numpy as np
 from symkin.drawing.camera import Camera
 from symkin.drawing.layout import Layout, LinkMark, RodMark, layout_of, link_colours
 from symkin.drawing.outline import distinct
-from symkin.drawing.palette import COLOURS
+from symkin.drawing.palette import COLOURS, FRAME_COLOURS
 from symkin.model.joint import BASE
 from symkin.model.mechanism import Mechanism
 from symkin.page.bodies import Body, body_of
 from symkin.page.mesh_files import UnreadMeshError, mesh_item
+from symkin.page.solids import with_solids
 from symkin.spatial.pose import Pose
 from symkin.text import counted, first_of
 
@@ -24,8 +27,45 @@ together.
 """
 _APART = 0.55
 """Length of a symbol over the distance between neighbouring joints."""
+_LINES = 8
+"""Lines of the grid to each side of its middle."""
 _SAME = 1e-6
 """Distance over the size below which two points are one."""
+
+_LIGHT = {
+    **COLOURS,
+    "white": "#ffffff",
+    "outline": COLOURS["text"],
+    **dict(zip(("frame x", "frame y", "frame z"), FRAME_COLOURS, strict=True)),
+}
+_DARK = {
+    "text": "#e8edf2",
+    "quiet": "#9fb0c0",
+    "base": "#5d6b78",
+    "base edge": "#8796a5",
+    "platform": "#3f90d2",
+    "platform edge": "#7dbbee",
+    "link": "#a9b7c4",
+    "accent": "#f08a54",
+    "loop": "#c39be0",
+    "grid": "#26303a",
+    "pane": "#12181e",
+    "axis": "#5d6b78",
+    "white": "#e8edf2",
+    "outline": "#080b0e",
+    "frame x": "#e06c5c",
+    "frame y": "#57b985",
+    "frame z": "#6d9be0",
+}
+_TYPES = {
+    "R": "revolute",
+    "P": "prismatic",
+    "C": "cylindrical",
+    "H": "helical",
+    "U": "universal",
+    "S": "spherical",
+    "weld": "weld",
+}
 
 Item = dict[str, Any]
 
@@ -36,20 +76,23 @@ def scene_of(mechanism: Mechanism, links: Sequence[str]) -> dict[str, Any]:
     layout = layout_of(mechanism)
     items, camera = [*_items(layout, links), *meshes], Camera.of(layout)
     size = mechanism.characteristic_length
+    symbol = _symbol(items, size)
+    view = {
+        "right": camera.axes[0].tolist(),
+        "up": camera.axes[1].tolist(),
+        "towards": camera.axes[2].tolist(),
+        "planar": camera.planar,
+    }
     return {
         "name": mechanism.name,
         "title": mechanism.title or mechanism.name,
         "size": size,
         "lengthUnit": mechanism.length_unit,
-        "symbol": _symbol(items, size),
-        "view": {
-            "right": camera.axes[0].tolist(),
-            "up": camera.axes[1].tolist(),
-            "towards": camera.axes[2].tolist(),
-            "planar": camera.planar,
-        },
-        "colours": COLOURS,
-        "items": items,
+        "symbol": symbol,
+        "grid": _grid(items, view, size, symbol),
+        "view": view,
+        "colours": {"light": _LIGHT, "dark": _DARK},
+        "items": [_told(with_solids(item, symbol, size, view)) for item in items],
         "notes": notes,
     }
 
@@ -81,6 +124,22 @@ def _symbol(items: Sequence[Item], size: float) -> float:
         np.full(len(places), np.inf)
     )
     return float(np.clip(_APART * np.median(gaps.min(axis=1)), _SMALLEST * size, _SYMBOL * size))
+
+
+def _grid(items: Sequence[Item], view: Item, size: float, symbol: float) -> list[list[float]]:
+    """Ends of lines a round length apart, below the base or behind a planar mechanism."""
+    bases = (i["points"] for i in items if i["kind"] == "body" and i["role"] == "base")
+    points = np.array(next(bases, [[0.0, 0.0, 0.0]]))
+    normal = np.array(view["towards"] if view["planar"] else [0.0, 0.0, 1.0])
+    along = np.array([view["right"], view["up"]]) if view["planar"] else np.eye(3)[:2]
+    level = np.min(points @ normal) - (1.2 if view["planar"] else 0.4) * symbol
+    power = 10.0 ** math.floor(math.log10(size / 5.0))
+    step = power * min((1.0, 2.0, 5.0, 10.0), key=lambda k: abs(k - size / 5.0 / power))
+    centre = np.floor(along @ points.mean(axis=0) / step + 0.5)
+    ends, k = np.array([-_LINES, _LINES]), np.arange(-_LINES, _LINES + 1)[:, None]
+    across = np.stack(np.broadcast_arrays(k, ends), axis=2)
+    lines = np.stack([across, across[..., ::-1]], axis=1).reshape(-1, 2)
+    return (step * (centre + lines) @ along + level * normal).tolist()  # type: ignore[no-any-return]
 
 
 def _items(layout: Layout, links: Sequence[str]) -> Iterator[Item]:
@@ -129,6 +188,23 @@ def _items(layout: Layout, links: Sequence[str]) -> Iterator[Item]:
         yield _frame(number[platform], mechanism.frame_name, layout.pose)
     for first, second in layout.couplings:
         yield {"kind": "coupling", "from": owner(first), "to": owner(second)}
+
+
+def _told(item: Item) -> Item:
+    """An item with its name on the picture, and what is said of it under the pointer; links within
+    a limb have no names of their own.
+    """
+    kind, name = item["kind"], item.get("name", "")
+    if kind == "body":
+        told = {"base": "base, the fixed link", "link": f"link {name}"}
+        label = "" if item["role"] == "base" or re.search(r"\.\d+$", name) else name
+        platform = f"{name}, the link of the platform frame"
+        return item | {"told": told.get(item["role"], platform), "label": label}
+    if kind in ("joint", "rod"):
+        what = "rod" if kind == "rod" else f"{_TYPES[item['type']]} joint"
+        drives = "actuated " if item["actuated"] else ""
+        return item | {"told": f"{name}: {drives}{what}", "label": name}
+    return item | {"told": f"{'link' if kind == 'mesh' else kind} {name}", "label": name}
 
 
 def _body(number: int, link: str, mark: LinkMark, layout: Layout, colour: str) -> Item:

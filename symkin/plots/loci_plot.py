@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from symkin.drawing.palette import COLOURS
+from symkin.drawing.palette import COLOURS, KIND_COLOURS
 from symkin.plots.sheet import foot_legend, head, labelled, name_axes, new_figure
 from symkin.plots.style import drawing
 from symkin.position.varied_pose import axis_title
@@ -20,8 +20,6 @@ if TYPE_CHECKING:
     from symkin.singularities.loci import Loci
     from symkin.singularities.locus import Locus
 
-KIND_COLOURS = {"type 1": "#d55e00", "type 2": "#0072b2", "passive": "#009e73"}
-"""Colours that stay apart for all kinds of colour vision (Okabe and Ito)."""
 _NARROW = 4.0
 """Ratio of the window's sides beyond which equal scales would leave a strip that cannot be read."""
 

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
-from symkin.drawing.palette import COLOURS
-from symkin.plots.loci_plot import KIND_COLOURS, draw_locus
+from symkin.drawing.palette import COLOURS, KIND_COLOURS
+from symkin.plots.loci_plot import draw_locus
 from symkin.plots.sheet import foot_legend, labelled
 from symkin.singularities.loci import MISSING, NONE_MET, Loci
 

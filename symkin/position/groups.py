@@ -112,7 +112,8 @@ def _implied_rows(group: Problem) -> list[PointRow | ProductRow]:
     found = []
     for branch in dict.fromkeys(closure.row_sources[place].limb for place in places):
         gone = [name for name in joints if owners.get(name, {branch}) == {branch}]
-        left = {c.name for c in group.system.unknowns} - set(gone)
+        unknowns = (c.name for c in group.system.unknowns)
+        left = {name for name in unknowns if branch in owners.get(name, ())} - set(gone)
         for row in implied_rows(closure, branch, gone) if left else []:
             names = _coordinates_in(row.row, closure)
             if names <= own and not names & fixed:

@@ -37,6 +37,8 @@ too.
 """
 NOT_KNOWN = nan
 """A count that is not known, in arrays of counts: no product and no sum with it is a number."""
+_LOOKED_TOGETHER = 16
+"""Roots of which it is asked together whether they lie on a continuum."""
 _CONTINUUM_SAMPLE = 5
 
 
@@ -252,19 +254,9 @@ def polished_roots(
         extreme_singular_values(polished.jacobians),
     )
     suspect = are_suspect(extremes)
-    roots: list[int] = []
-    continuum: list[int] = []
-    for i in np.flatnonzero(closed).tolist():
-        (
-            continuum if suspect[i] and moves_freely(system, polished.points[i], known) else roots
-        ).append(i)
-        singular = np.count_nonzero(suspect[roots])
-        if (
-            most_of_continuum is not None
-            and len(continuum) >= most_of_continuum
-            and len(continuum) > len(roots) - 2 * singular
-        ):
-            break
+    roots, continuum = _apart_from_continuum(
+        system, polished.points, known, np.flatnonzero(closed), suspect, most_of_continuum
+    )
     beside = _beside(
         system, polished, [i for i in roots if extremes[i, 1] < NEARLY_SINGULAR], known
     )
@@ -274,6 +266,35 @@ def polished_roots(
         polished.points[continuum] if continuum else None,
         float(np.min(residuals, initial=np.inf)),
     )
+
+
+def _apart_from_continuum(
+    system: System,
+    points: np.ndarray,
+    known: np.ndarray,
+    closed: np.ndarray,
+    suspect: np.ndarray,
+    most_of_continuum: int | None,
+) -> tuple[list[int], list[int]]:
+    """The places of isolated roots and of members of a continuum among the `closed` ones, as many
+    as are looked at (see `polished_roots`); `suspect` are roots that may be either.
+    """
+    roots: list[int] = []
+    continuum: list[int] = []
+    for begin in range(0, len(closed), _LOOKED_TOGETHER):
+        some = closed[begin : begin + _LOOKED_TOGETHER]
+        doubtful = some[suspect[some]]
+        free = set(doubtful[move_freely(system, points[doubtful], known)].tolist())
+        for i in some.tolist():
+            (continuum if i in free else roots).append(i)
+            singular = np.count_nonzero(suspect[roots])
+            if (
+                most_of_continuum is not None
+                and len(continuum) >= most_of_continuum
+                and len(continuum) > len(roots) - 2 * singular
+            ):
+                return roots, continuum
+    return roots, continuum
 
 
 def _beside(system: System, polished: Polished, places: list[int], known: np.ndarray) -> np.ndarray:
@@ -324,19 +345,23 @@ def unite(
     return np.array(chosen, dtype=int), labels
 
 
-def moves_freely(system: System, z: np.ndarray, known: np.ndarray) -> bool:
-    """Whether the root z lies on a continuum: a step of 1e-3 of the size along a direction in which
-    the Jacobian has lost its rank closes again nearby without coming back (from an isolated
+def move_freely(system: System, points: np.ndarray, known: np.ndarray) -> np.ndarray:
+    """Which roots (n, width) lie on a continuum: a step of 1e-3 of the size along a direction in
+    which the Jacobian has lost its rank closes again nearby without coming back (from an isolated
     multiple root it comes back).
     """
-    _, jacobian = system.linearise_one(z, known)
-    lost = np.array(lost_directions(jacobian, MULTIPLE_ROOT_SHARE)).reshape(-1, system.freedom)
-    here, size = features(system, z[None]), system.characteristic_length
-    begin = system.move(np.repeat(z[None], len(lost), axis=0), 1e-3 * size * lost)
+    if not len(points):
+        return np.zeros(0, dtype=bool)
+    _, jacobians = system.linearise(points, known)
+    lost = [lost_directions(jacobian, MULTIPLE_ROOT_SHARE) for jacobian in jacobians]
+    owner = np.repeat(np.arange(len(points)), [len(directions) for directions in lost])
+    here, size = features(system, points)[owner], system.characteristic_length
+    begin = system.move(points[owner], 1e-3 * size * np.concatenate(lost))
     end = system.polish_many(begin, known, steps=30).points
     closed = system.residuals(end, known) <= CLOSED_CONFIGURATION * size
     moved, stepped = (
-        np.max(np.abs(features(system, points) - here), axis=1, initial=0.0)
-        for points in (end, begin)
+        np.max(np.abs(features(system, places) - here), axis=1, initial=0.0)
+        for places in (end, begin)
     )
-    return bool(np.any(closed & (moved > 0.1 * stepped)))
+    free = closed & (moved > 0.1 * stepped)
+    return np.asarray(np.bincount(owner, weights=free, minlength=len(points)) > 0)

@@ -7,7 +7,8 @@ indexed [row, column] and may carry further axes the same way.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import wraps
 from typing import Any
 
 import casadi as ca
@@ -22,6 +23,25 @@ _SYMBOLIC = (ca.SX, ca.MX, ca.DM)
 def is_casadi(*values: Array) -> bool:
     # no generator: this is asked several times for each product
     return True in [isinstance(value, _SYMBOLIC) for value in values]
+
+
+def one_call(formula: Callable[..., Array]) -> Callable[..., Array]:
+    """Write a formula of CasADi columns once for each shape and put the arguments into it: one call
+    takes a tenth of the time of its operations one by one, and makes the same nodes.
+    """
+    functions: dict[tuple[int, ...], ca.Function] = {}
+
+    @wraps(formula)
+    def called(*arguments: Array) -> Array:
+        if False in [type(argument) is ca.SX and argument.is_dense() for argument in arguments]:
+            return formula(*arguments)
+        shape = tuple([argument.numel() for argument in arguments])
+        if shape not in functions:
+            symbols = [ca.SX.sym("x", *argument.shape) for argument in arguments]
+            functions[shape] = ca.Function("formula", symbols, [formula(*symbols)])
+        return functions[shape](*arguments)
+
+    return called
 
 
 def vector(*components: Array) -> Array:
@@ -74,6 +94,7 @@ def norm(a: Array) -> Array:
     return sqrt(dot(a, a))
 
 
+@one_call
 def cross(a: Array, b: Array) -> Array:
     # indexed once: an index into an expression of CasADi costs as much as a product
     (a0, a1, a2), (b0, b1, b2) = (a[0], a[1], a[2]), (b[0], b[1], b[2])

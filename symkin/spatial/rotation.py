@@ -20,6 +20,7 @@ from symkin.spatial.backend import (
     dot,
     matrix,
     norm,
+    one_call,
     scale,
     sin,
     sqrt,
@@ -40,6 +41,7 @@ def wrapped(angles: np.ndarray) -> np.ndarray:
 # --- unit quaternions -----------------------------------------------------------------------------
 
 
+@one_call
 def multiply(a: Array, b: Array) -> Array:
     """Hamilton product: the rotation b followed by a, R(a b) = R(a) R(b)."""
     (a0, a1, a2, a3), (b0, b1, b2, b3) = ((v[0], v[1], v[2], v[3]) for v in (a, b))
@@ -59,6 +61,7 @@ def normalized(q: Array) -> Array:
     return scale(1.0 / norm(q), q)
 
 
+@one_call
 def rotate(q: Array, v: Array) -> Array:
     """q v q* for a unit quaternion: v + 2 w (u x v) + 2 u x (u x v), u the vector part."""
     u = q[1:]
@@ -69,6 +72,7 @@ def rotate(q: Array, v: Array) -> Array:
 # --- axis and angle, rotation vector --------------------------------------------------------------
 
 
+@one_call
 def quaternion_from_axis_angle(axis: Array, angle: Array) -> Array:
     """(cos(a/2), axis sin(a/2)) for a unit axis."""
     s = sin(0.5 * angle)
@@ -101,6 +105,7 @@ def rotation_vector_from_quaternion(q: Array) -> Array:
 # --- matrix ---------------------------------------------------------------------------------------
 
 
+@one_call
 def matrix_from_quaternion(q: Array) -> Array:
     """Rotation matrix of a unit quaternion; columns are the turned frame's axes."""
     w, x, y, z = q[0], q[1], q[2], q[3]

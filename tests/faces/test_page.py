@@ -466,6 +466,28 @@ def test_a_click_takes_a_mode(open_page: Callable[..., Any]) -> None:
     assert page.evaluate("symkin.choose(9)") is False
 
 
+def test_modes_along_paths_wait_until_nothing_moves(open_page: Callable[..., Any]) -> None:
+    """While a hexapod moves its modes are not sought, so that frames stay short, and the page says
+    so; once it stands they are told.
+    """
+    page = open_page(page_of("ren2008"))
+    text = "document.querySelector('#modes-text').textContent"
+    page.wait_for_function(f"{text}.includes('at these values')")
+    moving = """() => new Promise((done) => {
+      const name = symkin.names[0], start = symkin.solution().joints[name], told = [];
+      const step = () => {
+        symkin.set({ [name]: start + 0.01 * told.length });
+        told.push(TEXT);
+        told.length < 20 ? requestAnimationFrame(step) : done(told.slice(2));
+      };
+      requestAnimationFrame(step);
+    })"""
+    assert set(page.evaluate(moving.replace("TEXT", text))) == {
+        "Finding all modes once nothing moves …"
+    }
+    page.wait_for_function(f"{text}.includes('at these values')")
+
+
 def test_small_views_are_pictures_of_their_modes(open_page: Callable[..., Any]) -> None:
     """Each mode's small view shows something, and no two show the same; the large one stands in
     the mode shown."""

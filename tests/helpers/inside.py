@@ -525,6 +525,7 @@ NAMES = {
     "mesh_item": "symkin.page.mesh_files",
     "read_triangles": "symkin.page.mesh_files",
     "page_model": "symkin.page.model_data",
+    "scene_of": "symkin.page.scene",
     "page_html": "symkin.page.page",
     "completed_sliders": "symkin.page.sliders",
     # the command line

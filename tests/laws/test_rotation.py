@@ -290,3 +290,13 @@ def test_symbols_evaluate_to_the_same_numbers(name, rng):
     function = ca.Function("f", symbols, [f(*symbols)])
     values = [s[:, 0] for s in arguments(rng, widths, 1)]
     assert np.allclose(np.squeeze(np.array(function(*values))), f(*values), rtol=1e-12, atol=1e-14)
+
+
+@pytest.mark.parametrize("shift", [0.0, 1.0])
+def test_one_call_writes_what_the_operations_do(shift):
+    """Products of expressions that are written by one call are, operation by operation, those of
+    the formula; with structural zeros too.
+    """
+    q, v = ca.SX.sym("q", 4), ca.vertcat(ca.SX(1, 1), ca.SX.sym("v", 2)) + shift * ca.DM.ones(3, 1)
+    for formula, arguments in [(rot.multiply, (q, q[::-1])), (rot.rotate, (q, v))]:
+        assert str(formula(*arguments)) == str(formula.__wrapped__(*arguments))

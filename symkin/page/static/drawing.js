@@ -1,7 +1,7 @@
 // The 3-D view: camera, light, grid, arrows at a stop, traces; drawn only when something changed.
 import * as THREE from "three";
 import { OrbitControls } from "OrbitControls";
-import { buildItems } from "symkin/items";
+import { Items } from "symkin/items";
 import { Look } from "symkin/look";
 import * as shapes from "symkin/shapes";
 
@@ -15,7 +15,7 @@ export class Drawing {
     this.renderer = new THREE.WebGLRenderer({ canvas, antialias: true, alpha: true });
     this.renderer.setPixelRatio(Math.min(window.devicePixelRatio || 1, 2));
     this.world = new THREE.Scene();
-    this.items = buildItems(scene, this.look, linkCount);
+    this.items = new Items(scene, this.look, linkCount);
     this.world.add(this.items.root);
     this.extras = new THREE.Group();
     this.items.root.add(this.extras);
@@ -49,21 +49,9 @@ export class Drawing {
     this.world.add(this.camera);
   }
 
-  /** A grid below the base (or behind a planar mechanism) with lines a round length apart. */
   _grid() {
-    const { size, view } = this.scene, base = this.scene.items.find((i) => i.kind === "body" && i.role === "base");
-    const normal = view.planar ? view.towards : [0, 0, 1], points = base ? base.points : [[0, 0, 0]];
-    const along = view.planar ? [view.right, view.up] : [[1, 0, 0], [0, 1, 0]];
-    const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-    const level = Math.min(...points.map((p) => dot(p, normal))) - (view.planar ? 1.2 : 0.4) * this.scene.symbol;
-    this.gridStep = roundLength(size / 5);
-    const count = 8, corners = [];
-    const centre = along.map((way) => Math.round(points.reduce((s, p) => s + dot(p, way), 0) / points.length / this.gridStep) * this.gridStep);
-    const at = (x, y) => new THREE.Vector3(
-      ...[0, 1, 2].map((k) => (centre[0] + x * this.gridStep) * along[0][k] + (centre[1] + y * this.gridStep) * along[1][k] + level * normal[k]),
-    );
-    for (let k = -count; k <= count; k++) corners.push(at(k, -count), at(k, count), at(-count, k), at(count, k));
-    this.grid = new THREE.LineSegments(new THREE.BufferGeometry().setFromPoints(corners), this.look.backdrop("grid"));
+    const lines = new THREE.BufferGeometry().setFromPoints(this.scene.grid.map(shapes.vector));
+    this.grid = new THREE.LineSegments(lines, this.look.backdrop("grid"));
     this.grid.renderOrder = -1;
     this.items.root.add(this.grid);
   }
@@ -221,9 +209,10 @@ export class Drawing {
     if (turning > 1e-3 * sliding) {
       const foot = new THREE.Vector3().crossVectors(w, v).divideScalar(w.lengthSq());
       if (foot.length() < 1.2 * size) {
-        const centre = foot.add(shapes.vector(at)).toArray();
-        this._extra(shapes.turnArrow(centre, w.toArray(), 0.22 * size, wire), colour, "twist");
-        this._extra(shapes.drum(centre, w.toArray(), 0.7 * size, 0.3 * wire), colour, "twist");
+        const centre = foot.add(shapes.vector(at)), half = w.clone().setLength(0.35 * size);
+        const ends = [-1, 1].map((sign) => centre.clone().addScaledVector(half, sign).toArray());
+        this._extra(shapes.turnArrow(centre.toArray(), w.toArray(), 0.22 * size, wire), colour, "twist");
+        this._extra(shapes.tube(...ends, 0.3 * wire, 28), colour, "twist");
         return;
       }
     }

@@ -28,9 +28,9 @@ export class Inputs {
     return [Number(slider.min), Number(slider.max)];
   }
 
-  /** Mark on the slider how far a coordinate may move on, and where it stopped (-1, 0 or 1: below, nowhere, above). */
-  mark(name, left, stopped) {
-    this.rows.get(name)?.mark(left, stopped);
+  /** Mark on the slider how far a coordinate may move on, [low, high]; nothing of null. */
+  mark(name, left) {
+    this.rows.get(name)?.mark(left);
   }
 }
 
@@ -103,14 +103,13 @@ class Row {
     this.slider.setAttribute("aria-valuetext", `${shown(value)} ${this.unit}`);
   }
 
-  mark(left, stopped) {
+  mark(left) {
     const share = (value) => 100 * Math.min(1, Math.max(0, (value - this.slider.min) / (this.slider.max - this.slider.min)));
     const [low, high] = left ?? [this.slider.min, this.slider.max];
     this.left.style.left = `${share(low)}%`;
     this.left.style.right = `${100 - share(high)}%`;
     this.left.classList.toggle("ends-low", Boolean(left) && low > this.slider.min);
     this.left.classList.toggle("ends-high", Boolean(left) && high < this.slider.max);
-    this.element.classList.toggle("stopped", Boolean(stopped));
   }
 }
 

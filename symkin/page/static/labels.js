@@ -1,18 +1,16 @@
 // Names and measures beside what they name, and the tip under the pointer.
 import { element, shown } from "symkin/inputs";
 
-const TYPES = { R: "revolute", P: "prismatic", C: "cylindrical", H: "helical", U: "universal", S: "spherical", weld: "weld" };
-
 export class Labels {
   constructor(layer, drawing, solver) {
     this.layer = layer;
     this.drawing = drawing;
     this.solver = solver;
     this.names = this.measures = false;
-    this.entries = drawing.items.labels.map(({ item, at }) => {
+    this.entries = drawing.scene.items.filter((item) => item.at).map((item) => {
       const mark = element("span", { className: `label ${item.kind} ${item.role ?? ""}`, hidden: true });
       layer.append(mark);
-      return { item, at, element: mark };
+      return { item, at: item.at, element: mark };
     });
     drawing.listeners.push(() => this.update());
   }
@@ -46,26 +44,18 @@ export class Labels {
   }
 
   _text(item) {
-    const values = this.measures ? measureOf(item, this) : "";
-    // links within a limb have no names of their own
-    if (this.names && item.role !== "base" && !(item.kind === "body" && /\.\d+$/.test(item.name))) return values ? `${item.name} ${values}` : item.name;
-    return values;
+    return [this.names && item.label, this.measures && measureOf(item, this)].filter(Boolean).join(" ");
   }
 
   /** What the tip says of an item. */
   told(item) {
-    if (item.kind === "body") return item.role === "link" ? `link ${item.name}` : item.role === "base" ? "base, the fixed link" : `${item.name}, the link of the platform frame`;
-    if (item.kind === "point") return `point ${item.name}`;
-    if (item.kind === "mesh") return `link ${item.name}`;
-    const values = measureOf(item, this), drives = item.actuated ? "actuated " : "";
-    const what = item.kind === "rod" ? `${drives}rod` : `${drives}${TYPES[item.type]} joint`;
-    return `${item.name}: ${what}${values ? `, ${values}` : ""}`;
+    return [item.told, measureOf(item, this)].filter(Boolean).join(", ");
   }
 }
 
 function measureOf(item, { solver, drawing }) {
   if (item.kind === "rod") {
-    const [a, b] = [item.from, item.to].map((end) => drawing.items.at(end));
+    const [a, b] = item.at.map((end) => drawing.items.at(end));
     return `${shown(a.distanceTo(b), 5)} ${drawing.scene.lengthUnit}`;
   }
   if (item.kind !== "joint") return "";

@@ -1,16 +1,9 @@
 // Colours and materials of the drawing, light and dark.
 import * as THREE from "three";
 
-const DARK = {
-  text: "#e8edf2", quiet: "#9fb0c0", base: "#5d6b78", "base edge": "#8796a5", platform: "#3f90d2", "platform edge": "#7dbbee",
-  link: "#a9b7c4", accent: "#f08a54", loop: "#c39be0", grid: "#26303a", pane: "#12181e", axis: "#5d6b78", white: "#e8edf2",
-  outline: "#080b0e", "frame x": "#e06c5c", "frame y": "#57b985", "frame z": "#6d9be0",
-};
-const EXTRA = { white: "#ffffff", outline: "#1f2933", "frame x": "#c0392b", "frame y": "#2e8b57", "frame z": "#2c5fa8" };
-
 export class Look {
   constructor(colours) {
-    this.light = { ...colours, ...EXTRA };
+    this.colours = colours; // by theme: {light: {key: "#rrggbb"}, dark}
     this.dark = false;
     this.materials = new Map();
     this.outline = outlineMaterial();
@@ -18,7 +11,7 @@ export class Look {
 
   /** The colour of a key of the palette, or of a "#rrggbb" of its own. */
   colour(key) {
-    if (!key.startsWith("#")) return (this.dark ? DARK : this.light)[key];
+    if (!key.startsWith("#")) return this.colours[this.dark ? "dark" : "light"][key];
     return this.dark ? `#${new THREE.Color(key).lerp(new THREE.Color("#ffffff"), 0.12).getHexString()}` : key;
   }
 
@@ -77,7 +70,7 @@ function outlineMaterial() {
   return new THREE.ShaderMaterial({
     side: THREE.BackSide,
     uniforms: {
-      colour: { value: new THREE.Color("#1f2933") },
+      colour: { value: new THREE.Color() },
       pixels: { value: new THREE.Vector2(1, 1) },
       width: { value: 1.25 },
     },

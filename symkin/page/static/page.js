@@ -22,7 +22,8 @@ const drag = new PlatformDrag(drawing, solver, { itemAt, onMove: moved });
 const trace = new Trace(drawing, tracedPoints());
 const MAP_ROUNDS = 100; // steps of a drag to a place on a map
 const wishes = new Map(); // values that sliders ask for, taken once a frame
-let player = null, plane = null, slow = 0;
+const PAUSE = 10; // frames without a movement after which nothing moves
+let player = null, plane = null, still = 0, unmarked = [];
 
 window.symkinPage = drawing;
 window.symkin = {
@@ -67,9 +68,8 @@ function moved(result) {
   tell(result.stop);
   readout();
   strip.changed();
-  clearTimeout(slow);
-  for (const name of solver.names) inputs.mark(name, null, false);
-  slow = setTimeout(ranges, 160);
+  for (const name of solver.names) inputs.mark(name, null);
+  [still, unmarked] = [0, [...solver.names]];
   return result;
 }
 
@@ -96,14 +96,10 @@ function tell(stop) {
   if (stop?.motion && at) drawing.showTwist(stop.motion, at);
 }
 
-/** Mark on every slider how far it may move on. */
-function ranges() {
-  const before = performance.now();
-  for (const name of solver.names) {
-    const left = solver.rangeLeft(name, inputs.ends(name));
-    inputs.mark(name, left, false);
-    if (performance.now() - before > 400) break;
-  }
+/** Mark on the next slider how far it may move on. */
+function mark() {
+  const name = unmarked.shift();
+  inputs.mark(name, solver.rangeLeft(name, inputs.ends(name)));
 }
 
 // --- numbers ---------------------------------------------------------------------------------------------------------
@@ -190,6 +186,7 @@ function scaleBar() {
 }
 
 function frame(now) {
+  still += 1;
   if (wishes.size) {
     const values = Object.fromEntries(wishes);
     wishes.clear();
@@ -198,7 +195,8 @@ function frame(now) {
   drag.step();
   plane?.step();
   player?.step(now);
-  strip.step();
+  strip.step(still > PAUSE);
+  if (still > PAUSE && unmarked.length) mark();
   drawing.render();
   requestAnimationFrame(frame);
 }
@@ -206,18 +204,6 @@ function frame(now) {
 /** The first few of some names, and how many more there are. */
 function firstOf(names, count = 5) {
   return names.slice(0, count).join(", ") + (names.length > count ? ` and ${names.length - count} more` : "");
-}
-
-/** Take the mode that is nearest to the configuration which the page was made for. */
-function takeStart() {
-  const wanted = options.start;
-  if (!wanted) return solver.takeStart();
-  solver.takeStart((mode) => {
-    const numbers = ([key, value]) => (typeof value === "number" ? [value - mode.joints[key]] : []);
-    const joints = Object.entries(wanted.joints).filter(([key]) => typeof mode.joints?.[key] === "number").flatMap(numbers);
-    const moved = wanted.pose && mode.position ? wanted.pose.position.map((v, k) => v - mode.position[k]) : [];
-    return Math.hypot(...joints, ...moved);
-  });
 }
 
 // --- beginning -------------------------------------------------------------------------------------------------------
@@ -237,7 +223,7 @@ $("heed").hidden = !solver.limited.length;
 $("fit").addEventListener("click", () => drawing.fit());
 $("reset").addEventListener("click", () => {
   player?.rewind();
-  takeStart();
+  solver.takeStart();
   stand(solver.stopHere());
 });
 $("passive").addEventListener("toggle", readout);
@@ -282,10 +268,7 @@ if (options.path) {
   $("player").addEventListener("pointerdown", () => wishes.clear());
 }
 $("reset").parentElement.hidden = !solver.names.length;
-$("hints").textContent = solver.names.length && scene.items.some((item) => item.role === "platform")
-  ? "Drag the platform to move it, with Shift to turn it; drag beside it to turn the view."
-  : "Drag to turn the view, wheel or two fingers to zoom.";
-takeStart();
+$("hints").textContent = options.hint;
 $("notes").textContent = scene.notes.join(" ");
 dress(options.dark ?? window.matchMedia?.("(prefers-color-scheme: dark)").matches ?? false);
 stand(solver.stopHere());

@@ -1,58 +1,34 @@
 // A plane of two coordinates with singular curves and the map of a sweep: where the mechanism is, and a place to point at where it shall go.
 import { element } from "symkin/inputs";
 
-const COLOURS = { "type 1": "#d55e00", "type 2": "#0072b2", passive: "#009e73" };
 const SIDE = 14; // pixels around the plane
-const SHADES = ["#46327e", "#365c8d", "#277f8e", "#1fa187", "#4ac16d", "#a0da39", "#fde725"]; // viridis
 const NO_MODE = { light: "#dfe3e8", dark: "#333a44" };
 const MOST_APART = Math.log(1.5); // of the sides' lengths
-const MOST_ENTRIES = 8; // counts that the legend names
 
-/** The colour of each value of a map, and what the legend says: [[colour, text], ...]. */
-function coloured({ values, condition }) {
-  const shade = (share) => SHADES[Math.round(share * (SHADES.length - 1))];
-  const positive = [...new Set(values.filter((value) => value > 0))].sort((a, b) => a - b);
-  const low = Math.log(positive[0]), span = Math.log(positive.at(-1)) - low || 1, place = new Map(positive.map((value, k) => [value, k]));
-  if (condition) {
-    const ends = [...new Set([positive[0], Math.exp(low + span / 2), positive.at(-1)])];
-    const colour = (value) => (value > 0 ? shade(1 - (Math.log(value) - low) / span) : null);
-    return { colour, legend: ends.map((value) => [colour(value), `${Number(value.toPrecision(3))}`]) };
-  }
-  const colour = (value) => (value > 0 ? shade(positive.length > 1 ? place.get(value) / (positive.length - 1) : 0) : null);
-  const named = positive.filter((_, k) => positive.length <= MOST_ENTRIES || k % Math.ceil(positive.length / MOST_ENTRIES) === 0);
-  return { colour, legend: named.map((value) => [colour(value), `${value}`]) };
-}
-
-/** A swatch with its text, which stay together. */
-function entry(colour, text, kind) {
-  const item = element("span"), swatch = element("i", { className: kind });
-  if (colour) swatch.style.background = colour;
-  item.append(swatch, text);
-  return item;
-}
-
-/** A list of entries as what is appended to a title; nothing of none. */
-function keyOf(entries) {
+/** Entries [colour, text] as what is appended to a title: swatches with their texts, which stay together; nothing of none. */
+function keyOf(entries, kind = "") {
   const list = element("span", { className: "legend" });
-  for (const one of entries) list.append(one, " ");
+  for (const [colour, text] of entries) {
+    const item = element("span"), swatch = element("i", { className: colour ? kind : "no-mode" });
+    if (colour) swatch.style.background = colour;
+    item.append(swatch, text);
+    list.append(item, " ");
+  }
   return entries.length ? [" ", list] : [];
 }
 
 export class PlaneMap {
-  /** `plane` {names, units, ranges, held, curves: [{kind, points}], map: {title, values, condition, every, edges or points} or absent};
-   * `go(u, v)` moves there; `now()` tells where it is, `off()` the names of what it holds that have other values now. */
+  /** `plane` as `plane.py` paints it; `go(u, v)` moves there; `now()` tells where it is, `off()` the names of what it holds that have other
+   * values now. */
   constructor(place, plane, { go, now, off, ink }) {
     Object.assign(this, { plane, go, now, off, ink });
     place.hidden = false;
-    const kinds = [...new Set(plane.curves.map((curve) => curve.kind))];
-    const title = element("p", { className: "path-title" });
-    const curves = `ingular curves${kinds.length ? "" : ": none met"}`, told = kinds.length > 0 || !plane.map || plane.lociAsked;
-    title.textContent = [plane.map ? `${plane.map.title}${told ? `, s${curves}` : ""}` : `S${curves}`, plane.held].filter(Boolean).join("; ");
-    title.append(...keyOf(kinds.map((kind) => entry(COLOURS[kind] ?? this.ink("loop"), kind, "curve"))));
-    if (plane.map) this._legend(title);
+    const title = element("p", { className: "path-title", textContent: plane.title });
+    title.append(...keyOf(plane.kinds, "curve"));
+    if (plane.map) title.append(plane.map.every, ...keyOf(plane.map.legend));
     this.canvas = element("canvas", { tabIndex: 0 });
     this.canvas.setAttribute("role", "img");
-    this.canvas.setAttribute("aria-label", `Plane of ${plane.names.join(" and ")} with ${plane.map ? "the map of a sweep" : "singular curves"}; point at a place to go there, or use the arrow keys`);
+    this.canvas.setAttribute("aria-label", plane.label);
     this.elsewhere = element("div", { className: "path-title" });
     this.elsewhere.setAttribute("aria-live", "polite");
     place.append(title, this.elsewhere, this.canvas);
@@ -65,24 +41,16 @@ export class PlaneMap {
     new ResizeObserver(() => this.draw()).observe(this.canvas);
   }
 
-  _legend(title) {
-    const { colour, legend } = coloured(this.plane.map);
-    this.colour = colour;
-    const { every } = this.plane.map, entries = [...legend, [null, "none"]];
-    if (every > 1) title.append(`; one point of ${every} each way`);
-    title.append(...keyOf(entries.map(([shade, text]) => entry(shade, text, shade ? "" : "no-mode"))));
-  }
-
   /** The map's cells or dots, drawn once for each size and theme. */
   _map(at, width, height, ratio) {
-    const { edges, points, values } = this.plane.map, none = NO_MODE[document.documentElement.dataset.theme === "dark" ? "dark" : "light"];
+    const { edges, points, fills, shades } = this.plane.map, none = NO_MODE[document.documentElement.dataset.theme === "dark" ? "dark" : "light"];
     const key = [width, height, ratio, none].join();
     if (this.drawn?.key === key) return this.drawn.canvas;
     const canvas = element("canvas", { width: width * ratio, height: height * ratio }), pen = canvas.getContext("2d");
     pen.scale(ratio, ratio);
-    values.forEach((value, k) => {
-      if (points && value === null) return;
-      pen.fillStyle = value === null && !this.plane.map.condition ? "#fff" : (this.colour(value) ?? none);
+    fills.forEach((shade, k) => {
+      if (points && shade === null) return;
+      pen.fillStyle = shade === null ? "#fff" : (shades[shade] ?? none);
       if (points) {
         const [x, y] = at(points[k]);
         return pen.fillRect(x - 1.5, y - 1.5, 3, 3);
@@ -142,7 +110,7 @@ export class PlaneMap {
     this.elsewhere.textContent = off.length ? `The ${plane.map ? "map" : "plane"} is for other values of ${off.join(", ")}.` : "";
     pen.globalAlpha = off.length ? 0.25 : 1;
     if (plane.map) pen.drawImage(this._map(at, width, height, ratio), 0, 0, width, height);
-    for (const { kind, points } of plane.curves) this._curve(pen, points.map(at), COLOURS[kind] ?? this.ink("loop"));
+    for (const { colour, points } of plane.curves) this._curve(pen, points.map(at), colour);
     pen.restore();
     this._words(pen, width, height);
     const [x, y] = at(this.now());

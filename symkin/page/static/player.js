@@ -11,10 +11,6 @@ export class Player {
     this.time = this.times[0];
     this.running = false;
     element.hidden = false;
-    element.innerHTML = `<p class="path-title"></p><div class="path-row">
-      <button type="button" class="play">Play</button>
-      <input type="range" class="place" step="any" aria-label="Place on the path">
-      <label>speed <select><option value="0.25">¼</option><option value="0.5">½</option><option value="1" selected>1</option><option value="2">2</option><option value="4">4</option></select></label></div>`;
     element.querySelector(".path-title").textContent = `Path ${path.title}`;
     this.button = element.querySelector(".play");
     this.place = element.querySelector(".place");

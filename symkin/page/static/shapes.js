@@ -43,11 +43,6 @@ export function shellOf(geometry) {
   return plain;
 }
 
-/** A cylinder of length 1 from the origin along z, to be stretched between two points. */
-export function unitRod(radius, sides = 16) {
-  return new THREE.CylinderGeometry(radius, radius, 1, sides).rotateX(Math.PI / 2).translate(0, 0, 0.5);
-}
-
 export function tube(start, end, radius, sides = 14) {
   const a = vector(start), along = vector(end).sub(a), length = along.length();
   const turn = turned(Y, along.toArray()), middle = a.addScaledVector(along, 0.5);
@@ -58,11 +53,8 @@ export function ball(centre, radius, detail = 18) {
   return new THREE.SphereGeometry(radius, detail, Math.ceil(0.7 * detail)).translate(...centre);
 }
 
-/** A cylinder about an axis through a centre. */
-export function drum(centre, axis, length, radius, sides = 28) {
-  const half = vector(axis).normalize().multiplyScalar(0.5 * length);
-  const c = vector(centre);
-  return tube(c.clone().sub(half).toArray(), c.clone().add(half).toArray(), radius, sides);
+export function mark(centre, radius) {
+  return new THREE.OctahedronGeometry(radius).translate(...centre);
 }
 
 export function block(centre, axis, length, side) {

@@ -2,6 +2,7 @@
 //
 // A step's unknowns follow from formulas with signs; where these lose digits, and where there are none, they are the ends of paths
 // from complex solutions that symkin has found: from generic known values, paths to any real ones meet no singularity on the way.
+import { apart, standard } from "solver-coordinates";
 import { complexSystem } from "solver-system";
 
 const LONGEST = [0.35, 0.05, 0.01]; // steps of a path's parameter, at first and where paths are in doubt
@@ -29,14 +30,8 @@ export class Roots {
   }
 
   get sentence() {
-    const { complexCount, follows, mostFollowed } = this.model, counted = complexCount !== null;
-    if (!follows)
-      return `${counted ? complexCount : `More than ${mostFollowed}`} complex solutions are too many to follow here: away from the start the mode shown alone is followed; symkin modes finds ${counted ? "all" : "others"}.`;
-    if (!this.steps.length) return "";
-    if (this.steps.some((step) => !(step.signs ?? step.starts).length)) return "No solution could be followed to other values, which must perhaps agree with each other: the mode shown alone is followed; symkin modes finds all.";
-    const open = this.unresolved ? ` ${this.unresolved} ${this.unresolved === 1 ? "path is" : "paths are"} unresolved here: modes may be missing.` : "";
-    if (!counted) return `Solutions that symkin has met are followed; others may be missing.${open}`;
-    return `${complexCount} complex ${complexCount === 1 ? "solution is" : "solutions are"} followed.${open}`;
+    const open = this.unresolved;
+    return this.model.sentence + (open ? ` ${open} ${open === 1 ? "path is" : "paths are"} unresolved here: modes may be missing.` : "");
   }
 
   /** Search for all real solutions at the known values of x, itself among them, a path at a time. */
@@ -255,30 +250,4 @@ class Step {
     const { unknown, columns } = this.system, size = (at) => Math.max(1, ...unknown.map((k) => Math.abs(at[k]) / columns[k]));
     return this.system.newton(x, close, most, (length) => length < 10, size);
   }
-}
-
-/** Angles without whole turns, quaternions with w >= 0, rods of positive length, in place. */
-function standard(coordinates, x) {
-  for (const c of coordinates) {
-    if (c.kind === "angle") x[c.place] -= 2 * Math.PI * Math.round(x[c.place] / (2 * Math.PI));
-    else if (c.kind === "quaternion" && x[c.place] < 0) for (let k = 0; k < 4; k++) x[c.place + k] *= -1;
-    else if (c.least !== null && x[c.place] < c.least) x[c.place] = 2 * c.least - x[c.place];
-  }
-  return x;
-}
-
-/** Distance of two solutions, real (pairs = 1) or complex (2): the same up to turns, signs of quaternions and of rods' lengths. */
-function apart({ columns }, coordinates, a, b, pairs) {
-  const gap = (k, shift = 0, sign = 1) =>
-    pairs === 1 ? Math.abs(a[k] - sign * b[k] - shift) : Math.hypot(a[2 * k] - sign * b[2 * k] - shift, a[2 * k + 1] - sign * b[2 * k + 1]);
-  let most = 0;
-  for (const { kind, place: k, least } of coordinates) {
-    const here = a[pairs * k];
-    let d;
-    if (kind === "quaternion") d = Math.min(...[1, -1].map((sign) => Math.max(...[0, 1, 2, 3].map((i) => gap(k + i, 0, sign)))));
-    else if (kind === "angle") d = gap(k, 2 * Math.PI * Math.round((here - b[pairs * k]) / (2 * Math.PI)));
-    else d = least === null ? gap(k) : Math.min(gap(k), gap(k, 2 * least, -1));
-    most = Math.max(most, d / columns[k] / (1 + Math.abs(here) / columns[k]));
-  }
-  return most;
 }

@@ -1,6 +1,7 @@
 // Follows a mechanism's closure: Newton's method on all rows with step control, all modes, the inverse problem of a drag.
 // No imports but the linear algebra; plain numbers; runs in browsers and in node alike.
 import { leastSquares } from "solver-algebra";
+import { beyond, plainValue, positive } from "solver-coordinates";
 import { Roots } from "solver-roots";
 import { System } from "solver-system";
 
@@ -42,22 +43,12 @@ class Solver {
     this.kinds = this.names.map((name) => model.coordinates.find((c) => c.name === name).kind);
     const { rows, columns } = model;
     this.system = new System(generated.system, { rows, columns, known: this.places, unknown: this.unknown });
-    this.limited = this._limited();
+    this.limited = model.limited.map((c) => ({ ...c, high: c.high ?? Infinity }));
     this.heedsLimits = true; // whether movements stop at limits
     this.correct(this.x);
     this.roots = new Roots(this);
     this.modeIndex = -1;
     this.found = this.search = null; // the modes at the present values, and the search for them
-  }
-
-  /** Coordinates with limits: those of the closure, then those that are `read` of joints at which loops are cut. */
-  _limited() {
-    const held = this.model.coordinates.filter((c) => c.limits || c.least !== null);
-    const read = this.model.readings.filter((c) => c.limits).map((c) => ({ ...c, read: true }));
-    return [...held, ...read].map((c) => {
-      const [low, high] = c.limits ?? [c.least, Infinity];
-      return { ...c, low, high };
-    });
   }
 
   /** What joints read whose coordinates the closure leaves out. */
@@ -204,7 +195,7 @@ class Solver {
   /** How far each coordinate of `limited` is beyond its limits, below zero under the lower one. */
   _excesses(x) {
     const values = this.limited.some((c) => c.read) ? this._read(x) : null;
-    return this.limited.map((c) => (c.read ? beyondTurning(c.kind, values[c.place], c.low, c.high) : beyond(x[c.place], c.low, c.high)));
+    return this.limited.map((c) => beyond(c, (c.read ? values : x)[c.place]));
   }
 
   // --- stops ---------------------------------------------------------------------------------------------------------
@@ -254,7 +245,7 @@ class Solver {
   /** The motion that the given values hold least: the platform's twist (velocity, angular velocity; null where it stands), and in words. */
   _singularMotion() {
     const { vector } = this._pair(this.x);
-    const twist = this.model.hasPlatform ? this._twistOf(vector) : null, length = (k) => (k < 3 ? 1 / this.size : 1);
+    const twist = this.model.hasPlatform ? this._twists(this.x).map((row) => this.unknown.reduce((sum, place, k) => sum + row[place] * vector[k], 0)) : null, length = (k) => (k < 3 ? 1 / this.size : 1);
     const motion = twist && Math.hypot(...twist.map((v, k) => v * length(k))) > STANDS ? twist : null;
     const rates = this.model.coordinates.flatMap((c) => {
       const k = this.unknown.indexOf(c.place);
@@ -265,11 +256,18 @@ class Solver {
     return { motion, sentence: `${what} can move a little while the given values are held${motion ? ", as the arrow shows" : ""}` };
   }
 
-  _twistOf(vector) {
-    const pose = new Float64Array(7), gradients = new Float64Array(7 * this.model.width), rates = new Float64Array(7);
-    this.functions.pose(this.x, pose, gradients);
-    for (let r = 0; r < 7; r++) this.unknown.forEach((place, k) => (rates[r] += gradients[r * this.model.width + place] * vector[k]));
-    return [...rates.subarray(0, 3), ...angular(pose.subarray(3), rates.subarray(3))];
+  /** The platform's pose [position, quaternion]. */
+  _pose(x) {
+    const pose = new Float64Array(7);
+    this.functions.pose(x, pose);
+    return [[...pose.subarray(0, 3)], positive(pose.subarray(3))];
+  }
+
+  /** Rates of its twist (velocity, angular velocity) with the variables, row by row. */
+  _twists(x) {
+    const { width } = this.model, gradients = new Float64Array(6 * width);
+    this.functions.twist(x, gradients);
+    return Array.from({ length: 6 }, (_, r) => gradients.subarray(r * width, (r + 1) * width));
   }
 
   /** How far a given coordinate may move from here, the others held: [low, high] within the limits or `ends`. */
@@ -289,8 +287,7 @@ class Solver {
 
   /** Pose, joints and residual of a configuration, the present one unless told. */
   solution(x = this.x) {
-    const pose = new Float64Array(7), joints = {}, { functions, model } = this;
-    functions.pose(x, pose, new Float64Array(7 * model.width));
+    const joints = {}, { functions, model } = this;
     let within = null;
     const tell = (list, values) => {
       for (const c of list) {
@@ -304,8 +301,7 @@ class Solver {
     const errors = new Float64Array(model.errors);
     functions.errors(x, errors);
     const residual = errors.reduce((most, v) => Math.max(most, Math.abs(v)), 0);
-    const platform = model.hasPlatform;
-    const position = platform ? [...pose.subarray(0, 3)] : null, quaternion = platform ? positive(pose.subarray(3)) : null;
+    const [position, quaternion] = model.hasPlatform ? this._pose(x) : [null, null];
     return { position, quaternion, joints, residual, within_limits: within, variables: Array.from(x) };
   }
 
@@ -335,13 +331,12 @@ class Solver {
 
   /** Pose and actuated joints of a configuration: lengths over the size, angles by cosine and sine. */
   _markOf(x) {
-    const pose = new Float64Array(7), { size, model } = this;
-    this.functions.pose(x, pose, new Float64Array(7 * model.width));
+    const { size, model } = this, [position, quaternion] = this._pose(x);
     const joints = model.coordinates.filter((c) => c.actuated).flatMap((c) => {
       const v = x[c.place];
       return c.kind === "angle" ? [Math.cos(v), Math.sin(v)] : [c.kind === "length" ? v / size : v];
     });
-    return [...Array.from(pose.subarray(0, 3), (v) => v / size), ...positive(pose.subarray(3)), ...joints];
+    return [...position.map((v) => v / size), ...quaternion, ...joints];
   }
 
   /** All modes at the present values; waits for the end of the search. */
@@ -359,10 +354,9 @@ class Solver {
     return this.roots.sentence;
   }
 
-  /** Take the configuration of the start, or of its modes the one that is nearest to `wanted` by apart(solution). */
-  takeStart(apart = null) {
-    const modes = apart ? this.roots.startModes() : [], gaps = modes.map((x) => apart(this.solution(x)));
-    this.x = modes[gaps.indexOf(Math.min(...gaps))] ?? Float64Array.from(this.model.start);
+  /** Take the configuration of the start. */
+  takeStart() {
+    this.x = Float64Array.from(this.model.start);
     this.found = this.search = null;
   }
 
@@ -397,26 +391,18 @@ class Solver {
 
   /** Known values a step nearer to the pose, by least squares on pose, rows and a small step; null where that moves nothing. */
   _towards(position, quaternion) {
-    const { width, columns } = this.model, pose = new Float64Array(7), gradients = new Float64Array(7 * width);
-    this.functions.pose(this.x, pose, gradients);
+    const { width, columns } = this.model, [here, turned] = this._pose(this.x), twists = this._twists(this.x);
     const { values: rows, gradients: closing } = this.system;
     this.system.evaluate(this.x, rows, closing);
-    const count = rows.length + (quaternion ? 6 : 3) + width, matrix = new Float64Array(count * width), right = new Float64Array(count);
+    const away = position.map((v, k) => (v - here[k]) / this.size);
+    if (quaternion) away.push(...rotationVector(quaternion, turned));
+    const matrix = new Float64Array((rows.length + away.length + width) * width), right = new Float64Array(matrix.length / width);
     const stiff = 1e4;
     closing.forEach((v, k) => (matrix[k] = stiff * v));
     let row = rows.length;
-    for (let k = 0; k < 3; k++, row++) {
-      for (let c = 0; c < width; c++) matrix[row * width + c] = gradients[k * width + c] / this.size;
-      right[row] = (position[k] - pose[k]) / this.size;
-    }
-    if (quaternion) {
-      const turn = rotationVector(quaternion, pose.subarray(3));
-      for (let c = 0; c < width; c++) {
-        const rate = angular(pose.subarray(3), [3, 4, 5, 6].map((r) => gradients[r * width + c]));
-        rate.forEach((v, k) => (matrix[(row + k) * width + c] = v));
-      }
-      turn.forEach((v, k) => (right[row + k] = v));
-      row += 3;
+    for (const [k, v] of away.entries()) {
+      matrix.set(twists[k].map((rate) => (k < 3 ? rate / this.size : rate)), row * width);
+      right[row++] = v;
     }
     for (let c = 0; c < width; c++) matrix[(row + c) * width + c] = 3e-3;
     const step = leastSquares(matrix, right, width);
@@ -431,62 +417,17 @@ class Solver {
 
   _clamped(name, value) {
     if (!this.heedsLimits) return value;
-    const c = this.model.coordinates.find((one) => one.name === name);
-    const [low, high] = c.limits ?? [c.least ?? -Infinity, Infinity];
+    const { low, high } = this.limited.find((one) => one.name === name) ?? { low: -Infinity, high: Infinity };
     return Math.min(high, Math.max(low, value));
   }
 }
 
 // --- numbers ---------------------------------------------------------------------------------------------------------
 
-/** A coordinate in its standard writing: angles in (-pi, pi] and moved into their limits, quaternions with w >= 0. */
 /** A share as a text: of 1, what is left of it is told too. */
 export function percent(share) {
   const near = share > 0.999 ? Number((100 - Number((100 * (1 - share)).toPrecision(1))).toPrecision(10)) : Number((100 * share).toPrecision(3));
   return `${near} %`;
-}
-
-export function plainValue(c, x) {
-  if (c.kind === "quaternion") return positive(x.subarray(c.place, c.place + 4));
-  const value = x[c.place];
-  if (c.kind !== "angle") return c.least !== null && value < c.least ? 2 * c.least - value : value;
-  return intoLimits(withoutTurns(value), c.limits);
-}
-
-export function withoutTurns(angle) {
-  const turned = angle - 2 * Math.PI * Math.round(angle / (2 * Math.PI));
-  return turned <= -Math.PI + 1e-15 ? turned + 2 * Math.PI : turned;
-}
-
-function intoLimits(angle, limits) {
-  if (!limits || (angle >= limits[0] && angle <= limits[1])) return angle;
-  const moved = angle + 2 * Math.PI * Math.ceil((limits[0] - angle) / (2 * Math.PI) - 1e-12);
-  return moved <= limits[1] + 1e-12 ? moved : angle;
-}
-
-/** How far a value is beyond its limits, below zero under the lower one. */
-function beyond(value, low, high) {
-  return value > high ? value - high : Math.min(0, value - low);
-}
-
-/** The same of a joint that is read; whole turns of an angle do not count. */
-function beyondTurning(kind, value, low, high) {
-  const turn = kind === "angle" ? 2 * Math.PI : Infinity, middle = 0.5 * (low + high), apart = value - middle;
-  return beyond(middle + apart - (turn < Infinity ? turn * Math.round(apart / turn) : 0), low, high);
-}
-
-export function positive(q) {
-  const length = Math.hypot(...q), lead = [...q].find((v) => Math.abs(v) > 1e-12 * length) ?? 1;
-  return [...q].map((v) => (v * Math.sign(lead)) / length + 0);
-}
-
-/** Angular velocity in the base frame of a quaternion and its rate. */
-function angular([w, x, y, z], [dw, dx, dy, dz]) {
-  return [
-    2 * (-x * dw + w * dx - z * dy + y * dz),
-    2 * (-y * dw + z * dx + w * dy - x * dz),
-    2 * (-z * dw - y * dx + x * dy + w * dz),
-  ];
 }
 
 /** The rotation vector that turns the second orientation into the first. */

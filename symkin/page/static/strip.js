@@ -2,44 +2,31 @@
 import { element } from "symkin/inputs";
 
 const MOST = 64; // small views at most
-const SEARCH = 25; // milliseconds of a search between two frames that goes on
-const FIRST = 100; // milliseconds for the modes at new values at once, where the last ones took less
-const QUICK = 12; // milliseconds within which the modes are found at every movement
-const DRAWING = 8; // milliseconds of a frame for small views, at least one of them
+const SEARCH = 12; // milliseconds of a frame for a search
+const QUICK = 5; // milliseconds within which the modes are found at every movement; others are where nothing moves
+const DRAWING = 8; // milliseconds of a frame for small views where nothing moves; at least one of them is drawn
 
 export class Strip {
   constructor(list, text, { solver, drawing, onChoose }) {
     Object.assign(this, { list, text, solver, drawing, onChoose });
     this.buttons = [];
     this.modes = [];
-    this.took = this.spent = 0; // milliseconds of the last search, and so far of the one that goes on
-    this.timer = 0;
+    [this.took, this.spent] = [Infinity, 0]; // milliseconds of the last search, and so far of the one that goes on
+    this.old = false; // whether the modes are those of other values
     [this.last, this.stale] = [-1, 0]; // the small view drawn last, and how many after it are to be drawn anew
     list.addEventListener("keydown", (event) => this._key(event));
   }
 
-  /** The values changed: find the modes anew, at once where that is quick. */
+  /** The values changed: find the modes anew. */
   changed() {
-    if (this.timer) return;
-    const wait = this.took < QUICK ? 0 : Math.min(400, 4 * this.took);
-    this.timer = setTimeout(() => {
-      this.timer = 0;
-      this.refresh();
-    }, wait);
+    [this.old, this.spent] = [true, 0];
   }
 
   refresh() {
-    const before = performance.now(), quick = this.took > 0 && this.took < FIRST && !this.spent;
-    const found = this.solver.findModes(quick ? FIRST : SEARCH);
+    const before = performance.now();
+    this.old = !this.solver.findModes(SEARCH);
     this.spent += performance.now() - before;
-    if (!found) {
-      this.text.textContent = "Finding all modes …";
-      this.timer = setTimeout(() => {
-        this.timer = 0;
-        this.refresh();
-      });
-      return;
-    }
+    if (this.old) return;
     this.modes = this.solver.modes();
     [this.took, this.spent] = [this.spent, 0];
     this.poses = this.modes.slice(0, MOST).map((mode) => Float64Array.from(this.solver.linkPoses(mode)));
@@ -54,13 +41,15 @@ export class Strip {
     this.box = null;
   }
 
-  /** Draw some of the small views, once a frame. */
-  step() {
+  /** One frame: find modes, and draw some of the small views. */
+  step(still) {
+    if (this.old && (still || this.took < QUICK)) this.refresh();
+    if (this.old) this.text.textContent = still ? "Finding all modes …" : "Finding all modes once nothing moves …";
     if (!this.stale) return;
     const count = this.buttons.length, turns = Array.from({ length: this.stale }, (_, k) => (this.last + k + 1) % count);
     const jobs = turns.map((k) => [this.buttons[k].firstChild, this.poses[k]]);
     this.box ??= this.drawing.boxOf(this.poses);
-    const drawn = this.drawing.drawSmall(jobs, this.box, performance.now() + DRAWING);
+    const drawn = this.drawing.drawSmall(jobs, this.box, performance.now() + (still ? DRAWING : 0));
     [this.last, this.stale] = [turns[drawn - 1], this.stale - drawn];
   }
 
