@@ -12,6 +12,7 @@ from symkin.errors import MechanismError
 from symkin.formats.couplings import CouplingSet, LinearEquation
 from symkin.formats.mjcf_equalities import Equality
 from symkin.formats.mjcf_model import CompiledModel
+from symkin.model.graph import Coupling
 from symkin.model.motor import Motor, motor_of
 from symkin.text import first_of
 
@@ -66,9 +67,9 @@ class _Pair:
             (joint, own), (of, factor) = self.first[0], self.second[0]
             inner = np.polynomial.Polynomial([-self.other, factor])
             polynomial = (np.polynomial.Polynomial(self.coefficients)(inner) + self.start) / own
-            found.add_polynomial(
-                names[joint], names[of], [float(c) for c in polynomial.coef], self.equality.where
-            )
+            powers = [float(c) for c in polynomial.coef]
+            coupling = Coupling(names[joint], names[of], polynomial=powers)
+            found.add(coupling, self.equality.where)
         else:
             raise MechanismError(
                 f"{self.equality.where}: a polynomial of more than one joint, or of a held one, is "

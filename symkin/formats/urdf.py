@@ -9,7 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from symkin.errors import MechanismError
-from symkin.formats.couplings import couplings_told
+from symkin.formats.couplings import CouplingSet
 from symkin.formats.gepetto_yaml import loops_beside
 from symkin.formats.graph_reader import GraphReader
 from symkin.formats.joint_graph import (
@@ -26,7 +26,7 @@ from symkin.formats.packages import Packages
 from symkin.formats.parts import JOINTS_TAG
 from symkin.formats.read_options import AS_IT_IS, ReadOptions
 from symkin.formats.robot import Mesh, Robot, refuse_too_many
-from symkin.formats.urdf_loops import LOOP_TAGS, loops_within
+from symkin.formats.urdf_loops import LOOP_TAGS, gears_within, loops_within
 from symkin.formats.urdf_motors import mimics, told_motors, with_motors
 from symkin.formats.urdf_parts import direction, origin, parts_within, plain_tag
 from symkin.formats.xacro_text import expanded, is_xacro, macros
@@ -132,7 +132,11 @@ class _Reader(GraphReader):
         joints = [replace(joint, motor=motors.get(joint.name)) for joint in joints]
         told = self.read.actuated or self.parts.actuated is not None
         joints, of_motors = (joints, []) if told else with_motors(self.root, self.beside, joints)
-        couplings = couplings_told([*mimics(self.elements, joints), *loops.couplings(joints)])
+        couplings = CouplingSet()
+        for coupling, where in mimics(self.elements, joints):
+            couplings.add(coupling, where)
+        for equation in gears_within(self.root, self.links, joints):
+            couplings.add_linear(equation)
         links = [
             *self.links,
             *(link for joint in joints for link in joint.links if link not in self.links),
@@ -143,8 +147,15 @@ class _Reader(GraphReader):
             links=tuple(dict.fromkeys(links)),
             root=root,
             joints=joints,
-            couplings=couplings,
-            notes=(*self.notes, *of_motors, *self.beside.notes, *loops.notes, *self._left_out()),
+            couplings=tuple(couplings.found.values()),
+            notes=(
+                *self.notes,
+                *of_motors,
+                *self.beside.notes,
+                *loops.notes,
+                *couplings.notes,
+                *self._left_out(),
+            ),
             source=str(self.path),
             meshes=self._meshes(),
             parts=self.parts,

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
-from symkin.formats.couplings import ToldCoupling
 from symkin.formats.gepetto_yaml import LoopsBeside
 from symkin.formats.joint_graph import GraphJoint
 from symkin.formats.xml_text import Element
@@ -80,10 +79,13 @@ def told_motors(root: Element) -> dict[str, Motor | None]:
     return found
 
 
-def mimics(elements: Sequence[Element], joints: Sequence[GraphJoint]) -> list[ToldCoupling]:
-    """joint = multiplier x other + offset, for every <mimic> of a joint that moves."""
+def mimics(
+    elements: Sequence[Element], joints: Sequence[GraphJoint]
+) -> Iterator[tuple[Coupling, str]]:
+    """joint = multiplier x other + offset, for every <mimic> of a joint that moves, and its
+    place.
+    """
     made = {joint.name: joint for joint in joints}
-    found: list[ToldCoupling] = []
     for element in elements:
         mimic = element.one("mimic")
         if mimic is None:
@@ -105,15 +107,8 @@ def mimics(elements: Sequence[Element], joints: Sequence[GraphJoint]) -> list[To
                 f"{wrong!r} has no one coordinate; joints that mimic are revolute, continuous or "
                 f"prismatic"
             )
-        found.append(
-            (
-                Coupling(
-                    name, {other: mimic.number("multiplier", 1.0)}, mimic.number("offset", 0.0)
-                ),
-                mimic,
-            )
-        )
-    return found
+        factor, offset = mimic.number("multiplier", 1.0), mimic.number("offset", 0.0)
+        yield Coupling(name, {other: factor}, offset), mimic.where
 
 
 def _is_passive(joint: Element) -> bool:

@@ -148,7 +148,7 @@ ONE_FORMAT = {
         "sdf",
         "</xyz>",
         "</xyz><mimic joint='{other}'><multiplier>2</multiplier></mimic>",
-        "<mimic joint='k'>: the joints mimic each other in a circle: j, k",
+        "<mimic joint='j'>: the joints mimic each other in a circle: j, k",
     ),
     "circle, MJCF": (
         "xml",
