@@ -20,7 +20,7 @@ import numpy as np
 from symkin.computed_once import cached_property
 from symkin.errors import MechanismError
 from symkin.formats.naming import allowed_names, fresh_name, renamed
-from symkin.formats.parts import Parts, turned
+from symkin.formats.parts import Parts
 from symkin.formats.robot import Closure, Mesh, Robot, joint_at
 from symkin.formats.tree import rows_and_checks
 from symkin.model.graph import Coupling, LinkJoint
@@ -184,17 +184,13 @@ class _Assembly:
         self.part_of: dict[str, str] = {}
         self.carried: list[tuple[str, str, GraphJoint]] = []
         for link, (_, joint) in placed.items():
-            carrier = (
-                None
-                if joint is None
-                else self.part_of[next(other for other in joint.links if other != link)]
-            )
-            if joint is None or carrier is None or joint.type != "weld":
-                self.part_of[link] = link
-            else:
-                self.part_of[link] = carrier
-            if joint is not None and carrier is not None and joint.type != "weld":
-                self.carried.append((carrier, link, joint))
+            self.part_of[link] = link
+            if joint is not None:
+                carrier = self.part_of[joint.links[joint.links[0] == link]]
+                if joint.type == "weld":
+                    self.part_of[link] = carrier
+                else:
+                    self.carried.append((carrier, link, joint))
         self.link_names, self.joint_names = graph.names
 
     def robot(self, rest: Sequence[GraphJoint], notes: Sequence[str]) -> Robot:
@@ -216,7 +212,9 @@ class _Assembly:
             joints=tuple(self._link_joint(*entry) for entry in self.carried),
             closures=tuple(closures),
             couplings=tuple(
-                self._coupling(c) for c in self.graph.couplings if self._is_kept(c, kept)
+                c.renamed({name: self._coordinate(name) for name in (c.joint, *c.names)})
+                for c in self.graph.couplings
+                if self._is_kept(c, kept)
             ),
             notes=(
                 *root,
@@ -263,7 +261,7 @@ class _Assembly:
         name, point = self.joint_names[joint.name], _numbers(frame.position)
         made = Joint(name, joint.type, point, axis, axis2, zero=zero, **self._told(joint))
         return LinkJoint(
-            turned(made) if backward else made, (self.link_names[carrier], self.link_names[link])
+            made.turned() if backward else made, (self.link_names[carrier], self.link_names[link])
         )
 
     def _told(self, joint: GraphJoint) -> dict[str, Any]:
@@ -303,16 +301,6 @@ class _Assembly:
                 found.append(Closure(made, (one, other), first, second, joint.where))
         return found, notes
 
-    def _coupling(self, coupling: Coupling) -> Coupling:
-        new = self._coordinate
-        if isinstance(coupling.of, str):
-            return replace(coupling, joint=new(coupling.joint), of=new(coupling.of))
-        return replace(
-            coupling,
-            joint=new(coupling.joint),
-            of=tuple((new(name), factor) for name, factor in coupling.terms),
-        )
-
     def _coordinate(self, name: str) -> str:
         """The name of a coordinate under its joint's new name."""
         if name in self.joint_names:
@@ -340,7 +328,7 @@ class _Assembly:
         return {
             self.link_names[link]: meshes
             for link, meshes in self.graph.meshes.items()
-            if link in self.placed
+            if meshes and link in self.placed
         }
 
 

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 
 from symkin.formats.couplings import CouplingSet, LinearEquation
-from symkin.formats.graph_reader import GraphReader
+from symkin.formats.graph_reader import ONE_COORDINATE, GraphReader
 from symkin.formats.joint_graph import (
     Direction,
     GraphJoint,
@@ -103,7 +104,10 @@ class _Reader(GraphReader):
             ],
             couplings=tuple(couplings.found.values()),
             source=str(self.path),
-            meshes=self._meshes(),
+            meshes={
+                _plain(link): self.meshes(element, partial(self._mesh, link, scope))
+                for link, (element, scope) in self.frames.links.items()
+            },
             parts=self.parts,
         )
         graph = self._with_motors(graph)
@@ -119,10 +123,11 @@ class _Reader(GraphReader):
         nothing joins to that one.
         """
         canonical = self.frames.link_of(self.frames.frames["__model__"].attached)
+        canonical = links[0] if canonical == WORLD else canonical
         if any(canonical in joint.links for joint in joints):
             return canonical
         if not joints:
-            return canonical if canonical in links else links[0]
+            return canonical
         graph = JointGraph("", links, canonical, joints)
         tree = spanning_tree(graph)
         return max(links, key=lambda link: len(place(replace(graph, root=link), tree)))
@@ -264,7 +269,7 @@ class _Reader(GraphReader):
     def _coordinate(
         self, made: dict[str, GraphJoint], name: str, axis: int, element: Element
     ) -> str:
-        if name not in made or made[name].type not in ("R", "P", "H", "U"):
+        if name not in made or made[name].type not in (*ONE_COORDINATE, "U"):
             raise element.error(
                 f"the joint {_plain(name)!r} is "
                 f"{'unknown' if name not in made else 'without an axis'}"
@@ -335,7 +340,7 @@ class _Reader(GraphReader):
 
     def _with_motors(self, graph: JointGraph) -> JointGraph:
         """The joints that plugins name actuated, else all of the tree that move."""
-        if self.read.actuated or self.parts.actuated is not None:
+        if self.motors_told:
             return graph
         named = {
             e.text.strip()
@@ -344,40 +349,11 @@ class _Reader(GraphReader):
             for e in p.walk()
             if e.tag == "joint_name"
         }
-        able = [joint for joint in graph.joints if joint.type in ("R", "P", "H", "U")]
-        driven = {joint.name for joint in able if joint.name in named}
-        if not driven:
-            followers = {coupling.joint for coupling in graph.couplings}
-            tree = {joint.name for joint in spanning_tree(graph)}
-            driven = {
-                joint.name
-                for joint in able
-                if joint.name in tree and joint.type != "U" and joint.name not in followers
-            }
-            if driven:
-                self.notes.append(
-                    "no motors are told: all movable joints of the tree of one coordinate are "
-                    "actuated"
-                )
-        return replace(
-            graph,
-            joints=[replace(j, actuated=True) if j.name in driven else j for j in graph.joints],
-        )
+        followers = {coupling.joint for coupling in graph.couplings}
+        able = {joint.name for joint in spanning_tree(graph)} - followers
+        return replace(graph, joints=self.driven(graph.joints, named, able, self.notes))
 
-    def _meshes(self) -> dict[str, tuple[Mesh, ...]]:
-        found: dict[str, tuple[Mesh, ...]] = {}
-        for link, (element, scope) in self.frames.links.items():
-            meshes = [
-                self._mesh(link, v, mesh, scope)
-                for v in element.all("visual")
-                for mesh in v.walk()
-                if mesh.tag == "mesh"
-            ]
-            if meshes:
-                found[_plain(link)] = tuple(meshes)
-        return found
-
-    def _mesh(self, link: str, visual: Element, mesh: Element, scope: Scope) -> Mesh:
+    def _mesh(self, link: str, scope: Scope, visual: Element, mesh: Element) -> Mesh:
         """A mesh of a visual, which is told in the link's frame unless it says otherwise."""
         pose, told_in = self.frames.relative(visual, scope, link)
         scale = mesh.one("scale")

@@ -3,52 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 
 from symkin.formats.gepetto_yaml import LoopsBeside
+from symkin.formats.graph_reader import ONE_COORDINATE
 from symkin.formats.joint_graph import GraphJoint
 from symkin.formats.xml_text import Element
 from symkin.model.graph import Coupling
 from symkin.model.motor import Motor, motor_of
-from symkin.text import first_of, meant
-
-ONE_COORDINATE = ("R", "P", "H")
-"""Joints that a mimic may follow, and that are driven where nothing says which are."""
-
-
-def with_motors(
-    root: Element, beside: LoopsBeside, joints: Sequence[GraphJoint]
-) -> tuple[list[GraphJoint], list[str]]:
-    """The joints, those that motors drive actuated (as the YAML file, transmissions or URDF+ say,
-    else all that move but mimics), and notes.
-    """
-    told, source = _told(root, beside)
-    notes = []
-    unknown = [name for name in told if name not in {joint.name for joint in joints}]
-    if unknown:
-        notes.append(f"{source} name joints that the file has not: {first_of(unknown)}")
-    driven = {
-        j.name
-        for j in joints
-        if j.name in told and not j.closing and j.type in (*ONE_COORDINATE, "U")
-    }
-    if not driven:
-        followers = {
-            e.attribute("name")
-            for e in root.all("joint", "drake:joint")
-            if e.one("mimic") is not None
-        }
-        driven = {
-            j.name
-            for j in joints
-            if j.type in ONE_COORDINATE and not j.closing and j.name not in followers
-        }
-        notes += (
-            ["no motors are told: all movable joints of the tree are actuated"] if driven else []
-        )
-    return [
-        replace(joint, actuated=True) if joint.name in driven else joint for joint in joints
-    ], notes
+from symkin.text import meant
 
 
 def told_motors(root: Element) -> dict[str, Motor | None]:
@@ -119,7 +81,7 @@ def _is_passive(joint: Element) -> bool:
     )
 
 
-def _told(root: Element, beside: LoopsBeside) -> tuple[frozenset[str], str]:
+def driven_names(root: Element, beside: LoopsBeside) -> tuple[frozenset[str], str]:
     """The driven joints that are told, and where."""
     if beside.motors:
         return frozenset(beside.motors), str(beside.file)

@@ -17,7 +17,7 @@ import numpy as np
 from symkin.errors import MechanismError
 from symkin.formats.graph_form import as_graph, is_closed_at_reference
 from symkin.formats.naming import fresh_name
-from symkin.formats.parts import Parts, Whole, in_two, turned
+from symkin.formats.parts import Parts, Whole, in_two
 from symkin.model.graph import Coupling, LinkJoint, LinkRod
 from symkin.model.graph_checks import links_of
 from symkin.model.joined import Joined
@@ -267,7 +267,7 @@ class _Writer:
                 behind.append(other)
                 parts = self._in_parts(entry.joint)
                 if entry.links[0] != link:
-                    parts = [turned(part) for part in reversed(parts)]
+                    parts = [part.turned() for part in reversed(parts)]
                     # of joints in parts the order of these tells it
                     self.turned += (
                         []

@@ -97,8 +97,9 @@ def _only_chain(graph: Mechanism, tool: str) -> list[Joint] | None:
     for part in chain:
         if not isinstance(part, LinkJoint):
             return None
-        link = part.links[part.links[0] == link]
-        joints.append(_outward(part, link))
+        along = part.links[0] == link
+        link = part.links[along]
+        joints.append(part.joint if along else part.joint.turned())
     return joints
 
 
@@ -135,10 +136,3 @@ def _without_noise(
         for c in graph.platform_quaternion
     ]
     return cleaned, known(graph.platform_position), half_turns
-
-
-def _outward(entry: LinkJoint, link: str) -> Joint:
-    """The joint as it moves the link that is farther from the base, `link`."""
-    if entry.links[1] == link or entry.joint.axis is None:
-        return entry.joint
-    return replace(entry.joint, axis=tuple(-c for c in entry.joint.axis))
