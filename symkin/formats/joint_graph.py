@@ -12,6 +12,8 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import pairwise
+from types import MappingProxyType
 from typing import Any
 
 import casadi as ca
@@ -97,46 +99,54 @@ def robot_of(graph: JointGraph) -> Robot:
     the values that `parts` tells; what the root does not reach is left out.
     """
     graph = uniquely_named(graph)
-    tree = spanning_tree(graph)
-    placed, in_tree = place(graph, tree), {joint.name for joint in tree}
+    tree = spanning_tree(graph.joints, graph.couplings, [graph.root, *graph.floating])
+    placed = place(tree, graph.root, graph.floating, graph.parts.reference)
+    in_tree = {joint.name for joint in tree}
     rest = [
         joint for joint in graph.joints if joint.links[0] in placed and joint.name not in in_tree
     ]
     return _Assembly(graph, placed).robot(rest, _unreached_note(graph, placed))
 
 
-def spanning_tree(graph: JointGraph) -> list[GraphJoint]:
-    """The joints that place every link that the root reaches, each once (Kruskal's choice in the
-    order of preference).
+def spanning_tree(
+    joints: Sequence[GraphJoint],
+    couplings: Sequence[Coupling] = (),
+    together: Collection[str] = (),
+) -> list[GraphJoint]:
+    """The joints that place every link that they reach, each once (Kruskal's choice in the order of
+    preference); links that are `together` are placed already.
     """
-    coupled = {name.partition(".")[0] for c in graph.couplings for name in (c.joint, *c.names)}
-    coupled |= {name for c in graph.couplings for name in (c.joint, *c.names)}
-    ranked = sorted(graph.joints, key=lambda joint: _preference(joint, joint.name in coupled))
+    coupled = {name for c in couplings for name in (c.joint, *c.names)}
+    coupled |= {name.partition(".")[0] for name in coupled}
+    ranked = sorted(joints, key=lambda joint: _preference(joint, joint.name in coupled))
     joined = Joined[str]()
-    for link in graph.floating:
-        joined.join(graph.root, link)
+    for first, second in pairwise(together):
+        joined.join(first, second)
     return [joint for joint in ranked if joined.join(*joint.links)]
 
 
 def place(
-    graph: JointGraph, tree: Sequence[GraphJoint]
+    tree: Sequence[GraphJoint],
+    root: str,
+    floating: Mapping[str, Pose] = MappingProxyType({}),
+    reference: Mapping[str, float] = MappingProxyType({}),
 ) -> dict[str, tuple[Pose, GraphJoint | None]]:
     """Every link that the root reaches, in an order from the root: its pose in the root's frame,
-    and the joint that carries it.
+    and the joint that carries it. Joints have the values of `reference`, or else of the file.
     """
-    at: dict[str, list[GraphJoint]] = {link: [] for link in graph.links}
+    at: dict[str, list[GraphJoint]] = {}
     for joint in tree:
         for link in joint.links:
-            at[link].append(joint)
-    placed: dict[str, tuple[Pose, GraphJoint | None]] = {graph.root: (Pose.identity(), None)}
-    placed |= {link: (pose, None) for link, pose in graph.floating.items()}
+            at.setdefault(link, []).append(joint)
+    placed: dict[str, tuple[Pose, GraphJoint | None]] = {root: (Pose.identity(), None)}
+    placed |= {link: (pose, None) for link, pose in floating.items()}
     todo = [*placed]
     for link in todo:
-        for joint in at[link]:
+        for joint in at.get(link, ()):
             here = joint.links.index(link)
             other = joint.links[1 - here]
             if other not in placed:
-                away = graph.parts.reference.get(joint.name, joint.value) - joint.value
+                away = reference.get(joint.name, joint.value) - joint.value
                 moved = moved_along(joint, away)
                 between = moved if here == 0 else moved.inverse()
                 pose = (

@@ -74,7 +74,8 @@ class _Text:
         inside(frame, "key", name="reference", qpos=positions)
         return document(
             root,
-            f"{graph.name}, written by symkin: metres and radians; masses have no meaning{told}",
+            graph.name,
+            told,
         )
 
     # --- bodies -----------------------------------------------------------------------------------

@@ -128,9 +128,8 @@ class _Reader(GraphReader):
             return canonical
         if not joints:
             return canonical
-        graph = JointGraph("", links, canonical, joints)
-        tree = spanning_tree(graph)
-        return max(links, key=lambda link: len(place(replace(graph, root=link), tree)))
+        tree = spanning_tree(joints)
+        return max(links, key=lambda link: len(place(tree, link)))
 
     # --- joints -----------------------------------------------------------------------------------
 
@@ -350,7 +349,7 @@ class _Reader(GraphReader):
             if e.tag == "joint_name"
         }
         followers = {coupling.joint for coupling in graph.couplings}
-        able = {joint.name for joint in spanning_tree(graph)} - followers
+        able = {joint.name for joint in spanning_tree(graph.joints, graph.couplings)} - followers
         return replace(graph, joints=self.driven(graph.joints, named, able, self.notes))
 
     def _mesh(self, link: str, scope: Scope, visual: Element, mesh: Element) -> Mesh:

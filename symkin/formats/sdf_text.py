@@ -59,14 +59,11 @@ class _Text:
     def __init__(self, tree: WrittenTree) -> None:
         self.tree, self.name = tree, tree.graph.name
         self.places: dict[str, np.ndarray] = {BASE: np.zeros(3)}
-        self.joints: list[LinkJoint] = []
-        for entry in tree.one_by_one():
-            (joint,) = entry.joints
-            self.places[entry.link] = np.array(joint.point)
-            self.joints.append(LinkJoint(joint, (entry.carrier, entry.link)))
+        inside_tree = tree.one_by_one()
+        self.places |= {entry.links[1]: np.array(entry.joint.point) for entry in inside_tree}
         # the base is no child
         closures = [e.turned() if e.links[1] == BASE else e for e in tree.closures]
-        self.joints += closures
+        self.joints = [*inside_tree, *closures]
         backward = [
             made.joint.name
             for made, entry in zip(closures, tree.closures, strict=True)
@@ -104,9 +101,7 @@ class _Text:
                 plugin = inside(model, "plugin", filename=_MOTOR[0], name=_MOTOR[1])
                 inside(plugin, "joint_name", self.names[entry.joint.name])
         inside(model, JOINTS_TAG, self._parts())
-        return document(
-            root, f"{self.name}, written by symkin: metres and radians; masses have no meaning"
-        )
+        return document(root, self.name)
 
     def _refuse_names(self) -> None:
         for what, names in (("link", self.places), ("joint", [e.joint.name for e in self.joints])):

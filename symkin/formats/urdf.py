@@ -124,9 +124,8 @@ class _Reader(GraphReader):
     def graph(self) -> JointGraph:
         joints = self._joints()
         root = self._root_link(joints)
-        loops = loops_within(
-            self.root, self._zero_poses(joints, root), self.beside.frames, self.read.loop
-        )
+        zero = {link: pose for link, (pose, _) in place(joints, root).items()}
+        loops = loops_within(self.root, zero, self.beside.frames, self.read.loop)
         joints = [*joints, *self._beside(), *loops.joints]
         motors = told_motors(self.root)
         joints = [replace(joint, motor=motors.get(joint.name)) for joint in joints]
@@ -140,7 +139,7 @@ class _Reader(GraphReader):
             *self.links,
             *(link for joint in joints for link in joint.links if link not in self.links),
         ]
-        self._refuse_lost(links, root, joints)
+        self._refuse_lost(root, joints)
         return JointGraph(
             name=robot_name(self.root.attributes.get("name"), self.path),
             links=tuple(dict.fromkeys(links)),
@@ -217,9 +216,8 @@ class _Reader(GraphReader):
             )
         return roots[0]
 
-    def _refuse_lost(self, links: Sequence[str], root: str, joints: Sequence[GraphJoint]) -> None:
-        graph = JointGraph("", tuple(dict.fromkeys(links)), root, joints)
-        reached = place(graph, spanning_tree(graph))
+    def _refuse_lost(self, root: str, joints: Sequence[GraphJoint]) -> None:
+        reached = place(spanning_tree(joints), root)
         lost = [link for link in self.links if link not in reached]
         if lost:
             raise self.links[lost[0]].error(
@@ -227,11 +225,6 @@ class _Reader(GraphReader):
                 f"{root!r}{f', nor {len(lost) - 1} more' if lost[1:] else ''}; a "
                 "URDF is one tree"
             )
-
-    def _zero_poses(self, joints: Sequence[GraphJoint], root: str) -> dict[str, Pose]:
-        links = dict.fromkeys([*self.links, *(link for joint in joints for link in joint.links)])
-        graph = JointGraph("", tuple(links), root, joints)
-        return {link: pose for link, (pose, _) in place(graph, joints).items()}
 
     def _mesh(self, visual: Element, mesh: Element) -> Mesh:
         scale = mesh.numbers("scale", 3, (1.0, 1.0, 1.0))

@@ -84,16 +84,16 @@ class WrittenTree:
         """The joints of the tree."""
         return tuple(joint for entry in self.carried for joint in entry.joints)
 
-    def one_by_one(self) -> tuple[Carried, ...]:
-        """The tree with a link between each two joints."""
+    def one_by_one(self) -> tuple[LinkJoint, ...]:
+        """The joints of the tree, each from its carrier, with a link between each two."""
         taken, found = {entry.link for entry in self.carried}, []
         for entry in self.carried:
             carrier = entry.carrier
             for joint in entry.joints[:-1]:
                 link = fresh_name(f"{joint.name}.link", taken)
-                found.append(Carried(carrier, link, (joint,)))
+                found.append(LinkJoint(joint, (carrier, link)))
                 carrier = link
-            found.append(Carried(carrier, entry.link, entry.joints[-1:]))
+            found.append(LinkJoint(entry.joints[-1], (carrier, entry.link)))
         return tuple(found)
 
 

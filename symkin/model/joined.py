@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Sequence
+from collections.abc import Hashable, Iterable, Sequence
 from typing import Generic, Protocol, TypeVar
 
 Item = TypeVar("Item", bound=Hashable)
@@ -28,6 +28,15 @@ def way(pairs: Sequence[PairType], begin: str, end: str) -> list[PairType] | Non
                 ways[other] = [*ways[link], pair]
                 reached.append(other)
     return ways.get(end)
+
+
+def joined_to(pairs: Iterable[Pair], begin: str) -> set[str]:
+    """A link, and all that pairs join to it."""
+    joined, links = Joined[str](), {begin}
+    for pair in pairs:
+        joined.join(*pair.links)
+        links |= set(pair.links)
+    return {link for link in links if joined.head(link) == joined.head(begin)}
 
 
 class Joined(Generic[Item]):
