@@ -76,6 +76,13 @@ class CouplingSet:
             equation = self._reduced(equation)
             if not equation.terms:
                 self._check_repeated(equation)
+            elif len(equation.terms) == 1:
+                ((joint, factor),) = equation.terms.items()
+                raise MechanismError(
+                    f"{equation.where}: it and other couplings hold the joint {joint!r} at "
+                    f"{equation.constant / factor + 0.0:.6g}; make it a fixed joint, or write one "
+                    f"of them otherwise"
+                )
             elif not self._write(equation, first_only=False):
                 raise MechanismError(
                     f"{equation.where}: it and other couplings run in a circle; write one of them "

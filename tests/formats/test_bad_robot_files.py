@@ -155,7 +155,7 @@ ONE_FORMAT = {
         "end",
         "<equality><joint joint1='j' joint2='k'/>\n"
         "<joint joint1='k' joint2='j' polycoef='0 2 0 0 0'/></equality>",
-        "line 6: <joint>: it ",
+        "line 6: <joint>: it and other couplings hold the joint 'k' at 0;",
     ),
     "missing include, SDF": (
         "sdf",
