@@ -139,21 +139,10 @@ class RowBuilder(BodyBuilder):
         )
         for coupling in self.mechanism.couplings:
             coordinate, value = self.coordinates[coupling.joint]
-            if coupling.polynomial is not None:
-                (name,) = coupling.names
-                wanted = sum(
-                    (c * self.coordinates[name][1] ** k for k, c in enumerate(coupling.polynomial)),
-                    ca.SX(0),
-                )
-            else:
-                wanted = sum(
-                    (factor * self.coordinates[name][1] for name, factor in coupling.terms),
-                    ca.SX(coupling.offset),
-                )
             gap = (
                 self._periodic_gap(coupling)
                 if {coupling.joint, *coupling.names} <= angles
-                else value - wanted
+                else value - coupling.value({n: self.coordinates[n][1] for n in coupling.names})
             )
             gap = gap * coordinate.lever(size)
             self._add(f"coupling of {coupling.joint}", "coupling", [gap], [gap])

@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 
+from symkin.closure.link_poses import joint_coordinates
 from symkin.errors import MechanismError
 from symkin.formats.closing import Closed, nearest_closed
-from symkin.formats.parts import turned
 from symkin.formats.robot import Closure, Robot
 from symkin.formats.whole_joints import whole_again
 from symkin.model.graph import LinkJoint
@@ -21,7 +21,6 @@ from symkin.model.mechanism import Mechanism
 from symkin.model.mesh import LinkMesh
 from symkin.model.names import identifier
 from symkin.spatial.pose import Pose
-from symkin.spatial.rotation import wrapped
 from symkin.text import printable
 
 
@@ -65,18 +64,14 @@ def assembled(robot: Robot, closed: Closed) -> Mechanism:
     coordinate keep their values from there.
     """
     entries = (*robot.joints, *robot.closures)
-    joints = [(_moved(entry, closed), tuple(entry.links)) for entry in entries]
-    joints = [
-        (turned(joint), links[::-1]) if joint.name in robot.turned else (joint, links)
-        for joint, links in joints
-    ]
+    joints = [LinkJoint(_moved(entry, closed), entry.links) for entry in entries]
     if not joints:
         raise MechanismError(
             f"{robot.source or robot.name}: no joint moves; a mechanism needs one at least"
         )
     found = Mechanism(
         identifier(robot.name),
-        link_joints=[LinkJoint(joint, links) for joint, links in joints],
+        link_joints=[e.turned() if e.joint.name in robot.turned else e for e in joints],
         couplings=robot.couplings,
         length_unit="m",
         angle_unit="rad",
@@ -113,20 +108,15 @@ def _moved(entry: LinkJoint, closed: Closed) -> Joint:
         changes[key] = None if own is None else tuple(pose.turn(np.array(own)))
     if joint.freedom == 1:
         changes["zero"] = (
-            _closing_value(joint, first.inverse() @ second)
+            _reading(replace(joint, zero=0.0), first.inverse() @ second)
             if isinstance(entry, Closure)
             else closed.values[joint.name][0]
         )
     return replace(joint, **changes)
 
 
-def _closing_value(joint: Joint, between: Pose) -> float:
-    """How far a displacement turns about a joint, or slides along it."""
-    point, axis = np.array(joint.point), np.array(joint.axis)
-    slide = float(axis @ (between.apply(point) - point))
-    if joint.type == "P":
-        return slide
-    if joint.type == "H":
-        return slide * 2.0 * np.pi / joint.pitch
-    cosine, *sines = between.quaternion
-    return float(wrapped(2.0 * np.arctan2(axis @ np.array(sines), cosine)))
+def _reading(joint: Joint, between: Pose) -> float:
+    """The coordinate of a joint where its second link is displaced in its first."""
+    columns = Pose(*(np.asarray(part)[:, None] for part in (between.position, between.quaternion)))
+    (value,) = joint_coordinates(joint, columns)
+    return float(value[0])

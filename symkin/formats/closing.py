@@ -13,6 +13,7 @@ from symkin.computed_once import cached_property
 from symkin.formats.robot import Robot
 from symkin.formats.tree import NOTHING, Tree
 from symkin.numeric.levenberg import levenberg_marquardt
+from symkin.numeric.rank import Rank, row_space
 from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import wrapped
 
@@ -25,8 +26,8 @@ RANK_SHARE = 1e-8
 symkin.
 """
 _NOTHING = 1e-12
-"""Singular value (a length for a length) below which no motion is felt at all: rounding, as where
-two joints have one axis.
+"""Derivative (a length for a length) below which no motion is felt at all: rounding, as where two
+joints have one axis.
 """
 _ROUNDING = 1e-14
 """Of the size: loops of a file that stay open by less are left as they are."""
@@ -170,8 +171,12 @@ def rank_at(tree: Tree, state: np.ndarray, share: float = RANK_SHARE) -> int:
     """Rank of the derivative of all closures and couplings, lengths and angles times the size
     alike.
     """
-    values = _singular_values(tree, state)
-    return int(np.sum(values > share * max(values[:1], default=0.0)))
+    return _rank(tree, state, share).value
+
+
+def _rank(tree: Tree, state: np.ndarray, share: float) -> Rank:
+    _, jacobian = tree.system.linearise_one(state, NOTHING)
+    return Rank.of(np.where(np.abs(jacobian) > _NOTHING, jacobian, 0.0), share)
 
 
 @dataclass(frozen=True)
@@ -214,22 +219,8 @@ def _clear_ranks(tree: Tree, states: list[np.ndarray], share: float, gap: float)
     """Ranks at those states at which the singular values that count are far from those that do
     not.
     """
-    found = []
-    for state in states:
-        values = _singular_values(tree, state)
-        counted = int(np.sum(values > share * values[0]))
-        dropped = values[counted] if counted < len(values) else 0.0
-        if values[counted - 1] >= _LEAST_KEPT * values[0] and dropped <= gap * values[counted - 1]:
-            found.append(counted)
-    return found
-
-
-def _singular_values(tree: Tree, state: np.ndarray) -> np.ndarray:
-    _, jacobian = tree.system.linearise_one(state, NOTHING)
-    if min(jacobian.shape) == 0:
-        return np.zeros(0)
-    values = np.linalg.svd(jacobian, compute_uv=False)
-    return np.where(values > _NOTHING, values, 0.0)
+    ranks = [_rank(tree, state, share) for state in states]
+    return [rank.value for rank in ranks if rank.least >= _LEAST_KEPT and rank.gap * gap >= 1.0]
 
 
 def row_count(tree: Tree) -> int:
@@ -277,7 +268,8 @@ def _nearest(tree: Tree, state: np.ndarray) -> np.ndarray:
     share, far = 1.0, float(np.linalg.norm(way_between(tree, state, tree.own)))
     for _ in range(_NEAREST_STEPS):
         back = way_between(tree, state, tree.own)
-        free = back - _felt(tree.system.linearise_one(state, NOTHING)[1], back)
+        felt = row_space(tree.system.linearise_one(state, NOTHING)[1], RANK_SHARE, relative=True)
+        free = back - felt.T @ (felt @ back)
         if share < 1e-3 or np.linalg.norm(free) <= 1e-9 * tree.size:
             break
         (trial,) = _searched(tree, tree.system.move(state[None], share * free[None]), _STALLED_NEAR)
@@ -304,13 +296,6 @@ def way_between(tree: Tree, start: np.ndarray, end: np.ndarray) -> np.ndarray:
             turn *= np.arctan(tangent) / tangent if tangent else 1.0
         begin += c.freedom
     return np.asarray(step)
-
-
-def _felt(jacobian: np.ndarray, vector: np.ndarray) -> np.ndarray:
-    """The part of a step that the rows feel."""
-    _, s, vt = np.linalg.svd(jacobian, full_matrices=False)
-    kept = vt[s > RANK_SHARE * max(float(s[0]), 1e-300)] if s.size else vt[:0]
-    return np.asarray(kept.T @ (kept @ vector))
 
 
 def _without_turns(tree: Tree, state: np.ndarray) -> np.ndarray:

@@ -4,42 +4,16 @@ of a mechanism: each joint coupled once, in no circle.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
 
 from symkin.errors import MechanismError
-from symkin.formats.xml_text import Element
 from symkin.model.graph import Coupling
 
 _ZERO = 1e-12
 """Coefficients and constants below this, where the others are about 1, are rounding of equations
 that say the same.
 """
-
-
-ToldCoupling = tuple[Coupling, Element]
-"""A coupling, and the element that tells it."""
-
-
-def couplings_told(found: Sequence[ToldCoupling]) -> list[Coupling]:
-    """The couplings of elements that each name the joint that follows. Raises MechanismError for a
-    joint that follows twice, and for joints that follow each other in a circle.
-    """
-    told: dict[str, ToldCoupling] = {}
-    for coupling, element in found:
-        if coupling.joint in told:
-            raise element.error(
-                f"the joint {coupling.joint!r} follows others already (line "
-                f"{told[coupling.joint][1].line}); write one of the two"
-            )
-        told[coupling.joint] = coupling, element
-    for name in told:
-        circle = _circle(name, told)
-        if circle:
-            raise told[name][1].error(
-                f"the joints mimic each other in a circle: {', '.join(sorted(circle))}"
-            )
-    return [coupling for coupling, _ in told.values()]
 
 
 def mimic_of(coupling: Coupling, mechanism: str, format_name: str) -> tuple[str, float, float]:
@@ -56,21 +30,6 @@ def mimic_of(coupling: Coupling, mechanism: str, format_name: str) -> tuple[str,
     return (*line[0], coupling.constant)
 
 
-def _circle(begin: str, told: Mapping[str, ToldCoupling]) -> list[str]:
-    """The joints on a way from a joint back to itself; none where there is no such way."""
-    ways = {begin: [begin]}
-    todo = [begin]
-    while todo:
-        at = todo.pop()
-        for other in told[at][0].names if at in told else ():
-            if other == begin:
-                return ways[at]
-            if other not in ways:
-                ways[other] = [*ways[at], other]
-                todo.append(other)
-    return []
-
-
 @dataclass(frozen=True)
 class LinearEquation:
     """The sum of factor x joint = constant; the joint named first is the one that the file writes
@@ -84,69 +43,81 @@ class LinearEquation:
 
 @dataclass
 class CouplingSet:
-    """Couplings that are added one after another."""
+    """Couplings that are added one after another; `places` are those of the file that tell them."""
 
     found: dict[str, Coupling] = field(default_factory=dict)
     notes: list[str] = field(default_factory=list)
+    places: dict[str, str] = field(default_factory=dict)
 
-    def add_polynomial(
-        self, joint: str, of: str, coefficients: Sequence[float], where: str
-    ) -> None:
-        """joint = c0 + c1 other + c2 other^2 + ... Raises MechanismError where another coupling
+    def add(self, coupling: Coupling, where: str) -> None:
+        """A coupling that names the joint that follows. Raises MechanismError where another one
         already says what the joint is.
         """
-        if not self._may_follow(joint, [of]):
+        joint = coupling.joint
+        if joint in self.found:
             raise MechanismError(
-                f"{where}: the joint {joint!r} follows others already by another coupling; write "
-                f"one of the two"
+                f"{where}: the joint {joint!r} follows others already ({self.places[joint]}); "
+                f"write one of the two"
             )
-        self.found[joint] = Coupling(joint, of, polynomial=tuple(coefficients))
+        circle = self._circle(joint, coupling.names)
+        if circle:
+            raise MechanismError(
+                f"{where}: the joints mimic each other in a circle: {', '.join(sorted(circle))}"
+            )
+        self.found[joint], self.places[joint] = coupling, where
 
     def add_linear(self, equation: LinearEquation) -> None:
         """Write an equation for its first joint that may follow the others; what other equations
         say already is left out.
         """
         terms = {name: factor for name, factor in equation.terms.items() if factor != 0.0}
-        if not self._write(terms, equation.constant, first_only=True):
-            terms, constant = self._reduced(terms, equation.constant)
-            if not terms:
-                self._check_repeated(equation, constant)
-            elif not self._write(terms, constant, first_only=False):
+        equation = replace(equation, terms=terms)
+        if not self._write(equation, first_only=True):
+            equation = self._reduced(equation)
+            if not equation.terms:
+                self._check_repeated(equation)
+            elif len(equation.terms) == 1:
+                ((joint, factor),) = equation.terms.items()
+                raise MechanismError(
+                    f"{equation.where}: it and other couplings hold the joint {joint!r} at "
+                    f"{equation.constant / factor + 0.0:.6g}; make it a fixed joint, or write one "
+                    f"of them otherwise"
+                )
+            elif not self._write(equation, first_only=False):
                 raise MechanismError(
                     f"{equation.where}: it and other couplings run in a circle; write one of them "
                     f"otherwise"
                 )
 
-    def _write(self, terms: Mapping[str, float], constant: float, *, first_only: bool) -> bool:
-        names = list(terms)[:1] if first_only else list(terms)
-        for joint in names:
+    def _write(self, equation: LinearEquation, *, first_only: bool) -> bool:
+        terms = equation.terms
+        for joint in list(terms)[:1] if first_only else terms:
             others = {
                 name: -factor / terms[joint] for name, factor in terms.items() if name != joint
             }
-            if others and self._may_follow(joint, list(others)):
-                self.found[joint] = Coupling(joint, others, constant / terms[joint])
+            if others and joint not in self.found and not self._circle(joint, others):
+                coupling = Coupling(joint, others, equation.constant / terms[joint])
+                self.add(coupling, equation.where)
                 return True
         return False
 
-    def _may_follow(self, joint: str, others: Sequence[str]) -> bool:
-        """Whether a joint follows nothing yet, and none of the others follows it."""
-        todo, seen = list(others), set(others)
-        while todo:
-            coupling = self.found.get(todo.pop())
-            more = (
-                [name for name in coupling.names if name not in seen]
-                if coupling is not None
-                else []
-            )
-            seen |= set(more)
-            todo += more
-        return joint not in self.found and joint not in seen
+    def _circle(self, joint: str, others: Iterable[str]) -> list[str]:
+        """The joints on a way of couplings from a joint back to itself, if it follows some others;
+        none where there is no such way.
+        """
+        ways = {name: [joint, name] for name in others}
+        for name in (todo := [*ways]):
+            for other in self.found[name].names if name in self.found else ():
+                if other == joint:
+                    return ways[name]
+                if other not in ways:
+                    ways[other] = [*ways[name], other]
+                    todo.append(other)
+        return []
 
-    def _reduced(
-        self, terms: Mapping[str, float], constant: float
-    ) -> tuple[dict[str, float], float]:
+    def _reduced(self, equation: LinearEquation) -> LinearEquation:
         """The equation with what linear couplings say of its joints put in their place."""
-        found, rest = dict(terms), constant
+        found, rest = dict(equation.terms), equation.constant
         while (
             name := next(
                 (n for n in found if n in self.found and self.found[n].polynomial is None), None
@@ -157,12 +128,12 @@ class CouplingSet:
             for other, share in coupling.terms:
                 found[other] = found.get(other, 0.0) + factor * share
             found = {n: f for n, f in found.items() if abs(f) > _ZERO}
-        return found, rest
+        return replace(equation, terms=found, constant=rest)
 
-    def _check_repeated(self, equation: LinearEquation, constant: float) -> None:
-        if abs(constant) > _ZERO:
+    def _check_repeated(self, equation: LinearEquation) -> None:
+        if abs(equation.constant) > _ZERO:
             raise MechanismError(
                 f"{equation.where}: it contradicts other couplings, or holds a joint at a value; "
-                f"off by {constant:.3g}"
+                f"off by {equation.constant:.3g}"
             )
         self.notes.append(f"{equation.where}: it says what other couplings say, and is left out")

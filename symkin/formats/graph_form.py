@@ -4,7 +4,6 @@ become joints and rods between links.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from itertools import pairwise
 
@@ -107,13 +106,5 @@ def is_closed_at_reference(graph: Mechanism, share: float) -> bool:
     size = graph.characteristic_length
     values = {c.name: c.reference[0] for c in graph.coordinates}
     gaps = [rod.reference_length - rod.length for rod in graph.link_rods if rod.length is not None]
-    for coupling in graph.couplings:
-        if coupling.polynomial is not None:
-            (name,) = coupling.names
-            told = math.fsum(c * values[name] ** k for k, c in enumerate(coupling.polynomial))
-        else:
-            told = coupling.offset + math.fsum(
-                factor * values[name] for name, factor in coupling.terms
-            )
-        gaps.append(values[coupling.joint] - told)
+    gaps += [values[c.joint] - c.value(values) for c in graph.couplings]
     return all(abs(gap) <= share * size for gap in gaps)

@@ -4,10 +4,13 @@ of no meaning.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 
+from symkin.formats.joint_graph import GraphJoint
 from symkin.formats.packages import Packages
+from symkin.formats.parts import Parts
 from symkin.formats.read_options import ReadOptions
 from symkin.formats.robot import Mesh
 from symkin.formats.sdf_joint import is_bounded, is_range
@@ -15,11 +18,16 @@ from symkin.formats.urdf_parts import names_any
 from symkin.formats.xml_text import Element
 from symkin.spatial.pose import Pose
 
+ONE_COORDINATE = ("R", "P", "H")
+"""Joints that mimics may follow, and that are driven where nothing says which are."""
+
 
 class GraphReader:
-    """A reader of one file: where it is, what is told beside it, and the notes that it makes on the
-    way.
+    """A reader of one file: where it is, what is told beside it and in it of joints in parts, and
+    the notes that it makes on the way.
     """
+
+    parts: Parts
 
     def __init__(self, path: Path, read: ReadOptions) -> None:
         self.path, self.read = path, read
@@ -41,6 +49,40 @@ class GraphReader:
                 f"line {line}: the range [{low:g}, {high:g}] of {element.label} is left out; {why}"
             )
         return None
+
+    @property
+    def motors_told(self) -> bool:
+        """Whether it is told elsewhere which joints are actuated."""
+        return bool(self.read.actuated) or self.parts.actuated is not None
+
+    def driven(
+        self,
+        joints: Sequence[GraphJoint],
+        named: Collection[str],
+        able: Collection[str],
+        notes: list[str],
+    ) -> list[GraphJoint]:
+        """The joints, actuated where they are `named` and move about axes; where none is, all of
+        one coordinate that are `able`, with a note.
+        """
+        driven = {j.name for j in joints if j.name in named and j.type in (*ONE_COORDINATE, "U")}
+        if not driven:
+            driven = {j.name for j in joints if j.name in able and j.type in ONE_COORDINATE}
+            if driven:
+                notes.append(
+                    "no motors are told: all movable joints of the tree of one coordinate are "
+                    "actuated"
+                )
+        return [replace(j, actuated=True) if j.name in driven else j for j in joints]
+
+    def meshes(self, link: Element, made: Callable[[Element, Element], Mesh]) -> tuple[Mesh, ...]:
+        """The meshes that show a link, each made of its <visual> and itself."""
+        return tuple(
+            made(visual, mesh)
+            for visual in link.all("visual")
+            for mesh in visual.walk()
+            if mesh.tag == "mesh"
+        )
 
     def mesh(self, element: Element, uri: str, pose: Pose, scale: tuple[float, ...]) -> Mesh:
         """A reference to a mesh, which need not be there. Raises MechanismError for a scale of

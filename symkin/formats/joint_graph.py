@@ -12,6 +12,8 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import pairwise
+from types import MappingProxyType
 from typing import Any
 
 import casadi as ca
@@ -20,7 +22,7 @@ import numpy as np
 from symkin.computed_once import cached_property
 from symkin.errors import MechanismError
 from symkin.formats.naming import allowed_names, fresh_name, renamed
-from symkin.formats.parts import Parts, turned
+from symkin.formats.parts import Parts
 from symkin.formats.robot import Closure, Mesh, Robot, joint_at
 from symkin.formats.tree import rows_and_checks
 from symkin.model.graph import Coupling, LinkJoint
@@ -97,46 +99,54 @@ def robot_of(graph: JointGraph) -> Robot:
     the values that `parts` tells; what the root does not reach is left out.
     """
     graph = uniquely_named(graph)
-    tree = spanning_tree(graph)
-    placed, in_tree = place(graph, tree), {joint.name for joint in tree}
+    tree = spanning_tree(graph.joints, graph.couplings, [graph.root, *graph.floating])
+    placed = place(tree, graph.root, graph.floating, graph.parts.reference)
+    in_tree = {joint.name for joint in tree}
     rest = [
         joint for joint in graph.joints if joint.links[0] in placed and joint.name not in in_tree
     ]
     return _Assembly(graph, placed).robot(rest, _unreached_note(graph, placed))
 
 
-def spanning_tree(graph: JointGraph) -> list[GraphJoint]:
-    """The joints that place every link that the root reaches, each once (Kruskal's choice in the
-    order of preference).
+def spanning_tree(
+    joints: Sequence[GraphJoint],
+    couplings: Sequence[Coupling] = (),
+    together: Collection[str] = (),
+) -> list[GraphJoint]:
+    """The joints that place every link that they reach, each once (Kruskal's choice in the order of
+    preference); links that are `together` are placed already.
     """
-    coupled = {name.partition(".")[0] for c in graph.couplings for name in (c.joint, *c.names)}
-    coupled |= {name for c in graph.couplings for name in (c.joint, *c.names)}
-    ranked = sorted(graph.joints, key=lambda joint: _preference(joint, joint.name in coupled))
+    coupled = {name for c in couplings for name in (c.joint, *c.names)}
+    coupled |= {name.partition(".")[0] for name in coupled}
+    ranked = sorted(joints, key=lambda joint: _preference(joint, joint.name in coupled))
     joined = Joined[str]()
-    for link in graph.floating:
-        joined.join(graph.root, link)
+    for first, second in pairwise(together):
+        joined.join(first, second)
     return [joint for joint in ranked if joined.join(*joint.links)]
 
 
 def place(
-    graph: JointGraph, tree: Sequence[GraphJoint]
+    tree: Sequence[GraphJoint],
+    root: str,
+    floating: Mapping[str, Pose] = MappingProxyType({}),
+    reference: Mapping[str, float] = MappingProxyType({}),
 ) -> dict[str, tuple[Pose, GraphJoint | None]]:
     """Every link that the root reaches, in an order from the root: its pose in the root's frame,
-    and the joint that carries it.
+    and the joint that carries it. Joints have the values of `reference`, or else of the file.
     """
-    at: dict[str, list[GraphJoint]] = {link: [] for link in graph.links}
+    at: dict[str, list[GraphJoint]] = {}
     for joint in tree:
         for link in joint.links:
-            at[link].append(joint)
-    placed: dict[str, tuple[Pose, GraphJoint | None]] = {graph.root: (Pose.identity(), None)}
-    placed |= {link: (pose, None) for link, pose in graph.floating.items()}
+            at.setdefault(link, []).append(joint)
+    placed: dict[str, tuple[Pose, GraphJoint | None]] = {root: (Pose.identity(), None)}
+    placed |= {link: (pose, None) for link, pose in floating.items()}
     todo = [*placed]
     for link in todo:
-        for joint in at[link]:
+        for joint in at.get(link, ()):
             here = joint.links.index(link)
             other = joint.links[1 - here]
             if other not in placed:
-                away = graph.parts.reference.get(joint.name, joint.value) - joint.value
+                away = reference.get(joint.name, joint.value) - joint.value
                 moved = moved_along(joint, away)
                 between = moved if here == 0 else moved.inverse()
                 pose = (
@@ -184,17 +194,13 @@ class _Assembly:
         self.part_of: dict[str, str] = {}
         self.carried: list[tuple[str, str, GraphJoint]] = []
         for link, (_, joint) in placed.items():
-            carrier = (
-                None
-                if joint is None
-                else self.part_of[next(other for other in joint.links if other != link)]
-            )
-            if joint is None or carrier is None or joint.type != "weld":
-                self.part_of[link] = link
-            else:
-                self.part_of[link] = carrier
-            if joint is not None and carrier is not None and joint.type != "weld":
-                self.carried.append((carrier, link, joint))
+            self.part_of[link] = link
+            if joint is not None:
+                carrier = self.part_of[joint.links[joint.links[0] == link]]
+                if joint.type == "weld":
+                    self.part_of[link] = carrier
+                else:
+                    self.carried.append((carrier, link, joint))
         self.link_names, self.joint_names = graph.names
 
     def robot(self, rest: Sequence[GraphJoint], notes: Sequence[str]) -> Robot:
@@ -216,7 +222,9 @@ class _Assembly:
             joints=tuple(self._link_joint(*entry) for entry in self.carried),
             closures=tuple(closures),
             couplings=tuple(
-                self._coupling(c) for c in self.graph.couplings if self._is_kept(c, kept)
+                c.renamed({name: self._coordinate(name) for name in (c.joint, *c.names)})
+                for c in self.graph.couplings
+                if self._is_kept(c, kept)
             ),
             notes=(
                 *root,
@@ -263,7 +271,7 @@ class _Assembly:
         name, point = self.joint_names[joint.name], _numbers(frame.position)
         made = Joint(name, joint.type, point, axis, axis2, zero=zero, **self._told(joint))
         return LinkJoint(
-            turned(made) if backward else made, (self.link_names[carrier], self.link_names[link])
+            made.turned() if backward else made, (self.link_names[carrier], self.link_names[link])
         )
 
     def _told(self, joint: GraphJoint) -> dict[str, Any]:
@@ -303,16 +311,6 @@ class _Assembly:
                 found.append(Closure(made, (one, other), first, second, joint.where))
         return found, notes
 
-    def _coupling(self, coupling: Coupling) -> Coupling:
-        new = self._coordinate
-        if isinstance(coupling.of, str):
-            return replace(coupling, joint=new(coupling.joint), of=new(coupling.of))
-        return replace(
-            coupling,
-            joint=new(coupling.joint),
-            of=tuple((new(name), factor) for name, factor in coupling.terms),
-        )
-
     def _coordinate(self, name: str) -> str:
         """The name of a coordinate under its joint's new name."""
         if name in self.joint_names:
@@ -340,7 +338,7 @@ class _Assembly:
         return {
             self.link_names[link]: meshes
             for link, meshes in self.graph.meshes.items()
-            if link in self.placed
+            if meshes and link in self.placed
         }
 
 

@@ -76,12 +76,10 @@ def _reader(path: Path, read: ReadOptions = AS_IT_IS) -> Reader:
     """The compiled model, ready to be read."""
     root = read_xml(path, "mujoco")
     told = _told(path)
-    count = told["numbers"]
-    refuse_too_many(str(path), max(count["nbody"], count["njnt"], count["neq"]), count["njnt"])
+    joints = len(told["joints"])
+    refuse_too_many(str(path), max(len(told["bodies"]), joints, len(told["equalities"])), joints)
     meshes = {mesh["name"]: _mesh(mesh, root, Packages(path)) for mesh in told["meshes"]}
-    compiled = compiled_model(
-        told, root, path, {geom: meshes[name] for geom, name in told["mesh_of_geom"]}
-    )
+    compiled = compiled_model(told, root, path, meshes)
     _check_finite(compiled)
     return Reader(compiled, motors_told=bool(read.actuated))
 
@@ -128,23 +126,12 @@ def _sentence(message: str) -> str:
 
 def _check_finite(compiled: CompiledModel) -> None:
     """Raises MechanismError for numbers that are none, which the compiler lets through."""
-    model, root = compiled.model, compiled.root
-    arrays: Sequence[Any] = (
-        model.body_pos,
-        model.body_quat,
-        model.jnt_pos,
-        model.jnt_axis,
-        model.qpos0,
-        model.eq_data,
-        model.site_pos,
-        model.wrap_prm,
-    )
-    if all(np.all(np.isfinite(array)) for array in arrays):
+    if compiled.finite:
         return
     guilty = next(
         (
             e
-            for e in root.walk()
+            for e in compiled.root.walk()
             for v in e.attributes.values()
             if {"nan", "inf", "-inf"} & set(v.lower().split())
         ),

@@ -13,19 +13,12 @@ from symkin.computed_once import cached_property
 from symkin.formats.joint_graph import GraphJoint, JointGraph, uniquely_named
 from symkin.formats.mjcf_couplings import (
     couplings_of,
-    driven,
     idle_actuators,
     motor_at,
     without_kinematics,
 )
-from symkin.formats.mjcf_equalities import (
-    active_equalities,
-    body_of,
-    frames_on_bodies,
-    held_values,
-    is_rigid,
-)
-from symkin.formats.mjcf_model import CompiledModel
+from symkin.formats.mjcf_equalities import active_equalities, held_values
+from symkin.formats.mjcf_model import CompiledModel, pose_of
 from symkin.formats.naming import fresh_name, robot_name
 from symkin.formats.parts import KEY, Parts, parts_from
 from symkin.formats.robot import Mesh
@@ -47,24 +40,23 @@ class Reader:
     """
 
     def __init__(self, compiled: CompiledModel, *, motors_told: bool = False) -> None:
-        self.compiled, self.model, self.motors_told = compiled, compiled.model, motors_told
+        self.compiled, self.motors_told = compiled, motors_told
+        self.bodies, self.joints = compiled.bodies, compiled.joints
         self.notes: list[str] = []
         self.equalities = active_equalities(compiled, self.notes)
         self.held = held_values(compiled, self.equalities, self.notes)
-        self.free = {
-            int(self.model.jnt_bodyid[j]) for j in range(self.model.njnt) if self._type(j) == "free"
-        }
+        self.free = {joint.body for joint in self.joints if joint.kind == "free"}
         self.floating = self._floating()
         self.joint_names = {
-            j: compiled.joint_name(j) or f"{compiled.body_name(self.model.jnt_bodyid[j])}_joint{j}"
-            for j in range(self.model.njnt)
+            j: joint.name or f"{self.bodies[joint.body].name}_joint{j}"
+            for j, joint in enumerate(self.joints)
         }
 
     def graph(self) -> JointGraph:
         """The joints and closures, with notes on what is left out."""
         couplings = couplings_of(self.compiled, self.equalities, self.held, self.joint_names)
         follows = {c.joint for c in couplings.found.values()}
-        bodies = range(1, self.model.nbody)
+        bodies = range(1, len(self.bodies))
         joints = [joint for body in bodies for joint in self._joints(body, follows)]
         joints += self._closures()
         motors = () if self.motors_told else idle_actuators(self.compiled)
@@ -88,7 +80,9 @@ class Reader:
     @cached_property
     def _told(self) -> Parts:
         """What the file's text tells of joints."""
-        return parts_from(self.compiled.text(KEY), f"{self.compiled.path}: <text name={KEY!r}>")
+        return parts_from(
+            self.compiled.texts.get(KEY, ""), f"{self.compiled.path}: <text name={KEY!r}>"
+        )
 
     # --- bodies -----------------------------------------------------------------------------------
 
@@ -97,49 +91,42 @@ class Reader:
         """The name of each body; the world and a body named base that stands still in it are
         one link.
         """
-        names = {body: self.compiled.body_name(body) for body in range(1, self.model.nbody)}
-        return {0: _WORLD, **names, self._base: _WORLD}
+        names = {body: told.name for body, told in enumerate(self.bodies)}
+        return {**names, 0: _WORLD, self._base: _WORLD}
 
     @cached_property
     def _base(self) -> int:
         """A body named base that stands still in the world, or that one."""
         still = {0}
-        for body in range(1, self.model.nbody):
+        for body, told in enumerate(self.bodies):
             moves = bool(self._body_joints(body)) or body in self.floating
-            if not moves and int(self.model.body_parentid[body]) in still:
+            if not moves and told.parent in still:
                 still.add(body)
-        named = (body for body in sorted(still - {0}) if self.compiled.body_name(body) == BASE)
+        named = (body for body in sorted(still - {0}) if self.bodies[body].name == BASE)
         return next(named, 0)
 
     def _body_joints(self, body: int) -> list[int]:
         """The joints that carry a body, in their order, but held and free ones."""
-        first, count = int(self.model.body_jntadr[body]), int(self.model.body_jntnum[body])
-        return [
-            j for j in range(first, first + count) if j not in self.held and self._type(j) != "free"
-        ]
-
-    def _type(self, joint: int) -> str:
-        return self.compiled.joint_type(joint)
+        own = self.bodies[body].joints
+        return [j for j in own if j not in self.held and self.joints[j].kind != "free"]
 
     def _floating(self) -> list[int]:
         """Bodies with a free joint that closures join to the base, or to a body that is held: of
         bodies that hang together, the first with a free joint is held, for a robot stands
         somewhere.
         """
-        model = self.model
         joined = Joined[int]()
-        for body in range(1, model.nbody):
+        for body, told in enumerate(self.bodies):
             if body not in self.free:
-                joined.join(body, int(model.body_parentid[body]))
+                joined.join(body, told.parent)
         for equality in self.equalities:
-            if equality.kind in ("connect", "weld"):
-                first, second = (body_of(self.compiled, equality, end) for end in (0, 1))
-                joined.join(first, second)
+            if equality.closes:
+                joined.join(*equality.told.bodies)
         floating, still = list[int](), list[int]()
         for body in sorted(self.free):
             (still if joined.join(body, 0) else floating).append(body)
         if still:
-            names = first_of([self.compiled.body_name(body) for body in still])
+            names = first_of([self.bodies[body].name for body in still])
             self.notes.append(
                 f"free joints are held where the file has them, and their bodies are part of the "
                 f"base: {names}"
@@ -147,8 +134,8 @@ class Reader:
         return floating
 
     def _frame(self, body: int) -> Pose:
-        placed = self.compiled.placed
-        return Pose(placed.xpos[body].copy(), placed.xquat[body].copy())
+        told = self.bodies[body]
+        return pose_of(told.position, told.quaternion)
 
     def _on_link(self, body: int) -> Pose:
         """A body's frame in that of the link which has its name: the world's has no other."""
@@ -162,21 +149,17 @@ class Reader:
         self, joints: Mapping[str, float | Sequence[float]], poses: Mapping[str, Pose]
     ) -> np.ndarray:
         """MuJoCo's qpos for values of the robot's joints, and poses of the links that float."""
-        model, found = self.model, np.array(self.compiled.placed.qpos)
+        found = np.array(self.compiled.qpos)
         links, names = uniquely_named(self.graph()).names
         for number, told in self.joint_names.items():
-            place, kind, name = (
-                int(model.jnt_qposadr[number]),
-                self._type(number),
-                names.get(told, ""),
-            )
-            body = int(model.jnt_bodyid[number])
-            if kind == "free" and body in self.floating:
+            joint, name = self.joints[number], names.get(told, "")
+            place, body = joint.place, joint.body
+            if joint.kind == "free" and body in self.floating:
                 pose = poses[links[self.links[body]]]
                 found[place : place + 7] = [*pose.position, *pose.quaternion]
             elif name not in joints:
                 continue
-            elif kind == "ball":
+            elif joint.kind == "ball":
                 # from axes of the base frame, as symkin has them, to the body's own
                 turn, value = self._frame(body).quaternion, np.asarray(joints[name])
                 value = conjugate(value) if told in self._told.turned else value
@@ -188,9 +171,8 @@ class Reader:
     def _meshes(self) -> dict[str, tuple[Mesh, ...]]:
         """The meshes of bodies, each once, in the frames of their links."""
         found: dict[str, dict[tuple[str, tuple[float, ...]], Mesh]] = {}
-        for geom, mesh in self.compiled.meshes.items():
-            body = int(self.model.geom_bodyid[geom])
-            pose = self._on_link(body) @ self.compiled.geom_pose(geom) @ mesh.pose
+        for body, mesh in self.compiled.meshes:
+            pose = self._on_link(body) @ mesh.pose
             numbers = np.round([*pose.position, *pose.quaternion, *mesh.scale], 9)
             found.setdefault(self.links[body], {}).setdefault(
                 (mesh.file, tuple(map(float, numbers))), replace(mesh, pose=pose)
@@ -203,10 +185,10 @@ class Reader:
         """The joints of a body, with a link between each two of them; a weld where it has none."""
         if self.links[body] == _WORLD or body in self.floating:
             return
-        numbers, parent = self._body_joints(body), int(self.model.body_parentid[body])
+        numbers, parent = self._body_joints(body), self.bodies[body].parent
         link, carrier, carried = self.links[body], self.links[parent], self._own_frame(parent)
         for joint in numbers:
-            at = Pose(self.compiled.placed.xanchor[joint].copy(), Pose.identity().quaternion)
+            at = Pose(np.array(self.joints[joint].anchor), Pose.identity().quaternion)
             own = self.joint_names[joint]
             to = link if joint == numbers[-1] else fresh_name(f"{link}_{own}", self._taken)
             frames = (carried.inverse() @ at, self._frame(body).inverse() @ at)
@@ -225,22 +207,22 @@ class Reader:
     def _joint(
         self, number: int, links: tuple[str, str], frames: tuple[Pose, Pose], follows: set[str]
     ) -> GraphJoint:
-        model, name, kind = self.model, self.joint_names[number], self._type(number)
-        made = GraphJoint(name, _TYPES[kind], links, frames)
-        low, high = map(float, model.jnt_range[number])
-        if kind == "ball":
-            if model.jnt_limited[number]:
+        told, name = self.joints[number], self.joint_names[number]
+        made = GraphJoint(name, _TYPES[told.kind], links, frames)
+        if told.kind == "ball":
+            if told.range is not None:
                 self.notes.append(
                     f"the cone of the ball joint {name!r} is left out: spherical joints have no "
                     f"limits here"
                 )
             return made
-        x, y, z = map(float, self.compiled.placed.xaxis[number])
+        x, y, z = told.axis
+        low, high = told.range or (0.0, 0.0)
         return replace(
             made,
             axis=(x, y, z),
-            value=float(self.compiled.placed.qpos[model.jnt_qposadr[number]]),
-            limits=(low, high) if model.jnt_limited[number] and low < high else None,
+            value=told.value,
+            limits=(low, high) if low < high else None,
             actuated=number in self._driven and name not in follows,
             motor=motor_at(self.compiled, number),
         )
@@ -248,24 +230,21 @@ class Reader:
     @cached_property
     def _driven(self) -> set[int]:
         """Joints that actuators drive."""
-        return driven(self.compiled)
+        return {joint for actuator in self.compiled.actuators for joint in actuator.joints}
 
     def _closures(self) -> Iterator[GraphJoint]:
         """The closures of connects and welds."""
         for equality in self.equalities:
-            if equality.kind in ("connect", "weld"):
-                bodies = [body_of(self.compiled, equality, end) for end in (0, 1)]
-                first, second = (self.links[body] for body in bodies)
-                told = self.compiled.names["equality"][equality.number]
+            if equality.closes:
+                told = equality.told
+                first, second = (self.links[body] for body in told.bodies)
                 frames = [
-                    self._on_link(body) @ frame
-                    for body, frame in zip(
-                        bodies, frames_on_bodies(self.compiled, equality), strict=True
-                    )
+                    self._on_link(body) @ pose_of(*frame)
+                    for body, frame in zip(told.bodies, told.frames, strict=True)
                 ]
                 yield GraphJoint(
-                    told or "_".join((equality.kind, first or BASE, second or BASE)),
-                    "weld" if is_rigid(self.compiled, equality) else "S",
+                    told.name or "_".join((told.kind, first or BASE, second or BASE)),
+                    "weld" if told.rigid else "S",
                     (first, second),
                     (frames[0], frames[1]),
                     closing=True,

@@ -74,7 +74,8 @@ class _Text:
         inside(frame, "key", name="reference", qpos=positions)
         return document(
             root,
-            f"{graph.name}, written by symkin: metres and radians; masses have no meaning{told}",
+            graph.name,
+            told,
         )
 
     # --- bodies -----------------------------------------------------------------------------------
@@ -182,12 +183,10 @@ class _Text:
         """y - y0 = c0 + c1 (x - x0) + ...; of several joints the length of a tendon, y - sum f x,
         is held.
         """
-        own = self.values[coupling.joint]
+        coupling = coupling.counted_from(self.values)
         if coupling.polynomial is not None or len(coupling.terms) == 1:
             (other,) = coupling.names
-            inner = np.polynomial.Polynomial([self.values[other], 1.0])
-            told = coupling.polynomial or (coupling.offset, coupling.terms[0][1])
-            powers = [float(c) for c in (np.polynomial.Polynomial(told)(inner) - own).coef]
+            powers = coupling.polynomial or (coupling.offset, coupling.terms[0][1])
             inside(
                 section,
                 "joint",
@@ -200,8 +199,8 @@ class _Text:
         fixed = inside(tendon, "fixed", name=name)
         for joint, factor in ((coupling.joint, 1.0), *((n, -f) for n, f in coupling.terms)):
             inside(fixed, "joint", joint=joint, coef=factor)
-        open_by = coupling.offset - own + sum(f * self.values[n] for n, f in coupling.terms)
-        inside(section, "tendon", name=name, tendon1=name, polycoef=[open_by, 0, 0, 0, 0])
+        powers = [coupling.offset, 0, 0, 0, 0]
+        inside(section, "tendon", name=name, tendon1=name, polycoef=powers)
 
     def _actuator(self, root: Element) -> None:
         driven = [joint for joint in self._joints_in_order() if joint.actuated]

@@ -13,49 +13,18 @@ from typing import Any
 
 import numpy as np
 
-_COUNTS = ("nbody", "njnt", "neq", "nu", "ntendon", "npair", "nflex", "nsensor")
-_ARRAYS = (
-    "body_parentid",
-    "body_jntadr",
-    "body_jntnum",
-    "body_mocapid",
+_FINITE = (
     "body_pos",
     "body_quat",
-    "jnt_type",
-    "jnt_qposadr",
-    "jnt_bodyid",
-    "jnt_limited",
-    "jnt_range",
     "jnt_pos",
     "jnt_axis",
     "qpos0",
-    "eq_obj1id",
-    "eq_obj2id",
-    "eq_active0",
     "eq_data",
-    "site_bodyid",
     "site_pos",
-    "site_quat",
-    "tendon_adr",
-    "tendon_num",
-    "wrap_objid",
     "wrap_prm",
-    "actuator_trnid",
-    "actuator_gear",
-    "actuator_gainprm",
-    "actuator_forcelimited",
-    "actuator_forcerange",
-    "actuator_ctrllimited",
-    "actuator_ctrlrange",
-    "jnt_dofadr",
-    "jnt_actfrclimited",
-    "jnt_actfrcrange",
-    "dof_armature",
-    "geom_bodyid",
-    "geom_pos",
-    "geom_quat",
 )
-_PLACED = ("qpos", "xpos", "xquat", "xanchor", "xaxis")
+"""Arrays of a model whose numbers move links."""
+_STILL = [1.0, 0.0, 0.0, 0.0]
 _NO_NAME = (
     "Caught an unknown exception!",
     "MuJoCo's compiler failed and tells no reason; a size or a count may be too large for memory",
@@ -75,6 +44,11 @@ def work(task: dict[str, Any]) -> dict[str, Any]:
     mujoco.set_mju_user_warning(lambda _text: None)  # else they are written to MUJOCO_LOG.TXT
     try:
         spec = mujoco.MjSpec.from_file(task["path"])
+        idle = {
+            "contact pair": len(spec.pairs),
+            "flex": len(spec.flexes),
+            "sensor": len(spec.sensors),
+        }
         meshes, of_geoms = _plain(mujoco, spec)
         model = spec.compile()
         if max(model.nbody, model.njnt, model.neq, model.nu) > MOST_BODIES:
@@ -84,13 +58,21 @@ def work(task: dict[str, Any]) -> dict[str, Any]:
                     f"actuators"
                 )
             }
-        told = _told(mujoco, model)
+        told = _Told(mujoco, model).all()
     except UnicodeDecodeError as error:
         return {"error": f"the name {error.object!r} is not UTF-8; write the file in UTF-8"}
     except (ValueError, RuntimeError, KeyError, mujoco.FatalError) as error:
         return {"error": str(error).replace(*_NO_NAME)}
-    shown = [(int(geom.id), mesh) for geom, mesh in of_geoms]
-    return told | {"meshes": meshes, "mesh_of_geom": shown}
+    shown = [
+        {
+            "mesh": mesh,
+            "body": int(model.geom_bodyid[geom.id]),
+            "position": model.geom_pos[geom.id].tolist(),
+            "quaternion": model.geom_quat[geom.id].tolist(),
+        }
+        for geom, mesh in of_geoms
+    ]
+    return told | {"meshes": meshes, "shown": shown, "idle": idle}
 
 
 def _plain(mujoco: Any, spec: Any) -> tuple[list[dict[str, Any]], list[tuple[Any, str]]]:
@@ -140,61 +122,145 @@ def _plain(mujoco: Any, spec: Any) -> tuple[list[dict[str, Any]], list[tuple[Any
     return meshes, of_geoms
 
 
-def _armature(model: Any) -> list[float]:
-    """The armature of each actuator, which older versions know of joints alone."""
-    told = getattr(model, "actuator_armature", None)
-    return [0.0] * model.nu if told is None else np.asarray(told).tolist()
-
-
-def _told(mujoco: Any, model: Any) -> dict[str, Any]:
-    """Numbers, kinds and names of a compiled model, and its bodies where joints that one equality
-    holds stand at their values.
+class _Told:
+    """Records of a compiled model by their numbers in it, bodies and joints where joints that one
+    equality holds stand at their values.
     """
-    kinds = {
-        "joint": _words(mujoco.mjtJoint, model.jnt_type),
-        "equality": _words(mujoco.mjtEq, model.eq_type),
-        "actuator": _words(mujoco.mjtTrn, model.actuator_trntype),
-        "gain": _words(mujoco.mjtGain, model.actuator_gaintype),
-        "bias": _words(mujoco.mjtBias, model.actuator_biastype),
-        "wrap": _words(mujoco.mjtWrap, model.wrap_type),
-    }
-    objects = mujoco.mjtObj
-    names = {
-        word: [mujoco.mj_id2name(model, kind, k) or "" for k in range(count)]
-        for word, kind, count in (
-            ("body", objects.mjOBJ_BODY, model.nbody),
-            ("joint", objects.mjOBJ_JOINT, model.njnt),
-            ("equality", objects.mjOBJ_EQUALITY, model.neq),
-            ("actuator", objects.mjOBJ_ACTUATOR, model.nu),
-            ("tendon", objects.mjOBJ_TENDON, model.ntendon),
-            ("flex", objects.mjOBJ_FLEX, model.nflex),
-        )
-    }
-    data = mujoco.MjData(model)
-    for k, kind in enumerate(kinds["equality"]):
-        if kind == "joint" and model.eq_active0[k] and model.eq_obj2id[k] < 0:
-            place = model.jnt_qposadr[model.eq_obj1id[k]]
-            data.qpos[place] = model.qpos0[place] + model.eq_data[k][0]
-    mujoco.mj_kinematics(model, data)
-    sites = int(objects.mjOBJ_SITE)
-    return {
-        "numbers": {key: int(getattr(model, key)) for key in _COUNTS},
-        "arrays": {key: np.asarray(getattr(model, key)).tolist() for key in _ARRAYS}
-        | {"actuator_armature": _armature(model)},
-        "placed": {key: np.asarray(getattr(data, key)).tolist() for key in _PLACED},
-        "kinds": kinds,
-        "names": names,
-        "by_sites": [int(kind) == sites for kind in model.eq_objtype],
-        "name": bytes(model.names).split(b"\0", 1)[0].decode("utf-8", "replace"),
-        "texts": _texts(model),
-    }
 
+    def __init__(self, mujoco: Any, model: Any) -> None:
+        self.mujoco, self.model, self.data = mujoco, model, mujoco.MjData(model)
+        for k in range(model.neq):
+            equality = self.equality(k)
+            joint, other = equality["objects"]
+            if equality["kind"] == "joint" and equality["active"] and other < 0:
+                place = model.jnt_qposadr[joint]
+                self.data.qpos[place] = model.qpos0[place] + model.eq_data[k][0]
+        mujoco.mj_kinematics(model, self.data)
 
-def _words(enumeration: Any, values: Any) -> list[str]:
-    """The names of an enumeration's values, without what all of them begin with: hinge for
-    mjJNT_HINGE.
-    """
-    return [str(enumeration(int(value)).name).split("_", 1)[1].lower() for value in values]
+    def all(self) -> dict[str, Any]:
+        model = self.model
+        return {
+            "bodies": [self.body(k) for k in range(model.nbody)],
+            "joints": [self.joint(k) for k in range(model.njnt)],
+            "equalities": [self.equality(k) for k in range(model.neq)],
+            "tendons": [self.tendon(k) for k in range(model.ntendon)],
+            "actuators": [self.actuator(k) for k in range(model.nu)],
+            "qpos": self.data.qpos.tolist(),
+            "finite": all(bool(np.all(np.isfinite(getattr(model, key)))) for key in _FINITE),
+            "name": bytes(model.names).split(b"\0", 1)[0].decode("utf-8", "replace"),
+            "texts": _texts(model),
+        }
+
+    def name(self, kind: str, number: int) -> str:
+        objects = getattr(self.mujoco.mjtObj, f"mjOBJ_{kind}")
+        return self.mujoco.mj_id2name(self.model, objects, number) or ""
+
+    def word(self, enumeration: str, value: Any) -> str:
+        """The name of an enumeration's value, without what all of them begin with: hinge for
+        mjJNT_HINGE.
+        """
+        kinds = getattr(self.mujoco, enumeration)
+        return str(kinds(int(value)).name).split("_", 1)[1].lower()
+
+    def body(self, k: int) -> dict[str, Any]:
+        model, data = self.model, self.data
+        first, count = int(model.body_jntadr[k]), int(model.body_jntnum[k])
+        return {
+            "name": self.name("BODY", k) or f"body{k}",
+            "parent": int(model.body_parentid[k]),
+            "joints": list(range(first, first + count)),
+            "mocap": int(model.body_mocapid[k]) >= 0,
+            "position": data.xpos[k].tolist(),
+            "quaternion": data.xquat[k].tolist(),
+        }
+
+    def joint(self, k: int) -> dict[str, Any]:
+        """Values are those at the file's own configuration (`zero`) and where it stands."""
+        model, data, place = self.model, self.data, int(self.model.jnt_qposadr[k])
+        limited = model.jnt_actfrclimited[k]
+        return {
+            "name": self.name("JOINT", k),
+            "kind": self.word("mjtJoint", model.jnt_type[k]),
+            "body": int(model.jnt_bodyid[k]),
+            "place": place,
+            "range": model.jnt_range[k].tolist() if model.jnt_limited[k] else None,
+            "anchor": data.xanchor[k].tolist(),
+            "axis": data.xaxis[k].tolist(),
+            "zero": float(model.qpos0[place]),
+            "value": float(data.qpos[place]),
+            "armature": float(model.dof_armature[model.jnt_dofadr[k]]),
+            "force": model.jnt_actfrcrange[k].tolist() if limited else [-math.inf, math.inf],
+        }
+
+    def equality(self, k: int) -> dict[str, Any]:
+        """Connects and welds have two bodies, and the frames on them that are one."""
+        model, kind = self.model, self.word("mjtEq", self.model.eq_type[k])
+        numbers = model.eq_data[k]
+        found = {
+            "name": self.name("EQUALITY", k),
+            "kind": kind,
+            "active": bool(model.eq_active0[k]),
+            "objects": [int(model.eq_obj1id[k]), int(model.eq_obj2id[k])],
+            "coefficients": numbers[:5].tolist(),
+            "flex": self.name("FLEX", int(model.eq_obj1id[k])) if kind.startswith("flex") else "",
+            "rigid": kind == "weld" and bool(numbers[10] != 0.0),
+        }
+        if kind in ("connect", "weld"):
+            ends = found["objects"]
+            if int(model.eq_objtype[k]) == int(self.mujoco.mjtObj.mjOBJ_SITE):
+                found["bodies"] = [int(model.site_bodyid[end]) for end in ends]
+                found["frames"] = [
+                    [model.site_pos[end].tolist(), model.site_quat[end].tolist()] for end in ends
+                ]
+            else:
+                # of a weld the anchor is on the second body
+                points = [[numbers[0:3].tolist(), _STILL], [numbers[3:6].tolist(), _STILL]]
+                found["bodies"] = [max(end, 0) for end in ends]
+                found["frames"] = points
+                if kind == "weld":
+                    turn = numbers[6:10] / np.linalg.norm(numbers[6:10])
+                    found["frames"] = [[points[1][0], turn.tolist()], points[0]]
+        return found
+
+    def tendon(self, k: int) -> dict[str, Any]:
+        """Joints and factors of a fixed tendon; none of a spatial one."""
+        model = self.model
+        wraps = range(model.tendon_adr[k], model.tendon_adr[k] + model.tendon_num[k])
+        fixed = all(self.word("mjtWrap", model.wrap_type[w]) == "joint" for w in wraps)
+        joints = [(int(model.wrap_objid[w]), float(model.wrap_prm[w])) for w in wraps]
+        return {"name": self.name("TENDON", k), "joints": joints if fixed else None}
+
+    def actuator(self, k: int) -> dict[str, Any]:
+        """The hinges and slides that it drives, directly or through a fixed tendon; its force is
+        within its own range, and within that of its control where it is a multiple of it.
+        """
+        model, kind = self.model, self.word("mjtTrn", self.model.actuator_trntype[k])
+        target, direct = int(model.actuator_trnid[k][0]), kind in ("joint", "jointinparent")
+        joints = [target] if direct else []
+        if kind == "tendon":
+            joints = [joint for joint, _ in self.tendon(target)["joints"] or ()]
+        low, high = -math.inf, math.inf
+        if model.actuator_forcelimited[k]:
+            low, high = map(float, model.actuator_forcerange[k])
+        gain = self.word("mjtGain", model.actuator_gaintype[k])
+        bias = self.word("mjtBias", model.actuator_biastype[k])
+        if (gain, bias) == ("fixed", "none") and model.actuator_ctrllimited[k]:
+            factor = float(model.actuator_gainprm[k][0])
+            first, last = sorted(factor * float(c) for c in model.actuator_ctrlrange[k])
+            low, high = max(low, first), min(high, last)
+        armatures = getattr(model, "actuator_armature", None)  # of joints alone before
+        return {
+            "name": self.name("ACTUATOR", k),
+            "joints": [
+                joint
+                for joint in joints
+                if self.word("mjtJoint", model.jnt_type[joint]) in ("hinge", "slide")
+            ],
+            "direct": direct,
+            "gear": float(model.actuator_gear[k][0]),
+            "armature": 0.0 if armatures is None else float(armatures[k]),
+            "force": [low, high],
+        }
 
 
 def _texts(model: Any) -> dict[str, str]:

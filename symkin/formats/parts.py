@@ -216,18 +216,6 @@ def _number(text: str, statement: str, where: str) -> float:
     return value
 
 
-def turned(joint: Joint) -> Joint:
-    """A joint as it is seen from its second link, which its coordinate moves the other way
-    about.
-    """
-    axis, axis2 = (
-        None if a is None else tuple(-c + 0.0 for c in a) for a in (joint.axis, joint.axis2)
-    )
-    return (
-        replace(joint, axis=axis2, axis2=axis) if joint.type == "U" else replace(joint, axis=axis)
-    )
-
-
 def in_two(joint: Joint) -> tuple[Joint, Joint]:
     """A joint of two coordinates as two joints, which have the names of these."""
     first, second = (c.name for c in joint.coordinates)

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 
-from symkin.formats.couplings import ToldCoupling, couplings_told
-from symkin.formats.graph_reader import GraphReader
+from symkin.formats.couplings import CouplingSet, LinearEquation
+from symkin.formats.graph_reader import ONE_COORDINATE, GraphReader
 from symkin.formats.joint_graph import (
     Direction,
     GraphJoint,
@@ -36,6 +37,7 @@ from symkin.formats.sdf_world import robot_model
 from symkin.formats.urdf_parts import parts_within, unit
 from symkin.formats.xml_text import Element, read_xml
 from symkin.model.graph import Coupling
+from symkin.model.joined import way
 from symkin.spatial.pose import Pose
 from symkin.text import first_of
 
@@ -81,7 +83,12 @@ class _Reader(GraphReader):
             for entry in self.frames.joints
             if entry[0].attributes.get("type") != "gearbox"
         ]
-        couplings = couplings_told([*self._mimics(joints), *self._gears(joints)])
+        couplings = CouplingSet()
+        for coupling, where in self._mimics(joints):
+            couplings.add(coupling, where)
+        for equation in self._gears(joints):
+            couplings.add_linear(equation)
+        self.notes += couplings.notes
         on_world = any(WORLD in joint.links for joint in joints)
         links = [WORLD, *self.frames.links] if on_world else list(self.frames.links)
         if not links:
@@ -95,9 +102,12 @@ class _Reader(GraphReader):
                 replace(j, name=_plain(j.name), links=(_plain(j.links[0]), _plain(j.links[1])))
                 for j in joints
             ],
-            couplings=couplings,
+            couplings=tuple(couplings.found.values()),
             source=str(self.path),
-            meshes=self._meshes(),
+            meshes={
+                _plain(link): self.meshes(element, partial(self._mesh, link, scope))
+                for link, (element, scope) in self.frames.links.items()
+            },
             parts=self.parts,
         )
         graph = self._with_motors(graph)
@@ -113,13 +123,13 @@ class _Reader(GraphReader):
         nothing joins to that one.
         """
         canonical = self.frames.link_of(self.frames.frames["__model__"].attached)
+        canonical = links[0] if canonical == WORLD else canonical
         if any(canonical in joint.links for joint in joints):
             return canonical
         if not joints:
-            return canonical if canonical in links else links[0]
-        graph = JointGraph("", links, canonical, joints)
-        tree = spanning_tree(graph)
-        return max(links, key=lambda link: len(place(replace(graph, root=link), tree)))
+            return canonical
+        tree = spanning_tree(joints)
+        return max(links, key=lambda link: len(place(tree, link)))
 
     # --- joints -----------------------------------------------------------------------------------
 
@@ -231,7 +241,7 @@ class _Reader(GraphReader):
 
     # --- couplings --------------------------------------------------------------------------------
 
-    def _mimics(self, joints: Sequence[GraphJoint]) -> Iterator[ToldCoupling]:
+    def _mimics(self, joints: Sequence[GraphJoint]) -> Iterator[tuple[Coupling, str]]:
         """follower = multiplier x (leader - reference) + offset."""
         made = {joint.name: joint for joint in joints}
         for element, scope in self.frames.joints:
@@ -253,19 +263,19 @@ class _Reader(GraphReader):
                     _value(mimic, word, default)
                     for word, default in (("multiplier", 1.0), ("offset", 0.0), ("reference", 0.0))
                 )
-                yield Coupling(follower, {leader: factor}, offset - factor * reference), mimic
+                yield Coupling(follower, {leader: factor}, offset - factor * reference), mimic.where
 
     def _coordinate(
         self, made: dict[str, GraphJoint], name: str, axis: int, element: Element
     ) -> str:
-        if name not in made or made[name].type not in ("R", "P", "H", "U"):
+        if name not in made or made[name].type not in (*ONE_COORDINATE, "U"):
             raise element.error(
                 f"the joint {_plain(name)!r} is "
                 f"{'unknown' if name not in made else 'without an axis'}"
             )
         return _plain(name) + (f".{axis}" if made[name].type == "U" else "")
 
-    def _gears(self, joints: Sequence[GraphJoint]) -> Iterator[ToldCoupling]:
+    def _gears(self, joints: Sequence[GraphJoint]) -> Iterator[LinearEquation]:
         """theta_2 = -ratio theta_1: the angles of parent and child against the reference body,
         about axis and axis2.
         """
@@ -278,22 +288,16 @@ class _Reader(GraphReader):
             ratio = element.needed("gearbox_ratio").text_number()
             for tag, axis, weight in (("parent", "axis", ratio), ("child", "axis2", 1.0)):
                 about = np.asarray(at.turn(np.asarray(self._axis(element, axis, scope, at))))
-                for name, sign in self._turns(
+                turns = self._turns(
                     element, joints, reference, self._body(element, tag, scope), about
-                ).items():
+                )
+                for name, sign in turns.items():
                     factors[name] = factors.get(name, 0.0) + weight * sign
-            free = [name for name, factor in factors.items() if factor != 0.0]
-            if len(free) < 2:
+            if sum(factor != 0.0 for factor in factors.values()) < 2:
                 raise element.error("the gearbox couples no two joints")
-            name = free[-1]
-            own = factors.pop(name)
-            yield (
-                Coupling(
-                    _plain(name),
-                    {_plain(other): -factor / own for other, factor in factors.items()},
-                ),
-                element,
-            )
+            # what follows is the joint before the child
+            terms = {_plain(name): factor for name, factor in reversed(factors.items())}
+            yield LinearEquation(terms, 0.0, element.where)
 
     def _turns(
         self,
@@ -306,37 +310,36 @@ class _Reader(GraphReader):
         """The revolute joints from one link to another about a direction, with the sense in which
         each turns the second link.
         """
-        paths: dict[str, dict[str, float]] = {start: {}}
-        todo = [start]
-        for link in todo:
-            for joint in joints:
-                if link not in joint.links or joint.type not in ("R", "weld"):
-                    continue
-                here = joint.links.index(link)
-                other = joint.links[1 - here]
-                if other in paths:
-                    continue
-                turn = 0.0
-                if joint.type == "R" and joint.axis is not None:
-                    axis = np.asarray(
-                        (self.poses[joint.links[0]] @ joint.frames[0]).turn(np.asarray(joint.axis))
-                    )
-                    turn = float(axis @ about) * (1 if here == 0 else -1)
-                    if abs(abs(turn) - 1.0) > _PARALLEL:
-                        continue
-                paths[other] = paths[link] | ({joint.name: float(round(turn))} if turn else {})
-                todo.append(other)
-        if end not in paths:
+        senses = {joint.name: self._sense(joint, about) for joint in joints}
+        path = way([joint for joint in joints if senses[joint.name] is not None], start, end)
+        if path is None:
             raise element.error(
                 f"no revolute joints about its axis lead from the reference body to {_plain(end)!r}"
             )
-        return paths[end]
+        found: dict[str, float] = {}
+        for joint in path:
+            forward = joint.links[0] == start
+            start = joint.links[1 if forward else 0]
+            sense = senses[joint.name]
+            if sense:
+                found[joint.name] = sense if forward else -sense
+        return found
+
+    def _sense(self, joint: GraphJoint, about: np.ndarray) -> float | None:
+        """1 or -1 for a joint that turns about a direction, 0 for a weld; None for others."""
+        if joint.type == "weld":
+            return 0.0
+        if joint.type != "R" or joint.axis is None:
+            return None
+        frame = self.poses[joint.links[0]] @ joint.frames[0]
+        turn = float(np.asarray(frame.turn(np.asarray(joint.axis))) @ about)
+        return float(round(turn)) if abs(abs(turn) - 1.0) <= _PARALLEL else None
 
     # --- the rest ---------------------------------------------------------------------------------
 
     def _with_motors(self, graph: JointGraph) -> JointGraph:
         """The joints that plugins name actuated, else all of the tree that move."""
-        if self.read.actuated or self.parts.actuated is not None:
+        if self.motors_told:
             return graph
         named = {
             e.text.strip()
@@ -345,40 +348,11 @@ class _Reader(GraphReader):
             for e in p.walk()
             if e.tag == "joint_name"
         }
-        able = [joint for joint in graph.joints if joint.type in ("R", "P", "H", "U")]
-        driven = {joint.name for joint in able if joint.name in named}
-        if not driven:
-            followers = {coupling.joint for coupling in graph.couplings}
-            tree = {joint.name for joint in spanning_tree(graph)}
-            driven = {
-                joint.name
-                for joint in able
-                if joint.name in tree and joint.type != "U" and joint.name not in followers
-            }
-            if driven:
-                self.notes.append(
-                    "no motors are told: all movable joints of the tree of one coordinate are "
-                    "actuated"
-                )
-        return replace(
-            graph,
-            joints=[replace(j, actuated=True) if j.name in driven else j for j in graph.joints],
-        )
+        followers = {coupling.joint for coupling in graph.couplings}
+        able = {joint.name for joint in spanning_tree(graph.joints, graph.couplings)} - followers
+        return replace(graph, joints=self.driven(graph.joints, named, able, self.notes))
 
-    def _meshes(self) -> dict[str, tuple[Mesh, ...]]:
-        found: dict[str, tuple[Mesh, ...]] = {}
-        for link, (element, scope) in self.frames.links.items():
-            meshes = [
-                self._mesh(link, v, mesh, scope)
-                for v in element.all("visual")
-                for mesh in v.walk()
-                if mesh.tag == "mesh"
-            ]
-            if meshes:
-                found[_plain(link)] = tuple(meshes)
-        return found
-
-    def _mesh(self, link: str, visual: Element, mesh: Element, scope: Scope) -> Mesh:
+    def _mesh(self, link: str, scope: Scope, visual: Element, mesh: Element) -> Mesh:
         """A mesh of a visual, which is told in the link's frame unless it says otherwise."""
         pose, told_in = self.frames.relative(visual, scope, link)
         scale = mesh.one("scale")

@@ -41,8 +41,8 @@ _MOST_FILES = 20
 
 @dataclass(frozen=True)
 class Scope:
-    """A model: what its names begin with, its own frame, and the version of the file that tells
-    it.
+    """A model: what its names begin with, its own frame, the version of the file that tells it, and
+    whether it is held in the world (static), with all models in it.
     """
 
     prefix: str
@@ -50,6 +50,7 @@ class Scope:
     version: Version
     element: Element
     files: tuple[Path, ...]
+    held: bool = False
 
 
 @dataclass(frozen=True)
@@ -82,17 +83,26 @@ class SdfFrames:
     notes: list[str] = field(default_factory=list)
 
     def add_model(
-        self, element: Element, scope: Scope, told_in: str = WORLD, placed: Element | None = None
+        self,
+        element: Element,
+        scope: Scope,
+        outer: Scope | None = None,
+        placed: Element | None = None,
     ) -> None:
-        """A model and all within it; `placed` is the include that places it in another way."""
+        """A model and all within it, in an outer one; `placed` is the include that places it in
+        another way.
+        """
         self.scopes.append(scope)
         links = element.all("link")
         nested = element.all("model")
-        pose, name = sdf_pose(
-            placed if placed is not None and placed.one("pose") is not None else element,
-            scope.version,
-        )
-        base = told_in if name is None else name
+        if placed is not None and outer is not None and placed.one("pose") is not None:
+            pose, name = sdf_pose(placed, outer.version)
+        else:
+            pose, name = sdf_pose(element, scope.version)
+            name = name if placed is None else None
+        told_in = WORLD if outer is None else outer.model
+        if name is not None:
+            told_in = name if outer is None else self._written(name, outer)
         canonical = element.attributes.get("canonical_link") or next(
             (name for e in (*links, *nested) if (name := e.attribute("name")) != WORLD), _MODEL
         )
@@ -102,15 +112,17 @@ class SdfFrames:
             if placement is not None
             else element.attributes.get("placement_frame")
         )
-        attached = scope.prefix + canonical if canonical != _MODEL else WORLD
-        frame = _Frame(pose, base, attached, element, None if word is None else scope.prefix + word)
-        self.frames[scope.model] = frame
+        attached = WORLD if scope.held or canonical == _MODEL else scope.prefix + canonical
+        placement_frame = None if word is None else scope.prefix + word
+        self.frames[scope.model] = _Frame(pose, told_in, attached, element, placement_frame)
         for link in links:
             if self._is_the_world(link, scope):
                 continue
             key = self._new(scope.prefix + link.attribute("name"), link)
             self.frames[key] = self._placed(link, scope, scope.model, key)
             self.links[key] = link, scope
+            if scope.held:
+                self._add_joint(_held(link), scope)
         for frame_element in element.all("frame"):
             self._add_frame(frame_element, scope)
         for child in nested:
@@ -210,13 +222,10 @@ class SdfFrames:
 
     def _add_nested(self, element: Element, scope: Scope) -> None:
         prefix = f"{scope.prefix}{element.attribute('name')}::"
-        inner = Scope(
-            prefix, self._new(prefix + _MODEL, element), scope.version, element, scope.files
-        )
-        _, name = sdf_pose(element, scope.version)
-        self.add_model(element, inner, scope.model)
-        if name is not None:
-            self._retell(inner.model, self._written(name, scope))
+        key = self._new(prefix + _MODEL, element)
+        held = scope.held or is_static(element)
+        inner = Scope(prefix, key, scope.version, element, scope.files, held)
+        self.add_model(element, inner, scope)
 
     def _include(self, element: Element, scope: Scope) -> None:
         """The model of another file, under its own name or that of the include, or merged into this
@@ -238,16 +247,9 @@ class SdfFrames:
         key = self._new(
             f"{scope.prefix}_merged__{name}__model__" if merged else prefix + _MODEL, element
         )
-        inner = Scope(prefix, key, sdf_version(root), model, (*scope.files, path))
-        _, told_in = sdf_pose(element, scope.version)
-        self.add_model(model, inner, scope.model, placed=element)
-        self._retell(key, scope.model if told_in is None else self._written(told_in, scope))
-
-    def _retell(self, model: str, told_in: str) -> None:
-        frame = self.frames[model]
-        self.frames[model] = _Frame(
-            frame.pose, told_in, frame.attached, frame.element, frame.placement
-        )
+        held = scope.held or is_static(model if element.one("static") is None else element)
+        inner = Scope(prefix, key, sdf_version(root), model, (*scope.files, path), held)
+        self.add_model(model, inner, scope, placed=element)
 
     def _new(self, key: str, element: Element) -> str:
         if len(self.frames) >= _MOST_FRAMES:
@@ -346,6 +348,21 @@ def sdf_pose(element: Element, version: Version) -> tuple[Pose, str | None]:
         else 1.0
     )
     return Pose.from_euler((x, y, z), [scale * angle for angle in angles], "xyz"), told_in
+
+
+def is_static(model: Element) -> bool:
+    """Whether a model, or an include of one, stands still in the world."""
+    static = model.one("static")
+    return static is not None and static.text.strip().lower() in ("1", "true")
+
+
+def _held(link: Element) -> Element:
+    """A fixed joint from the world to a link, at the link's place in the file."""
+    name, place = link.attribute("name"), (link.file, link.line)
+    ends = [
+        Element(tag, {}, *place, text=text) for tag, text in (("parent", WORLD), ("child", name))
+    ]
+    return Element("joint", {"name": f"static {name}", "type": "fixed"}, *place, children=ends)
 
 
 def _included(element: Element, files: Sequence[Path], packages: Packages) -> Path:

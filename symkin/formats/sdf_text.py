@@ -15,7 +15,7 @@ import numpy as np
 from symkin.errors import MechanismError
 from symkin.formats.couplings import mimic_of
 from symkin.formats.naming import fresh_name
-from symkin.formats.parts import JOINTS_TAG, NAMESPACE, Whole, parts_text, turned
+from symkin.formats.parts import JOINTS_TAG, NAMESPACE, Whole, parts_text
 from symkin.formats.sdf_frames import NEWEST, WORLD
 from symkin.formats.written_tree import (
     INERTIA,
@@ -59,13 +59,11 @@ class _Text:
     def __init__(self, tree: WrittenTree) -> None:
         self.tree, self.name = tree, tree.graph.name
         self.places: dict[str, np.ndarray] = {BASE: np.zeros(3)}
-        self.joints: list[LinkJoint] = []
-        for entry in tree.one_by_one():
-            (joint,) = entry.joints
-            self.places[entry.link] = np.array(joint.point)
-            self.joints.append(LinkJoint(joint, (entry.carrier, entry.link)))
-        closures = [_towards_links(entry) for entry in tree.closures]
-        self.joints += closures
+        inside_tree = tree.one_by_one()
+        self.places |= {entry.links[1]: np.array(entry.joint.point) for entry in inside_tree}
+        # the base is no child
+        closures = [e.turned() if e.links[1] == BASE else e for e in tree.closures]
+        self.joints = [*inside_tree, *closures]
         backward = [
             made.joint.name
             for made, entry in zip(closures, tree.closures, strict=True)
@@ -103,9 +101,7 @@ class _Text:
                 plugin = inside(model, "plugin", filename=_MOTOR[0], name=_MOTOR[1])
                 inside(plugin, "joint_name", self.names[entry.joint.name])
         inside(model, JOINTS_TAG, self._parts())
-        return document(
-            root, f"{self.name}, written by symkin: metres and radians; masses have no meaning"
-        )
+        return document(root, self.name)
 
     def _refuse_names(self) -> None:
         for what, names in (("link", self.places), ("joint", [e.joint.name for e in self.joints])):
@@ -194,22 +190,12 @@ class _Text:
             inside(limit, word, value)
 
     def _mimic(self, axis: Element, coupling: Coupling) -> None:
-        """y' = f x' + b' of the values in the file, y' = y - y0."""
-        other, factor, offset = mimic_of(coupling, self.name, "SDF")
+        other, factor, offset = mimic_of(coupling.counted_from(self.zeros), self.name, "SDF")
         leader, tag = self.axes[other]
         mimic = inside(axis, "mimic", joint=self.names[leader.name], axis=tag)
         inside(mimic, "multiplier", factor)
-        inside(mimic, "offset", offset - self._zero(coupling.joint) + factor * self._zero(other))
+        inside(mimic, "offset", offset)
         inside(mimic, "reference", 0)
-
-    def _zero(self, name: str) -> float:
-        return self.zeros.get(name, 0.0)
 
 
 _TAGS = ("axis", "axis2")
-
-
-def _towards_links(entry: LinkJoint) -> LinkJoint:
-    """A joint whose child is no base."""
-    first, second = entry.links
-    return LinkJoint(turned(entry.joint), (second, first)) if second == BASE else entry

@@ -7,6 +7,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from symkin.errors import InputError
+from symkin.formats.sdf_frames import WORLD, is_static
 from symkin.formats.xml_text import Element
 from symkin.text import first_of, meant, shown
 
@@ -52,9 +53,8 @@ def robot_model(root: Element, named: str | None, notes: list[str]) -> Element:
 
 def _alone(model: Element, worlds: Sequence[Element], notes: list[str]) -> Element:
     """One model, without what stands beside it in a world."""
-    static = model.one("static")
-    if static is not None and _is_true(static):
-        raise static.error("the model is static: no joint of it moves")
+    if is_static(model):
+        raise model.needed("static").error("the model is static: no joint of it moves")
     for world in worlds:
         for other in world.all("include", "joint"):
             if other is not model:
@@ -62,41 +62,18 @@ def _alone(model: Element, worlds: Sequence[Element], notes: list[str]) -> Eleme
                     f"line {other.line}: <{other.tag}> of the world is left out; the model is read "
                     f"alone"
                 )
-    return model if model.tag == "model" else _wrapped(_name(model), model, [model])
+    return model if model.tag == "model" else _wrapped(model, [model], name=_name(model))
 
 
 def _whole(world: Element) -> Element:
-    """All models of a world as one; static ones are fixed to it."""
+    """All models of a world as one, whose own frames are attached to the world."""
     parts = world.all("model", "include", "joint", "frame")
-    fixed = [
-        joint
-        for model in world.all("model")
-        if (s := model.one("static")) is not None and _is_true(s)
-        for joint in _held(model)
-    ]
-    return _wrapped(world.attributes.get("name", "world"), world, [*parts, *fixed])
+    return _wrapped(world, parts, name=world.attributes.get("name", WORLD), canonical_link=WORLD)
 
 
-def _held(model: Element) -> list[Element]:
-    """A fixed joint from the world to every link of a static model."""
-    found = []
-    for link in model.all("link"):
-        name = f"{_name(model)}::{link.attribute('name')}"
-        joint = _made("joint", link, {"name": f"static {name}", "type": "fixed"})
-        joint.children += [_made("parent", link, {}, "world"), _made("child", link, {}, name)]
-        found.append(joint)
-    return found
-
-
-def _wrapped(name: str, place: Element, children: list[Element]) -> Element:
-    model = _made("model", place, {"name": name})
-    model.children += children
-    return model
-
-
-def _made(tag: str, place: Element, attributes: dict[str, str], text: str = "") -> Element:
-    """An element that the file does not write, at the place of one that it does."""
-    return Element(tag, attributes, place.file, place.line, text=text)
+def _wrapped(place: Element, children: list[Element], **attributes: str) -> Element:
+    """A model that the file does not write, at the place of an element that it does."""
+    return Element("model", attributes, place.file, place.line, children)
 
 
 def _name(element: Element) -> str:
@@ -108,7 +85,3 @@ def _name(element: Element) -> str:
         return own.text.strip()
     uri = element.one("uri")
     return "" if uri is None else uri.text.strip().rstrip("/").rpartition("/")[2]
-
-
-def _is_true(element: Element) -> bool:
-    return element.text.strip().lower() in ("1", "true")

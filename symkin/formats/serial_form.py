@@ -4,7 +4,7 @@ loops are not wanted.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, replace
 
 from symkin.errors import MechanismError
@@ -13,7 +13,7 @@ from symkin.formats.naming import fresh_name
 from symkin.formats.parts import in_two
 from symkin.model.graph import LinkJoint
 from symkin.model.graph_checks import links_of
-from symkin.model.joined import Joined
+from symkin.model.joined import joined_to
 from symkin.model.joint import BASE
 from symkin.model.mechanism import Mechanism
 from symkin.model.motor import Motor
@@ -53,7 +53,7 @@ def serial_form(
         elif driven:
             kept += _driven(entry, drives, links)
     rods = [rod for rod in graph.link_rods if rod.name not in inside]
-    reached = _reached(kept)
+    reached = joined_to(kept, BASE)
     hanging = {entry.joint.name: entry.links for entry in kept}
     hanging |= {rod.name: rod.links for rod in rods}
     if graph.platform_link is not None:
@@ -85,12 +85,3 @@ def _driven(entry: LinkJoint, drives: Mapping[str, Drive], links: set[str]) -> I
     for part, between in zip(parts, ends, strict=True):
         own = drives[part.name]
         yield LinkJoint(replace(part, actuated=True, limits=own.limits, motor=own.motor), between)
-
-
-def _reached(joints: Sequence[LinkJoint]) -> set[str]:
-    """The links that joints carry from the base on."""
-    joined = Joined[str]()
-    for entry in joints:
-        joined.join(*entry.links)
-    links = {BASE, *(link for entry in joints for link in entry.links)}
-    return {link for link in links if joined.head(link) == joined.head(BASE)}

@@ -168,15 +168,8 @@ class Tree:
         """joint - sum of factor x other - offset, or joint - polynomial of the other; angles times
         the size.
         """
-        others = [self._symbols[name] for name in coupling.names]
-        told = (
-            ca.polyval(ca.SX(coupling.polynomial[::-1]), others[0])
-            if coupling.polynomial is not None
-            else coupling.offset
-            + sum(factor * x for (_, factor), x in zip(coupling.terms, others, strict=True))
-        )
         (own,) = (c for c in self.coordinates if c.name == coupling.joint)
-        return (self.size if own.is_angular else 1.0) * (self._symbols[coupling.joint] - told)
+        return own.lever(self.size) * (self._symbols[own.name] - coupling.value(self._symbols))
 
     @cached_property
     def _hung(self) -> tuple[_Hung, ...]:

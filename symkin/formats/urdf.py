@@ -8,8 +8,9 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
+from symkin.computed_once import cached_property
 from symkin.errors import MechanismError
-from symkin.formats.couplings import couplings_told
+from symkin.formats.couplings import CouplingSet
 from symkin.formats.gepetto_yaml import loops_beside
 from symkin.formats.graph_reader import GraphReader
 from symkin.formats.joint_graph import (
@@ -26,14 +27,14 @@ from symkin.formats.packages import Packages
 from symkin.formats.parts import JOINTS_TAG
 from symkin.formats.read_options import AS_IT_IS, ReadOptions
 from symkin.formats.robot import Mesh, Robot, refuse_too_many
-from symkin.formats.urdf_loops import LOOP_TAGS, loops_within
-from symkin.formats.urdf_motors import mimics, told_motors, with_motors
+from symkin.formats.urdf_loops import LOOP_TAGS, gears_within, loops_within
+from symkin.formats.urdf_motors import driven_names, mimics, told_motors
 from symkin.formats.urdf_parts import direction, origin, parts_within, plain_tag
 from symkin.formats.xacro_text import expanded, is_xacro, macros
 from symkin.formats.xml_text import Element, read_xml
 from symkin.model.joint_forms import JointType
 from symkin.spatial.pose import Pose
-from symkin.text import meant, not_among
+from symkin.text import first_of, meant, not_among
 
 _TYPES: dict[str, JointType] = {
     "revolute": "R",
@@ -123,45 +124,45 @@ class _Reader(GraphReader):
     def graph(self) -> JointGraph:
         joints = self._joints()
         root = self._root_link(joints)
-        joints = self._hold_the_root(joints, root)
-        loops = loops_within(
-            self.root, self._zero_poses(joints, root), self.beside.frames, self.read.loop
-        )
+        zero = {link: pose for link, (pose, _) in place(joints, root).items()}
+        loops = loops_within(self.root, zero, self.beside.frames, self.read.loop)
         joints = [*joints, *self._beside(), *loops.joints]
         motors = told_motors(self.root)
         joints = [replace(joint, motor=motors.get(joint.name)) for joint in joints]
-        told = self.read.actuated or self.parts.actuated is not None
-        joints, of_motors = (joints, []) if told else with_motors(self.root, self.beside, joints)
-        couplings = couplings_told([*mimics(self.elements, joints), *loops.couplings(joints)])
+        couplings = CouplingSet()
+        for coupling, where in mimics(self.elements, joints):
+            couplings.add(coupling, where)
+        for equation in gears_within(self.root, self.links, joints):
+            couplings.add_linear(equation)
+        joints, of_motors = self._with_motors(joints)
         links = [
             *self.links,
             *(link for joint in joints for link in joint.links if link not in self.links),
         ]
-        self._refuse_lost(links, root, joints)
+        self._refuse_lost(root, joints)
         return JointGraph(
             name=robot_name(self.root.attributes.get("name"), self.path),
             links=tuple(dict.fromkeys(links)),
             root=root,
             joints=joints,
-            couplings=couplings,
-            notes=(*self.notes, *of_motors, *self.beside.notes, *loops.notes, *self._left_out()),
+            couplings=tuple(couplings.found.values()),
+            notes=(
+                *self.notes,
+                *of_motors,
+                *self.beside.notes,
+                *loops.notes,
+                *couplings.notes,
+                *self._left_out(),
+            ),
             source=str(self.path),
-            meshes=self._meshes(),
+            meshes={name: self.meshes(element, self._mesh) for name, element in self.links.items()},
             parts=self.parts,
         )
 
     # --- links ------------------------------------------------------------------------------------
 
     def _links(self) -> dict[str, Element]:
-        links: dict[str, Element] = {}
-        for element in self.root.all("link"):
-            name = element.attribute("name")
-            if name in links:
-                raise element.error(
-                    f"two links are named {name!r} (the first on line {links[name].line}); names "
-                    f"must be unique"
-                )
-            links[name] = element
+        links = self._named(self.root.all("link"))
         if not links:
             raise self.root.error("no <link> is found; a robot has links and joints")
         parents = {
@@ -175,6 +176,19 @@ class _Reader(GraphReader):
             )
             return {_WORLD: self.root, **links}
         return links
+
+    def _named(self, elements: Sequence[Element]) -> dict[str, Element]:
+        """Links or joints by name. Raises MechanismError for a name that two have."""
+        found: dict[str, Element] = {}
+        for element in elements:
+            name = element.attribute("name")
+            first = found.setdefault(name, element)
+            if first is not element:
+                raise element.error(
+                    f"two {first.tag.rpartition(':')[2]}s are named {name!r} (the first on line "
+                    f"{first.line}); names must be unique"
+                )
+        return found
 
     def _known_link(self, name: str, element: Element) -> str:
         if name not in self.links:
@@ -202,9 +216,8 @@ class _Reader(GraphReader):
             )
         return roots[0]
 
-    def _refuse_lost(self, links: Sequence[str], root: str, joints: Sequence[GraphJoint]) -> None:
-        graph = JointGraph("", tuple(dict.fromkeys(links)), root, joints)
-        reached = place(graph, spanning_tree(graph))
+    def _refuse_lost(self, root: str, joints: Sequence[GraphJoint]) -> None:
+        reached = place(spanning_tree(joints), root)
         lost = [link for link in self.links if link not in reached]
         if lost:
             raise self.links[lost[0]].error(
@@ -213,45 +226,17 @@ class _Reader(GraphReader):
                 "URDF is one tree"
             )
 
-    def _zero_poses(self, joints: Sequence[GraphJoint], root: str) -> dict[str, Pose]:
-        links = dict.fromkeys([*self.links, *(link for joint in joints for link in joint.links)])
-        graph = JointGraph("", tuple(links), root, joints)
-        return {link: pose for link, (pose, _) in place(graph, joints).items()}
-
-    def _meshes(self) -> dict[str, tuple[Mesh, ...]]:
-        found = {}
-        for name, element in self.links.items():
-            meshes = [
-                self.mesh(
-                    mesh,
-                    mesh.attribute("filename"),
-                    origin(visual),
-                    mesh.numbers("scale", 3, (1.0, 1.0, 1.0)),
-                )
-                for visual in element.all("visual")
-                for mesh in visual.walk()
-                if mesh.tag == "mesh"
-            ]
-            if meshes:
-                found[name] = tuple(meshes)
-        return found
+    def _mesh(self, visual: Element, mesh: Element) -> Mesh:
+        scale = mesh.numbers("scale", 3, (1.0, 1.0, 1.0))
+        return self.mesh(mesh, mesh.attribute("filename"), origin(visual), scale)
 
     # --- joints -----------------------------------------------------------------------------------
 
     def _joints(self) -> list[GraphJoint]:
-        joints: list[GraphJoint] = []
-        seen: dict[str, int] = {}
-        for element in self.elements:
-            name = element.attribute("name")
-            if name in seen:
-                raise element.error(
-                    f"two joints are named {name!r} (the first on line {seen[name]}); names must "
-                    f"be unique"
-                )
-            seen[name] = element.line
-            joints += self._joint(element, name)
+        named = self._named(self.elements)
+        joints = [made for name, e in named.items() for made in self._joint(e, name)]
         for name in self.beside.retyped:
-            if name not in seen:
+            if name not in named:
                 raise MechanismError(
                     f"{self.beside.file}: joint_name: {name!r} is no joint of {self.path.name}"
                 )
@@ -279,6 +264,11 @@ class _Reader(GraphReader):
                     made, type=word, axis=axes[0] if axes else None, axis2=axes[1] if axes else None
                 )
             ]
+        if element is self._held:
+            self.notes.append(
+                f"the floating joint {name!r} of the root is held, the link {links[1]!r} with it"
+            )
+            return [made]
         if kind == "floating":
             return _chain(
                 made, [("x", "P", _X), ("y", "P", _Y), ("z", "P", _W), ("turn", "S", None)]
@@ -308,34 +298,19 @@ class _Reader(GraphReader):
         low, high = (limit.number(key, 0.0, infinite=True) for key in ("lower", "upper"))
         return self.range_of((low, high), element, limit.line)
 
-    def _hold_the_root(self, joints: Sequence[GraphJoint], root: str) -> list[GraphJoint]:
-        """Without the floating joint under the root, where the root carries nothing else: the base
-        is held.
+    @cached_property
+    def _held(self) -> Element | None:
+        """The floating joint under the root, where the root carries nothing else: the base is
+        held.
         """
-        first = [joint for joint in joints if joint.links[0] == root]
-        if len(first) != 1 or first[0].type != "P" or not first[0].name.endswith(".x"):
-            return list(joints)
-        element = next(
-            (
-                e
-                for e in self.elements
-                if e.attributes.get("type") == "floating"
-                and first[0].name == f"{e.attribute('name')}.x"
-            ),
-            None,
-        )
-        if element is None:
-            return list(joints)
-        name = element.attribute("name")
-        body = element.needed("child").attribute("link")
-        self.notes.append(
-            f"the floating joint {name!r} of the root is held, the link {body!r} with it"
-        )
-        ends = {f"{name}.{word}" for word in ("x", "y", "z", "turn")}
-        held = GraphJoint(
-            name, "weld", (root, body), (origin(element), Pose.identity()), where=element.where
-        )
-        return [held, *(joint for joint in joints if joint.name not in ends)]
+        ends = {
+            e: [e.needed(tag).attribute("link") for tag in ("parent", "child")]
+            for e in self.elements
+        }
+        children = {child for _, child in ends.values()}
+        root = next((link for link in self.links if link not in children), None)
+        first = [e for e, (parent, _) in ends.items() if parent == root]
+        return first[0] if len(first) == 1 and first[0].attribute("type") == "floating" else None
 
     def _beside(self) -> list[GraphJoint]:
         """The closures of the YAML file beside the URDF."""
@@ -359,6 +334,19 @@ class _Reader(GraphReader):
                 + meant(name, [*self.links, *children])
             )
         return name if name in self.links else children[name]
+
+    def _with_motors(self, joints: list[GraphJoint]) -> tuple[list[GraphJoint], list[str]]:
+        """The joints, actuated where the YAML file, transmissions or URDF+ say so; and notes."""
+        if self.motors_told:
+            return joints, []
+        named, source = driven_names(self.root, self.beside)
+        unknown = [name for name in named if name not in {joint.name for joint in joints}]
+        notes = (
+            [f"{source} name joints that the file has not: {first_of(unknown)}"] if unknown else []
+        )
+        followers = {e.attribute("name") for e in self.elements if e.one("mimic") is not None}
+        tree = {joint.name for joint in joints if not joint.closing}
+        return self.driven(joints, named & tree, tree - followers, notes), notes
 
     # --- what is left out -------------------------------------------------------------------------
 

@@ -5,17 +5,17 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from symkin.formats.couplings import ToldCoupling
+from symkin.formats.couplings import LinearEquation
 from symkin.formats.joint_graph import Direction, GraphJoint, Z, frame_along
 from symkin.formats.sdf_joint import sdf_axis, sdf_type
 from symkin.formats.urdf_parts import direction, origin, pose_of
 from symkin.formats.xml_text import Element
-from symkin.model.graph import Coupling
+from symkin.model.joined import way
 from symkin.model.joint_forms import JointType
 from symkin.spatial.pose import Pose
 from symkin.text import meant, not_among
@@ -39,33 +39,11 @@ _CLOSING = re.compile(r"closing_(.+)_([12])")
 
 
 @dataclass(frozen=True)
-class GearPair:
-    """ratio x (sum of the joints from the common ancestor to the predecessor) = the same sum to the
-    successor.
-    """
-
-    element: Element
-    predecessor: str
-    successor: str
-    ratio: float
-
-
-@dataclass(frozen=True)
 class Loops:
-    """The closing joints, pairs of coupled links, and notes."""
+    """The closing joints, and notes."""
 
     joints: tuple[GraphJoint, ...]
-    gears: tuple[GearPair, ...]
     notes: tuple[str, ...]
-
-    def couplings(self, joints: Sequence[GraphJoint]) -> list[ToldCoupling]:
-        """The couplings of joints that the pairs of links mean."""
-        found: list[ToldCoupling] = []
-        for gear in self.gears:
-            found.append(
-                (_coupling(gear, joints, {coupling.joint for coupling, _ in found}), gear.element)
-            )
-        return found
 
 
 def loops_within(
@@ -88,7 +66,7 @@ def loops_within(
         if points
         else []
     )
-    return Loops(tuple(joints), tuple(reader.gears()), tuple(notes))
+    return Loops(tuple(joints), tuple(notes))
 
 
 class _Reader:
@@ -149,18 +127,6 @@ class _Reader:
             for mate, links in found.items()
         ]
 
-    def gears(self) -> list[GearPair]:
-        """The couplings of URDF+."""
-        return [
-            GearPair(
-                element,
-                self._link(element.needed("predecessor")),
-                self._link(element.needed("successor")),
-                element.needed("ratio").number("value"),
-            )
-            for element in self.root.all("coupling")
-        ]
-
     # --- one form each ----------------------------------------------------------------------------
 
     def _loop_joint(self, element: Element) -> GraphJoint:
@@ -212,7 +178,7 @@ class _Reader:
     def _gazebo_joint(self, element: Element) -> GraphJoint:
         """A joint of SDF between links of the URDF: its pose is in the child's frame."""
         names = [element.needed(tag).text.strip() for tag in ("parent", "child")]
-        parent, child = (self._known(name, element) for name in names)
+        parent, child = (_known(name, element, self.links) for name in names)
         pose = element.one("pose")
         frame = Pose.identity()
         if pose is not None:
@@ -276,49 +242,43 @@ class _Reader:
         return _TYPES[word]
 
     def _link(self, element: Element) -> str:
-        return self._known(element.attribute("link", "name"), element)
-
-    def _known(self, name: str, element: Element) -> str:
-        if name not in self.links:
-            raise element.error(f"the link {name!r} is unknown{meant(name, self.links)}")
-        return name
+        return _link_of(element, self.links)
 
 
 def _has_axis(kind: JointType) -> bool:
     return kind in ("R", "P", "C")
 
 
-def _coupling(gear: GearPair, joints: Sequence[GraphJoint], coupled: Collection[str]) -> Coupling:
-    """The coupling of joints that a pair of links means, told for the last joint before the
-    successor that is not coupled yet.
+def _link_of(element: Element, links: Collection[str]) -> str:
+    """The link that an element names."""
+    return _known(element.attribute("link", "name"), element, links)
+
+
+def _known(name: str, element: Element, links: Collection[str]) -> str:
+    if name not in links:
+        raise element.error(f"the link {name!r} is unknown{meant(name, links)}")
+    return name
+
+
+def gears_within(
+    root: Element, links: Collection[str], joints: Sequence[GraphJoint]
+) -> Iterator[LinearEquation]:
+    """The couplings of URDF+: ratio x (sum of the joints from the common ancestor to the
+    predecessor) = the same sum to the successor.
     """
-    carrier = {joint.links[1]: joint for joint in joints if not joint.closing}
-    first, second = (_path(link, carrier) for link in (gear.predecessor, gear.successor))
-    common = {joint.name for joint in first} & {joint.name for joint in second}
-    factors = {
-        joint.name: gear.ratio
-        for joint in first
-        if joint.name not in common and joint.type != "weld"
-    }
-    factors |= {
-        joint.name: -1.0 for joint in second if joint.name not in common and joint.type != "weld"
-    }
-    kinds = {joint.name: joint.type for joint in (*first, *second)}
-    wrong = next((name for name in factors if kinds[name] not in ("R", "P", "H")), None)
-    if wrong is not None:
-        raise gear.element.error(f"the joint {wrong!r} has no one coordinate to couple")
-    free = [name for name, factor in factors.items() if factor != 0.0 and name not in coupled]
-    if not free or len(factors) < 2:
-        raise gear.element.error("it couples no two joints that other couplings leave free")
-    name = free[-1]
-    own = factors.pop(name)
-    return Coupling(name, {other: -factor / own for other, factor in factors.items()})
-
-
-def _path(link: str, carrier: Mapping[str, GraphJoint]) -> list[GraphJoint]:
-    """The joints from the root to a link."""
-    found: list[GraphJoint] = []
-    while link in carrier and len(found) <= len(carrier):
-        found.append(carrier[link])
-        link = carrier[link].links[0]
-    return found[::-1]
+    tree = [joint for joint in joints if not joint.closing]
+    for element in root.all("coupling"):
+        at, end = (_link_of(element.needed(tag), links) for tag in ("predecessor", "successor"))
+        ratio, factors = element.needed("ratio").number("value"), dict[str, float]()
+        for joint in way(tree, at, end) or ():
+            # towards the ancestor, then away from it
+            up = joint.links[1] == at
+            at = joint.links[0 if up else 1]
+            if joint.type not in ("R", "P", "H", "weld"):
+                raise element.error(f"the joint {joint.name!r} has no one coordinate to couple")
+            if joint.type != "weld":
+                factors[joint.name] = ratio if up else -1.0
+        if sum(factor != 0.0 for factor in factors.values()) < 2:
+            raise element.error("it couples no two joints")
+        # what follows is the joint before the successor
+        yield LinearEquation(dict(reversed(factors.items())), 0.0, element.where)

@@ -2,54 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import replace
+from collections.abc import Iterator, Sequence
 
-from symkin.formats.couplings import ToldCoupling
 from symkin.formats.gepetto_yaml import LoopsBeside
+from symkin.formats.graph_reader import ONE_COORDINATE
 from symkin.formats.joint_graph import GraphJoint
 from symkin.formats.xml_text import Element
 from symkin.model.graph import Coupling
 from symkin.model.motor import Motor, motor_of
-from symkin.text import first_of, meant
-
-ONE_COORDINATE = ("R", "P", "H")
-"""Joints that a mimic may follow, and that are driven where nothing says which are."""
-
-
-def with_motors(
-    root: Element, beside: LoopsBeside, joints: Sequence[GraphJoint]
-) -> tuple[list[GraphJoint], list[str]]:
-    """The joints, those that motors drive actuated (as the YAML file, transmissions or URDF+ say,
-    else all that move but mimics), and notes.
-    """
-    told, source = _told(root, beside)
-    notes = []
-    unknown = [name for name in told if name not in {joint.name for joint in joints}]
-    if unknown:
-        notes.append(f"{source} name joints that the file has not: {first_of(unknown)}")
-    driven = {
-        j.name
-        for j in joints
-        if j.name in told and not j.closing and j.type in (*ONE_COORDINATE, "U")
-    }
-    if not driven:
-        followers = {
-            e.attribute("name")
-            for e in root.all("joint", "drake:joint")
-            if e.one("mimic") is not None
-        }
-        driven = {
-            j.name
-            for j in joints
-            if j.type in ONE_COORDINATE and not j.closing and j.name not in followers
-        }
-        notes += (
-            ["no motors are told: all movable joints of the tree are actuated"] if driven else []
-        )
-    return [
-        replace(joint, actuated=True) if joint.name in driven else joint for joint in joints
-    ], notes
+from symkin.text import meant
 
 
 def told_motors(root: Element) -> dict[str, Motor | None]:
@@ -80,10 +41,13 @@ def told_motors(root: Element) -> dict[str, Motor | None]:
     return found
 
 
-def mimics(elements: Sequence[Element], joints: Sequence[GraphJoint]) -> list[ToldCoupling]:
-    """joint = multiplier x other + offset, for every <mimic> of a joint that moves."""
+def mimics(
+    elements: Sequence[Element], joints: Sequence[GraphJoint]
+) -> Iterator[tuple[Coupling, str]]:
+    """joint = multiplier x other + offset, for every <mimic> of a joint that moves, and its
+    place.
+    """
     made = {joint.name: joint for joint in joints}
-    found: list[ToldCoupling] = []
     for element in elements:
         mimic = element.one("mimic")
         if mimic is None:
@@ -105,15 +69,8 @@ def mimics(elements: Sequence[Element], joints: Sequence[GraphJoint]) -> list[To
                 f"{wrong!r} has no one coordinate; joints that mimic are revolute, continuous or "
                 f"prismatic"
             )
-        found.append(
-            (
-                Coupling(
-                    name, {other: mimic.number("multiplier", 1.0)}, mimic.number("offset", 0.0)
-                ),
-                mimic,
-            )
-        )
-    return found
+        factor, offset = mimic.number("multiplier", 1.0), mimic.number("offset", 0.0)
+        yield Coupling(name, {other: factor}, offset), mimic.where
 
 
 def _is_passive(joint: Element) -> bool:
@@ -124,7 +81,7 @@ def _is_passive(joint: Element) -> bool:
     )
 
 
-def _told(root: Element, beside: LoopsBeside) -> tuple[frozenset[str], str]:
+def driven_names(root: Element, beside: LoopsBeside) -> tuple[frozenset[str], str]:
     """The driven joints that are told, and where."""
     if beside.motors:
         return frozenset(beside.motors), str(beside.file)

@@ -19,7 +19,6 @@ from symkin.formats.parts import JOINTS_TAG, NAMESPACE, Parts, Whole, parts_text
 from symkin.formats.written_tree import (
     INERTIA,
     MASS,
-    Carried,
     Form,
     WrittenTree,
     least_effort,
@@ -65,12 +64,12 @@ class _Text:
 
     def __init__(self, tree: WrittenTree, *, beside: bool = False) -> None:
         self.tree, self.beside = tree, beside
-        self.carried = tree.one_by_one()
-        moved = zero_displacements(self.carried)
+        self.joints = tree.one_by_one()
+        moved = zero_displacements(self.joints)
         places = {BASE: np.zeros(3)}
-        for entry in self.carried:
-            (joint,) = entry.joints
-            places[entry.link] = np.asarray(moved[entry.carrier].apply(np.array(joint.point)))
+        for entry in self.joints:
+            carrier, link = entry.links
+            places[link] = np.asarray(moved[carrier].apply(np.array(entry.joint.point)))
         self.zero = {
             link: Pose(place, Pose.identity().quaternion) for link, place in places.items()
         }
@@ -85,9 +84,8 @@ class _Text:
         for link in self.zero:
             self._link(root, link)
         couplings = {c.joint: c for c in self.tree.couplings}
-        for entry in self.carried:
-            (joint,) = entry.joints
-            self._joint(root, entry, joint, couplings.get(joint.name))
+        for entry in self.joints:
+            self._joint(root, entry, couplings.get(entry.joint.name))
         for closure in self.tree.closures:
             if self.beside:
                 parts = self._frames(root, closure, parts)
@@ -100,7 +98,8 @@ class _Text:
         inside(root, JOINTS_TAG, parts_text(replace(parts, reference=reference)))
         return document(
             root,
-            f"{graph.name}, written by symkin: metres and radians; masses have no meaning{told}",
+            graph.name,
+            told,
         )
 
     def yaml(self) -> str:
@@ -124,9 +123,8 @@ class _Text:
             inside(inertial, "mass", value=MASS)
             inside(inertial, "inertia", ixx=INERTIA, ixy=0, ixz=0, iyy=INERTIA, iyz=0, izz=INERTIA)
 
-    def _joint(
-        self, root: Element, entry: Carried, joint: Joint, coupling: Coupling | None
-    ) -> None:
+    def _joint(self, root: Element, entry: LinkJoint, coupling: Coupling | None) -> None:
+        joint, (carrier, link) = entry.joint, entry.links
         kind = (
             "prismatic"
             if joint.type == "P"
@@ -135,11 +133,11 @@ class _Text:
             else "revolute"
         )
         made = inside(root, "joint", name=joint.name, type_=kind)
-        inside(made, "parent", link=entry.carrier)
-        inside(made, "child", link=entry.link)
-        at = self.zero[entry.carrier].inverse() @ self.zero[entry.link]
+        inside(made, "parent", link=carrier)
+        inside(made, "child", link=link)
+        at = self.zero[carrier].inverse() @ self.zero[link]
         inside(made, "origin", xyz=at.position, rpy=[0, 0, 0])
-        inside(made, "axis", xyz=self.moved[entry.carrier].turn(np.array(joint.axis)))
+        inside(made, "axis", xyz=self.moved[carrier].turn(np.array(joint.axis)))
         motor = joint.motor or Motor()
         low, high = joint.limits or _UNBOUNDED
         if kind != "continuous" or motor.effort or motor.speed:

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
 from symkin.errors import MechanismError
-from symkin.formats.parts import KEY, Parts, Whole, turned
+from symkin.formats.parts import KEY, Parts, Whole
 from symkin.model.graph import LinkJoint, LinkRod
 from symkin.model.joint import Joint
 from symkin.model.mechanism import Mechanism
@@ -38,9 +38,7 @@ class _Made:
         self.couplings = {coupling.joint: coupling for coupling in mechanism.couplings}
 
     def shift(self, zeros: Mapping[str, float]) -> None:
-        """Add to values what the file leaves out: y' = b + sum f x' becomes y = b + y0 + sum f (x -
-        x0).
-        """
+        """Add to values what the file leaves out."""
         for name, value in zeros.items():
             entry = self._known(name)
             limits = (
@@ -49,14 +47,9 @@ class _Made:
             self.joints[name] = replace(
                 entry, joint=replace(entry.joint, zero=entry.joint.zero + value, limits=limits)
             )
+        before = {name: -value for name, value in zeros.items()}
         for name, coupling in self.couplings.items():
-            offset = (
-                coupling.offset
-                + zeros.get(name, 0.0)
-                - sum(f * zeros.get(other, 0.0) for other, f in coupling.terms)
-            )
-            if coupling.polynomial is None:
-                self.couplings[name] = replace(coupling, offset=offset)
+            self.couplings[name] = coupling.counted_from(before)
 
     def join(self, whole: Whole) -> None:
         """Put a joint or a rod in the place of its parts."""
@@ -76,17 +69,8 @@ class _Made:
     def _rename_coordinates(self, joint: Joint, name: str) -> None:
         """In couplings, for a joint that is called otherwise."""
         new = {c.name: name + c.name.removeprefix(joint.name) for c in joint.coordinates}
-        if not set(new) & {n for c in self.couplings.values() for n in (c.joint, *c.names)}:
-            return
-        found = {}
-        for c in self.couplings.values():
-            of = (
-                new.get(c.of, c.of)
-                if isinstance(c.of, str)
-                else tuple((new.get(n, n), f) for n, f in c.terms)
-            )
-            found[new.get(c.joint, c.joint)] = replace(c, joint=new.get(c.joint, c.joint), of=of)
-        self.couplings = found
+        couplings = [coupling.renamed(new) for coupling in self.couplings.values()]
+        self.couplings = {coupling.joint: coupling for coupling in couplings}
 
     def mechanism(self) -> Mechanism:
         """All of it, in the order that is told."""
@@ -144,7 +128,7 @@ class _Made:
             if at not in entry.links:
                 raise self._error(f"the parts of {whole.name!r} are no chain of joints")
             forward = entry.links[0] == at
-            path.append(entry.joint if forward else turned(entry.joint))
+            path.append(entry.joint if forward else entry.joint.turned())
             at = entry.links[1] if forward else entry.links[0]
         return path, (first, at)
 

@@ -17,7 +17,7 @@ import numpy as np
 from symkin.errors import MechanismError
 from symkin.formats.graph_form import as_graph, is_closed_at_reference
 from symkin.formats.naming import fresh_name
-from symkin.formats.parts import Parts, Whole, in_two, turned
+from symkin.formats.parts import Parts, Whole, in_two
 from symkin.model.graph import Coupling, LinkJoint, LinkRod
 from symkin.model.graph_checks import links_of
 from symkin.model.joined import Joined
@@ -84,16 +84,16 @@ class WrittenTree:
         """The joints of the tree."""
         return tuple(joint for entry in self.carried for joint in entry.joints)
 
-    def one_by_one(self) -> tuple[Carried, ...]:
-        """The tree with a link between each two joints."""
+    def one_by_one(self) -> tuple[LinkJoint, ...]:
+        """The joints of the tree, each from its carrier, with a link between each two."""
         taken, found = {entry.link for entry in self.carried}, []
         for entry in self.carried:
             carrier = entry.carrier
             for joint in entry.joints[:-1]:
                 link = fresh_name(f"{joint.name}.link", taken)
-                found.append(Carried(carrier, link, (joint,)))
+                found.append(LinkJoint(joint, (carrier, link)))
                 carrier = link
-            found.append(Carried(carrier, entry.link, entry.joints[-1:]))
+            found.append(LinkJoint(entry.joints[-1], (carrier, entry.link)))
         return tuple(found)
 
 
@@ -267,7 +267,7 @@ class _Writer:
                 behind.append(other)
                 parts = self._in_parts(entry.joint)
                 if entry.links[0] != link:
-                    parts = [turned(part) for part in reversed(parts)]
+                    parts = [part.turned() for part in reversed(parts)]
                     # of joints in parts the order of these tells it
                     self.turned += (
                         []

@@ -30,9 +30,9 @@ def inside(parent: Element, tag: str, text: object = None, /, **attributes: obje
     return child
 
 
-def document(root: Element, comment: str) -> str:
-    """The text of a file, a comment at its head. Raises MechanismError for one whose elements stand
-    too deep within each other to be read.
+def document(root: Element, name: str, told: str = "") -> str:
+    """The text of a mechanism's file, a comment at its head, which `told` ends. Raises
+    MechanismError for one whose elements stand too deep within each other to be read.
     """
     level, depth = [root], 0
     while level:
@@ -43,6 +43,7 @@ def document(root: Element, comment: str) -> str:
             f"write a mechanism file (.toml), URDF or SDF"
         )
     ElementTree.indent(root, "  ")
+    comment = f"{name}, written by symkin: metres and radians; masses have no meaning{told}"
     words = " ".join(comment.replace("--", "- -").split())
     return (
         f'<?xml version="1.0" encoding="utf-8"?>\n<!-- {words} -->\n'

@@ -10,7 +10,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from symkin.formats.joint_graph import frame_along, moved_along
-from symkin.formats.written_tree import Carried
+from symkin.model.graph import LinkJoint
 from symkin.model.joint import BASE, Joint
 from symkin.spatial.pose import Pose
 
@@ -21,17 +21,15 @@ def displacement(joint: Joint, value: float) -> Pose:
     return frame @ moved_along(joint, value - joint.zero) @ frame.inverse()
 
 
-def zero_displacements(carried: Sequence[Carried]) -> dict[str, Pose]:
+def zero_displacements(joints: Sequence[LinkJoint]) -> dict[str, Pose]:
     """The displacements of all links of a tree from the reference to the configuration where its
     joints are 0.
     """
     found = {BASE: Pose.identity()}
-    for entry in carried:
-        moved = found[entry.carrier]
-        for joint in entry.joints:
-            if joint.zero:
-                moved = moved @ displacement(joint, 0.0)
-        found[entry.link] = moved
+    for entry in joints:
+        carrier, link = entry.links
+        moved = found[carrier]
+        found[link] = moved @ displacement(entry.joint, 0.0) if entry.joint.zero else moved
     return found
 
 

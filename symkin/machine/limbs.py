@@ -164,8 +164,7 @@ def _outward(element: Element) -> Joint | None:
         return None
     if element.along:
         return joint
-    turned = joint.axis is not None and joint.type in _TURNED
-    return replace(joint, axis=tuple(-c for c in joint.axis or ())) if turned else None
+    return joint.turned() if joint.type in _TURNED else None
 
 
 def _ends(graph: Mechanism, element: Element) -> tuple[list[float], list[float]]:

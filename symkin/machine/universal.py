@@ -187,9 +187,9 @@ def _crossing(a: Joint, b: Joint) -> np.ndarray:
 def _outward(element: Element) -> Joint | None:
     """A revolute joint as it moves its second link on the way; None of anything else."""
     joint = element.part
-    if not isinstance(joint, Joint) or joint.type != "R" or joint.axis is None:
+    if not isinstance(joint, Joint) or joint.type != "R":
         return None
-    return joint if element.along else replace(joint, axis=tuple(-c for c in joint.axis))
+    return joint if element.along else joint.turned()
 
 
 def _meet(a: Joint | None, b: Joint | None, stay: Collection[str], size: float) -> bool:

@@ -12,6 +12,7 @@ from typing import TypeAlias
 import numpy as np
 
 from symkin.model.graph import LinkJoint, LinkRod
+from symkin.model.joined import way
 from symkin.model.joint import BASE, Joint
 from symkin.model.limb import Limb, RodLimb
 from symkin.model.mechanism import Mechanism
@@ -89,29 +90,17 @@ def _only_chain(graph: Mechanism, tool: str) -> list[Joint] | None:
     outer link.
     """
     parts: list[_Part] = [*graph.link_joints, *graph.link_rods, *graph.limbs]
-    way = _way(parts, tool)
-    if any(_way([part for part in parts if part is not cut], tool) for cut in way):
+    chain = way(parts, BASE, tool) or []
+    if any(way([part for part in parts if part is not cut], BASE, tool) for cut in chain):
         return None
     joints, link = [], BASE
-    for part in way:
+    for part in chain:
         if not isinstance(part, LinkJoint):
             return None
-        link = part.links[part.links[0] == link]
-        joints.append(_outward(part, link))
+        along = part.links[0] == link
+        link = part.links[along]
+        joints.append(part.joint if along else part.joint.turned())
     return joints
-
-
-def _way(parts: Sequence[_Part], tool: str) -> list[_Part]:
-    """A shortest way from the base to a link; empty where none is."""
-    ways: dict[str, list[_Part]] = {BASE: []}
-    ends = [BASE]
-    for link in ends:
-        for part in (part for part in parts if link in part.links):
-            other = part.links[part.links[0] == link]
-            if other not in ways:
-                ways[other] = [*ways[link], part]
-                ends.append(other)
-    return ways.get(tool, [])
 
 
 def _without_noise(
@@ -147,10 +136,3 @@ def _without_noise(
         for c in graph.platform_quaternion
     ]
     return cleaned, known(graph.platform_position), half_turns
-
-
-def _outward(entry: LinkJoint, link: str) -> Joint:
-    """The joint as it moves the link that is farther from the base, `link`."""
-    if entry.links[1] == link or entry.joint.axis is None:
-        return entry.joint
-    return replace(entry.joint, axis=tuple(-c for c in entry.joint.axis))

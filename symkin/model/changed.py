@@ -11,7 +11,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from symkin.model.graph import Coupling, LinkJoint, LinkRod, coupling_scale
+from symkin.model.graph import LinkJoint, LinkRod
 from symkin.model.joint import Joint
 from symkin.model.limb import Limb, RodLimb
 from symkin.model.mechanism import Mechanism
@@ -32,7 +32,7 @@ def scaled(mechanism: Mechanism, factor: float) -> Mechanism:
     changed = _Changed(lambda _, p: factor * p, lambda _, v: v, factor)
     return replace(
         changed.mechanism(mechanism),
-        couplings=[_scaled(coupling, units) for coupling in mechanism.couplings],
+        couplings=[coupling.in_units(units) for coupling in mechanism.couplings],
         platform_position=changed.times(mechanism.platform_position),
     )
 
@@ -158,17 +158,3 @@ class _Changed:
             length=None if rod.length is None else self.factor * rod.length,
             limits=None if rod.limits is None else self.times(rod.limits),
         )
-
-
-def _scaled(coupling: Coupling, units: Mapping[str, float]) -> Coupling:
-    own = units[coupling.joint]
-    if coupling.polynomial is not None:
-        (name,) = coupling.names
-        powers = [
-            c * coupling_scale(own, units[name], k) for k, c in enumerate(coupling.polynomial)
-        ]
-        return replace(coupling, polynomial=powers)
-    factors = tuple(
-        (name, factor * coupling_scale(own, units[name], 1)) for name, factor in coupling.terms
-    )
-    return replace(coupling, of=factors, offset=own * coupling.offset)

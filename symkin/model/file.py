@@ -16,13 +16,7 @@ from symkin.errors import MechanismError, SymkinError
 from symkin.model.description import unit_of_coordinates
 from symkin.model.dh import DHRow, DHTable
 from symkin.model.foreign_keys import foreign_key, is_second_platform, second_platform
-from symkin.model.graph import (
-    Coupling,
-    LinkJoint,
-    LinkPoint,
-    LinkRod,
-    coupling_scale,
-)
+from symkin.model.graph import Coupling, LinkJoint, LinkPoint, LinkRod
 from symkin.model.joint import BASE, PLATFORM, Joint
 from symkin.model.joint_forms import JOINT_FORMS
 from symkin.model.keys import MECHANISM, Place, read_table, with_parameters
@@ -123,7 +117,8 @@ def _mechanism(data: dict[str, Any], told: Mapping[str, Any]) -> Mechanism:
     if not table.coupling:
         return described
     units = unit_of_coordinates(described)
-    return replace(described, couplings=tuple(_coupling(each, units) for each in table.coupling))
+    couplings = [Coupling(**vars(each)).in_units(units) for each in table.coupling]
+    return replace(described, couplings=couplings)
 
 
 def _form(table: Any) -> str:
@@ -179,24 +174,6 @@ def _joint(table: Any, *, serial: bool = False) -> Joint:
     values["point"] = table.point or (0.0, 0.0, 0.0)
     values["actuated"] = serial or bool(table.actuated)
     return Joint(**values)
-
-
-def _coupling(table: Any, unit: Mapping[str, float]) -> Coupling:
-    """Numbers from the file's units: with u the unit of each coordinate, q / u = sum f q' / u' +
-    offset.
-    """
-    own = unit.get(table.joint, 1.0)
-    if isinstance(table.of, str):
-        powers = None
-        if table.polynomial is not None:
-            other = unit.get(table.of, 1.0)
-            powers = [coupling_scale(own, other, k) * c for k, c in enumerate(table.polynomial)]
-        return Coupling(table.joint, table.of, own * table.offset, powers)
-    terms = {
-        name: coupling_scale(own, unit.get(name, 1.0), 1) * factor
-        for name, factor in table.of.items()
-    }
-    return Coupling(table.joint, terms, own * table.offset, table.polynomial)
 
 
 def _example(table: Any) -> Example | None:

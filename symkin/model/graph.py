@@ -8,10 +8,12 @@ every link's own frame is the base frame there.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from math import lcm
+from operator import mul
+from typing import Any
 
 import numpy as np
 
@@ -49,6 +51,10 @@ class LinkJoint:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "links", link_pair(self.links, f"joint {self.joint.name!r}"))
+
+    def turned(self) -> LinkJoint:
+        """The joint from its second link to its first."""
+        return LinkJoint(self.joint.turned(), self.links[::-1])
 
 
 @dataclass(frozen=True)
@@ -217,6 +223,52 @@ class Coupling:
         """The joint's value where all others are 0."""
         return self.offset if self.polynomial is None else self.polynomial[0]
 
+    def value(self, values: Mapping[str, Any]) -> Any:
+        """The joint where the others have some values: numbers, or expressions."""
+        if self.polynomial is not None:
+            leader = values[self.names[0]]
+            return sum(c * leader**k for k, c in enumerate(self.polynomial))
+        return sum((factor * values[name] for name, factor in self.terms), self.offset)
+
+    def renamed(self, names: Mapping[str, str]) -> Coupling:
+        """The same of coordinates that are called otherwise."""
+        of = (
+            names.get(self.of, self.of)
+            if isinstance(self.of, str)
+            else tuple((names.get(name, name), factor) for name, factor in self.terms)
+        )
+        return replace(self, joint=names.get(self.joint, self.joint), of=of)
+
+    def counted_from(self, values: Mapping[str, float]) -> Coupling:
+        """The same of coordinates that are 0 at these values: y + y0 = c + sum f (x + x0)."""
+        own, away = values.get(self.joint, 0.0), [values.get(name, 0.0) for name in self.names]
+        if not own and not any(away):
+            return self
+        if self.polynomial is None:
+            factors = [factor for _, factor in self.terms]
+            moved = sum(f * x for f, x in zip(factors, away, strict=True))
+            return replace(self, offset=self.offset - own + moved)
+        told, inner = (np.polynomial.Polynomial(c) for c in (self.polynomial, (away[0], 1.0)))
+        powers = [float(c) for c in (told(inner) - own).coef]
+        return replace(self, polynomial=[*powers, *[0.0] * (len(self.polynomial) - len(powers))])
+
+    def in_units(
+        self, units: Mapping[str, float], times: Callable[[float, float], float] = mul
+    ) -> Coupling:
+        """The same of coordinates q u, with the unit u of each by its name (1 where it has none):
+        q u = sum f' q' u' + c u; `times` multiplies.
+        """
+        own = units.get(self.joint, 1.0)
+        others = [units.get(name, 1.0) for name in self.names]
+        if self.polynomial is not None:
+            powers = [times(c, _scale(own, others[0], k)) for k, c in enumerate(self.polynomial)]
+            return replace(self, polynomial=powers)
+        terms = [
+            (name, times(factor, _scale(own, other, 1)))
+            for (name, factor), other in zip(self.terms, others, strict=True)
+        ]
+        return replace(self, of=terms, offset=times(self.offset, own))
+
     @cached_property
     def whole_numbers(self) -> tuple[int, tuple[int, ...]] | None:
         """The least whole numbers (n, (n1, n2, ...)) of n joint = n1 first + n2 second + ... + n
@@ -262,9 +314,9 @@ class Coupling:
         return None
 
 
-def coupling_scale(own: float, other: float, power: int) -> float:
-    """What a coefficient c of a file, q / own = c (q' / other)^power + ..., is multiplied by:
-    exactly 1 for a power 1 and like units.
+def _scale(own: float, other: float, power: int) -> float:
+    """What a coefficient c of q / own = c (q' / other)^power + ... is multiplied by: 1 exactly for
+    power 1 and like units.
     """
     return own if power == 0 else own / other / other ** (power - 1)
 

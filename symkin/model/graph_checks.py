@@ -8,6 +8,7 @@ from collections.abc import Sequence
 
 from symkin.errors import MechanismError
 from symkin.model.description import Graph
+from symkin.model.joined import joined_to
 from symkin.model.joint import BASE
 from symkin.model.names import check_name
 from symkin.text import meant, shown
@@ -61,12 +62,7 @@ def _has_frame(graph: Graph) -> bool:
 
 def _check_held(graph: Graph, links: Sequence[str]) -> None:
     """Every link is joined to the base, if over others."""
-    pairs = [tuple(entry.links) for entry in (*graph.link_joints, *graph.link_rods, *graph.limbs)]
-    reached, grown = {BASE}, True
-    while grown:
-        more = {link for pair in pairs if reached & set(pair) for link in pair}
-        grown = not more <= reached
-        reached |= more
+    reached = joined_to((*graph.link_joints, *graph.link_rods, *graph.limbs), BASE)
     lost = [link for link in links if link not in reached]
     if len(reached) == 1:
         raise MechanismError("no joint or rod names the link 'base'; the fixed link has that name")

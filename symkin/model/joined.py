@@ -1,11 +1,42 @@
-"""Which of several things are joined, one pair after another."""
+"""Which of several things are joined, one pair after another, and by which way."""
 
 from __future__ import annotations
 
-from collections.abc import Hashable
-from typing import Generic, TypeVar
+from collections.abc import Hashable, Iterable, Sequence
+from typing import Generic, Protocol, TypeVar
 
 Item = TypeVar("Item", bound=Hashable)
+
+
+class Pair(Protocol):
+    """What joins two links."""
+
+    @property
+    def links(self) -> Sequence[str]: ...
+
+
+PairType = TypeVar("PairType", bound=Pair)
+
+
+def way(pairs: Sequence[PairType], begin: str, end: str) -> list[PairType] | None:
+    """What joins two links in order, as few as possible; None where nothing does."""
+    ways: dict[str, list[PairType]] = {begin: []}
+    for link in (reached := [begin]):
+        for pair in (pair for pair in pairs if link in pair.links):
+            other = pair.links[pair.links[0] == link]
+            if other not in ways:
+                ways[other] = [*ways[link], pair]
+                reached.append(other)
+    return ways.get(end)
+
+
+def joined_to(pairs: Iterable[Pair], begin: str) -> set[str]:
+    """A link, and all that pairs join to it."""
+    joined, links = Joined[str](), {begin}
+    for pair in pairs:
+        joined.join(*pair.links)
+        links |= set(pair.links)
+    return {link for link in links if joined.head(link) == joined.head(begin)}
 
 
 class Joined(Generic[Item]):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 from symkin.computed_once import cached_property
@@ -186,6 +186,13 @@ class Joint:
         if not needed:
             raise MechanismError(f"{where} has no meaning for a joint of type {self.type}")
         return unit3(value, where)
+
+    def turned(self) -> Joint:
+        """The joint as it is seen from its second link, which its coordinate moves the other way
+        about.
+        """
+        axis, axis2 = (None if a is None else tuple(-c for c in a) for a in (self.axis, self.axis2))
+        return replace(self, axis=axis2, axis2=axis) if axis2 else replace(self, axis=axis)
 
     @property
     def form(self) -> JointForm:

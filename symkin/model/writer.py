@@ -11,8 +11,9 @@ import tomlkit
 
 from symkin.model.description import Description, unit_of_coordinates
 from symkin.model.dh import DHTable
-from symkin.model.graph import Coupling, coupling_scale
+from symkin.model.graph import Coupling
 from symkin.model.keys import (
+    COUPLING,
     DH_ROW,
     EXAMPLE,
     HEAD,
@@ -101,26 +102,14 @@ def _limb(limb: Limb | RodLimb, unit: str) -> dict[str, Any]:
     return write_table(JOINT_LIMB, parts, unit)
 
 
-def _coupling(coupling: Coupling, unit: Mapping[str, float]) -> dict[str, Any]:
-    """Numbers in the file's units, as `coupling_scale` reads them."""
-    own = unit[coupling.joint]
-    table: dict[str, Any] = {"joint": coupling.joint}
-    if coupling.polynomial is not None:
-        (name,) = coupling.names
-        powers = [
-            _scaled(c, coupling_scale(own, unit[name], k))
-            for k, c in enumerate(coupling.polynomial)
-        ]
-        return table | {"of": name, "polynomial": powers}
+def _coupling(coupling: Coupling, units: Mapping[str, float]) -> dict[str, Any]:
+    """Numbers in the file's units, as `Coupling.in_units` reads them."""
+    told = coupling.in_units(units, _over)
+    if told.polynomial is not None:
+        return write_table(COUPLING, told, "")
     factors = tomlkit.inline_table()
-    factors.update(
-        {
-            name: _scaled(factor, coupling_scale(own, unit[name], 1))
-            for name, factor in coupling.terms
-        }
-    )
-    table["of"] = factors
-    return table | ({"offset": _scaled(coupling.offset, own)} if coupling.offset else {})
+    factors.update(told.terms)
+    return write_table(COUPLING, SimpleNamespace(**vars(told) | {"of": factors}), "")
 
 
 def _dh(table: DHTable, unit: str) -> dict[str, Any]:
@@ -141,6 +130,6 @@ def _tables(tables: list[dict[str, Any]]) -> Any:
     return array
 
 
-def _scaled(value: float, scale: float) -> float:
+def _over(value: float, scale: float) -> float:
     """The shortest number that, times `scale`, is exactly this value, if there is one."""
     return value if scale == 1.0 else shortest(value / scale, value, lambda number: scale * number)

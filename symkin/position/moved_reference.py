@@ -4,7 +4,6 @@ there.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -12,7 +11,6 @@ import numpy as np
 from symkin.closure.closure import Closure
 from symkin.closure.link_poses import joint_readings, link_poses
 from symkin.model.changed import described_at
-from symkin.model.graph import Coupling
 from symkin.model.mechanism import Mechanism
 
 
@@ -39,26 +37,7 @@ def with_reference_at(closure: Closure, values: np.ndarray) -> Mechanism:
     }
     return replace(
         described_at(given, links, read),
-        couplings=[_coupling(coupling, shifts) for coupling in given.couplings],
+        couplings=[coupling.counted_from(shifts) for coupling in given.couplings],
         example=None if named & set(shifts) else example,
         link_meshes=(),
-    )
-
-
-def _coupling(coupling: Coupling, shifts: Mapping[str, float]) -> Coupling:
-    """y + y0 = b + sum f (x + x0), of coordinates that count from the reference."""
-    own = shifts.get(coupling.joint, 0.0)
-    away = {name: shifts.get(name, 0.0) for name in coupling.names}
-    if not own and not any(away.values()):
-        return coupling
-    if coupling.polynomial is None:
-        offset = coupling.offset - own + sum(factor * away[name] for name, factor in coupling.terms)
-        return replace(coupling, offset=offset)
-    (shift,) = away.values()
-    moved = (
-        np.polynomial.Polynomial(coupling.polynomial)(np.polynomial.Polynomial([shift, 1.0])) - own
-    )
-    powers = [float(c) for c in moved.coef]
-    return replace(
-        coupling, polynomial=[*powers, *[0.0] * (len(coupling.polynomial) - len(powers))]
     )

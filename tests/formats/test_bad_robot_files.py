@@ -148,14 +148,14 @@ ONE_FORMAT = {
         "sdf",
         "</xyz>",
         "</xyz><mimic joint='{other}'><multiplier>2</multiplier></mimic>",
-        "<mimic joint='k'>: the joints mimic each other in a circle: j, k",
+        "<mimic joint='j'>: the joints mimic each other in a circle: j, k",
     ),
     "circle, MJCF": (
         "xml",
         "end",
         "<equality><joint joint1='j' joint2='k'/>\n"
         "<joint joint1='k' joint2='j' polycoef='0 2 0 0 0'/></equality>",
-        "line 6: <joint>: it ",
+        "line 6: <joint>: it and other couplings hold the joint 'k' at 0;",
     ),
     "missing include, SDF": (
         "sdf",

@@ -134,7 +134,9 @@ def test_bodies_named_base_and_names_that_are_not_allowed(tmp_path: Path) -> Non
 
 
 def test_what_is_left_out_is_told(tmp_path: Path) -> None:
-    """Constraints that are not active or hang on mocap bodies, motors of balls: each one note."""
+    """Constraints that are not active or hang on mocap bodies, motors of balls, sensors: each one
+    note.
+    """
     world = '<body name="hand" mocap="true"/>' + body(
         "arm", "0 0 1", joint("a") + body("tip", "1 0 0", joint("b", 'type="ball"'))
     )
@@ -142,6 +144,7 @@ def test_what_is_left_out_is_told(tmp_path: Path) -> None:
         '<equality><weld body1="hand" body2="tip"/>\n'
         '<connect body1="arm" body2="tip" anchor="0 0 0" active="false"/></equality>'
         '<actuator><motor name="m" joint="b"/></actuator>'
+        '<sensor><jointpos joint="a"/><jointvel joint="a"/></sensor>'
     )
     robot = read_mjcf(in_file(tmp_path, file_text(world, rest)))
     assert not robot.closures
@@ -149,6 +152,7 @@ def test_what_is_left_out_is_told(tmp_path: Path) -> None:
         "line 8: <weld>: it joins a mocap body",
         "line 9: <connect>: it is not active",
         "are left out: m",
+        "moves no link by itself: 2 sensors",
     ):
         assert sum(sentence in note for note in robot.notes) == 1, robot.notes
 

@@ -130,3 +130,49 @@ def test_what_is_wrong_is_one_sentence(
         read_sdf(path, ReadOptions(model=told))
     assert str(path) in str(error.value)
     assert "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize("told", ["by the include", "by its file", "by the model around it"])
+def test_what_stands_still_is_held_wherever_it_is_told(told: str, tmp_path: Path) -> None:
+    """Two posts of an older file carry a four-bar, whose mobility is one; the second is placed in
+    the first one's frame, which the rules of the world's file allow.
+    """
+    still = "<static>true</static>"
+    inside, own = (still if told == f"by {place}" else "" for place in ("the include", "its file"))
+    (tmp_path / "post.sdf").write_text(
+        f"<sdf version='1.4'><model name='post'>{own}<link name='top'/></model></sdf>",
+        encoding="utf-8",
+    )
+    posts = "".join(
+        f"<include><uri>post.sdf</uri><name>{name}</name>{inside}<pose {pose}</pose></include>"
+        for name, pose in (("p", ">0 0 0 0 0 0"), ("q", "relative_to='p'>2 0 0 0 0 0"))
+    )
+    prefix = ""
+    if told == "by the model around it":
+        posts, prefix = f"<model name='yard'>{still}{posts}</model>", "yard::"
+    feet = "".join(
+        HINGE.format(name=f"foot_{m}", parent=f"{prefix}{post}::top", child=f"{m}::low", at="0 0 0")
+        for m, post in (("left", "p"), ("right", "q"))
+    )
+    bar = "<model name='bar'><pose>0 0 2 0 0 0</pose><link name='rod'/></model>"
+    knees = HINGE.format(name="a", parent="left::high", child="bar::rod", at="0 0 0")
+    knees += HINGE.format(name="b", parent="right::high", child="bar::rod", at="2 0 0")
+    stiff = TWO.replace("revolute", "fixed").replace("<axis><xyz>0 1 0</xyz></axis>", "")
+    path = world(tmp_path, stiff + bar + posts + feet + knees)
+    plain = prefix.replace("::", "/")
+    assert read_sdf(path).merged[f"{plain}q/top"][0] == "base"
+    found = symkin.close(path)
+    assert found.mobility == 1
+    assert found.open_by <= 1e-14
+    np.testing.assert_allclose(found.link_poses[f"{plain}q/top"].position, [2, 0, 0])
+
+
+def test_frames_of_a_world_are_the_worlds_own(tmp_path: Path) -> None:
+    """A frame of a world that names no other is attached to the world, not to a link: an arm that
+    hangs on it by its outer link has two freedoms.
+    """
+    post = "<frame name='post'><pose>0 0 1 0 0 0</pose></frame>"
+    hinge = HINGE.format(name="hip", parent="post", child="arm::high", at="0 0 0")
+    path = world(tmp_path, post + ARM.format(name="arm", at="0 0 0") + hinge)
+    assert read_sdf(path).joints[0].links == ("base", "arm/high")
+    assert symkin.close(path).mobility == 2

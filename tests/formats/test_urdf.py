@@ -174,6 +174,23 @@ def test_couplings_of_links_are_of_the_joints_from_their_common_ancestor(tmp_pat
     assert (coupling.joint, dict(coupling.terms)) == ("c", {"a": 3.0, "b": 3.0})
 
 
+def test_a_coupling_of_links_that_mimics_say_already_is_left_out(tmp_path: Path) -> None:
+    """c = 3 (a + b) with b = -2 a is c = -3 a: couplings are equations, whichever tell them."""
+    inside = TREE
+    for name, factor in (("b", -2), ("c", -3)):
+        inside = inside.replace(
+            f'<joint name="{name}" type="continuous">',
+            f'<joint name="{name}" type="continuous"><mimic joint="a" multiplier="{factor}"/>',
+        )
+    inside += (
+        '<coupling name="g"><predecessor link="rod"/><successor link="rocker"/><ratio '
+        'value="3"/></coupling>'
+    )
+    robot = read(tmp_path, inside)
+    assert {c.joint: dict(c.terms) for c in robot.couplings} == {"b": {"a": -2}, "c": {"a": -3}}
+    assert any("says what other couplings say" in note for note in robot.notes)
+
+
 def test_fixed_joints_are_merged_and_names_kept_in_notes(tmp_path: Path) -> None:
     robot = read(
         tmp_path,
