@@ -10,8 +10,8 @@ import numpy as np
 
 from symkin.certificate.disc_arithmetic import UP
 from symkin.computed_once import lru_cache
-from symkin.following.path_system import NEWTON_ARRIVED, PathSystem, along, coefficients
-from symkin.following.trajectory import Trajectory
+from symkin.following.path_system import NEWTON_ARRIVED, PathSystem, along
+from symkin.following.trajectory import Trajectory, coefficients
 from symkin.following.tube import Interval
 from symkin.numeric.rank import most_independent
 
@@ -105,7 +105,8 @@ class Station:
 def interval_of(system: PathSystem, trajectory: Trajectory, row: int) -> Interval:
     """The rows along the interval after sample `row`; about the last sample they stand still."""
     samples = trajectory.samples
-    c = coefficients(system.problem, samples[row], samples[min(row + 1, len(samples) - 1)])
+    ends = samples[row], samples[min(row + 1, len(samples) - 1)]
+    c = coefficients(trajectory.coordinates, *ends)
     return Interval(system, c[None])
 
 

@@ -317,7 +317,7 @@ NAMES = {
     "between": "symkin.following.steps",
     "Meeting": "symkin.following.meeting_modes",
     "Axis": "symkin.following.mode_graph",
-    "coefficients": "symkin.following.path_system",
+    "coefficients": "symkin.following.trajectory",
     "path_systems": "symkin.following.path_system",
     "Interval": "symkin.following.tube",
     "read_trajectory": "symkin.following.track_csv",
