@@ -25,6 +25,13 @@ from symkin.verb_options import options_of
 if TYPE_CHECKING:
     from symkin.model.mechanism import Mechanism
 
+
+def _angle_pairs(reader: PoseReader, text: str, option: str) -> Any:
+    from symkin.cli.quantities import angle_pairs
+
+    return angle_pairs(text, reader.mechanism, option)
+
+
 READ: dict[str, Callable[[PoseReader, Any, str], Any]] = {
     "joints": lambda reader, text, option: joints_from(text, option, reader.unit),
     "numbers": lambda reader, text, option: numbers_from(text, option, reader.unit),
@@ -37,7 +44,8 @@ READ: dict[str, Callable[[PoseReader, Any, str], Any]] = {
     ),
     "limits": lambda reader, text, option: limits_from(text, option, reader.unit),
     "slices": lambda reader, text, _: slices_from(text, reader.unit),
-    "names": lambda _, text, __: names_from(text),
+    "angle pairs": _angle_pairs,
+    "names": lambda _, text, __: names_from(text or None),
     "whole numbers": lambda _, text, option: whole_numbers(text, option),
 }
 """How the text of an option becomes a value, by what `Option.read` says."""
