@@ -215,19 +215,25 @@ class Interval:
         return np.asarray(tubes.proved & curved)
 
     def boxes(
-        self, y: np.ndarray, jacobian: np.ndarray, across: np.ndarray, which: np.ndarray
+        self,
+        y: np.ndarray,
+        jacobian: np.ndarray,
+        across: np.ndarray,
+        which: np.ndarray,
+        rows: np.ndarray | None = None,
     ) -> np.ndarray:
         """Half widths (n, w + 1) of boxes about points y that hold exactly one root on y + across w
-        (`across` (w + 1, w)), infinite where none is proved.
+        (`across` (w + 1, w)), infinite where none is proved; of the rows (n, w) alone that are told
+        by number.
         """
-        inverse = inverses(jacobian @ across)
-        value = self.value(y, np.zeros(y.shape), which)
+        inverse = inverses(Matrix(jacobian, jacobian).only(rows).middle @ across)
+        value = self.value(y, np.zeros(y.shape), which).only(rows)
         step = value.moved(inverse, np.ones(1))
         half = 2.5 * step + 0.01 * step.max(axis=1, keepdims=True, initial=0.0) + 1e-17
         wide = np.abs(across)
         for _ in range(_TRIALS):
             spread = half @ wide.T * _MANY
-            shrinks = self.slope(y, spread, which).shrinks(inverse, across)
+            shrinks = self.slope(y, spread, which).only(rows).shrinks(inverse, across)
             image = (step + _product(shrinks, half)) * _MANY
             fits = (image <= _LARGEST_FILL * half) & (half < _WIDEST_BOX)
             proved = fits.all(axis=1)
@@ -253,6 +259,13 @@ class Matrix:
     def over(self, unit: np.ndarray) -> Matrix:
         """The columns over powers of two (n, b)."""
         return Matrix(self.middle / unit[:, None], self.radius / unit[:, None])
+
+    def only(self, rows: np.ndarray | None) -> Matrix:
+        """Some of the rows (n, k) by number; all without."""
+        if rows is None:
+            return self
+        places = rows[:, :, None]
+        return Matrix(*(np.take_along_axis(a, places, 1) for a in (self.middle, self.radius)))
 
     def shaped(self, shape: tuple[int, int]) -> Matrix:
         """The same entries, row by row, in another shape."""
