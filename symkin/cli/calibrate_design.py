@@ -26,7 +26,6 @@ from symkin.cli.calibrate_options import (
 )
 from symkin.cli.options import MechArgument, check_output, names_from
 from symkin.cli.quantities import (
-    angle_pairs,
     check_noise,
     distance_points,
     joint_quantities,
@@ -34,6 +33,7 @@ from symkin.cli.quantities import (
     quantity,
 )
 from symkin.cli.reading import RobotFile, loaded
+from symkin.cli.values import Asked
 from symkin.errors import InputError
 from symkin.files.written_files import check_own_file, write_own_file
 from symkin.ignored_options import refuse_ignored
@@ -66,7 +66,7 @@ def simulate(
     space: Space,
     postures: RandomPosturesOption = None,
     groups: RandomGroupsOption = None,
-    readings: ReadingsOption = "",
+    readings: ReadingsOption = None,
     truth: Annotated[
         str | None,
         Option(
@@ -157,15 +157,6 @@ def plan(
     space: Space,
     options: PlanOptions,
     postures: PosturesOption = 40,
-    wedges: Annotated[
-        str | None,
-        Option(
-            "Inclinations alpha:beta that groups may have. Default: level, and +-tilt.",
-            "A:B,...",
-            POSTURES,
-        ),
-    ] = None,
-    readings: ReadingsOption = "",
     parameters: PatternOption = None,
     raw: Annotated[
         bool,
@@ -180,20 +171,18 @@ def plan(
 
     check_output(output, mech)
     check_own_file(output, force=force)
-    mechanism = loaded(mech, read)
-    kinds = names_from(readings or None)
-    _check_anything_read(options["groups"] != 0, kinds, noise["noise_group"])
+    asked = Asked.of(mech, read)
+    mechanism, values = asked.mechanism, asked.values(PlanOptions, options)
+    kinds = values.setdefault("readings", [])
+    _check_anything_read(values["groups"] != 0, kinds, noise["noise_group"])
     _refuse_unread_noise(mechanism, kinds, noise)
     sigmas = _noise(mechanism, noise, "normal")
     told = tuple(o.name for o in observed_kinds(mechanism, kinds))
-    options["seed"] = _checked_seed(options["seed"])
-    options["wedges"] = None if wedges is None else angle_pairs(wedges, mechanism, "wedges")
-    options["readings"] = kinds
+    _checked_seed(values["seed"])
     if parameters is not None:
-        options["parameters"] = match_parameters(mechanism, parameters, told)
-    options["aligned"] = not raw
+        values["parameters"] = match_parameters(mechanism, parameters, told)
     made = plan_measurements(
-        _workspace(mechanism, space, _LIMIT_MARGIN), postures, sigmas, **options
+        _workspace(mechanism, space, _LIMIT_MARGIN), postures, sigmas, aligned=not raw, **values
     )
     write_own_file(output, plan_text(made))
     for k, (alpha, beta) in enumerate(made.wedges):

@@ -3,6 +3,7 @@
 from pathlib import Path
 from typing import Annotated, Any, TypedDict
 
+from symkin.calibration.design.plan_options import READ_BESIDE
 from symkin.verb_options import OUTPUT, POSTURES, READINGS, Argument, Option
 
 DataArgument = Annotated[Path, Argument("Measurements, one row a posture.", "DATA.csv")]
@@ -22,15 +23,7 @@ RandomGroupsOption = Annotated[
     int | None,
     Option("Their groups of equal inclination. Default: 0, none.", "N", POSTURES),
 ]
-ReadingsOption = Annotated[
-    str,
-    Option(
-        "What is read beside joints: inclination, position, orientation, pose; a passive "
-        "joint, point.NAME, LINK.pose, distance.A.B.",
-        "A,B,...",
-        READINGS,
-    ),
-]
+ReadingsOption = Annotated[str | None, READ_BESIDE]
 PatternOption = Annotated[
     str | None,
     Option(

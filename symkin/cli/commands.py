@@ -26,8 +26,8 @@ _OTHERS = "Options"
 _HELP_NAMES = {"help_option_names": ["-h", "--help"]}
 
 
-class Command(click.Command):
-    """A command whose help has options in groups and examples, and whose mistakes are sentences."""
+class _Helped(click.Command):
+    """A command whose help ends with examples, and whose mistakes are sentences."""
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
         given = list(args)  # the parser empties its own list
@@ -37,9 +37,6 @@ class Command(click.Command):
         except click.UsageError as error:
             raise sentence(error, ctx, given) from None
 
-    def collect_usage_pieces(self, ctx: click.Context) -> list[str]:
-        return [*map(_usage, (p for p in self.get_params(ctx) if p.required)), "[OPTIONS]"]
-
     def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         _write_parameters(self.get_params(ctx), ctx, formatter)
 
@@ -47,7 +44,14 @@ class Command(click.Command):
         _write_examples(self.epilog, formatter)
 
 
-class Group(click.Group):
+class Command(_Helped):
+    """A command whose help has options in groups."""
+
+    def collect_usage_pieces(self, ctx: click.Context) -> list[str]:
+        return [*map(_usage, (p for p in self.get_params(ctx) if p.required)), "[OPTIONS]"]
+
+
+class Group(_Helped, click.Group):
     """Commands in groups, each of which is imported when it is asked for; alone, it prints its
     help.
     """
@@ -57,11 +61,7 @@ class Group(click.Group):
         self.entries = {entry.name: entry for entry in entries}
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
-        given = list(args)
-        try:
-            return super().parse_args(ctx, args if args or ctx.resilient_parsing else ["--help"])
-        except click.UsageError as error:
-            raise sentence(error, ctx, given) from None
+        return super().parse_args(ctx, args if args or ctx.resilient_parsing else ["--help"])
 
     def list_commands(self, _ctx: click.Context) -> list[str]:
         return list(self.entries)
@@ -87,10 +87,7 @@ class Group(click.Group):
                         if entry.group == group
                     ]
                 )
-        _write_parameters(self.get_params(ctx), ctx, formatter)
-
-    def format_epilog(self, _ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        _write_examples(self.epilog, formatter)
+        super().format_options(ctx, formatter)
 
 
 @dataclass(frozen=True)

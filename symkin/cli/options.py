@@ -18,10 +18,8 @@ from symkin.text import shown
 from symkin.verb_options import OUTPUT, Argument, Option
 
 
-def whole_numbers(text: str | None, option: str) -> list[int]:
-    """The numbers of an option that is a list of whole ones; none where it is not given."""
-    if text is None:
-        return []
+def whole_numbers(text: str, option: str) -> list[int]:
+    """The numbers of an option that is a list of whole ones."""
     numbers = [whole(part.strip()) for part in text.split(",")]
     if None in numbers:
         raise InputError(
@@ -75,14 +73,15 @@ def numbers_from(text: str | None, what: str, angle_unit: str) -> list[float] | 
 
 
 def joints_from(
-    text: str | None, what: str, angle_unit: str
-) -> list[float] | dict[str, float] | None:
-    """Numbers as `numbers_from`, or numbers by name from `leg1=400,leg2=420`."""
+    text: str | None, what: str, angle_unit: str, *, whole_pose: bool = False
+) -> list[float] | dict[str, Any] | None:
+    """Numbers as `numbers_from`, or numbers by name from `leg1=400,leg2=420`, with `whole_pose` of
+    a pose seven.
+    """
     if text is None or "=" not in text:
         return numbers_from(text, what, angle_unit)
     wrong = "has no name; either every value has one (NAME=VALUE,...) or none"
-    pieces = pieces_from(text, what, wrong, whole_pose=False)
-    return {name: number(piece, name, what, angle_unit) for name, (piece,) in pieces.items()}
+    return named_from(text, what, angle_unit, wrong, whole_pose=whole_pose)
 
 
 def pieces_from(
@@ -108,25 +107,25 @@ def pieces_from(
 
 
 def named_from(
-    text: str | None, what: str, angle_unit: str
-) -> dict[str, float | list[float]] | None:
+    text: str,
+    what: str,
+    angle_unit: str,
+    wrong: str = "has no name; values are written NAME=VALUE,...",
+    *,
+    whole_pose: bool = True,
+) -> dict[str, Any]:
     """Values by name from `crank=60,pose=0,0,100,1,0,0,0`: what follows a name up to the next one
     is its value.
     """
-    if text is None:
-        return None
-    wrong = "has no name; values are written NAME=VALUE,..."
-    pieces = pieces_from(text, what, wrong) if text.strip() else {}
+    pieces = pieces_from(text, what, wrong, whole_pose=whole_pose) if text.strip() else {}
     found = {name: [number(p, name, what, angle_unit) for p in own] for name, own in pieces.items()}
     return {name: values if len(values) > 1 else values[0] for name, values in found.items()}
 
 
-def slices_from(text: str | None, angle_unit: str) -> dict[str, float]:
+def slices_from(text: str, angle_unit: str) -> dict[str, float]:
     """Where --slice cuts: names with one value each."""
-    if text is None:
-        return {}
-    pieces = pieces_from(text, "slice", "is not of the form NAME=VALUE", whole_pose=False)
-    return {name: number(piece, name, "slice", angle_unit) for name, (piece,) in pieces.items()}
+    wrong = "is not of the form NAME=VALUE"
+    return named_from(text, "slice", angle_unit, wrong, whole_pose=False)
 
 
 def names_from(text: str | None) -> list[str]:
@@ -173,24 +172,11 @@ def _ends(
     return values
 
 
-def limits_from(text: str | None, what: str, angle_unit: str) -> list[Any] | None:
+def limits_from(text: str, what: str, angle_unit: str) -> list[Any]:
     """A number, or a pair LOW:HIGH, for each motor, or one number for all."""
-    if text is None:
-        return None
     parts = pairs_from(text, what, angle_unit, "a number, or LOW:HIGH,", (1, 2))
     pairs = [[-part[0], part[0]] if len(part) == 1 else part for part in parts]
     return pairs if len(pairs) > 1 or len(parts[0]) > 1 else [parts[0][0]]
-
-
-def start_from(
-    text: str | None, angle_unit: str
-) -> list[float] | dict[str, float | list[float]] | None:
-    """A start: numbers, or values by name."""
-    return (
-        named_from(text, "start", angle_unit)
-        if text is not None and "=" in text
-        else numbers_from(text, "start", angle_unit)
-    )
 
 
 def number(text: str, which: str, what: str, angle_unit: str) -> float:

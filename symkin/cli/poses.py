@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, TypedDict
 
-from symkin.cli.options import named_from, numbers_from, start_from
+from symkin.cli.options import joints_from, named_from, numbers_from
 from symkin.cli.streams import say
 from symkin.errors import InputError
 from symkin.model.oddities import FULL_TURN
@@ -81,7 +81,7 @@ class PoseReader:
 
     def given(self, text: str | None) -> dict[str, float | list[float]] | None:
         """Values by name, of which `pose` may be a whole pose."""
-        values = named_from(text, "given", self.unit)
+        values = None if text is None else named_from(text, "given", self.unit)
         whole = None if values is None else values.get("pose")
         if values is None or not isinstance(whole, list):
             return values
@@ -91,7 +91,7 @@ class PoseReader:
         self, text: str | None, *, is_pose: bool
     ) -> list[float] | dict[str, float | list[float]] | None:
         """A start: a pose where `is_pose`, else joints, or values by name."""
-        begun = start_from(text, self.unit)
+        begun = joints_from(text, "start", self.unit, whole_pose=True)
         return (
             self._complete(begun, "--start")
             if is_pose and isinstance(begun, list) and self.euler is not None

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,38 +16,22 @@ _SAMPLE_FORMS = "NAME=LOW:HIGH"
 _SAMPLE_GIVEN_FORMS = "NAME=LOW:HIGH or NAME=VALUE"
 
 
-def read_ranges(
-    text: str, *, sampled: bool = False, angle_unit: str = "rad"
-) -> dict[str, np.ndarray]:
-    """Names with their values; with `sampled` the least and the largest. `angle_unit` is that of
-    the arguments of sin, cos and tan. Raises InputError.
-    """
-    read = _Reader("grid", sampled, angle_unit)
-    pieces = pieces_from(text, "grid", read.wrong, whole_pose=False)
-    return {name: read.values(name, piece) for name, (piece,) in pieces.items()}
-
-
-def read_given(
-    text: str, *, sampled: bool = False, angle_unit: str = "rad"
+def read_values(
+    text: str, option: str, *, sampled: bool = False, angle_unit: str = "rad"
 ) -> dict[str, float | list[float] | np.ndarray]:
-    """Names with the one value at which they are held, or with their values as `read_ranges` has
-    them; "pose" with its seven numbers. Raises InputError.
+    """Names with their values of --grid, with `sampled` the least and the largest; of --given also
+    with the one value at which they are held, "pose" with its seven numbers. `angle_unit` is that
+    of the arguments of sin, cos and tan. Raises InputError.
     """
-    read = _Reader("given", sampled, angle_unit)
+    read, is_given = _Reader(option, sampled, angle_unit), option == "given"
     found: dict[str, float | list[float] | np.ndarray] = {}
-    for name, parts in pieces_from(text, "given", read.wrong).items():
-        if len(parts) > 1:
-            found[name] = [read.number(name, part) for part in parts]
-        elif ":" in parts[0]:
-            found[name] = read.values(name, parts[0])
+    for name, parts in pieces_from(text, option, read.wrong, whole_pose=is_given).items():
+        if is_given and (len(parts) > 1 or ":" not in parts[0]):
+            numbers = [read.number(name, part) for part in parts]
+            found[name] = numbers if len(numbers) > 1 else numbers[0]
         else:
-            found[name] = read.number(name, parts[0])
+            found[name] = read.values(name, parts[0])
     return found
-
-
-def ranged(given: Mapping[str, float | list[float] | np.ndarray]) -> dict[str, np.ndarray]:
-    """What is swept of values that `read_given` has read."""
-    return {name: values for name, values in given.items() if isinstance(values, np.ndarray)}
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager, nullcontext
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 from symkin.cli.options import (
     Interrupted,
@@ -102,7 +102,9 @@ def sweep(
 
     Needs xarray, zarr and dask: pip install 'symkin[sweep]'
     """
-    from symkin.cli.ranges import ranged, read_given, read_ranges
+    import numpy as np
+
+    from symkin.cli.ranges import read_values
     from symkin.sweeps.drawable import check_drawable
     from symkin.sweeps.run import sweep as run
     from symkin.sweeps.slices import check_map_is_left, check_slices
@@ -112,10 +114,15 @@ def sweep(
     asked = Asked.of(mech, read, form)
     mechanism, unit = asked.mechanism, asked.unit
     poses, sampled = options["poses"], options["random"] is not None
-    ranges = None if grid is None else read_ranges(grid, sampled=sampled, angle_unit=unit)
-    told = None if given is None else read_given(given, sampled=sampled, angle_unit=unit)
-    values = ranged(told or {}) if ranges is None else ranges
-    cuts = slices_from(slices, unit)
+    ranges: Any
+    told: Any
+    ranges, told = (
+        None if text is None else read_values(text, option, sampled=sampled, angle_unit=unit)
+        for text, option in ((grid, "grid"), (given, "given"))
+    )
+    either = (told if ranges is None else ranges) or {}
+    values = {n: v for n, v in either.items() if isinstance(v, np.ndarray)}
+    cuts = {} if slices is None else slices_from(slices, unit)
     check_slices(cuts, values, sampled=sampled)
     check_map_is_left(cuts, values)
     drawn = _drawn(of, slices, plot, loci=loci)

@@ -96,18 +96,17 @@ def track(
         raise InputError(
             "both --given and --poses are given; --given names the coordinates of the path"
         )
+    by_name = None
+    if begin is not None or end is not None:
+        for option, value in (("--csv", csv), ("--given", given)):
+            if value is not None:
+                raise InputError(f"both {option} and --from or --to are given; give one of them")
+    if given is not None:
+        by_name = _by_name(given, mechanism.angle_unit, of_file=csv is not None)
     if csv is not None:
-        if begin is not None or end is not None:
-            raise InputError("both --csv and --from or --to are given; give one of them")
-        path = read_trajectory(
-            mechanism, csv, poses=poses, given=_columns(given, mechanism.angle_unit)
-        )
+        path = read_trajectory(mechanism, csv, poses=poses, given=by_name)
     else:
-        path = (
-            _straight(begin, end, poses, reader)
-            if given is None
-            else _named(given, begin, end, mechanism.angle_unit)
-        )
+        path = _straight(begin, end, poses, reader) if by_name is None else {"given": by_name}
         options["samples"] = 101 if options["samples"] is None else options["samples"]
     options["limits"] = not ignore_limits
     options["start"] = reader.start(start, is_pose=not poses)
@@ -150,36 +149,26 @@ def _straight(
     return {"joints": ends}
 
 
-def _named(given: str, begin: str | None, end: str | None, unit: str) -> dict[str, Any]:
-    """The path of --given NAME=FROM:TO,..."""
-    if begin is not None or end is not None:
-        raise InputError("both --given and --from or --to are given; give one of them")
-    columns: dict[str, float | list[float]] = {}
+def _by_name(given: str, unit: str, *, of_file: bool) -> dict[str, Any]:
+    """The path of --given NAME=FROM:TO,..., or with a file the columns of --csv that it names and
+    values that stand.
+    """
+    columns: dict[str, float | list[float] | None] = {}
     for name, values in ranges_from(given, "given", unit, _PATH, (0, 1, 2)).items():
-        if not values:
-            raise InputError(
-                f"--given: {name} has no values; NAME=FROM:TO,... is needed without --csv, "
-                f"NAME=VALUE for one that stands"
-            )
-        columns[name] = values if len(values) == 2 else values[0]
-    if not any(isinstance(column, list) for column in columns.values()):
-        raise InputError(
-            f"--given {shown(given)}: nothing moves; a path has NAME=FROM:TO for at least one "
-            f"coordinate"
-        )
-    return {"given": columns}
-
-
-def _columns(given: str | None, unit: str) -> dict[str, float | None] | None:
-    """The columns of --csv that --given names, and values that stand."""
-    if given is None:
-        return None
-    found: dict[str, float | None] = {}
-    for name, values in ranges_from(given, "given", unit, _PATH, (0, 1, 2)).items():
-        if len(values) > 1:
+        if of_file and len(values) > 1:
             raise InputError(
                 f"--given: {name}={values[0]:g}:{values[1]:g} is a path of its own; with --csv a "
                 f"name is a column, NAME=VALUE stands"
             )
-        found[name] = values[0] if values else None
-    return found
+        if not of_file and not values:
+            raise InputError(
+                f"--given: {name} has no values; NAME=FROM:TO,... is needed without --csv, "
+                f"NAME=VALUE for one that stands"
+            )
+        columns[name] = values if len(values) == 2 else values[0] if values else None
+    if not of_file and not any(isinstance(column, list) for column in columns.values()):
+        raise InputError(
+            f"--given {shown(given)}: nothing moves; a path has NAME=FROM:TO for at least one "
+            f"coordinate"
+        )
+    return columns

@@ -14,6 +14,7 @@ from symkin.cli.options import (
     numbers_from,
     pairs_from,
     ranges_from,
+    slices_from,
     whole_numbers,
 )
 from symkin.cli.pictures import Drawing
@@ -24,22 +25,27 @@ from symkin.verb_options import options_of
 if TYPE_CHECKING:
     from symkin.model.mechanism import Mechanism
 
-READ: dict[str, Callable[[PoseReader, str | None, str], Any]] = {
+
+def _angle_pairs(reader: PoseReader, text: str, option: str) -> Any:
+    from symkin.cli.quantities import angle_pairs
+
+    return angle_pairs(text, reader.mechanism, option)
+
+
+READ: dict[str, Callable[[PoseReader, Any, str], Any]] = {
     "joints": lambda reader, text, option: joints_from(text, option, reader.unit),
     "numbers": lambda reader, text, option: numbers_from(text, option, reader.unit),
     "pose": lambda reader, text, option: reader.pose(text, option),
     "given": lambda reader, text, _: reader.given(text),
     "named": lambda reader, text, option: named_from(text, option, reader.unit),
-    "ranges": lambda reader, text, _: (
-        None if text is None else ranges_from(text, "range", reader.unit, "NAME=LOW:HIGH,...")
-    ),
-    "window": lambda reader, text, _: (
-        None
-        if text is None
-        else pairs_from(text, "range", reader.unit, "U0:U1,V0:V1, such as -100:100,-50:50,")
+    "ranges": lambda reader, text, _: ranges_from(text, "range", reader.unit, "NAME=LOW:HIGH,..."),
+    "window": lambda reader, text, _: pairs_from(
+        text, "range", reader.unit, "U0:U1,V0:V1, such as -100:100,-50:50,"
     ),
     "limits": lambda reader, text, option: limits_from(text, option, reader.unit),
-    "names": lambda _, text, __: None if text is None else names_from(text),
+    "slices": lambda reader, text, _: slices_from(text, reader.unit),
+    "angle pairs": _angle_pairs,
+    "names": lambda _, text, __: names_from(text or None),
     "whole numbers": lambda _, text, option: whole_numbers(text, option),
 }
 """How the text of an option becomes a value, by what `Option.read` says."""
@@ -82,9 +88,9 @@ class Asked:
             if option.read == "start":
                 is_pose = told.get("pose") is None
                 found[name] = self.reader.start(told[name], is_pose=is_pose)
-            elif option.read:
+            elif option.read and (told[name] is not None or option.read == "pose"):
                 flag = name.replace("_", "-")
                 found[name] = READ[option.read](self.reader, told[name], flag)
-            elif option.help:
+            elif option.help and not option.read:
                 found[name] = told[name]
         return {name: value for name, value in found.items() if value is not None}

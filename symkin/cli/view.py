@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-from symkin.cli.options import MechArgument, slices_from
+from symkin.cli.options import MechArgument
 from symkin.cli.poses import PoseForm
 from symkin.cli.progress import progress_bar
 from symkin.cli.reading import RobotFile
 from symkin.cli.values import Asked
 from symkin.errors import InputError
-from symkin.position.options import Given
+from symkin.page.options import ViewOptions
 from symkin.verb_options import GIVEN, OUTPUT, Option
 
 if TYPE_CHECKING:
@@ -23,14 +24,8 @@ if TYPE_CHECKING:
 def view(
     mech: MechArgument,
     read: RobotFile,
-    inputs: Given,
+    options: ViewOptions,
     form: PoseForm,
-    path: Annotated[
-        Path | None,
-        Option(
-            "A trajectory to play: columns of the given coordinates, or poses.", "FILE.csv", GIVEN
-        ),
-    ] = None,
     swept: Annotated[
         Path | None,
         Option(
@@ -41,19 +36,6 @@ def view(
             flags=("--map",),
         ),
     ] = None,
-    slices: Annotated[
-        str | None,
-        Option(
-            "Where --map cuts a grid of more than two dimensions.",
-            "NAME=VALUE,...",
-            GIVEN,
-            flags=("--slice",),
-        ),
-    ] = None,
-    loci: Annotated[
-        bool,
-        Option("Lay the curves of singular configurations over --map.", group=GIVEN),
-    ] = False,
     html: Annotated[
         Path | None,
         Option("Write the page, and open no browser.", "FILE.html", OUTPUT),
@@ -64,42 +46,40 @@ def view(
 
     Meshes in COLLADA (.dae) take pycollada: pip install 'symkin[meshes]'
     """
-    from symkin.page.view import view_mechanism
+    from symkin.page.result_views import view as view_of
 
-    asked = Asked.of(mech, read, form)
-    mechanism, told = asked.mechanism, {**inputs, **form, "path": path}
+    asked, told = Asked.of(mech, read, form), {**options, **form}
+    of_map = {name: told.pop(name) for name in ("slices", "loci")}
     if swept is not None:
         for name, value in told.items():
             if value is not None:
                 raise InputError(
                     f"both --map and --{name} are given; a map brings its values: give one of them"
                 )
-        print(_shown(_of_map(mechanism, swept, slices, loci=loci), html))
-        return
-    if slices is not None or loci:
+    elif of_map["slices"] is not None or of_map["loci"]:
         raise InputError(
-            f"{'--slice' if slices is not None else '--loci'} belongs to the map of a sweep; give "
-            f"--map FOLDER, or leave it out"
+            f"{'--loci' if of_map['slices'] is None else '--slice'} belongs to the map of a "
+            f"sweep; give --map FOLDER, or leave it out"
         )
-    if told["pose"] is not None:
-        for name in ("joints", "given", "path"):
-            if told[name] is not None:
-                raise InputError(
-                    f"both --pose and --{name} are given; each tells where the page begins: give "
-                    f"one of them"
-                )
-    values = asked.values(Given, inputs, "pose")
-    given = _plain(values.pop("given", None))
-    print(_shown(view_mechanism(mechanism, given=given, path=path, **values), html))
+    values = asked.values(ViewOptions, options, "pose")
+    if swept is None:
+        print(_shown(view_of(asked.mechanism, **values), html))
+    else:
+        print(_shown(_of_map(asked.mechanism, swept, **values), html))
 
 
-def _of_map(mechanism: Mechanism, folder: Path, slices: str | None, *, loci: bool) -> View:
+def _of_map(
+    mechanism: Mechanism,
+    folder: Path,
+    slices: Mapping[str, float] | None = None,
+    *,
+    loci: bool,
+) -> View:
     """The page of a sweep's map. Raises InputError for a sweep of another mechanism."""
     from symkin.page.sweep_plane import view_of_sweep
 
-    cuts = slices_from(slices, mechanism.angle_unit)
     with progress_bar("singularity loci") if loci else nullcontext():
-        page = view_of_sweep(folder, cuts, loci=loci)
+        page = view_of_sweep(folder, slices, loci=loci)
     if page.mechanism.to_toml() != mechanism.to_toml():
         raise InputError(
             f"--map {folder}: the sweep is of {page.mechanism.name}, or its geometry is another "
@@ -118,16 +98,3 @@ def _shown(page: View, html: Path | None) -> str:
         f"opened in the browser; if none appears, open this file in one, or write your own with "
         f"--html FILE.html"
     )
-
-
-def _plain(values: dict[str, float | list[float]] | None) -> dict[str, float] | None:
-    """Values of single coordinates: sliders have no whole poses."""
-    if values is None:
-        return None
-    if any(isinstance(value, list) for value in values.values()):
-        raise InputError(
-            "--given: pose=... is a whole pose, and sliders have single coordinates: write --pose "
-            "X,Y,Z,QW,QX,QY,QZ, or x, y, z, azimuth, tilt, "
-            "torsion one by one"
-        )
-    return {name: value for name, value in values.items() if isinstance(value, (int, float))}

@@ -10,17 +10,17 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_left, bisect_right
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from symkin.following.block_follower import SAME_PLACE, BlockFollower, Ending
 from symkin.following.joint_limits import Limit, LimitWatch
-from symkin.following.path_system import coefficients, path_systems
+from symkin.following.path_system import path_systems
 from symkin.following.station import stations_near
 from symkin.following.steps import Step, Ways, ways
-from symkin.following.trajectory import Trajectory
+from symkin.following.trajectory import Trajectory, coefficients
 from symkin.following.tube import Interval
 from symkin.numeric.tolerances import CLOSURE_TOLERANCE
 from symkin.position.problem import Problem
@@ -180,19 +180,28 @@ def path_point(
     blocks: tuple[BlockFollower, ...], problem: Problem, row: int, u: float
 ) -> PathPoint:
     """The configuration of all blocks at a u that they have passed or at which they stop."""
-    unknown = np.empty(problem.system.width)
     radius: float | None = 0.0
     for block in blocks:
-        unknown[block.system.places] = block.system.unknown(block.at(u))
         half = block.station.half if block.station.u == u else None
         radius = (
             None
             if half is None or radius is None
             else max(radius, float(np.max(half[:-1], initial=0.0)))
         )
+    unknown = joined(problem, blocks, (block.at(u) for block in blocks))
     return PathPoint(
         row, u, unknown, None if radius is None else radius * problem.closure.characteristic_length
     )
+
+
+def joined(
+    problem: Problem, blocks: Sequence[BlockFollower], parts: Iterable[np.ndarray]
+) -> np.ndarray:
+    """The unknowns (in radians and the length unit) that the blocks' z make."""
+    unknown = np.empty(problem.system.width)
+    for block, z in zip(blocks, parts, strict=True):
+        unknown[block.system.places] = block.system.unknown(z)
+    return unknown
 
 
 @dataclass(frozen=True, eq=False)
@@ -216,7 +225,7 @@ def carried(
 ) -> Carried:
     """Follow configurations by their unknowns (n, w), each from one sample to another."""
     end, reached, blocks = begin.copy(), np.ones(len(begin), dtype=bool), []
-    c = np.array([coefficients(problem, a, b) for a, b in samples])
+    c = np.array([coefficients(problem.known_coordinates, a, b) for a, b in samples])
     which = np.arange(len(begin), dtype=np.intc)
     for system in path_systems(problem):
         interval = Interval(system, c)

@@ -15,7 +15,7 @@ from symkin.assembly.modes import modes, modes_at_need
 from symkin.assembly.modes_result import Completeness, Modes
 from symkin.errors import SymkinError
 from symkin.following.block_follower import BlockFollower
-from symkin.following.follow import Branch
+from symkin.following.follow import Branch, joined
 from symkin.following.path_system import PathSystem
 from symkin.following.singular_point import SingularPoint
 from symkin.following.trajectory import Trajectory
@@ -143,7 +143,11 @@ def _across_folds(
     for signs in product((0, 1), repeat=len(turning)):
         chosen = {id(block): sides[id(block)][k] for block, k in zip(turning, signs, strict=True)}
         numbers.append(
-            nearest_mode(problem, listed, _joined(problem, branch.blocks, rest | chosen))
+            nearest_mode(
+                problem,
+                listed,
+                joined(problem, branch.blocks, ((rest | chosen)[id(b)] for b in branch.blocks)),
+            )
         )
     return (
         numbers[0],
@@ -158,7 +162,7 @@ def _near_by(
     """Numbers (from 0) of the followed mode and of those near the singular point, where branches
     cross.
     """
-    own = _joined(problem, branch.blocks, {id(block): block.at(u) for block in branch.blocks})
+    own = joined(problem, branch.blocks, (block.at(u) for block in branch.blocks))
     reach = (
         _NEAR_RATIO * float(_distances(problem, own[None], branch.last.unknown)[0]) + DISTINCT_ROOTS
     )
@@ -261,13 +265,3 @@ def _opposite(
 def _sign(system: PathSystem, z: np.ndarray, u: float, block: BlockFollower) -> float:
     jacobian = system.evaluate(np.append(z, u)[None], block.interval.c)[1][0]
     return float(np.linalg.slogdet(jacobian[:, :-1])[0])
-
-
-def _joined(
-    problem: Problem, blocks: tuple[BlockFollower, ...], z: dict[int, np.ndarray]
-) -> np.ndarray:
-    """The unknowns (in radians and the length unit) that the blocks' z make."""
-    unknown = np.empty(problem.system.width)
-    for block in blocks:
-        unknown[block.system.places] = block.system.unknown(z[id(block)])
-    return unknown

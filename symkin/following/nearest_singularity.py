@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from symkin.following.block_follower import BlockFollower
-from symkin.following.follow import Branch, PathPoint
+from symkin.following.follow import Branch, PathPoint, joined
 from symkin.following.station import Station, interval_of, singular_values_near, station_near
 from symkin.following.trajectory import Trajectory
 from symkin.position.problem import Problem
@@ -37,9 +37,8 @@ def nearest_to_singularity(
     there, u = min((_least_near(block, trajectory, k) for k in equal), key=lambda found: found[0])[
         1:
     ]
-    unknown = np.empty(problem.system.width)
-    for each in branch.blocks:
-        unknown[each.system.places] = each.system.unknown(_between(each, trajectory, there.row, u))
+    parts = (_between(each, trajectory, there.row, u) for each in branch.blocks)
+    unknown = joined(problem, branch.blocks, parts)
     return PathPoint(there.row, u, unknown, None)
 
 

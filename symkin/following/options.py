@@ -1,7 +1,7 @@
 """The options of `track` and `mode_graph`."""
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING, Annotated, TypedDict
+from typing import TYPE_CHECKING, Annotated, Any, TypedDict
 
 from symkin.position.options import JOINTS, START, VALUES
 from symkin.verb_options import Option
@@ -9,7 +9,6 @@ from symkin.verb_options import Option
 if TYPE_CHECKING:
     import numpy as np
 
-    from symkin.following.trajectory import Columns
     from symkin.numeric.levenberg import Progress
     from symkin.position.given import Joints
     from symkin.position.given_by_name import Values
@@ -18,20 +17,31 @@ if TYPE_CHECKING:
     from symkin.spatial.pose import Pose
 
 
-class TrackOptions(TypedDict, total=False):
-    """Options of `track`."""
+Columns = Mapping[str, Any]
+"""Values along a path by the names of coordinates: a column for each, or one number for a
+coordinate that stands.
+"""
+
+
+class PathOptions(TypedDict, total=False):
+    """What tells a path."""
 
     joints: Annotated[
         "Sequence[Joints] | Mapping[str, Sequence[float]] | np.ndarray | None", Option()
     ]
     poses: Annotated["Sequence[Sequence[float] | Pose] | np.ndarray | None", Option()]
-    given: Annotated["Columns | None", Option()]
-    start: Annotated["Solution | Start", START]
+    given: Annotated[Columns | None, Option()]
     times: Annotated[Sequence[float] | None, Option()]
     samples: Annotated[
         int | None, Option("Samples on the path; default 101, or those of the file.", "N")
     ]
     limits: Annotated[bool, Option(default=True)]
+
+
+class TrackOptions(PathOptions, total=False):
+    """Options of `track`."""
+
+    start: Annotated["Solution | Start", START]
     name_modes: Annotated[bool, Option(default=True)]
     notes: Annotated[Sequence[str], Option(default=())]
     progress: Annotated[Callable[[int, int], None] | None, Option()]

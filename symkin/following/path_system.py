@@ -16,8 +16,8 @@ import numpy as np
 from symkin.certificate.discs import DiscFunction
 from symkin.certificate.tape import build_tape
 from symkin.computed_once import cached_property, lru_cache
-from symkin.following.trajectory import great_circle
-from symkin.model.joint import Coordinate, units_of
+from symkin.following.trajectory import between_samples
+from symkin.model.joint import units_of
 from symkin.numeric.balls import raise_constants
 from symkin.numeric.mapped import Mapped
 from symkin.numeric.system import System, incidence_of, split_blocks
@@ -210,41 +210,12 @@ def _path_system(problem: Problem, system: System) -> PathSystem:
     size = problem.closure.characteristic_length
     y = ca.SX.sym("y", system.width + 1)
     scale = np.array(units_of(system.unknowns, size))
-    known, coefficients = _known(problem.known_coordinates, y[system.width])
+    c = ca.SX.sym("c", sum(9 if one.is_rotation else 2 for one in problem.known_coordinates))
+    known = ca.vertcat(ca.SX(0, 1), *between_samples(problem.known_coordinates, c, y[system.width]))
     rows = ca.substitute(
         system.rows / size,
         ca.vertcat(system.unknown, system.known),
         ca.vertcat(ca.DM(scale) * y[: system.width], known),
     )
     rows = ca.vertcat(rows, 0.5 * system.norms(y))
-    return PathSystem(problem, system, y, coefficients, rows, scale)
-
-
-def _known(coordinates: tuple[Coordinate, ...], u: ca.SX) -> tuple[ca.SX, ca.SX]:
-    """k(u) and its coefficients: a, b - a for each number; a, n, half angle for each quaternion."""
-    values, symbols = [], []
-    for c in coordinates:
-        if c.is_rotation:
-            a, n, half = ca.SX.sym("a", 4), ca.SX.sym("n", 4), ca.SX.sym("h")
-            values.append(ca.cos(u * half) * a + ca.sin(u * half) * n)
-            symbols += [a, n, half]
-        else:
-            a, d = ca.SX.sym("a"), ca.SX.sym("d")
-            values.append(a + u * d)
-            symbols += [a, d]
-    return ca.vertcat(ca.SX(0, 1), *values), ca.vertcat(ca.SX(0, 1), *symbols)
-
-
-def coefficients(problem: Problem, a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """The values of c for the interval from sample a to sample b."""
-    out: list[float] = []
-    start = 0
-    for c in problem.known_coordinates:
-        place = slice(start, start + c.width)
-        if c.is_rotation:
-            half, normal = great_circle(a[place], b[place])
-            out += [*a[place].tolist(), *normal.tolist(), half]
-        else:
-            out += [float(a[start]), float(b[start] - a[start])]
-        start += c.width
-    return np.array(out)
+    return PathSystem(problem, system, y, c, rows, scale)

@@ -16,8 +16,8 @@ from symkin.following.trajectory import Trajectory
 from symkin.model.joint import Coordinate
 from symkin.numeric.linear_algebra import singular_values
 from symkin.position.problem import Problem
-from symkin.position.readings import left_out, readings_at
-from symkin.position.solution import Solution, pose_of
+from symkin.position.readings import left_out, points_at, readings_at
+from symkin.position.solution import Solution, in_units, named_values, pose_dict, pose_of
 from symkin.position.solution_list import make_solution
 from symkin.spatial.pose import Pose
 
@@ -47,24 +47,19 @@ class Sample:
         """Joint coordinates in the mechanism's units, passive ones included; where values are told
         by name, those of all joints.
         """
-        mechanism, closure = self.problem.mechanism, self.problem.closure
-        out: dict[str, Any] = {}
-        for c in listed_joints(self.problem):
-            part = (
-                self.readings[c.name]
-                if c.name in self.readings
-                else self.values[closure.slices[c.name]]
-            )
-            scalar = mechanism.value_out(c, float(part[0]))
-            out[c.name] = scalar if c.width == 1 else [float(v) for v in part]
-        return out
+        values = named_values(self.problem.closure, self.values)
+        values |= {name: v if len(v) > 1 else float(v[0]) for name, v in self.readings.items()}
+        names = [c.name for c in listed_joints(self.problem)]
+        return in_units(self.problem.mechanism, names, values)
 
     @cached_property
     def points(self) -> dict[str, list[float]]:
         """Where the named points of links are, in the base frame."""
-        named = self.problem.mechanism.link_points
-        poses = link_poses(self.problem.closure, self.values[None]).at(0) if named else {}
-        return {p.name: np.asarray(poses[p.link].apply(np.array(p.point))).tolist() for p in named}
+        mechanism, closure = self.problem.mechanism, self.problem.closure
+        if not mechanism.link_points:
+            return {}
+        there = points_at(mechanism, link_poses(closure, self.values[None]))
+        return {name: point[0].tolist() for name, point in there.items()}
 
     @property
     def has_platform(self) -> bool:
@@ -88,15 +83,10 @@ class Sample:
 
     def to_dict(self) -> dict[str, Any]:
         """The sample in the JSON of `symkin track`; an infinite condition is None."""
-        pose = {
-            "position": np.asarray(self.pose.position).tolist(),
-            "quaternion": np.asarray(self.pose.quaternion).tolist(),
-            "matrix": np.asarray(self.pose.rotation).tolist(),
-        }
         return {
             "parameter": self.parameter,
             "time": self.time,
-            "pose": pose if self.has_platform else None,
+            "pose": pose_dict(self.pose) if self.has_platform else None,
             "joints": self.joints,
             **({"points": self.points} if self.points else {}),
             "residual": self.residual,

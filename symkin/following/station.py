@@ -4,14 +4,13 @@ that hold no other root. Those of many branches go together, each on an interval
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from symkin.certificate.disc_arithmetic import UP
-from symkin.computed_once import lru_cache
-from symkin.following.path_system import NEWTON_ARRIVED, PathSystem, along, coefficients
-from symkin.following.trajectory import Trajectory
+from symkin.following.path_system import NEWTON_ARRIVED, PathSystem, along
+from symkin.following.trajectory import Trajectory, coefficients
 from symkin.following.tube import Interval
 from symkin.numeric.rank import most_independent
 
@@ -105,7 +104,8 @@ class Station:
 def interval_of(system: PathSystem, trajectory: Trajectory, row: int) -> Interval:
     """The rows along the interval after sample `row`; about the last sample they stand still."""
     samples = trajectory.samples
-    c = coefficients(system.problem, samples[row], samples[min(row + 1, len(samples) - 1)])
+    ends = samples[row], samples[min(row + 1, len(samples) - 1)]
+    c = coefficients(trajectory.coordinates, *ends)
     return Interval(system, c[None])
 
 
@@ -163,22 +163,15 @@ def redundant_rows_bound(interval: Interval, y: np.ndarray, which: np.ndarray) -
     """An upper bound (length unit) of all rows at the exact roots near points y (n, w + 1), at
     their u, of as many independent rows as unknowns; infinite where no such root is proved.
     """
-    system = interval.system
+    width = interval.system.width
     jacobian = interval.evaluate(y, which)[1]
-    chosen = most_independent(jacobian[..., :-1], system.width)
-    bounds, across = [0.0], np.eye(system.width + 1)[:, :-1]
-    for rows in np.unique(chosen, axis=0):
-        if np.count_nonzero(rows) < system.width:
-            return float("inf")
-        own = (chosen == rows).all(axis=1)
-        square = Interval(_with_rows(system, tuple(np.flatnonzero(rows).tolist())), interval.c)
-        half = square.boxes(y[own], jacobian[own][:, rows], across, which[own])
-        value = interval.value(y[own], half, which[own])
-        bounds.append(float(np.max((np.abs(value.middle) + value.radius)[:, ~rows], initial=0.0)))
-    bound = max(bounds) * system.problem.closure.characteristic_length * UP
+    chosen = most_independent(jacobian[..., :-1], width)
+    if (np.count_nonzero(chosen, axis=1) < width).any():
+        return float("inf")
+    rows = np.nonzero(chosen)[1].reshape(len(y), width)
+    half = interval.boxes(y, jacobian, np.eye(width + 1)[:, :-1], which, rows)
+    value = interval.value(y, half, which)
+    beyond = (np.abs(value.middle) + value.radius)[..., 0][~chosen]
+    size = interval.system.problem.closure.characteristic_length
+    bound = float(np.max(beyond, initial=0.0)) * size * UP
     return bound if bound == bound else float("inf")
-
-
-@lru_cache(maxsize=128)
-def _with_rows(system: PathSystem, chosen: tuple[int, ...]) -> PathSystem:
-    return replace(system, rows=system.rows[list(chosen), 0])

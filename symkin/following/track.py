@@ -14,7 +14,7 @@ from symkin.errors import InputError
 from symkin.following.follow import Branch, PathPoint, evaluate_formula, follow, ground, is_formula
 from symkin.following.joint_limits import LimitWatch
 from symkin.following.nearest_singularity import nearest_to_singularity
-from symkin.following.options import TrackOptions
+from symkin.following.options import PathOptions, TrackOptions
 from symkin.following.sample import Sample, make_sample, places_read
 from symkin.following.steps import Step
 from symkin.following.stop import Stop, stop_of
@@ -32,7 +32,7 @@ from symkin.position.start_notes import start_notes
 from symkin.position.transfer import variables_elsewhere
 from symkin.spatial.pose import Pose
 from symkin.verb import verb
-from symkin.verb_options import takes
+from symkin.verb_options import options_of, takes
 
 _OFF_START = 1e-6
 """A start mode's given values may differ from the path's first sample by this (of the size, or
@@ -78,15 +78,8 @@ def track(mechanism: Mechanism, **options: Unpack[TrackOptions]) -> Track:
         'turning point'
     """
     begin = time.perf_counter()
-    trajectory = make_trajectory(
-        mechanism,
-        joints=options["joints"],
-        poses=options["poses"],
-        given=options["given"],
-        times=options["times"],
-        count=options["samples"],
-        limits=options["limits"],
-    )
+    path = {name: options[name] for name in options_of(PathOptions)}  # type: ignore[literal-required]
+    trajectory = make_trajectory(mechanism, **path)
     trajectory = replace(trajectory, notes=(*options["notes"], *trajectory.notes))
     found = _track(trajectory, options)
     return replace(found, elapsed_s=time.perf_counter() - begin)

@@ -127,9 +127,8 @@ def _rows(columns: list[list[float]]) -> list[list[float]]:
 
 
 def _joint(table: Table, mechanism: Mechanism, c: Coordinate) -> list[float]:
-    if c.is_angular:
-        return table.numbers(c.name, "angle", mechanism.angle_unit)
-    return table.numbers(c.name, "length", mechanism.length_unit)
+    kind = "angle" if c.is_angular else "length"
+    return table.numbers(c.name, kind, mechanism.unit_of(c))
 
 
 def _names(c: Coordinate) -> list[str]:
@@ -150,7 +149,7 @@ def write_track(track: Track, path: str | Path) -> None:
     timed = track.trajectory.times is not None
     headers = ["t[s]"] if timed else []
     for c in listed_joints(track.problem):
-        unit = "" if c.is_rotation else f"[{angle}]" if c.is_angular else f"[{length}]"
+        unit = "" if c.is_rotation else f"[{mechanism.unit_of(c)}]"
         headers += [name + unit for name in _names(c)]
     if mechanism.platform_link is not None:
         headers += [*(f"{name}[{length}]" for name in _POSITION), *_QUATERNION]

@@ -12,6 +12,7 @@ from symkin.computed_once import cached_property
 from symkin.following.sample import Sample, listed_joints
 from symkin.following.stop import Stop, roles_followed
 from symkin.following.trajectory import Trajectory
+from symkin.model.joint import Coordinate
 from symkin.plain_number import NOTHING, plain
 from symkin.position.problem import Problem
 from symkin.result import Result, Summary
@@ -164,40 +165,27 @@ class Track(Result):
         joints, and where the platform is, as many as a table takes.
         """
         mechanism, problem = self.trajectory.mechanism, self.problem
-        unit, angle, size = (
-            mechanism.length_unit,
-            mechanism.angle_unit,
-            mechanism.characteristic_length,
-        )
+        unit, size = mechanism.length_unit, mechanism.characteristic_length
         found: dict[str, tuple[str, np.ndarray, float]] = {}
-        values = np.array([sample.values for sample in self.samples])
         for c in problem.known_coordinates:
             if c.role == "given":
-                column = values[:, problem.closure.slices[c.name].start]
-                shown = (
-                    np.array([mechanism.angle_out(float(v)) for v in column])
-                    if c.is_angular
-                    else column
-                )
-                found[c.name] = (
-                    f"{c.name} [{angle if c.is_angular else unit}]",
-                    shown,
-                    c.unit(size),
-                )
+                place = problem.closure.slices[c.name].start
+                values = [mechanism.value_out(c, float(s.values[place])) for s in self.samples]
+                found[c.name] = self._column(c, values)
         known = {c.name for c in problem.known_coordinates}
         for c in sorted(listed_joints(problem), key=lambda c: c.name not in known):
             if not c.is_rotation:
-                column = np.array([sample.joints[c.name] for sample in self.samples])
-                found[c.name] = (
-                    f"{c.name} [{angle if c.is_angular else unit}]",
-                    column,
-                    c.unit(size),
-                )
+                found[c.name] = self._column(c, [s.joints[c.name] for s in self.samples])
         if self.samples[0].has_platform:
             places = np.array([np.asarray(sample.pose.position) for sample in self.samples])
             for k, name in enumerate("xyz"):
                 found.setdefault(name, (f"{name} [{unit}]", places[:, k], size))
         return list(found.values())[:_MOST_COLUMNS]
+
+    def _column(self, c: Coordinate, values: list[float]) -> tuple[str, np.ndarray, float]:
+        mechanism = self.trajectory.mechanism
+        title = f"{c.name} [{mechanism.unit_of(c)}]"
+        return title, np.array(values), c.unit(mechanism.characteristic_length)
 
     @property
     def _header(self) -> list[str]:

@@ -15,17 +15,17 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 
 from symkin.errors import InputError
+from symkin.following.options import Columns, PathOptions
 from symkin.ignored_options import refuse_ignored
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.position.given import (
     Given,
-    Joints,
     joint_rows,
     joint_values,
     pose_coordinates,
@@ -40,12 +40,9 @@ from symkin.position.given_by_name import (
     rows_by_name,
 )
 from symkin.position.problem import Kind, Problem
+from symkin.spatial.backend import Array, cos, sin
 from symkin.spatial.pose import Pose
-
-Columns = Mapping[str, Any]
-"""Values along a path by the names of coordinates: a column for each, or one number for a
-coordinate that stands.
-"""
+from symkin.verb_options import takes
 
 _ON_MOTION = 1e-6
 """A pose off a restricted motion by less than this times the size is projected, as in `solve`."""
@@ -95,7 +92,8 @@ class Trajectory:
             return np.array(self.samples[row])
         if u == 1.0:
             return np.array(self.samples[row + 1])
-        return interpolated(self.coordinates, self.samples[row], self.samples[row + 1], u)
+        c = coefficients(self.coordinates, self.samples[row], self.samples[row + 1])
+        return np.concatenate([np.zeros(0), *between_samples(self.coordinates, c, u)])
 
     def time(self, row: int, u: float) -> float | None:
         if self.times is None:
@@ -103,21 +101,15 @@ class Trajectory:
         return float(self.times[row] + (u * (self.times[row + 1] - self.times[row]) if u else 0.0))
 
 
-def make_trajectory(
-    mechanism: Mechanism,
-    *,
-    joints: Sequence[Joints] | Mapping[str, Sequence[float]] | np.ndarray | None = None,
-    poses: Sequence[Sequence[float] | Pose] | np.ndarray | None = None,
-    given: Columns | None = None,
-    times: Sequence[float] | None = None,
-    count: int | None = None,
-    limits: bool = True,
-) -> Trajectory:
+@takes(PathOptions)
+def make_trajectory(mechanism: Mechanism, **options: Unpack[PathOptions]) -> Trajectory:
     """A path through rows of actuated joint values, poses, or values of coordinates by name, in the
-    mechanism's units. With `count`, each interval is divided so that about that many samples stand
-    on the whole path. With `limits` the closure of coordinates by name holds all joints that have
-    some. Raises InputError.
+    mechanism's units. With `samples`, each interval is divided so that about that many samples
+    stand on the whole path. With `limits` the closure of coordinates by name holds all joints that
+    have some. Raises InputError.
     """
+    joints, poses, given = options["joints"], options["poses"], options["given"]
+    count = options["samples"]
     require_mechanism(mechanism)
     if sum(path is not None for path in (joints, poses, given)) != 1:
         raise InputError(
@@ -129,7 +121,7 @@ def make_trajectory(
     if not rows:
         raise InputError("the path has no samples; at least one is needed")
     read = [_READ[form](mechanism, row, k) for k, row in enumerate(rows, start=1)]
-    problem = _problem(mechanism, read[0].names, limits)
+    problem = _problem(mechanism, read[0].names, options["limits"])
     samples: list[np.ndarray] = []
     for k, one in enumerate(read, start=1):
         if one.off_motion > _ON_MOTION * mechanism.characteristic_length:
@@ -148,7 +140,7 @@ def make_trajectory(
     trajectory = Trajectory(
         problem,
         np.array(samples),
-        _times(times, len(rows)),
+        _times(options["times"], len(rows)),
         (read[0].echo, read[-1].echo),
         (note,) if projected else (),
     )
@@ -208,19 +200,31 @@ def _named_rows(given: Columns) -> list[dict[str, Any]]:
     return rows_by_name(given, "a sample, or one for all")
 
 
-def interpolated(
-    coordinates: tuple[Coordinate, ...], a: np.ndarray, b: np.ndarray, u: float
-) -> np.ndarray:
-    """k(u) between two samples."""
-    out, start = np.empty(len(a)), 0
+def coefficients(coordinates: Sequence[Coordinate], a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """What tells k(u) between samples: a, b - a of each number; a, n, h of each quaternion."""
+    out, start = list[float](), 0
     for c in coordinates:
-        place = slice(start, start + c.width)
+        begin, end = (sample[start : start + c.width] for sample in (a, b))
         if c.is_rotation:
-            half, normal = great_circle(a[place], b[place])
-            out[place] = math.cos(u * half) * a[place] + math.sin(u * half) * normal
+            half, normal = great_circle(begin, end)
+            out += [*begin.tolist(), *normal.tolist(), half]
         else:
-            out[place] = a[place] + u * (b[place] - a[place])
+            out += [float(begin[0]), float(end[0] - begin[0])]
         start += c.width
+    return np.array(out)
+
+
+def between_samples(coordinates: Sequence[Coordinate], c: Array, u: Array) -> list[Array]:
+    """k(u) from its coefficients, numbers or expressions, a part for each coordinate."""
+    out, start = list[Array](), 0
+    for coordinate in coordinates:
+        if coordinate.is_rotation:
+            a, n, half = c[start : start + 4], c[start + 4 : start + 8], c[start + 8]
+            out.append(cos(u * half) * a + sin(u * half) * n)
+            start += 9
+        else:
+            out.append(c[start : start + 1] + u * c[start + 1 : start + 2])
+            start += 2
     return out
 
 

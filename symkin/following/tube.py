@@ -215,19 +215,25 @@ class Interval:
         return np.asarray(tubes.proved & curved)
 
     def boxes(
-        self, y: np.ndarray, jacobian: np.ndarray, across: np.ndarray, which: np.ndarray
+        self,
+        y: np.ndarray,
+        jacobian: np.ndarray,
+        across: np.ndarray,
+        which: np.ndarray,
+        rows: np.ndarray | None = None,
     ) -> np.ndarray:
         """Half widths (n, w + 1) of boxes about points y that hold exactly one root on y + across w
-        (`across` (w + 1, w)), infinite where none is proved.
+        (`across` (w + 1, w)), infinite where none is proved; of the rows (n, w) alone that are told
+        by number.
         """
-        inverse = inverses(jacobian @ across)
-        value = self.value(y, np.zeros(y.shape), which)
+        inverse = inverses(Matrix(jacobian, jacobian).only(rows).middle @ across)
+        value = self.value(y, np.zeros(y.shape), which).only(rows)
         step = value.moved(inverse, np.ones(1))
         half = 2.5 * step + 0.01 * step.max(axis=1, keepdims=True, initial=0.0) + 1e-17
         wide = np.abs(across)
         for _ in range(_TRIALS):
             spread = half @ wide.T * _MANY
-            shrinks = self.slope(y, spread, which).shrinks(inverse, across)
+            shrinks = self.slope(y, spread, which).only(rows).shrinks(inverse, across)
             image = (step + _product(shrinks, half)) * _MANY
             fits = (image <= _LARGEST_FILL * half) & (half < _WIDEST_BOX)
             proved = fits.all(axis=1)
@@ -253,6 +259,13 @@ class Matrix:
     def over(self, unit: np.ndarray) -> Matrix:
         """The columns over powers of two (n, b)."""
         return Matrix(self.middle / unit[:, None], self.radius / unit[:, None])
+
+    def only(self, rows: np.ndarray | None) -> Matrix:
+        """Some of the rows (n, k) by number; all without."""
+        if rows is None:
+            return self
+        places = rows[:, :, None]
+        return Matrix(*(np.take_along_axis(a, places, 1) for a in (self.middle, self.radius)))
 
     def shaped(self, shape: tuple[int, int]) -> Matrix:
         """The same entries, row by row, in another shape."""
@@ -330,9 +343,13 @@ class _Operator:
         bend = self.bend(half, self.velocity)
         box = self._slope(self.rounding + self.spread(half))
         late = self.late
-        shrinks = box.shrinks(self.inverse, self.across) + late[..., None] * bend.between(
-            self.inverse, self.across
-        )
+        # the path parameter as one more coordinate, w_u = T_u w, so that what cancels in it does
+        up, w = self.across[:, -1:], self.across.shape[2]
+        rows = np.concatenate([self.inverse, up @ self.inverse], axis=1)
+        unit = np.concatenate([np.broadcast_to(np.eye(w), (len(up), w, w)), up], axis=1)
+        shrinks = box.shrinks(rows, self.across, unit)
+        shrinks += late[..., None] * bend.between(rows, self.across)
+        turning = box.moved(rows, self.along) + late * bend.moved(rows, self.along)
         (v, v_spread), (a, a_spread) = self.velocity, self.acceleration
         curved = np.abs(
             _product(self.inverse, _product(bend.middle, v) + _product(self.slope.middle, a))
@@ -346,46 +363,35 @@ class _Operator:
         )
         curved += _product(np.abs(self.inverse), loose)
         drift = self.value + 0.5 * late**2 * curved
-        turning = box.moved(self.inverse, self.along) + late * bend.moved(self.inverse, self.along)
-        # the path parameter as one more coordinate, w_u = T_u w, so that what cancels in it does
-        up = self.across[:, -1:]
-        row = up @ self.inverse
-        turning_up = box.moved(row, self.along) + late * bend.moved(row, self.along)
-        shrinks_up = box.shrinks(row, self.across, up) + late[..., None] * bend.between(
-            row, self.across
-        )
-        return _Image(
-            (drift + _product(shrinks, half)) * _MANY,
-            shrinks * _MANY,
-            turning * _MANY,
-            turning_up * _MANY,
-            shrinks_up * _MANY,
-        )
+        image = (drift + _product(shrinks[:, :-1], half)) * _MANY
+        return _Image(image, shrinks * _MANY, turning * _MANY)
 
 
 @dataclass(frozen=True, eq=False)
 class _Image:
-    """Bounds over boxes: of |K| (n, w), of |1 - M dG/dy T| (n, w, w), of |M dG/dy e| (n, w), and of
-    the two latter times T's row of the path parameter (n, 1, ...).
+    """Bounds over boxes: of |K| (n, w), of |1 - M dG/dy T| (n, w + 1, w) and of |M dG/dy e|
+    (n, w + 1), whose last rows are those of the path parameter.
     """
 
     image: np.ndarray
-    shrinks: np.ndarray
+    all_shrinks: np.ndarray
     turning: np.ndarray
-    turning_up: np.ndarray
-    shrinks_up: np.ndarray
+
+    @property
+    def shrinks(self) -> np.ndarray:
+        return self.all_shrinks[:, :-1]
 
     @cached_property
     def tangent(self) -> np.ndarray:
         """Bounds (n, w) of the branch's w'."""
-        return _fixed_points(self.shrinks, self.turning)
+        return _fixed_points(self.shrinks, self.turning[:, :-1])
 
     @property
     def sideways(self) -> np.ndarray:
         """A bound (n,) of what w' adds to du/ds."""
         with np.errstate(all="ignore"):
-            along = self.turning_up + _product(self.shrinks_up, self.tangent)
-        return np.asarray(along[:, 0] * _MANY)
+            along = self.turning[:, -1] + _dot(self.all_shrinks[:, -1], self.tangent)
+        return np.asarray(along * _MANY)
 
     def fill(self, half: np.ndarray) -> np.ndarray:
         """The largest share (n,) of the boxes that the images fill."""

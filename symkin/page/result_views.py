@@ -3,22 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, Unpack
 
 from symkin.assembly.modes_result import Modes
 from symkin.errors import InputError
 from symkin.following.track_result import Track
 from symkin.model.mechanism import Mechanism
+from symkin.page.options import ViewOptions
 from symkin.page.page import PlayedPath
 from symkin.page.sweep_plane import view_of_sweep
 from symkin.page.view import View, actuated_values, view_mechanism, view_solution
+from symkin.position.options import Given
 from symkin.position.solution import Solution
 from symkin.position.solve_result import SolveResult
 from symkin.singularities.loci import Loci
 from symkin.sweeps.run import Swept
+from symkin.verb_options import takes
 
 
-def view(result: object, **options: Any) -> View:
+@takes(ViewOptions)
+def view(result: object, **options: Unpack[ViewOptions]) -> View:
     """Make the page on which a mechanism or a result moves: one HTML text that needs no network.
 
     `result` is a mechanism, modes (the first one is shown), a solution, a track, which is played,
@@ -33,14 +37,19 @@ def view(result: object, **options: Any) -> View:
     >>> page.html.startswith("<!doctype html>")
     True
     """
+    taken: tuple[str, ...] = ("slices", "loci") if isinstance(result, Swept) else ()
     if isinstance(result, Mechanism):
-        return view_mechanism(result, **options)
-    if isinstance(result, Swept) and set(options) <= {"slices", "loci"}:
-        return view_of_sweep(result.folder, **options)
-    if options:
+        taken = (*Given.__annotations__, "path")
+    told: dict[str, Any] = {n: v for n, v in options.items() if v is not None and v is not False}
+    wrong = [name for name in told if name not in taken]
+    if wrong:
         raise InputError(
-            f"view: {', '.join(options)} is not what the page of a {type(result).__name__} takes"
+            f"view: {', '.join(wrong)} is not what the page of a {type(result).__name__} takes"
         )
+    if isinstance(result, Mechanism):
+        return view_mechanism(result, **told)
+    if isinstance(result, Swept):
+        return view_of_sweep(result.folder, **told)
     if isinstance(result, SolveResult) and result.solution is not None:
         return _of_solution(result.solution, result.given)
     if isinstance(result, Modes) and len(result):

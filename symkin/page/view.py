@@ -9,6 +9,8 @@ from html import escape
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from symkin.assembly.modes import modes
 from symkin.computed_once import cached_property
 from symkin.errors import InputError, NoConfigurationError
@@ -98,6 +100,11 @@ def view_mechanism(
         raise InputError(
             "joints and given are both told; joints are the actuated ones, given any coordinates: "
             "give one of them"
+        )
+    if any(np.ndim(value) for value in (given or {}).values()):
+        raise InputError(
+            "given (--given): pose=... is a whole pose, and sliders have single coordinates: give "
+            "pose (--pose X,Y,Z,QW,QX,QY,QZ), or x, y, z, azimuth, tilt, torsion one by one"
         )
     if pose is not None:
         if joints is not None or given is not None or path is not None:

@@ -14,13 +14,12 @@ from symkin.errors import InputError
 from symkin.plots.sheet import new_figure
 from symkin.plots.style import drawing
 from symkin.position.given_by_name import given_coordinates
-from symkin.position.solution import Solution
 from symkin.position.solve_result import SolveError
 from symkin.singularities.configuration import configuration
 from symkin.text import matplotlib_text
 from symkin.velocity.jacobian import Jacobian, Values
 from symkin.velocity.jacobian_names import TWIST
-from symkin.velocity.rates import RateJacobian
+from symkin.velocity.rates import NamedRates
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -32,39 +31,35 @@ _MOST_WRITTEN = 144
 def figure_of_jacobian(jacobian: Jacobian, *, at: Values | None = None) -> Figure:
     """The entries with their numbers, colours by their size with angles times the mechanism's size;
     `at` is the configuration (default: the reference). Raises InputError where the matrix is not
-    finite there.
+    defined there.
     """
-    matrix = jacobian.at(jacobian.closure.reference if at is None else at)
-    if not np.isfinite(matrix).all():
-        where = "reference configuration" if at is None else "configuration"
-        raise InputError(
-            f"plot: the {jacobian.kind} Jacobian is not defined at the {where}; give a regular one "
-            f"with at=..."
-        )
-    title = f"{jacobian.mechanism.name}: {jacobian.kind} Jacobian" + (
-        " at the reference" if at is None else ""
-    )
-    return _matrix_figure(jacobian, matrix, title)
-
-
-def figure_of_rates(jacobian: RateJacobian, *, at: Solution | None = None) -> Figure:
-    """The same of rates of any coordinates by those of others. Raises InputError where these do not
-    decide them at the configuration.
-    """
-    mechanism = jacobian.mechanism
-    known = {c.name: c for c in jacobian.problem.known_coordinates}
-    here = {name: mechanism.value_out(c, c.reference[0]) for name, c in known.items()}
+    mechanism, kind = jacobian.mechanism, jacobian.kind
+    where, end = ("reference configuration", " at the reference") if at is None else ("", "")
     try:
-        matrix = jacobian.at(configuration(mechanism, given=here) if at is None else at)
+        matrix = jacobian.at(_reference(jacobian) if at is None else at)
     except SolveError as error:
         raise InputError(f"plot: {error}; give a regular configuration with at=...") from None
-    title = f"{mechanism.name}: rates of rows by columns" + (
-        " at the reference" if at is None else ""
+    if not np.isfinite(matrix).all():
+        raise InputError(
+            f"plot: the {kind} Jacobian is not defined at the {where or 'configuration'}; give a "
+            f"regular one with at=..."
+        )
+    what = "rates of rows by columns" if kind == "rates" else f"{kind} Jacobian"
+    return _matrix_figure(jacobian, matrix, f"{mechanism.name}: {what}{end}")
+
+
+def _reference(jacobian: Jacobian) -> Values:
+    """The reference, or where coordinates are told by name what they reach from there."""
+    rates, mechanism = jacobian.expressions, jacobian.mechanism
+    if not isinstance(rates, NamedRates):
+        return jacobian.closure.reference
+    known = rates.problem.known_coordinates
+    return configuration(
+        mechanism, given={c.name: mechanism.value_out(c, c.reference[0]) for c in known}
     )
-    return _matrix_figure(jacobian, matrix, title)
 
 
-def _matrix_figure(jacobian: Jacobian | RateJacobian, matrix: np.ndarray, title: str) -> Figure:
+def _matrix_figure(jacobian: Jacobian, matrix: np.ndarray, title: str) -> Figure:
     rows, columns = jacobian.shape
     with drawing():
         size = max(4.2, 2.6 + 0.75 * columns, 0.1 * len(title)), max(2.6, 1.9 + 0.42 * rows)
@@ -95,7 +90,7 @@ def _matrix_figure(jacobian: Jacobian | RateJacobian, matrix: np.ndarray, title:
     return figure
 
 
-def _weights(jacobian: Jacobian | RateJacobian, names: Sequence[str]) -> list[float]:
+def _weights(jacobian: Jacobian, names: Sequence[str]) -> list[float]:
     """The size for each angle or part of a quaternion, 1 for each length; a joint may have the name
     of a pose's coordinate or of a twist's.
     """

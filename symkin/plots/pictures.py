@@ -39,7 +39,6 @@ _FIGURES = {
     "ModeGraph": ("mode_graph_plot", "figure_of_mode_graph"),
     "Modes": ("modes_plot", "figure_of_modes"),
     "Plan": ("plan_plot", "figure_of_plan"),
-    "RateJacobian": ("jacobian_plot", "figure_of_rates"),
     "Singularity": ("singularity_plot", "figure_of_singularity"),
     "Solution": ("modes_plot", "figure_of_solution"),
     "SolveResult": ("modes_plot", "figure_of_solve"),

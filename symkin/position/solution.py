@@ -14,6 +14,7 @@ from symkin.closure.link_poses import link_poses
 from symkin.closure.partition import ALL_JOINTS, Partition
 from symkin.computed_once import cached_property
 from symkin.model.mechanism import Mechanism
+from symkin.plain_number import plain
 from symkin.position.canonical import poses_of
 from symkin.position.given import pose_coordinates
 from symkin.position.problem import Problem
@@ -131,14 +132,7 @@ class Solution(Result):
         return next(_readings([self]))
 
     def _in_units(self, names: Iterable[str], values: Mapping[str, Any]) -> dict[str, Any]:
-        """Coordinates' values as users read them."""
-        kinds = {c.name: c for c in self.mechanism.coordinates}
-        return {
-            name: [float(v) for v in values[name]]
-            if kinds[name].is_rotation
-            else self.mechanism.value_out(kinds[name], values[name])
-            for name in names
-        }
+        return in_units(self.mechanism, names, values)
 
     @property
     def actuated_values(self) -> list[float]:
@@ -177,13 +171,8 @@ class Solution(Result):
 
     def to_dict(self) -> dict[str, Any]:
         """One entry of `modes` in the JSON of `symkin modes --json`."""
-        pose = {
-            "position": self.position.tolist(),
-            "quaternion": self.quaternion.tolist(),
-            "matrix": self.rotation.tolist(),
-        }
         return {
-            "pose": pose if self.has_platform else None,
+            "pose": pose_dict(self.pose) if self.has_platform else None,
             "joints": self.joints,
             "points": self.points,
             "residual": self.residual,
@@ -249,11 +238,16 @@ class Solution(Result):
         return self._in_units(self._printed_names, values)
 
     def __str__(self) -> str:
-        parts = [f"{k} = {v:.6g}" for k, v in self.printed_joints.items() if isinstance(v, float)]
+        size = self.mechanism.characteristic_length
+        parts = [
+            f"{name} = {plain(v, size):.6g}"
+            for name, v in self.printed_joints.items()
+            if isinstance(v, float)
+        ]
         where = self.mechanism.name
         if self.has_platform:
-            position = ", ".join(f"{v:.6g}" for v in self.position)
-            quaternion = ", ".join(f"{v:.6f}" for v in self.quaternion)
+            position = ", ".join(f"{plain(v, size):.6g}" for v in self.position.tolist())
+            quaternion = ", ".join(f"{plain(v, least=5e-7):.6f}" for v in self.quaternion.tolist())
             where += f" at ({position}) {self.mechanism.length_unit}, quaternion ({quaternion})"
         points = [
             f"{name} ({', '.join(f'{v:.6g}' for v in point)})"
@@ -269,6 +263,28 @@ class Solution(Result):
 
     def __repr__(self) -> str:
         return str(self)
+
+
+def in_units(
+    mechanism: Mechanism, names: Iterable[str], values: Mapping[str, Any]
+) -> dict[str, Any]:
+    """Coordinates' values, from radians and the length unit, as users read them."""
+    kinds = {c.name: c for c in mechanism.coordinates}
+    return {
+        name: [float(v) for v in values[name]]
+        if kinds[name].is_rotation
+        else mechanism.value_out(kinds[name], values[name])
+        for name in names
+    }
+
+
+def pose_dict(pose: Pose) -> dict[str, Any]:
+    """A pose in JSON."""
+    return {
+        "position": np.asarray(pose.position, dtype=float).tolist(),
+        "quaternion": np.asarray(pose.quaternion, dtype=float).tolist(),
+        "matrix": np.asarray(pose.rotation, dtype=float).tolist(),
+    }
 
 
 def named_values(closure: Closure, values: np.ndarray) -> dict[str, Any]:

@@ -82,6 +82,24 @@ def pose_at(
     return Pose(position, np.broadcast_to(quaternion, (4, *shape)))
 
 
+def given_at(
+    mechanism: Mechanism,
+    base: Sequence[float] | Mapping[str, Any],
+    varied: Mapping[str, float],
+    *,
+    of_pose: bool,
+) -> dict[str, Any]:
+    """The arguments of `symkin.solve` where some coordinates are varied and the others are held at
+    a base, in the mechanism's units: values by name, a pose, or all actuated joints.
+    """
+    if isinstance(base, Mapping):
+        return {"given": {**base, **varied}}
+    if of_pose:
+        return {"pose": pose_at(mechanism, base, varied)}
+    names = [c.name for c in mechanism.actuated]
+    return {"joints": [varied.get(name, v) for name, v in zip(names, base, strict=True)]}
+
+
 def axis_title(name: str) -> str:
     """A coordinate's name for the axis of a picture, on which an angle says what it means."""
     meaning = "rotation vector " if name in TURNS else "angle about z, " if name == "gamma" else ""

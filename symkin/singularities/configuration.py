@@ -2,26 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 
 from symkin.model.mechanism import Mechanism
-from symkin.numeric.levenberg import levenberg_marquardt
-from symkin.numeric.tolerances import CLOSURE_TOLERANCE, ROUNDED_STEP
-from symkin.position.given import Given, Joints, given_from
+from symkin.numeric.tolerances import ROUNDED_STEP
+from symkin.position.given import given_from
 from symkin.position.given_by_name import Values, plain_case, pose_names
+from symkin.position.levenberg import Levenberg
 from symkin.position.moved_starts import StartRank, nearly_closes
+from symkin.position.options import Begun
 from symkin.position.problem import Problem, build_problem
 from symkin.position.solution import Solution
 from symkin.position.solution_list import make_solution
-from symkin.position.solve import solve
+from symkin.position.solve import solve, solve_problem
 from symkin.position.solve_result import SolveError, SolveResult
 from symkin.position.starts import start_values
 from symkin.position.transfer import variables_elsewhere
-from symkin.spatial.pose import Pose
+from symkin.verb_options import takes
 
 _NEARLY_SINGULAR = 1e4
 """Condition above which a configuration of values by name is iterated to the last digit."""
@@ -31,29 +31,17 @@ _MOST_HALVINGS = 40
 """Steps from there to 1e-12; those at a double root end at 1e-8."""
 
 
-def configuration(
-    mechanism: Mechanism,
-    *,
-    joints: Joints | None = None,
-    pose: Sequence[float] | Pose | None = None,
-    given: Values | None = None,
-    start: Joints | Values | Pose | None = None,
-) -> Solution:
+@takes(Begun)
+def configuration(mechanism: Mechanism, **options: Unpack[Begun]) -> Solution:
     """What `solve` reaches; where Newton's steps fail, as at a singular configuration,
     Levenberg-Marquardt from the same start, and that first where the start is singular and nearly
     closes the loops: it is meant as it is. Raises SolveError where no configuration is reached,
     InputError for values that do not fit.
     """
-    plain = plain_case(mechanism, joints, pose, given)
+    plain = plain_case(mechanism, options["joints"], options["pose"], options["given"])
     if plain is None:
-        return _refined(
-            _noted(
-                solve(mechanism, joints=joints, pose=pose, given=given, start=start, check=False)
-            ),
-            given,
-        )
-    joints, pose = plain
-    return _of_limbs(mechanism, joints, pose, start)
+        return _refined(_noted(solve(mechanism, **options, check=False)), options["given"])
+    return _of_limbs(mechanism, *plain, options["start"])
 
 
 def _noted(result: SolveResult) -> Solution:
@@ -105,41 +93,22 @@ def _halved(problem: Problem, z: np.ndarray, known: np.ndarray) -> np.ndarray:
 
 
 def _of_limbs(mechanism: Mechanism, joints: Any, pose: Any, start: Any) -> Solution:
-    """The configuration of all actuated joints or the pose of limbs."""
+    """The configuration of all actuated joints or the pose of limbs, by damped steps where the
+    start is meant as it is, or where Newton's fail.
+    """
     given = given_from(mechanism, joints, pose)
     problem = build_problem(mechanism, given.kind)
-    begin = start_values(problem, given, start)
-    known = given.values
-    if (
-        given.off_motion == 0.0
+    begin, known = start_values(problem, given, start), given.values
+    damped = given.off_motion == 0.0 and problem.system.width > 0
+    is_meant = (
+        damped
         and nearly_closes(problem, begin, known)
         and StartRank.at(problem, begin, known).is_nearly_singular
-    ):
-        found = _by_least_squares(problem, given, begin)
-        if found is not None:
-            return found
+    )
+    found = solve_problem(problem, given, Levenberg(), begin).solution if is_meant else None
+    if found is not None:
+        return found
     result = solve(mechanism, joints=joints, pose=pose, start=start, check=False)
-    if result.solution is not None:
-        return _noted(result)
-    found = _by_least_squares(problem, given, begin) if given.off_motion == 0.0 else None
-    if found is None:
-        raise SolveError(result.message, result)
-    return found
-
-
-def _by_least_squares(problem: Problem, given: Given, begin: np.ndarray) -> Solution | None:
-    """The configuration that Levenberg-Marquardt reaches from a start."""
-    system = problem.system
-    if not system.width:
-        return None
-    batch = levenberg_marquardt(
-        system, begin[None], given.values, tolerance=1e-13, max_iterations=400, patience=60
-    )
-    solution = make_solution(
-        problem, problem.join_values(system.unit(batch.points[0]), given.values), notes=given.notes
-    )
-    return (
-        solution
-        if solution.residual <= CLOSURE_TOLERANCE * problem.closure.characteristic_length
-        else None
-    )
+    if damped and result.solution is None:
+        found = solve_problem(problem, given, Levenberg(), begin).solution
+    return _noted(result) if found is None else found

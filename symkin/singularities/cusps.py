@@ -22,8 +22,6 @@ from symkin.singularities.locus_system import LocusSystem
 
 _LENGTHENINGS = 5
 """How often the bracket is made longer by a tenth: the curve is longer than its chord."""
-_MOST_STEPS = 60
-"""Most steps of the search between two points; the bracket halves at least every second one."""
 
 
 def with_cusps(system: LocusSystem, curve: Curve) -> tuple[Curve, np.ndarray]:
@@ -77,44 +75,28 @@ def cusp_between(system: LocusSystem, curve: Curve, k: int) -> np.ndarray | None
         return z, float((t if t @ ahead > 0 else -t)[system.uv_columns] @ along)
 
     way = system.curve.difference(begin[None], curve.points[k + 1][None])[0]
-    bracket = _bracket(at, float(way @ ahead))
-    return None if bracket is None else _sign_change(at, *bracket)
+    low, reach = at(0.0), float(way @ ahead)
+    for length in (reach * 1.1**n for n in range(_LENGTHENINGS + 1)):
+        high = at(length)
+        if low is None or high is None:
+            return None
+        if low[1] * high[1] <= 0.0:
+            return _sign_change(at, low, length)
+    return None
 
 
 Reading = tuple[np.ndarray, float]
 """A point of the curve and the velocity in the plane there, along a direction."""
 
 
-def _bracket(
-    at: Callable[[float], Reading | None], reach: float
-) -> tuple[Reading, Reading, float] | None:
-    """The readings at 0 and at a length, about `reach`, between which the sign changes."""
-    low = at(0.0)
-    for k in range(_LENGTHENINGS + 1):
-        length = reach * 1.1**k
-        high = at(length)
-        if low is None or high is None:
-            return None
-        if low[1] * high[1] <= 0.0:
-            return low, high, length
-    return None
-
-
-def _sign_change(
-    at: Callable[[float], Reading | None], low: Reading, high: Reading, length: float
-) -> np.ndarray:
-    """The point at which the reading vanishes, by secants and halvings in turn."""
-    ends, values, z = [0.0, length], [low[1], high[1]], low[0]
-    for step in range(_MOST_STEPS):
-        width = ends[1] - ends[0]
-        secant = ends[0] - values[0] * width / (values[1] - values[0])
-        middle = secant if step % 2 == 0 and ends[0] < secant < ends[1] else ends[0] + 0.5 * width
+def _sign_change(at: Callable[[float], Reading | None], low: Reading, length: float) -> np.ndarray:
+    """The point between 0 and a length at which the reading vanishes, by halving."""
+    begin, end, z = 0.0, length, low[0]
+    while end - begin > 1e-15 * length:
+        middle = 0.5 * (begin + end)
         found = at(middle)
-        if found is None or width <= 1e-15 * length:
+        if found is None or not begin < middle < end:
             break
         z, value = found
-        if value == 0.0:
-            break
-        side = 0 if (value > 0.0) == (values[0] > 0.0) else 1
-        ends[side], values[side] = middle, value
+        begin, end = (middle, end) if value * low[1] > 0.0 else (begin, middle)
     return z

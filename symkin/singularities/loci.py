@@ -158,12 +158,8 @@ class Loci(Result):
                 quaternion = ", ".join(f"{plain(float(v)):.4g}" for v in self.solution.quaternion)
                 held.append(f"orientation ({quaternion}){turn_text(plane.names)}")
             elif name not in plane.names:
-                value = float(plane.value(c)[0])
-                shown = (
-                    plain(mechanism.angle_out(value))
-                    if c.is_angular
-                    else plain(value, mechanism.characteristic_length)
-                )
+                size = mechanism.characteristic_length
+                shown = plain(mechanism.value_out(c, float(plane.value(c)[0])), c.unit(size))
                 more = "rz + " if plane.of_pose and name == "gamma" and "rz" in plane.names else ""
                 held.append(f"{name} = {more}{shown:.5g} {mechanism.unit_of(c)}")
         return "held: " + ", ".join(held) if held else "nothing else is held"

@@ -184,14 +184,10 @@ def traced_curves(
 def _points(system: LocusSystem, found: Seeds) -> list[Traced]:
     """The zeros over one coordinate, one for each value of it: seeds are zeros already."""
     traced: list[Traced] = []
+    near = _SAME_VALUE * system.plane.coordinates[0].unit(system.closed.characteristic_length)
     for z, start in zip(found.points, found.starts, strict=True):
         same = next(
-            (
-                t
-                for t in traced
-                if np.abs(t.curve.points[0, system.uv] - z[system.uv])[0]
-                <= _SAME_VALUE * _scale(system)
-            ),
+            (t for t in traced if np.abs(t.curve.points[0, system.uv] - z[system.uv])[0] <= near),
             None,
         )
         if same is None:
@@ -200,11 +196,6 @@ def _points(system: LocusSystem, found: Seeds) -> list[Traced]:
             traced.append(same)
         same.starts.add(start)
     return sorted(traced, key=lambda t: float(t.curve.points[0, system.uv][0]))
-
-
-def _scale(system: LocusSystem) -> float:
-    """What differences of the first coordinate are relative to: rad, or the size."""
-    return 1.0 if system.plane.coordinates[0].is_angular else system.closed.characteristic_length
 
 
 def _curve_through(

@@ -34,7 +34,7 @@ from symkin.position.given_by_name import plain_kind, pose_names, problem_of_nam
 from symkin.position.problem import Problem, build_problem
 from symkin.position.solution import Solution
 from symkin.position.transfer import variables_elsewhere
-from symkin.position.varied_pose import POSE_AXES, TURNS, pose_at, varied_pose
+from symkin.position.varied_pose import POSE_AXES, TURNS, given_at, varied_pose
 from symkin.singularities.rank_loss import RankLoss, generic_matrix
 from symkin.text import meant
 from symkin.velocity.limb_equations import limb_blocks
@@ -97,23 +97,14 @@ class Plane:
         arguments of `symkin.solve`.
         """
         varied = {name: float(value) for name, value in zip(self.names, point, strict=True)}
+        base: Any = self.solution.actuated_values
         if self.known:
-            out = self.mechanism.angle_out
-            held = {c.name: float(self.value(c)[0]) for c in self.family}
-            held = {
-                c.name: out(held[c.name]) if c.is_angular else held[c.name] for c in self.family
+            base = {
+                c.name: self.mechanism.value_out(c, float(self.value(c)[0])) for c in self.family
             }
-            return {"given": held | varied}
-        if self.of_pose:
-            return {
-                "pose": pose_at(
-                    self.mechanism, (*self.solution.position, *self.solution.quaternion), varied
-                )
-            }
-        joints = zip(
-            (c.name for c in self.mechanism.actuated), self.solution.actuated_values, strict=True
-        )
-        return {"joints": [varied.get(name, value) for name, value in joints]}
+        elif self.of_pose:
+            base = (*self.solution.position, *self.solution.quaternion)
+        return given_at(self.mechanism, base, varied, of_pose=self.of_pose)
 
     def __reduce__(self) -> tuple[Callable[..., Any], tuple[Any, ...]]:
         """Pickle as the configuration and the names, from which the symbols are built anew."""

@@ -125,11 +125,8 @@ def joint_rates(
     """Rates by joint name in the mechanism's units, the largest 1, from lengths and angles times
     the size.
     """
-    scales = [
-        mechanism.angle_out(1.0 / mechanism.characteristic_length) if c.is_angular else 1.0
-        for c in joints
-    ]
-    values = rates * np.array(scales)
+    size = mechanism.characteristic_length
+    values = rates * np.array([mechanism.value_out(c, 1.0 / c.lever(size)) for c in joints])
     largest = np.flatnonzero(np.abs(values) > (1 - SINGULAR_VALUE) * np.abs(values).max())[0]
     values = values / values[largest]
     return {

@@ -86,9 +86,7 @@ def singular_loci(solution: Solution, plane: Sequence[str], **options: Unpack[Lo
         curves.extend(found)
         notes.extend(said)
     sides = tuple(
-        (chosen.mechanism.angle_out(low), chosen.mechanism.angle_out(high))
-        if c.is_angular
-        else (low, high)
+        (chosen.mechanism.value_out(c, low), chosen.mechanism.value_out(c, high))
         for c, (low, high) in zip(chosen.coordinates, window.tolist(), strict=True)
     )
     kept = merged(curves, np.ptp(sides, axis=1))
@@ -171,9 +169,8 @@ def _side(plane: Plane, k: int, given: Sequence[float]) -> tuple[float, float]:
             f"range of {plane.names[k]} = {list(given)}; two numbers are needed, the lower one "
             f"first"
         )
-    if plane.coordinates[k].is_angular:
-        return plane.mechanism.angle_in(low), plane.mechanism.angle_in(high)
-    return low, high
+    c, mechanism = plane.coordinates[k], plane.mechanism
+    return mechanism.value_in(c, low), mechanism.value_in(c, high)
 
 
 # --- curves ---------------------------------------------------------------------------------------

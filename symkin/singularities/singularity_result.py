@@ -211,7 +211,7 @@ class Singularity(Result):
         driven = "given coordinates" if self.given else "actuated joints"
         held = f"with the {driven} free" if free else f"with the {driven} held"
         lines = [
-            str(self.solution) if self.given else _solution_line(self.solution),
+            str(self.solution),
             *self._head_lines(),
             self._distance_line(),
             self._map_line(),
@@ -289,25 +289,6 @@ class Singularity(Result):
             f"manipulability {self.manipulability:.4g}; inverse map "
             f"{self.inverse_manipulability:.4g}"
         )
-
-
-def _solution_line(solution: Solution) -> str:
-    """Pose, joints, residual and condition, rounding noise as 0."""
-    mechanism = solution.mechanism
-    position = ", ".join(
-        f"{plain(float(v), mechanism.characteristic_length):.6g}" for v in solution.position
-    )
-    quaternion = ", ".join(f"{plain(float(v), least=5e-7):.6f}" for v in solution.quaternion)
-    joints = ", ".join(
-        f"{k} = {plain(v, mechanism.characteristic_length):.6g}"
-        for k, v in solution.held_joints.items()
-        if isinstance(v, float)
-    )
-    return (
-        f"{mechanism.name} at ({position}) {mechanism.length_unit}, quaternion ({quaternion}); "
-        f"{joints}; residual "
-        f"{solution.residual:.1e}, condition {solution.condition:.3g}"
-    )
 
 
 def _rates(rates: dict[str, float]) -> str:

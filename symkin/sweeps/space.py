@@ -19,7 +19,7 @@ from symkin.model.mechanism import Mechanism
 from symkin.position.given import Given, Joints, in_file_order, joint_values, pose_from
 from symkin.position.given_by_name import any_given, given_coordinates, problem_of
 from symkin.position.problem import Problem
-from symkin.position.varied_pose import ALL_POSE_AXES, pose_at
+from symkin.position.varied_pose import ALL_POSE_AXES, given_at
 from symkin.spatial.pose import Pose
 from symkin.sweeps.pose_points import check_poses, pose_units, pose_values
 from symkin.text import meant
@@ -93,14 +93,7 @@ class Space:
     def given(self, point: Sequence[float]) -> dict[str, Any]:
         """The arguments of `symkin.modes` at one point."""
         swept = {axis.name: float(value) for axis, value in zip(self.axes, point, strict=True)}
-        if isinstance(self.base, Mapping):
-            return {"given": {**self.base, **swept}}
-        if self.over == "poses":
-            return {"pose": pose_at(self.mechanism, self.base, swept)}
-        names = [c.name for c in self.mechanism.actuated]
-        return {
-            "joints": [swept.get(name, value) for name, value in zip(names, self.base, strict=True)]
-        }
+        return given_at(self.mechanism, self.base, swept, of_pose=self.over == "poses")
 
     def given_at_end(self, end: int) -> Given:
         """What is given at the first (0) or the last point (-1) of the box. Raises InputError for

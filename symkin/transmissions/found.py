@@ -14,6 +14,7 @@ from symkin.model.bar import Bar
 from symkin.model.graph import Coupling, LinkJoint
 from symkin.model.joint import BASE, Coordinate, Joint, interval
 from symkin.model.mechanism import Mechanism
+from symkin.numeric.system import components
 from symkin.position.loops import independent_cycles
 from symkin.text import not_among
 
@@ -128,24 +129,12 @@ class Group:
 def groups_of(mechanism: Mechanism) -> list[Group]:
     """The groups of edges that share loops or couplings, in file order."""
     edges = _edges(mechanism)
-    parents = list(range(len(edges)))
-
-    def root(k: int) -> int:
-        while parents[k] != k:
-            k = parents[k]
-        return k
-
     owner = {c.name: k for k, edge in enumerate(edges) for c in _coordinates(edge)}
-    tied: list[Sequence[int]] = list(independent_cycles(mechanism))
-    tied += [[owner[n] for n in (c.joint, *c.names)] for c in mechanism.couplings]
-    for numbers in tied:
-        for k in numbers[1:]:
-            parents[root(k)] = root(numbers[0])
-    held = sorted({k for numbers in tied for k in numbers})
-    groups: dict[int, list[int]] = {}
-    for k in held:
-        groups.setdefault(root(k), []).append(k)
-    return [Group(mechanism, tuple(numbers)) for numbers in groups.values()]
+    tied = [set(cycle) for cycle in independent_cycles(mechanism)]
+    tied += [{owner[n] for n in (c.joint, *c.names)} for c in mechanism.couplings]
+    held = set().union(*tied)
+    groups = (group for group in components(tied, len(edges)) if group <= held)
+    return [Group(mechanism, tuple(sorted(group))) for group in groups]
 
 
 def group_with(mechanism: Mechanism, names: Sequence[str]) -> Group:

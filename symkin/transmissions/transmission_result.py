@@ -341,8 +341,7 @@ class Transmissions(Result, Mapping[str, Transmission]):
 
 def _radians(coordinates: Sequence[Coordinate], linkage: Linkage) -> np.ndarray:
     """What turns values in the mechanism's units into radians and lengths."""
-    turn = linkage.mechanism.angle_in(1.0)
-    return np.array([turn if c.is_angular else 1.0 for c in coordinates])
+    return np.array([linkage.mechanism.value_in(c, 1.0) for c in coordinates])
 
 
 def _listed(values: np.ndarray) -> Any:

@@ -25,6 +25,7 @@ from symkin.numeric.rank import independent_rows, rank_of
 from symkin.numeric.tolerances import RANK_TOLERANCE
 from symkin.position.closed_configurations import closed_configurations, whole_system
 from symkin.position.solution import Solution
+from symkin.position.transfer import variables_elsewhere
 from symkin.velocity.differential import Differential, differentiate, motion_columns, rate_names
 from symkin.velocity.limb_equations import limbwise_equations
 from symkin.velocity.roles import columns_by_name
@@ -112,9 +113,8 @@ def variables_of(
     """
     named: Any = values
     if isinstance(values, Solution):
-        # a closure for other given coordinates may hold joints that this one cuts, and the other
-        # way round
-        named = values.values if values.partition == closure.partition else values.all_values
+        own = values.mechanism == closure.mechanism
+        named = variables_elsewhere(closure, values) if own else values.all_values
     if isinstance(named, Mapping):
         names = [c.name for c in closure.coordinates if needed is None or c.name in needed]
         missing = [name for name in names if name not in named]

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, overload
+from typing import Any, Unpack
 
 import casadi as ca
 import numpy as np
@@ -18,28 +18,24 @@ from symkin.machine.limbs import with_limbs
 from symkin.model.arm import arm_of
 from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.position.solution import Solution
-from symkin.result import Result
+from symkin.position.solve_result import SolveError
+from symkin.result import Result, Summary
 from symkin.text import not_among
-from symkin.velocity.differential import differentiate, pose_rates, quaternion_rates
+from symkin.velocity.differential import differentiate, quaternion_rates
 from symkin.velocity.equations import VelocityEquations, variables_of, velocity_equations
 from symkin.velocity.jacobian_expressions import Expressions
-from symkin.velocity.jacobian_names import (
-    KINDS,
-    JacobianKind,
-    SymbolicMatrix,
-    Variable,
-    labels,
-    variables_read,
-)
-from symkin.velocity.rates import RateJacobian, graph_jacobian, rate_jacobian
+from symkin.velocity.jacobian_names import KINDS, Matrix, Variable, variables_read
+from symkin.velocity.options import JacobianOptions
+from symkin.velocity.rates import NamedRates, check_names, graph_rates, rates_by_name
 from symkin.verb import verb
+from symkin.verb_options import takes
 
 Values = Solution | Mapping[str, Any] | np.ndarray
 """A configuration: a Solution, its `values`, or the vector of the closure's variables."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Jacobian(SymbolicMatrix, Result):
+class Jacobian(Result):
     """A Jacobian of a mechanism as an expression of its closure's variables, at any regular closed
     configuration.
 
@@ -53,6 +49,8 @@ class Jacobian(SymbolicMatrix, Result):
                  serial arm's quaternion as a continuous function of its joints
     "passive"    x' = Jp q', the closure's passive joints; a spherical joint has     p x n
                  its angular velocity in the frame before the joint
+    "rates"      rates of the coordinates in `rows` by those in `columns`, told by
+                 name
 
     Lengths are in the mechanism's length unit, angles in rad. `expression` reads the `symbols` of
     `inputs` (coordinates) and of `parameters` (empty where the geometry is bound); `rows` and
@@ -69,23 +67,50 @@ class Jacobian(SymbolicMatrix, Result):
     (6, 6)
     """
 
-    equations: VelocityEquations
-    kind: JacobianKind
+    kind: str
     expression: ca.SX
     inputs: tuple[Variable, ...]
     parameters: tuple[Variable, ...]
     rows: tuple[str, ...]
     columns: tuple[str, ...]
-    expressions: Expressions
+    expressions: Expressions | NamedRates
 
     @property
     def closure(self) -> Closure:
-        return self.equations.closure
+        return self.expressions.closure
+
+    @property
+    def mechanism(self) -> Mechanism:
+        return self.closure.mechanism
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        return len(self.rows), len(self.columns)
+
+    @property
+    def symbols(self) -> ca.SX:
+        """Inputs, then parameters, as one column."""
+        parts = [self.closure.variables[v.index] for v in self.inputs] + [
+            self.closure.parameters[v.index] for v in self.parameters
+        ]
+        return ca.vertcat(ca.SX(0, 1), *parts)
+
+    @cached_property
+    def function(self) -> ca.Function:
+        """A CasADi function of one scalar for each input and parameter, by name, with the output
+        `jacobian`.
+        """
+        names = [v.name for v in (*self.inputs, *self.parameters)]
+        outputs = [ca.densify(self.expression)]
+        name = ca.Function.fix_name(f"{self.mechanism.name}_{self.kind}_jacobian")
+        inputs = ca.vertsplit(self.symbols) if names else []
+        return ca.Function(name, inputs, outputs, names, ["jacobian"], {"cse": True})
 
     def at(self, values: Values, parameters: np.ndarray | None = None) -> np.ndarray:
         """The matrix at a closed configuration: a Solution, its `values` (those of the inputs
         suffice), or the closure's vector (radians, length unit). `parameters` are all of the
-        closure's (`closure.parameter_names`); nominal without.
+        closure's (`closure.parameter_names`); nominal without. Raises SolveError where coordinates
+        that are told by name do not decide the rates that are asked for.
         """
         geometry = (
             self.closure.parameter_values
@@ -97,15 +122,25 @@ class Jacobian(SymbolicMatrix, Result):
                 f"parameters: {geometry.size} values given, {self.closure.parameter_values.size} "
                 f"are needed"
             )
-        return np.asarray(self._value(self._vector(values), geometry))
+        z = variables_of(self.closure, values, {v.coordinate for v in self.inputs})
+        found = np.asarray(self._value(z, geometry))
+        if isinstance(self.expressions, NamedRates):
+            self.expressions.refuse_singular(z, self.rows if self.kind == "rates" else ())
+            if not np.isfinite(found).all():
+                raise SolveError(
+                    f"{self.mechanism.name}: {self._what}: not defined at this configuration: it "
+                    f"is singular"
+                )
+        return found
 
     # --- second order -----------------------------------------------------------------------------
 
     @cached_property
     def rates(self) -> ca.SX:
-        """Symbols of the rates that `time_derivative` reads: (q'; x'; t), n + p + 6 numbers."""
-        d = self.equations.differential
-        return ca.SX.sym("rate", int(d.actuated.shape[1] + d.passive.shape[1] + 6))
+        """Symbols of the rates that `time_derivative` reads: (q'; x'; t), n + p + 6 numbers; of
+        coordinates told by name all rates, the known ones first.
+        """
+        return ca.SX.sym("rate", int(self.expressions.following.shape[0]))
 
     @cached_property
     def time_derivative(self) -> ca.SX:
@@ -120,23 +155,17 @@ class Jacobian(SymbolicMatrix, Result):
         J's shape. With more actuated joints than freedoms one joint cannot move alone; x' and t are
         then those of "passive" and "direct".
         """
-        direct, passive = self.expressions.direct, self.expressions.passive
-        unit = ca.SX.eye(int(direct.shape[1]))
-        return tuple(
-            self._along(ca.vertcat(unit[:, k], passive[:, k], direct[:, k]))
-            for k in range(int(unit.shape[1]))
-        )
+        following = self.expressions.following
+        return tuple(self._along(following[:, k]) for k in range(int(following.shape[1])))
 
     def time_derivative_at(self, values: Values, rates: Sequence[float] | np.ndarray) -> np.ndarray:
         """dJ/dt at a configuration; `rates` are n actuated ones (the others follow from them) or
         all of (q'; x'; t).
         """
         given, z = np.asarray(rates, dtype=float), variables_of(self.closure, values)
-        n, all_rates = int(self.equations.differential.actuated.shape[1]), int(self.rates.shape[0])
+        all_rates, n = self.expressions.following.shape
         if given.shape == (n,):
-            given = np.concatenate(
-                [given, *(np.asarray(part) @ given for part in self._following(z, self._geometry))]
-            )
+            given = np.asarray(self._following(z, self._geometry)) @ given
         if given.shape != (all_rates,):
             raise InputError(
                 f"rates: {given.size} values given; allowed are {n} (the actuated joints') or "
@@ -153,78 +182,77 @@ class Jacobian(SymbolicMatrix, Result):
     def _geometry(self) -> np.ndarray:
         return self.closure.parameter_values
 
-    def _vector(self, values: Values) -> np.ndarray:
-        return variables_of(self.closure, values, {v.coordinate for v in self.inputs})
-
     @cached_property
     def _value(self) -> ca.Function:
-        return self._function("value", [], [self.expression])
+        return self._made("value", [], [self.expression])
 
     @cached_property
     def _rate(self) -> ca.Function:
-        return self._function("rate", [self.rates], [self.time_derivative])
+        return self._made("rate", [self.rates], [self.time_derivative])
 
     @cached_property
     def _curvature(self) -> ca.Function:
-        return self._function("curvature", [], [ca.vertcat(*self.hessian)])
+        return self._made("curvature", [], [ca.vertcat(*self.hessian)])
 
     @cached_property
     def _following(self) -> ca.Function:
-        return self._function("following", [], [self.expressions.passive, self.expressions.direct])
+        return self._made("following", [], [self.expressions.following])
 
-    def _function(self, name: str, more: list[ca.SX], outputs: list[ca.SX]) -> ca.Function:
+    def _made(self, name: str, more: list[ca.SX], outputs: list[ca.SX]) -> ca.Function:
         inputs = [self.closure.variables, self.closure.parameters, *more]
         return ca.Function(name, inputs, [ca.densify(output) for output in outputs], {"cse": True})
 
     def _along(self, rates: ca.SX) -> ca.SX:
-        closure, d = self.closure, self.equations.differential
-        n, p = int(d.actuated.shape[1]), int(d.passive.shape[1])
-        speeds = [ca.SX(0, 1)]
-        for role, part in (("actuated", rates[:n]), ("passive", rates[n : n + p])):
-            place = 0
-            for c in closure.role(role):
-                rate = part[place : place + c.freedom]
-                speeds.append(
-                    ca.mtimes(quaternion_rates(closure.symbols([c])), rate)
-                    if c.is_rotation
-                    else rate
-                )
-                place += c.freedom
-        for c in closure.role("pose"):
-            speeds.append(pose_rates(c, closure.symbols([c]), rates[n + p :]))
+        closure, told, speeds = self.closure, self.expressions.split(rates), [ca.SX(0, 1)]
+        for c in closure.coordinates:
+            rate = told.get(c.name, ca.SX(c.freedom, 1))
+            turns = quaternion_rates(closure.symbols([c])) if c.is_rotation else ca.SX(1)
+            speeds.append(ca.mtimes(turns, rate))
         flat = ca.jtimes(
             ca.vec(ca.densify(self.expression)), closure.variables, ca.vertcat(*speeds)
         )
         return ca.reshape(flat, *self.expression.shape)
 
     def __reduce__(self) -> tuple[Callable[..., Any], tuple[Any, ...]]:
-        """Pickle as the mechanism and the kind, from which the expression is built anew."""
-        return _built, (self.mechanism, self.kind, bool(self.parameters))
+        """Pickle as the mechanism and what is asked, from which the expression is built anew."""
+        names = (self.rows, self.columns) if self.kind == "rates" else ((), ())
+        return _built, (self.mechanism, self.kind, bool(self.parameters), *names)
+
+    # --- as text and as JSON ----------------------------------------------------------------------
+
+    def to_dict(self) -> dict[str, Any]:
+        """What the matrix relates: kind, names of rows and columns, and what each entry reads."""
+        return {
+            "mechanism": self.mechanism.name,
+            "kind": self.kind,
+            "rows": list(self.rows),
+            "columns": list(self.columns),
+            "inputs": [{"name": v.name, "source": v.source, "unit": v.unit} for v in self.inputs],
+            "parameters": [v.source for v in self.parameters],
+        }
+
+    def summary(self, most_rows: int | None = None) -> Summary:  # noqa: ARG002 - there is no table
+        """The matrix' kind and shape, and the names of what it reads."""
+        inputs = ", ".join(v.name for v in self.inputs) or "nothing"
+        rows, columns = self.shape
+        return Summary([f"{self.mechanism.name}: {self._what}, {rows} x {columns}, of {inputs}"])
+
+    @property
+    def _what(self) -> str:
+        if self.kind != "rates":
+            return f"{self.kind} Jacobian"
+        return f"rates of {', '.join(self.rows)} by those of {', '.join(self.columns)}"
 
 
-AnyJacobian = Jacobian | RateJacobian
-"""What the export formats write."""
-
-
-@overload
-def jacobian(
-    mechanism: Mechanism, kind: str = "direct", *, parameters: bool = False
-) -> Jacobian | RateJacobian: ...
-@overload
-def jacobian(mechanism: Mechanism, *, of: Sequence[str], by: Sequence[str]) -> RateJacobian: ...
 @verb
+@takes(JacobianOptions)
 def jacobian(
-    mechanism: Mechanism,
-    kind: str = "direct",
-    *,
-    parameters: bool = False,
-    of: Sequence[str] | None = None,
-    by: Sequence[str] | None = None,
-) -> Jacobian | RateJacobian:
+    mechanism: Mechanism, kind: str | None = None, **options: Unpack[JacobianOptions]
+) -> Jacobian:
     """Build a symbolic Jacobian of a mechanism from its velocity equations A t + P x' + B q' = 0.
 
-    `kind` is "direct" (t = J q'), "inverse" (q' = J^-1 t), "analytic" (rates of the pose
-    coordinates) or "passive" (x' = Jp q'), as `Jacobian` says with shapes and units. With
+    `kind` is "direct" (t = J q', the default), "inverse" (q' = J^-1 t), "analytic" (rates of the
+    pose coordinates) or "passive" (x' = Jp q'), as `Jacobian` says with shapes and units. With
     `parameters` the geometry stays symbols, else it is bound as numbers. Passive joints are
     eliminated with orthogonal projections, in parts that share none (see
     `symkin.velocity.equations`); of a graph of links with a platform link, group by group, with
@@ -243,54 +271,72 @@ def jacobian(
         >>> bool(abs(direct.at(home) @ symkin.jacobian(arm, "inverse").at(home) - 1)[0, 0] < 1e-9)
         True
     """
-    if of is not None or by is not None:
-        if kind != "direct" or parameters or of is None or by is None:
-            raise InputError(
-                "of and by name the coordinates whose rates are related: give both, and neither "
-                "kind nor parameters"
-            )
-        require_mechanism(mechanism)
-        return rate_jacobian(mechanism, of, by)
+    parameters, of, by = options["parameters"], options["of"], options["by"]
     require_mechanism(mechanism)
+    if of is not None or by is not None:
+        if kind is not None or parameters or of is None or by is None:
+            raise InputError(
+                "of and by (--of, --by) name the coordinates whose rates are related: give both, "
+                "and neither kind (--kind) nor parameters"
+            )
+        check_names(mechanism, of, by)
+        return _built(mechanism, "rates", False, tuple(of), tuple(by))
+    kind = "direct" if kind is None else kind
     if kind not in KINDS:
         raise InputError(f"kind = {not_among(kind, KINDS)}")
-    if mechanism.is_graph and arm_of(mechanism) is None and not parameters:
-        return graph_jacobian(mechanism, kind)
-    mechanism = with_limbs(
-        mechanism,
-        "a Jacobian with symbols for the geometry",
-        "leave parameters out",
-        arms_only=True,
-    )
+    if not _is_by_name(mechanism) or parameters:
+        mechanism = with_limbs(
+            mechanism,
+            "a Jacobian with symbols for the geometry",
+            "leave parameters out",
+            arms_only=True,
+        )
     return _built(mechanism, kind, parameters)
 
 
+def _is_by_name(mechanism: Mechanism) -> bool:
+    """Whether a mechanism is a graph of links, and no arm in one."""
+    return mechanism.is_graph and arm_of(mechanism) is None
+
+
 @lru_cache(maxsize=128)
-def _built(mechanism: Mechanism, kind: JacobianKind, parameters: bool) -> Jacobian:
+def _built(
+    mechanism: Mechanism,
+    kind: Any,
+    parameters: bool,
+    of: tuple[str, ...] = (),
+    by: tuple[str, ...] = (),
+) -> Jacobian:
+    if of or _is_by_name(mechanism):
+        named, matrix = rates_by_name(mechanism, of, by) if of else graph_rates(mechanism, kind)
+        return _with_inputs(named, kind, matrix)
     equations = velocity_equations(mechanism)
     _check_defined(equations, kind)
     differential = (
         equations.differential if parameters else differentiate(equations.closure, bound=True)
     )
-    expressions = Expressions(equations, differential)
-    expression: ca.SX = getattr(expressions, kind)
-    rows, columns = labels(equations, kind)
-    inputs, numbers = variables_read(
-        equations.closure, expression, explicit=equations.differential.explicit
-    )
+    made = Expressions(equations, differential)
+    return _with_inputs(made, kind, made.matrix(kind), parameters=parameters)
+
+
+def _with_inputs(
+    expressions: Expressions | NamedRates, kind: str, matrix: Matrix, *, parameters: bool = False
+) -> Jacobian:
+    explicit = isinstance(expressions, Expressions) and expressions.differential.explicit
+    expression = ca.sparsify(matrix.expression)
+    inputs, numbers = variables_read(expressions.closure, expression, explicit=explicit)
     return Jacobian(
-        equations=equations,
         kind=kind,
         expression=expression,
         inputs=inputs,
         parameters=numbers if parameters else (),
-        rows=rows,
-        columns=columns,
+        rows=matrix.rows,
+        columns=matrix.columns,
         expressions=expressions,
     )
 
 
-def _check_defined(equations: VelocityEquations, kind: JacobianKind) -> None:
+def _check_defined(equations: VelocityEquations, kind: str) -> None:
     mechanism = equations.closure.mechanism
     if not mechanism.actuated:
         raise InputError(

@@ -16,6 +16,7 @@ where the actuated joints of a limb have more freedom than the twist decides.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import chain
 
 import casadi as ca
 import numpy as np
@@ -25,7 +26,7 @@ from symkin.computed_once import cached_property
 from symkin.numeric.rank import most_independent
 from symkin.numeric.system import components
 from symkin.position.closed_configurations import closed_configurations
-from symkin.velocity.differential import Differential, pose_rates
+from symkin.velocity.differential import TWIST_COLUMNS, Differential, pose_rates
 from symkin.velocity.elimination import (
     back_substituted,
     cofactors,
@@ -35,6 +36,7 @@ from symkin.velocity.elimination import (
     without_span,
 )
 from symkin.velocity.equations import VelocityEquations
+from symkin.velocity.jacobian_names import TWIST, JacobianKind, Matrix, names_of
 
 _LARGEST_MINOR = 2
 """Passive joints up to which one remaining equation is made of minors, without divisions."""
@@ -55,6 +57,37 @@ class Expressions:
     @property
     def closure(self) -> Closure:
         return self.equations.closure
+
+    def matrix(self, kind: JacobianKind) -> Matrix:
+        """A Jacobian of one of the kinds."""
+        joints = tuple(c.name for c in self.closure.role("actuated"))
+        expression: ca.SX = getattr(self, kind)
+        match kind:
+            case "direct":
+                return Matrix(TWIST, joints, expression)
+            case "inverse":
+                return Matrix(joints, TWIST, expression)
+            case "passive":
+                return Matrix(self.equations.passive_names, joints, expression)
+            case _:
+                pose = (names_of(c.name, c.width) for c in self.closure.role("pose"))
+                return Matrix(tuple(chain.from_iterable(pose)), joints, expression)
+
+    @property
+    def following(self) -> ca.SX:
+        """All rates (q'; x'; t) by q'."""
+        unit = ca.SX.eye(int(self.differential.actuated.shape[1]))
+        return ca.vertcat(unit, self.passive, self.direct)
+
+    def split(self, rates: ca.SX) -> dict[str, ca.SX]:
+        """Rates of each coordinate among all rates (q'; x'; t)."""
+        found, place = dict[str, ca.SX](), 0
+        for c in self.closure.role("actuated", "passive"):
+            found[c.name] = rates[place : place + c.freedom]
+            place += c.freedom
+        for c in self.closure.role("pose"):
+            found[c.name] = rates[[place + k for k in TWIST_COLUMNS[c.name]]]
+        return found
 
     @cached_property
     def direct(self) -> ca.SX:

@@ -13,15 +13,14 @@ it.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import casadi as ca
 import numpy as np
 
 from symkin.closure.closure import Closure
-from symkin.computed_once import lru_cache
+from symkin.computed_once import cached_property
 from symkin.errors import InputError
 from symkin.model.joint import POSE_CONDITIONS, Coordinate
 from symkin.model.mechanism import Mechanism
@@ -32,77 +31,66 @@ from symkin.position.determination import refuse_unless_determined
 from symkin.position.given_by_name import given_coordinates, pose_names, unknown_name
 from symkin.position.groups import structure_groups
 from symkin.position.problem import Problem, build_problem
-from symkin.position.solution import Solution
 from symkin.position.solve_result import SolveError
-from symkin.position.transfer import many_elsewhere, variables_elsewhere
-from symkin.result import Result
-from symkin.velocity.differential import TWIST_COLUMNS, pose_rates, rate_names, tangent_jacobian
-from symkin.velocity.elimination import factored
-from symkin.velocity.jacobian_names import (
-    TWIST,
-    JacobianKind,
-    SymbolicMatrix,
-    Variable,
-    components,
-    variables_read,
+from symkin.position.transfer import many_elsewhere
+from symkin.velocity.differential import (
+    TWIST_COLUMNS,
+    pose_rates,
+    rate_names,
+    tangent_jacobian,
 )
+from symkin.velocity.elimination import factored
+from symkin.velocity.jacobian_names import TWIST, JacobianKind, Matrix, names_of
 
 _LEVEL = ("azimuth", "tilt")
 """Angles of a platform that have no rates where it does not tilt."""
 
 
-@dataclass(frozen=True, eq=False, repr=False)
-class RateJacobian(SymbolicMatrix, Result):
-    """of' = J by': rates of the coordinates in `rows` by those in `columns`, at any regular closed
-    configuration; or, of a graph of links, a Jacobian of one of the kinds that limbs have (see
-    `Jacobian`).
-
-    Lengths are in the mechanism's length unit, angles in rad. `expression` reads the `symbols` of
-    `inputs`, coordinates of the closure for these names. `at` evaluates the matrix at a solution,
-    `function` is a CasADi function.
-
-    >>> import symkin
-    >>> linkage = symkin.load("four_bar")
-    >>> ratio = symkin.jacobian(linkage, of=["follower"], by=["crank"])
-    >>> ratio.at(symkin.solve(linkage, given={"crank": 60.0}).solution).shape
-    (1, 1)
+@dataclass(frozen=True, eq=False)
+class NamedRates:
+    """Rates of all coordinates of a problem by those of its known ones, as expressions of the
+    closure's variables.
     """
 
     problem: Problem
-    rows: tuple[str, ...]
-    columns: tuple[str, ...]
-    expression: ca.SX
-    inputs: tuple[Variable, ...]
-    parameters: tuple[Variable, ...] = ()
-    kind: str = "rates"
 
     @property
     def closure(self) -> Closure:
         return self.problem.closure
 
-    def at(self, solution: Solution) -> np.ndarray:
-        """The matrix at a closed configuration. Raises SolveError at a singular one, where the
-        known coordinates do not decide the rates that are asked for.
+    @cached_property
+    def of(self) -> dict[str, ca.SX]:
+        """(freedom, k) for each coordinate: its rates by those of the known ones, by blocks."""
+        return _rates(self.problem)
+
+    @property
+    def following(self) -> ca.SX:
+        """All rates by those of the known coordinates."""
+        return ca.vertcat(*self.of.values())
+
+    def split(self, rates: ca.SX) -> dict[str, ca.SX]:
+        """Rates of each coordinate among all rates, those of `following`."""
+        found, place = dict[str, ca.SX](), 0
+        for name, part in self.of.items():
+            found[name] = rates[place : place + int(part.shape[0])]
+            place += int(part.shape[0])
+        return found
+
+    def refuse_singular(self, values: np.ndarray, asked: Sequence[str]) -> None:
+        """Raise SolveError where the known coordinates do not decide the rates that are asked
+        for.
         """
-        values = variables_elsewhere(self.closure, solution)
-        undecided = self._undecided(values)
+        undecided = self.undecided(values, asked)
         if undecided:
             known = ", ".join(c.name for c in self.problem.known_coordinates)
             raise SolveError(
-                f"{self.mechanism.name}: {known} do not decide the rates of "
+                f"{self.closure.mechanism.name}: {known} do not decide the rates of "
                 f"{', '.join(undecided)} at this configuration: it is singular"
             )
-        found = self.function.call([values[v.index] for v in self.inputs])[0].full()
-        if not np.isfinite(found).all():
-            raise SolveError(
-                f"{self.mechanism.name}: {self._what}: not defined at this configuration: it is "
-                f"singular"
-            )
-        return np.asarray(found)
 
-    def _undecided(self, values: np.ndarray) -> list[str]:
-        """The coordinates, of those that are asked for, whose rates the known ones leave free at a
-        configuration.
+    def undecided(self, values: np.ndarray, asked: Sequence[str] = ()) -> list[str]:
+        """The coordinates, of those that are asked for or of all, whose rates the known ones leave
+        free at a configuration.
         """
         system = self.problem.system
         known = self.problem.select_values(values, self.problem.known_coordinates)
@@ -111,26 +99,10 @@ class RateJacobian(SymbolicMatrix, Result):
         owners = [c.name for c in system.unknowns for _ in range(c.freedom)]
         moves = (np.abs(free) > RANK_TOLERANCE).any(axis=0)
         loose = {name for name, moving in zip(owners, moves, strict=True) if moving}
-        asked = self.rows if self.kind == "rates" else owners
-        return [n for n in dict.fromkeys(asked) if n in loose]
-
-    def __reduce__(self) -> tuple[Callable[..., Any], tuple[Any, ...]]:
-        """Pickle as the mechanism and the names or the kind, from which the expression is built
-        anew.
-        """
-        if self.kind != "rates":
-            return graph_jacobian, (self.mechanism, self.kind)
-        return _built, (self.mechanism, self.rows, self.columns)
-
-    @property
-    def _what(self) -> str:
-        if self.kind != "rates":
-            return f"{self.kind} Jacobian"
-        return f"rates of {', '.join(self.rows)} by those of {', '.join(self.columns)}"
+        return [n for n in dict.fromkeys(asked or owners) if n in loose]
 
 
-@lru_cache(maxsize=128)
-def graph_jacobian(mechanism: Mechanism, kind: JacobianKind) -> RateJacobian:
+def graph_rates(mechanism: Mechanism, kind: JacobianKind) -> tuple[NamedRates, Matrix]:
     """The Jacobian of a graph whose actuated joints are as many as its mobility. Raises InputError
     for a graph without a platform, without passive joints, or whose actuated joints do not decide
     its motion.
@@ -143,30 +115,25 @@ def graph_jacobian(mechanism: Mechanism, kind: JacobianKind) -> RateJacobian:
         raise InputError(_no_kind(mechanism, kind, joints))
     problem = build_problem(mechanism, "given", joints, wanted)
     refuse_unless_determined(problem)
-    rates, closure = _rates_of_unknowns(problem), problem.closure
+    rates, closure = NamedRates(problem), problem.closure
     coordinates = {c.name: c for c in problem.system.unknowns}
     if kind == "passive":
-        rows = rate_names([coordinates[name] for name in held])
-        expression, columns = ca.vertcat(*(rates[name] for name in held)), joints
-    else:
-        twist = ca.SX(6, len(joints))
-        for name in pose:
-            twist[list(TWIST_COLUMNS[name]), :] = rates[name]
-        rows, columns, expression = TWIST, joints, twist
-        if kind == "inverse":
-            size = closure.characteristic_length
-            lengths = ca.diag(ca.DM([1.0, 1.0, 1.0, size, size, size]))
-            expression = factored(ca.mtimes(lengths, twist), lengths).solution()
-            rows, columns = joints, TWIST
-        elif kind == "analytic":
-            quaternion = closure.symbols([coordinates[pose[-1]]])
-            expression = ca.vertcat(
-                *(pose_rates(coordinates[name], quaternion, twist) for name in pose)
-            )
-            rows = tuple(v for n in pose for v in components(n, coordinates[n].width))
-    expression = ca.sparsify(expression)
-    inputs, _ = variables_read(closure, expression)
-    return RateJacobian(problem, rows, columns, expression, inputs, kind=kind)
+        passive = ca.vertcat(*(rates.of[name] for name in held))
+        return rates, Matrix(rate_names([coordinates[name] for name in held]), joints, passive)
+    twist = ca.SX(6, len(joints))
+    for name in pose:
+        twist[list(TWIST_COLUMNS[name]), :] = rates.of[name]
+    if kind == "inverse":
+        size = closure.characteristic_length
+        lengths = ca.diag(ca.DM([1.0, 1.0, 1.0, size, size, size]))
+        solved = factored(ca.mtimes(lengths, twist), lengths).solution()
+        return rates, Matrix(joints, TWIST, solved)
+    if kind == "analytic":
+        quaternion = closure.symbols([coordinates[pose[-1]]])
+        told = (pose_rates(coordinates[name], quaternion, twist) for name in pose)
+        rows = tuple(v for n in pose for v in names_of(n, coordinates[n].width))
+        return rates, Matrix(rows, joints, ca.vertcat(*told))
+    return rates, Matrix(TWIST, joints, twist)
 
 
 def _no_kind(mechanism: Mechanism, kind: str, joints: tuple[str, ...]) -> str:
@@ -185,11 +152,8 @@ def _no_kind(mechanism: Mechanism, kind: str, joints: tuple[str, ...]) -> str:
     )
 
 
-def rate_jacobian(mechanism: Mechanism, of: Sequence[str], by: Sequence[str]) -> RateJacobian:
-    """The rates of some coordinates by those of others, as many as the mobility. Raises InputError
-    for names that nothing has, and for `by` that do not decide the motion, or say the same thing
-    twice.
-    """
+def check_names(mechanism: Mechanism, of: Sequence[str], by: Sequence[str]) -> None:
+    """Raise InputError for names that nothing has."""
     for what, names in (("of", of), ("by", by)):
         if isinstance(names, str) or not names:
             raise InputError(
@@ -202,43 +166,41 @@ def rate_jacobian(mechanism: Mechanism, of: Sequence[str], by: Sequence[str]) ->
                 raise InputError(unknown_name(mechanism, name, known, what))
         if len(set(names)) < len(list(names)):
             raise InputError(f"{what} = {', '.join(names)}: a name stands twice")
-    return _built(mechanism, tuple(of), tuple(by))
 
 
-@lru_cache(maxsize=128)
-def _built(mechanism: Mechanism, of: tuple[str, ...], by: tuple[str, ...]) -> RateJacobian:
+def rates_by_name(
+    mechanism: Mechanism, of: tuple[str, ...], by: tuple[str, ...]
+) -> tuple[NamedRates, Matrix]:
+    """The rates of some coordinates by those of others, as many as the mobility. Raises InputError
+    for `by` that do not decide the motion, or say the same thing twice.
+    """
     others = tuple(name for name in of if name not in by)
     plain = tuple(name for name in others if name not in _LEVEL)
     problem = build_problem(mechanism, "given", by, others)
+    rates = NamedRates(problem)
     refuse_unless_determined(
         build_problem(mechanism, "given", by, plain) if others != plain else problem
     )
     if others != plain:
-        _refuse_level(RateJacobian(problem, of, by, ca.SX(0, 0), ()))
+        _refuse_level(rates, of, by)
         refuse_unless_determined(problem)
-    rates = _rates_of_unknowns(problem)
-    unit = ca.SX.eye(len(by))
-    expression = ca.vertcat(
-        *(rates[name] if name in rates else unit[by.index(name), :] for name in of)
-    )
-    inputs, _ = variables_read(problem.closure, expression)
-    return RateJacobian(problem, of, by, expression, inputs)
+    return rates, Matrix(of, by, ca.vertcat(*(rates.of[name] for name in of)))
 
 
-def _refuse_level(made: RateJacobian) -> None:
+def _refuse_level(rates: NamedRates, of: Sequence[str], by: Sequence[str]) -> None:
     """Raise InputError for angles of a platform that never tilts, which have no rates."""
-    problem = made.problem
+    problem = rates.problem
     # a closure that holds the tilt tells one of zero from others to the root of rounding only: it
     # is read off the orientation
-    held = tuple(name for name in (*made.rows, *made.columns) if name not in POSE_CONDITIONS)
+    held = tuple(name for name in (*of, *by) if name not in POSE_CONDITIONS)
     plain = build_problem(problem.mechanism, "given", (), held).closure
     closed = many_elsewhere(problem.closure, plain, np.array(closed_configurations(plain, 0)))
-    everywhere = set(made.rows).intersection(*(made._undecided(values) for values in closed))
-    without = [name for name in made.rows if name in everywhere]
+    everywhere = set(of).intersection(*(rates.undecided(values, of) for values in closed))
+    without = [name for name in of if name in everywhere]
     if without:
         have = "has no rate" if len(without) == 1 else "have no rates"
         raise InputError(
-            f"of: {', '.join(without)} {have} by {', '.join(made.columns)} at any configuration of "
+            f"of: {', '.join(without)} {have} by {', '.join(by)} at any configuration of "
             f"{problem.mechanism.name}: the "
             "platform never tilts, its azimuth is then any angle, and its tilt, which is never "
             "negative, has no derivative at 0; "
@@ -246,8 +208,7 @@ def _refuse_level(made: RateJacobian) -> None:
         )
 
 
-def _rates_of_unknowns(problem: Problem) -> dict[str, ca.SX]:
-    """(freedom, k) for each coordinate: its rates by those of the known ones, block by block."""
+def _rates(problem: Problem) -> dict[str, ca.SX]:
     closure = problem.closure
     rates: dict[str, ca.SX] = {
         c.name: ca.SX.eye(len(problem.known_coordinates))[k, :]

@@ -92,6 +92,35 @@ def test_rates_are_central_differences(name: str, of: list[str], given: dict[str
     ) == pytest.approx(numbers, rel=1e-7, abs=1e-9)
 
 
+@pytest.mark.parametrize(
+    ("name", "of", "given"),
+    [CASES[0], CASES[5], ("bennett", ["output"], {"input": 40.0})],
+)
+def test_second_derivatives_are_slopes_of_the_first(
+    name: str, of: list[str], given: dict[str, float]
+) -> None:
+    """dJ/dq_k, and dJ/dt along the rates of one coordinate, are central differences of J."""
+    mechanism = symkin.load(name)
+    here = symkin.solve(mechanism, given=given).solution
+    assert here is not None
+    found = symkin.jacobian(mechanism, of=of, by=list(given))
+    start = {n: v for n, v in here.joints.items() if isinstance(v, float) and n not in given}
+    bent = found.hessian_at(here)
+    assert bent.shape == (len(given), *found.shape)
+    for k, changed in enumerate(given):
+        ends = [
+            symkin.solve(
+                mechanism, given=given | {changed: given[changed] + sign * 1e-2}, start=start
+            ).solution
+            for sign in (1, -1)
+        ]
+        apart = value(ends[0], changed) - value(ends[1], changed)
+        slope = (found.at(ends[0]) - found.at(ends[1])) / apart
+        assert bent[k] == pytest.approx(slope, rel=1e-5, abs=1e-6)
+        along = found.time_derivative_at(here, np.eye(len(given))[k])
+        assert along == pytest.approx(bent[k], rel=1e-9, abs=1e-12)
+
+
 def test_rates_there_and_back_are_inverse() -> None:
     mechanism = symkin.load("ankle")
     here = symkin.solve(mechanism, given={"ankle.1": 10.0, "ankle.2": 5.0}).solution
@@ -204,7 +233,7 @@ REFUSED = [
             "--kind",
             "direct",
         ],
-        "no --kind",
+        "neither kind (--kind)",
     ),
     (["firmware", "four_bar", "-o", "fw"], "firmware takes limbs"),
 ]

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import symkin
-from helpers.inside import Blocks, check_slices, labels, make_space, read_ranges, slices_from
+from helpers.inside import Blocks, check_slices, labels, make_space, read_values, slices_from
 from helpers.laws import ball_turn
 from helpers.samples import Z, five_bar
 from symkin import InputError, Joint, Limb, Mechanism
@@ -103,11 +103,11 @@ def test_rotation_vectors_turn_the_pose_in_the_base_frame(turn):
 
 def test_ranges_as_text():
     """NAME=LOW:HIGH:COUNT is a linear space, NAME=VALUE one value, and a sample has its ends."""
-    found = read_ranges("a=0:1:5, b = 2 ,c=3:3:1")
+    found = read_values("a=0:1:5, b = 2 ,c=3:3:1", "grid")
     assert list(found) == ["a", "b", "c"]
     assert np.array_equal(found["a"], [0, 0.25, 0.5, 0.75, 1])
     assert (found["b"], found["c"]) == ([2.0], [3.0])
-    assert np.array_equal(read_ranges("a=0:1", sampled=True)["a"], [0, 1])
+    assert np.array_equal(read_values("a=0:1", "grid", sampled=True)["a"], [0, 1])
     assert slices_from("a=1,b=2e1", "rad") == {"a": 1.0, "b": 20.0}
 
 
@@ -115,12 +115,12 @@ def test_ranges_may_be_arithmetic():
     """Bounds and values are the numbers of mechanism files: sin, cos and tan in the file's angle
     unit.
     """
-    found = read_ranges("a=-pi/2:2*pi:5,b=sqrt(16)", angle_unit="rad")
+    found = read_values("a=-pi/2:2*pi:5,b=sqrt(16)", "grid", angle_unit="rad")
     assert np.array_equal(found["a"], np.linspace(-math.pi / 2, 2 * math.pi, 5))
     assert found["b"] == [4.0]
-    assert read_ranges("a=cos(60):sin(90)", sampled=True, angle_unit="deg")["a"] == pytest.approx(
-        [0.5, 1.0]
-    )
+    assert read_values("a=cos(60):sin(90)", "grid", sampled=True, angle_unit="deg")[
+        "a"
+    ] == pytest.approx([0.5, 1.0])
     assert slices_from("a=2*sin(pi/6)", "rad") == pytest.approx({"a": 1.0})
 
 
@@ -170,7 +170,7 @@ def test_slices_that_are_refused(slices, sampled, said):
 def test_ranges_that_are_refused(text, sampled, said):
     """Each mistake is a sentence that names it."""
     with pytest.raises(InputError, match=said):
-        read_ranges(text, sampled=sampled)
+        read_values(text, "grid", sampled=sampled)
 
 
 @pytest.mark.parametrize(

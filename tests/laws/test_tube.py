@@ -39,7 +39,7 @@ def test_tube_holds_one_branch_and_not_the_other():
     system = path_systems(problem)[0]
     index = [c.name for c in problem.system.unknowns].index("d")
     trajectory = make_trajectory(mechanism, joints=[[1.0], [1.05]])
-    interval = Interval(system, coefficients(problem, *trajectory.samples)[None])
+    interval = Interval(system, coefficients(problem.known_coordinates, *trajectory.samples)[None])
     ends = []
     for angle in (1.0, 1.05):
         mode = next(
@@ -94,7 +94,9 @@ def test_no_tube_over_a_fold_or_off_the_branch():
     )
     for end, shift in ((TOGGLE + 1e-3, 0.0), (TOGGLE - 0.99e-3, 0.3)):
         trajectory = make_trajectory(mechanism, joints=[[TOGGLE - 1e-3], [end]])
-        interval = Interval(system, coefficients(problem, *trajectory.samples)[None])
+        interval = Interval(
+            system, coefficients(problem.known_coordinates, *trajectory.samples)[None]
+        )
         slope = _slope(interval, np.append(z, 0.0))
         a = np.append(z + shift, 0.0)
         tubes = interval.tubes(one_cubic(a, slope, a + slope, slope, 1.0), ALONE)
@@ -123,7 +125,7 @@ def test_curvature_of_the_path_parameter_is_proved_at_a_fold(path, folds):
     problem = build_problem(mechanism, "direct")
     system = path_systems(problem)[0]
     trajectory = make_trajectory(mechanism, joints=[[v] for v in path])
-    interval = Interval(system, coefficients(problem, *trajectory.samples)[None])
+    interval = Interval(system, coefficients(problem.known_coordinates, *trajectory.samples)[None])
     mode = symkin.modes(mechanism, joints=[TOGGLE - 1e-6])[0]
     z = (
         np.concatenate([np.atleast_1d(mode.values[c.name]) for c in problem.system.unknowns])

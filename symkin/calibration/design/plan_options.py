@@ -4,10 +4,20 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Annotated, Literal, TypedDict
 
 from symkin.calibration.options import SEED
-from symkin.verb_options import POSTURES, Option
+from symkin.verb_options import POSTURES, READINGS, Option
 
 if TYPE_CHECKING:
     import numpy as np
+
+
+READ_BESIDE = Option(
+    "What is read beside joints: inclination, position, orientation, pose; a passive joint, "
+    "point.NAME, LINK.pose, distance.A.B.",
+    "A,B,...",
+    READINGS,
+    default=(),
+    read="names",
+)
 
 
 class PlanOptions(TypedDict, total=False):
@@ -16,8 +26,16 @@ class PlanOptions(TypedDict, total=False):
     groups: Annotated[
         int, Option("Groups of equal inclination; 0: none.", "N", POSTURES, default=5)
     ]
-    readings: Annotated[Sequence[str], Option(default=())]
-    wedges: Annotated["np.ndarray | None", Option()]
+    readings: Annotated[Sequence[str], READ_BESIDE]
+    wedges: Annotated[
+        "np.ndarray | None",
+        Option(
+            "Inclinations alpha:beta that groups may have. Default: level, and +-tilt.",
+            "A:B,...",
+            POSTURES,
+            read="angle pairs",
+        ),
+    ]
     criterion: Annotated[
         Literal["D", "A", "I"],
         Option(

@@ -8,8 +8,8 @@ import textwrap
 from collections.abc import Collection, Sequence
 
 from symkin._version import __version__
-from symkin.velocity.jacobian import AnyJacobian
-from symkin.velocity.rates import RateJacobian
+from symkin.velocity.jacobian import Jacobian
+from symkin.velocity.rates import NamedRates
 
 _MEANING = {
     "direct": (
@@ -43,12 +43,12 @@ _CHOICE = (
 )
 
 
-def meaning(jacobian: AnyJacobian) -> str:
+def meaning(jacobian: Jacobian) -> str:
     """The equation in words."""
     return _MEANING[jacobian.kind].format(origin=f"{jacobian.mechanism.frame_name} origin")
 
 
-def header(jacobian: AnyJacobian, names: dict[str, str]) -> list[str]:
+def header(jacobian: Jacobian, names: dict[str, str]) -> list[str]:
     """Lines about a Jacobian: mechanism, kind, shape, units, frames, inputs in order (with their
     `names` in the language).
     """
@@ -75,21 +75,22 @@ def header(jacobian: AnyJacobian, names: dict[str, str]) -> list[str]:
         )
     if _reads_loops(jacobian):
         lines.append("Inputs must be those of a configuration that closes all loops.")
-    if isinstance(jacobian, RateJacobian):
+    if isinstance(jacobian.expressions, NamedRates):
         lines += textwrap.wrap(_RANGE, 110)
     elif jacobian.kind == "inverse" and jacobian.expressions.chooses_rows:
         lines += textwrap.wrap(_CHOICE, 110)
     return [*lines, f"Made by symkin {__version__}; model SHA-256 {mechanism.digest}"]
 
 
-def _reads_loops(jacobian: AnyJacobian) -> bool:
+def _reads_loops(jacobian: Jacobian) -> bool:
     """Whether the inputs are tied by loops."""
-    if isinstance(jacobian, RateJacobian):
+    made = jacobian.expressions
+    if isinstance(made, NamedRates):
         return True
-    return bool(jacobian.closure.role("passive")) and not jacobian.equations.differential.explicit
+    return bool(jacobian.closure.role("passive")) and not made.differential.explicit
 
 
-def allowed_names(jacobian: AnyJacobian, reserved: Collection[str]) -> dict[str, str]:
+def allowed_names(jacobian: Jacobian, reserved: Collection[str]) -> dict[str, str]:
     """For each input and parameter a name that is not reserved."""
     names: dict[str, str] = {}
     for v in (*jacobian.inputs, *jacobian.parameters):
@@ -116,7 +117,7 @@ def _listed(what: str, items: Sequence[str]) -> list[str]:
     return [line.replace("\0", " ") for line in lines]
 
 
-def _renamed(jacobian: AnyJacobian, names: dict[str, str]) -> list[str]:
+def _renamed(jacobian: Jacobian, names: dict[str, str]) -> list[str]:
     """Which joints' names had to change."""
     changed = [
         f"{names[v.name]} is {v.source}" for v in jacobian.inputs if names[v.name] != v.source

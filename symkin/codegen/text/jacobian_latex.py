@@ -18,8 +18,8 @@ from symkin.codegen.text.latex import (
 )
 from symkin.codegen.text.printer import Printer
 from symkin.text import code_point, latex_text, printable
-from symkin.velocity.jacobian import AnyJacobian
-from symkin.velocity.jacobian_names import components
+from symkin.velocity.jacobian import Jacobian
+from symkin.velocity.jacobian_names import names_of
 
 _LONGEST = 80
 """Printed characters beyond which parts of a value get names: about one line."""
@@ -27,7 +27,7 @@ _LINES = 30
 """Lines of one align environment, which TeX sets as a whole."""
 
 
-def latex_source(jacobian: AnyJacobian) -> str:
+def latex_source(jacobian: Jacobian) -> str:
     """A document that compiles on its own: numbered definitions in order, then the entries J_{ij}
     that are not zero.
     """
@@ -56,7 +56,7 @@ def latex_source(jacobian: AnyJacobian) -> str:
     )
 
 
-def symbols_read(jacobian: AnyJacobian) -> list[str]:
+def symbols_read(jacobian: Jacobian) -> list[str]:
     """A symbol for each input and parameter, no two alike: those of the closure's equations, and
     key paths of parameters."""
     symbols = coordinate_symbols(jacobian.closure)
@@ -69,7 +69,7 @@ def _plain(text: str) -> str:
     return re.sub(r"[^A-Za-z0-9]", r"\_", text)
 
 
-def _prose(jacobian: AnyJacobian) -> list[str]:
+def _prose(jacobian: Jacobian) -> list[str]:
     mechanism = jacobian.mechanism
     joints = ", ".join(_labels(jacobian, [c.name for c in jacobian.closure.role("actuated")]))
     rows = ", ".join(_labels(jacobian, jacobian.rows, pose=jacobian.kind == "analytic"))
@@ -82,7 +82,7 @@ def _prose(jacobian: AnyJacobian) -> list[str]:
     ]
 
 
-def _labels(jacobian: AnyJacobian, names: Sequence[str], *, pose: bool = False) -> list[str]:
+def _labels(jacobian: Jacobian, names: Sequence[str], *, pose: bool = False) -> list[str]:
     """What stands for names of rows, columns and joints in the text: the symbols of coordinates,
     other names upright, no two alike. Of a joint and a coordinate of the pose with one name
     it is the joint, or the `pose`."""
@@ -92,7 +92,7 @@ def _labels(jacobian: AnyJacobian, names: Sequence[str], *, pose: bool = False) 
     own = {
         source: symbols[closure.slices[c.name].start + k]
         for c in of_pose
-        for k, source in enumerate(components(c.name, c.width))
+        for k, source in enumerate(names_of(c.name, c.width))
     }
     others = [
         name for name in dict.fromkeys((*jacobian.rows, *jacobian.columns)) if name not in own

@@ -15,10 +15,10 @@ from symkin.codegen.text.languages import NUMPY_NAMES, SYMPY_NAMES, python_langu
 from symkin.codegen.text.printer import Printer
 from symkin.errors import InputError
 from symkin.text import c_comment, docstring_line, not_among
-from symkin.velocity.jacobian import AnyJacobian
+from symkin.velocity.jacobian import Jacobian
 
 
-def casadi_source(jacobian: AnyJacobian) -> str:
+def casadi_source(jacobian: Jacobian) -> str:
     """What `casadi.Function.load` reads: a function of one scalar for each input, by name, with the
     output `jacobian`; the lines about it follow after its end, where loading has stopped.
     """
@@ -30,7 +30,7 @@ def casadi_source(jacobian: AnyJacobian) -> str:
     )
 
 
-def c_source(jacobian: AnyJacobian) -> str:
+def c_source(jacobian: Jacobian) -> str:
     """A C99 file with the function `NAME_KIND_jacobian(variables, [geometry,] jacobian)`,
     row-major. It takes plain doubles, so that it compiles beside the firmware of the same
     mechanism, of either type.
@@ -56,7 +56,7 @@ def c_source(jacobian: AnyJacobian) -> str:
     return f"/*\n{about}\n */\n#include <math.h>\n\n{head};\n\n{head}\n{{\n{indent(body)}\n}}\n"
 
 
-def _about_arrays(jacobian: AnyJacobian) -> list[str]:
+def _about_arrays(jacobian: Jacobian) -> list[str]:
     names = {v.name: v.name for v in (*jacobian.inputs, *jacobian.parameters)}
     order = "variables[k] are the inputs, " if jacobian.inputs else "variables are not read, "
     order += (
@@ -68,7 +68,7 @@ def _about_arrays(jacobian: AnyJacobian) -> list[str]:
 # --- Python ---------------------------------------------------------------------------------------
 
 
-def numpy_source(jacobian: AnyJacobian) -> str:
+def numpy_source(jacobian: Jacobian) -> str:
     """A module that imports numpy only, with one function `jacobian` of the inputs (numbers, or
     arrays of one shape or of shapes that broadcast) which returns an array (..., rows, columns).
     """
@@ -91,7 +91,7 @@ def numpy_source(jacobian: AnyJacobian) -> str:
     )
 
 
-def sympy_source(jacobian: AnyJacobian) -> str:
+def sympy_source(jacobian: Jacobian) -> str:
     """A module that imports sympy only: `inputs` (symbols), `definitions` (named intermediate
     values, in order), `matrix` over both, and the functions `expanded`, `lambdified`.
     """
@@ -113,7 +113,7 @@ def sympy_source(jacobian: AnyJacobian) -> str:
 
 
 def _python(
-    jacobian: AnyJacobian,
+    jacobian: Jacobian,
     module: str,
     functions: Mapping[str, str],
     reserved: Collection[str],
@@ -157,7 +157,7 @@ def lambdified(modules="math"):
 '''
 
 
-def _docstring(jacobian: AnyJacobian, names: dict[str, str]) -> list[str]:
+def _docstring(jacobian: Jacobian, names: dict[str, str]) -> list[str]:
     first, *safe = [docstring_line(line) for line in header(jacobian, names)]
     return [f'"""{first}', *safe, '"""']
 
@@ -171,7 +171,7 @@ def _wrapped(line: str) -> list[str]:
 
 # --- formats --------------------------------------------------------------------------------------
 
-FORMATS: dict[str, Callable[[AnyJacobian], str]] = {
+FORMATS: dict[str, Callable[[Jacobian], str]] = {
     "casadi": casadi_source,
     "c": c_source,
     "numpy": numpy_source,
@@ -180,7 +180,7 @@ FORMATS: dict[str, Callable[[AnyJacobian], str]] = {
 }
 
 
-def jacobian_text(jacobian: AnyJacobian, language: str) -> str:
+def jacobian_text(jacobian: Jacobian, language: str) -> str:
     """The Jacobian in a format of FORMATS; the same bytes for the same model. InputError for an
     unknown format.
     """
