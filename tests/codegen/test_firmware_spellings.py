@@ -15,44 +15,41 @@ from helpers import firmware_tools as tools
 from helpers import samples
 from helpers.gate import in_gate
 from helpers.graph_twin import graph_twin
-from helpers.inside import Options, build_program, limbs_of, lowered_limbs
+from helpers.inside import Options, limbs_of, lowered_limbs
 from helpers.moved_mechanisms import as_revolutes
+from helpers.spelled_code import border_of, operations
 from helpers.spellings import MACHINES, named, spellings
 from symkin import Joint, Limb, LinkJoint, Mechanism, Pose
 
 pytestmark = pytest.mark.slow
 
-SPELLED = ("limbs, motion", "graph, motion", "limbs", "graph", "limbs, point", "MJCF", "URDF")
-TURNED = ("limbs, turned", "graph, turned")
-BORDER = 75
-"""Operations of a pose at the border of a turned machine: two matrices, 3 x 3 and 4 x 4, times
-vectors, and as much back.
-"""
 PLANAR = ("five-bar", "3-RRR", "3-RPR", "slider-crank")
+SPELLED = ("limbs, motion", "graph, motion", "limbs", "graph", "limbs, point", "MJCF", "URDF")
+TURNED = ("limbs, turned", "graph, turned", "limbs, turned about z")
+COSTS = [
+    ("3-RRR", ("limbs, motion", "graph, turned about z")),
+    ("delta", ("limbs, motion", "graph, turned", "URDF")),
+    ("ankle", ("limbs", "limbs, turned", "MJCF")),
+    ("Agile Eye", ("limbs, motion", "graph, turned", "URDF")),
+    ("3-RPS", ("limbs", "limbs, 1e+06")),
+    *((name, (*SPELLED, *TURNED)) for name in PLANAR),
+    ("Tricept", ("limbs", "limbs, turned", "graph, turned")),
+    ("3-RUU", ("limbs, motion", "graph, turned", "limbs, 1e-08")),
+]
 
 
-def operations(mechanism: Mechanism) -> dict[str, int]:
-    """Operations of each function, those of an iteration where there are iterations."""
-    usual = build_program(mechanism, Options("double")).worst.usual
-    return {
-        name: sum(bound.operations.values()) // max(1, bound.iterations)
-        for name, bound in usual.items()
-        if bound is not None
-    }
-
-
-@pytest.mark.parametrize("name", in_gate(PLANAR, ["five-bar"]))
-def test_all_spellings_cost_the_same(tmp_path, name) -> None:
+@pytest.mark.parametrize(("name", "names"), in_gate(COSTS, COSTS[:5]))
+def test_all_spellings_cost_the_same(tmp_path, name, names) -> None:
     """A turned machine costs the turn at the border more."""
-    spelled = {s.name: s.mechanism for s in spellings(MACHINES[name](), tmp_path)}
-    wanted = operations(spelled["limbs, motion"])
-    for other in SPELLED[1:]:
-        found = operations(spelled[other])
+    machine = MACHINES[name]()
+    spelled = named(list(spellings(machine, tmp_path)), names)
+    assert len(spelled) == len(names)
+    wanted = operations(spelled[0].mechanism)
+    for other in spelled[1:]:
+        found = operations(other.mechanism)
         assert found.keys() == wanted.keys()
-        assert all(found[k] <= 1.05 * wanted[k] for k in wanted), other
-    for other in TURNED:
-        found = operations(spelled[other])
-        assert all(found[k] <= 1.05 * wanted[k] + 2 * BORDER for k in wanted), other
+        border = {k: border_of(k, machine) if other.is_turned else 0 for k in wanted}
+        assert all(found[k] <= 1.05 * wanted[k] + border[k] for k in wanted), other.name
 
 
 def test_a_universal_joint_may_be_two_revolutes() -> None:
