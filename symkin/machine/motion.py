@@ -4,6 +4,7 @@ into that of x and y, or about a point.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
@@ -30,6 +31,8 @@ _SPREAD = 1e-3
 """Smallest singular value of unit directions of slides that go everywhere, and length, over the
 size, of a way in a plane that tells a direction there.
 """
+_ROUNDING = 1e-14
+"""Difference, over the size, of numbers that a turn made of one."""
 _SIMPLER, _FEW = 2, 1.0 / 3.0
 """Times as many zeros on the base, and share of its numbers, above which a machine is turned:
 turning poses has its price.
@@ -95,7 +98,7 @@ def with_own_frame(mechanism: Mechanism) -> tuple[Mechanism, Frames | None]:
     if mechanism.serial or not any(limb.joints for limb in mechanism.limbs):
         return mechanism, None
     turn = _turn_to_axes(mechanism)
-    return (_aligned(mechanism), None) if turn is None else _placed(mechanism, turn)
+    return (_aligned(mechanism, turned=False), None) if turn is None else _placed(mechanism, turn)
 
 
 @dataclass(frozen=True)
@@ -312,11 +315,11 @@ def _placed(mechanism: Mechanism, turn: Pose) -> tuple[Mechanism, Frames]:
     """The machine turned, its platform frame along that of the base."""
     turned = displaced(mechanism, turn)
     if mechanism.platform_link is None and not mechanism.limbs:
-        return _aligned(turned), Frames(turn, Pose(np.zeros(3), np.array(_AS_BASE)))
+        return _aligned(turned, turned=True), Frames(turn, Pose(np.zeros(3), np.array(_AS_BASE)))
     own = Pose(np.zeros(3), turned.reference_pose.quaternion)
     limbs = [_with_rods(limb, own) for limb in turned.limbs]
     return (
-        _aligned(replace(turned, limbs=limbs, platform_quaternion=_AS_BASE)),
+        _aligned(replace(turned, limbs=limbs, platform_quaternion=_AS_BASE), turned=True),
         Frames(turn, own),
     )
 
@@ -329,37 +332,54 @@ def _with_rods(limb: AnyLimb, own: Pose) -> AnyLimb:
     return replace(limb, rods=rods)
 
 
-def _aligned(mechanism: Mechanism) -> Mechanism:
-    """The machine with numbers of joints that are zero to rounding so to the last digit."""
-    near = _ALIGNED * mechanism.characteristic_length
-    limbs = [_exact_limb(limb, near) for limb in mechanism.limbs]
-    entries = [LinkJoint(_exact(entry.joint, near), entry.links) for entry in mechanism.link_joints]
-    home = _zeroed(mechanism.platform_position, near)
-    return replace(mechanism, limbs=limbs, link_joints=entries, platform_position=home)
+def _aligned(mechanism: Mechanism, *, turned: bool) -> Mechanism:
+    """The machine with numbers that are zero to rounding so to the last digit; of one that was
+    `turned`, those that are equal to rounding are one.
+    """
+    clean = _Clean(mechanism.characteristic_length, [] if turned else None)
+    entries = [LinkJoint(clean.joint(entry.joint), entry.links) for entry in mechanism.link_joints]
+    return replace(
+        mechanism,
+        limbs=[clean.limb(limb) for limb in mechanism.limbs],
+        link_joints=entries,
+        platform_position=clean.point(mechanism.platform_position),
+    )
 
 
-def _exact_limb(limb: AnyLimb, near: float) -> AnyLimb:
-    if isinstance(limb, RodLimb):
-        base, platform = (_zeroed(point, near) for point in (limb.base, limb.platform))
-        return replace(limb, base=base, platform=platform)
-    rods = [
-        replace(rod, start=_zeroed(rod.start, near), platform=_zeroed(rod.platform, near))
-        for rod in limb.rods
-    ]
-    return replace(limb, joints=[_exact(joint, near) for joint in limb.joints], rods=rods)
+@dataclass(frozen=True)
+class _Clean:
+    """Takes the rounding out of the numbers of a machine of a size: they are 0, of directions also
+    1, and those `seen` before, unless that is None.
+    """
 
+    size: float
+    seen: list[float] | None
 
-def _exact(joint: Joint, near: float) -> Joint:
-    axis, axis2 = _direction(joint.axis), _direction(joint.axis2)
-    return replace(joint, point=_zeroed(joint.point, near), axis=axis, axis2=axis2)
+    def point(self, numbers: Sequence[float]) -> list[float]:
+        return [self._number(c, (0.0,), self.size) for c in numbers]
 
+    def axis(self, numbers: Sequence[float] | None) -> list[float] | None:
+        return None if numbers is None else [self._number(c, (0.0, 1.0), 1.0) for c in numbers]
 
-def _zeroed(numbers: Sequence[float], near: float) -> list[float]:
-    return [0.0 if abs(c) <= near else c for c in numbers]
+    def joint(self, joint: Joint) -> Joint:
+        axis, axis2 = self.axis(joint.axis), self.axis(joint.axis2)
+        return replace(joint, point=self.point(joint.point), axis=axis, axis2=axis2)
 
+    def limb(self, limb: AnyLimb) -> AnyLimb:
+        if isinstance(limb, RodLimb):
+            return replace(limb, base=self.point(limb.base), platform=self.point(limb.platform))
+        rods = [
+            replace(rod, start=self.point(rod.start), platform=self.point(rod.platform))
+            for rod in limb.rods
+        ]
+        return replace(limb, joints=[self.joint(joint) for joint in limb.joints], rods=rods)
 
-def _direction(axis: Sequence[float] | None) -> list[float] | None:
-    """A unit vector whose numbers are 0, 1 or -1 where they are so to rounding."""
-    if axis is None:
-        return None
-    return [float(round(c)) if abs(c - round(c)) <= _ALIGNED else c for c in axis]
+    def _number(self, number: float, whole: Sequence[float], size: float) -> float:
+        length = abs(number)
+        near = [one for one in whole if abs(length - one) <= _ALIGNED * size]
+        near += [one for one in self.seen or () if abs(length - one) <= _ROUNDING * size]
+        if near:
+            return math.copysign(near[0], number) if near[0] else 0.0
+        if self.seen is not None:
+            self.seen.append(length)
+        return number
