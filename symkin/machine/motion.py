@@ -236,11 +236,18 @@ def _turn_to_z(mechanism: Mechanism, normal: np.ndarray) -> Pose | None:
 
 def _turn_to_axes(mechanism: Mechanism) -> Pose | None:
     """The turn by which most coordinates of joints are zero, those on the base first: about z where
-    the motion is one about z. None where it makes less than twice as many zero as there are, or
-    only a few.
+    the motion is one about z.
     """
     told, first = _vectors(mechanism)
-    in_plane = mechanism.motion in _ABOUT_Z
+    turn = simplest_turn(told, first, in_plane=mechanism.motion in _ABOUT_Z)
+    return None if turn is None else Pose.from_matrix(turn, np.zeros(3))
+
+
+def simplest_turn(told: np.ndarray, first: np.ndarray, *, in_plane: bool) -> np.ndarray | None:
+    """The matrix that makes most coordinates of vectors (n, 3) zero, of the first ones before those
+    of the others; with `in_plane` it is about z. None where it makes less than twice as many zero
+    as there are, or only a few.
+    """
     axes = _distinct([*first, *(np.cross(a, b) for a, b in combinations(_distinct(first), 2))])
     frames = _frames(first, [_Z] if in_plane else axes)
     counts = _zeros([told, first], frames)
@@ -249,11 +256,8 @@ def _turn_to_axes(mechanism: Mechanism) -> Pose | None:
     # about z, what is zero along it always is
     always, few = (int(counts[1].min()), 0.0) if in_plane else (0, _FEW * first.size)
     most = int(counts[1][best]) - always
-    return (
-        Pose.from_matrix(frames[best], np.zeros(3))
-        if most > max(_SIMPLER * (int(written[0]) - always), few)
-        else None
-    )
+    is_simpler = most > max(_SIMPLER * (int(written[0]) - always), few)
+    return np.asarray(frames[best]) if is_simpler else None
 
 
 def _frames(vectors: np.ndarray, normals: Iterable[np.ndarray]) -> np.ndarray:

@@ -17,7 +17,7 @@ from helpers.gate import in_gate
 from helpers.graph_twin import graph_twin
 from helpers.inside import Options, limbs_of, lowered_limbs
 from helpers.moved_mechanisms import as_revolutes
-from helpers.spelled_code import border_of, operations
+from helpers.spelled_code import Goals, answered, border_of, operations
 from helpers.spellings import MACHINES, named, spellings
 from symkin import Joint, Limb, LinkJoint, Mechanism, Pose
 
@@ -52,9 +52,31 @@ def test_all_spellings_cost_the_same(tmp_path, name, names) -> None:
         assert all(found[k] <= 1.05 * wanted[k] + border[k] for k in wanted), other.name
 
 
+def test_a_turned_arm_costs_the_turn_more(tmp_path) -> None:
+    """Of the poses of each branch, and of each part of a line."""
+    machine = MACHINES["UR arm"]()
+    plain, turned = named(list(spellings(machine, tmp_path)), ["joints", "limbs, turned"])
+    wanted, found = operations(plain.mechanism), operations(turned.mechanism)
+    assert found.keys() == wanted.keys()
+    assert all(found[k] <= 1.1 * wanted[k] + border_of(k, machine) for k in wanted)
+
+
 def test_a_universal_joint_may_be_two_revolutes() -> None:
     hexapod = samples.rus(6)
     assert operations(as_revolutes(hexapod)) == operations(hexapod)
+
+
+@pytest.mark.parametrize("name", in_gate(["UR arm", "Agile Eye", "delta", "ankle"], ["UR arm"]))
+def test_a_turned_machine_answers_as_the_plain_one(tmp_path, name) -> None:
+    """As many goals are OK in both directions, and no answer is off the machine."""
+    tools.compiler("gcc")
+    machine = MACHINES[name]()
+    spelled = list(spellings(machine, tmp_path))
+    [turned] = named(spelled, ["limbs, turned"])
+    goals = Goals.of(machine, spelled[0], 12)
+    plain, found = answered(goals, spelled[0]), answered(goals, turned)
+    assert found == plain
+    assert not found.wrong
 
 
 @pytest.fixture(scope="module", params=in_gate(PLANAR, ["3-RRR"]))
