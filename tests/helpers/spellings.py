@@ -98,12 +98,15 @@ class Spelling:
         """A pose of this spelling as the home has it."""
         return self.turn.inverse() @ Pose(np.array(pose.position) / self.factor, pose.quaternion)
 
-    def modes(self, machine: Machine, *, inverse: bool, method: str | None = None) -> Modes:
-        """The modes at the machine's input."""
+    def modes(
+        self, machine: Machine, *, inverse: bool, method: str | None = None, off: float = 0.0
+    ) -> Modes:
+        """The modes at the machine's input, its pose moved `off` sizes along the home's z axis."""
         if not inverse:
             joints = _in_units(self.mechanism, machine.values, self.factor)
             return symkin.modes(self.mechanism, joints=joints, method=method)
-        there = self.told(machine.configuration.pose)
+        at, away = machine.configuration.pose, off * machine.home.characteristic_length
+        there = self.told(Pose(at.position + [0.0, 0.0, away], at.quaternion))
         return symkin.modes(self.mechanism, pose=there, method=method)
 
     def configurations(self, machine: Machine, found: Modes) -> dict[str, np.ndarray]:
