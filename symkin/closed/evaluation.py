@@ -12,7 +12,7 @@ import numpy as np
 from symkin.closed.screws import ArmScrews, Screw
 from symkin.closed.steps import TOOL, Carry, Distance, Factor, Level, Operand, Slides, Step, Word
 from symkin.closure.snapping import snapped_constants
-from symkin.spatial.rotation import matrix_from_quaternion
+from symkin.spatial.rotation import matrix_from_quaternion, multiply
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,6 +62,18 @@ class Evaluation:
     def decided(self, joints: tuple[int, ...], motions: tuple[Motion, ...]) -> Evaluation:
         return replace(self, motions=self.motions | dict(zip(joints, motions, strict=True)))
 
+    @property
+    def _place(self) -> ca.SX:
+        """The tool's position in the frame of the screws."""
+        base = self.arm.base
+        return self.position if base is None else ca.mtimes(ca.DM(base.rotation), self.position)
+
+    @property
+    def _turn(self) -> ca.SX:
+        """The tool's quaternion in the frame of the screws."""
+        base = self.arm.base
+        return self.quaternion if base is None else multiply(base.quaternion, self.quaternion)
+
     # --- vectors that motions carry ---------------------------------------------------------------
 
     def value(self, operand: Operand) -> ca.SX:
@@ -94,16 +106,14 @@ class Evaluation:
         tool = self.arm.tool
         local = v - _column(tool.position) if is_point else v
         turned = ca.mtimes(
-            matrix_from_quaternion(self.quaternion), ca.mtimes(_matrix(tool.quaternion).T, local)
+            matrix_from_quaternion(self._turn), ca.mtimes(_matrix(tool.quaternion).T, local)
         )
-        return turned + self.position if is_point else turned
+        return turned + self._place if is_point else turned
 
     def _from_tool(self, v: ca.SX, *, is_point: bool) -> ca.SX:
         """M^-1 v = T0 (R^T (v - p))."""
         tool = self.arm.tool
-        local = ca.mtimes(
-            matrix_from_quaternion(self.quaternion).T, v - self.position if is_point else v
-        )
+        local = ca.mtimes(matrix_from_quaternion(self._turn).T, v - self._place if is_point else v)
         turned = ca.mtimes(_matrix(tool.quaternion), local)
         return turned + _column(tool.position) if is_point else turned
 

@@ -182,7 +182,7 @@ class _Trial:
 
 
 def forward(arm: ArmScrews, values: np.ndarray) -> Pose:
-    """The tool pose at joint values less their zeros."""
+    """The tool pose at joint values less their zeros, as it is described."""
     pose = arm.tool
     for screw, value in zip(reversed(arm.screws), reversed(values.tolist()), strict=True):
         k, point = np.array(screw.axis), np.array(screw.point)
@@ -191,7 +191,7 @@ def forward(arm: ArmScrews, values: np.ndarray) -> Pose:
         else:
             q = np.asarray(quaternion_from_axis_angle(k, value))
             pose = Pose(point - np.asarray(rotate(q, point)), q) @ pose
-    return pose
+    return arm.told(pose)
 
 
 def _constants(numbers: np.ndarray) -> ca.SX:

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from symkin.closure.snapping import snap
+from symkin.machine.motion import simplest_turn
 from symkin.model.mechanism import Mechanism
 from symkin.spatial.pose import Pose
 
@@ -31,12 +32,18 @@ class Screw:
 @dataclass(frozen=True, eq=False)
 class ArmScrews:
     """Screws from the base to the tool, the tool's pose at the reference, and the arm's size
-    (length unit).
+    (length unit), in the frame in which these numbers are simplest; the matrix of `base` turns
+    vectors as they are described into it (None: it is the described one).
     """
 
     screws: tuple[Screw, ...]
     tool: Pose
     size: float
+    base: Pose | None = None
+
+    def told(self, pose: Pose) -> Pose:
+        """A pose of this frame as it is described."""
+        return pose if self.base is None else self.base.inverse() @ pose
 
     def __len__(self) -> int:
         return len(self.screws)
@@ -49,21 +56,25 @@ def arm_screws(mechanism: Mechanism) -> ArmScrews | None:
     joints = [joint for _, joint in mechanism.joints]
     if not mechanism.serial or any(joint.type not in ("R", "P") for joint in joints):
         return None
-    origin, size = mechanism.places[joints[0].name], mechanism.characteristic_length
-    found: list[Screw] = []
-    for joint in joints:
-        k = np.array(joint.axis, dtype=float)
-        away = np.array(mechanism.places[joint.name]) - origin
-        # the point next to the first joint: its numbers are small, and some of them zero
-        point = snapped_vector(origin + away - k * (k @ away), size)
-        found.append(
-            Screw(joint.name, joint.type == "P", point, snapped_vector(k, 1.0), joint.zero)
-        )
-    tool = Pose(
-        np.array(snapped_vector(np.array(mechanism.platform_position), size)),
-        np.array(mechanism.platform_quaternion),
-    )
-    return ArmScrews(tuple(found), tool, size)
+    size = mechanism.characteristic_length
+    axes = np.array([joint.axis for joint in joints], dtype=float)
+    points = np.array([mechanism.places[joint.name] for joint in joints])
+    # the points next to the first joint: their numbers are small, and some of them zero
+    away = points - points[0]
+    points = np.array([points[0] + a - k * (k @ a) for k, a in zip(axes, away, strict=True)])
+    tool = Pose(mechanism.platform_position, mechanism.platform_quaternion)
+    base = None
+    vectors = np.vstack([axes, points / size])
+    turn = simplest_turn(vectors, vectors, in_plane=False)
+    if turn is not None:
+        base = Pose.from_matrix(turn, np.zeros(3))
+        axes, points, tool = axes @ turn.T, points @ turn.T, base @ tool
+    found = [
+        Screw(j.name, j.type == "P", snapped_vector(p, size), snapped_vector(k, 1.0), j.zero)
+        for j, p, k in zip(joints, points, axes, strict=True)
+    ]
+    place = np.array(snapped_vector(np.array(tool.position), size))
+    return ArmScrews(tuple(found), Pose(place, tool.quaternion), size, base)
 
 
 def snapped_vector(numbers: np.ndarray, scale: float) -> Vector:

@@ -76,7 +76,15 @@ class ArmMotion:
                     self.halves[2 * i], *(self.halves[2 * i + 1] * k for k in screw.axis)
                 )
                 quaternion = multiply(turn, quaternion)
-        return ca.vertcat(self._tool, quaternion)
+        base = self.arm.base
+        if base is not None:
+            quaternion = multiply(ca.DM(base.inverse().quaternion), quaternion)
+        return ca.vertcat(self._told(self._tool), quaternion)
+
+    def _told(self, vector: ca.SX) -> ca.SX:
+        """A vector of the screws' frame as it is described."""
+        base = self.arm.base
+        return vector if base is None else ca.mtimes(ca.DM(base.rotation.T), vector)
 
     @cached_property
     def _tool(self) -> ca.SX:
@@ -91,10 +99,10 @@ class ArmMotion:
         for i, screw in enumerate(self.arm.screws):
             axis = self._carried(screw.axis, i, is_point=False)
             if screw.slides:
-                columns.append(ca.vertcat(axis, ca.SX(3, 1)))
+                columns.append(ca.vertcat(self._told(axis), ca.SX(3, 1)))
             else:
                 arm = self._tool - self._carried(screw.point, i, is_point=True)
-                columns.append(ca.vertcat(ca.cross(axis, arm), axis))
+                columns.append(ca.vertcat(self._told(ca.cross(axis, arm)), self._told(axis)))
         return ca.densify(ca.horzcat(*columns))
 
     # --- text -------------------------------------------------------------------------------------

@@ -54,34 +54,31 @@ class Geometry:
         """
         return None if self.frames is None else _exact(self.frames.base.rotation)
 
-    @property
-    def home(self) -> np.ndarray:
-        """The quaternion at the reference as it is told, of a machine with frames of its own."""
+    @cached_property
+    def _turn(self) -> np.ndarray:
+        """The matrix that turns quaternions of the closure into those as they are told."""
         assert self.frames is not None  # noqa: S101 - the caller has looked
-        return _exact(self.frames.told(self.closure.mechanism.reference_pose).quaternion)
+        base, own = self.frames.base.quaternion, self.frames.platform.quaternion
+        return _exact(
+            np.array([multiply(multiply(conjugate(base), unit), own) for unit in np.eye(4)]).T
+        )
 
     @cached_property
     def pose(self) -> ca.SX:
         """Position and quaternion of the platform as they are told, over the pose coordinates."""
         pose, rotation = self.closure.pose, self.rotation
-        if rotation is None:
-            return self.of(ca.vertcat(pose.position, pose.quaternion))
-        # a machine with frames of its own moves in a plane, about whose normal the platform turns
-        gamma = next(c for c in self.closure.role("pose") if c.is_angular)
-        half = 0.5 * self.closure.variables[self.closure.slices[gamma.name]]
-        of_sine = _exact(multiply(np.array([0.0, *rotation[2]]), self.home))
-        quaternion = ca.cos(half) * ca.DM(self.home) + ca.sin(half) * ca.DM(of_sine)
-        return self.of(ca.vertcat(ca.mtimes(ca.DM(rotation.T), pose.position), quaternion))
+        position, quaternion = pose.position, pose.quaternion
+        if rotation is not None:
+            position = ca.mtimes(ca.DM(rotation.T), position)
+            quaternion = ca.mtimes(ca.DM(self._turn), quaternion)
+        return self.of(ca.vertcat(position, quaternion))
 
-    def change(self, quaternion: ca.SX) -> ca.SX:
-        """The turn from the reference to a quaternion as it is told, about axes of the closure: of
-        a machine with frames of its own.
-        """
-        columns = []
-        for unit in np.eye(4):
-            turn = multiply(unit, conjugate(self.home))
-            columns.append([turn[0], *(self.rotation @ turn[1:])])
-        return ca.mtimes(ca.DM(_exact(np.array(columns).T)), quaternion)
+    def taken(self, x: ca.SX) -> ca.SX:
+        """The seven numbers of a pose as it is told as the closure has them."""
+        if self.rotation is None:
+            return x
+        turned = (ca.mtimes(ca.DM(self.rotation), x[:3]), ca.mtimes(ca.DM(self._turn.T), x[3:]))
+        return ca.vertcat(*turned)
 
     @cached_property
     def members(self) -> list[str]:

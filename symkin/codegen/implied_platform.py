@@ -63,7 +63,7 @@ def limb_platform(
     motion = implied_motion(mechanism)
     if motion not in _AXES_ALONE:
         return described
-    declared = LimbPlatform(replace(mechanism, motion=motion), options, real)
+    declared = LimbPlatform(replace(mechanism, motion=motion), options, real, frames=frames)
     found = declared.direct_formulas
     if found is not None and keeps_motion(declared, found):
         return declared

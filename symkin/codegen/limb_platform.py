@@ -56,6 +56,7 @@ _LARGE = 2.0**12
 """Size, and one over it, from which on direct formulas are those of a machine of a size next to 1:
 they hold up to the eighth power of lengths.
 """
+_TINY = float(np.finfo(float).tiny)
 _SINGULAR = 1e-9
 """Smallest singular value, over the largest, below which a solver's matrix is singular."""
 
@@ -437,8 +438,12 @@ class LimbPlatform:
             )
 
     def _is_singular(self, values: np.ndarray) -> bool:
-        """Whether locked actuated joints leave the platform free at a configuration."""
+        """Whether locked actuated joints leave the platform free at a configuration: rows and
+        columns are of one length, whatever the unit of their numbers is.
+        """
         matrix = self.direct_kernel.matrix(*self.direct_state(values), self.geometry.values)
+        for axis in (1, 0):
+            matrix = matrix / np.maximum(np.linalg.norm(matrix, axis=axis, keepdims=True), _TINY)
         singular = np.linalg.svd(matrix, compute_uv=False)
         return bool(singular[-1] < _SINGULAR * singular[0])
 

@@ -46,11 +46,8 @@ def restricted(geometry: Geometry, x: ca.SX) -> Restricted:
     """The seven numbers of a pose as the platform's motion takes them."""
     closure = geometry.closure
     reference, size = _reference(geometry), closure.characteristic_length
-    if geometry.rotation is None:
-        delta = multiply(x[3:], conjugate(reference[3:]))
-    else:
-        delta = geometry.change(x[3:])
-        x, reference = (ca.mtimes(ca.DM(geometry.rotation), p[:3]) for p in (x, reference))
+    x = geometry.taken(x)
+    delta = multiply(x[3:], conjugate(reference[3:]))
     away = [x[i] - reference[i] for i in range(3)]
     # of a turn about z the quaternion is (cos a/2, 0, 0, sin a/2); its other components are the
     # tilt
@@ -116,7 +113,8 @@ def off_motion(geometry: Geometry, real: Real) -> float:
 
 
 def _reference(geometry: Geometry) -> ca.SX:
-    """Position and unit quaternion of the platform at the reference configuration, as told."""
-    closure = geometry.closure
-    at = ca.substitute(geometry.pose, closure.variables, ca.SX(ca.DM(closure.reference)))
+    """Position and unit quaternion of the closure's platform at the reference configuration."""
+    closure, pose = geometry.closure, geometry.closure.pose
+    own = geometry.of(ca.vertcat(pose.position, pose.quaternion))
+    at = ca.substitute(own, closure.variables, ca.SX(ca.DM(closure.reference)))
     return snapped_expression(ca.densify(at), [geometry.symbols])

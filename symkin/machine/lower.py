@@ -15,7 +15,7 @@ from dataclasses import dataclass, field, replace
 
 from symkin.computed_once import lru_cache
 from symkin.machine.limbs import limbs_of
-from symkin.machine.motion import Frames, Guide, with_own_motion, without_guides
+from symkin.machine.motion import Frames, Guide, with_own_frame, with_own_motion, without_guides
 from symkin.machine.universal import BallReading, Reading, with_universal_joints
 from symkin.model.arm import arm_of
 from symkin.model.joint import BASE
@@ -74,14 +74,16 @@ def lowered(
 @lru_cache(maxsize=128)
 def lowered_limbs(mechanism: Mechanism) -> Lowered:
     """The machine of a description as limbs, whose passive joints are told where they have limits
-    only: a graph that is limbs is these, and a limb that does nothing but guide the platform in its
-    motion is gone.
+    only: a graph that is limbs is these, a limb that does nothing but guide the platform in its
+    motion is gone, and it stands in the frame in which its numbers are simplest.
     """
     limbs = limbs_of(mechanism) if mechanism.is_graph else None
     plain = mechanism if limbs is None else limbs.mechanism
     placed, frames = with_own_motion(plain, declare=True)
     kept = frozenset(c.name for c in mechanism.coordinates if c.limits is not None)
     machine, readings = with_universal_joints(without_guides(placed)[0], kept)
+    if frames is None:
+        machine, frames = with_own_frame(machine)
     return Lowered(mechanism, machine, frames, readings)
 
 

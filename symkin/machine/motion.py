@@ -4,6 +4,7 @@ into that of x and y, or about a point.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
@@ -30,7 +31,15 @@ _SPREAD = 1e-3
 """Smallest singular value of unit directions of slides that go everywhere, and length, over the
 size, of a way in a plane that tells a direction there.
 """
+_ROUNDING = 1e-14
+"""Difference, over the size, of numbers that a turn made of one."""
+_SIMPLER, _FEW = 2, 1.0 / 3.0
+"""Times as many zeros on the base, and share of its numbers, above which a machine is turned:
+turning poses has its price.
+"""
 _Z = np.array([0.0, 0.0, 1.0])
+_ABOUT_Z = ("planar", "schoenflies")
+"""Motions whose z is that of the base frame."""
 _AS_BASE = (1.0, 0.0, 0.0, 0.0)
 """Quaternion of a frame along that of the base."""
 
@@ -79,6 +88,17 @@ def with_own_motion(mechanism: Mechanism, *, declare: bool) -> tuple[Mechanism, 
     placed, frames = (mechanism, None) if turn is None else _placed(mechanism, turn)
     known = declare and of_platform is not None
     return replace(placed, motion="planar") if known else placed, frames
+
+
+def with_own_frame(mechanism: Mechanism) -> tuple[Mechanism, Frames | None]:
+    """The machine in the frame in which its numbers are simplest, its platform frame along that of
+    the base at the reference; None in place of the frames where it stands so. Numbers that are zero
+    to rounding are zero.
+    """
+    if mechanism.serial or not any(limb.joints for limb in mechanism.limbs):
+        return mechanism, None
+    turn = _turn_to_axes(mechanism)
+    return (_aligned(mechanism, turned=False), None) if turn is None else _placed(mechanism, turn)
 
 
 @dataclass(frozen=True)
@@ -204,44 +224,106 @@ def _passes(joint: Joint, centre: np.ndarray, near: float) -> bool:
 
 
 def _turn_to_z(mechanism: Mechanism, normal: np.ndarray) -> Pose | None:
-    """The turn that makes an axis that of z, None where it is z already; x is the direction, of a
-    slide or from a point to another, by which most coordinates of joints are zero, those on the
-    base first: zeros keep equations short.
+    """The turn that makes an axis that of z, by which most coordinates are zero; None where it is z
+    already.
     """
-    up = normal if normal[2] >= 0.0 else -normal
-    if _is_along_z(up):
+    if _is_along_z(normal):
         return None
+    told, first = _vectors(mechanism)
+    frames = _frames(first, [normal])
+    return Pose.from_matrix(frames[_most(_zeros([told, first], frames))], np.zeros(3))
+
+
+def _turn_to_axes(mechanism: Mechanism) -> Pose | None:
+    """The turn by which most coordinates of joints are zero, those on the base first: about z where
+    the motion is one about z.
+    """
+    told, first = _vectors(mechanism)
+    turn = simplest_turn(told, first, in_plane=mechanism.motion in _ABOUT_Z)
+    return None if turn is None else Pose.from_matrix(turn, np.zeros(3))
+
+
+def simplest_turn(told: np.ndarray, first: np.ndarray, *, in_plane: bool) -> np.ndarray | None:
+    """The matrix that makes most coordinates of vectors (n, 3) zero, of the first ones before those
+    of the others; with `in_plane` it is about z. None where it makes less than twice as many zero
+    as there are, or only a few.
+    """
+    axes = _distinct([*first, *(np.cross(a, b) for a, b in combinations(_distinct(first), 2))])
+    frames = _frames(first, [_Z] if in_plane else axes)
+    counts = _zeros([told, first], frames)
+    best = _most(counts)
+    [written] = _zeros([first], np.eye(3)[None])
+    # about z, what is zero along it always is
+    always, few = (int(counts[1].min()), 0.0) if in_plane else (0, _FEW * first.size)
+    most = int(counts[1][best]) - always
+    is_simpler = most > max(_SIMPLER * (int(written[0]) - always), few)
+    return np.asarray(frames[best]) if is_simpler else None
+
+
+def _frames(vectors: np.ndarray, normals: Iterable[np.ndarray]) -> np.ndarray:
+    """Frames (n, 3, 3) whose z is one of the normals, and x the direction of one of the vectors or
+    of the difference of two.
+    """
+    ways = _distinct([*vectors, *(b - a for a, b in combinations(vectors, 2)), *np.eye(3)])
+    found = list[np.ndarray]()
+    for up in normals:
+        in_plane = ways - np.outer(ways @ up, up)
+        lengths = np.linalg.norm(in_plane, axis=1)
+        xs = in_plane[lengths > _SPREAD] / lengths[lengths > _SPREAD, None]
+        found += [np.array([x, np.cross(up, x), up]) for x in xs]
+    return np.array(found)
+
+
+def _vectors(mechanism: Mechanism) -> tuple[np.ndarray, np.ndarray]:
+    """Directions (n, 3) of joints, and places over the size: of all joints, and of those on the
+    base.
+    """
     edges = [(edge.ends, edge.elements[0].part) for edge in edges_of(mechanism)]
-    joints = [part for _, part in edges if isinstance(part, Joint)]
-    on_base = [part for ends, part in edges if isinstance(part, Joint) and BASE in ends]
-    told, first = (_vectors(parts, mechanism.characteristic_length) for parts in (joints, on_base))
-    ways = [*told, *(b - a for a, b in combinations(told, 2)), *np.eye(3)]
-    in_plane = [way - (way @ up) * up for way in ways]
-    directions = [way / n for way in in_plane if (n := np.linalg.norm(way)) > _SPREAD]
-    x = max(directions, key=lambda x: [_zeros(v, x, np.cross(up, x)) for v in (first, told)])
-    return Pose.from_matrix(np.array([x, np.cross(up, x), up]), np.zeros(3))
+    joints = [(part, BASE in ends) for ends, part in edges if isinstance(part, Joint)]
+    found = [
+        (vector, on_base)
+        for joint, on_base in joints
+        for vector in (*_axes(joint), np.array(joint.point) / mechanism.characteristic_length)
+    ]
+    told = np.array([vector for vector, _ in found]).reshape(-1, 3)
+    far = np.linalg.norm(told, axis=1) > _ALIGNED
+    return told[far], told[far & [on_base for _, on_base in found]]
 
 
-def _vectors(joints: Sequence[Joint], size: float) -> list[np.ndarray]:
-    """Directions of slides and places, over the size."""
-    slides = [np.array(joint.axis) for joint in joints if joint.type == "P"]
-    return [*slides, *(np.array(joint.point) / size for joint in joints)]
+def _axes(joint: Joint) -> list[np.ndarray]:
+    return [np.array(axis) for axis in (joint.axis, joint.axis2) if axis is not None]
 
 
-def _zeros(vectors: Sequence[np.ndarray], x: np.ndarray, y: np.ndarray) -> int:
-    """How many coordinates are zero."""
-    return int(np.count_nonzero(np.abs(np.array(vectors) @ np.array([x, y]).T) <= _ALIGNED))
+def _distinct(vectors: Iterable[np.ndarray]) -> np.ndarray:
+    """Vectors of another direction than those before them."""
+    found = np.zeros((0, 3))
+    for vector in vectors:
+        length = float(np.linalg.norm(vector))
+        if length > _SPREAD and not np.any(np.abs(found @ vector) > (1.0 - _ALIGNED) * length):
+            found = np.vstack([found, vector / length])
+    return found
+
+
+def _zeros(parts: Sequence[np.ndarray], frames: np.ndarray) -> list[np.ndarray]:
+    """How many coordinates of vectors are zero in each frame (n, 3, 3), of each part."""
+    turned = [np.abs(vectors @ frames.transpose(0, 2, 1)) for vectors in parts]
+    return [np.count_nonzero(found <= _ALIGNED, axis=(1, 2)) for found in turned]
+
+
+def _most(counts: Sequence[np.ndarray]) -> int:
+    """The first place of the largest counts, the last ones before the others."""
+    return int(np.lexsort((-np.arange(len(counts[0])), *counts))[-1])
 
 
 def _placed(mechanism: Mechanism, turn: Pose) -> tuple[Mechanism, Frames]:
     """The machine turned, its platform frame along that of the base."""
     turned = displaced(mechanism, turn)
     if mechanism.platform_link is None and not mechanism.limbs:
-        return _aligned(turned), Frames(turn, Pose(np.zeros(3), np.array(_AS_BASE)))
+        return _aligned(turned, turned=True), Frames(turn, Pose(np.zeros(3), np.array(_AS_BASE)))
     own = Pose(np.zeros(3), turned.reference_pose.quaternion)
     limbs = [_with_rods(limb, own) for limb in turned.limbs]
     return (
-        _aligned(replace(turned, limbs=limbs, platform_quaternion=_AS_BASE)),
+        _aligned(replace(turned, limbs=limbs, platform_quaternion=_AS_BASE), turned=True),
         Frames(turn, own),
     )
 
@@ -254,26 +336,54 @@ def _with_rods(limb: AnyLimb, own: Pose) -> AnyLimb:
     return replace(limb, rods=rods)
 
 
-def _aligned(mechanism: Mechanism) -> Mechanism:
-    """The machine with numbers of joints that are zero to rounding so to the last digit."""
-    near = _ALIGNED * mechanism.characteristic_length
-    limbs = [
-        limb
-        if isinstance(limb, RodLimb)
-        else replace(limb, joints=[_exact(joint, near) for joint in limb.joints])
-        for limb in mechanism.limbs
-    ]
-    entries = [LinkJoint(_exact(entry.joint, near), entry.links) for entry in mechanism.link_joints]
-    home = _zeroed(mechanism.platform_position, near)
-    return replace(mechanism, limbs=limbs, link_joints=entries, platform_position=home)
+def _aligned(mechanism: Mechanism, *, turned: bool) -> Mechanism:
+    """The machine with numbers that are zero to rounding so to the last digit; of one that was
+    `turned`, those that are equal to rounding are one.
+    """
+    clean = _Clean(mechanism.characteristic_length, [] if turned else None)
+    entries = [LinkJoint(clean.joint(entry.joint), entry.links) for entry in mechanism.link_joints]
+    return replace(
+        mechanism,
+        limbs=[clean.limb(limb) for limb in mechanism.limbs],
+        link_joints=entries,
+        platform_position=clean.point(mechanism.platform_position),
+    )
 
 
-def _exact(joint: Joint, near: float) -> Joint:
-    point = _zeroed(joint.point, near)
-    if joint.axis is None or joint.type not in ("R", "P"):
-        return replace(joint, point=point)
-    return replace(joint, point=point, axis=_zeroed(joint.axis, _ALIGNED))
+@dataclass(frozen=True)
+class _Clean:
+    """Takes the rounding out of the numbers of a machine of a size: they are 0, of directions also
+    1, and those `seen` before, unless that is None.
+    """
 
+    size: float
+    seen: list[float] | None
 
-def _zeroed(numbers: Sequence[float], near: float) -> list[float]:
-    return [0.0 if abs(c) <= near else c for c in numbers]
+    def point(self, numbers: Sequence[float]) -> list[float]:
+        return [self._number(c, (0.0,), self.size) for c in numbers]
+
+    def axis(self, numbers: Sequence[float] | None) -> list[float] | None:
+        return None if numbers is None else [self._number(c, (0.0, 1.0), 1.0) for c in numbers]
+
+    def joint(self, joint: Joint) -> Joint:
+        axis, axis2 = self.axis(joint.axis), self.axis(joint.axis2)
+        return replace(joint, point=self.point(joint.point), axis=axis, axis2=axis2)
+
+    def limb(self, limb: AnyLimb) -> AnyLimb:
+        if isinstance(limb, RodLimb):
+            return replace(limb, base=self.point(limb.base), platform=self.point(limb.platform))
+        rods = [
+            replace(rod, start=self.point(rod.start), platform=self.point(rod.platform))
+            for rod in limb.rods
+        ]
+        return replace(limb, joints=[self.joint(joint) for joint in limb.joints], rods=rods)
+
+    def _number(self, number: float, whole: Sequence[float], size: float) -> float:
+        length = abs(number)
+        near = [one for one in whole if abs(length - one) <= _ALIGNED * size]
+        near += [one for one in self.seen or () if abs(length - one) <= _ROUNDING * size]
+        if near:
+            return math.copysign(near[0], number) if near[0] else 0.0
+        if self.seen is not None:
+            self.seen.append(length)
+        return number

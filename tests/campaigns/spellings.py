@@ -1,7 +1,7 @@
 """One machine in many spellings: are its modes, its counts, statements, certificates and times one?
 
     python tests/campaigns/spellings.py [--machine NAME ...] [--spelling NAME ...] [--json]
-        [--direction direct inverse] [--seed 0] [--jobs 1] [--limit 120]
+        [--direction direct inverse] [--firmware [--goals 40]] [--seed 0] [--jobs 1] [--limit 120]
 
 Each machine is asked in both directions, in every spelling that it has: limbs and graph, with the
 motion declared and without, joints and DH, MJCF and URDF, R R for U, another unit, order, place,
@@ -10,6 +10,12 @@ spelling of their kind. Times are processor times of warm calls, medians of batc
 ratio to the least of their kind. Where two lists of modes differ, independent closures and
 random starts (`twin_oracle`) say of each mode whether it closes and of each configuration found
 whether it is listed. Exit status 1 where modes, statements, complex counts or certificates differ.
+
+With `--firmware` it is the generated C (double) of each spelling: the operations of each function
+at most, beside the least of its kind; those that the turn of a turned base takes of poses and
+twists are left out of the ratio. Compiled, it is asked random goals (`--goals`) in both directions:
+shares that are OK, and answers that are not on the machine by `modes`. Exit status 1 where a ratio
+is above 1.05, a share is below that of another spelling, an answer is wrong, a spelling refused.
 """
 
 from __future__ import annotations
@@ -22,7 +28,7 @@ import tempfile
 import time
 import tomllib
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -35,11 +41,14 @@ import symkin
 from campaigns.children import run_each
 from campaigns.twin_oracle import CLOSED, Oracle, numbers_only, oracle_of
 from campaigns.twin_oracle import SAME as SAME_FEATURES
+from helpers.spelled_code import Answered, Goals, answered, border_of, operations
 from helpers.spellings import MACHINES, Machine, Spelling, lacking, named, spellings
 
 DIRECTIONS = ("direct", "inverse")
 BATCHES, BATCH_S = 5, 0.1
 """Batches of warm calls whose median is told, and seconds of each, one call at least."""
+SAME_COST = 1.05
+"""Operations of a spelling, over those of the best, that are as few."""
 STARTS = 600
 """Random starts of the independent search."""
 
@@ -151,12 +160,17 @@ def _given(oracle: Oracle, found: symkin.Modes) -> dict[str, Any]:
 
 def answers(options: argparse.Namespace) -> Iterator[list[Answer]]:
     """The answers of each machine in each direction."""
+    for machine, spelled in asked_for(options):
+        for direction in options.direction:
+            yield _in_children(machine, spelled, direction, options)
+
+
+def asked_for(options: argparse.Namespace) -> Iterator[tuple[Machine, list[Spelling]]]:
+    """The machines and spellings that the options name."""
     for name in options.machine or MACHINES:
         machine = replace(MACHINES[name](), seed=options.seed)
         with tempfile.TemporaryDirectory() as folder:
-            spelled = named(list(spellings(machine, Path(folder))), options.spelling)
-        for direction in options.direction:
-            yield _in_children(machine, spelled, direction, options)
+            yield machine, named(list(spellings(machine, Path(folder))), options.spelling)
 
 
 def _in_children(
@@ -254,18 +268,125 @@ def printed(table: Sequence[Answer]) -> None:
         print(line + (f"\n    {a.verdict}" if a.verdict else ""), flush=True)
 
 
+# --- generated C ----------------------------------------------------------------------------------
+
+
+@dataclass
+class Code:
+    """What the C of one spelling costs and answers: `ratio` is the worst of its functions,
+    `function`.
+    """
+
+    machine: str
+    spelling: str
+    kind: str
+    operations: Mapping[str, int] = field(default_factory=dict)
+    answered: Answered | None = None
+    ratio: float = float("nan")
+    function: str = ""
+    fault: str | None = None
+
+
+def coded(machine: Machine, spelled: Sequence[Spelling], options: argparse.Namespace) -> list[Code]:
+    """The C of all spellings of a machine, each in a process of its own, compared."""
+    kinds: dict[str, Goals] = {}
+    for one in spelled:
+        kinds.setdefault(one.kind, Goals.of(machine, one, options.goals))
+
+    def make(place: int, send: Callable[[Any], None]) -> None:
+        one = spelled[place]
+        code = Code(machine.name, one.name, one.kind)
+        try:
+            code.operations = operations(one.mechanism)
+            if options.goals:
+                code.answered = answered(kinds[one.kind], one)
+        except symkin.SymkinError as error:
+            code.fault = f"refused: {error}"
+        send(code)
+
+    found: dict[int, Code] = {}
+    for ended in run_each(range(len(spelled)), make, options.jobs, options.limit):
+        one = spelled[ended.task]
+        lost = Code(machine.name, one.name, one.kind, fault=ended.fault or "no answer")
+        found[ended.task] = ended.sent[0] if ended.sent else lost
+    table = [found[place] for place in range(len(spelled))]
+    for code, one in zip(table, spelled, strict=True):
+        best = least([a.operations for a in table if a.kind == code.kind])
+        ratios = {
+            name: (count - one.is_turned * border_of(name, machine)) / max(best[name], 1)
+            for name, count in code.operations.items()
+        }
+        code.function = max(ratios, key=lambda name: ratios[name], default="")
+        code.ratio = ratios.get(code.function, float("nan"))
+    return table
+
+
+def least(counts: Sequence[Mapping[str, int]]) -> dict[str, int]:
+    """The least operations of each function."""
+    return {
+        name: min(one[name] for one in counts if name in one) for part in counts for name in part
+    }
+
+
+def unlike(table: Sequence[Code]) -> set[int]:
+    """Places of spellings that cost more than the best, accept less, are refused or answer
+    wrongly.
+    """
+    most: dict[str, float] = {}
+    for code in table:
+        most[code.kind] = max(most.get(code.kind, 0.0), _share(code))
+    return {
+        k
+        for k, code in enumerate(table)
+        if code.fault
+        or code.ratio > SAME_COST
+        or (code.answered and code.answered.wrong)
+        or _share(code) * SAME_COST < most[code.kind]
+    }
+
+
+def _share(code: Code) -> float:
+    """The share of goals that are OK, of both directions together."""
+    return code.answered.direct + code.answered.inverse if code.answered else 0.0
+
+
+def printed_code(table: Sequence[Code]) -> None:
+    """Write a table of C, first the least operations of each kind."""
+    marked = unlike(table)
+    print(f"\n{table[0].machine}, C: {len(marked)} of {len(table)} marked")
+    for kind in dict.fromkeys(code.kind for code in table):
+        best = least([code.operations for code in table if code.kind == kind])
+        print("  least" + (f" {kind}" if kind else "") + f": {dict(best)}")
+    for place, code in enumerate(table):
+        line = f"{'*' if place in marked else ' '} {code.spelling:24} {code.kind:9} "
+        line += code.fault or f"{code.ratio:6.3f} {code.function}"
+        if code.answered:
+            direct, inverse, wrong = asdict(code.answered).values()
+            line += f"; direct {100 * direct:.0f} %, inverse {100 * inverse:.0f} %, {wrong} wrong"
+        print(line, flush=True)
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
     parser.add_argument("--machine", nargs="*", choices=MACHINES, default=[])
     parser.add_argument("--spelling", nargs="*", default=[], help="names of spellings")
     parser.add_argument("--direction", nargs="*", choices=DIRECTIONS, default=list(DIRECTIONS))
+    parser.add_argument("--firmware", action="store_true", help="the C of each spelling")
+    parser.add_argument("--goals", type=int, default=40, help="that C is asked, 0: none")
     parser.add_argument("--seed", type=int, default=0, help="of the input")
     parser.add_argument("--jobs", type=int, default=1)
     parser.add_argument("--limit", type=float, default=120.0, help="seconds a spelling")
     parser.add_argument("--json", action="store_true")
     options = parser.parse_args(arguments)
-    count, told = 0, []
-    for table in answers(options):
+    count, told = 0, list[dict[str, Any]]()
+    if options.firmware:
+        for machine, spelled in asked_for(options):
+            code = coded(machine, spelled, options)
+            count += len(unlike(code))
+            told += map(asdict, code)
+            if not options.json:
+                printed_code(code)
+    for table in () if options.firmware else answers(options):
         count += len(differing(table))
         if options.json:
             told += [{k: v for k, v in asdict(a).items() if k != "places"} for a in table]

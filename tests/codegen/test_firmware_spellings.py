@@ -15,49 +15,68 @@ from helpers import firmware_tools as tools
 from helpers import samples
 from helpers.gate import in_gate
 from helpers.graph_twin import graph_twin
-from helpers.inside import Options, build_program, limbs_of, lowered_limbs
+from helpers.inside import Options, limbs_of, lowered_limbs
 from helpers.moved_mechanisms import as_revolutes
+from helpers.spelled_code import Goals, answered, border_of, operations
 from helpers.spellings import MACHINES, named, spellings
 from symkin import Joint, Limb, LinkJoint, Mechanism, Pose
 
 pytestmark = pytest.mark.slow
 
-SPELLED = ("limbs, motion", "graph, motion", "limbs", "graph", "limbs, point", "MJCF", "URDF")
-TURNED = ("limbs, turned", "graph, turned")
-BORDER = 75
-"""Operations of a pose at the border of a turned machine: two matrices, 3 x 3 and 4 x 4, times
-vectors, and as much back.
-"""
 PLANAR = ("five-bar", "3-RRR", "3-RPR", "slider-crank")
+SPELLED = ("limbs, motion", "graph, motion", "limbs", "graph", "limbs, point", "MJCF", "URDF")
+TURNED = ("limbs, turned", "graph, turned", "limbs, turned about z")
+COSTS = [
+    ("3-RRR", ("limbs, motion", "graph, turned about z")),
+    ("delta", ("limbs, motion", "graph, turned", "URDF")),
+    ("ankle", ("limbs", "limbs, turned", "MJCF")),
+    ("Agile Eye", ("limbs, motion", "graph, turned", "URDF")),
+    ("3-RPS", ("limbs", "limbs, 1e+06")),
+    *((name, (*SPELLED, *TURNED)) for name in PLANAR),
+    ("Tricept", ("limbs", "limbs, turned", "graph, turned")),
+    ("3-RUU", ("limbs, motion", "graph, turned", "limbs, 1e-08")),
+]
 
 
-def operations(mechanism: Mechanism) -> dict[str, int]:
-    """Operations of each function, those of an iteration where there are iterations."""
-    usual = build_program(mechanism, Options("double")).worst.usual
-    return {
-        name: sum(bound.operations.values()) // max(1, bound.iterations)
-        for name, bound in usual.items()
-        if bound is not None
-    }
-
-
-@pytest.mark.parametrize("name", in_gate(PLANAR, ["five-bar"]))
-def test_all_spellings_cost_the_same(tmp_path, name) -> None:
+@pytest.mark.parametrize(("name", "names"), in_gate(COSTS, COSTS[:5]))
+def test_all_spellings_cost_the_same(tmp_path, name, names) -> None:
     """A turned machine costs the turn at the border more."""
-    spelled = {s.name: s.mechanism for s in spellings(MACHINES[name](), tmp_path)}
-    wanted = operations(spelled["limbs, motion"])
-    for other in SPELLED[1:]:
-        found = operations(spelled[other])
+    machine = MACHINES[name]()
+    spelled = named(list(spellings(machine, tmp_path)), names)
+    assert len(spelled) == len(names)
+    wanted = operations(spelled[0].mechanism)
+    for other in spelled[1:]:
+        found = operations(other.mechanism)
         assert found.keys() == wanted.keys()
-        assert all(found[k] <= 1.05 * wanted[k] for k in wanted), other
-    for other in TURNED:
-        found = operations(spelled[other])
-        assert all(found[k] <= 1.05 * wanted[k] + 2 * BORDER for k in wanted), other
+        border = {k: border_of(k, machine) if other.is_turned else 0 for k in wanted}
+        assert all(found[k] <= 1.05 * wanted[k] + border[k] for k in wanted), other.name
+
+
+def test_a_turned_arm_costs_the_turn_more(tmp_path) -> None:
+    """Of the poses of each branch, and of each part of a line."""
+    machine = MACHINES["UR arm"]()
+    plain, turned = named(list(spellings(machine, tmp_path)), ["joints", "limbs, turned"])
+    wanted, found = operations(plain.mechanism), operations(turned.mechanism)
+    assert found.keys() == wanted.keys()
+    assert all(found[k] <= 1.1 * wanted[k] + border_of(k, machine) for k in wanted)
 
 
 def test_a_universal_joint_may_be_two_revolutes() -> None:
     hexapod = samples.rus(6)
     assert operations(as_revolutes(hexapod)) == operations(hexapod)
+
+
+@pytest.mark.parametrize("name", in_gate(["UR arm", "Agile Eye", "delta", "ankle"], ["UR arm"]))
+def test_a_turned_machine_answers_as_the_plain_one(tmp_path, name) -> None:
+    """As many goals are OK in both directions, and no answer is off the machine."""
+    tools.compiler("gcc")
+    machine = MACHINES[name]()
+    spelled = list(spellings(machine, tmp_path))
+    [turned] = named(spelled, ["limbs, turned"])
+    goals = Goals.of(machine, spelled[0], 12)
+    plain, found = answered(goals, spelled[0]), answered(goals, turned)
+    assert found == plain
+    assert not found.wrong
 
 
 @pytest.fixture(scope="module", params=in_gate(PLANAR, ["3-RRR"]))

@@ -142,6 +142,7 @@ NAMES = {
     "limbs_of": "symkin.machine.limbs",
     "lowered": "symkin.machine.lower",
     "lowered_limbs": "symkin.machine.lower",
+    "with_limbs": "symkin.machine.limbs",
     # closure equations
     "edges_of": "symkin.closure.branches",
     "layout_of": "symkin.closure.branches",

@@ -84,6 +84,20 @@ class Spelling:
     moved: Mapping[str, Pose] = field(default_factory=dict)
     links: Mapping[str, str] = field(default_factory=dict)
 
+    @property
+    def is_turned(self) -> bool:
+        """Whether it stands otherwise than the home."""
+        return self.turn is not HOME
+
+    def told(self, pose: Pose) -> Pose:
+        """A pose of the home as this spelling has it."""
+        turned = self.turn @ pose
+        return Pose(self.factor * np.array(turned.position), turned.quaternion)
+
+    def taken(self, pose: Pose) -> Pose:
+        """A pose of this spelling as the home has it."""
+        return self.turn.inverse() @ Pose(np.array(pose.position) / self.factor, pose.quaternion)
+
     def modes(
         self, machine: Machine, *, inverse: bool, method: str | None = None, off: float = 0.0
     ) -> Modes:
@@ -92,15 +106,14 @@ class Spelling:
             joints = _in_units(self.mechanism, machine.values, self.factor)
             return symkin.modes(self.mechanism, joints=joints, method=method)
         at, away = machine.configuration.pose, off * machine.home.characteristic_length
-        pose = self.turn @ Pose(at.position + [0.0, 0.0, away], at.quaternion)
-        there = Pose(self.factor * np.array(pose.position), pose.quaternion)
+        there = self.told(Pose(at.position + [0.0, 0.0, away], at.quaternion))
         return symkin.modes(self.mechanism, pose=there, method=method)
 
     def configurations(self, machine: Machine, found: Modes) -> dict[str, np.ndarray]:
         """Where each link is in each mode (modes, 12) as the home has it: the place of its point
         that is the origin at the home's reference, over the size, and its rotation.
         """
-        size, back = machine.home.characteristic_length, self.turn.inverse()
+        size = machine.home.characteristic_length
         rows: dict[str, list[np.ndarray]] = {}
         names = {own: name for name, own in self.links.items()}
         for mode in found:
@@ -108,8 +121,7 @@ class Spelling:
                 name = names.get(own, own)
                 if own not in names and name in self.links:
                     continue  # a link between two revolutes, with the name of another at home
-                away = back @ Pose(np.array(pose.position) / self.factor, pose.quaternion)
-                at = away @ self.turn @ self.moved.get(name, HOME)
+                at = self.taken(pose) @ self.turn @ self.moved.get(name, HOME)
                 row = np.concatenate([np.ravel(at.position) / size, np.ravel(at.rotation)])
                 rows.setdefault(name, []).append(row)
         return {name: np.array(table) for name, table in rows.items()}
