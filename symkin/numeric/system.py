@@ -130,10 +130,12 @@ class System:
         if min(rows, self.freedom) == 0:
             return np.ones((len(z), 2))
         each = max(1, _AT_ONCE // (rows * self.freedom))
+        if len(z) <= each:
+            return extreme_singular_values(self.linearise(z, known)[1])
         every = np.broadcast_to(known, (len(z), known.shape[-1]))
         parts = [slice(i, i + each) for i in range(0, len(z), each)]
         found = [extreme_singular_values(self.linearise(z[p], every[p])[1]) for p in parts]
-        return np.concatenate([np.zeros((0, 2)), *found])
+        return np.concatenate(found)
 
     def conditions(self, z: np.ndarray, known: np.ndarray) -> np.ndarray:
         """Largest over smallest (n,) of the min(rows, freedom) singular values of dF/dd; infinite

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, fields, replace
-from typing import overload
+from typing import Any, overload
 
 import numpy as np
 
@@ -70,10 +70,10 @@ class SolutionList(Sequence[Solution]):
         """Some of the solutions, in the order of their places (any,), a part of them, or where a
         mask (m,) holds.
         """
-        arrays = {
-            f.name: getattr(self, f.name)[places]
-            for f in fields(self)
-            if isinstance(getattr(self, f.name), np.ndarray)
+        arrays: dict[str, Any] = {
+            name: array[places]
+            for name, array in vars(self).items()
+            if isinstance(array, np.ndarray)
         }
         return replace(self, **arrays, _made={})
 
