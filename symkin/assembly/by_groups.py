@@ -310,9 +310,7 @@ def _checked(
     left_out[owner[~closed]] = True
     hits = combined.hits[order[closed]]
     listed, owner = (
-        replace(
-            found.chosen(order[closed]), hits=np.where(np.isfinite(hits), hits, -1).astype(int)
-        ),
+        found.chosen(order[closed], hits=np.where(np.isfinite(hits), hits, -1).astype(int)),
         owner[closed],
     )
     if certify and len(listed):

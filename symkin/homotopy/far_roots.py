@@ -16,8 +16,9 @@ import numpy as np
 
 from symkin.computed_once import lru_cache
 from symkin.homotopy.algebraic import AlgebraicSystem
+from symkin.homotopy.engine import track
 from symkin.homotopy.point_checks import is_no_pose
-from symkin.homotopy.tracker import in_newest_chart
+from symkin.homotopy.tracker import TrackSettings, in_newest_chart
 from symkin.numeric.balls import COMPLEX, BallFunction, Number, precision, upper
 
 _BITS = 128
@@ -37,6 +38,9 @@ _TOLERANCE = 1e-5
 """Largest first Newton step of a step along a path."""
 _FIRST, _SMALLEST, _MOST_STEPS = 0.01, 1e-9, 1000
 """First and smallest step along a path, in u, and the most that are made."""
+_SHARES = (0.95, 0.9, 0.8, 0.5)
+"""Of a path: up to where double precision may lead."""
+_CAREFUL = TrackSettings(tolerance=1e-6, smallest_step=1e-10, most_steps=2000)
 _NEAR_THE_END = 3e-3
 """What may be left of a path for Newton's method to lead to its end: along a smooth path it is off
 by the square of that.
@@ -141,6 +145,20 @@ def carried(
         if not came[i]:
             break
     return came, points
+
+
+def advanced(
+    system: AlgebraicSystem, z: np.ndarray, begin: np.ndarray, end: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Roots (width, n) of F(., begin) and these known values, or where double precision leads: the
+    roots and known values from which the rest of the way needs more bits.
+    """
+    for share in _SHARES:
+        near = begin + share * (end - begin)
+        tracked = track(system, z, begin, near, _CAREFUL)
+        if tracked.arrived.all():
+            return tracked.z, near
+    return z, begin
 
 
 def _follow(

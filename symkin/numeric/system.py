@@ -57,6 +57,12 @@ class System:
         ends = np.cumsum([c.width for c in self.unknowns]).tolist()
         return tuple(slice(end - c.width, end) for c, end in zip(self.unknowns, ends, strict=True))
 
+    @cached_property
+    def lengths(self) -> list[int]:
+        """Places of the unknowns that are lengths."""
+        named = zip(self.unknowns, self.slices, strict=True)
+        return [place.start for c, place in named if c.is_length]
+
     def exchanged(self, known: tuple[Coordinate, ...]) -> System:
         """The same rows with the values of coordinates that were `known` unknown, and back."""
         return replace(self, unknowns=known, unknown=self.known, known=self.unknown)

@@ -66,16 +66,18 @@ class SolutionList(Sequence[Solution]):
         """Which of them (m,) close to rounding."""
         return np.asarray(self.residual <= CLOSURE_TOLERANCE * self.closure.characteristic_length)
 
-    def chosen(self, places: np.ndarray | Sequence[int] | slice) -> SolutionList:
+    def chosen(
+        self, places: np.ndarray | Sequence[int] | slice, **told: np.ndarray
+    ) -> SolutionList:
         """Some of the solutions, in the order of their places (any,), a part of them, or where a
-        mask (m,) holds.
+        mask (m,) holds; with what else is `told` of them.
         """
         arrays: dict[str, Any] = {
             name: array[places]
             for name, array in vars(self).items()
             if isinstance(array, np.ndarray)
         }
-        return replace(self, **arrays, _made={})
+        return replace(self, **(arrays | told), _made={})
 
     @staticmethod
     def of_none(closure: Closure) -> SolutionList:

@@ -57,3 +57,19 @@ def test_a_root_at_infinity_is_left_after_few_steps(steps):
     ]
     assert sorted(came) == [False, True]
     assert len(steps) < 200
+
+
+def test_more_bits_go_on_from_where_double_precision_leads(steps):
+    """Both ways lead to the same roots, and the one that double precision begins takes fewer steps
+    with more bits.
+    """
+    end = np.array([1.001, 1j])
+    came, points = far_roots.carried(system(), roots(BEGIN)[None], BEGIN, end)
+    whole = len(steps)
+    z, near = far_roots.advanced(system(), roots(BEGIN)[None], BEGIN, end)
+    assert 0.0 < np.linalg.norm(end - near) < 0.1 * np.linalg.norm(end - BEGIN)
+    came_too, points_too = far_roots.carried(system(), z, near, end)
+    assert came.all()
+    assert came_too.all()
+    np.testing.assert_allclose(np.exp(1j * points_too), np.exp(1j * points), 1e-9)
+    assert len(steps) - whole < whole
