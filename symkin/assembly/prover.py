@@ -154,9 +154,7 @@ class Prover:
 
     def _algebraic(self, points: np.ndarray) -> np.ndarray:
         """The roots (width, m) of the paths' system that real roots `points` (m, width) are."""
-        system = self.problem.system
-        values = {c.name: points[:, s] for c, s in zip(system.unknowns, system.slices, strict=True)}
-        return algebraic_points(self.problem, self.whole, values)
+        return algebraic_points(self.problem, self.whole, self.problem.system.named(points))
 
 
 @lru_cache(maxsize=128)

@@ -57,6 +57,10 @@ class System:
         ends = np.cumsum([c.width for c in self.unknowns]).tolist()
         return tuple(slice(end - c.width, end) for c, end in zip(self.unknowns, ends, strict=True))
 
+    def named(self, points: np.ndarray) -> dict[str, np.ndarray]:
+        """The columns of points (n, width) by the names of their coordinates."""
+        return {c.name: points[:, s] for c, s in zip(self.unknowns, self.slices, strict=True)}
+
     @cached_property
     def lengths(self) -> list[int]:
         """Places of the unknowns that are lengths."""
