@@ -11,7 +11,8 @@ def algebraic_point(
     problem: Problem, system: AlgebraicSystem, values: dict[str, np.ndarray]
 ) -> np.ndarray:
     """The root z (width,) that coordinates tell."""
-    return algebraic_points(problem, system, {n: v[None] for n, v in values.items()})[:, 0]
+    many = {name: value[None] for name, value in values.items()}
+    return np.asarray(algebraic_points(problem, system, many)[:, 0])
 
 
 def real_values(
