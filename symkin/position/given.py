@@ -6,13 +6,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence, Set
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
 import numpy as np
 
 from symkin.errors import InputError
+from symkin.machine.lower import Lowered, lowered
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.model.oddities import FULL_TURN
@@ -379,28 +380,71 @@ def feasible_poses(
     n) and unit quaternion (4, n), and how far those that are more than rounding lie off them, 0 for
     others.
     """
-    values, off = poses_coordinates(mechanism, position, quaternion)
-    off = np.where(off < _ON_MOTION * mechanism.characteristic_length, 0.0, off)
+    own, pose = _with_own_motion(mechanism), Pose(position, quaternion)
+    if own is not None:
+        values, off = _feasible_of_machine(own.machine, own.taken(pose), PROJECTED)
+        there = own.told(pose_of(own.machine, values))
+        written, _ = poses_coordinates(mechanism, position, quaternion)
+        nearest, _ = poses_coordinates(
+            mechanism, np.asarray(there.position), np.asarray(there.quaternion)
+        )
+        return np.where(off[:, None] > 0.0, written, nearest), off
+    return _feasible_of_machine(mechanism, pose, _ON_MOTION)
+
+
+def _feasible_of_machine(
+    mechanism: Mechanism, pose: Pose, near: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """`feasible_poses` of a mechanism whose motion is declared; poses `near` it, over the size, are
+    projected onto it.
+    """
+    values, off = poses_coordinates(
+        mechanism, np.asarray(pose.position), np.asarray(pose.quaternion)
+    )
+    off = np.where(off < near * mechanism.characteristic_length, 0.0, off)
     if ties_poses(mechanism):
         for i in np.flatnonzero((off == 0.0) & ~closing_poses(mechanism, values)):
             values[i], off[i], _ = _feasible(mechanism, values[i])
     return values, off
 
 
+def _with_own_motion(mechanism: Mechanism) -> Lowered | None:
+    """The machine whose platform has a motion that the description does not declare."""
+    if mechanism.motion != "spatial":
+        return None
+    low = lowered(mechanism)
+    return None if low is None or low.machine.motion == "spatial" else low
+
+
 def given_pose(mechanism: Mechanism, given: Sequence[float] | Pose) -> Given:
-    """The known values of the inverse problem: of a pose on the declared motion, and, where joints
-    tie poses, on those that they can take.
+    """The known values of the inverse problem: of a pose on the platform's motion, which is
+    declared or which its joints leave it, and, where joints tie poses, on those that they can take.
     """
-    return given_of_pose(mechanism, pose_from(given))
+    pose = pose_from(given)
+    own = _with_own_motion(mechanism)
+    if own is None:
+        return given_of_pose(mechanism, pose)
+    there = given_of_pose(own.machine, own.taken(pose), near=PROJECTED, low=own)
+    on_motion = pose if there.off_motion else own.told(pose_of(own.machine, there.values))
+    values, _ = pose_coordinates(mechanism, on_motion)
+    return replace(there, values=values, echo=_echo(pose))
 
 
-def given_of_pose(mechanism: Mechanism, pose: Pose, *, is_feasible: bool = False) -> Given:
-    """`given_pose` of numbers that were looked at before; the joints can take a pose that
-    `is_feasible`.
+def given_of_pose(
+    mechanism: Mechanism,
+    pose: Pose,
+    *,
+    is_feasible: bool = False,
+    near: float = _ON_MOTION,
+    low: Lowered | None = None,
+) -> Given:
+    """`given_pose` of numbers that were looked at before, on the declared motion; the joints can
+    take a pose that `is_feasible`, and one `near` the motion, over the size, is projected onto it.
+    Notes tell of the description of `low`, whose machine the mechanism is.
     """
     values, off = pose_coordinates(mechanism, pose)
     notes: tuple[str, ...] = ()
-    if 0.0 < off < _ON_MOTION * mechanism.characteristic_length:
+    if 0.0 < off < near * mechanism.characteristic_length:
         if off > 1e-12 * mechanism.characteristic_length:
             notes = (
                 f"the pose was projected onto the platform's {mechanism.motion} motion, by "
@@ -413,67 +457,67 @@ def given_of_pose(mechanism: Mechanism, pose: Pose, *, is_feasible: bool = False
             f"{mechanism.length_unit}",
         )
     if off == 0.0 and not is_feasible:
-        values, off, more = _feasible(mechanism, values)
+        values, off, more = _feasible(mechanism, values, low)
         notes += more
-    return Given(
-        "inverse",
-        values,
-        {"pose": [float(v) for v in (*pose.position, *pose.quaternion)]},
-        (),
-        notes,
-        off,
-    )
+    return Given("inverse", values, _echo(pose), (), notes, off)
+
+
+def _echo(pose: Pose) -> dict[str, Any]:
+    return {"pose": [float(v) for v in (*pose.position, *pose.quaternion)]}
 
 
 def _feasible(
-    mechanism: Mechanism, values: np.ndarray
+    mechanism: Mechanism, values: np.ndarray, low: Lowered | None = None
 ) -> tuple[np.ndarray, float, tuple[str, ...]]:
     """Pose coordinates that the joints can take, where they tie them to each other: those of a pose
     with few digits are moved to the nearest; a distance that is more than that or beyond reach, and
-    what is said of it.
+    what is said of it, in the words of the description of `low`.
     """
     nearest = nearest_pose(mechanism, values)
     if nearest is None:
         return values, 0.0, ()
-    frame, unit = mechanism.frame_name, mechanism.length_unit
+    frame = (mechanism if low is None else low.written).frame_name
+    unit = mechanism.length_unit
     if nearest.distance <= PROJECTED * mechanism.characteristic_length and not nearest.beyond_reach:
         note = (
             f"the pose was projected onto those that the {frame} can take, by "
             f"{nearest.distance:.3g} {unit}",
         )
         return nearest.values, 0.0, note
-    numbers = np.asarray(_pose_numbers(mechanism, nearest.values), dtype=float)
+    there = pose_of(mechanism, nearest.values)
+    there = there if low is None else low.told(there)
+    numbers = np.concatenate([there.position, there.quaternion])
     scales = [mechanism.characteristic_length] * 3 + [1.0] * 4
-    there = ", ".join(
-        f"{plain(v, scale):.7g}" for v, scale in zip(numbers.tolist(), scales, strict=False)
+    at = ", ".join(
+        f"{plain(v, scale):.7g}" for v, scale in zip(numbers.tolist(), scales, strict=True)
     )
     note = (
         f"the joints tie the coordinates of the {frame}'s pose, and this one lies "
         f"{nearest.distance:.3g} {unit} (angles times the "
-        f"size) off those that it can take; the nearest is {there}",
+        f"size) off those that it can take; the nearest is {at}",
     )
     return values, nearest.distance, note
 
 
-def _pose_numbers(mechanism: Mechanism, values: np.ndarray) -> list[float]:
-    """x, y, z, qw, qx, qy, qz of pose coordinates of the mechanism's motion."""
+def pose_of(mechanism: Mechanism, values: np.ndarray) -> Pose:
+    """The pose whose coordinates (numbers,) are these of the mechanism's motion, or a stack of them
+    for coordinates (n, numbers).
+    """
+    columns = np.asarray(values, dtype=float).T
     if mechanism.motion == "spatial":
-        return [float(v) + 0.0 for v in values]
-    reference = mechanism.reference_pose
-    position, q = (
-        np.array(reference.position, dtype=float),
-        np.array(reference.quaternion, dtype=float),
+        return Pose(columns[:3], columns[3:])
+    reference, shape = mechanism.reference_pose, columns.shape[1:]
+    position, home = (
+        np.broadcast_to(np.reshape(part, (-1, *[1] * len(shape))), (len(part), *shape)).copy()
+        for part in map(np.asarray, (reference.position, reference.quaternion))
     )
     if mechanism.motion == "spherical":
-        q = np.asarray(values)
-    else:
-        lengths = 2 if mechanism.motion == "planar" else 3
-        position[:lengths] = values[:lengths]
-        turn = float(values[lengths]) if len(values) > lengths else 0.0
-        q = np.asarray(
-            multiply(np.array([math.cos(0.5 * turn), 0.0, 0.0, math.sin(0.5 * turn)]), q)
-        )
-    return [float(v) + 0.0 for v in (*position, *q)]
+        return Pose(position, columns)
+    lengths = 2 if mechanism.motion == "planar" else 3
+    position[:lengths] = columns[:lengths]
+    half = 0.5 * (columns[lengths] if len(columns) > lengths else np.zeros(shape))
+    none = np.zeros(shape)
+    return Pose(position, multiply(np.array([np.cos(half), none, none, np.sin(half)]), home))
 
 
 def _numbers(values: Sequence[float], what: str) -> list[float]:
