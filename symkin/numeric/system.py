@@ -57,15 +57,19 @@ class System:
         ends = np.cumsum([c.width for c in self.unknowns]).tolist()
         return tuple(slice(end - c.width, end) for c, end in zip(self.unknowns, ends, strict=True))
 
+    @cached_property
+    def places(self) -> dict[str, slice]:
+        """Places of the unknowns by their names."""
+        return {c.name: place for c, place in zip(self.unknowns, self.slices, strict=True)}
+
     def named(self, points: np.ndarray) -> dict[str, np.ndarray]:
         """The columns of points (n, width) by the names of their coordinates."""
-        return {c.name: points[:, s] for c, s in zip(self.unknowns, self.slices, strict=True)}
+        return {name: points[:, place] for name, place in self.places.items()}
 
     @cached_property
     def lengths(self) -> list[int]:
         """Places of the unknowns that are lengths."""
-        named = zip(self.unknowns, self.slices, strict=True)
-        return [place.start for c, place in named if c.is_length]
+        return [self.places[c.name].start for c in self.unknowns if c.is_length]
 
     def exchanged(self, known: tuple[Coordinate, ...]) -> System:
         """The same rows with the values of coordinates that were `known` unknown, and back."""
@@ -80,9 +84,7 @@ class System:
 
     def norms(self, z: ca.SX) -> ca.SX:
         """|q|^2 - 1 of each quaternion of a point z (width,)."""
-        turns = [
-            place for c, place in zip(self.unknowns, self.slices, strict=True) if c.is_rotation
-        ]
+        turns = [self.places[c.name] for c in self.unknowns if c.is_rotation]
         return ca.vertcat(*(ca.sumsqr(z[place]) - 1 for place in turns), ca.SX(0, 1))
 
     @cached_property
