@@ -26,11 +26,21 @@ class Pool(Generic[Item]):
     @contextmanager
     def borrowed(self) -> Iterator[Item]:
         """An object that no other thread has until the block ends."""
-        try:
-            item = self._idle.pop()
-        except IndexError:
-            item = self._make()
+        item = self.take()
         try:
             yield item
         finally:
-            self._idle.append(item)
+            self.give(item)
+
+    def take(self) -> Item:
+        """An object that no other thread has until it is given back. One that never is is made
+        anew.
+        """
+        try:
+            return self._idle.pop()
+        except IndexError:
+            return self._make()
+
+    def give(self, item: Item) -> None:
+        """Give back what was taken."""
+        self._idle.append(item)

@@ -58,8 +58,9 @@ def real(value: Any) -> float:
     """A real number as a float. Raises TypeError for text, bytes and complex numbers, which
     `float` takes or shortens.
     """
-    if isinstance(value, (str, bytes, bytearray)) or (
-        isinstance(value, numbers.Complex) and not isinstance(value, numbers.Real)
+    if not isinstance(value, (float, int)) and (
+        isinstance(value, (str, bytes, bytearray))
+        or (isinstance(value, numbers.Complex) and not isinstance(value, numbers.Real))
     ):
         raise TypeError("no real number")
     return float(value)

@@ -60,12 +60,12 @@ class Account:
         """
         self.seen[owner, number] = True
         counts = roots.counts
-        for array, values in (
-            (self.statement, roots.statement),
-            (self.complex_count, roots.complex_count),
-            (self.count, counts),
-        ):
-            with np.errstate(invalid="ignore"):  # a count that is not known stays so
+        with np.errstate(invalid="ignore"):  # a count that is not known stays so
+            for array, values in (
+                (self.statement, roots.statement),
+                (self.complex_count, roots.complex_count),
+                (self.count, counts),
+            ):
                 np.maximum.at(array[:, number], owner, values[which])
         self._add_unresolved(number, roots, owner, which)
         np.logical_or.at(self.continuum[:, number], owner, roots.continuum[which])

@@ -25,7 +25,7 @@ from symkin.homotopy.monodromy import Fibre
 from symkin.homotopy.start_store import TIED, start_of
 from symkin.homotopy.structure import Structure
 from symkin.homotopy.systems import meets_all_rows, squared, system_of, unsuitable
-from symkin.homotopy.values import known_values, many_real_values
+from symkin.homotopy.values import known_values, real_values
 from symkin.numeric.cache_folder import cache_folder
 from symkin.position.groups import is_tied
 from symkin.position.problem import Problem
@@ -84,7 +84,7 @@ class BlockPaths(BlockSolver):
         counts = np.bincount(instance[whole], minlength=k.shape[1])
         origin = np.flatnonzero(whole & (imaginary_part(self.algebraic, z) < _REAL))
         owner = instance[origin]
-        points = self._points(z[:, origin], owner, k)
+        points = self.points(z[:, origin], owner, k)
         points, kept = checked_roots(self.problem.system, points, owner, known, plain)
         return GroupRoots.of_all(
             points,
@@ -104,9 +104,9 @@ class BlockPaths(BlockSolver):
         clear = (part < _REAL) | (part > _NOT_REAL)
         return np.asarray(clear.reshape(n, roots).all(axis=1))
 
-    def _points(self, z: np.ndarray, owner: np.ndarray, k: np.ndarray) -> np.ndarray:
+    def points(self, z: np.ndarray, owner: np.ndarray, k: np.ndarray) -> np.ndarray:
         """Points of the group for real roots z (width, any) at the instances `owner`."""
-        values = many_real_values(self.problem, self.algebraic, z, k[:, owner])
+        values = real_values(self.problem, self.algebraic, z, k[:, owner])
         names = [c.name for c in self.problem.system.unknowns]
         if self.shared is not None and not self.algebraic.projective:
             values = dict(zip(names, values.values(), strict=True))

@@ -24,6 +24,7 @@ from symkin.assembly.mode_proofs import PartProofs, can_be_proved, ground_notes,
 from symkin.assembly.modes_result import Modes, sampling
 from symkin.assembly.search import Search
 from symkin.assembly.tree import Solving, Step, Tree, grown_together
+from symkin.computed_once import lru_cache
 from symkin.errors import InputError, TooManyModesError
 from symkin.position.given import Given
 from symkin.position.platform_motion import motion_notes
@@ -180,7 +181,8 @@ def modes_of_inputs(
     ]
 
 
-def independent_parts(groups: Sequence[Problem]) -> list[list[int]]:
+@lru_cache(maxsize=128)
+def independent_parts(groups: tuple[Problem, ...]) -> list[list[int]]:
     """Numbers of the groups that read each other's values, directly or not: a left leg and a right
     one are two parts.
     """
@@ -308,9 +310,7 @@ def _checked(
     left_out[owner[~closed]] = True
     hits = combined.hits[order[closed]]
     listed, owner = (
-        replace(
-            found.chosen(order[closed]), hits=np.where(np.isfinite(hits), hits, -1).astype(int)
-        ),
+        found.chosen(order[closed], hits=np.where(np.isfinite(hits), hits, -1).astype(int)),
         owner[closed],
     )
     if certify and len(listed):

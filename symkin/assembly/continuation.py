@@ -17,12 +17,11 @@ from symkin.homotopy.ends import Ends
 from symkin.homotopy.instance import instance
 from symkin.homotopy.six_distances import meet_all_distances, redundant_distances
 from symkin.homotopy.systems import meets_all_rows
-from symkin.homotopy.values import known_values, real_values
-from symkin.numeric.system import System
+from symkin.homotopy.values import known_values
 from symkin.position.given import Given
 from symkin.position.multistart import batched
 from symkin.position.problem import Problem
-from symkin.position.roots import PolishedRoots, Roots, polished_roots, unite
+from symkin.position.roots import Roots, polished_roots, unite
 
 _REAL = 1e-5
 """Largest imaginary part of a root that is tried as a real one; the closure decides."""
@@ -62,8 +61,8 @@ def _block_roots(paths: BlockPaths, given: Given, starts: int, rng: np.random.Ge
     unreal = np.zeros(count, dtype=bool) if proved is None else proved.real == "not real"
     possible = np.concatenate([ends.z[:, ~unreal], ends.singular.z], axis=1)
     possible = possible[:, imaginary_part(algebraic, possible) < _REAL]
-    real = [real_values(problem, algebraic, z, k) for z in possible.T]
-    found = _polished(system, given.values, real)
+    near = paths.points(possible, np.zeros(possible.shape[1], dtype=int), k[:, None])
+    found = polished_roots(system, near, given.values)
     points, continuum, smallest = found.points, found.continuum, found.smallest_residual
     doubtful = bool(ends.unresolved) or not ends.singular.isolated.all()
     if doubtful or not len(points):
@@ -133,11 +132,3 @@ def _missing(ends: Ends) -> str | None:
         if parts
         else None
     )
-
-
-def _polished(
-    system: System, known: np.ndarray, configurations: list[dict[str, np.ndarray]]
-) -> PolishedRoots:
-    """The roots among configurations, and those of them that are not isolated."""
-    starts = [np.concatenate([named[c.name] for c in system.unknowns]) for named in configurations]
-    return polished_roots(system, np.array(starts).reshape(len(starts), system.width), known)

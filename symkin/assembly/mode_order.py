@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from symkin.computed_once import lru_cache
 from symkin.position.given import pose_from
 from symkin.position.problem import Problem
 from symkin.position.solution_list import SolutionList
@@ -61,6 +62,7 @@ def _joint_distances(problem: Problem, values: np.ndarray) -> np.ndarray:
     return np.asarray(np.round(total, _DIGITS))
 
 
+@lru_cache(maxsize=64)
 def _first_pose(problem: Problem) -> Pose:
     """The pose from which distances are taken."""
     example = problem.mechanism.example

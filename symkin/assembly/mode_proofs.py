@@ -10,6 +10,7 @@ import numpy as np
 from symkin.assembly.group_roots import GroupRoots
 from symkin.assembly.group_solvers import group_paths
 from symkin.assembly.prover import prover_of
+from symkin.computed_once import lru_cache
 from symkin.homotopy.systems import system_of, unsuitable
 from symkin.position.groups import is_linear
 from symkin.position.problem import Problem
@@ -60,7 +61,8 @@ class PartProofs:
         )
 
 
-def can_be_proved(groups: Sequence[Problem]) -> bool:
+@lru_cache(maxsize=128)
+def can_be_proved(groups: tuple[Problem, ...]) -> bool:
     """Whether proofs can be tried: the rows of all groups are algebraic."""
     return all(is_linear(group) or unsuitable(group) is None for group in groups)
 

@@ -94,8 +94,9 @@ class Prover:
             if (index >= 0).all():
                 return Proofs(index >= 0, radius, self.completes(ends, listed))
         found = certify_batch(self.whole, z, knowns, owner, self._size)
-        index, radius = found.find(z, owner, np.arange(z.shape[1]))
-        return Proofs(index >= 0, radius, self.completes(found, listed), found.reasons)
+        real = found.real == "real"
+        radius = np.where(real, found.radius, np.nan)
+        return Proofs(real, radius, self.completes(found, listed), found.reasons)
 
     @cached_property
     def _unproved(self) -> str | None:
@@ -137,8 +138,8 @@ class Prover:
         4) whose radius is infinite where nothing is proved.
         """
         rows = int(self.problem.system.rows.shape[0])
-        found = np.tile([rows, rows, np.inf, 0.0], (len(owner), 1))
-        found[:, 2] = np.where(proofs.certified, proofs.radius, np.inf)
+        found = np.zeros((len(owner), 4))
+        found[:, :2], found[:, 2] = rows, np.where(proofs.certified, proofs.radius, np.inf)
         left = np.flatnonzero(~proofs.certified) if self.is_redundant else ()
         if len(left):
             from symkin.certificate.independent_rows import prove_independent_rows
@@ -153,9 +154,7 @@ class Prover:
 
     def _algebraic(self, points: np.ndarray) -> np.ndarray:
         """The roots (width, m) of the paths' system that real roots `points` (m, width) are."""
-        system = self.problem.system
-        values = {c.name: points[:, s] for c, s in zip(system.unknowns, system.slices, strict=True)}
-        return algebraic_points(self.problem, self.whole, values)
+        return algebraic_points(self.problem, self.whole, self.problem.system.named(points))
 
 
 @lru_cache(maxsize=128)

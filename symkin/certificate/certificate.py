@@ -13,7 +13,7 @@ what that leaves open is proved point by point in ball arithmetic (`open_points`
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -190,7 +190,7 @@ def certify_batch(
 class _Roots:
     """Boxes about roots: `centre` (width, n), `half` (n,), infinite where nothing is proved, `real`
     where the root is; those that balls have proved are kept in `boxes`, with why others are not
-    proved in `reasons`.
+    proved in `reasons`. `found` (n,) are those that are certified in the end.
     """
 
     system: AlgebraicSystem
@@ -201,6 +201,7 @@ class _Roots:
     centre: np.ndarray
     half: np.ndarray
     real: np.ndarray
+    found: np.ndarray = field(init=False)
 
     def __post_init__(self) -> None:
         self.boxes: dict[int, Box] = {}
@@ -248,7 +249,7 @@ class _Roots:
 
     def collect(self, size: float) -> CertificateBatch:
         """All that is proved of the roots, beyond their boxes."""
-        found = self._found
+        self.found = found = np.isfinite(self.half)
         real = self.real & found
         not_real_ones, centre = self._not_real(found & ~real), self.centre
         if not found.all():
@@ -268,14 +269,9 @@ class _Roots:
         )
 
     @cached_property
-    def _found(self) -> np.ndarray:
-        """Which roots (n,) are certified."""
-        return np.asarray(np.isfinite(self.half))
-
-    @cached_property
     def _features(self) -> Features:
         """Of the numbers within discs that hold the boxes."""
-        radius = np.where(self.real & self._found, self.half, self.half * _DIAGONAL)
+        radius = np.where(self.real & self.found, self.half, self.half * _DIAGONAL)
         return features(
             self.system, Discs(self.centre.T, np.repeat(radius[:, None], self.system.width, axis=1))
         )
@@ -292,7 +288,7 @@ class _Roots:
     @cached_property
     def poses(self) -> np.ndarray:
         """Which certified roots (n,) are proved to be poses."""
-        found = self._found
+        found = self.found
         if not self.system.projective:
             return found
         poses: np.ndarray = self._features.poses & found
@@ -310,7 +306,7 @@ class _Roots:
     @cached_property
     def distinct(self) -> np.ndarray:
         """So many certified roots of each instance (m,) are proved to differ."""
-        found, mixed = self._found, self._features.mixed
+        found, mixed = self.found, self._features.mixed
         instance = self.instance
         if not found.all():
             instance, mixed = instance[found], mixed.at(found)

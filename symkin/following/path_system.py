@@ -53,9 +53,8 @@ class PathSystem:
 
     @cached_property
     def places(self) -> np.ndarray:
-        whole = self.problem.system
-        starts = {c.name: place for c, place in zip(whole.unknowns, whole.slices, strict=True)}
-        parts = [np.arange(starts[c.name].start, starts[c.name].stop) for c in self.system.unknowns]
+        whole = [self.problem.system.places[c.name] for c in self.system.unknowns]
+        parts = [np.arange(place.start, place.stop) for place in whole]
         return np.concatenate(parts) if parts else np.zeros(0, dtype=int)
 
     @property

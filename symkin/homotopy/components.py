@@ -13,9 +13,8 @@ import numpy as np
 from symkin.homotopy.algebraic import AlgebraicSystem, first_of_each, known_root
 from symkin.homotopy.monodromy import Fibre
 from symkin.homotopy.seeds import Points, carried, regular, seed_roots
-from symkin.homotopy.values import algebraic_point, known_values
+from symkin.homotopy.values import algebraic_points, known_values
 from symkin.numeric.levenberg import levenberg_marquardt
-from symkin.numeric.system import System
 from symkin.position.given import Given
 from symkin.position.problem import Problem
 from symkin.position.starts import random_starts
@@ -76,19 +75,8 @@ def _real_roots(
     reference = problem.select_values(problem.closure.reference, problem.known_coordinates)
     starts = random_starts(problem, free, Given(problem.kind, reference, {}), _REAL_STARTS, rng)
     batch = levenberg_marquardt(free, starts, np.zeros(0))
-    pairs = [
-        _algebraic(problem, system, free, end)
-        for end in batch.points[batch.converged][:REAL_POINTS]
-    ]
-    z = np.array([z for z, _ in pairs], dtype=complex).reshape(len(pairs), system.width).T
-    k = np.array([k for _, k in pairs], dtype=complex).reshape(len(pairs), system.k.shape[0]).T
+    points = batch.points[batch.converged][:REAL_POINTS]
+    z = algebraic_points(problem, system, free.named(points))
+    k = known_values(problem, points[:, problem.system.width :].T).astype(complex)
     good = regular(system, z, k)
     return z[:, good], k[:, good]
-
-
-def _algebraic(
-    problem: Problem, system: AlgebraicSystem, free: System, point: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    values = {c.name: point[place] for c, place in zip(free.unknowns, free.slices, strict=True)}
-    known = np.concatenate([values[c.name] for c in problem.known_coordinates])
-    return algebraic_point(problem, system, values), known_values(problem, known)

@@ -167,7 +167,14 @@ def _with_far_roots(
     method with more bits finds; else None. Those that are no pose to the last digits are at
     infinity.
     """
-    from symkin.homotopy.far_roots import are_far, are_infinite, carried, is_square, settled
+    from symkin.homotopy.far_roots import (
+        advanced,
+        are_far,
+        are_infinite,
+        carried,
+        is_square,
+        settled,
+    )
 
     z = tracked.z.copy()
     left = np.flatnonzero(~are_regular(system, tracked, target))
@@ -176,8 +183,12 @@ def _with_far_roots(
     found, z[:, left] = settled(system, z[:, left], target)
     doubtful = np.isin(np.arange(z.shape[1]), left[~found]) | (separations(system, z) < _ONE)
     end = aligned(system, start.k, target)
-    for again in (doubtful, ~doubtful) if doubtful.any() else ():
-        came, points = carried(system, start.z[:, again], start.k, end)
+    every = np.ones(len(doubtful), dtype=bool)
+    for again in (doubtful, every) if doubtful.any() else ():
+        first, at = start.z[:, again], start.k
+        if again is doubtful:
+            first, at = advanced(system, first, at, end)
+        came, points = carried(system, first, at, end)
         found, z[:, again] = settled(system, points, target) if came.all() else (came, points)
         if not found.all():
             return None

@@ -16,8 +16,9 @@ import numpy as np
 
 from symkin.computed_once import lru_cache
 from symkin.homotopy.algebraic import AlgebraicSystem
+from symkin.homotopy.engine import track
 from symkin.homotopy.point_checks import is_no_pose
-from symkin.homotopy.tracker import in_newest_chart
+from symkin.homotopy.tracker import TrackSettings, in_newest_chart
 from symkin.numeric.balls import COMPLEX, BallFunction, Number, precision, upper
 
 _BITS = 128
@@ -37,6 +38,15 @@ _TOLERANCE = 1e-5
 """Largest first Newton step of a step along a path."""
 _FIRST, _SMALLEST, _MOST_STEPS = 0.01, 1e-9, 1000
 """First and smallest step along a path, in u, and the most that are made."""
+_SHARES = (0.95, 0.9, 0.8, 0.5)
+"""Of a path: up to where double precision may lead."""
+_CAREFUL = TrackSettings(tolerance=1e-6, smallest_step=1e-10, most_steps=2000)
+_NEAR_THE_END = 3e-3
+"""What may be left of a path for Newton's method to lead to its end: along a smooth path it is off
+by the square of that.
+"""
+_TRIED = 1.0
+"""Way in u before the end is tried at first, and again."""
 _LAST = 23.0
 """The u from which Newton's method leads to the end, 1e-10 of the path away."""
 
@@ -85,9 +95,12 @@ def _settle(system: AlgebraicSystem, z: np.ndarray, k: np.ndarray) -> np.ndarray
         rows, known = _at(system, k)
         point = [COMPLEX.number(v) for v in z.tolist()]
         for _ in range(_REFINEMENTS):
-            step = _newton_step(system, rows, known, point)
-            size = 1.0 if step is None else max(upper(d) for d in step)
-            if step is None or not size < 1.0:
+            try:
+                (step,) = _solved(system, rows, known, point, rows.evaluate(0, point, known))
+            except ZeroDivisionError:
+                return None
+            size = max(upper(d) for d in step)
+            if not size < 1.0:
                 return None
             point = [(p - d).mid() for p, d in zip(point, step, strict=True)]
             if size < 2.0 ** (-0.6 * _BITS):
@@ -95,34 +108,28 @@ def _settle(system: AlgebraicSystem, z: np.ndarray, k: np.ndarray) -> np.ndarray
     return None
 
 
-def _newton_step(
-    system: AlgebraicSystem, rows: BallFunction, known: list[Any], point: list[Number]
-) -> list[Number] | None:
-    """What Newton's method subtracts at a point; None where the derivatives have no inverse."""
-    try:
-        return _solved(system, rows, known, point, rows.evaluate(0, point, known))
-    except ZeroDivisionError:
-        return None
-
-
 def _solved(
     system: AlgebraicSystem,
     rows: BallFunction,
     known: list[Any],
     point: list[Number],
-    right: list[Number],
-) -> list[Number]:
-    """x with dF/dz x = right at a point, and conj(p).x = 0 for the point's ray p."""
-    derivatives, column = list(rows.evaluate(1, point, known)), list(right)
+    *right: list[Number],
+) -> list[list[Number]]:
+    """For each right hand side x with dF/dz x = right at a point, and conj(p).x = 0 for the point's
+    ray p. Raises ZeroDivisionError where the derivatives have no inverse.
+    """
+    derivatives, columns = list(rows.evaluate(1, point, known)), [list(column) for column in right]
     if system.projective:
         still = COMPLEX.number(0.0)
         ray = [complex(p).conjugate() for p in point]
         derivatives += [
             COMPLEX.number(ray[i]) if i in system.projective else still for i in range(len(point))
         ]
-        column.append(still)
+        columns = [[*column, still] for column in columns]
     matrix = COMPLEX.matrix(len(point), len(point), derivatives).mid()
-    return list(matrix.solve(COMPLEX.column(column).mid()).mid().entries())
+    beside = [column[i] for i in range(len(point)) for column in columns]
+    found = matrix.solve(COMPLEX.matrix(len(point), len(columns), beside).mid()).mid().entries()
+    return [list(found[k :: len(columns)]) for k in range(len(columns))]
 
 
 def carried(
@@ -140,6 +147,20 @@ def carried(
     return came, points
 
 
+def advanced(
+    system: AlgebraicSystem, z: np.ndarray, begin: np.ndarray, end: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Roots (width, n) of F(., begin) and these known values, or where double precision leads: the
+    roots and known values from which the rest of the way needs more bits.
+    """
+    for share in _SHARES:
+        near = begin + share * (end - begin)
+        tracked = track(system, z, begin, near, _CAREFUL)
+        if tracked.arrived.all():
+            return tracked.z, near
+    return z, begin
+
+
 def _follow(
     system: AlgebraicSystem, z: np.ndarray, begin: np.ndarray, end: np.ndarray
 ) -> tuple[np.ndarray, bool]:
@@ -148,7 +169,7 @@ def _follow(
     away is neared as s is, one at infinity by steps that are equally long in u; a ray that is no
     pose to the last digits is not followed on.
     """
-    way, u, h = end - begin, 0.0, _FIRST
+    way, u, h, tried = end - begin, 0.0, _FIRST, 1.0
     first = _corrected(system, z, begin, way)
     if first is None:
         return z, False
@@ -167,10 +188,13 @@ def _follow(
                 break
             continue
         stations, step, u = [*stations[-2:], (ahead, *found[:2])], ahead - u, ahead
-        if u >= _LAST:
+        if u >= _LAST or (u > tried + _TRIED and np.max(np.abs(found[1])) < _NEAR_THE_END):
             # dz/du there is what is left of the way times dz/ds
-            last = _corrected(system, found[0] + found[1], end, way)
-            return (stations[-1][1], False) if last is None else (last[0], True)
+            tried, last = u, _corrected(system, found[0] + found[1], end, way)
+            if u >= _LAST:
+                return (stations[-1][1], False) if last is None else (last[0], True)
+            if last is not None and not are_infinite(system, last[0][:, None])[0]:
+                return last[0], True
         h = step * float(
             np.clip(
                 0.9 * (0.3 * _TOLERANCE / max(found[2], 1e-16)) ** (0.5 / len(stations)), 0.3, 2.5
@@ -212,27 +236,26 @@ def _corrected(
     """The root that two Newton steps from z lead to, its tangent for k moving `along`, and the
     first step's size; None where the steps are too large or do not shrink.
     """
-    motion = _motion(system)
+    motion, values = _motion(system), [*(complex(v) for v in k), *(complex(v) for v in along)]
     sizes: list[float] = []
     with precision(_BITS):
         rows, known = _at(system, k)
+        moving = motion.prepare(COMPLEX, values)
         point = [COMPLEX.number(v) for v in z.tolist()]
-        for _ in range(2):
-            before, step = point, _newton_step(system, rows, known, point)
-            if step is None:
+        for last in (False, True):
+            columns = [rows.evaluate(0, point, known)]
+            columns += [motion.evaluate(0, point, moving)] if last else []
+            try:
+                step, *tangents = _solved(system, rows, known, point, *columns)
+            except ZeroDivisionError:
                 return None
             point = [(p - d).mid() for p, d in zip(point, step, strict=True)]
             sizes.append(max(upper(d) for d in step))
-            if not sizes[-1] <= min(
-                _TOLERANCE, 0.01 * (sizes[0] + 1e-12) if len(sizes) > 1 else _TOLERANCE
+            if not sizes[-1] <= (
+                min(_TOLERANCE, 0.01 * (sizes[0] + 1e-12)) if last else _TOLERANCE
             ):
                 return None
-        moved = motion.evaluate(
-            0,
-            point,
-            motion.prepare(COMPLEX, [*(complex(v) for v in k), *(complex(v) for v in along)]),
-        )
-        tangent = _solved(system, rows, known, before, moved)
+    (tangent,) = tangents
     root = np.array([complex(p) for p in point])
     along = -np.array([complex(t) for t in tangent])
     ray = list(system.projective)

@@ -37,7 +37,7 @@ from symkin.homotopy.symmetry import find_symmetries, orbits_under
 from symkin.homotopy.systems import system_of
 from symkin.homotopy.tracker import TrackSettings
 from symkin.homotopy.universal_start import machine_start, universal_start
-from symkin.homotopy.values import algebraic_point, coordinate_scale, known_angles, known_values
+from symkin.homotopy.values import algebraic_points, coordinate_scale, known_angles, known_values
 from symkin.numeric.levenberg import Progress
 from symkin.numeric.rank import Rank
 from symkin.position.closed_configurations import closed_configurations
@@ -316,17 +316,8 @@ def _real_points(
     """
     given, rows = Given(problem.kind, known, {}), problem.system
     found = batched(problem, given, _CHECK_STARTS, np.random.default_rng(seed))
-    columns = []
-    for z in found.points:
-        if rows.condition(z, known) < 1e7:
-            columns.append(
-                algebraic_point(
-                    problem,
-                    system,
-                    {c.name: z[place] for c, place in zip(rows.unknowns, rows.slices, strict=True)},
-                )
-            )
-    return np.array(columns).T.reshape(system.width, len(columns))
+    regular = found.points[rows.conditions(found.points, known) < 1e7]
+    return algebraic_points(problem, system, rows.named(regular))
 
 
 def _closed_points(problem: Problem, system: AlgebraicSystem) -> Points:
@@ -338,8 +329,8 @@ def _closed_points(problem: Problem, system: AlgebraicSystem) -> Points:
     def draw(rng: np.random.Generator, near: bool) -> tuple[np.ndarray, np.ndarray]:  # noqa: ARG001 - all are near the reference
         values = closed[int(rng.integers(len(closed)))]
         unknowns = problem.system.unknowns
-        named = {c.name: values[problem.closure.slices[c.name]] for c in unknowns}
-        z = algebraic_point(problem, system, named)
+        named = {c.name: values[None, problem.closure.slices[c.name]] for c in unknowns}
+        z = algebraic_points(problem, system, named)[:, 0]
         return z, known_values(
             problem, problem.select_values(values, problem.known_coordinates)
         ).astype(complex)

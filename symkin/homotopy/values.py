@@ -37,20 +37,8 @@ def known_values(problem: Problem, known: np.ndarray) -> np.ndarray:
 def real_values(
     problem: Problem, system: AlgebraicSystem, z: np.ndarray, k: np.ndarray
 ) -> dict[str, np.ndarray]:
-    """Coordinates of the block (radians, length unit, unit quaternion) from a root at k that is
-    real up to rounding.
-    """
-    return {
-        name: value[0]
-        for name, value in many_real_values(problem, system, z[:, None], k[:, None]).items()
-    }
-
-
-def many_real_values(
-    problem: Problem, system: AlgebraicSystem, z: np.ndarray, k: np.ndarray
-) -> dict[str, np.ndarray]:
-    """Coordinates (n, numbers) of the block from roots z (width, n) at k (known, n) that are real
-    up to rounding.
+    """Coordinates (n, numbers) of the block (radians, length unit, unit quaternion) from roots z
+    (width, n) at k (known, n) that are real up to rounding.
     """
     size = problem.closure.characteristic_length
     values = {c.name: z[i].real[:, None] * c.unit(size) for i, c in enumerate(system.unknowns)}
@@ -100,20 +88,11 @@ def complex_values(
     return values
 
 
-def algebraic_point(
-    problem: Problem, system: AlgebraicSystem, values: dict[str, np.ndarray]
-) -> np.ndarray:
-    """z of a real root given as coordinates of the block: the inverse of `real_values`."""
-    return algebraic_points(problem, system, {name: value[None] for name, value in values.items()})[
-        :, 0
-    ]
-
-
 def algebraic_points(
     problem: Problem, system: AlgebraicSystem, values: dict[str, np.ndarray]
 ) -> np.ndarray:
     """z (width, n) of real roots given as coordinates (n, numbers) of the block: the inverse of
-    `many_real_values`.
+    `real_values`.
     """
     size = problem.closure.characteristic_length
     z = [values[c.name].T / c.unit(size) for c in system.unknowns]

@@ -42,13 +42,11 @@ class Mapped:
         """Results (n, rows, columns) at arguments (n, length); an argument (length,) is that of all
         points.
         """
-        count = max((len(a) for a in arguments if a.ndim == 2), default=1)
+        count = max([a.shape[0] for a in arguments if a.ndim == 2], default=1)
         results = [np.empty((count, columns, rows)) for rows, columns in self._shapes]
         begin = 0
         while begin < count:
-            size = _LARGEST_BLOCK
-            while size > count - begin:
-                size //= 2
+            size = min(_LARGEST_BLOCK, 1 << (count - begin).bit_length() - 1)
             self._blocks[size].evaluate(arguments, results, begin)
             begin += size
         return [result.transpose(0, 2, 1) for result in results]
@@ -76,13 +74,13 @@ class _Block:
         self, arguments: Sequence[np.ndarray], results: Sequence[np.ndarray], begin: int
     ) -> None:
         """Fill results[i][begin : begin + size]."""
-        end = begin + self.size
-        with self._pool.borrowed() as buffers:
-            for inside, argument in zip(buffers.inside, arguments, strict=True):
-                inside[:] = argument[begin:end] if argument.ndim == 2 else argument
-            buffers.call()
-            for outside, result in zip(buffers.outside, results, strict=True):
-                result[begin:end] = outside
+        end, buffers = begin + self.size, self._pool.take()
+        for inside, argument in zip(buffers.inside, arguments, strict=True):
+            inside[:] = argument[begin:end] if argument.ndim == 2 else argument
+        buffers.call()
+        for outside, result in zip(buffers.outside, results, strict=True):
+            result[begin:end] = outside
+        self._pool.give(buffers)
 
     @cached_property
     def _mapped(self) -> ca.Function:

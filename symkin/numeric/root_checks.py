@@ -54,9 +54,8 @@ def rounding(system: System, points: np.ndarray) -> np.ndarray:
     them, in the length unit.
     """
     size = system.characteristic_length
-    places = [place for c, place in zip(system.unknowns, system.slices, strict=True) if c.is_length]
-    long = [np.abs(points[:, place]).max(axis=1) for place in places]
-    scale = np.max(np.array([np.full(len(points), max(size, system.farthest)), *long]), axis=0)
+    long = np.abs(points[:, system.lengths]).max(axis=1, initial=0.0)
+    scale = np.maximum(long, max(size, system.farthest))
     return np.asarray(np.minimum(CLOSURE_ROUNDING * scale, CLOSURE_TOLERANCE * size))
 
 

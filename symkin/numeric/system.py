@@ -57,6 +57,20 @@ class System:
         ends = np.cumsum([c.width for c in self.unknowns]).tolist()
         return tuple(slice(end - c.width, end) for c, end in zip(self.unknowns, ends, strict=True))
 
+    @cached_property
+    def places(self) -> dict[str, slice]:
+        """Places of the unknowns by their names."""
+        return {c.name: place for c, place in zip(self.unknowns, self.slices, strict=True)}
+
+    def named(self, points: np.ndarray) -> dict[str, np.ndarray]:
+        """The columns of points (n, width) by the names of their coordinates."""
+        return {name: points[:, place] for name, place in self.places.items()}
+
+    @cached_property
+    def lengths(self) -> list[int]:
+        """Places of the unknowns that are lengths."""
+        return [self.places[c.name].start for c in self.unknowns if c.is_length]
+
     def exchanged(self, known: tuple[Coordinate, ...]) -> System:
         """The same rows with the values of coordinates that were `known` unknown, and back."""
         return replace(self, unknowns=known, unknown=self.known, known=self.unknown)
@@ -70,9 +84,7 @@ class System:
 
     def norms(self, z: ca.SX) -> ca.SX:
         """|q|^2 - 1 of each quaternion of a point z (width,)."""
-        turns = [
-            place for c, place in zip(self.unknowns, self.slices, strict=True) if c.is_rotation
-        ]
+        turns = [self.places[c.name] for c in self.unknowns if c.is_rotation]
         return ca.vertcat(*(ca.sumsqr(z[place]) - 1 for place in turns), ca.SX(0, 1))
 
     @cached_property
@@ -130,10 +142,12 @@ class System:
         if min(rows, self.freedom) == 0:
             return np.ones((len(z), 2))
         each = max(1, _AT_ONCE // (rows * self.freedom))
+        if len(z) <= each:
+            return extreme_singular_values(self.linearise(z, known)[1])
         every = np.broadcast_to(known, (len(z), known.shape[-1]))
         parts = [slice(i, i + each) for i in range(0, len(z), each)]
         found = [extreme_singular_values(self.linearise(z[p], every[p])[1]) for p in parts]
-        return np.concatenate([np.zeros((0, 2)), *found])
+        return np.concatenate(found)
 
     def conditions(self, z: np.ndarray, known: np.ndarray) -> np.ndarray:
         """Largest over smallest (n,) of the min(rows, freedom) singular values of dF/dd; infinite

@@ -153,7 +153,7 @@ def _nearest_joints(problem: Problem, pose: np.ndarray) -> np.ndarray:
         batch = levenberg_marquardt(block, starts, pose, max_iterations=200, patience=40)
         largest = np.where(np.isfinite(batch.largest_row), batch.largest_row, np.inf)
         best = block.polish(batch.points[int(np.argmin(largest))], pose, steps=8)
-        named |= {c.name: best[s] for c, s in zip(block.unknowns, block.slices, strict=True)}
+        named |= {name: best[place] for name, place in block.places.items()}
     return np.concatenate([named[c.name] for c in problem.system.unknowns] or [np.zeros(0)])
 
 

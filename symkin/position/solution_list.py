@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, fields, replace
-from typing import overload
+from typing import Any, overload
 
 import numpy as np
 
@@ -66,16 +66,18 @@ class SolutionList(Sequence[Solution]):
         """Which of them (m,) close to rounding."""
         return np.asarray(self.residual <= CLOSURE_TOLERANCE * self.closure.characteristic_length)
 
-    def chosen(self, places: np.ndarray | Sequence[int] | slice) -> SolutionList:
+    def chosen(
+        self, places: np.ndarray | Sequence[int] | slice, **told: np.ndarray
+    ) -> SolutionList:
         """Some of the solutions, in the order of their places (any,), a part of them, or where a
-        mask (m,) holds.
+        mask (m,) holds; with what else is `told` of them.
         """
-        arrays = {
-            f.name: getattr(self, f.name)[places]
-            for f in fields(self)
-            if isinstance(getattr(self, f.name), np.ndarray)
+        arrays: dict[str, Any] = {
+            name: array[places]
+            for name, array in vars(self).items()
+            if isinstance(array, np.ndarray)
         }
-        return replace(self, **arrays, _made={})
+        return replace(self, **(arrays | told), _made={})
 
     @staticmethod
     def of_none(closure: Closure) -> SolutionList:

@@ -24,29 +24,52 @@ def roots(k: np.ndarray) -> np.ndarray:
     return np.asarray(-1j * np.log(turns))
 
 
+@pytest.fixture
+def steps(monkeypatch):
+    """What has been corrected so far."""
+    corrected, told = far_roots._corrected, []
+    monkeypatch.setattr(far_roots, "_corrected", lambda *k: told.append(k) or corrected(*k))
+    return told
+
+
 @pytest.mark.parametrize("distance", [1e-3, 1e-6])
-def test_far_roots_are_reached(distance):
-    """Near k = (1, i) one root lies as far up as log(2 / distance)."""
+def test_far_roots_are_reached(distance, steps):
+    """Near k = (1, i) one root lies as far up as log(2 / distance); a path that is smooth at its
+    end is not followed through all digits of what is left of it.
+    """
     end = np.array([1.0 + distance, 1j])
     came, points = far_roots.carried(system(), roots(BEGIN)[None], BEGIN, end)
     assert came.all()
+    assert len(steps) <= 145
     found = sorted(points[0], key=lambda z: z.imag)
     wanted = sorted(roots(end), key=lambda z: z.imag)
     assert found[1].imag == pytest.approx(np.log(2 / distance), rel=0.01)
     np.testing.assert_allclose(np.exp(1j * np.array(found)), np.exp(1j * np.array(wanted)), 1e-8)
 
 
-def test_a_root_at_infinity_is_left_after_few_steps(monkeypatch):
+def test_a_root_at_infinity_is_left_after_few_steps(steps):
     """At k = (1, i) one path comes to 0, and the other has no end: it is not followed to where
     double precision ends by ever smaller steps.
     """
-    corrected, steps = far_roots._corrected, []
-    monkeypatch.setattr(
-        far_roots, "_corrected", lambda *told: steps.append(told) or corrected(*told)
-    )
     came = [
         bool(far_roots.carried(system(), np.array([[z]]), BEGIN, np.array([1.0, 1j]))[0][0])
         for z in roots(BEGIN)
     ]
     assert sorted(came) == [False, True]
     assert len(steps) < 200
+
+
+def test_more_bits_go_on_from_where_double_precision_leads(steps):
+    """Both ways lead to the same roots, and the one that double precision begins takes fewer steps
+    with more bits.
+    """
+    end = np.array([1.001, 1j])
+    came, points = far_roots.carried(system(), roots(BEGIN)[None], BEGIN, end)
+    whole = len(steps)
+    z, near = far_roots.advanced(system(), roots(BEGIN)[None], BEGIN, end)
+    assert 0.0 < np.linalg.norm(end - near) < 0.1 * np.linalg.norm(end - BEGIN)
+    came_too, points_too = far_roots.carried(system(), z, near, end)
+    assert came.all()
+    assert came_too.all()
+    np.testing.assert_allclose(np.exp(1j * points_too), np.exp(1j * points), 1e-9)
+    assert len(steps) - whole < whole
