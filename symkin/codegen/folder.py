@@ -152,11 +152,13 @@ def folder_files(
         "Makefile": fill("Makefile", values),
         "README.md": readme(program),
     }
-    files |= package_files(program.mechanism, values) if options.package else {}
-    if options.linuxcnc:
+    files |= package_files(program.mechanism, values) if "package" in options.also else {}
+    if "linuxcnc" in options.also:
         files[f"{name}_kins.c"] = linuxcnc_text(program, vectors.places.get("home"))
-    files |= {f"{name}.hpp": cpp_text(program)} if options.cpp else {}
-    files |= ros2_files(kind, values) if options.ros2 and isinstance(kind, JointMap) else {}
+    files |= {f"{name}.hpp": cpp_text(program)} if "cpp" in options.also else {}
+    files |= (
+        ros2_files(kind, values) if "ros2" in options.also and isinstance(kind, JointMap) else {}
+    )
     files = {
         file: narrowed(text) if file.endswith((".c", ".h", ".hpp")) else text
         for file, text in files.items()
@@ -212,5 +214,5 @@ def _folder_values(program: Program) -> dict[str, object]:
         "nominal": nominal(program),
         "gpe": f"const {name}_geometry *geometry, " if struct else "",
         "version": ".".join(re.findall(r"[0-9]+", __version__)[:3]),
-        "installed": f"{name}.h" + (f" {name}.hpp" if program.options.cpp else ""),
+        "installed": f"{name}.h" + (f" {name}.hpp" if "cpp" in program.options.also else ""),
     }

@@ -40,61 +40,37 @@ class Options:
         return cls(**{**told, **names, "home": pose})
 
     @property
-    def package(self) -> bool:
-        return "package" in self.also
-
-    @property
-    def linuxcnc(self) -> bool:
-        return "linuxcnc" in self.also
-
-    @property
-    def cpp(self) -> bool:
-        return "cpp" in self.also
-
-    @property
-    def ros2(self) -> bool:
-        return "ros2" in self.also
-
-    @property
     def is_map(self) -> bool:
         """Tell whether joints are mapped to joints."""
         return bool(self.given or self.find)
 
     def check(self, mechanism: Mechanism) -> None:
-        if self.home_relative and not is_rod_platform(mechanism):
-            raise InputError(
-                f"{mechanism.name}: --home-relative is made for platforms on six rods with a "
-                f"spatial pose"
-            )
-        if self.home is not None and not is_rod_platform(mechanism):
-            raise InputError(
-                f"{mechanism.name}: --home is made for platforms on six rods with a spatial pose"
-            )
-        if self.is_map and self.compact:
-            raise InputError(
-                f"{mechanism.name}: a map between joints is written in one form only; leave "
-                f"--compact out"
-            )
-        if self.is_map and self.geometry != "fixed":
-            raise InputError(
-                f"{mechanism.name}: a map between joints has its geometry in the code; leave "
-                f"--geometry struct out"
-            )
-        if self.is_map and self.linuxcnc:
-            raise InputError(
-                f"{mechanism.name}: --linuxcnc needs poses; a map between joints has none: leave "
-                f"it out"
-            )
-        if self.ros2 and (not self.is_map or self.real != "double"):
-            raise InputError(
-                f"{mechanism.name}: --ros2 writes a transmission between joints: it needs --given, "
-                f"--find and --real double"
-            )
-        if self.linuxcnc and (self.real != "double" or self.home_relative):
-            raise InputError(
-                f"{mechanism.name}: --linuxcnc needs --real double and no --home-relative: "
-                f"LinuxCNC's numbers are doubles"
-            )
+        """Raises InputError for options that do not fit each other, or the mechanism."""
+        on_rods, of_map, also = is_rod_platform(mechanism), self.is_map, self.also
+        refused = {
+            "--home-relative is made for platforms on six rods with a spatial pose": (
+                self.home_relative and not on_rods
+            ),
+            "--home is made for platforms on six rods with a spatial pose": (
+                self.home is not None and not on_rods
+            ),
+            "a map between joints is written in one form only; leave --compact out": (
+                of_map and self.compact
+            ),
+            "a map between joints has its geometry in the code; leave --geometry struct out": (
+                of_map and self.geometry != "fixed"
+            ),
+            "--linuxcnc needs poses; a map between joints has none: leave it out": (
+                of_map and "linuxcnc" in also
+            ),
+            "--ros2 writes a transmission between joints: it needs --given, --find and --real "
+            "double": "ros2" in also and (not of_map or self.real != "double"),
+            "--linuxcnc needs --real double and no --home-relative: LinuxCNC's numbers are "
+            "doubles": ("linuxcnc" in also and (self.real != "double" or self.home_relative)),
+        }
+        for reason, applies in refused.items():
+            if applies:
+                raise InputError(f"{mechanism.name}: {reason}")
 
     @property
     def arguments(self) -> str:
