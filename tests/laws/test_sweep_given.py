@@ -312,9 +312,7 @@ def test_given_values_as_text():
     """NAME=LOW:HIGH:COUNT is swept, NAME=VALUE held, a pose has seven numbers, and a sample takes
     the ends.
     """
-    told = read_values(
-        "crank=0:90:4,knee=sqrt(4),pose=1,2,3,1,0,0,0", "given", angle_unit="deg"
-    )
+    told = read_values("crank=0:90:4,knee=sqrt(4),pose=1,2,3,1,0,0,0", "given", angle_unit="deg")
     assert told["crank"].tolist() == [0.0, 30.0, 60.0, 90.0]
     assert told["knee"] == 2.0
     assert told["pose"] == [1, 2, 3, 1, 0, 0, 0]
