@@ -19,7 +19,6 @@ from symkin.homotopy.six_distances import meet_all_distances, redundant_distance
 from symkin.homotopy.systems import meets_all_rows
 from symkin.homotopy.values import known_values, real_values
 from symkin.numeric.system import System
-from symkin.position.given import Given
 from symkin.position.multistart import batched
 from symkin.position.problem import Problem
 from symkin.position.roots import PolishedRoots, Roots, polished_roots, unite
@@ -31,7 +30,7 @@ _LEAST_ERROR_STARTS = 200
 
 
 def by_continuation(
-    problem: Problem, given: Given, starts: int, rng: np.random.Generator
+    problem: Problem, known: np.ndarray, starts: int, rng: np.random.Generator
 ) -> tuple[Roots, tuple[str, ...]]:
     """Roots of a group by paths; where it has no start system by `starts` random
     starts, with a note why. These are of use too where paths left something in doubt.
@@ -41,21 +40,23 @@ def by_continuation(
     begin_loading()
     paths, why = own_paths(problem)
     if paths is not None:
-        return _block_roots(paths, given, starts, rng), paths.notes
+        return _block_roots(paths, known, starts, rng), paths.notes
     names = ", ".join(sorted(c.name for c in problem.system.unknowns))
-    sampled = batched(problem, given, starts, rng)
+    sampled = batched(problem, known, starts, rng)
     return sampled, (f"{names}: sampled by multistart, {why}",)
 
 
-def _block_roots(paths: BlockPaths, given: Given, starts: int, rng: np.random.Generator) -> Roots:
+def _block_roots(
+    paths: BlockPaths, known: np.ndarray, starts: int, rng: np.random.Generator
+) -> Roots:
     """Roots that are real: polished on the group's own rows and checked on all of them. Where paths
     are unresolved, or end on a set that is not isolated, `starts` random starts look for what they
     missed; where no root is real, a fixed number of fixed ones looks for the least error.
     """
     problem, system, algebraic = paths.problem, paths.problem.system, paths.algebraic
-    k = known_values(problem, given.values)
+    k = known_values(problem, known)
     ends, prover = instance(algebraic, paths.start, k), paths.prover
-    knowns = prover.knowns(given.values[None])
+    knowns = prover.knowns(known[None])
     count = ends.z.shape[1]
     proved = prover.ends(ends.z, knowns, np.zeros(count, dtype=int)) if prover.proves_ends else None
     # however near to being real
@@ -63,19 +64,19 @@ def _block_roots(paths: BlockPaths, given: Given, starts: int, rng: np.random.Ge
     possible = np.concatenate([ends.z[:, ~unreal], ends.singular.z], axis=1)
     possible = possible[:, imaginary_part(algebraic, possible) < _REAL]
     real = [real_values(problem, algebraic, z, k) for z in possible.T]
-    found = _polished(system, given.values, real)
+    found = _polished(system, known, real)
     points, continuum, smallest = found.points, found.continuum, found.smallest_residual
     doubtful = bool(ends.unresolved) or not ends.singular.isolated.all()
     if doubtful or not len(points):
         sampled = (
-            batched(problem, given, starts, rng) if doubtful else _least_errors(problem, given)
+            batched(problem, known, starts, rng) if doubtful else _least_errors(problem, known)
         )
         continuum = sampled.continuum if continuum is None else continuum
         points = np.concatenate([points, sampled.points])
         smallest = min(smallest, sampled.smallest_residual)
-    first, _ = unite(system, points, given.values, continuum_met=continuum is not None)
+    first, _ = unite(system, points, known, continuum_met=continuum is not None)
     points = points[first]
-    isolated = _isolated(problem, ends, given)
+    isolated = _isolated(problem, ends, known)
     columns = np.repeat(k[:, None], isolated.shape[1], axis=1)
     whole = meets_all_rows(problem, algebraic, isolated, columns)
     return Roots(
@@ -95,23 +96,19 @@ def _block_roots(paths: BlockPaths, given: Given, starts: int, rng: np.random.Ge
     )
 
 
-def _least_errors(problem: Problem, given: Given) -> Roots:
-    return batched(problem, given, _LEAST_ERROR_STARTS, np.random.default_rng(0))
+def _least_errors(problem: Problem, known: np.ndarray) -> Roots:
+    return batched(problem, known, _LEAST_ERROR_STARTS, np.random.default_rng(0))
 
 
-def least_error(problem: Problem, given: Given) -> float:
+def least_error(problem: Problem, known: np.ndarray) -> float:
     """The least closure error that a fixed number of fixed starts reach."""
-    return _least_errors(problem, given).smallest_residual
+    return _least_errors(problem, known).smallest_residual
 
 
-def _isolated(problem: Problem, ends: Ends, given: Given) -> np.ndarray:
+def _isolated(problem: Problem, ends: Ends, known: np.ndarray) -> np.ndarray:
     """Isolated complex roots, of all distances where there are more than six."""
     z = ends.isolated
-    return (
-        z
-        if not redundant_distances(problem)
-        else z[:, meet_all_distances(problem, z, given.values)]
-    )
+    return z if not redundant_distances(problem) else z[:, meet_all_distances(problem, z, known)]
 
 
 def _missing(ends: Ends) -> str | None:

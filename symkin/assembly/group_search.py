@@ -19,7 +19,6 @@ from symkin.numeric.newton import Polished
 from symkin.numeric.root_checks import are_roots
 from symkin.position.canonical import canonical
 from symkin.position.gear_train import GearTrain
-from symkin.position.given import Given
 from symkin.position.multistart import batched, one_by_one
 from symkin.position.problem import Problem
 from symkin.position.roots import NOT_KNOWN, Roots
@@ -29,7 +28,7 @@ def searched_alone(group: Problem, known: np.ndarray, search: Search) -> GroupRo
     """The solutions of a group at known values (n, known), each searched alone, with random numbers
     that do not depend on the others.
     """
-    searched = [_searched(group, Given(group.kind, numbers, {}), search) for numbers in known]
+    searched = [_searched(group, numbers, search) for numbers in known]
     roots = [found for found, _ in searched]
     paths = group_paths(group) if search.method == "continuation" else None
     own = paths is not None and paths.shared is None
@@ -58,15 +57,15 @@ def searched_alone(group: Problem, known: np.ndarray, search: Search) -> GroupRo
     )
 
 
-def _searched(group: Problem, given: Given, search: Search) -> tuple[Roots, tuple[str, ...]]:
+def _searched(group: Problem, known: np.ndarray, search: Search) -> tuple[Roots, tuple[str, ...]]:
     """The roots of a group, and what is said of them."""
     rng, notes = np.random.default_rng(search.seed), tuple[str, ...]()
     if search.method == "continuation":
-        roots, notes = by_continuation(group, given, search.starts, rng)
+        roots, notes = by_continuation(group, known, search.starts, rng)
     elif search.solver == "batched":
-        roots = batched(group, given, search.starts, rng, search.progress)
+        roots = batched(group, known, search.starts, rng, search.progress)
     else:
-        roots = one_by_one(group, given, search.starts, rng, search.solver, search.progress)
+        roots = one_by_one(group, known, search.starts, rng, search.solver, search.progress)
     return roots, (*notes, *_notes_of(group, roots))
 
 

@@ -51,7 +51,9 @@ def with_least_modes(problem: Problem, given: Given, search: Search, found: Mode
 
 def _minima(problem: Problem, given: Given, search: Search) -> SolutionList:
     system = problem.system
-    starts = random_starts(problem, system, given, _STARTS, np.random.default_rng(search.seed))
+    starts = random_starts(
+        problem, system, given.values, _STARTS, np.random.default_rng(search.seed)
+    )
     ends = levenberg_marquardt(system, starts, given.values, max_iterations=200, patience=30).points
     ends = system.polish_many(system.fold(ends[np.isfinite(ends).all(axis=1)]), given.values).points
     left = system.residuals(ends, given.values)

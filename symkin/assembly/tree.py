@@ -20,7 +20,6 @@ from symkin.errors import InputError
 from symkin.position.canonical import canonical
 from symkin.position.families import Member, members_of
 from symkin.position.gear_train import gear_train
-from symkin.position.given import Given
 from symkin.position.groups import is_linear
 from symkin.position.problem import Problem
 from symkin.position.roots import MOST_MODES, NOT_KNOWN, polished_roots, unite
@@ -315,7 +314,7 @@ def with_least_errors(
         return roots.with_rows(places, searched_alone(group, known[places], solving.search))
     smallest = roots.smallest.copy()
     for place in places.tolist():
-        smallest[place] = least_error(group, Given(group.kind, known[place], {}))
+        smallest[place] = least_error(group, known[place])
     return replace(roots, smallest=smallest)
 
 

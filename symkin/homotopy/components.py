@@ -16,7 +16,6 @@ from symkin.homotopy.seeds import Points, carried, regular, seed_roots
 from symkin.homotopy.values import algebraic_point, known_values
 from symkin.numeric.levenberg import levenberg_marquardt
 from symkin.numeric.system import System
-from symkin.position.given import Given
 from symkin.position.problem import Problem
 from symkin.position.starts import random_starts
 
@@ -74,7 +73,7 @@ def _real_roots(
     """
     free = problem.system.freed(problem.known_coordinates)
     reference = problem.select_values(problem.closure.reference, problem.known_coordinates)
-    starts = random_starts(problem, free, Given(problem.kind, reference, {}), _REAL_STARTS, rng)
+    starts = random_starts(problem, free, reference, _REAL_STARTS, rng)
     batch = levenberg_marquardt(free, starts, np.zeros(0))
     pairs = [
         _algebraic(problem, system, free, end)

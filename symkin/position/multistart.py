@@ -15,7 +15,6 @@ import numpy as np
 from symkin.errors import InputError
 from symkin.numeric.levenberg import Progress, levenberg_marquardt, patiently
 from symkin.numeric.system import System
-from symkin.position.given import Given
 from symkin.position.least_squares import LeastSquares
 from symkin.position.newton import Newton
 from symkin.position.problem import Problem
@@ -32,7 +31,7 @@ LOG = logging.getLogger(__name__)
 
 def batched(
     problem: Problem,
-    given: Given,
+    known: np.ndarray,
     starts: int,
     rng: np.random.Generator,
     progress: Progress | None = None,
@@ -40,27 +39,27 @@ def batched(
     """Roots of a problem that Levenberg-Marquardt on all rows reaches, all starts at once."""
     LOG.info("%d random starts", starts)
     system = problem.system
-    points = random_starts(problem, system, given, starts, rng)
-    batch = levenberg_marquardt(system, points, given.values, progress=progress)
+    points = random_starts(problem, system, known, starts, rng)
+    batch = levenberg_marquardt(system, points, known, progress=progress)
     ends = batch.points[batch.converged]
     if not len(ends):
-        return _no_roots(system, batch.points, batch.largest_row, given, starts)
-    return distinct(system, ends, given.values, starts)
+        return _no_roots(system, batch.points, batch.largest_row, known, starts)
+    return distinct(system, ends, known, starts)
 
 
 def _no_roots(
-    system: System, points: np.ndarray, largest: np.ndarray, given: Given, starts: int
+    system: System, points: np.ndarray, largest: np.ndarray, known: np.ndarray, starts: int
 ) -> Roots:
     """Refine the best ends, so that the smallest residual is that of a minimum."""
     order = np.argsort(np.where(np.isfinite(largest), largest, np.inf))[:16]
-    batch = patiently(system, points[order], given.values)
-    smallest = float(np.nanmin(system.residuals(batch.points, given.values)))
+    batch = patiently(system, points[order], known)
+    smallest = float(np.nanmin(system.residuals(batch.points, known)))
     return Roots(system, np.zeros((0, system.width)), np.zeros(0, dtype=int), smallest, starts)
 
 
 def one_by_one(
     problem: Problem,
-    given: Given,
+    known: np.ndarray,
     starts: int,
     rng: np.random.Generator,
     solver: str | Newton | LeastSquares,
@@ -72,10 +71,10 @@ def one_by_one(
         raise InputError(f"solver = {not_among(solver, ['batched', *SOLVERS])}")
     system = problem.system
     ends, smallest = [], np.inf
-    for k, start in enumerate(random_starts(problem, system, given, starts, rng), start=1):
-        path = chosen.iterate(problem, start, given.values)
+    for k, start in enumerate(random_starts(problem, system, known, starts, rng), start=1):
+        path = chosen.iterate(problem, start, known)
         z = system.wrap(system.unit(path[-1])) if np.all(np.isfinite(path[-1])) else path[-1]
-        left = system.residual(z, given.values) if np.all(np.isfinite(z)) else np.inf
+        left = system.residual(z, known) if np.all(np.isfinite(z)) else np.inf
         smallest = min(smallest, left)
         if left <= 1e-6 * system.characteristic_length:
             ends.append(z)
@@ -83,4 +82,4 @@ def one_by_one(
             progress(k, starts)
     if not ends:
         return Roots(system, np.zeros((0, system.width)), np.zeros(0, dtype=int), smallest, starts)
-    return distinct(system, np.array(ends), given.values, starts)
+    return distinct(system, np.array(ends), known, starts)

@@ -51,7 +51,7 @@ def reach_note(problem: Problem, given: Given) -> str | None:
         ],
         axis=1,
     )
-    if not given.of_pose:
+    if not problem.of_pose:
         return _open(names, largest[int(np.argmin(left))], gap)
     zero = float(rounding(system, nearest.points).max())
     return _out_of_reach(
@@ -66,7 +66,7 @@ def _nearest(problem: Problem, given: Given) -> Polished | None:
     root.
     """
     system = problem.system
-    starts = random_starts(problem, system, given, _STARTS, np.random.default_rng(0))
+    starts = random_starts(problem, system, given.values, _STARTS, np.random.default_rng(0))
     ends = levenberg_marquardt(
         system, starts, given.values, tolerance=_LEAST, max_iterations=200, patience=30
     ).points

@@ -19,9 +19,9 @@ from symkin.model.mechanism import Mechanism
 from symkin.numeric.levenberg import levenberg_marquardt
 from symkin.numeric.system import System
 from symkin.numeric.tolerances import CLOSURE_TOLERANCE
-from symkin.position.given import pose_coordinates
 from symkin.position.mobility import mobility
 from symkin.position.platform_motion import fewer_rows
+from symkin.position.pose_coordinates import pose_coordinates
 from symkin.position.varied_pose import varied_pose
 from symkin.spatial.pose import Pose
 from symkin.text import counted

@@ -19,7 +19,7 @@ from symkin.machine.motion import Frames
 from symkin.model.joint import POSE_CONDITIONS, Coordinate
 from symkin.numeric.mapped import Mapped
 from symkin.position.canonical import canonical
-from symkin.position.given import motion_coordinates
+from symkin.position.pose_coordinates import motion_coordinates
 from symkin.position.solution import Solution
 from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import normalized

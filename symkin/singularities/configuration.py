@@ -4,15 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.levenberg import levenberg_marquardt
 from symkin.numeric.tolerances import CLOSURE_TOLERANCE, ROUNDED_STEP
-from symkin.position.given import Given, Joints, given_from
-from symkin.position.given_by_name import Values, plain_case, pose_names
+from symkin.position.given import Given, Joints, Values, problem_of, read_given
 from symkin.position.moved_starts import StartRank, nearly_closes
 from symkin.position.problem import Problem, build_problem
 from symkin.position.solution import Solution
@@ -44,16 +42,21 @@ def configuration(
     closes the loops: it is meant as it is. Raises SolveError where no configuration is reached,
     InputError for values that do not fit.
     """
-    plain = plain_case(mechanism, joints, pose, given)
-    if plain is None:
-        return _refined(
-            _noted(
-                solve(mechanism, joints=joints, pose=pose, given=given, start=start, check=False)
-            ),
-            given,
-        )
-    joints, pose = plain
-    return _of_limbs(mechanism, joints, pose, start)
+    read = read_given(mechanism, joints, pose, given)
+    problem = problem_of(mechanism, read)
+    begin = None if problem.by_name else start_values(problem, read, start)  # type: ignore[arg-type]
+    meant = None if begin is None else _meant(problem, read, begin)
+    if meant is not None:
+        return meant
+    result = solve(mechanism, joints=joints, pose=pose, given=given, start=start, check=False)
+    if begin is None:
+        return _refined(_noted(result), read)
+    if result.solution is not None:
+        return _noted(result)
+    found = _by_least_squares(problem, read, begin) if read.off_motion == 0.0 else None
+    if found is None:
+        raise SolveError(result.message, result)
+    return found
 
 
 def _noted(result: SolveResult) -> Solution:
@@ -64,21 +67,13 @@ def _noted(result: SolveResult) -> Solution:
     return replace(result.solution, notes=(*result.solution.notes, *noted))
 
 
-def _refined(solution: Solution, given: Values | None) -> Solution:
+def _refined(solution: Solution, given: Given) -> Solution:
     """A nearly singular solution of values by name, to as many digits as it has: steps of a solver
     end where rows vanish, which they do to the square of what is left.
     """
     if solution.condition < _NEARLY_SINGULAR:
         return solution
-    mechanism = solution.mechanism
-    names = (
-        [c.name for c in mechanism.actuated]
-        if given is None
-        else [name for name in given if name != "pose"]
-    )
-    problem = build_problem(
-        mechanism, "given", (*names, *(pose_names(mechanism) if given and "pose" in given else ()))
-    )
+    problem = build_problem(solution.mechanism, "given", given.names)
     values = variables_elsewhere(problem.closure, solution)
     known, z = (
         problem.select_values(values, c)
@@ -104,27 +99,16 @@ def _halved(problem: Problem, z: np.ndarray, known: np.ndarray) -> np.ndarray:
     return z
 
 
-def _of_limbs(mechanism: Mechanism, joints: Any, pose: Any, start: Any) -> Solution:
-    """The configuration of all actuated joints or the pose of limbs."""
-    given = given_from(mechanism, joints, pose)
-    problem = build_problem(mechanism, given.kind)
-    begin = start_values(problem, given, start)
+def _meant(problem: Problem, given: Given, begin: np.ndarray) -> Solution | None:
+    """The configuration beside a nearly singular start that nearly closes the loops."""
     known = given.values
     if (
         given.off_motion == 0.0
         and nearly_closes(problem, begin, known)
         and StartRank.at(problem, begin, known).is_nearly_singular
     ):
-        found = _by_least_squares(problem, given, begin)
-        if found is not None:
-            return found
-    result = solve(mechanism, joints=joints, pose=pose, start=start, check=False)
-    if result.solution is not None:
-        return _noted(result)
-    found = _by_least_squares(problem, given, begin) if given.off_motion == 0.0 else None
-    if found is None:
-        raise SolveError(result.message, result)
-    return found
+        return _by_least_squares(problem, given, begin)
+    return None
 
 
 def _by_least_squares(problem: Problem, given: Given, begin: np.ndarray) -> Solution | None:

@@ -21,10 +21,10 @@ from helpers.inside import (
     build_problem,
     distinct,
     features,
-    given_from,
     merge,
     parse,
     random_values,
+    read_given,
 )
 from helpers.laws import (
     all_distinct,
@@ -200,7 +200,7 @@ def test_roots_many_turns_away_are_the_same_roots():
     arm = symkin.load("yao2020")
     found = symkin.modes(arm)
     problem = build_problem(arm, "inverse")
-    known = given_from(arm, None, None).values
+    known = read_given(arm, None, None).values
     roots = np.array([[mode.values[c.name] for c in problem.system.unknowns] for mode in found])
     turns = np.random.default_rng(0).integers(-(10**8), 10**8, roots.shape) * [
         c.kind == "angle" for c in problem.system.unknowns

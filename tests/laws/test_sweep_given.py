@@ -16,7 +16,7 @@ import pytest
 import symkin
 from helpers.folders import same_files
 from helpers.graph_twin import graph_twin
-from helpers.inside import main, make_space, read_given
+from helpers.inside import main, make_space, read_given_text
 from helpers.needed import Later, needs
 from helpers.samples import five_bar, three_rps, three_rrr
 from oracle.plain_check import MECHANISMS
@@ -312,11 +312,11 @@ def test_given_values_as_text():
     """NAME=LOW:HIGH:COUNT is swept, NAME=VALUE held, a pose has seven numbers, and a sample takes
     the ends.
     """
-    read_values = read_given("crank=0:90:4,knee=sqrt(4),pose=1,2,3,1,0,0,0", angle_unit="deg")
+    read_values = read_given_text("crank=0:90:4,knee=sqrt(4),pose=1,2,3,1,0,0,0", angle_unit="deg")
     assert read_values["crank"].tolist() == [0.0, 30.0, 60.0, 90.0]
     assert read_values["knee"] == 2.0
     assert read_values["pose"] == [1, 2, 3, 1, 0, 0, 0]
-    assert read_given("crank=0:90,knee=5", sampled=True)["crank"].tolist() == [0.0, 90.0]
+    assert read_given_text("crank=0:90,knee=5", sampled=True)["crank"].tolist() == [0.0, 90.0]
 
 
 @pytest.mark.parametrize(
