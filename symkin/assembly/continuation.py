@@ -12,6 +12,7 @@ from __future__ import annotations
 import numpy as np
 
 from symkin.assembly.block_paths import BlockPaths, own_paths
+from symkin.assembly.group_roots import STATEMENTS, GroupRoots
 from symkin.homotopy.algebraic import imaginary_part
 from symkin.homotopy.ends import Ends
 from symkin.homotopy.instance import instance
@@ -21,7 +22,7 @@ from symkin.homotopy.values import known_values, real_values
 from symkin.numeric.system import System
 from symkin.position.multistart import batched
 from symkin.position.problem import Problem
-from symkin.position.roots import PolishedRoots, Roots, polished_roots, unite
+from symkin.position.roots import PolishedRoots, Sample, polished_roots, unite
 
 _REAL = 1e-5
 """Largest imaginary part of a root that is tried as a real one; the closure decides."""
@@ -31,24 +32,39 @@ _LEAST_ERROR_STARTS = 200
 
 def by_continuation(
     problem: Problem, known: np.ndarray, starts: int, rng: np.random.Generator
-) -> tuple[Roots, tuple[str, ...]]:
-    """Roots of a group by paths; where it has no start system by `starts` random
-    starts, with a note why. These are of use too where paths left something in doubt.
+) -> GroupRoots:
+    """Roots of a group at one row of known values by paths; where it has no start system by
+    `starts` random starts, with a note why. These are of use too where paths left something in
+    doubt.
     """
     from symkin.certificate.disc_library import begin_loading
 
     begin_loading()
     paths, why = own_paths(problem)
     if paths is not None:
-        return _block_roots(paths, known, starts, rng), paths.notes
+        return _block_roots(paths, known, starts, rng)
     names = ", ".join(sorted(c.name for c in problem.system.unknowns))
-    sampled = batched(problem, known, starts, rng)
-    return sampled, (f"{names}: sampled by multistart, {why}",)
+    note = f"{names}: sampled by multistart, {why}"
+    return sampled_roots(problem, batched(problem, known, starts, rng), note)
+
+
+def sampled_roots(problem: Problem, sample: Sample, *notes: str) -> GroupRoots:
+    """What random starts have reached at one row of known values."""
+    more = (_continuum_note(problem),) if sample.continuum else ()
+    return GroupRoots.sampled(sample, (*notes, *more))
+
+
+def _continuum_note(problem: Problem) -> str:
+    names = ", ".join(c.name for c in problem.system.unknowns)
+    return (
+        f"positive-dimensional set: the {problem.kind} problem has solutions that are not "
+        f"isolated (in {names}); the modes listed are the isolated ones only"
+    )
 
 
 def _block_roots(
     paths: BlockPaths, known: np.ndarray, starts: int, rng: np.random.Generator
-) -> Roots:
+) -> GroupRoots:
     """Roots that are real: polished on the group's own rows and checked on all of them. Where paths
     are unresolved, or end on a set that is not isolated, `starts` random starts look for what they
     missed; where no root is real, a fixed number of fixed ones looks for the least error.
@@ -65,38 +81,40 @@ def _block_roots(
     possible = possible[:, imaginary_part(algebraic, possible) < _REAL]
     real = [real_values(problem, algebraic, z, k) for z in possible.T]
     found = _polished(system, known, real)
-    points, continuum, smallest = found.points, found.continuum, found.smallest_residual
+    points, smallest = found.points, found.smallest_residual
+    continuum = found.continuum is not None
     doubtful = bool(ends.unresolved) or not ends.singular.isolated.all()
     if doubtful or not len(points):
         sampled = (
             batched(problem, known, starts, rng) if doubtful else _least_errors(problem, known)
         )
-        continuum = sampled.continuum if continuum is None else continuum
+        continuum = continuum or sampled.continuum
         points = np.concatenate([points, sampled.points])
         smallest = min(smallest, sampled.smallest_residual)
-    first, _ = unite(system, points, known, continuum_met=continuum is not None)
+    first, _ = unite(system, points, known, continuum_met=continuum)
     points = points[first]
     isolated = _isolated(problem, ends, known)
     columns = np.repeat(k[:, None], isolated.shape[1], axis=1)
     whole = meets_all_rows(problem, algebraic, isolated, columns)
-    return Roots(
-        system,
+    said = "incomplete" if doubtful or continuum else "probability one"
+    notes = (*paths.notes, *_notes(problem, ends, continuum=continuum))
+    return GroupRoots.of_all(
         points,
-        None,
-        smallest,
-        continuum=continuum,
-        sampled=False,
-        unresolved=len(ends.unresolved),
+        np.zeros(len(points), dtype=int),
         # roots that nearly meet may be one for paths and two for the rows
-        complex_count=max(int(whole.sum()), len(points)),
-        complex_sets=not ends.singular.isolated.all(),
+        np.array([max(int(whole.sum()), len(points))]),
+        statement=np.array([STATEMENTS.index(said)]),
+        unresolved=np.array([len(ends.unresolved)], dtype=float),
+        smallest=np.array([smallest]),
+        continuum=np.array([continuum]),
+        notes={0: notes} if notes else {},
         engine=paths.engine,
-        missing=_missing(ends),
         ends=ends.z,
+        ends_of=np.zeros(count, dtype=int),
     )
 
 
-def _least_errors(problem: Problem, known: np.ndarray) -> Roots:
+def _least_errors(problem: Problem, known: np.ndarray) -> Sample:
     return batched(problem, known, _LEAST_ERROR_STARTS, np.random.default_rng(0))
 
 
@@ -109,6 +127,21 @@ def _isolated(problem: Problem, ends: Ends, known: np.ndarray) -> np.ndarray:
     """Isolated complex roots, of all distances where there are more than six."""
     z = ends.isolated
     return z if not redundant_distances(problem) else z[:, meet_all_distances(problem, z, known)]
+
+
+def _notes(problem: Problem, ends: Ends, *, continuum: bool) -> list[str]:
+    """What is said of sets that are not isolated and of generic solutions that are missing."""
+    notes, missing = list[str](), _missing(ends)
+    if continuum:
+        notes.append(_continuum_note(problem))
+    elif not ends.singular.isolated.all():
+        notes.append(
+            "paths ended on a set of complex solutions that are not isolated; no real one of it "
+            "was met"
+        )
+    if missing is not None:
+        notes.append(f"{', '.join(c.name for c in problem.system.unknowns)}: {missing}")
+    return notes
 
 
 def _missing(ends: Ends) -> str | None:

@@ -250,7 +250,7 @@ def _of_family(
     owner = found.roots.owner
     return [
         ProvedRoots(
-            found.roots.part(place.start, place.stop),
+            found.roots.at(np.arange(place.start, place.stop)),
             found.proofs.of(slice(*np.searchsorted(owner, [place.start, place.stop]).tolist())),
         )
         for place in places

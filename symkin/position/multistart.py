@@ -18,7 +18,7 @@ from symkin.numeric.system import System
 from symkin.position.least_squares import LeastSquares
 from symkin.position.newton import Newton
 from symkin.position.problem import Problem
-from symkin.position.roots import Roots, distinct
+from symkin.position.roots import Sample, distinct
 from symkin.position.solve import SOLVERS
 from symkin.position.starts import random_starts
 from symkin.text import not_among
@@ -35,7 +35,7 @@ def batched(
     starts: int,
     rng: np.random.Generator,
     progress: Progress | None = None,
-) -> Roots:
+) -> Sample:
     """Roots of a problem that Levenberg-Marquardt on all rows reaches, all starts at once."""
     LOG.info("%d random starts", starts)
     system = problem.system
@@ -49,12 +49,12 @@ def batched(
 
 def _no_roots(
     system: System, points: np.ndarray, largest: np.ndarray, known: np.ndarray, starts: int
-) -> Roots:
+) -> Sample:
     """Refine the best ends, so that the smallest residual is that of a minimum."""
     order = np.argsort(np.where(np.isfinite(largest), largest, np.inf))[:16]
     batch = patiently(system, points[order], known)
     smallest = float(np.nanmin(system.residuals(batch.points, known)))
-    return Roots(system, np.zeros((0, system.width)), np.zeros(0, dtype=int), smallest, starts)
+    return Sample.of_none(system, smallest, starts)
 
 
 def one_by_one(
@@ -64,7 +64,7 @@ def one_by_one(
     rng: np.random.Generator,
     solver: str | Newton | LeastSquares,
     progress: Progress | None,
-) -> Roots:
+) -> Sample:
     """Roots of the whole problem by a solver of `solve`, called once a start."""
     chosen = SOLVERS.get(solver) if isinstance(solver, str) else solver
     if chosen is None or not hasattr(chosen, "iterate"):
@@ -81,5 +81,5 @@ def one_by_one(
         if progress is not None:
             progress(k, starts)
     if not ends:
-        return Roots(system, np.zeros((0, system.width)), np.zeros(0, dtype=int), smallest, starts)
+        return Sample.of_none(system, smallest, starts)
     return distinct(system, np.array(ends), known, starts)

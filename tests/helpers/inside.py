@@ -192,7 +192,7 @@ NAMES = {
     "Problem": "symkin.position.problem",
     "build_problem": "symkin.position.problem",
     "NOT_KNOWN": "symkin.position.roots",
-    "Roots": "symkin.position.roots",
+    "Sample": "symkin.position.roots",
     "binomial_bound": "symkin.position.roots",
     "distinct": "symkin.position.roots",
     "features": "symkin.position.roots",
