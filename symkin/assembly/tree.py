@@ -10,6 +10,7 @@ import numpy as np
 
 from symkin.assembly.account import FEW, Account
 from symkin.assembly.checked_roots import checked_roots
+from symkin.assembly.closed_roots import ClosedBlock
 from symkin.assembly.continuation import least_error
 from symkin.assembly.group_roots import STATEMENTS, GroupRoots
 from symkin.assembly.group_search import geared_roots, linear_roots, searched_alone
@@ -298,7 +299,11 @@ def _by_solver(
     if solver is None:
         return None, np.arange(len(known))
     found, doubtful = solver.roots(known)
-    if doubtful.size and solver.method == "closed" and (paths := any_paths(group)) is not None:
+    if (
+        doubtful.size
+        and isinstance(solver, ClosedBlock)
+        and (paths := any_paths(group)) is not None
+    ):
         tracked, left = paths.roots(known[doubtful])
         found, doubtful = found.with_rows(doubtful, tracked), doubtful[left]
     return found, doubtful

@@ -27,8 +27,13 @@ from symkin.position.file_digits import (
 )
 from symkin.position.gruebler import gruebler_kutzbach
 from symkin.position.limb_screws import limb_screws, per_freedom, platform_screws
-from symkin.position.loops import loops_at, redundant_constraints
-from symkin.position.mobility_result import Misfit, Mobility
+from symkin.position.loops import loops_at
+from symkin.position.mobility_result import (
+    Misfit,
+    Mobility,
+    count_rows,
+    redundant_constraints,
+)
 from symkin.position.own_component import Component
 from symkin.verb import verb
 
@@ -74,9 +79,9 @@ def mobility(mechanism: Mechanism, *, seed: int = 0) -> Mobility:
         at_reference=at_reference,
         closed=found.closed,
         freedoms=system.freedom,
-        rows=_count_rows(closure),
+        rows=count_rows(closure),
         rank=generic,
-        redundant=_redundant(closure, found.values, generic.value),
+        redundant=redundant_constraints(closure, found.values, generic.value),
         direct_rank=direct,
         limbs=limbs,
         platform_constraints=constraints,
@@ -155,26 +160,9 @@ def _ranks_apart(closure: Closure) -> tuple[int, ...]:
     return tuple(sorted({value for value in clear if clear.count(value) > 1}))
 
 
-def _redundant(closure: Closure, values: np.ndarray, rank: int) -> int:
-    """Redundant constraints of the machine in space: a declared motion leaves rows out, or says
-    what they say, so that they are counted by the loops.
-    """
-    if closure.mechanism.motion != "spatial":
-        return redundant_constraints(closure, values)
-    return _count_rows(closure) - rank
-
-
 def _unknown_columns(closure: Closure) -> list[int]:
     """Columns of the coordinates that are not actuated."""
     return [k for k, c in enumerate(per_freedom(closure.coordinates)) if c.role != "actuated"]
-
-
-def _count_rows(closure: Closure) -> int:
-    """Rows of the closure, with those that vanish everywhere, unless the motion declared of a
-    floating platform is why they do.
-    """
-    declared = closure.mechanism.motion != "spatial" and closure.role("pose")
-    return int(closure.rows.shape[0]) + (0 if declared else closure.vanishing)
 
 
 @lru_cache(maxsize=64)

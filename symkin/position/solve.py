@@ -71,7 +71,7 @@ def solve(mechanism: Mechanism, **options: Unpack[SolveOptions]) -> SolveResult:
     inverse one; default: the example's, else the reference. A start where the closure's Jacobian
     loses rank is moved, and `notes` says where to. `solver` is "newton", "fast_newton" (CasADi's
     rootfinders), "ipopt" (least squares with joint limits as bounds), "closed" (the formulas of an
-    arm that has some, at each choice the solution nearest to the start), or a value of
+    arm that has some, of its solutions the nearest to the start), or a value of
     `symkin.position.newton.Newton` or `symkin.position.least_squares.LeastSquares`. The answer is
     checked on all rows.
 
