@@ -10,6 +10,7 @@ import numpy as np
 from symkin.assembly.modes_result import Group, Modes
 from symkin.closure.closure import Closure
 from symkin.machine.lower import Lowered, lowered
+from symkin.machine.universal import BallReading
 from symkin.model.mechanism import Mechanism
 from symkin.position.feasible_pose import ties_poses
 from symkin.position.given import Given, given_of_pose, in_order, plain_kind, pose_names
@@ -51,9 +52,10 @@ def given_of_machine(low: Lowered, given: Given) -> Given:
     stands_otherwise = low.frames is not None or low.machine.motion != low.written.motion
     if _is_pose(low.written, given) and stands_otherwise:
         pose = Pose(given.values[:3], given.values[3:])
-        taken = pose if low.frames is None else low.frames.taken(pose)
-        found = given.off_motion == 0.0 and ties_poses(low.written)
-        return replace(given_of_pose(low.machine, taken, is_feasible=found), echo=given.echo)
+        looked_at = low.machine.motion != low.written.motion or ties_poses(low.written)
+        found = given.off_motion == 0.0 and looked_at
+        there = given_of_pose(low.machine, low.taken(pose), is_feasible=found)
+        return replace(there, echo=given.echo)
     return in_order(low.machine, given)
 
 
@@ -87,14 +89,25 @@ def as_written(told: Told, given: Given, found: Modes) -> Modes | None:
     if not is_complete(found):
         return None
     names = {reading.of: reading.name for reading in told.low.readings}
+    told_notes = [_told(note, names) for note in found.notes]
     return replace(
         found,
         problem=told.problem,
         given=given.echo,
         modes=replace(found.modes, notes=given.notes, _made={}),
         groups=tuple(_renamed(group, names) for group in found.groups),
-        notes=tuple(_told(note, names) for note in found.notes),
+        notes=tuple(dict.fromkeys((*given.notes, *told_notes, *_ball_notes(told.low)))),
     )
+
+
+def _ball_notes(low: Lowered) -> list[str]:
+    """What is said of three revolute joints that turn their link as a ball does."""
+    return [
+        f"{reading.name} turn their link as a ball: of the two triples of angles of each turn the "
+        f"one is told whose second is next to the reference"
+        for reading in low.readings
+        if isinstance(reading, BallReading)
+    ]
 
 
 def _is_pose(mechanism: Mechanism, given: Given) -> bool:

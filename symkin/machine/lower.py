@@ -20,6 +20,7 @@ from symkin.machine.universal import BallReading, Reading, with_universal_joints
 from symkin.model.arm import arm_of
 from symkin.model.joint import BASE
 from symkin.model.mechanism import Mechanism
+from symkin.spatial.pose import Pose
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,6 +36,14 @@ class Lowered:
     readings: tuple[Reading | BallReading, ...]
     links: Mapping[str, str] = field(default_factory=dict)
     guides: tuple[Guide, ...] = ()
+
+    def taken(self, pose: Pose) -> Pose:
+        """A pose of the description as the machine has it."""
+        return pose if self.frames is None else self.frames.taken(pose)
+
+    def told(self, pose: Pose) -> Pose:
+        """A pose of the machine as the description has it."""
+        return pose if self.frames is None else self.frames.told(pose)
 
 
 @lru_cache(maxsize=128)

@@ -15,10 +15,18 @@ import numpy as np
 from symkin.closure.partition import POSE_COORDINATES
 from symkin.computed_once import lru_cache
 from symkin.errors import InputError
+from symkin.machine.lower import Lowered
 from symkin.model.joint import POSE_CONDITIONS, Coordinate
 from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.model.oddities import FULL_TURN
-from symkin.position.pose_coordinates import ON_MOTION, feasible_pose, pose_coordinates
+from symkin.position.feasible_pose import PROJECTED
+from symkin.position.pose_coordinates import (
+    ON_MOTION,
+    feasible_pose,
+    motion_pose,
+    pose_coordinates,
+    with_own_motion,
+)
 from symkin.position.problem import Kind, Problem, build_problem
 from symkin.spatial.pose import Pose
 from symkin.text import counted, first_of, meant, shown
@@ -102,24 +110,39 @@ def _of_joints(mechanism: Mechanism, joints: Joints) -> Given:
 
 
 def given_pose(mechanism: Mechanism, given: Sequence[float] | Pose) -> Given:
-    """A pose of the platform, on the declared motion, and, where joints tie poses, on those that
-    they can take.
+    """A pose of the platform, on its motion, which is declared or which its joints leave it, and,
+    where joints tie poses, on those that they can take.
     """
     if mechanism.platform_link is None:
         raise InputError(
             f"pose: {mechanism.name} has no platform link; name it by [platform] link in its "
             f"mechanism file, of a robot's file by --platform LINK, or give joints"
         )
-    return given_of_pose(mechanism, pose_from(given))
+    pose = pose_from(given)
+    own = with_own_motion(mechanism)
+    if own is None:
+        return given_of_pose(mechanism, pose)
+    there = given_of_pose(own.machine, own.taken(pose), near=PROJECTED, low=own)
+    on_motion = pose if there.off_motion else own.told(motion_pose(own.machine, there.values))
+    values, _ = pose_coordinates(mechanism, on_motion)
+    return replace(there, names=pose_names(mechanism), values=values, echo=_echo(pose))
 
 
-def given_of_pose(mechanism: Mechanism, pose: Pose, *, is_feasible: bool = False) -> Given:
-    """`given_pose` of numbers that were looked at before; the joints can take a pose that
-    `is_feasible`.
+def given_of_pose(
+    mechanism: Mechanism,
+    pose: Pose,
+    *,
+    is_feasible: bool = False,
+    near: float = ON_MOTION,
+    low: Lowered | None = None,
+) -> Given:
+    """`given_pose` of numbers that were looked at before, on the declared motion; the joints can
+    take a pose that `is_feasible`, and one `near` the motion, over the size, is projected onto it.
+    Notes tell of the description of `low`, whose machine the mechanism is.
     """
     values, off = pose_coordinates(mechanism, pose)
     notes: tuple[str, ...] = ()
-    if 0.0 < off < ON_MOTION * mechanism.characteristic_length:
+    if 0.0 < off < near * mechanism.characteristic_length:
         if off > 1e-12 * mechanism.characteristic_length:
             notes = (
                 f"the pose was projected onto the platform's {mechanism.motion} motion, by "
@@ -132,10 +155,13 @@ def given_of_pose(mechanism: Mechanism, pose: Pose, *, is_feasible: bool = False
             f"{mechanism.length_unit}",
         )
     if off == 0.0 and not is_feasible:
-        values, off, more = feasible_pose(mechanism, values)
+        values, off, more = feasible_pose(mechanism, values, low)
         notes += more
-    echo = {"pose": [float(v) for v in (*pose.position, *pose.quaternion)]}
-    return Given(pose_names(mechanism), values, echo, notes, off)
+    return Given(pose_names(mechanism), values, _echo(pose), notes, off)
+
+
+def _echo(pose: Pose) -> dict[str, Any]:
+    return {"pose": [float(v) for v in (*pose.position, *pose.quaternion)]}
 
 
 def given_by_name(mechanism: Mechanism, values: Values) -> Given:

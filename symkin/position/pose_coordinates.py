@@ -6,11 +6,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from symkin.machine.lower import Lowered, lowered
 from symkin.model.mechanism import Mechanism
 from symkin.plain_number import plain
-from symkin.position.canonical import poses_of
 from symkin.position.feasible_pose import PROJECTED, closing_poses, nearest_pose, ties_poses
-from symkin.position.problem import build_problem
 from symkin.spatial.backend import Array, atan2, vector
 from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import conjugate, multiply, wrapped
@@ -122,40 +121,91 @@ def feasible_poses(
     n) and unit quaternion (4, n), and how far those that are more than rounding lie off them, 0 for
     others.
     """
-    values, off = poses_coordinates(mechanism, position, quaternion)
-    off = np.where(off < ON_MOTION * mechanism.characteristic_length, 0.0, off)
+    own, pose = with_own_motion(mechanism), Pose(position, quaternion)
+    if own is not None:
+        values, off = _feasible_of_machine(own.machine, own.taken(pose), PROJECTED)
+        there = own.told(motion_pose(own.machine, values))
+        written, _ = poses_coordinates(mechanism, position, quaternion)
+        nearest, _ = poses_coordinates(
+            mechanism, np.asarray(there.position), np.asarray(there.quaternion)
+        )
+        return np.where(off[:, None] > 0.0, written, nearest), off
+    return _feasible_of_machine(mechanism, pose, ON_MOTION)
+
+
+def _feasible_of_machine(
+    mechanism: Mechanism, pose: Pose, near: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """`feasible_poses` of a mechanism whose motion is declared; poses `near` it, over the size, are
+    projected onto it.
+    """
+    values, off = poses_coordinates(
+        mechanism, np.asarray(pose.position), np.asarray(pose.quaternion)
+    )
+    off = np.where(off < near * mechanism.characteristic_length, 0.0, off)
     if ties_poses(mechanism):
         for i in np.flatnonzero((off == 0.0) & ~closing_poses(mechanism, values)):
             values[i], off[i], _ = feasible_pose(mechanism, values[i])
     return values, off
 
 
+def with_own_motion(mechanism: Mechanism) -> Lowered | None:
+    """The machine whose platform has a motion that the description does not declare."""
+    if mechanism.motion != "spatial":
+        return None
+    low = lowered(mechanism)
+    return None if low is None or low.machine.motion == "spatial" else low
+
+
 def feasible_pose(
-    mechanism: Mechanism, values: np.ndarray
+    mechanism: Mechanism, values: np.ndarray, low: Lowered | None = None
 ) -> tuple[np.ndarray, float, tuple[str, ...]]:
     """Pose coordinates that the joints can take, where they tie them to each other: those of a pose
     with few digits are moved to the nearest; a distance that is more than that or beyond reach, and
-    what is said of it.
+    what is said of it, in the words of the description of `low`.
     """
     nearest = nearest_pose(mechanism, values)
     if nearest is None:
         return values, 0.0, ()
-    frame, unit = mechanism.frame_name, mechanism.length_unit
+    frame = (mechanism if low is None else low.written).frame_name
+    unit = mechanism.length_unit
     if nearest.distance <= PROJECTED * mechanism.characteristic_length and not nearest.beyond_reach:
         note = (
             f"the pose was projected onto those that the {frame} can take, by "
             f"{nearest.distance:.3g} {unit}",
         )
         return nearest.values, 0.0, note
-    problem = build_problem(mechanism, "inverse")
-    there = problem.closure.reference.copy()
-    there[problem.known_places] = nearest.values
-    position, quaternion = poses_of(problem.closure, there[None])
-    numbers = [plain(v, mechanism.characteristic_length) for v in position[0].tolist()]
-    told = ", ".join(f"{v:.7g}" for v in (*numbers, *map(plain, quaternion[0].tolist())))
+    there = motion_pose(mechanism, nearest.values)
+    there = there if low is None else low.told(there)
+    numbers = np.concatenate([there.position, there.quaternion])
+    scales = [mechanism.characteristic_length] * 3 + [1.0] * 4
+    at = ", ".join(
+        f"{plain(v, scale):.7g}" for v, scale in zip(numbers.tolist(), scales, strict=True)
+    )
     note = (
         f"the joints tie the coordinates of the {frame}'s pose, and this one lies "
         f"{nearest.distance:.3g} {unit} (angles times the "
-        f"size) off those that it can take; the nearest is {told}",
+        f"size) off those that it can take; the nearest is {at}",
     )
     return values, nearest.distance, note
+
+
+def motion_pose(mechanism: Mechanism, values: np.ndarray) -> Pose:
+    """The pose whose coordinates (numbers,) are these of the mechanism's motion, or a stack of them
+    for coordinates (n, numbers).
+    """
+    columns = np.asarray(values, dtype=float).T
+    if mechanism.motion == "spatial":
+        return Pose(columns[:3], columns[3:])
+    reference, shape = mechanism.reference_pose, columns.shape[1:]
+    position, home = (
+        np.broadcast_to(np.reshape(part, (-1, *[1] * len(shape))), (len(part), *shape)).copy()
+        for part in map(np.asarray, (reference.position, reference.quaternion))
+    )
+    if mechanism.motion == "spherical":
+        return Pose(position, columns)
+    lengths = 2 if mechanism.motion == "planar" else 3
+    position[:lengths] = columns[:lengths]
+    half = 0.5 * (columns[lengths] if len(columns) > lengths else np.zeros(shape))
+    none = np.zeros(shape)
+    return Pose(position, multiply(np.array([np.cos(half), none, none, np.sin(half)]), home))

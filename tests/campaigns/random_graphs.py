@@ -30,6 +30,7 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 import symkin
+from helpers.inside import lowered
 from oracle.plain_graph import Found, Graph, configurations, freedom, generic, read
 
 HEAD = 'format = 1\nname = "graph"\nlength_unit = "mm"\nangle_unit = "rad"\n'
@@ -219,7 +220,10 @@ def compare(
     seconds = time.perf_counter() - begin
     g = read(path, list(given))
     judge = configurations(g, given, starts)
-    missing, unpaired = _missing(g, judge, found), _missing(g, judge, paths)
+    low = lowered(mechanism, frozenset(given))
+    # of three revolutes that are a ball one triple of angles is told: the others tell the mode
+    balls = {n for r in (low.readings if low else ()) if len(r.names) == 3 for n in r.names}
+    missing, unpaired = (_missing(g, judge, one, balls) for one in (found, paths))
     about: dict[str, object] = {
         "modes": len(found),
         "judge": int(judge.isolated.sum()),
@@ -242,11 +246,14 @@ def compare(
     ), about
 
 
-def _missing(g: Graph, judge: Found, found: symkin.Modes) -> int:
-    """How many isolated configurations of the judge are not in a list."""
+def _missing(g: Graph, judge: Found, found: symkin.Modes, untold: set[str]) -> int:
+    """How many isolated configurations of the judge are not in a list, coordinates `untold` of
+    either left out.
+    """
     ours, missing = [mode.joints for mode in found], 0
     for v, isolated in zip(g.values(judge.x), judge.isolated, strict=True):
         named = {c.name: value for c, value in zip(g.coordinates, v, strict=True)}
+        named = {name: value for name, value in named.items() if name not in untold}
         missing += int(isolated and not any(_same(g, named, mode) for mode in ours))
     return missing
 
@@ -255,7 +262,7 @@ def _same(g: Graph, named: dict[str, float], mode: dict[str, object]) -> bool:
     """Whether the coordinates that both tell are the same."""
     for c in g.coordinates:
         value = mode.get(c.name)
-        if value is None or not isinstance(value, float):
+        if c.name not in named or not isinstance(value, float):
             continue
         gap = named[c.name] - value * c.unit
         if c.angle:

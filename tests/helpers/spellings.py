@@ -84,12 +84,15 @@ class Spelling:
     moved: Mapping[str, Pose] = field(default_factory=dict)
     links: Mapping[str, str] = field(default_factory=dict)
 
-    def modes(self, machine: Machine, *, inverse: bool, method: str | None = None) -> Modes:
-        """The modes at the machine's input."""
+    def modes(
+        self, machine: Machine, *, inverse: bool, method: str | None = None, off: float = 0.0
+    ) -> Modes:
+        """The modes at the machine's input, its pose moved `off` sizes along the home's z axis."""
         if not inverse:
             joints = _in_units(self.mechanism, machine.values, self.factor)
             return symkin.modes(self.mechanism, joints=joints, method=method)
-        pose = self.turn @ machine.configuration.pose
+        at, away = machine.configuration.pose, off * machine.home.characteristic_length
+        pose = self.turn @ Pose(at.position + [0.0, 0.0, away], at.quaternion)
         there = Pose(self.factor * np.array(pose.position), pose.quaternion)
         return symkin.modes(self.mechanism, pose=there, method=method)
 

@@ -65,6 +65,29 @@ def test_all_spellings_have_one_answer(tmp_path, name, direction, names) -> None
             assert not lacking(*pair, (len(found[0]), len(found[0])))
 
 
+OFF = ("limbs, motion", "limbs", "graph", "graph, turned", "MJCF")
+
+
+@pytest.mark.parametrize("name", in_gate(["five-bar", "3-RPR", "3-RRR", "Agile Eye"], ["3-RPR"]))
+def test_a_pose_off_the_motion_is_told_so_in_all_spellings(tmp_path, name) -> None:
+    """Rounding is taken away, and said; beyond it nothing is found, and how far off it lies. The
+    joints leave the motion whether or not a file declares it.
+    """
+    machine = MACHINES[name]()
+    size = machine.home.characteristic_length
+    for one in named(list(spellings(machine, tmp_path)), OFF):
+        exact, near, off = (
+            one.modes(machine, inverse=True, off=share) for share in (0.0, 1e-8, 1e-3)
+        )
+        assert len(near) == len(exact) > 0
+        assert near.completeness == exact.completeness
+        assert [mode.certified for mode in near] == [mode.certified for mode in exact]
+        assert sum("was projected onto" in note for note in near.notes) == 1
+        assert not len(off)
+        # of a point the largest of three coordinates is told
+        assert 0.57e-3 < off.smallest_residual / (size * one.factor) < 1.001e-3
+
+
 @pytest.mark.parametrize(
     "spelling", in_gate(["limbs", "graph, turned", "MJCF"], ["limbs", "graph, turned"])
 )
@@ -171,6 +194,7 @@ def test_three_axes_at_right_angles_are_a_ball(last) -> None:
     assert (found.complex_count, found.completeness) == (told.complex_count, told.completeness)
     assert all(mode.certified and mode.residual < 1e-12 for mode in told)
     assert all({"r0", "r1", "r2"} <= set(mode.joints) for mode in told)
+    assert [note for note in told.notes if note.startswith("r0, r1, r2 turn their link as a ball")]
     outputs = [sorted(mode.joints["out"] for mode in modes) for modes in (found, told)]
     assert np.allclose(*outputs, rtol=0.0, atol=1e-9)
 
