@@ -25,8 +25,7 @@ def checked_roots(
     """
     here = known[owner]
     polished = block.polish_many(points, here, POLISHING)
-    places = {c.name: place for c, place in zip(block.unknowns, block.slices, strict=True)}
-    points = canonical(block.unknowns, places, polished.points)
+    points = canonical(block.unknowns, block.places, polished.points)
     closed = np.flatnonzero(are_roots(block, polished, block.residuals(points, here)))
     points, owner = points[closed], owner[closed]
     plain[owner[are_suspect(extreme_singular_values(polished.jacobians[closed]))]] = False

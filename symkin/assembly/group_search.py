@@ -56,9 +56,9 @@ def linear_roots(group: Problem, known: np.ndarray) -> GroupRoots:
 
 def geared_roots(group: Problem, train: GearTrain, known: np.ndarray) -> GroupRoots:
     points = train.solutions(known)
-    unknowns, slices = group.system.unknowns, group.system.slices
-    places = {c.name: place for c, place in zip(unknowns, slices, strict=True)}
-    flat = canonical(unknowns, places, points.reshape(-1, group.system.width))
+    flat = canonical(
+        group.system.unknowns, group.system.places, points.reshape(-1, group.system.width)
+    )
     found = _closed(group, known, flat.reshape(points.shape))
     return (
         found

@@ -153,8 +153,7 @@ class Prover:
 
     def _algebraic(self, points: np.ndarray) -> np.ndarray:
         """The roots (width, m) of the paths' system that real roots `points` (m, width) are."""
-        system = self.problem.system
-        values = {c.name: points[:, s] for c, s in zip(system.unknowns, system.slices, strict=True)}
+        values = {name: points[:, s] for name, s in self.problem.system.places.items()}
         return algebraic_points(self.problem, self.whole, values)
 
 

@@ -378,13 +378,12 @@ def _held_against(
         for kept in [plain[tree.owner[origin]]]
     ]
     met = np.zeros(n, dtype=bool)
-    places = {c.name: place for c, place in zip(system.unknowns, system.slices, strict=True)}
     for i in np.flatnonzero(~plain).tolist():
         mine = np.flatnonzero(tree.owner == i)
         polished = polished_roots(system, points[mine], known[i])
         met[i] = polished.continuum is not None
         first, _ = unite(system, polished.points, known[i], continuum_met=bool(met[i]))
-        own = canonical(system.unknowns, places, polished.points[first])
+        own = canonical(system.unknowns, system.places, polished.points[first])
         least = np.full(len(own), np.min(tree.hits[mine], initial=np.inf))
         parts.append((own, np.full(len(own), i), least))
     points, owner, hits = (np.concatenate(column) for column in zip(*parts, strict=True))

@@ -162,7 +162,7 @@ def _start_mode(trajectory: Trajectory, start: Start) -> tuple[Solution | None, 
         return result.solution, tuple(n for n in result.notes if n not in result.solution.notes)
     return result.solution, () if start is None else start_notes(
         result.solution,
-        trajectory.problem.kind,
+        trajectory.problem,
         start,
     )
 

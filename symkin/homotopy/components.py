@@ -88,6 +88,6 @@ def _real_roots(
 def _algebraic(
     problem: Problem, system: AlgebraicSystem, free: System, point: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    values = {c.name: point[place] for c, place in zip(free.unknowns, free.slices, strict=True)}
+    values = {name: point[place] for name, place in free.places.items()}
     known = np.concatenate([values[c.name] for c in problem.known_coordinates])
     return algebraic_point(problem, system, values), known_values(problem, known)

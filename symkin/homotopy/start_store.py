@@ -322,7 +322,7 @@ def _real_points(
                 algebraic_point(
                     problem,
                     system,
-                    {c.name: z[place] for c, place in zip(rows.unknowns, rows.slices, strict=True)},
+                    {name: z[place] for name, place in rows.places.items()},
                 )
             )
     return np.array(columns).T.reshape(system.width, len(columns))

@@ -118,7 +118,7 @@ def determination(problem: Problem) -> Determination:
     """What the given coordinates of a problem decide, at generic closed configurations."""
     closure = build_closure(problem.mechanism, replace(problem.closure.partition, geometry=False))
     system = whole_system(closure)
-    jacobians = [system.linearise_one(z, np.zeros(0))[1] for z in closed_configurations(closure, 0)]
+    jacobians = [system.linearise_one(z)[1] for z in closed_configurations(closure, 0)]
     found = _determination(
         problem, closure, jacobians[generic([Rank.of(j) for j in jacobians])], RANK_TOLERANCE, 0.0
     )
@@ -131,9 +131,7 @@ def determination(problem: Problem) -> Determination:
         return found
     z, misfit = nearly
     tolerance = min(_OPEN_RANK * misfit / closure.characteristic_length, 1e-2)
-    loose = _determination(
-        problem, closure, system.linearise_one(z, np.zeros(0))[1], tolerance, misfit
-    )
+    loose = _determination(problem, closure, system.linearise_one(z)[1], tolerance, misfit)
     return loose if len(loose.decided) < len(found.decided) else found
 
 
@@ -207,7 +205,7 @@ def _beside_singular(closure: Closure, rank: int) -> tuple[np.ndarray, float, fl
     if digits is None or not digits.beside_alone:
         return None
     near = np.flatnonzero(ends.misfits <= digits.misfit)
-    jacobians = system.linearise(ends.points[near], np.zeros(0))[1]
+    jacobians = system.linearise(ends.points[near])[1]
     values = np.linalg.svd(jacobians, compute_uv=False)
     values = np.hstack([values, np.zeros((len(near), 1))])
     drops = values[:, digits.rank] / values[:, digits.rank - 1]

@@ -77,7 +77,7 @@ def in_space(closure: Closure, values: np.ndarray) -> tuple[Closure, np.ndarray,
     """
     spatial = build_closure(replace(closure.mechanism, motion="spatial"))
     z = np.asarray(many_elsewhere(spatial, closure, values[None])[0])
-    return spatial, z, whole_system(spatial).linearise_one(z, np.zeros(0))[1]
+    return spatial, z, whole_system(spatial).linearise_one(z)[1]
 
 
 def _at_base_origin(wrenches: np.ndarray, position: np.ndarray, size: float) -> np.ndarray:
@@ -113,7 +113,7 @@ def _platform_twists(closure: Closure, system: System, values: np.ndarray) -> np
     """Twists (angular velocity; velocity at the base origin) of the platform link that the closed
     loops leave, as rows.
     """
-    free = null_space(system.linearise_one(values, np.zeros(0))[1], RANK_TOLERANCE, relative=True)
+    free = null_space(system.linearise_one(values)[1], RANK_TOLERANCE, relative=True)
     pose = ca.vertcat(closure.pose.position, closure.pose.quaternion)
     rates = ca.mtimes(ca.jacobian(closure.bound(pose), closure.variables), system.tangent)
     evaluate = ca.Function("platform", [closure.variables], [closure.bound(pose), rates])

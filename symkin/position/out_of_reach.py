@@ -86,14 +86,9 @@ def _gap(problem: Problem, nearest: Polished, given: Given) -> float:
     """The least closure error (length unit) of the part of the problem for which that is
     largest.
     """
-    places = dict(
-        zip((c.name for c in problem.system.unknowns), problem.system.slices, strict=True)
-    )
-    gaps = [0.0]
+    places, gaps = problem.system.places, [0.0]
     for block in problem.blocks:
-        columns = np.concatenate(
-            [np.arange(places[c.name].start, places[c.name].stop) for c in block.unknowns]
-        )
+        columns = np.r_[tuple(places[c.name] for c in block.unknowns)]
         gaps.append(float(block.residuals(nearest.points[:, columns], given.values).min()))
     return max(gaps)
 

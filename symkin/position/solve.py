@@ -152,7 +152,7 @@ def _more_notes(result: SolveResult, start: Start) -> list[str]:
     left = determination(problem).free if problem.by_name else 0
     if left:
         notes.append(_free_note(problem, left, start is None))
-    return notes if start is None else [*notes, *start_notes(found, problem.kind, start)]
+    return notes if start is None else [*notes, *start_notes(found, problem, start)]
 
 
 def _free_note(problem: Problem, left: int, by_default: bool) -> str:

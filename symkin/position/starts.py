@@ -193,5 +193,5 @@ def _example_start(problem: Problem) -> Sequence[float] | None:
     """The example's start, where it is of the kind that the problem takes."""
     example = problem.mechanism.example
     start = example.start if example is not None else None
-    example_kind = "inverse" if example is not None and example.pose is not None else "direct"
-    return start if example_kind == problem.kind else None
+    of_pose = example is not None and example.pose is not None
+    return start if not problem.by_name and problem.of_pose == of_pose else None
