@@ -21,10 +21,9 @@ import numpy as np
 import symkin
 from cases import STARTED
 from symkin.numeric.levenberg import levenberg_marquardt
-from symkin.position.given import given_from
+from symkin.position.given import problem_of, read_given
 from symkin.position.multistart import distinct
 from symkin.position.newton import flat_rows
-from symkin.position.problem import build_problem
 from symkin.position.starts import random_starts
 from timing import Figure, in_turn
 
@@ -57,11 +56,11 @@ def main() -> None:
 
 def compare(name: str, options: argparse.Namespace) -> dict[str, float]:
     """Median starts per second of the three ways, measured in turn."""
-    given = given_from(symkin.load(name), None, None)
-    problem = build_problem(symkin.load(name), given.kind)
+    given = read_given(symkin.load(name), None, None)
+    problem = problem_of(symkin.load(name), given)
     system = problem.system
     starts = random_starts(
-        problem, system, given, options.starts, np.random.default_rng(options.seed)
+        problem, system, given.values, options.starts, np.random.default_rng(options.seed)
     )
     loops = {method: rootfinder(problem, method) for method in ("newton", "fast_newton")}
     system.linearise(starts[:1], given.values)

@@ -9,7 +9,7 @@ import numpy as np
 from symkin.assembly.group_roots import STATEMENTS, GroupRoots, engines_together
 from symkin.assembly.modes_result import Completeness, Group
 from symkin.position.problem import Problem
-from symkin.position.roots import Roots, product_of_counts, sum_of_counts
+from symkin.position.roots import Sample, product_of_counts, sum_of_counts
 
 FEW = -1
 """In place of the group at which choices are too many: there is none."""
@@ -36,7 +36,7 @@ class Account:
     """Of each input, and of all of them (None), what is said of groups."""
     engines: list[str] = field(default_factory=list)
     theorems: dict[int, str] = field(default_factory=dict)
-    samples: dict[int, list[Roots]] = field(default_factory=dict)
+    samples: dict[int, list[Sample]] = field(default_factory=dict)
 
     @staticmethod
     def empty(n: int, groups: int) -> Account:

@@ -13,8 +13,7 @@ from symkin.machine.lower import Lowered, lowered
 from symkin.machine.universal import BallReading
 from symkin.model.mechanism import Mechanism
 from symkin.position.feasible_pose import ties_poses
-from symkin.position.given import Given, given_of_pose
-from symkin.position.given_by_name import plain_kind, pose_names, told_by_name
+from symkin.position.given import Given, given_of_pose, in_order, plain_kind, pose_names
 from symkin.position.problem import Problem
 from symkin.position.solution_list import SolutionList, checked_solutions
 from symkin.position.transfer import many_as_written
@@ -28,12 +27,12 @@ def machine_of(mechanism: Mechanism, given: Given) -> Lowered | None:
     """The machine for known values of joints, or of the platform's pose as a whole; None where it
     is the mechanism itself, and where parts of the pose are given.
     """
-    names = set(given.names) if given.by_name else set()
-    if names == set(pose_names(mechanism)):
-        return lowered(mechanism)
-    if not names <= {c.name for c in mechanism.coordinates}:
+    names, is_pose = frozenset(given.names), _is_pose(mechanism, given)
+    if not is_pose and not names <= {c.name for c in mechanism.coordinates}:
         return None
-    return lowered(mechanism, frozenset(names), pose=not mechanism.is_graph)
+    if is_pose or plain_kind(mechanism, given.names) is not None:
+        return lowered(mechanism)
+    return lowered(mechanism, names, pose=not mechanism.is_graph)
 
 
 def is_complete(found: Modes) -> bool:
@@ -55,17 +54,9 @@ def given_of_machine(low: Lowered, given: Given) -> Given:
         pose = Pose(given.values[:3], given.values[3:])
         looked_at = low.machine.motion != low.written.motion or ties_poses(low.written)
         found = given.off_motion == 0.0 and looked_at
-        given = replace(
-            given_of_pose(low.machine, low.taken(pose), is_feasible=found), echo=given.echo
-        )
-        return told_by_name(low.machine, given) if low.machine.is_graph else given
-    kind = plain_kind(low.machine, given.names) if given.by_name else None
-    if kind is None:
-        return given
-    if kind == "inverse":
-        return replace(given, kind=kind, names=())
-    places = [given.names.index(c.name) for c in low.machine.actuated]
-    return replace(given, kind=kind, names=(), values=given.values[places])
+        there = given_of_pose(low.machine, low.taken(pose), is_feasible=found)
+        return replace(there, echo=given.echo)
+    return in_order(low.machine, given)
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,7 +112,7 @@ def _ball_notes(low: Lowered) -> list[str]:
 
 def _is_pose(mechanism: Mechanism, given: Given) -> bool:
     """Whether the platform's pose as a whole is what is given."""
-    return given.of_pose or given.names == pose_names(mechanism)
+    return given.names == pose_names(mechanism)
 
 
 def _renamed(group: Group, names: dict[str, str]) -> Group:

@@ -13,7 +13,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from symkin.assembly.block_solver import BlockSolver
 from symkin.assembly.checked_roots import checked_roots
 from symkin.assembly.group_roots import GroupRoots
 from symkin.assembly.prover import Prover, prover_of
@@ -35,11 +34,12 @@ _REAL, _NOT_REAL = 1e-10, 1e-4
 
 
 @dataclass(frozen=True, eq=False)
-class BlockPaths(BlockSolver):
+class BlockPaths:
     """A group with its algebraic system and the start of its paths: its own, or those of its
     structure (`shared`), or those of combinations of its rows (`combined`).
     """
 
+    problem: Problem
     algebraic: AlgebraicSystem
     start: Fibre
     shared: Structure | None = None
@@ -147,7 +147,7 @@ def _paths(group: Problem, combined: bool, _folder: str) -> tuple[BlockPaths | N
     system = system_of(group)
     if combined:
         system = squared(system)
-    elif group.kind == "given" and is_tied(group) and not system.projective:
+    elif group.by_name and is_tied(group) and not system.projective:
         return None, TIED
     start, why = start_of(group, system)
     return (

@@ -11,12 +11,11 @@ input is left to paths.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar, Protocol
+from typing import Protocol
 
 import numpy as np
 
 from symkin.assembly.block_paths import BlockPaths
-from symkin.assembly.block_solver import BlockSolver
 from symkin.assembly.checked_roots import checked_roots
 from symkin.assembly.group_roots import GroupRoots
 from symkin.assembly.rod_lengths import rod_lengths
@@ -60,12 +59,12 @@ class Formulas(Protocol):
 
 
 @dataclass(frozen=True, eq=False)
-class ClosedBlock(BlockSolver):
+class ClosedBlock:
     """A group with its formulas; `regular` are known values (known,) of a regular configuration."""
 
+    problem: Problem
     formulas: Formulas
     regular: np.ndarray
-    method: ClassVar[str] = "closed"
 
     @property
     def engine(self) -> str:

@@ -12,16 +12,16 @@ from __future__ import annotations
 import numpy as np
 
 from symkin.assembly.block_paths import BlockPaths, own_paths
+from symkin.assembly.group_roots import STATEMENTS, GroupRoots
 from symkin.homotopy.algebraic import imaginary_part
 from symkin.homotopy.ends import Ends
 from symkin.homotopy.instance import instance
 from symkin.homotopy.six_distances import meet_all_distances, redundant_distances
 from symkin.homotopy.systems import meets_all_rows
 from symkin.homotopy.values import known_values
-from symkin.position.given import Given
 from symkin.position.multistart import batched
 from symkin.position.problem import Problem
-from symkin.position.roots import Roots, polished_roots, unite
+from symkin.position.roots import Sample, polished_roots, unite
 
 _REAL = 1e-5
 """Largest imaginary part of a root that is tried as a real one; the closure decides."""
@@ -30,31 +30,48 @@ _LEAST_ERROR_STARTS = 200
 
 
 def by_continuation(
-    problem: Problem, given: Given, starts: int, rng: np.random.Generator
-) -> tuple[Roots, tuple[str, ...]]:
-    """Roots of a group by paths; where it has no start system by `starts` random
-    starts, with a note why. These are of use too where paths left something in doubt.
+    problem: Problem, known: np.ndarray, starts: int, rng: np.random.Generator
+) -> GroupRoots:
+    """Roots of a group at one row of known values by paths; where it has no start system by
+    `starts` random starts, with a note why. These are of use too where paths left something in
+    doubt.
     """
     from symkin.certificate.disc_library import begin_loading
 
     begin_loading()
     paths, why = own_paths(problem)
     if paths is not None:
-        return _block_roots(paths, given, starts, rng), paths.notes
+        return _block_roots(paths, known, starts, rng)
     names = ", ".join(sorted(c.name for c in problem.system.unknowns))
-    sampled = batched(problem, given, starts, rng)
-    return sampled, (f"{names}: sampled by multistart, {why}",)
+    note = f"{names}: sampled by multistart, {why}"
+    return sampled_roots(problem, batched(problem, known, starts, rng), note)
 
 
-def _block_roots(paths: BlockPaths, given: Given, starts: int, rng: np.random.Generator) -> Roots:
+def sampled_roots(problem: Problem, sample: Sample, *notes: str) -> GroupRoots:
+    """What random starts have reached at one row of known values."""
+    more = (_continuum_note(problem),) if sample.continuum else ()
+    return GroupRoots.sampled(sample, (*notes, *more))
+
+
+def _continuum_note(problem: Problem) -> str:
+    names = ", ".join(c.name for c in problem.system.unknowns)
+    return (
+        f"positive-dimensional set: the {problem.kind} problem has solutions that are not "
+        f"isolated (in {names}); the modes listed are the isolated ones only"
+    )
+
+
+def _block_roots(
+    paths: BlockPaths, known: np.ndarray, starts: int, rng: np.random.Generator
+) -> GroupRoots:
     """Roots that are real: polished on the group's own rows and checked on all of them. Where paths
     are unresolved, or end on a set that is not isolated, `starts` random starts look for what they
     missed; where no root is real, a fixed number of fixed ones looks for the least error.
     """
     problem, system, algebraic = paths.problem, paths.problem.system, paths.algebraic
-    k = known_values(problem, given.values)
+    k = known_values(problem, known)
     ends, prover = instance(algebraic, paths.start, k), paths.prover
-    knowns = prover.knowns(given.values[None])
+    knowns = prover.knowns(known[None])
     count = ends.z.shape[1]
     proved = prover.ends(ends.z, knowns, np.zeros(count, dtype=int)) if prover.proves_ends else None
     # however near to being real
@@ -62,55 +79,68 @@ def _block_roots(paths: BlockPaths, given: Given, starts: int, rng: np.random.Ge
     possible = np.concatenate([ends.z[:, ~unreal], ends.singular.z], axis=1)
     possible = possible[:, imaginary_part(algebraic, possible) < _REAL]
     near = paths.points(possible, np.zeros(possible.shape[1], dtype=int), k[:, None])
-    found = polished_roots(system, near, given.values)
-    points, continuum, smallest = found.points, found.continuum, found.smallest_residual
+    found = polished_roots(system, near, known)
+    points, smallest = found.points, found.smallest_residual
+    continuum = found.continuum is not None
     doubtful = bool(ends.unresolved) or not ends.singular.isolated.all()
     if doubtful or not len(points):
         sampled = (
-            batched(problem, given, starts, rng) if doubtful else _least_errors(problem, given)
+            batched(problem, known, starts, rng) if doubtful else _least_errors(problem, known)
         )
-        continuum = sampled.continuum if continuum is None else continuum
+        continuum = continuum or sampled.continuum
         points = np.concatenate([points, sampled.points])
         smallest = min(smallest, sampled.smallest_residual)
-    first, _ = unite(system, points, given.values, continuum_met=continuum is not None)
+    first, _ = unite(system, points, known, continuum_met=continuum)
     points = points[first]
-    isolated = _isolated(problem, ends, given)
+    isolated = _isolated(problem, ends, known)
     columns = np.repeat(k[:, None], isolated.shape[1], axis=1)
     whole = meets_all_rows(problem, algebraic, isolated, columns)
-    return Roots(
-        system,
+    said = "incomplete" if doubtful or continuum else "probability one"
+    notes = (*paths.notes, *_notes(problem, ends, continuum=continuum))
+    return GroupRoots.of_all(
         points,
-        None,
-        smallest,
-        continuum=continuum,
-        sampled=False,
-        unresolved=len(ends.unresolved),
+        np.zeros(len(points), dtype=int),
         # roots that nearly meet may be one for paths and two for the rows
-        complex_count=max(int(whole.sum()), len(points)),
-        complex_sets=not ends.singular.isolated.all(),
+        np.array([max(int(whole.sum()), len(points))]),
+        statement=np.array([STATEMENTS.index(said)]),
+        unresolved=np.array([len(ends.unresolved)], dtype=float),
+        smallest=np.array([smallest]),
+        continuum=np.array([continuum]),
+        notes={0: notes} if notes else {},
         engine=paths.engine,
-        missing=_missing(ends),
         ends=ends.z,
+        ends_of=np.zeros(count, dtype=int),
     )
 
 
-def _least_errors(problem: Problem, given: Given) -> Roots:
-    return batched(problem, given, _LEAST_ERROR_STARTS, np.random.default_rng(0))
+def _least_errors(problem: Problem, known: np.ndarray) -> Sample:
+    return batched(problem, known, _LEAST_ERROR_STARTS, np.random.default_rng(0))
 
 
-def least_error(problem: Problem, given: Given) -> float:
+def least_error(problem: Problem, known: np.ndarray) -> float:
     """The least closure error that a fixed number of fixed starts reach."""
-    return _least_errors(problem, given).smallest_residual
+    return _least_errors(problem, known).smallest_residual
 
 
-def _isolated(problem: Problem, ends: Ends, given: Given) -> np.ndarray:
+def _isolated(problem: Problem, ends: Ends, known: np.ndarray) -> np.ndarray:
     """Isolated complex roots, of all distances where there are more than six."""
     z = ends.isolated
-    return (
-        z
-        if not redundant_distances(problem)
-        else z[:, meet_all_distances(problem, z, given.values)]
-    )
+    return z if not redundant_distances(problem) else z[:, meet_all_distances(problem, z, known)]
+
+
+def _notes(problem: Problem, ends: Ends, *, continuum: bool) -> list[str]:
+    """What is said of sets that are not isolated and of generic solutions that are missing."""
+    notes, missing = list[str](), _missing(ends)
+    if continuum:
+        notes.append(_continuum_note(problem))
+    elif not ends.singular.isolated.all():
+        notes.append(
+            "paths ended on a set of complex solutions that are not isolated; no real one of it "
+            "was met"
+        )
+    if missing is not None:
+        notes.append(f"{', '.join(c.name for c in problem.system.unknowns)}: {missing}")
+    return notes
 
 
 def _missing(ends: Ends) -> str | None:

@@ -4,7 +4,7 @@ of finding them fill.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any
@@ -12,12 +12,14 @@ from typing import Any
 import numpy as np
 
 from symkin.assembly.modes_result import Completeness
-from symkin.position.roots import Roots
+from symkin.position.roots import NOT_KNOWN, Sample
 
 STATEMENTS: tuple[Completeness, ...] = ("proved", "probability one", "incomplete", "sampled")
 """What is said of a list, from the strongest to the weakest; of several parts the weakest holds."""
 NO_ENDS = np.zeros((0, 0), dtype=complex)
 """Complex roots of what was found without paths."""
+_PER_ROW = ("statement", "complex_count", "unresolved", "smallest", "continuum")
+"""The arrays that tell of rows."""
 _DIGITS = 6
 """Decimals to which values are rounded for the order of a group's solutions, so that rounding
 errors do not decide it.
@@ -51,7 +53,7 @@ class GroupRoots:
     theorem: str | None = None
     ends: np.ndarray = field(default_factory=lambda: NO_ENDS)
     ends_of: np.ndarray = field(default_factory=partial(np.zeros, 0, dtype=int))
-    samples: Mapping[int, Roots] = field(default_factory=dict)
+    samples: Mapping[int, Sample] = field(default_factory=dict)
     origin: np.ndarray | None = None
 
     @staticmethod
@@ -72,35 +74,54 @@ class GroupRoots:
         """Solutions of each row (n,)."""
         return np.bincount(self.owner, minlength=len(self.statement))
 
+    @staticmethod
+    def sampled(sample: Sample, notes: tuple[str, ...]) -> GroupRoots:
+        """Of one row what random starts have reached."""
+        return GroupRoots(
+            sample.points,
+            np.zeros(len(sample.points), dtype=int),
+            sample.hits.astype(float),
+            statement=np.array([STATEMENTS.index("sampled")]),
+            complex_count=np.array([NOT_KNOWN]),
+            unresolved=np.array([NOT_KNOWN]),
+            smallest=np.array([sample.smallest_residual]),
+            continuum=np.array([sample.continuum]),
+            notes={0: notes} if notes else {},
+            samples={0: sample},
+        )
+
     def with_rows(self, rows: np.ndarray, other: GroupRoots) -> GroupRoots:
         """The same with some rows, rising, as another search has them."""
-        kept = ~np.isin(self.owner, rows)
-        points = np.concatenate([self.points[kept], other.points])
-        owner = np.concatenate([self.owner[kept], rows[other.owner]])
-        hits = np.concatenate([self.hits[kept], other.hits])
-        order = np.argsort(owner, kind="stable")
-        arrays = {}
-        for name in ("statement", "complex_count", "unresolved", "smallest", "continuum"):
-            arrays[name] = getattr(self, name).copy()
-            arrays[name][rows] = getattr(other, name)
-        notes = {**self.notes, **{int(rows[i]): texts for i, texts in other.notes.items()}}
-        samples = {**self.samples, **{int(rows[i]): roots for i, roots in other.samples.items()}}
-        engine = engines_together([self.engine, other.engine])
-        left = ~np.isin(self.ends_of, rows[other.ends_of])
-        of = np.concatenate([self.ends_of[left], rows[other.ends_of]])
-        parts = [part for part in (self.ends[:, left], other.ends) if part.size]
-        by_row = np.argsort(of, kind="stable")
+        others = np.setdiff1d(np.arange(len(self.statement)), rows)
+        joined = GroupRoots.joined([self.at(others), other])
+        return joined.at(np.argsort(np.append(others, rows)))
+
+    @staticmethod
+    def joined(parts: Sequence[GroupRoots]) -> GroupRoots:
+        """The rows of several, one after another."""
+        before = np.cumsum([0, *(len(part.statement) for part in parts)]).tolist()
+        begun = list(zip(before, parts, strict=False))
+        ends = [part.ends for part in parts if part.ends.size]
+        arrays: dict[str, Any] = {
+            name: np.concatenate([getattr(part, name) for part in parts]) for name in _PER_ROW
+        }
         return GroupRoots(
-            points[order],
-            owner[order],
-            hits[order],
+            np.concatenate([part.points for part in parts]),
+            np.concatenate([part.owner + begin for begin, part in begun]),
+            np.concatenate([part.hits for part in parts]),
             **arrays,
-            notes=notes,
-            engine=engine,
-            orbits=self.orbits,
-            samples=samples,
-            ends=np.hstack(parts)[:, by_row] if parts else self.ends[:, :0],
-            ends_of=of[by_row],
+            notes={row + begin: told for begin, part in begun for row, told in part.notes.items()},
+            engine=engines_together(part.engine for part in parts),
+            orbits=parts[0].orbits,
+            samples={
+                row + begin: one for begin, part in begun for row, one in part.samples.items()
+            },
+            ends=np.hstack(ends) if ends else NO_ENDS,
+            ends_of=np.concatenate(
+                [part.ends_of + begin for begin, part in begun if part.ends.size]
+            )
+            if ends
+            else parts[0].ends_of[:0],
         )
 
     def proved(self, complete: np.ndarray, theorem: str | None) -> GroupRoots:
@@ -129,27 +150,30 @@ class GroupRoots:
             origin=None if self.origin is None else self.origin[order],
         )
 
-    def part(self, begin: int, end: int) -> GroupRoots:
-        """Those of some rows, which lie together."""
-        own, ends = (
-            slice(*np.searchsorted(owner, [begin, end])) for owner in (self.owner, self.ends_of)
-        )
-        arrays = {
-            name: getattr(self, name)[begin:end]
-            for name in ("statement", "complex_count", "unresolved", "smallest", "continuum")
-        }
+    def at(self, rows: np.ndarray) -> GroupRoots:
+        """Some of the rows, in their order."""
+        rank = np.full(len(self.statement), -1)
+        rank[rows] = np.arange(len(rows))
+        own, ends = (_places_of(owner, rank) for owner in (self.owner, self.ends_of))
+        kept = dict(zip(rows.tolist(), range(len(rows)), strict=True))
         return replace(
             self,
             points=self.points[own],
-            owner=self.owner[own] - begin,
+            owner=rank[self.owner[own]],
             hits=self.hits[own],
-            **arrays,
-            notes={row - begin: told for row, told in self.notes.items() if begin <= row < end},
-            samples={row - begin: r for row, r in self.samples.items() if begin <= row < end},
+            **{name: getattr(self, name)[rows] for name in _PER_ROW},
+            notes={kept[row]: told for row, told in self.notes.items() if row in kept},
+            samples={kept[row]: one for row, one in self.samples.items() if row in kept},
             ends=self.ends[:, ends],
-            ends_of=self.ends_of[ends] - begin,
+            ends_of=rank[self.ends_of[ends]],
             origin=None,
         )
+
+
+def _places_of(owner: np.ndarray, rank: np.ndarray) -> np.ndarray:
+    """Places of what belongs to rows that have a rank, by this."""
+    kept = np.flatnonzero(rank[owner] >= 0)
+    return kept[np.argsort(rank[owner[kept]], kind="stable")]
 
 
 def engines_together(engines: Iterable[str | None]) -> str | None:

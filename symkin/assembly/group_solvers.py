@@ -56,7 +56,7 @@ def solved_groups(problem: Problem, search: Search) -> tuple[Problem, ...]:
 
 @lru_cache(maxsize=128)
 def _solved_groups(problem: Problem, by_paths: bool, formulas: bool) -> tuple[Problem, ...]:
-    if problem.kind == "given":
+    if problem.by_name:
         return structure_groups(problem)
     blocks = problem.independent
     if by_paths and any(_lacks_solver(block) for block in blocks):
@@ -105,7 +105,7 @@ def _group_paths(group: Problem, _folder: str) -> BlockPaths | None:
     if unsuitable(group) is not None or redundant_distances(group):
         return None
     system = system_of(group)
-    structure = structure_of(group, system) if group.kind == "given" else None
+    structure = structure_of(group, system) if group.by_name else None
     if structure is not None:
         shared = start_of_structure(group, structure)
         if shared is not None:
@@ -154,9 +154,9 @@ def solved_parts(group: Problem) -> tuple[Problem, ...]:
     if solved_at_once(group) or closed_block(group) is not None:
         return ()
     whole = group
-    if group.kind != "given":
-        if group.kind != "direct":
-            return ()
+    if group.of_pose:
+        return ()
+    if not group.by_name:
         whole = replace(group, kind="given", row_places=group.places_of_rows)
     elif group.system.freedom <= MOST_UNKNOWNS and group_paths(group) is not None:
         return ()

@@ -56,7 +56,7 @@ def _starts(search: Search) -> int:
 def _minima(problem: Problem, given: Given, search: Search) -> SolutionList:
     system = problem.system
     starts = random_starts(
-        problem, system, given, _starts(search), np.random.default_rng(search.seed)
+        problem, system, given.values, _starts(search), np.random.default_rng(search.seed)
     )
     ends = levenberg_marquardt(system, starts, given.values, max_iterations=200, patience=30).points
     ends = system.polish_many(system.fold(ends[np.isfinite(ends).all(axis=1)]), given.values).points

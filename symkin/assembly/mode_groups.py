@@ -8,12 +8,11 @@ and an S joint has two modes in every place, and n of them 2^n.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 
 from symkin.position.problem import Problem
-from symkin.position.solution import Solution
+from symkin.position.roots import features_of
+from symkin.position.solution_list import SolutionList
 
 _SAME = 1e-6
 """Poses and joint values nearer than this (rad, of the size) are one."""
@@ -21,36 +20,20 @@ _PROJECTIONS = 3
 """Random directions along which different ones are told apart."""
 
 
-def sets_of_modes(problem: Problem, modes: Sequence[Solution], *, joints: bool) -> np.ndarray:
+def sets_of_modes(problem: Problem, modes: SolutionList, *, joints: bool) -> np.ndarray:
     """The group (n,) of each mode, numbered in the order of their first modes: those of one pose,
     with `joints` also of one set of actuated joints. Each is its own where neither was found.
     """
-    if not len(modes):
-        return np.zeros(0, dtype=int)
-    size = problem.closure.characteristic_length
-    given = {c.name for c in problem.known_coordinates}
-    found = [
-        c
-        for c in problem.mechanism.actuated
-        if joints and c.name not in given and c.name in modes[0].values
-    ]
-    columns = [np.zeros((len(modes), 0))]
+    closure, given = modes.closure, {c.name for c in problem.known_coordinates}
+    size, columns = closure.characteristic_length, [np.zeros((len(modes), 0))]
     if problem.mechanism.platform_link is not None:
-        columns += [
-            np.array([mode.position for mode in modes]),
-            size * np.array([mode.rotation.ravel() for mode in modes]),
-        ]
-    for c in found:
-        values = np.array([[mode.values[c.name]] for mode in modes])
-        columns += (
-            [size * np.cos(values), size * np.sin(values)]
-            if c.is_periodic
-            else [size * values if c.is_angular else values]
-        )
-    features = np.concatenate([part.reshape(len(modes), -1) for part in columns], axis=1)
-    if not features.shape[1]:
-        return np.arange(len(modes))
-    return _labels(features / size)
+        turns = modes.quaternion[:, :, None] * modes.quaternion[:, None, :]
+        columns += [modes.position, size * turns.reshape(len(modes), 16)]
+    for c in closure.role("actuated") if joints else ():
+        if c.name not in given:
+            columns.append(features_of([(c, closure.slices[c.name])], modes.values, size))
+    features = np.hstack(columns)
+    return _labels(features / size) if features.shape[1] else np.arange(len(modes))
 
 
 def _labels(features: np.ndarray) -> np.ndarray:
@@ -67,7 +50,7 @@ def _labels(features: np.ndarray) -> np.ndarray:
 
 
 def differing_universal_joints(
-    problem: Problem, modes: Sequence[Solution], groups: np.ndarray
+    problem: Problem, modes: SolutionList, groups: np.ndarray
 ) -> tuple[str, ...]:
     """U joints in which alone the modes of one group differ; none where other joints differ too."""
     first = np.unique(groups, return_index=True)[1][groups]
@@ -81,7 +64,7 @@ def differing_universal_joints(
     for c in problem.system.unknowns:
         if c.role in ("pose", "body") or c.is_rotation:
             continue
-        values = np.array([mode.values[c.name] for mode in modes]).ravel()
+        values = modes.values[:, modes.closure.slices[c.name].start]
         gaps = values - values[first]
         far = np.abs(np.exp(1j * gaps) - 1.0) if c.is_periodic else np.abs(gaps)
         if (far > _SAME * c.unit(problem.closure.characteristic_length)).any():

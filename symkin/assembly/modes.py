@@ -25,20 +25,21 @@ from symkin.assembly.without_search import known_without_search
 from symkin.homotopy.monodromy import told_of_searches
 from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.position.determination import refuse_unless_determined
-from symkin.position.given import Given, Joints, are_many, motion_note
-from symkin.position.given_by_name import (
+from symkin.position.given import (
     Columns,
+    Given,
+    Joints,
     Values,
-    any_given,
-    has_columns,
-    many_given,
-    named_given,
+    is_many,
     problem_of,
+    read_given,
+    read_many,
 )
 from symkin.position.mobility import open_loops_note
 from symkin.position.multistart import DEFAULT_STARTS
 from symkin.position.out_of_reach import reach_note
-from symkin.position.problem import Problem
+from symkin.position.pose_coordinates import motion_note
+from symkin.position.problem import Problem, build_problem
 from symkin.quiet import without_float_warnings
 from symkin.spatial.pose import Pose
 from symkin.verb import verb
@@ -115,13 +116,9 @@ def modes(
         method, options["starts"], options["seed"], options["solver"], options["progress"]
     )
     ask = _Ask(mechanism, search, choose)
-    if has_columns(given) or (given is None and (are_many(joints) or are_many(pose))):
-        return _found(ask, many_given(mechanism, joints, pose, given))
-    one = (
-        named_given(mechanism, joints, pose, given)
-        if choose
-        else any_given(mechanism, joints, pose, given)
-    )
+    if is_many(joints, pose, given):
+        return _found(ask, read_many(mechanism, joints, pose, given))
+    one = read_given(mechanism, joints, pose, given)
     found = _found(ask, [one])[0]
     # coordinates of a pose are those of the declared motion; joints may carry it elsewhere
     is_carried = not found.problem.closure.role("pose")
@@ -165,7 +162,12 @@ def _of_machine(ask: _Ask, givens: Sequence[Given]) -> list[Modes]:
     """
     if not givens:
         return []
-    problem = problem_of(ask.mechanism, givens[0])
+    # numbers of solutions to take are those of blocks of named coordinates
+    problem = (
+        build_problem(ask.mechanism, "given", givens[0].names)
+        if ask.choose
+        else problem_of(ask.mechanism, givens[0])
+    )
     if problem.by_name:
         refuse_unless_determined(problem)
     may_be = not ask.choose and ask.search.method == "continuation"
@@ -232,7 +234,7 @@ def modes_on_grid(
     solution.
     """
     ask = _Ask(mechanism, Search.of(None), least_errors=False)
-    return _found(ask, many_given(mechanism, None, None, columns))
+    return _found(ask, read_many(mechanism, None, None, columns))
 
 
 @without_float_warnings
@@ -248,4 +250,4 @@ def modes_at_need(
     starts, if any does.
     """
     search = Search("continuation", starts, seed, "batched")
-    return _found(_Ask(mechanism, search), [any_given(mechanism, joints, pose)])[0]
+    return _found(_Ask(mechanism, search), [read_given(mechanism, joints, pose)])[0]

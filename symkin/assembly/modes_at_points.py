@@ -38,8 +38,7 @@ from symkin.computed_once import cached_property
 from symkin.errors import InputError, TooManyModesError
 from symkin.machine.lower import Lowered
 from symkin.position.determination import determination, refuse_unless_determined
-from symkin.position.given import Given
-from symkin.position.given_by_name import any_given, problem_of
+from symkin.position.given import Given, problem_of, read_given
 from symkin.position.problem import Problem
 from symkin.position.roots import NOT_KNOWN
 
@@ -88,7 +87,7 @@ class ModeFinder:
 
     def enumerate(self, inputs: Sequence[Mapping[str, Any]]) -> ModeTable:
         """All modes at points given as arguments of `symkin.modes`."""
-        return self.find([any_given(self.problem.mechanism, **g) for g in inputs])
+        return self.find([read_given(self.problem.mechanism, **g) for g in inputs])
 
     def find(self, givens: Sequence[Given]) -> ModeTable:
         """All modes at given points."""
@@ -127,7 +126,7 @@ class ModeFinder:
         """One point, alone."""
         if off_motion > 0.0:
             return ModeTable.of_none(self.problem, "off the motion", 0)
-        given = Given(self.problem.kind, known, {})
+        given = Given((), known, {})
         try:
             found = known_without_search(self.problem, given, self.search)
             return ModeTable.of(found or modes_of_inputs(self.problem, [given], self.search)[0])
@@ -243,7 +242,7 @@ def _of_machine(problem: Problem, search: Search, certify: bool) -> ModeFinder |
     if any(c.width > 1 for c in problem.known_coordinates) or problem.of_pose:
         return None
     # values that tell which of them the machine takes
-    given = Given(problem.kind, np.arange(len(names)), {}, names if problem.by_name else ())
+    given = Given(names, np.arange(len(names)), {})
     low = machine_of(problem.mechanism, given)
     if low is None or may_contradict(low, given):
         return None

@@ -13,7 +13,7 @@ import numpy as np
 from symkin.assembly.mode_groups import differing_universal_joints, sets_of_modes
 from symkin.computed_once import cached_property
 from symkin.position.problem import Problem
-from symkin.position.roots import Roots
+from symkin.position.roots import Sample
 from symkin.position.solution import Solution, finite, heading, read_together
 from symkin.position.solution_list import SolutionList
 from symkin.position.table import given_text, solution_table
@@ -62,19 +62,17 @@ class Sampling(TypedDict, total=False):
     unseen_share: float | None
 
 
-def sampling(searches: Sequence[Roots]) -> Sampling:
+def sampling(searches: Sequence[Sample]) -> Sampling:
     """What searches from random starts tell together; nothing where there are none. The bound of
     the share of hits at roots that are not hit yet holds for all of the searches at once.
     """
     if not searches:
         return {}
     return {
-        "starts": max(
-            (roots.starts for roots in searches if roots.starts is not None), default=None
-        ),
-        "estimated_unseen": sum(roots.unseen for roots in searches),
-        "next_new": max(roots.next_new for roots in searches),
-        "unseen_share": max(roots.unseen_share(_DOUBT / len(searches)) for roots in searches),
+        "starts": max(one.starts for one in searches),
+        "estimated_unseen": sum(one.unseen for one in searches),
+        "next_new": max(one.next_new for one in searches),
+        "unseen_share": max(one.unseen_share(_DOUBT / len(searches)) for one in searches),
     }
 
 

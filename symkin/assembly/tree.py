@@ -10,6 +10,7 @@ import numpy as np
 
 from symkin.assembly.account import FEW, Account
 from symkin.assembly.checked_roots import checked_roots
+from symkin.assembly.closed_roots import ClosedBlock
 from symkin.assembly.continuation import least_error
 from symkin.assembly.group_roots import STATEMENTS, GroupRoots
 from symkin.assembly.group_search import geared_roots, linear_roots, searched_alone
@@ -20,7 +21,6 @@ from symkin.errors import InputError
 from symkin.position.canonical import canonical
 from symkin.position.families import Member, members_of
 from symkin.position.gear_train import gear_train
-from symkin.position.given import Given
 from symkin.position.groups import is_linear
 from symkin.position.problem import Problem
 from symkin.position.roots import MOST_MODES, NOT_KNOWN, polished_roots, unite
@@ -251,7 +251,7 @@ def _of_family(
     owner = found.roots.owner
     return [
         ProvedRoots(
-            found.roots.part(place.start, place.stop),
+            found.roots.at(np.arange(place.start, place.stop)),
             found.proofs.of(slice(*np.searchsorted(owner, [place.start, place.stop]).tolist())),
         )
         for place in places
@@ -299,7 +299,11 @@ def _by_solver(
     if solver is None:
         return None, np.arange(len(known))
     found, doubtful = solver.roots(known)
-    if doubtful.size and solver.method == "closed" and (paths := any_paths(group)) is not None:
+    if (
+        doubtful.size
+        and isinstance(solver, ClosedBlock)
+        and (paths := any_paths(group)) is not None
+    ):
         tracked, left = paths.roots(known[doubtful])
         found, doubtful = found.with_rows(doubtful, tracked), doubtful[left]
     return found, doubtful
@@ -315,7 +319,7 @@ def with_least_errors(
         return roots.with_rows(places, searched_alone(group, known[places], solving.search))
     smallest = roots.smallest.copy()
     for place in places.tolist():
-        smallest[place] = least_error(group, Given(group.kind, known[place], {}))
+        smallest[place] = least_error(group, known[place])
     return replace(roots, smallest=smallest)
 
 

@@ -7,11 +7,12 @@ from dataclasses import replace
 import numpy as np
 
 from symkin.assembly.as_written import Told
+from symkin.assembly.group_roots import GroupRoots
+from symkin.assembly.mode_proofs import PartProofs, proofs_of_group
 from symkin.assembly.modes_result import Modes
-from symkin.assembly.prover import prover_of
 from symkin.assembly.search import Search
 from symkin.errors import InputError
-from symkin.homotopy.systems import system_of, unsuitable
+from symkin.homotopy.systems import unsuitable
 from symkin.numeric.tolerances import CLOSURE_TOLERANCE
 from symkin.position.given import Given
 from symkin.position.problem import Problem
@@ -37,17 +38,12 @@ def _certified(problem: Problem, one: SolutionList, values: np.ndarray) -> Solut
     """
     if unsuitable(problem) is not None:
         return one
-    owner = np.zeros(1, dtype=int)
-    radii = list[float]()
+    known, owner = values[:, problem.known_places], np.zeros(1, dtype=int)
+    proofs = PartProofs.of_nothing(1)
     for part in problem.independent:
-        prover = prover_of(part, system_of(part))
-        knowns = prover.knowns(values[:, problem.known_places])
-        found = prover.proofs(values[:, part.unknown_places], owner, knowns)
-        if not found.certified[0]:
-            return replace(one, certified=np.zeros(1, dtype=int), _made={})
-        radii.append(float(found.radius[0]))
-    radius = np.array([max(radii, default=0.0)])
-    return replace(one, certified=np.ones(1, dtype=int), radius=radius, _made={})
+        roots = GroupRoots.of_all(values[:, part.unknown_places], owner, np.ones(1))
+        proofs = proofs.beside(proofs_of_group(part, roots, known, np.zeros(known.shape))[0])
+    return proofs.told(one)
 
 
 def meet_conditions(problem: Problem, known: np.ndarray) -> np.ndarray:

@@ -31,7 +31,7 @@ from symkin.model.mechanism import Mechanism
 from symkin.numeric.rank import Rank
 from symkin.numeric.system import System
 from symkin.position.closed_configurations import closed_configurations
-from symkin.position.given_by_name import unknown_name
+from symkin.position.given import unknown_name
 from symkin.position.groups import dependence_of, is_linear, structure_groups
 from symkin.position.problem import Problem, build_problem
 

@@ -29,8 +29,7 @@ from symkin.following.path_system import path_systems
 from symkin.following.track import branch_from
 from symkin.following.trajectory import Trajectory, make_trajectory
 from symkin.model.mechanism import Mechanism, require_mechanism
-from symkin.position.given import Joints, given_from
-from symkin.position.given_by_name import Values, given_by_name, plain_kind
+from symkin.position.given import Joints, Values, given_by_name, plain_kind, read_given
 from symkin.position.problem import Problem
 from symkin.result import Result, Summary
 from symkin.text import meant
@@ -202,7 +201,7 @@ def mode_graph(
     """
     joints, given, progress = options["joints"], options["given"], options["progress"]
     require_mechanism(mechanism)
-    if mechanism.serial and (given is None or plain_kind(mechanism, given) is not None):
+    if mechanism.serial and (given is None or plain_kind(mechanism, tuple(given)) is not None):
         raise InputError(
             f"{mechanism.name} is a serial arm: its joint values have one assembly mode, and there "
             f"is nothing to join"
@@ -325,7 +324,7 @@ def _chosen_input(
 ) -> tuple[tuple[str, ...], np.ndarray]:
     """The known coordinates and their values at the chosen input, in the mechanism's units."""
     if given is None:
-        chosen = np.array(given_from(mechanism, joints, None).echo.get("joints", []))
+        chosen = np.array(read_given(mechanism, joints, None).echo.get("joints", []))
         if not len(chosen):
             raise InputError(
                 f"joints: the example of {mechanism.name} gives a pose; give all actuated joints"

@@ -10,8 +10,7 @@ if TYPE_CHECKING:
     import numpy as np
 
     from symkin.numeric.levenberg import Progress
-    from symkin.position.given import Joints
-    from symkin.position.given_by_name import Values
+    from symkin.position.given import Joints, Values
     from symkin.position.solution import Solution
     from symkin.position.starts import Start
     from symkin.spatial.pose import Pose

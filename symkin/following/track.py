@@ -23,8 +23,7 @@ from symkin.following.trajectory import Trajectory, make_trajectory
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.tolerances import SINGULAR_CONDITION
 from symkin.position.determination import refuse_unless_determined
-from symkin.position.given import Joints
-from symkin.position.given_by_name import Values
+from symkin.position.given import Joints, Values
 from symkin.position.problem import Problem
 from symkin.position.solution import Solution
 from symkin.position.solve import solve
@@ -156,7 +155,7 @@ def _start_mode(trajectory: Trajectory, start: Start) -> tuple[Solution | None, 
         return result.solution, tuple(n for n in result.notes if n not in result.solution.notes)
     return result.solution, () if start is None else start_notes(
         result.solution,
-        trajectory.problem.kind,
+        trajectory.problem,
         start,
     )
 

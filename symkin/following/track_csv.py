@@ -18,7 +18,7 @@ from symkin.following.sample import Sample, listed_joints
 from symkin.following.track_result import Track
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism
-from symkin.position.given_by_name import given_coordinates, unknown_name
+from symkin.position.given import given_coordinates, unknown_name
 from symkin.spatial.rotation import quaternion_from_euler
 
 _POSITION, _QUATERNION = ("x", "y", "z"), ("qw", "qx", "qy", "qz")

@@ -26,19 +26,17 @@ from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.position.given import (
     Given,
+    given_by_name,
+    is_many,
     joint_rows,
     joint_values,
-    pose_coordinates,
-    pose_from,
-)
-from symkin.position.given_by_name import (
-    given_by_name,
-    has_columns,
     plain_kind,
+    pose_from,
     pose_names,
     problem_of_names,
     rows_by_name,
 )
+from symkin.position.pose_coordinates import pose_coordinates
 from symkin.position.problem import Kind, Problem
 from symkin.spatial.backend import Array, cos, sin
 from symkin.spatial.pose import Pose
@@ -155,7 +153,7 @@ def _rows(
     """
     if given is not None:
         rows = _named_rows(given)
-        match plain_kind(mechanism, list(rows[0])) if rows else None:
+        match plain_kind(mechanism, tuple(rows[0])) if rows else None:
             case "direct":
                 joints = {name: [row[name] for row in rows] for name in rows[0]}
             case "inverse":
@@ -192,7 +190,7 @@ def _named_rows(given: Columns) -> list[dict[str, Any]]:
         raise InputError(
             "given: columns of values by name are needed, as in given={'crank': [0.0, 90.0]}"
         )
-    if not has_columns(given):
+    if not is_many(None, None, given):
         raise InputError(
             "given: every value stands alone; a path has values for at least one coordinate, one a "
             "sample"
@@ -247,7 +245,7 @@ def _joints(mechanism: Mechanism, row: Sequence[float], number: int) -> Given:
     )
     values = np.where(np.abs(whole - once) > 1.0, whole, once) if len(once) else once
     names = tuple(c.name for c in mechanism.actuated)
-    return Given("direct", values, {"joints": [float(v) for v in row]}, names)
+    return Given(names, values, {"joints": [float(v) for v in row]})
 
 
 def _pose(mechanism: Mechanism, row: Sequence[float] | Pose, number: int) -> Given:
@@ -255,7 +253,7 @@ def _pose(mechanism: Mechanism, row: Sequence[float] | Pose, number: int) -> Giv
     values, off = pose_coordinates(mechanism, pose_from(row, f"pose of sample {number}"))
     numbers = [*row.position, *row.quaternion] if isinstance(row, Pose) else row
     echo = {"pose": [float(v) for v in numbers]}
-    return Given("inverse", values, echo, pose_names(mechanism), off_motion=off)
+    return Given(pose_names(mechanism), values, echo, off_motion=off)
 
 
 def _named(mechanism: Mechanism, row: dict[str, Any], number: int) -> Given:

@@ -15,7 +15,6 @@ from symkin.homotopy.monodromy import Fibre
 from symkin.homotopy.seeds import Points, carried, regular, seed_roots
 from symkin.homotopy.values import algebraic_points, known_values
 from symkin.numeric.levenberg import levenberg_marquardt
-from symkin.position.given import Given
 from symkin.position.problem import Problem
 from symkin.position.starts import random_starts
 
@@ -73,7 +72,7 @@ def _real_roots(
     """
     free = problem.system.freed(problem.known_coordinates)
     reference = problem.select_values(problem.closure.reference, problem.known_coordinates)
-    starts = random_starts(problem, free, Given(problem.kind, reference, {}), _REAL_STARTS, rng)
+    starts = random_starts(problem, free, reference, _REAL_STARTS, rng)
     batch = levenberg_marquardt(free, starts, np.zeros(0))
     points = batch.points[batch.converged][:REAL_POINTS]
     z = algebraic_points(problem, system, free.named(points))

@@ -41,7 +41,6 @@ from symkin.homotopy.values import algebraic_points, coordinate_scale, known_ang
 from symkin.numeric.levenberg import Progress
 from symkin.numeric.rank import Rank
 from symkin.position.closed_configurations import closed_configurations
-from symkin.position.given import Given
 from symkin.position.mobility import mobility
 from symkin.position.multistart import batched
 from symkin.position.problem import Problem
@@ -314,8 +313,8 @@ def _real_points(
     """Regular real roots of an instance that random starts reach, as points of the algebraic
     system.
     """
-    given, rows = Given(problem.kind, known, {}), problem.system
-    found = batched(problem, given, _CHECK_STARTS, np.random.default_rng(seed))
+    rows = problem.system
+    found = batched(problem, known, _CHECK_STARTS, np.random.default_rng(seed))
     regular = found.points[rows.conditions(found.points, known) < 1e7]
     return algebraic_points(problem, system, rows.named(regular))
 

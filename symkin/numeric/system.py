@@ -23,6 +23,8 @@ from symkin.spatial.rotation import multiply, wrapped
 
 _AT_ONCE = 2_000_000
 """Entries of Jacobians that are held at once."""
+NOTHING = np.zeros(0)
+"""Known values of a system that has none."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,7 +123,9 @@ class System:
 
     # --- evaluation: n points z (n, width), known values of each (n, known) or of all (known,) ----
 
-    def linearise(self, z: np.ndarray, known: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def linearise(
+        self, z: np.ndarray, known: np.ndarray = NOTHING
+    ) -> tuple[np.ndarray, np.ndarray]:
         """F (n, rows) and dF/dd (n, rows, freedom)."""
         values, jacobians = self._linearised(z, known)
         return values[:, :, 0], jacobians
@@ -130,7 +134,7 @@ class System:
         """Closure errors (n, checks) in the length unit, of all constraints and whole rotations."""
         return np.asarray(self._checked(z, known)[0][:, :, 0])
 
-    def residuals(self, z: np.ndarray, known: np.ndarray) -> np.ndarray:
+    def residuals(self, z: np.ndarray, known: np.ndarray = NOTHING) -> np.ndarray:
         """The largest of the `checks` (n,)."""
         return np.asarray(np.max(np.abs(self.checks(z, known)), axis=1, initial=0.0))
 
@@ -155,18 +159,20 @@ class System:
         """
         return condition_of(self.extremes(z, known))
 
-    def polish_many(self, z: np.ndarray, known: np.ndarray, steps: int = 8) -> Polished:
+    def polish_many(self, z: np.ndarray, known: np.ndarray = NOTHING, steps: int = 8) -> Polished:
         """Gauss-Newton on all rows from each point, until its step no longer shrinks the rows."""
         return polish(self, z, known, steps)
 
     # --- the same at one point z (width,) with known values (known,) ------------------------------
 
-    def linearise_one(self, z: np.ndarray, known: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def linearise_one(
+        self, z: np.ndarray, known: np.ndarray = NOTHING
+    ) -> tuple[np.ndarray, np.ndarray]:
         """F (rows,) and dF/dd (rows, freedom)."""
         values, jacobians = self.linearise(z[None], known)
         return values[0], jacobians[0]
 
-    def residual(self, z: np.ndarray, known: np.ndarray) -> float:
+    def residual(self, z: np.ndarray, known: np.ndarray = NOTHING) -> float:
         """Largest closure error in the length unit, over all constraints and whole rotations."""
         return float(self.residuals(z[None], known)[0])
 

@@ -37,7 +37,7 @@ def groups_of(problem: Problem) -> list[Problem]:
     if problem.is_explicit or not problem.known_coordinates:
         return []
     # of a problem by name the groups are those that `modes` has solved
-    if problem.kind != "given":
+    if not problem.by_name:
         problem = replace(problem, kind="given", row_places=problem.places_of_rows)
     return _leaves(structure_groups(problem))
 

@@ -19,7 +19,7 @@ from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.numeric.cache_folder import cache_folder, folder_fault
 from symkin.page.page import PlayedPath, page_html
 from symkin.page.played_path import played_path
-from symkin.position.given import given_from
+from symkin.position.given import read_given
 from symkin.position.solution import Solution
 from symkin.spatial.pose import Pose
 
@@ -121,7 +121,7 @@ def view_mechanism(
         return view_solution(found[0])
     played = played_path(mechanism, path, given) if isinstance(path, (str, Path)) else path
     if joints is not None:
-        ordered = given_from(mechanism, joints, None).echo["joints"]
+        ordered = read_given(mechanism, joints, None).echo["joints"]
         given = {c.name: value for c, value in zip(mechanism.actuated, ordered, strict=True)}
     if given is None and played is not None:
         return View(

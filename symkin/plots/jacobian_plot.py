@@ -13,7 +13,7 @@ from symkin.drawing.palette import COLOURS
 from symkin.errors import InputError
 from symkin.plots.sheet import new_figure
 from symkin.plots.style import drawing
-from symkin.position.given_by_name import given_coordinates
+from symkin.position.given import given_coordinates
 from symkin.position.solve_result import SolveError
 from symkin.singularities.configuration import configuration
 from symkin.text import matplotlib_text

@@ -9,7 +9,7 @@ import numpy as np
 from symkin.closure.closure import build_closure
 from symkin.drawing.layout import layout_of
 from symkin.plots.figures import Panel
-from symkin.position.given import leaves_motion
+from symkin.position.pose_coordinates import leaves_motion
 from symkin.position.solution import Solution
 from symkin.spatial.rotation import euler_from_quaternion
 

@@ -9,7 +9,7 @@ import numpy as np
 from symkin.drawing.palette import COLOURS
 from symkin.plots.sheet import foot_legend, head, name_axes, new_figure
 from symkin.plots.style import drawing
-from symkin.position.given_by_name import given_coordinates
+from symkin.position.given import given_coordinates
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

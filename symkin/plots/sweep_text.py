@@ -14,7 +14,7 @@ from symkin.model.file import parse
 from symkin.model.mechanism import Mechanism
 from symkin.plain_number import plain
 from symkin.plots.sheet import head
-from symkin.position.given_by_name import given_coordinates
+from symkin.position.given import given_coordinates
 from symkin.position.varied_pose import axis_title, turn_text
 from symkin.spatial.rotation import conjugate, multiply
 

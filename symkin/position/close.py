@@ -25,14 +25,14 @@ from symkin.formats.load import is_robot, load, read_robot
 from symkin.formats.read_options import AS_IT_IS, ReadOptions
 from symkin.formats.robot import Robot
 from symkin.model.mechanism import Mechanism
-from symkin.numeric.levenberg import levenberg_marquardt
 from symkin.numeric.tolerances import CLOSURE_TOLERANCE, LIMIT_SLACK
 from symkin.position.close_result import ClosedConfiguration, LoopGap
+from symkin.position.closed_configurations import nearest_closed as nearest_closed_values
 from symkin.position.closed_configurations import whole_system
 from symkin.position.gruebler import counts
 from symkin.position.mobility import mobility
 from symkin.position.moved_reference import with_reference_at
-from symkin.position.readings import left_out, readings_at
+from symkin.position.readings import readings_at
 from symkin.spatial.rotation import conjugate
 from symkin.text import first_of
 from symkin.verb import read_as, verb
@@ -168,15 +168,11 @@ def _limit_notes(robot: Robot, found: Closed) -> list[str]:
 def _of_mechanism(mechanism: Mechanism, seed: int) -> ClosedConfiguration:
     """The same of a mechanism, from its reference."""
     closure, account = build_closure(mechanism), mobility(mechanism, seed=seed)
-    system, nothing, size = whole_system(closure), np.zeros(0), closure.characteristic_length
-    open_by = float(system.residual(closure.reference, nothing))
-    values = closure.reference
-    if open_by > CLOSURE_TOLERANCE * size:
-        batch = levenberg_marquardt(system, values[None], nothing, max_iterations=200)
-        values = system.polish_many(batch.points, nothing).points[0]
-    if system.residual(values, nothing) > CLOSURE_TOLERANCE * size:
-        values = min((values, account.values), key=lambda z: float(system.residual(z, nothing)))
-    residual = float(system.residual(values, nothing))
+    system, size = whole_system(closure), closure.characteristic_length
+    open_by, values = system.residual(closure.reference), nearest_closed_values(closure)
+    if system.residual(values) > CLOSURE_TOLERANCE * size:
+        values = min((values, account.values), key=system.residual)
+    residual = system.residual(values)
     closed = residual <= (DIGITS if account.digits is not None else CLOSURE_TOLERANCE) * size
     moved = mechanism if open_by <= CLOSURE_TOLERANCE * size else with_reference_at(closure, values)
     links, joints, _ = counts(mechanism)
@@ -208,7 +204,7 @@ def _of_mechanism(mechanism: Mechanism, seed: int) -> ClosedConfiguration:
 def _joint_values(closure: Closure, values: np.ndarray) -> dict[str, float | list[float]]:
     """Every joint coordinate in the mechanism's units."""
     mechanism = closure.mechanism
-    read = readings_at(closure, values[None]) if left_out(closure) else {}
+    read = readings_at(closure, values[None])
     found: dict[str, float | list[float]] = {}
     for c in mechanism.coordinates:
         numbers = read[c.name][0] if c.name in read else values[closure.slices[c.name]]

@@ -8,7 +8,7 @@ import numpy as np
 from symkin.closure.closure import Closure
 from symkin.computed_once import lru_cache
 from symkin.numeric.levenberg import levenberg_marquardt
-from symkin.numeric.system import System
+from symkin.numeric.system import NOTHING, System
 from symkin.numeric.tolerances import CLOSED_CONFIGURATION, CLOSURE_TOLERANCE
 from symkin.position.file_digits import LeastSquaresEnds, least_squares_from, rank_to_digits
 from symkin.position.own_component import Component, component_at_singular, regular_component
@@ -29,17 +29,23 @@ def whole_system(closure: Closure) -> System:
 
 
 @lru_cache(maxsize=128)
+def nearest_closed(closure: Closure) -> np.ndarray:
+    """The reference, or where least squares from there ends if that is open."""
+    system, start = whole_system(closure), closure.reference
+    if system.residual(start) <= CLOSURE_TOLERANCE * closure.characteristic_length:
+        return start
+    batch = levenberg_marquardt(system, start[None], NOTHING, max_iterations=200)
+    return np.asarray(system.polish_many(batch.points).points[0])
+
+
+@lru_cache(maxsize=128)
 def own_component(closure: Closure, seed: int) -> Component | None:
     """Configurations of the assembly that the reference belongs to, or the nearest that closes
     where the reference is open; None where least squares from there ends open.
     """
-    system, nothing, size = whole_system(closure), np.zeros(0), closure.characteristic_length
-    start = closure.reference
-    if not system.residual(start, nothing) <= CLOSURE_TOLERANCE * size:
-        batch = levenberg_marquardt(system, start[None], nothing, max_iterations=200)
-        start = system.polish_many(batch.points, nothing).points[0]
-        if not system.residual(start, nothing) <= CLOSED_CONFIGURATION * size:
-            return None
+    system, start = whole_system(closure), nearest_closed(closure)
+    if not system.residual(start) <= CLOSED_CONFIGURATION * closure.characteristic_length:
+        return None
     found = regular_component(system, start, seed)
     if found.infinitesimal:
         # a singular file of few digits: what closes exactly beside it is less than what its digits

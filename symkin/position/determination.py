@@ -12,7 +12,6 @@ from symkin.closure.closure import Closure, build_closure
 from symkin.computed_once import lru_cache
 from symkin.errors import InputError
 from symkin.model.joint import POSE_CONDITIONS, Coordinate
-from symkin.numeric.levenberg import levenberg_marquardt
 from symkin.numeric.rank import Rank, generic, independent_rows, null_space
 from symkin.numeric.tolerances import CLOSURE_TOLERANCE, RANK_TOLERANCE
 from symkin.position.closed_configurations import (
@@ -119,7 +118,7 @@ def determination(problem: Problem) -> Determination:
     """What the given coordinates of a problem decide, at generic closed configurations."""
     closure = build_closure(problem.mechanism, replace(problem.closure.partition, geometry=False))
     system = whole_system(closure)
-    jacobians = [system.linearise_one(z, np.zeros(0))[1] for z in closed_configurations(closure, 0)]
+    jacobians = [system.linearise_one(z)[1] for z in closed_configurations(closure, 0)]
     found = _determination(
         problem, closure, jacobians[generic([Rank.of(j) for j in jacobians])], RANK_TOLERANCE, 0.0
     )
@@ -132,9 +131,7 @@ def determination(problem: Problem) -> Determination:
         return found
     z, misfit = nearly
     tolerance = min(_OPEN_RANK * misfit / closure.characteristic_length, 1e-2)
-    loose = _determination(
-        problem, closure, system.linearise_one(z, np.zeros(0))[1], tolerance, misfit
-    )
+    loose = _determination(problem, closure, system.linearise_one(z)[1], tolerance, misfit)
     return loose if len(loose.decided) < len(found.decided) else found
 
 
@@ -208,7 +205,7 @@ def _beside_singular(closure: Closure, rank: int) -> tuple[np.ndarray, float, fl
     if digits is None or not digits.beside_alone:
         return None
     near = np.flatnonzero(ends.misfits <= digits.misfit)
-    jacobians = system.linearise(ends.points[near], np.zeros(0))[1]
+    jacobians = system.linearise(ends.points[near])[1]
     values = np.linalg.svd(jacobians, compute_uv=False)
     values = np.hstack([values, np.zeros((len(near), 1))])
     drops = values[:, digits.rank] / values[:, digits.rank - 1]
@@ -223,20 +220,14 @@ def _beside_singular(closure: Closure, rank: int) -> tuple[np.ndarray, float, fl
 
 
 def _nearly_closed(closure: Closure) -> tuple[np.ndarray, float] | None:
-    """A configuration off the reference of least closure error, and that error, where it is more
-    than rounding and no more than that of digits.
+    """Of the configurations where least squares end off the reference that of largest closure
+    error, and that error, among those where it is more than rounding and no more than that of
+    digits.
     """
-    system, rng = whole_system(closure), np.random.default_rng(0)
-    begin = np.tile(closure.reference, (8, 1))
-    starts = system.move(
-        begin, 0.1 * closure.characteristic_length * rng.normal(size=(8, system.freedom))
-    )
-    ends = levenberg_marquardt(system, starts, np.zeros(0), max_iterations=200).points
-    ends = system.polish_many(ends[np.isfinite(ends).all(axis=1)], np.zeros(0)).points
-    left = system.residuals(ends, np.zeros(0))
-    size = closure.characteristic_length
-    open_ones = np.flatnonzero((left > CLOSURE_TOLERANCE * size) & (left <= DIGITS * size))
-    if not len(open_ones):
+    ends, size = least_squares_ends(closure, 0), closure.characteristic_length
+    left = ends.misfits
+    near = np.flatnonzero((left > CLOSURE_TOLERANCE * size) & (left <= DIGITS * size))
+    if not near.size:
         return None
-    best = open_ones[np.argmax(left[open_ones])]
-    return ends[best], float(left[best])
+    best = near[np.argmax(left[near])]
+    return ends.points[best], float(left[best])

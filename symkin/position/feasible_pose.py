@@ -71,7 +71,7 @@ def _ranks(mechanism: Mechanism) -> tuple[tuple[int, int], ...]:
     problem = build_problem(mechanism, "inverse")
     whole, joints = _whole(problem), problem.system.freedom
     jacobians = [
-        whole.linearise_one(_take(problem, values), np.zeros(0))[1]
+        whole.linearise_one(_take(problem, values))[1]
         for values in closed_configurations(problem.closure, 2)[:3]
     ]
     return tuple(
@@ -102,7 +102,7 @@ def nearest_pose(mechanism: Mechanism, pose: np.ndarray) -> NearestPose | None:
         z = whole.move(z[None], step[None])[0]
         if float(np.max(np.abs(step))) < 1e-13 * whole.characteristic_length:
             break
-    if not whole.residual(z, np.zeros(0)) <= CLOSED_CONFIGURATION * whole.characteristic_length:
+    if not whole.residual(z) <= CLOSED_CONFIGURATION * whole.characteristic_length:
         return None
     off = _to_pose(whole, problem.system.freedom, z, pose)
     distance = float(np.max(np.abs(off), initial=0.0))
@@ -113,7 +113,7 @@ def _is_beyond_reach(problem: Problem, whole: System, z: np.ndarray, off: np.nda
     """Whether the way `off` from the nearest pose to the wanted one leads where joints could follow
     at other configurations.
     """
-    jacobian, count = whole.linearise_one(z, np.zeros(0))[1], problem.system.freedom
+    jacobian, count = whole.linearise_one(z)[1], problem.system.freedom
     left, singular, _ = np.linalg.svd(jacobian[:, :count])
     rank = count_above(singular, _HELD, relative=True)
     lost = left[:, rank : _joint_rank(problem.mechanism)].T
@@ -162,7 +162,7 @@ def _step(problem: Problem, whole: System, z: np.ndarray, wanted: np.ndarray) ->
     rows allow: with N the rows' combinations that no joint moves, N (F + J_X x) = 0, |x - x0|
     least, x0 the way back to the wanted pose; the joints follow.
     """
-    rows, jacobian = whole.linearise_one(z, np.zeros(0))
+    rows, jacobian = whole.linearise_one(z)
     if not np.isfinite(jacobian).all():
         return None
     count = problem.system.freedom

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from symkin.numeric.levenberg import levenberg_marquardt
-from symkin.numeric.system import System
+from symkin.numeric.system import NOTHING, System
 from symkin.numeric.tolerances import CLOSED_CONFIGURATION
 
 FILE_DIGITS = 1e-5
@@ -62,10 +62,9 @@ def least_squares_from(system: System, reference: np.ndarray, seed: int) -> Leas
     begin = np.tile(reference, (3 * each, 1))
     radii = np.repeat([0.03, 0.1, 0.3], each)[:, None] * size
     starts = system.move(begin, radii * rng.normal(size=(3 * each, system.freedom)))
-    nothing = np.zeros(0)
-    batch = levenberg_marquardt(system, starts, nothing, max_iterations=200)
-    points = system.polish_many(batch.points, nothing).points
-    misfits = system.residuals(points, nothing)
+    batch = levenberg_marquardt(system, starts, NOTHING, max_iterations=200)
+    points = system.polish_many(batch.points).points
+    misfits = system.residuals(points)
     closed = batch.converged & (misfits <= CLOSED_CONFIGURATION * size)
     return LeastSquaresEnds(points, misfits, closed)
 
@@ -79,7 +78,7 @@ def rank_to_digits(system: System, ends: LeastSquaresEnds, rank: int | None) -> 
     near = np.flatnonzero((misfits > CLOSED_CONFIGURATION * size) & (misfits <= FILE_DIGITS * size))
     if not near.size:
         return None
-    _, jacobians = system.linearise(ends.points[near], np.zeros(0))
+    _, jacobians = system.linearise(ends.points[near])
     values = np.linalg.svd(jacobians, compute_uv=False)
     zero = np.maximum(FILE_DIGITS, BLUR * misfits[near] / size)[:, None] * values[:, :1]
     counts = np.sum(values > zero, axis=1)

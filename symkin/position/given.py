@@ -1,5 +1,5 @@
-"""What the user gives: joint values, a pose or a start, read at the border into radians and unit
-quaternions.
+"""What the user gives: joints, a pose, or values of any coordinates by name, read at the border
+into radians and unit quaternions.
 """
 
 from __future__ import annotations
@@ -12,25 +12,32 @@ from typing import Any
 
 import numpy as np
 
+from symkin.closure.partition import POSE_COORDINATES
+from symkin.computed_once import lru_cache
 from symkin.errors import InputError
-from symkin.machine.lower import Lowered, lowered
-from symkin.model.joint import Coordinate
+from symkin.machine.lower import Lowered
+from symkin.model.joint import POSE_CONDITIONS, Coordinate
 from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.model.oddities import FULL_TURN
-from symkin.plain_number import plain
-from symkin.position.feasible_pose import PROJECTED, closing_poses, nearest_pose, ties_poses
-from symkin.position.problem import Kind, OfKind
-from symkin.spatial.backend import Array, atan2, vector
+from symkin.position.feasible_pose import PROJECTED
+from symkin.position.pose_coordinates import (
+    ON_MOTION,
+    feasible_pose,
+    motion_pose,
+    pose_coordinates,
+    with_own_motion,
+)
+from symkin.position.problem import Kind, Problem, build_problem
 from symkin.spatial.pose import Pose
-from symkin.spatial.rotation import conjugate, multiply, wrapped
 from symkin.text import counted, first_of, meant, shown
 from symkin.verb import real
 
-_ON_MOTION = 1e-6
-"""A pose off a restricted motion by less than this (of the size, or rad) is projected onto it."""
-
 Joints = Sequence[float] | Mapping[str, float]
 """Values of all actuated joints in the mechanism's units: in file order, or by name."""
+Values = Mapping[str, float | Sequence[float]]
+"""Values of any coordinates by name."""
+Columns = Mapping[str, float | Sequence[float] | Sequence[Sequence[float]] | np.ndarray]
+"""Values by name of many inputs: columns, and one value where all inputs have the same."""
 
 LARGEST_GIVEN = 1e150
 """Largest magnitude of a given value, in the mechanism's units: the square of a larger one
@@ -39,81 +46,249 @@ overflows a double.
 
 
 @dataclass(frozen=True)
-class Given(OfKind):
-    """Known values of a problem: `values` in inside units, `echo` as the user gave them;
-    `off_motion` is how far a pose lies off the platform's motion (length unit), 0 when it lies on
-    it or was projected; `names` are the coordinates of a "given" problem.
+class Given:
+    """Known values of a problem: the `names` of its known coordinates, their `values` in inside
+    units, `echo` as the user gave them; `off_motion` is how far a pose lies off those that the
+    platform can take (length unit), 0 where it is one or was projected.
     """
 
-    kind: Kind
+    names: tuple[str, ...]
     values: np.ndarray
     echo: dict[str, Any]
-    names: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
     off_motion: float = 0.0
 
 
-def given_from(
-    mechanism: Mechanism, joints: Joints | None, pose: Sequence[float] | Pose | None
+# --- one input ------------------------------------------------------------------------------------
+
+
+def read_given(
+    mechanism: Mechanism, joints: Any = None, pose: Any = None, given: Values | None = None
 ) -> Given:
-    """Joints make a direct problem, a pose an inverse one; neither: the example's, else the
-    reference's joints.
+    """What is given in any form: all actuated joints, the platform's pose, or values by name. Where
+    nothing is: the example's, else the joints of the reference. Raises InputError.
     """
     require_mechanism(mechanism)
+    example = mechanism.example
+    if given is None and joints is None and pose is None and example is not None:
+        given = None if example.given is None else dict(example.given)
+        joints = example.joints if given is None else None
+        pose = example.pose if given is None and joints is None else None
+    if given is not None:
+        if joints is not None or pose is not None:
+            raise InputError(
+                "given: values by name and joints or a pose beside them; give one of them"
+            )
+        if isinstance(given, Mapping) and plain_kind(mechanism, tuple(given)) == "direct":
+            return _of_joints(mechanism, given)  # type: ignore[arg-type]
+        return given_by_name(mechanism, given)
     if joints is not None and pose is not None:
         raise InputError(
             "both joints and a pose are given; joints make a direct problem, a pose an inverse "
             "one: give one of them"
         )
-    if joints is None and pose is None:
-        example = mechanism.example
-        if example is not None and example.joints is not None:
-            joints = example.joints
-        elif example is not None and example.pose is not None:
-            pose = example.pose
-        else:
-            joints = [_coordinate_out(mechanism, c) for c in mechanism.actuated]
-            if not joints:
-                raise InputError(
-                    f"{mechanism.name} has no actuated joint and no [example]; nothing to solve: "
-                    f"give a pose"
-                )
     if pose is not None:
         return given_pose(mechanism, pose)
-    assert joints is not None  # noqa: S101 - one of the branches above has set it
+    if joints is None and not mechanism.actuated:
+        if mechanism.is_graph:
+            return Given((), np.zeros(0), {})
+        raise InputError(
+            f"{mechanism.name} has no actuated joint and no [example]; nothing to solve: give a "
+            f"pose"
+        )
+    if joints is None:
+        joints = [mechanism.value_out(c, c.reference[0]) for c in mechanism.actuated]
+    return _of_joints(mechanism, joints)
+
+
+def _of_joints(mechanism: Mechanism, joints: Joints) -> Given:
+    """Values of all actuated joints, angles of more than a turn without their whole turns."""
     ordered = in_file_order(mechanism, joints)
     values = joint_values(mechanism, ordered)
-    return Given(
-        "direct",
-        values,
-        {"joints": [float(v) for v in ordered]},
-        notes=_turn_notes(mechanism, ordered),
-    )
+    echo = {"joints": [float(v) for v in ordered]}
+    return Given(_actuated(mechanism), values, echo, notes=_turn_notes(mechanism, ordered))
 
 
-def _turn_notes(mechanism: Mechanism, ordered: Sequence[float]) -> tuple[str, ...]:
-    """A note on angles of more than a turn where the unit is rad."""
-    if mechanism.angle_unit != "rad":
-        return ()
-    told = [
-        f"{c.name} = {v:g}"
-        for c, v in zip(mechanism.actuated, ordered, strict=True)
-        if c.is_periodic and abs(v) > FULL_TURN
-    ]
-    return (
-        (
-            f"{first_of(told, 3)} rad: more than a turn, taken without its whole turns; are "
-            f"degrees meant?",
-        )
-        if told
-        else ()
-    )
-
-
-def are_many(values: Any) -> bool:
-    """Whether values are those of several inputs: an array (n, numbers), a sequence of sequences,
-    mappings or poses, or a mapping of names to columns.
+def given_pose(mechanism: Mechanism, given: Sequence[float] | Pose) -> Given:
+    """A pose of the platform, on its motion, which is declared or which its joints leave it, and,
+    where joints tie poses, on those that they can take.
     """
+    if mechanism.platform_link is None:
+        raise InputError(
+            f"pose: {mechanism.name} has no platform link; name it by [platform] link in its "
+            f"mechanism file, of a robot's file by --platform LINK, or give joints"
+        )
+    pose = pose_from(given)
+    own = with_own_motion(mechanism)
+    if own is None:
+        return given_of_pose(mechanism, pose)
+    there = given_of_pose(own.machine, own.taken(pose), near=PROJECTED, low=own)
+    on_motion = pose if there.off_motion else own.told(motion_pose(own.machine, there.values))
+    values, _ = pose_coordinates(mechanism, on_motion)
+    return replace(there, names=pose_names(mechanism), values=values, echo=_echo(pose))
+
+
+def given_of_pose(
+    mechanism: Mechanism,
+    pose: Pose,
+    *,
+    is_feasible: bool = False,
+    near: float = ON_MOTION,
+    low: Lowered | None = None,
+) -> Given:
+    """`given_pose` of numbers that were looked at before, on the declared motion; the joints can
+    take a pose that `is_feasible`, and one `near` the motion, over the size, is projected onto it.
+    Notes tell of the description of `low`, whose machine the mechanism is.
+    """
+    values, off = pose_coordinates(mechanism, pose)
+    notes: tuple[str, ...] = ()
+    if 0.0 < off < near * mechanism.characteristic_length:
+        if off > 1e-12 * mechanism.characteristic_length:
+            notes = (
+                f"the pose was projected onto the platform's {mechanism.motion} motion, by "
+                f"{off:.3g} {mechanism.length_unit}",
+            )
+        off = 0.0
+    elif off > 0.0:
+        notes = (
+            f"the pose lies off the platform's {mechanism.motion} motion by {off:.3g} "
+            f"{mechanism.length_unit}",
+        )
+    if off == 0.0 and not is_feasible:
+        values, off, more = feasible_pose(mechanism, values, low)
+        notes += more
+    return Given(pose_names(mechanism), values, _echo(pose), notes, off)
+
+
+def _echo(pose: Pose) -> dict[str, Any]:
+    return {"pose": [float(v) for v in (*pose.position, *pose.quaternion)]}
+
+
+def given_by_name(mechanism: Mechanism, values: Values) -> Given:
+    """Values by name as they are told, in the mechanism's units; "pose" is x, y, z, qw, qx, qy, qz
+    as a whole. Raises InputError for a name that nothing has and a value that is none.
+    """
+    if not isinstance(values, Mapping):
+        raise InputError(
+            f"given = {shown(str(values))} has no names; values by name are needed, as in "
+            f"given={{'crank': 60.0}}"
+        )
+    coordinates = given_coordinates(mechanism)
+    read: Given | None = None
+    if "pose" in values and "pose" not in coordinates and mechanism.platform_link is not None:
+        read = given_pose(mechanism, values["pose"])  # type: ignore[arg-type]
+    numbers: dict[str, float] = {}
+    for name, value in values.items():
+        if read is not None and name == "pose":
+            continue
+        if name not in coordinates:
+            raise InputError(unknown_name(mechanism, name, list(coordinates)))
+        number = number_of(value, f"given: {name}")
+        refuse_negative_rod(mechanism, coordinates[name], number, "given")
+        numbers[name] = mechanism.value_in(coordinates[name], number)
+    clash = sorted(set(numbers) & set(POSE_CONDITIONS)) if read is not None else []
+    if clash:
+        raise InputError(
+            f"given: the whole pose and {', '.join(clash)} beside it; give one or the other"
+        )
+    read = read or Given((), np.zeros(0), {})
+    return replace(
+        read,
+        names=(*read.names, *numbers),
+        values=np.array([*read.values, *numbers.values()]),
+        echo=read.echo | {name: float(values[name]) for name in numbers},  # type: ignore[arg-type]
+    )
+
+
+# --- names and problems ---------------------------------------------------------------------------
+
+
+def pose_names(mechanism: Mechanism) -> tuple[str, ...]:
+    """Names of the coordinates of the platform's pose."""
+    return tuple(f"pose.{name}" for name, _ in POSE_COORDINATES[mechanism.motion])
+
+
+def _actuated(mechanism: Mechanism) -> tuple[str, ...]:
+    return tuple(c.name for c in mechanism.actuated)
+
+
+def given_coordinates(mechanism: Mechanism) -> dict[str, Coordinate]:
+    """What can be given: coordinates of joints, actuated rods, and those of the pose that no joint
+    has the name of.
+    """
+    found = {c.name: c for c in mechanism.coordinates if not c.is_rotation}
+    if mechanism.platform_link is not None:
+        pose = {
+            n: Coordinate(n, "length" if n in ("x", "y", "z") else "angle", "given")
+            for n in POSE_CONDITIONS
+        }
+        found = pose | found
+    return found
+
+
+def unknown_name(mechanism: Mechanism, name: str, known: list[str], what: str = "given") -> str:
+    """A sentence about a name that no coordinate has, with the nearest ones."""
+    return (
+        f"{what}: {mechanism.name} has no coordinate {shown(name)}{meant(name, known)}; allowed: "
+        f"{', '.join(known)}"
+    )
+
+
+@lru_cache(maxsize=256)
+def plain_kind(mechanism: Mechanism, names: tuple[str, ...]) -> Kind | None:
+    """ "direct" or "inverse" where known coordinates are all actuated joints or the whole pose of
+    limbs; None for any others, and for a graph.
+    """
+    if mechanism.is_graph:
+        return None
+    told = set(names)
+    whole = names == ("pose",) and "pose" not in given_coordinates(mechanism)
+    if whole or (told and told == set(pose_names(mechanism))):
+        return "inverse"
+    return "direct" if told and told == set(_actuated(mechanism)) else None
+
+
+def problem_of_names(
+    mechanism: Mechanism, names: tuple[str, ...], held: tuple[str, ...] | None = None
+) -> Problem:
+    """The problem whose known coordinates have these names; `held` are others that a closure of
+    names must hold.
+    """
+    kind = plain_kind(mechanism, names)
+    return (
+        build_problem(mechanism, "given", names, held)
+        if kind is None
+        else build_problem(mechanism, kind)
+    )
+
+
+def in_order(mechanism: Mechanism, given: Given) -> Given:
+    """The same values, those of all actuated joints of limbs in file order."""
+    names = _actuated(mechanism)
+    if given.names == names or plain_kind(mechanism, given.names) != "direct":
+        return given
+    return replace(given, names=names, values=given.values[[given.names.index(n) for n in names]])
+
+
+def problem_of(mechanism: Mechanism, given: Given) -> Problem:
+    """The problem for which values are given."""
+    return problem_of_names(mechanism, given.names)
+
+
+# --- many inputs ----------------------------------------------------------------------------------
+
+
+def is_many(joints: Any, pose: Any, given: Any) -> bool:
+    """Whether values are those of several inputs: an array (n, numbers), a sequence of sequences,
+    mappings or poses, or a mapping of names to columns; by name, some are a column, of whole poses
+    several rows.
+    """
+    if given is not None:
+        return isinstance(given, Mapping) and any(map(_is_column, given, given.values()))
+    return _are_many(joints) or _are_many(pose)
+
+
+def _are_many(values: Any) -> bool:
     if values is None or isinstance(values, (Pose, str)):
         return False
     if isinstance(values, Mapping):
@@ -128,25 +303,27 @@ def are_many(values: Any) -> bool:
     )
 
 
-def given_many(mechanism: Mechanism, joints: Any, pose: Any) -> list[Given]:
-    """As `given_from`, for n inputs: all joints (n, joints) or all poses (n, 7); a message names
-    the input that does not fit, counted from 0.
+def read_many(mechanism: Mechanism, joints: Any, pose: Any, given: Columns | None) -> list[Given]:
+    """As `read_given`, for n inputs: all joints (n, joints), all poses (n, 7), or by name a column
+    or one value each; a message names the input that does not fit, counted from 0.
     """
     require_mechanism(mechanism)
-    if joints is not None and pose is not None:
-        return [given_from(mechanism, joints, pose)]
+    if given is not None:
+        return [read_given(mechanism, joints, pose, row) for row in rows_by_name(given)]
+    if pose is not None and (joints is not None or mechanism.platform_link is None):
+        return [read_given(mechanism, joints, pose)]
     if pose is not None:
         return [_named_input(i, partial(given_pose, mechanism, one)) for i, one in enumerate(pose)]
     joints = joint_rows(mechanism, joints) if isinstance(joints, Mapping) else joints
     rows = _rows_without_fault(mechanism, joints)
     if rows is None:
         return [
-            _named_input(i, partial(given_from, mechanism, one, None))
-            for i, one in enumerate(joints)
+            _named_input(i, partial(_of_joints, mechanism, one)) for i, one in enumerate(joints)
         ]
     values = rows * np.array([mechanism.value_in(c, 1.0) for c in mechanism.actuated])
+    names = _actuated(mechanism)
     return [
-        Given("direct", v, {"joints": echo}) for v, echo in zip(values, rows.tolist(), strict=True)
+        Given(names, v, {"joints": echo}) for v, echo in zip(values, rows.tolist(), strict=True)
     ]
 
 
@@ -178,6 +355,53 @@ def _rows_without_fault(mechanism: Mechanism, joints: Any) -> np.ndarray | None:
     least = np.array([-np.inf if c.least is None else c.least for c in coordinates])
     most = np.array([turn if c.is_periodic else np.inf for c in coordinates])
     return rows if ((rows >= least) & (np.abs(rows) <= most)).all() else None
+
+
+def _is_column(name: str, value: Any) -> bool:
+    """Whether a value is one of each input: of whole poses several rows or poses."""
+    several = not isinstance(value, Pose | str) and np.ndim(value) > 0
+    if name != "pose" or not several:
+        return several
+    return np.ndim(value) > 1 or any(isinstance(one, Pose) or np.ndim(one) > 0 for one in value)
+
+
+def rows_by_name(given: Mapping[str, Any], each: str = "an input") -> list[dict[str, Any]]:
+    """Values by name of `each` input or sample; one value is that of all. Raises InputError for
+    columns of different lengths.
+    """
+    lengths = {name: len(value) for name, value in given.items() if _is_column(name, value)}
+    if len(set(lengths.values())) > 1:
+        told = ", ".join(f"{name} {length}" for name, length in lengths.items())
+        raise InputError(
+            f"given: the columns have different counts of values ({told}); each needs one {each}"
+        )
+    columns = {
+        name: list(value) if name in lengths else [value] * max(lengths.values())
+        for name, value in given.items()
+    }
+    return [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
+
+
+# --- values ---------------------------------------------------------------------------------------
+
+
+def _turn_notes(mechanism: Mechanism, ordered: Sequence[float]) -> tuple[str, ...]:
+    """A note on angles of more than a turn where the unit is rad."""
+    if mechanism.angle_unit != "rad":
+        return ()
+    told = [
+        f"{c.name} = {v:g}"
+        for c, v in zip(mechanism.actuated, ordered, strict=True)
+        if c.is_periodic and abs(v) > FULL_TURN
+    ]
+    return (
+        (
+            f"{first_of(told, 3)} rad: more than a turn, taken without its whole turns; are "
+            f"degrees meant?",
+        )
+        if told
+        else ()
+    )
 
 
 def in_file_order(mechanism: Mechanism, joints: Joints, what: str = "joints") -> Sequence[float]:
@@ -277,249 +501,6 @@ def pose_from(values: Joints | Pose, what: str = "pose") -> Pose:
     return Pose(np.array(numbers[:3]), np.array(numbers[3:]) / norm)
 
 
-def pose_coordinates(mechanism: Mechanism, pose: Pose) -> tuple[np.ndarray, float]:
-    """Pose coordinates of the motion nearest to a pose, and the distance left (length unit, angles
-    times the size).
-    """
-    values, off = poses_coordinates(
-        mechanism, np.asarray(pose.position)[:, None], np.asarray(pose.quaternion)[:, None]
-    )
-    return values[0], float(off[0])
-
-
-def poses_coordinates(
-    mechanism: Mechanism, position: np.ndarray, quaternion: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Of poses with position (3, n) and unit quaternion (4, n): coordinates (n, numbers) of the
-    motion nearest to each, and the distances left (n,).
-    """
-    numbers = motion_coordinates(mechanism, position, quaternion).T.copy()
-    if mechanism.motion in ("schoenflies", "planar"):
-        numbers[:, -1] = wrapped(numbers[:, -1])
-    return numbers, _off_motion(mechanism, position, quaternion)
-
-
-def motion_coordinates(mechanism: Mechanism, position: Array, quaternion: Array) -> Array:
-    """The coordinates, an angle up to whole turns, of the declared motion nearest to a pose: of
-    numbers (3, n) and (4, n), or of expressions.
-    """
-    match mechanism.motion:
-        case "schoenflies":
-            return vector(*_parts(position, 3), _turn_about_z(mechanism, quaternion))
-        case "planar":
-            return vector(*_parts(position, 2), _turn_about_z(mechanism, quaternion))
-        case "translation":
-            return position
-        case "spherical":
-            return quaternion
-        case _:
-            return vector(*_parts(position, 3), *_parts(quaternion, 4))
-
-
-def _parts(numbers: Array, count: int) -> list[Array]:
-    return [numbers[k] for k in range(count)]
-
-
-def _turn_about_z(mechanism: Mechanism, quaternion: Array) -> Array:
-    """The turn about z from the reference that is nearest to that of a quaternion."""
-    delta = multiply(quaternion, conjugate(mechanism.reference_pose.quaternion))
-    return 2.0 * atan2(delta[3], delta[0])
-
-
-def _off_motion(mechanism: Mechanism, position: np.ndarray, quaternion: np.ndarray) -> np.ndarray:
-    """How far (n,) poses with position (3, n) and unit quaternion (4, n) lie off the declared
-    motion, turns times the size.
-    """
-    if mechanism.motion == "spatial":
-        return np.zeros(position.shape[1])
-    reference, size = mechanism.reference_pose, mechanism.characteristic_length
-    away = np.abs(position - np.asarray(reference.position)[:, None])
-    if mechanism.motion == "spherical":
-        return np.asarray(away.max(axis=0))
-    w, x, y, z = multiply(quaternion, conjugate(reference.quaternion))
-    # a turn about z and one about an axis normal to it: each has a half of the quaternion
-    tilt = 2.0 * size * np.arctan2(np.hypot(x, y), np.hypot(w, z))
-    match mechanism.motion:
-        case "planar":
-            return np.asarray(np.maximum(tilt, away[2]))
-        case "translation":
-            turn = np.arctan2(np.sqrt(x * x + y * y + z * z), np.abs(w))
-            return np.asarray(2.0 * size * turn)
-        case _:
-            return np.asarray(tilt)
-
-
-def leaves_motion(mechanism: Mechanism, position: np.ndarray, quaternion: np.ndarray) -> bool:
-    """Whether any of some poses, with positions (n, 3) and unit quaternions (n, 4), lies off the
-    motion that is declared of the platform, by more than rounding: where joints carry the platform,
-    they decide how it moves.
-    """
-    if mechanism.motion == "spatial" or not len(position):
-        return False
-    off = _off_motion(mechanism, position.T, quaternion.T)
-    return bool(np.any(off > _ON_MOTION * mechanism.characteristic_length))
-
-
-def motion_note(mechanism: Mechanism, position: np.ndarray, quaternion: np.ndarray) -> str | None:
-    """What is said of poses, as `leaves_motion` has them, that lie off the motion that is declared
-    of the platform; None where none does.
-    """
-    if not leaves_motion(mechanism, position, quaternion):
-        return None
-    return (
-        f"the platform's motion is declared {mechanism.motion}, and the joints that carry it move "
-        f"it otherwise too: whole poses are told; "
-        "leave the declaration out"
-    )
-
-
-def feasible_poses(
-    mechanism: Mechanism, position: np.ndarray, quaternion: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Pose coordinates (n, numbers) that the mechanism can take, nearest to poses with position (3,
-    n) and unit quaternion (4, n), and how far those that are more than rounding lie off them, 0 for
-    others.
-    """
-    own, pose = _with_own_motion(mechanism), Pose(position, quaternion)
-    if own is not None:
-        values, off = _feasible_of_machine(own.machine, own.taken(pose), PROJECTED)
-        there = own.told(pose_of(own.machine, values))
-        written, _ = poses_coordinates(mechanism, position, quaternion)
-        nearest, _ = poses_coordinates(
-            mechanism, np.asarray(there.position), np.asarray(there.quaternion)
-        )
-        return np.where(off[:, None] > 0.0, written, nearest), off
-    return _feasible_of_machine(mechanism, pose, _ON_MOTION)
-
-
-def _feasible_of_machine(
-    mechanism: Mechanism, pose: Pose, near: float
-) -> tuple[np.ndarray, np.ndarray]:
-    """`feasible_poses` of a mechanism whose motion is declared; poses `near` it, over the size, are
-    projected onto it.
-    """
-    values, off = poses_coordinates(
-        mechanism, np.asarray(pose.position), np.asarray(pose.quaternion)
-    )
-    off = np.where(off < near * mechanism.characteristic_length, 0.0, off)
-    if ties_poses(mechanism):
-        for i in np.flatnonzero((off == 0.0) & ~closing_poses(mechanism, values)):
-            values[i], off[i], _ = _feasible(mechanism, values[i])
-    return values, off
-
-
-def _with_own_motion(mechanism: Mechanism) -> Lowered | None:
-    """The machine whose platform has a motion that the description does not declare."""
-    if mechanism.motion != "spatial":
-        return None
-    low = lowered(mechanism)
-    return None if low is None or low.machine.motion == "spatial" else low
-
-
-def given_pose(mechanism: Mechanism, given: Sequence[float] | Pose) -> Given:
-    """The known values of the inverse problem: of a pose on the platform's motion, which is
-    declared or which its joints leave it, and, where joints tie poses, on those that they can take.
-    """
-    pose = pose_from(given)
-    own = _with_own_motion(mechanism)
-    if own is None:
-        return given_of_pose(mechanism, pose)
-    there = given_of_pose(own.machine, own.taken(pose), near=PROJECTED, low=own)
-    on_motion = pose if there.off_motion else own.told(pose_of(own.machine, there.values))
-    values, _ = pose_coordinates(mechanism, on_motion)
-    return replace(there, values=values, echo=_echo(pose))
-
-
-def given_of_pose(
-    mechanism: Mechanism,
-    pose: Pose,
-    *,
-    is_feasible: bool = False,
-    near: float = _ON_MOTION,
-    low: Lowered | None = None,
-) -> Given:
-    """`given_pose` of numbers that were looked at before, on the declared motion; the joints can
-    take a pose that `is_feasible`, and one `near` the motion, over the size, is projected onto it.
-    Notes tell of the description of `low`, whose machine the mechanism is.
-    """
-    values, off = pose_coordinates(mechanism, pose)
-    notes: tuple[str, ...] = ()
-    if 0.0 < off < near * mechanism.characteristic_length:
-        if off > 1e-12 * mechanism.characteristic_length:
-            notes = (
-                f"the pose was projected onto the platform's {mechanism.motion} motion, by "
-                f"{off:.3g} {mechanism.length_unit}",
-            )
-        off = 0.0
-    elif off > 0.0:
-        notes = (
-            f"the pose lies off the platform's {mechanism.motion} motion by {off:.3g} "
-            f"{mechanism.length_unit}",
-        )
-    if off == 0.0 and not is_feasible:
-        values, off, more = _feasible(mechanism, values, low)
-        notes += more
-    return Given("inverse", values, _echo(pose), (), notes, off)
-
-
-def _echo(pose: Pose) -> dict[str, Any]:
-    return {"pose": [float(v) for v in (*pose.position, *pose.quaternion)]}
-
-
-def _feasible(
-    mechanism: Mechanism, values: np.ndarray, low: Lowered | None = None
-) -> tuple[np.ndarray, float, tuple[str, ...]]:
-    """Pose coordinates that the joints can take, where they tie them to each other: those of a pose
-    with few digits are moved to the nearest; a distance that is more than that or beyond reach, and
-    what is said of it, in the words of the description of `low`.
-    """
-    nearest = nearest_pose(mechanism, values)
-    if nearest is None:
-        return values, 0.0, ()
-    frame = (mechanism if low is None else low.written).frame_name
-    unit = mechanism.length_unit
-    if nearest.distance <= PROJECTED * mechanism.characteristic_length and not nearest.beyond_reach:
-        note = (
-            f"the pose was projected onto those that the {frame} can take, by "
-            f"{nearest.distance:.3g} {unit}",
-        )
-        return nearest.values, 0.0, note
-    there = pose_of(mechanism, nearest.values)
-    there = there if low is None else low.told(there)
-    numbers = np.concatenate([there.position, there.quaternion])
-    scales = [mechanism.characteristic_length] * 3 + [1.0] * 4
-    at = ", ".join(
-        f"{plain(v, scale):.7g}" for v, scale in zip(numbers.tolist(), scales, strict=True)
-    )
-    note = (
-        f"the joints tie the coordinates of the {frame}'s pose, and this one lies "
-        f"{nearest.distance:.3g} {unit} (angles times the "
-        f"size) off those that it can take; the nearest is {at}",
-    )
-    return values, nearest.distance, note
-
-
-def pose_of(mechanism: Mechanism, values: np.ndarray) -> Pose:
-    """The pose whose coordinates (numbers,) are these of the mechanism's motion, or a stack of them
-    for coordinates (n, numbers).
-    """
-    columns = np.asarray(values, dtype=float).T
-    if mechanism.motion == "spatial":
-        return Pose(columns[:3], columns[3:])
-    reference, shape = mechanism.reference_pose, columns.shape[1:]
-    position, home = (
-        np.broadcast_to(np.reshape(part, (-1, *[1] * len(shape))), (len(part), *shape)).copy()
-        for part in map(np.asarray, (reference.position, reference.quaternion))
-    )
-    if mechanism.motion == "spherical":
-        return Pose(position, columns)
-    lengths = 2 if mechanism.motion == "planar" else 3
-    position[:lengths] = columns[:lengths]
-    half = 0.5 * (columns[lengths] if len(columns) > lengths else np.zeros(shape))
-    none = np.zeros(shape)
-    return Pose(position, multiply(np.array([np.cos(half), none, none, np.sin(half)]), home))
-
-
 def _numbers(values: Sequence[float], what: str) -> list[float]:
     if isinstance(values, (Set, str, bytes, bytearray)) or not isinstance(values, Iterable):
         raise InputError(f"{what} = {shown(values)} is no list of numbers")
@@ -551,8 +532,3 @@ def refuse_negative_rod(mechanism: Mechanism, c: Coordinate, number: float, what
             f"{what}: {c.name} = {number:g} makes a rod of length {number - c.least:g} "
             f"{mechanism.length_unit}; allowed: {c.least + 0.0:g} and above"
         )
-
-
-def _coordinate_out(mechanism: Mechanism, coordinate: Coordinate) -> float:
-    value = coordinate.reference[0]
-    return mechanism.value_out(coordinate, value)

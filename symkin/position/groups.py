@@ -75,7 +75,7 @@ def is_tied(group: Problem) -> bool:
     values = np.array(closed_configurations(group.closure, 0))
     places = np.concatenate([group.unknown_places, group.known_places])
     free = system.freed(group.known_coordinates)
-    jacobians = free.linearise(values[:, places], np.zeros(0))[1]
+    jacobians = free.linearise(values[:, places])[1]
     whole = max(jacobians, key=lambda jacobian: Rank.of(jacobian).value)
     return Rank.of(whole).value > Rank.of(whole[:, : system.freedom]).value
 

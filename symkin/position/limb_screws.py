@@ -20,7 +20,7 @@ from symkin.numeric.rank import null_space, row_space
 from symkin.numeric.system import System
 from symkin.numeric.tolerances import RANK_TOLERANCE
 from symkin.position.closed_configurations import whole_system
-from symkin.position.solution import pose_of
+from symkin.position.transfer import many_elsewhere
 from symkin.spatial.rotation import conjugate, multiply
 from symkin.spatial.screw import tidy_rows
 
@@ -46,10 +46,7 @@ def limb_screws(closure: Closure, values: np.ndarray) -> tuple[LimbScrews, ...]:
     """
     if closure.mechanism.is_graph:
         return ()
-    spatial = build_closure(replace(closure.mechanism, motion="spatial"))
-    system = whole_system(spatial)
-    z = _with_free_platform(closure, spatial, values)
-    _, jacobian = system.linearise_one(z, np.zeros(0))
+    spatial, z, jacobian = in_space(closure, values)
     columns = per_freedom(spatial.coordinates)
     joints = [k for k, c in enumerate(columns) if c.role != "pose"]
     passive = [k for k, c in enumerate(columns) if c.role == "passive"]
@@ -74,14 +71,13 @@ def limb_screws(closure: Closure, values: np.ndarray) -> tuple[LimbScrews, ...]:
     return tuple(screws)
 
 
-def _with_free_platform(closure: Closure, spatial: Closure, values: np.ndarray) -> np.ndarray:
-    pose = pose_of(closure, values)
-    z = spatial.reference.copy()
-    for c in spatial.coordinates:
-        if c.role != "pose":
-            z[spatial.slices[c.name]] = values[closure.slices[c.name]]
-    z[spatial.slices["pose.x"].start :][:7] = np.concatenate([pose.position, pose.quaternion])
-    return z
+def in_space(closure: Closure, values: np.ndarray) -> tuple[Closure, np.ndarray, np.ndarray]:
+    """The closure without a declared motion, its variables at a configuration, and the derivatives
+    of its rows there.
+    """
+    spatial = build_closure(replace(closure.mechanism, motion="spatial"))
+    z = np.asarray(many_elsewhere(spatial, closure, values[None])[0])
+    return spatial, z, whole_system(spatial).linearise_one(z)[1]
 
 
 def _at_base_origin(wrenches: np.ndarray, position: np.ndarray, size: float) -> np.ndarray:
@@ -117,7 +113,7 @@ def _platform_twists(closure: Closure, system: System, values: np.ndarray) -> np
     """Twists (angular velocity; velocity at the base origin) of the platform link that the closed
     loops leave, as rows.
     """
-    free = null_space(system.linearise_one(values, np.zeros(0))[1], RANK_TOLERANCE, relative=True)
+    free = null_space(system.linearise_one(values)[1], RANK_TOLERANCE, relative=True)
     pose = ca.vertcat(closure.pose.position, closure.pose.quaternion)
     rates = ca.mtimes(ca.jacobian(closure.bound(pose), closure.variables), system.tangent)
     evaluate = ca.Function("platform", [closure.variables], [closure.bound(pose), rates])

@@ -1,5 +1,4 @@
-"""The loops of a mechanism by the joints that they run through, what each holds by itself, and what
-all hold together.
+"""The loops of a mechanism by the joints that they run through, and what each holds by itself.
 
 Links are the vertices of a graph, joints and rods its edges, and joints - links + 1 loops are
 independent. Chosen are those with the fewest joints (a minimum cycle basis: J. D. Horton, SIAM
@@ -17,7 +16,7 @@ import numpy as np
 
 from symkin.closure.branches import Branch, edges_of
 from symkin.closure.closure import Closure
-from symkin.closure.link_poses import joint_readings, link_poses
+from symkin.closure.link_poses import link_poses
 from symkin.computed_once import lru_cache
 from symkin.model.bar import Bar
 from symkin.model.joint import Joint
@@ -77,37 +76,6 @@ def loops_at(
             Loop(names, _links_along([edges[k] for k in cycle]), _SPATIAL - cut, max(rank, 0))
         )
     return tuple(found)
-
-
-def redundant_constraints(closure: Closure, values: np.ndarray) -> int:
-    """Count the constraints of the machine in space that others imply at one configuration.
-
-    Along each independent loop the joints' twists add up to zero, which are six rows, and a
-    coupling is one more; redundant are these rows less their rank. A motion declared of the
-    platform changes nothing.
-    """
-    mechanism, placed = closure.mechanism, link_poses(closure, values[None])
-    edges, poses = list(edges_of(mechanism)), placed.at(0)
-    screws = [_screws(mechanism, edge, poses) for edge in edges]
-    starts = np.cumsum([0, *(len(span) for span in screws)])
-    rows = np.zeros((0, int(starts[-1])))
-    for cycle in independent_cycles(mechanism):
-        loop = np.zeros((_SPATIAL, rows.shape[1]))
-        before = _links_along([edges[k] for k in cycle])
-        for k, link in zip(cycle, before, strict=True):
-            sign = 1.0 if edges[k].ends[0] == link else -1.0
-            loop[:, starts[k] : starts[k + 1]] += sign * screws[k].T
-        rows = np.vstack([rows, loop])
-    columns = {
-        name: starts[k] + place for k, edge in enumerate(edges) for name, place in _columns(edge)
-    }
-    rates = _coupling_rates(closure, joint_readings(closure, placed))
-    couplings = np.zeros((len(rates), rows.shape[1]))
-    for row, terms in zip(couplings, rates, strict=True):
-        for name, rate in terms.items():
-            row[columns[name]] = rate
-    rows = np.vstack([rows, couplings / np.linalg.norm(couplings, axis=1, keepdims=True)])
-    return len(rows) - rank_of(rows, RANK_TOLERANCE, relative=True)
 
 
 @lru_cache(maxsize=128)
@@ -258,31 +226,3 @@ def _middle(mechanism: Mechanism) -> np.ndarray:
     pose = mechanism.reference_pose
     ends = [end.at_reference(pose) for bar in mechanism.bars for end in (bar.start, bar.end)]
     return np.asarray(np.mean(np.array([*mechanism.places.values(), *ends], dtype=float), axis=0))
-
-
-def _columns(edge: Branch) -> list[tuple[str, int]]:
-    """The coordinates of an edge with the numbers of their screws among those of `_screws`."""
-    part = edge.elements[0].part
-    if isinstance(part, Bar):
-        return [] if part.coordinate is None else [(part.coordinate.name, 2 * 3)]
-    return [(c.name, k) for k, c in enumerate(part.coordinates)]
-
-
-def _coupling_rates(closure: Closure, readings: Mapping[str, np.ndarray]) -> list[dict[str, float]]:
-    """The differential of each coupling by coordinate: of the one that follows, and less those that
-    lead; lengths are shares of the size, as in the screws of slides."""
-    mechanism = closure.mechanism
-    scales = {c.name: c.unit(mechanism.characteristic_length) for c in mechanism.coordinates}
-    found = []
-    for coupling in mechanism.couplings:
-        if coupling.polynomial is None:
-            rates = dict(coupling.terms)
-        else:
-            (leader,) = coupling.names
-            slope = np.polynomial.Polynomial(coupling.polynomial).deriv()
-            rates = {leader: float(slope(readings[leader][0]))}
-        found.append(
-            {coupling.joint: scales[coupling.joint]}
-            | {n: -scales[n] * rate for n, rate in rates.items()}
-        )
-    return found

@@ -27,8 +27,13 @@ from symkin.position.file_digits import (
 )
 from symkin.position.gruebler import gruebler_kutzbach
 from symkin.position.limb_screws import limb_screws, per_freedom, platform_screws
-from symkin.position.loops import loops_at, redundant_constraints
-from symkin.position.mobility_result import Misfit, Mobility
+from symkin.position.loops import loops_at
+from symkin.position.mobility_result import (
+    Misfit,
+    Mobility,
+    count_rows,
+    redundant_constraints,
+)
 from symkin.position.own_component import Component
 from symkin.verb import verb
 
@@ -53,14 +58,14 @@ def mobility(mechanism: Mechanism, *, seed: int = 0) -> Mobility:
     """
     require_mechanism(mechanism)
     closure = build_closure(mechanism)
-    system, nothing, size = whole_system(closure), np.zeros(0), closure.characteristic_length
+    system, size = whole_system(closure), closure.characteristic_length
     reference, own = closure.reference, own_component(closure, seed)
     reference_rank = None
-    if system.residual(reference, nothing) <= CLOSURE_TOLERANCE * size:
-        reference_rank = Rank.of(system.linearise_one(reference, nothing)[1])
+    if system.residual(reference) <= CLOSURE_TOLERANCE * size:
+        reference_rank = Rank.of(system.linearise_one(reference)[1])
     found = _by_least_squares(closure, seed) if own is None else _of_component(closure, own, seed)
     values, generic = found.values, found.rank
-    direct = Rank.of(system.linearise_one(values, nothing)[1][:, _unknown_columns(closure)])
+    direct = Rank.of(system.linearise_one(values)[1][:, _unknown_columns(closure)])
     limbs = limb_screws(closure, values)
     at_reference = reference_rank is not None and reference_rank.value == generic.value
     if at_reference:
@@ -74,9 +79,9 @@ def mobility(mechanism: Mechanism, *, seed: int = 0) -> Mobility:
         at_reference=at_reference,
         closed=found.closed,
         freedoms=system.freedom,
-        rows=_count_rows(closure),
+        rows=count_rows(closure),
         rank=generic,
-        redundant=_redundant(closure, found.values, generic.value),
+        redundant=redundant_constraints(closure, found.values, generic.value),
         direct_rank=direct,
         limbs=limbs,
         platform_constraints=constraints,
@@ -112,7 +117,7 @@ def _of_component(closure: Closure, own: Component, seed: int) -> _Generic:
     and for other assemblies.
     """
     system = whole_system(closure)
-    least = Rank.of(system.linearise_one(own.points[0], np.zeros(0))[1], BLUR * FILE_DIGITS)
+    least = Rank.of(system.linearise_one(own.points[0])[1], BLUR * FILE_DIGITS)
     digits = None
     if least.value < own.rank.value or (own.infinitesimal and len(own.points) == 1):
         digits = rank_to_digits(system, least_squares_ends(closure, seed), own.rank.value)
@@ -136,7 +141,7 @@ def _by_least_squares(closure: Closure, seed: int) -> _Generic:
     """Where least squares ends, of a reference that is open and near to no closed configuration."""
     system, ends = whole_system(closure), least_squares_ends(closure, seed)
     candidates = [*ends.points[ends.closed]] or [closure.reference]
-    ranks = [Rank.of(system.linearise_one(z, np.zeros(0))[1]) for z in candidates]
+    ranks = [Rank.of(system.linearise_one(z)[1]) for z in candidates]
     best, closed = generic_one(ranks), bool(ends.closed.any())
     digits = rank_to_digits(system, ends, ranks[best].value if closed else None)
     values = (
@@ -150,31 +155,14 @@ def _ranks_apart(closure: Closure) -> tuple[int, ...]:
     off ends; of seed 0, so that what is said does not depend on the seed.
     """
     system, ends = whole_system(closure), least_squares_ends(closure, 0)
-    jacobians = system.linearise(ends.points[ends.closed], np.zeros(0))[1]
+    jacobians = system.linearise(ends.points[ends.closed])[1]
     clear = [rank.value for rank in map(Rank.of, jacobians) if rank.is_clear]
     return tuple(sorted({value for value in clear if clear.count(value) > 1}))
-
-
-def _redundant(closure: Closure, values: np.ndarray, rank: int) -> int:
-    """Redundant constraints of the machine in space: a declared motion leaves rows out, or says
-    what they say, so that they are counted by the loops.
-    """
-    if closure.mechanism.motion != "spatial":
-        return redundant_constraints(closure, values)
-    return _count_rows(closure) - rank
 
 
 def _unknown_columns(closure: Closure) -> list[int]:
     """Columns of the coordinates that are not actuated."""
     return [k for k, c in enumerate(per_freedom(closure.coordinates)) if c.role != "actuated"]
-
-
-def _count_rows(closure: Closure) -> int:
-    """Rows of the closure, with those that vanish everywhere, unless the motion declared of a
-    floating platform is why they do.
-    """
-    declared = closure.mechanism.motion != "spatial" and closure.role("pose")
-    return int(closure.rows.shape[0]) + (0 if declared else closure.vanishing)
 
 
 @lru_cache(maxsize=64)
@@ -184,7 +172,7 @@ def open_loops_note(mechanism: Mechanism) -> str | None:
     """
     closure = build_closure(mechanism)
     size = closure.characteristic_length
-    if whole_system(closure).residual(closure.reference, np.zeros(0)) <= CLOSURE_TOLERANCE * size:
+    if whole_system(closure).residual(closure.reference) <= CLOSURE_TOLERANCE * size:
         return None
     misfit = mobility(mechanism).misfit
     if misfit is None:
@@ -201,9 +189,9 @@ def _misfit(closure: Closure, system: System, ends: LeastSquaresEnds) -> Misfit:
     of it.
     """
     points = np.vstack([closure.reference, ends.points])
-    errors = np.concatenate([system.residuals(closure.reference[None], np.zeros(0)), ends.misfits])
+    errors = np.concatenate([system.residuals(closure.reference[None]), ends.misfits])
     best = int(np.argmin(errors))
-    rows, _ = system.linearise_one(points[best], np.zeros(0))
+    rows, _ = system.linearise_one(points[best])
     worst = closure.row_sources[int(np.argmax(np.abs(rows)))].limb
     loops = [loop for loop in loops_at(closure, points[best]) if worst in loop.joints]
     return Misfit(

@@ -13,8 +13,8 @@ from symkin.numeric.rank import Rank
 from symkin.numeric.tolerances import CLEAR_GAP, RANK_TOLERANCE
 from symkin.position.file_digits import FILE_DIGITS, ToDigits
 from symkin.position.gruebler import counts
-from symkin.position.limb_screws import LimbScrews
-from symkin.position.loops import Loop, loops_at, redundant_constraints
+from symkin.position.limb_screws import LimbScrews, in_space
+from symkin.position.loops import Loop, loops_at
 from symkin.result import Result, Summary
 from symkin.text import counted
 
@@ -104,9 +104,9 @@ class Mobility(Result):
         """Redundant constraints of the machine at the reference; None where it is open."""
         if self.reference_rank is None:
             return None
-        if self.closure.mechanism.motion != "spatial":
-            return redundant_constraints(self.closure, self.closure.reference)
-        return self.redundant_of(self.reference_rank.value)
+        return redundant_constraints(
+            self.closure, self.closure.reference, self.reference_rank.value
+        )
 
     def redundant_of(self, rank: int) -> int:
         """Redundant constraints where the closure has another rank."""
@@ -336,3 +336,21 @@ class Mobility(Result):
                 "mobility": self.freedoms - self.digits.rank,
             },
         }
+
+
+def count_rows(closure: Closure) -> int:
+    """Rows of a closure, with those that vanish everywhere, unless the motion declared of a
+    floating platform is why they do.
+    """
+    declared = closure.mechanism.motion != "spatial" and closure.role("pose")
+    return int(closure.rows.shape[0]) + (0 if declared else closure.vanishing)
+
+
+def redundant_constraints(closure: Closure, values: np.ndarray, rank: int) -> int:
+    """Count the constraints of the machine in space that others imply at a configuration where the
+    closure has a rank: a declared motion leaves rows out, or says what they say.
+    """
+    if closure.mechanism.motion == "spatial":
+        return count_rows(closure) - rank
+    spatial, _, jacobian = in_space(closure, values)
+    return count_rows(spatial) - Rank.of(jacobian).value

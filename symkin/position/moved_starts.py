@@ -117,7 +117,7 @@ def moved_note(
     pose.
     """
     mechanism, values = problem.mechanism, problem.join_values(moved, given.values)
-    if given.of_pose:
+    if problem.of_pose:
         numbers = [float(values[problem.closure.slices[c.name]][0]) for c in mechanism.actuated]
         pairs = zip(mechanism.actuated, numbers, strict=True)
         shown = [mechanism.value_out(c, v) for c, v in pairs]
@@ -125,5 +125,5 @@ def moved_note(
         pose = pose_of(problem.closure, values)
         shown = [float(v) for v in (*pose.position, *pose.quaternion)]
     text = ",".join(f"{v:.4g}" for v in shown)
-    what = "joints" if given.of_pose else "pose"
+    what = "joints" if problem.of_pose else "pose"
     return f"the {which} is {rank}: the iteration began at {what} {text} instead"

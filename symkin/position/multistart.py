@@ -15,11 +15,10 @@ import numpy as np
 from symkin.errors import InputError
 from symkin.numeric.levenberg import Progress, levenberg_marquardt, patiently
 from symkin.numeric.system import System
-from symkin.position.given import Given
 from symkin.position.least_squares import LeastSquares
 from symkin.position.newton import Newton
 from symkin.position.problem import Problem
-from symkin.position.roots import Roots, distinct
+from symkin.position.roots import Sample, distinct
 from symkin.position.solve import SOLVERS
 from symkin.position.starts import random_starts
 from symkin.text import not_among
@@ -32,55 +31,55 @@ LOG = logging.getLogger(__name__)
 
 def batched(
     problem: Problem,
-    given: Given,
+    known: np.ndarray,
     starts: int,
     rng: np.random.Generator,
     progress: Progress | None = None,
-) -> Roots:
+) -> Sample:
     """Roots of a problem that Levenberg-Marquardt on all rows reaches, all starts at once."""
     LOG.info("%d random starts", starts)
     system = problem.system
-    points = random_starts(problem, system, given, starts, rng)
-    batch = levenberg_marquardt(system, points, given.values, progress=progress)
+    points = random_starts(problem, system, known, starts, rng)
+    batch = levenberg_marquardt(system, points, known, progress=progress)
     ends = batch.points[batch.converged]
     if not len(ends):
-        return _no_roots(system, batch.points, batch.largest_row, given, starts)
-    return distinct(system, ends, given.values, starts)
+        return _no_roots(system, batch.points, batch.largest_row, known, starts)
+    return distinct(system, ends, known, starts)
 
 
 def _no_roots(
-    system: System, points: np.ndarray, largest: np.ndarray, given: Given, starts: int
-) -> Roots:
+    system: System, points: np.ndarray, largest: np.ndarray, known: np.ndarray, starts: int
+) -> Sample:
     """Refine the best ends, so that the smallest residual is that of a minimum."""
     order = np.argsort(np.where(np.isfinite(largest), largest, np.inf))[:16]
-    batch = patiently(system, points[order], given.values)
-    smallest = float(np.nanmin(system.residuals(batch.points, given.values)))
-    return Roots(system, np.zeros((0, system.width)), np.zeros(0, dtype=int), smallest, starts)
+    batch = patiently(system, points[order], known)
+    smallest = float(np.nanmin(system.residuals(batch.points, known)))
+    return Sample.of_none(system, smallest, starts)
 
 
 def one_by_one(
     problem: Problem,
-    given: Given,
+    known: np.ndarray,
     starts: int,
     rng: np.random.Generator,
     solver: str | Newton | LeastSquares,
     progress: Progress | None,
-) -> Roots:
+) -> Sample:
     """Roots of the whole problem by a solver of `solve`, called once a start."""
     chosen = SOLVERS.get(solver) if isinstance(solver, str) else solver
     if chosen is None or not hasattr(chosen, "iterate"):
         raise InputError(f"solver = {not_among(solver, ['batched', *SOLVERS])}")
     system = problem.system
     ends, smallest = [], np.inf
-    for k, start in enumerate(random_starts(problem, system, given, starts, rng), start=1):
-        path = chosen.iterate(problem, start, given.values)
+    for k, start in enumerate(random_starts(problem, system, known, starts, rng), start=1):
+        path = chosen.iterate(problem, start, known)
         z = system.wrap(system.unit(path[-1])) if np.all(np.isfinite(path[-1])) else path[-1]
-        left = system.residual(z, given.values) if np.all(np.isfinite(z)) else np.inf
+        left = system.residual(z, known) if np.all(np.isfinite(z)) else np.inf
         smallest = min(smallest, left)
         if left <= 1e-6 * system.characteristic_length:
             ends.append(z)
         if progress is not None:
             progress(k, starts)
     if not ends:
-        return Roots(system, np.zeros((0, system.width)), np.zeros(0, dtype=int), smallest, starts)
-    return distinct(system, np.array(ends), given.values, starts)
+        return Sample.of_none(system, smallest, starts)
+    return distinct(system, np.array(ends), known, starts)

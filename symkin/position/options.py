@@ -7,8 +7,7 @@ from symkin.verb_options import GIVEN, OUTPUT, Option
 
 if TYPE_CHECKING:
     from symkin.position.closed import ClosedForm
-    from symkin.position.given import Joints
-    from symkin.position.given_by_name import Values
+    from symkin.position.given import Joints, Values
     from symkin.position.least_squares import LeastSquares
     from symkin.position.newton import Newton
     from symkin.position.starts import Start

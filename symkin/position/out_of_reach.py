@@ -51,7 +51,7 @@ def reach_note(problem: Problem, given: Given) -> str | None:
         ],
         axis=1,
     )
-    if not given.of_pose:
+    if not problem.of_pose:
         return _open(names, largest[int(np.argmin(left))], gap)
     zero = float(rounding(system, nearest.points).max())
     return _out_of_reach(
@@ -66,7 +66,7 @@ def _nearest(problem: Problem, given: Given) -> Polished | None:
     root.
     """
     system = problem.system
-    starts = random_starts(problem, system, given, _STARTS, np.random.default_rng(0))
+    starts = random_starts(problem, system, given.values, _STARTS, np.random.default_rng(0))
     ends = levenberg_marquardt(
         system, starts, given.values, tolerance=_LEAST, max_iterations=200, patience=30
     ).points
@@ -86,14 +86,9 @@ def _gap(problem: Problem, nearest: Polished, given: Given) -> float:
     """The least closure error (length unit) of the part of the problem for which that is
     largest.
     """
-    places = dict(
-        zip((c.name for c in problem.system.unknowns), problem.system.slices, strict=True)
-    )
-    gaps = [0.0]
+    places, gaps = problem.system.places, [0.0]
     for block in problem.blocks:
-        columns = np.concatenate(
-            [np.arange(places[c.name].start, places[c.name].stop) for c in block.unknowns]
-        )
+        columns = np.r_[tuple(places[c.name] for c in block.unknowns)]
         gaps.append(float(block.residuals(nearest.points[:, columns], given.values).min()))
     return max(gaps)
 

@@ -20,7 +20,7 @@ from symkin.numeric.levenberg import levenberg_marquardt
 from symkin.numeric.newton import polish
 from symkin.numeric.rank import Rank, null_space
 from symkin.numeric.rank import generic as generic_one
-from symkin.numeric.system import System
+from symkin.numeric.system import NOTHING, System
 from symkin.numeric.tolerances import CLOSED_CONFIGURATION, RANK_TOLERANCE, SINGULAR_VALUE
 
 _LENGTHS = (0.06, 0.2, 0.6)
@@ -58,8 +58,6 @@ _FOLLOWED = 1e-16
 """Of the size: rows that another step of these would not lessen."""
 _BESIDE_SINGULAR = 1e-12
 """Added to the diagonal of a matrix of order one that elimination finds singular."""
-_NOTHING = np.zeros(0)
-"""Known values: none."""
 _LOOKED = 3
 """Configurations of a branch at which its dimension is found."""
 _TANGENT, _SPANNED = 0.003, 0.1
@@ -87,7 +85,7 @@ def regular_component(system: System, start: np.ndarray, seed: int) -> Component
     first order. Where these are not all motions, all of them are counted as infinitesimal: see
     `component_at_singular`.
     """
-    walker = _Walker(system, system.residual(start, _NOTHING), np.random.default_rng(seed))
+    walker = _Walker(system, system.residual(start), np.random.default_rng(seed))
     motions, rank = walker.motions(start, RANK_TOLERANCE)
     if not len(motions):
         return Component(start[None], rank)
@@ -105,7 +103,7 @@ def component_at_singular(system: System, start: np.ndarray, seed: int) -> Compo
     touch there are told from each other at a larger distance only, and one of these is a branch of
     this configuration if its rank is met at the small one too.
     """
-    walker = _Walker(system, system.residual(start, _NOTHING), np.random.default_rng(seed))
+    walker = _Walker(system, system.residual(start), np.random.default_rng(seed))
     motions, rank = walker.motions(start, RANK_TOLERANCE)
     searches = _FEW_SEARCHES if system.freedom > _MANY_FREEDOMS else _SEARCHES
     near = walker.near(start, motions, searches, _MEETING)
@@ -160,7 +158,7 @@ class _Walker:
 
     def motions(self, z: np.ndarray, share: float) -> tuple[np.ndarray, Rank]:
         """Motions of first order at a configuration, orthonormal rows, and the rank there."""
-        _, jacobian = self.system.linearise_one(z, _NOTHING)
+        _, jacobian = self.system.linearise_one(z)
         return null_space(jacobian, share, relative=True), Rank.of(jacobian, share)
 
     def directions(self, motions: np.ndarray, count: int) -> np.ndarray:
@@ -204,7 +202,7 @@ class _Walker:
         for _ in range(_TRIES):
             there = self.system.move(z[left], lengths[left, None] * ways[left])
             batch = levenberg_marquardt(
-                self.system, there, _NOTHING, tolerance=_CLOSED_STEP, max_iterations=40
+                self.system, there, NOTHING, tolerance=_CLOSED_STEP, max_iterations=40
             )
             back = np.linalg.norm(self.system.difference(there, batch.points), axis=1)
             good = (batch.largest_row <= self.allowed(_CLOSED_STEP)) & (
@@ -219,9 +217,9 @@ class _Walker:
 
     def closed(self, points: np.ndarray) -> np.ndarray:
         """The points to full precision, those that close."""
-        points = self.system.polish_many(points, _NOTHING).points
+        points = self.system.polish_many(points).points
         return np.asarray(
-            points[self.system.residuals(points, _NOTHING) <= self.allowed(CLOSED_CONFIGURATION)]
+            points[self.system.residuals(points) <= self.allowed(CLOSED_CONFIGURATION)]
         )
 
     def near(
@@ -234,12 +232,12 @@ class _Walker:
         y = here.distance * _unit(self.rng.normal(size=(count, len(motions))))
         starts = here.move(np.tile(centre, (count, 1)), y)
         batch = levenberg_marquardt(
-            here, starts, _NOTHING, tolerance=_CLOSED_STEP, max_iterations=100, patience=20
+            here, starts, NOTHING, tolerance=_CLOSED_STEP, max_iterations=100, patience=20
         )
         # where motions of first order end at second order all along a branch, each step of Newton
         # halves what is left
-        ends = polish(here, batch.points, _NOTHING, _HALVINGS).points
-        open_by = self.system.residuals(ends, _NOTHING)
+        ends = polish(here, batch.points, NOTHING, _HALVINGS).points
+        open_by = self.system.residuals(ends)
         return np.asarray(ends[open_by <= self.allowed(_CLOSED_STEP)])
 
     def dimension(self, points: np.ndarray, motions: list[np.ndarray]) -> int:
@@ -284,7 +282,7 @@ class _Branching:
 
     @staticmethod
     def at(system: System, centre: np.ndarray, motions: int, distance: float) -> _Branching:
-        _, jacobian = system.linearise_one(centre, _NOTHING)
+        _, jacobian = system.linearise_one(centre)
         u, _, v = np.linalg.svd(jacobian)
         rank = len(v) - motions
         return _Branching(
@@ -315,7 +313,7 @@ class _Branching:
         begin = np.tile(self.centre, (len(z), 1))
         z = self.system.move(begin, self.distance * _unit(self._motion_of(z) + step) @ n.T)
         for _ in range(_FOLLOWING):
-            rows, jacobians = self.system.linearise(z, _NOTHING)
+            rows, jacobians = self.system.linearise(z)
             held = rows @ u1
             if not np.max(np.abs(held), initial=0.0) > _FOLLOWED * self.characteristic_length:
                 break

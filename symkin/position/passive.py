@@ -42,8 +42,8 @@ def fit_passive(mechanism: Mechanism, values: np.ndarray) -> np.ndarray:
     for part in parts:
         here = np.concatenate([values[closure.slices[c.name]] for c in part.unknowns])
         fitted = _best(part, here, known)
-        for c, place in zip(part.unknowns, part.slices, strict=True):
-            found[closure.slices[c.name]] = fitted[place]
+        for name, place in part.places.items():
+            found[closure.slices[name]] = fitted[place]
     return found
 
 

@@ -17,11 +17,11 @@ from symkin.computed_once import lru_cache
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.levenberg import levenberg_marquardt
-from symkin.numeric.system import System
+from symkin.numeric.system import NOTHING, System
 from symkin.numeric.tolerances import CLOSURE_TOLERANCE
-from symkin.position.given import pose_coordinates
 from symkin.position.mobility import mobility
 from symkin.position.platform_motion import fewer_rows
+from symkin.position.pose_coordinates import pose_coordinates
 from symkin.position.varied_pose import varied_pose
 from symkin.spatial.pose import Pose
 from symkin.text import counted
@@ -127,12 +127,11 @@ def _starts(closure: Closure, system: System, box: Box, rng: np.random.Generator
 
 
 def _closed(system: System, starts: np.ndarray) -> list[np.ndarray]:
-    nothing = np.zeros(0)
-    batch = levenberg_marquardt(system, starts, nothing, max_iterations=200)
-    ends = system.polish_many(batch.points[batch.converged], nothing).points
-    return list(
-        ends[system.residuals(ends, nothing) <= CLOSURE_TOLERANCE * system.characteristic_length]
-    )[:_TRIED]
+    batch = levenberg_marquardt(system, starts, NOTHING, max_iterations=200)
+    ends = system.polish_many(batch.points[batch.converged]).points
+    return list(ends[system.residuals(ends) <= CLOSURE_TOLERANCE * system.characteristic_length])[
+        :_TRIED
+    ]
 
 
 def _follows(system: System, z: np.ndarray, units: np.ndarray, rng: np.random.Generator) -> bool:

@@ -30,10 +30,19 @@ KNOWN: dict[Kind, str] = {"direct": "actuated", "inverse": "pose"}
 """Role of the known coordinates; all others are unknown. Those of a "given" problem have names."""
 
 
-class OfKind:
-    """What of a mechanism is known, as what has a `kind` says it."""
+@dataclass(frozen=True, eq=False)
+class Problem:
+    """A position problem of one mechanism; values of the known coordinates are bound at each solve.
+    `row_places` are the rows of the closure that its system holds, None for all of them; `implied`
+    are rows behind these that follow from the closure's.
+    """
 
+    closure: Closure
     kind: Kind
+    system: System
+    known_coordinates: tuple[Coordinate, ...]
+    row_places: tuple[int, ...] | None = None
+    implied: tuple[PointRow | ProductRow, ...] = ()
 
     @property
     def by_name(self) -> bool:
@@ -49,21 +58,6 @@ class OfKind:
     def of_pose(self) -> bool:
         """Whether the pose of limbs is known: the inverse problem."""
         return self.kind == "inverse"
-
-
-@dataclass(frozen=True, eq=False)
-class Problem(OfKind):
-    """A position problem of one mechanism; values of the known coordinates are bound at each solve.
-    `row_places` are the rows of the closure that its system holds, None for all of them; `implied`
-    are rows behind these that follow from the closure's.
-    """
-
-    closure: Closure
-    kind: Kind
-    system: System
-    known_coordinates: tuple[Coordinate, ...]
-    row_places: tuple[int, ...] | None = None
-    implied: tuple[PointRow | ProductRow, ...] = ()
 
     @property
     def mechanism(self) -> Mechanism:

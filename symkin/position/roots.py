@@ -1,4 +1,4 @@
-"""Distinct roots of one independent part of a problem, and how roots are told apart."""
+"""What random starts find of one block, and how roots are told apart."""
 
 from __future__ import annotations
 
@@ -64,38 +64,28 @@ class Proofs:
 
 
 @dataclass(frozen=True, eq=False)
-class Roots:
-    """Distinct real roots of one block: points (n, width) and what is known of them.
-
-    From starts: `hits` (n,) and `starts`. From paths: `complex_count` distinct complex roots,
-    `unresolved` paths. In both: the least error reached where there is no root, members of a
-    continuum that were met. `engine`: what has tracked the paths.
-    `complex_sets`: paths ended on a set of complex roots that are not isolated. `missing`: why
-    there are fewer complex roots than generic ones; `ends` (width, e) the regular complex ones.
-    `late`: hits of the second half of the starts,
-    and how many of them are at roots that the first half has not hit.
+class Sample:
+    """Distinct real roots of one block that random `starts` have reached: points (n, width) and the
+    `hits` (n,) of each; the least error reached, and whether members of a `continuum` were met;
+    `late`: hits of the second half of the starts, and how many of them are at roots that the first
+    half has not hit.
     """
 
-    system: System
     points: np.ndarray
-    hits: np.ndarray | None
+    hits: np.ndarray
     smallest_residual: float
-    starts: int | None = None
-    continuum: np.ndarray | None = None
-    complex_count: int | None = None
-    unresolved: int = 0
-    sampled: bool = True
-    complex_sets: bool = False
-    engine: str | None = None
-    missing: str | None = None
+    starts: int
+    continuum: bool = False
     late: tuple[int, int] = (0, 0)
-    ends: np.ndarray | None = None
+
+    @staticmethod
+    def of_none(system: System, smallest: float, starts: int) -> Sample:
+        """No root, and the least error that was reached."""
+        return Sample(np.zeros((0, system.width)), np.zeros(0, dtype=int), smallest, starts)
 
     @property
     def unseen(self) -> float:
         """Chao's lower bound f1^2 / (2 f2) of the roots not yet hit, with f2 at least 1."""
-        if self.hits is None:
-            return 0.0
         once, twice = int(np.sum(self.hits == 1)), int(np.sum(self.hits == 2))
         return once * once / (2 * max(twice, 1))
 
@@ -104,7 +94,7 @@ class Roots:
         """Good-Turing: the share of hits that are single, the probability that the next hit is a
         new root.
         """
-        total = 0 if self.hits is None else int(np.sum(self.hits))
+        total = int(np.sum(self.hits))
         return float(np.sum(self.hits == 1)) / total if total else 1.0
 
     def unseen_share(self, doubt: float) -> float:
@@ -182,7 +172,7 @@ def merge(points: np.ndarray, tolerance: float) -> tuple[np.ndarray, np.ndarray]
     return np.array(chosen, dtype=int), labels
 
 
-def distinct(system: System, ends: np.ndarray, known: np.ndarray, starts: int) -> Roots:
+def distinct(system: System, ends: np.ndarray, known: np.ndarray, starts: int) -> Sample:
     """Merge ends, polish the representatives to full precision, drop what is no root, merge again.
     Roots of a continuum are set apart; once they outnumber the isolated ones, a few of them stand
     for the rest.
@@ -201,14 +191,13 @@ def distinct(system: System, ends: np.ndarray, known: np.ndarray, starts: int) -
     root_of = np.full(len(hits) + 1, -1)
     root_of[order[found.origin[own]]] = labels[own]
     late = _late_hits(root_of[ends_at])
-    return Roots(
-        system,
+    return Sample(
         found.points[first],
         np.maximum(totals, 1),
         found.smallest_residual,
         starts,
-        found.continuum,
-        late=late,
+        found.continuum is not None,
+        late,
     )
 
 

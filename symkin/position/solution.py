@@ -16,7 +16,7 @@ from symkin.computed_once import cached_property
 from symkin.model.mechanism import Mechanism
 from symkin.plain_number import plain
 from symkin.position.canonical import poses_of
-from symkin.position.given import pose_coordinates
+from symkin.position.pose_coordinates import pose_coordinates
 from symkin.position.problem import Problem
 from symkin.position.readings import left_out, points_at, readings
 from symkin.result import Result, Summary

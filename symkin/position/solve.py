@@ -23,8 +23,7 @@ from symkin.position.determination import (
     misfit_note,
     refuse_contradictions,
 )
-from symkin.position.given import Given, motion_note
-from symkin.position.given_by_name import any_given
+from symkin.position.given import Given, problem_of, read_given
 from symkin.position.least_squares import LeastSquares
 from symkin.position.levenberg import Levenberg
 from symkin.position.mobility import open_loops_note
@@ -38,7 +37,8 @@ from symkin.position.moved_starts import (
 from symkin.position.newton import Newton
 from symkin.position.options import SolveOptions
 from symkin.position.out_of_reach import reach_note
-from symkin.position.problem import Problem, build_problem
+from symkin.position.pose_coordinates import motion_note
+from symkin.position.problem import Problem
 from symkin.position.solution import Solution
 from symkin.position.solution_list import make_solution
 from symkin.position.solve_result import SolveError, SolveResult, iterates_of
@@ -71,7 +71,7 @@ def solve(mechanism: Mechanism, **options: Unpack[SolveOptions]) -> SolveResult:
     inverse one; default: the example's, else the reference. A start where the closure's Jacobian
     loses rank is moved, and `notes` says where to. `solver` is "newton", "fast_newton" (CasADi's
     rootfinders), "ipopt" (least squares with joint limits as bounds), "closed" (the formulas of an
-    arm that has some, at each choice the solution nearest to the start), or a value of
+    arm that has some, of its solutions the nearest to the start), or a value of
     `symkin.position.newton.Newton` or `symkin.position.least_squares.LeastSquares`. The answer is
     checked on all rows.
 
@@ -97,7 +97,7 @@ def solve(mechanism: Mechanism, **options: Unpack[SolveOptions]) -> SolveResult:
     chosen = SOLVERS.get(solver) if isinstance(solver, str) else solver
     if chosen is None or not hasattr(chosen, "name"):
         raise InputError(f"solver = {not_among(solver, SOLVERS)}")
-    known = any_given(mechanism, *asked)
+    known = read_given(mechanism, *asked)
     result = _solved(mechanism, known, start, chosen, damped=solver == "newton")
     if result.status == "infeasible":
         note = reach_note(result.problem, known)
@@ -119,14 +119,14 @@ def _solved(
     """
     begin = time.perf_counter()
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-        if given.by_name:
+        problem = problem_of(mechanism, given)
+        if problem.by_name:
             problem, z = begun_by_name(mechanism, given, start)
             refuse_contradictions(problem)
             chosen = Levenberg() if damped else chosen
         else:
             if isinstance(start, Mapping) and list(start) == ["pose"]:
                 start = start["pose"]
-            problem = build_problem(mechanism, given.kind)
             if problem.is_explicit or not problem.system.width:
                 refuse_ignored({"start": start}, _nothing_iterated(problem))
             z = start_values(problem, given, start)
@@ -134,25 +134,25 @@ def _solved(
             result = _from_default(problem, given, chosen, z)
         else:
             result = solve_beside(problem, given, chosen, z, "start")
-    notes = [*result.notes, *_more_notes(result, given, start)]
+    notes = [*result.notes, *_more_notes(result, start)]
     return replace(result, notes=tuple(dict.fromkeys(notes)), elapsed_s=time.perf_counter() - begin)
 
 
-def _more_notes(result: SolveResult, given: Given, start: Start) -> list[str]:
+def _more_notes(result: SolveResult, start: Start) -> list[str]:
     """What is said of a solution that loops of few digits or too few values leave open, and of one
     far from its start; of loops that never close.
     """
     problem, found = result.problem, result.solution
     if found is None:
-        note = open_loops_note(problem.mechanism) if given.by_name else None
+        note = open_loops_note(problem.mechanism) if problem.by_name else None
         return [] if note is None else [note]
     size, notes = problem.closure.characteristic_length, list[str]()
     if found.residual > CLOSURE_TOLERANCE * size:
         notes.append(misfit_note(problem, found.residual))
-    left = determination(problem).free if given.by_name else 0
+    left = determination(problem).free if problem.by_name else 0
     if left:
         notes.append(_free_note(problem, left, start is None))
-    return notes if start is None else [*notes, *start_notes(found, given.kind, start)]
+    return notes if start is None else [*notes, *start_notes(found, problem, start)]
 
 
 def _free_note(problem: Problem, left: int, by_default: bool) -> str:
@@ -308,7 +308,9 @@ def _from_default(problem: Problem, given: Given, solver: Solver, begin: np.ndar
     result = solve_beside(problem, given, solver, begin, "default start")
     if result.solution is not None or given.off_motion > 0.0 or problem.system.width == 0:
         return result
-    starts = random_starts(problem, problem.system, given, RESTARTS, np.random.default_rng(0))[1:]
+    starts = random_starts(
+        problem, problem.system, given.values, RESTARTS, np.random.default_rng(0)
+    )[1:]
     found = _from_some(problem, given, solver, starts)
     if found is None:
         return result

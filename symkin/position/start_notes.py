@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from symkin.position.given import pose_from
-from symkin.position.problem import Kind
+from symkin.position.problem import Problem
 from symkin.position.solution import Solution
 
 _FAR = 0.2
@@ -18,16 +18,16 @@ noted.
 """
 
 
-def start_notes(found: Solution, kind: Kind, start: Any) -> tuple[str, ...]:
+def start_notes(found: Solution, problem: Problem, start: Any) -> tuple[str, ...]:
     """A note where the start that the user gives is far from what it led to: values by name, else a
     pose of the direct problem, joints in file order of the inverse one.
     """
     mechanism = found.mechanism
     if not isinstance(start, Mapping):
-        if kind == "given":
+        if problem.by_name:
             return ()
         names = [c.name for c in mechanism.actuated]
-        start = {"pose": start} if kind == "direct" else dict(zip(names, start, strict=True))
+        start = {"pose": start} if problem.of_joints else dict(zip(names, start, strict=True))
     far = [
         f"{name} by {mechanism.angle_out(gap):.3g} {mechanism.angle_unit}"
         if angular

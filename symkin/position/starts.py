@@ -12,9 +12,9 @@ from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.levenberg import patiently
 from symkin.numeric.system import System
-from symkin.position.given import Given, Joints, joint_values, pose_coordinates, pose_from
-from symkin.position.given_by_name import given_by_name
+from symkin.position.given import Given, Joints, given_by_name, joint_values, pose_from
 from symkin.position.passive import fit_passive
+from symkin.position.pose_coordinates import pose_coordinates
 from symkin.position.problem import Problem, build_problem
 from symkin.spatial.pose import Pose
 
@@ -28,14 +28,14 @@ def start_values(problem: Problem, given: Given, start: Joints | Pose | None) ->
     """
     mechanism, closure = problem.mechanism, problem.closure
     if start is None and mechanism.example is not None:
-        start = _example_start(mechanism, given)
+        start = _example_start(problem)
     values = closure.reference.copy()
-    if given.of_joints and start is not None:
+    if problem.of_joints and start is not None:
         pose_from(start, "start")
     forward = problem.forward(given.values)
     if forward is not None:
         return np.concatenate([problem.select_values(values, closure.role("passive")), forward])
-    if given.of_pose:
+    if problem.of_pose:
         if start is not None:
             numbers = joint_values(mechanism, start, "start")  # type: ignore[arg-type]
             for c, number in zip(mechanism.actuated, numbers, strict=True):
@@ -73,7 +73,7 @@ def _start_by_name(mechanism: Mechanism, given: Given, start: Start) -> Given:
     if start is None:
         example = mechanism.example
         if example is None or example.start is None:
-            return Given("given", np.zeros(0), {})
+            return Given((), np.zeros(0), {})
         start = example.start
     if isinstance(start, Mapping):
         return _read_start(mechanism, start)
@@ -143,14 +143,14 @@ def _set(
 
 
 def random_starts(
-    problem: Problem, system: System, given: Given, count: int, rng: np.random.Generator
+    problem: Problem, system: System, known: np.ndarray, count: int, rng: np.random.Generator
 ) -> np.ndarray:
     """Starts (count, width): lengths about the reference within 1.5 times the mechanism's reach,
     angles and rotations uniform, screws by two turns and, every second time, as far as the reach;
-    the first start at the reference; within `limits` where given.
+    the first start at the reference; within `limits` where there are some.
     """
     closure = problem.closure
-    lengths = [abs(v) for c, v in _named(problem.known_coordinates, given.values) if c.is_length]
+    lengths = [abs(v) for c, v in _named(problem.known_coordinates, known) if c.is_length]
     reach = 1.5 * max([closure.characteristic_length, *lengths])
     points = np.empty((count, system.width))
     for c, place in zip(system.unknowns, system.slices, strict=True):
@@ -189,9 +189,9 @@ def _named(coordinates: Sequence[Coordinate], values: np.ndarray) -> list[tuple[
     return pairs
 
 
-def _example_start(mechanism: Mechanism, given: Given) -> Sequence[float] | None:
+def _example_start(problem: Problem) -> Sequence[float] | None:
     """The example's start, where it is of the kind that the problem takes."""
-    example = mechanism.example
+    example = problem.mechanism.example
     start = example.start if example is not None else None
-    example_kind = "inverse" if example is not None and example.pose is not None else "direct"
-    return start if example_kind == given.kind else None
+    of_pose = example is not None and example.pose is not None
+    return start if not problem.by_name and problem.of_pose == of_pose else None

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from symkin.model.mechanism import Mechanism
-from symkin.position.given import leaves_motion
+from symkin.position.pose_coordinates import leaves_motion
 from symkin.position.problem import Problem
 from symkin.position.solution import DOUBLE_NOTE, Solution
 from symkin.text import counted

@@ -1,5 +1,5 @@
 """Configurations in the variables of another closure of the same mechanism, which may cut its loops
-elsewhere, or of the machine that it means.
+elsewhere or declare no motion, or of the machine that it means.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from symkin.machine.motion import Frames
 from symkin.model.joint import POSE_CONDITIONS, Coordinate
 from symkin.numeric.mapped import Mapped
 from symkin.position.canonical import canonical
-from symkin.position.given import motion_coordinates
+from symkin.position.pose_coordinates import motion_coordinates
 from symkin.position.solution import Solution
 from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import normalized
@@ -37,7 +37,8 @@ def many_elsewhere(closure: Closure, own: Closure, values: np.ndarray) -> np.nda
     """Full vectors of a closure's variables (m, variables) at configurations (m, own variables) of
     another one; these themselves where both hold the same.
     """
-    return values if closure.partition == own.partition else _transferred(closure, own, values)
+    same = (closure.mechanism, closure.partition) == (own.mechanism, own.partition)
+    return values if same else _transferred(closure, own, values)
 
 
 def many_as_written(

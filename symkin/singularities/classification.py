@@ -30,7 +30,7 @@ from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.rank import null_space, row_space
 from symkin.numeric.tolerances import RANK_TOLERANCE, SINGULAR_VALUE
-from symkin.position.given_by_name import Values
+from symkin.position.given import Values
 from symkin.position.problem import build_problem
 from symkin.position.solution import Solution
 from symkin.position.transfer import variables_elsewhere

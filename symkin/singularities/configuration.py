@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any, Unpack
+from typing import Unpack
 
 import numpy as np
 
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.tolerances import ROUNDED_STEP
-from symkin.position.given import given_from
-from symkin.position.given_by_name import Values, plain_case, pose_names
+from symkin.position.given import Given, problem_of, read_given
 from symkin.position.levenberg import Levenberg
 from symkin.position.moved_starts import StartRank, nearly_closes
 from symkin.position.options import Begun
@@ -38,10 +37,24 @@ def configuration(mechanism: Mechanism, **options: Unpack[Begun]) -> Solution:
     closes the loops: it is meant as it is. Raises SolveError where no configuration is reached,
     InputError for values that do not fit.
     """
-    plain = plain_case(mechanism, options["joints"], options["pose"], options["given"])
-    if plain is None:
-        return _refined(_noted(solve(mechanism, **options, check=False)), options["given"])
-    return _of_limbs(mechanism, *plain, options["start"])
+    read = read_given(mechanism, options["joints"], options["pose"], options["given"])
+    problem = problem_of(mechanism, read)
+    if problem.by_name:
+        return _refined(_noted(solve(mechanism, **options, check=False)), read)
+    begin, known = start_values(problem, read, options["start"]), read.values
+    damped = read.off_motion == 0.0 and problem.system.width > 0
+    is_meant = (
+        damped
+        and nearly_closes(problem, begin, known)
+        and StartRank.at(problem, begin, known).is_nearly_singular
+    )
+    found = solve_problem(problem, read, Levenberg(), begin).solution if is_meant else None
+    if found is not None:
+        return found
+    result = solve(mechanism, **options, check=False)
+    if damped and result.solution is None:
+        found = solve_problem(problem, read, Levenberg(), begin).solution
+    return _noted(result) if found is None else found
 
 
 def _noted(result: SolveResult) -> Solution:
@@ -52,21 +65,13 @@ def _noted(result: SolveResult) -> Solution:
     return replace(result.solution, notes=(*result.solution.notes, *noted))
 
 
-def _refined(solution: Solution, given: Values | None) -> Solution:
+def _refined(solution: Solution, given: Given) -> Solution:
     """A nearly singular solution of values by name, to as many digits as it has: steps of a solver
     end where rows vanish, which they do to the square of what is left.
     """
     if solution.condition < _NEARLY_SINGULAR:
         return solution
-    mechanism = solution.mechanism
-    names = (
-        [c.name for c in mechanism.actuated]
-        if given is None
-        else [name for name in given if name != "pose"]
-    )
-    problem = build_problem(
-        mechanism, "given", (*names, *(pose_names(mechanism) if given and "pose" in given else ()))
-    )
+    problem = build_problem(solution.mechanism, "given", given.names)
     values = variables_elsewhere(problem.closure, solution)
     known, z = (
         problem.select_values(values, c)
@@ -92,23 +97,3 @@ def _halved(problem: Problem, z: np.ndarray, known: np.ndarray) -> np.ndarray:
     return z
 
 
-def _of_limbs(mechanism: Mechanism, joints: Any, pose: Any, start: Any) -> Solution:
-    """The configuration of all actuated joints or the pose of limbs, by damped steps where the
-    start is meant as it is, or where Newton's fail.
-    """
-    given = given_from(mechanism, joints, pose)
-    problem = build_problem(mechanism, given.kind)
-    begin, known = start_values(problem, given, start), given.values
-    damped = given.off_motion == 0.0 and problem.system.width > 0
-    is_meant = (
-        damped
-        and nearly_closes(problem, begin, known)
-        and StartRank.at(problem, begin, known).is_nearly_singular
-    )
-    found = solve_problem(problem, given, Levenberg(), begin).solution if is_meant else None
-    if found is not None:
-        return found
-    result = solve(mechanism, joints=joints, pose=pose, start=start, check=False)
-    if damped and result.solution is None:
-        found = solve_problem(problem, given, Levenberg(), begin).solution
-    return _noted(result) if found is None else found

@@ -30,7 +30,7 @@ from symkin.model.mechanism import Mechanism
 from symkin.numeric.system import System
 from symkin.position.closed_configurations import closed_configurations, whole_system
 from symkin.position.determination import refuse_unless_determined
-from symkin.position.given_by_name import plain_kind, pose_names, problem_of_names
+from symkin.position.given import plain_kind, pose_names, problem_of_names
 from symkin.position.problem import Problem, build_problem
 from symkin.position.solution import Solution
 from symkin.position.transfer import variables_elsewhere

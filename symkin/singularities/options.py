@@ -8,8 +8,7 @@ from symkin.position.options import JOINTS, POSE, SEED, START, VALUES
 from symkin.verb_options import ASKED, Option
 
 if TYPE_CHECKING:
-    from symkin.position.given import Joints
-    from symkin.position.given_by_name import Values
+    from symkin.position.given import Joints, Values
     from symkin.position.starts import Start
     from symkin.singularities.locus_system import LocusKind
     from symkin.spatial.pose import Pose

@@ -24,7 +24,7 @@ from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.rank import count_above, null_space
 from symkin.numeric.tolerances import RANK_TOLERANCE
-from symkin.position.given_by_name import given_coordinates
+from symkin.position.given import given_coordinates
 from symkin.position.solution import pose_of
 from symkin.text import meant
 from symkin.velocity.limb_equations import LimbEquations, LimbwiseEquations, eliminated

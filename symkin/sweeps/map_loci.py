@@ -10,7 +10,7 @@ from typing import Any
 from symkin.errors import InputError
 from symkin.model.file import parse
 from symkin.model.mechanism import Mechanism
-from symkin.position.given_by_name import any_given, problem_of
+from symkin.position.given import problem_of, read_given
 from symkin.singularities.configuration import configuration
 from symkin.singularities.curve import distance
 from symkin.singularities.loci import Loci
@@ -94,8 +94,8 @@ def _alike(mechanism: Mechanism, here: Mapping[str, Any], there: Mapping[str, An
     """Whether what is given of two configurations is the same, angles but for whole turns."""
     if "given" in here and set(here["given"]) == set(there.get("given", ())):
         there = {"given": {name: there["given"][name] for name in here["given"]}}
-    one, two = (any_given(mechanism, **told) for told in (here, there))
-    if (one.kind, one.names) != (two.kind, two.names):
+    one, two = (read_given(mechanism, **told) for told in (here, there))
+    if one.names != two.names:
         return False
     problem = problem_of(mechanism, one)
     known = problem.system.exchanged(problem.known_coordinates)

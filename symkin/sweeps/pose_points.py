@@ -14,8 +14,9 @@ from symkin.closure.closure import build_closure
 from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
 from symkin.position.determination import determination
-from symkin.position.given import feasible_poses, given_from
+from symkin.position.given import read_given
 from symkin.position.pose_conditions import condition_sentence, poses_vary
+from symkin.position.pose_coordinates import feasible_poses
 from symkin.position.problem import Problem
 from symkin.position.varied_pose import POSE_AXES, pose_at
 from symkin.singularities.motion_ranks import generic_ranks
@@ -56,7 +57,7 @@ def check_poses(problem: Problem, base: Sequence[float], values: Mapping[str, np
             "orientation or at's"
         )
     mechanism = problem.mechanism
-    off = given_from(mechanism, None, base).off_motion
+    off = read_given(mechanism, None, base).off_motion
     if off > 0.0:
         raise InputError(
             f"at: the pose lies off the {mechanism.motion} motion of {mechanism.name}'s platform "

@@ -16,8 +16,16 @@ import numpy as np
 from symkin.computed_once import cached_property
 from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
-from symkin.position.given import Given, Joints, in_file_order, joint_values, pose_from
-from symkin.position.given_by_name import any_given, given_coordinates, problem_of
+from symkin.position.given import (
+    Given,
+    Joints,
+    given_coordinates,
+    in_file_order,
+    joint_values,
+    pose_from,
+    problem_of,
+    read_given,
+)
 from symkin.position.problem import Problem
 from symkin.position.varied_pose import ALL_POSE_AXES, given_at
 from symkin.spatial.pose import Pose
@@ -99,7 +107,7 @@ class Space:
         """What is given at the first (0) or the last point (-1) of the box. Raises InputError for
         values that do not fit.
         """
-        return any_given(
+        return read_given(
             self.mechanism, **self.given([float(axis.values[end]) for axis in self.axes])
         )
 

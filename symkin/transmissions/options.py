@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any, TypedDict
 from symkin.verb_options import Option
 
 if TYPE_CHECKING:
-    from symkin.position.given_by_name import Values
+    from symkin.position.given import Values
     from symkin.position.solution import Solution
 
 _MOTORS = "Motors"

@@ -13,7 +13,7 @@ import numpy as np
 from symkin.closure.closure import build_closure
 from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism, require_mechanism
-from symkin.position.given_by_name import Values, unknown_name
+from symkin.position.given import Values, unknown_name
 from symkin.position.moved_reference import with_reference_at
 from symkin.position.solution import Solution
 from symkin.position.solve import solve

@@ -28,7 +28,7 @@ from symkin.numeric.rank import null_space
 from symkin.numeric.tolerances import RANK_TOLERANCE
 from symkin.position.closed_configurations import closed_configurations
 from symkin.position.determination import refuse_unless_determined
-from symkin.position.given_by_name import given_coordinates, pose_names, unknown_name
+from symkin.position.given import given_coordinates, pose_names, unknown_name
 from symkin.position.groups import structure_groups
 from symkin.position.problem import Problem, build_problem
 from symkin.position.solve_result import SolveError

@@ -13,7 +13,7 @@ from symkin.model.joint import POSE_CONDITIONS, Coordinate
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.tolerances import RANK_TOLERANCE
 from symkin.position.determination import determination
-from symkin.position.given_by_name import given_coordinates, plain_kind, pose_names, unknown_name
+from symkin.position.given import given_coordinates, plain_kind, pose_names, unknown_name
 from symkin.position.problem import build_problem
 
 _OPEN_RANK, _MOST_OPEN = 1e3, 1e-2

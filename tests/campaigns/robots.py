@@ -167,7 +167,7 @@ def _modes(mechanism: Any) -> str:
     stand at the reference.
     """
     import symkin
-    from helpers.inside import determination, named_given, problem_of
+    from helpers.inside import determination, problem_of, read_given
 
     values = {
         c.name: _reference(mechanism, c.name)
@@ -179,13 +179,13 @@ def _modes(mechanism: Any) -> str:
     try:
         for name in driven or values:
             trial = given | {name: values[name]}
-            said = determination(problem_of(mechanism, named_given(mechanism, None, None, trial)))
+            said = determination(problem_of(mechanism, read_given(mechanism, None, None, trial)))
             if not said.decided:
                 given = trial | {other: values[other] for other in said.binding if not driven}
             if not driven and given:
                 break
         left = (
-            determination(problem_of(mechanism, named_given(mechanism, None, None, given))).binding
+            determination(problem_of(mechanism, read_given(mechanism, None, None, given))).binding
             if given
             else ()
         )

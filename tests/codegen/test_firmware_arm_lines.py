@@ -5,6 +5,8 @@ of codegen/bench.
 from __future__ import annotations
 
 import math
+import re
+import subprocess
 from dataclasses import replace
 
 import numpy as np

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import symkin
+from campaigns.shipped_starts import shipped_systems
 from helpers import inside
 from helpers.gate import in_gate
 from helpers.inside import (
@@ -22,7 +23,6 @@ from helpers.inside import (
     known_values,
     random_values,
     real_values,
-    shipped_systems,
     start_files,
     start_store,
     system_of,

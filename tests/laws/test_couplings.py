@@ -14,12 +14,11 @@ from helpers.gate import in_gate_but
 from helpers.inside import (
     MOST_TEETH,
     build_problem,
-    given_from,
     groups,
-    named_given,
     parse,
     problem_of,
     random_starts,
+    read_given,
 )
 
 HEAD = 'format = 1\nname = "coupled"\nlength_unit = "m"\nangle_unit = "deg"\n'
@@ -239,7 +238,7 @@ def test_groups_of_a_train_are_its_wheels():
         f'[[coupling]]\njoint = "j{k}"\nof = {{ j{k - 1} = -1.0 }}\n' for k in range(1, 100)
     )
     train = parse(HEAD + joints + couplings)
-    found = groups.structure_groups(problem_of(train, named_given(train, None, None, {"j0": 10.0})))
+    found = groups.structure_groups(problem_of(train, read_given(train, None, None, {"j0": 10.0})))
     assert [tuple(c.name for c in group.system.unknowns) for group in found] == [
         (f"j{k}",) for k in range(1, 100)
     ]
@@ -269,7 +268,7 @@ def test_random_starts_reach_as_far_as_a_screw_whatever_its_name(name):
         symkin.Mechanism("helix", [left, right], platform_position=(2, 1, 0)), "direct"
     )
     (place,) = (k for k, c in enumerate(problem.system.unknowns) if c.name == name)
-    given = given_from(problem.mechanism, [0.0], None)
-    starts = random_starts(problem, problem.system, given, 400, np.random.default_rng(1))
+    given = read_given(problem.mechanism, [0.0], None)
+    starts = random_starts(problem, problem.system, given.values, 400, np.random.default_rng(1))
     reach = 1.5 * problem.closure.characteristic_length
     assert np.abs(starts[:, problem.system.slices[place]]).max() > 0.9 * 2 * np.pi * reach / 0.01

@@ -26,8 +26,8 @@ from helpers.inside import (
     build_problem,
     distances,
     finish,
-    given_from,
     known_values,
+    read_given,
     real_values,
     start_of,
     system_of,
@@ -241,7 +241,7 @@ def problem_of(mechanism: Mechanism, kind: str) -> tuple[Problem, AlgebraicSyste
 def mechanism_ends(
     mechanism: Mechanism, **given
 ) -> tuple[Problem, AlgebraicSystem, Fibre, np.ndarray, Ends]:
-    values = given_from(mechanism, given.get("joints"), given.get("pose"))
+    values = read_given(mechanism, given.get("joints"), given.get("pose"))
     problem, system, start = problem_of(mechanism, values.kind)
     k = known_values(problem, values.values)
     return problem, system, start, k, ends_of(system, start, k)

@@ -18,12 +18,12 @@ from helpers.inside import (
     HomogeneousPose,
     ProductRow,
     StudyPose,
-    any_given,
     build_problem,
     closed_configurations,
     implied_parts,
     multiply,
     problem_of,
+    read_given,
     structure_groups,
 )
 from helpers.moved_points import three_upu
@@ -70,7 +70,7 @@ def level_platform(link: float) -> Mechanism:
 
 def group_of(mechanism: Mechanism):
     """The largest structure group of the direct problem at the reference."""
-    problem = problem_of(mechanism, any_given(mechanism))
+    problem = problem_of(mechanism, read_given(mechanism))
     if problem.kind != "given":
         return replace(problem, kind="given", row_places=problem.places_of_rows)
     return max(structure_groups(problem), key=lambda group: group.system.freedom)

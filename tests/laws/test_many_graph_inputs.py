@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import symkin
-from helpers.inside import Search, modes_by_groups, named_given, problem_of
+from helpers.inside import Search, modes_by_groups, problem_of, read_given
 
 SEARCH = Search.of(None)
 PLATFORM = symkin.load("zhang2009")
@@ -18,7 +18,7 @@ def known_of(name, given):
     """The problem of a mechanism for values (n,) by name, and its known values."""
     mechanism = symkin.load(name)
     rows = [dict(zip(given, row, strict=True)) for row in zip(*given.values(), strict=True)]
-    givens = [named_given(mechanism, None, None, row) for row in rows]
+    givens = [read_given(mechanism, None, None, row) for row in rows]
     return problem_of(mechanism, givens[0]), np.array([one.values for one in givens]), rows
 
 

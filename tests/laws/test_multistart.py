@@ -16,15 +16,15 @@ from hypothesis import strategies as st
 import symkin
 from helpers.gate import in_gate
 from helpers.inside import (
-    Roots,
+    Sample,
     build_closure,
     build_problem,
     distinct,
     features,
-    given_from,
     merge,
     parse,
     random_values,
+    read_given,
 )
 from helpers.laws import (
     all_distinct,
@@ -200,7 +200,7 @@ def test_roots_many_turns_away_are_the_same_roots():
     arm = symkin.load("yao2020")
     found = symkin.modes(arm)
     problem = build_problem(arm, "inverse")
-    known = given_from(arm, None, None).values
+    known = read_given(arm, None, None).values
     roots = np.array([[mode.values[c.name] for c in problem.system.unknowns] for mode in found])
     turns = np.random.default_rng(0).integers(-(10**8), 10**8, roots.shape) * [
         c.kind == "angle" for c in problem.system.unknowns
@@ -747,13 +747,7 @@ def test_estimates_of_the_unseen(hits):
     """Chao 1984: at least f1^2 / (2 f2) are unseen, none when nothing was hit once; Good 1953: the
     next hit is new with probability f1 / n.
     """
-    roots = Roots(
-        build_problem(MIXED, "direct").system,
-        np.zeros((len(hits), 1)),
-        np.array(hits, dtype=int),
-        100,
-        0.0,
-    )
+    roots = Sample(np.zeros((len(hits), 1)), np.array(hits, dtype=int), 0.0, 100)
     once, twice = hits.count(1), hits.count(2)
     if twice:
         assert roots.unseen == pytest.approx(once**2 / (2 * twice))

@@ -17,10 +17,10 @@ from helpers.gate import in_gate
 from helpers.inside import (
     COMPLETENESS,
     Told,
-    any_given,
     lowered,
     make_finder,
     problem_of,
+    read_given,
 )
 from helpers.samples import Z, readme_five_bar
 from helpers.spellings import MACHINES, lacking, named, spellings
@@ -102,7 +102,7 @@ def test_a_sweep_finds_the_modes_of_each_point(tmp_path, spelling) -> None:
     scale = np.array([[0.0, 0.05, -0.05, 9.0]]) * mechanism.characteristic_length
     values = [machine.values[n] * told.factor for n in names] + scale.T * [[1.0, -0.5, 0.3]]
     inputs = [dict(zip(names, row, strict=True)) for row in values.tolist()]
-    problem = problem_of(mechanism, any_given(mechanism, joints=inputs[0]))
+    problem = problem_of(mechanism, read_given(mechanism, joints=inputs[0]))
     table = make_finder(problem, starts=100, seed=0, certify=True).enumerate(
         [{"joints": one} for one in inputs]
     )
@@ -223,7 +223,7 @@ def test_a_guide_of_a_motion_is_told_in_its_coordinates() -> None:
             turn = Joint("turn", "R", (3, -2, 0), z, zero=0.25)
             guide = Limb("guide", [turn, *ways] if turn_first else [*ways, turn])
             guided = replace(home, limbs=[*home.limbs, guide], motion="spatial")
-            low, given = lowered(guided), any_given(guided, joints=[10.0, -10.0])
+            low, given = lowered(guided), read_given(guided, joints=[10.0, -10.0])
             assert [limb.name for limb in low.machine.limbs] == [limb.name for limb in home.limbs]
             plain = symkin.modes(low.machine, joints=[10.0, -10.0])
             values = np.array([mode.variables for mode in plain])

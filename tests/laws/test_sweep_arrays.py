@@ -7,7 +7,7 @@ import pytest
 
 import symkin
 from helpers.folders import same_files
-from helpers.inside import given_from, make_space
+from helpers.inside import make_space, read_given
 from helpers.needed import Later, needs
 from helpers.samples import three_rrr
 from symkin import InputError, sweep
@@ -25,7 +25,7 @@ def test_known_values_are_those_of_single_inputs(name):
     points = space.points((slice(0, 30),))
     known, off = space.known_values(points)
     one_by_one = [
-        given_from(mechanism, space.given(point)["joints"], None).values for point in points
+        read_given(mechanism, space.given(point)["joints"], None).values for point in points
     ]
     np.testing.assert_allclose(known, one_by_one, rtol=1e-13)
     assert not off.any()
@@ -46,7 +46,7 @@ def test_known_values_of_poses_are_those_of_single_poses(name, ranges, at):
     space = make_space(mechanism, ranges, over="poses", at=at, sample=20, seed=2)
     points = space.points((slice(0, 20),))
     known, off = space.known_values(points)
-    givens = [given_from(mechanism, None, space.given(point)["pose"]) for point in points]
+    givens = [read_given(mechanism, None, space.given(point)["pose"]) for point in points]
     np.testing.assert_allclose(
         known,
         [given.values for given in givens],

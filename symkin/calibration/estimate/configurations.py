@@ -22,7 +22,7 @@ from symkin.model.joint import units_of
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.levenberg import levenberg_marquardt
 from symkin.numeric.linear_algebra import conditions
-from symkin.position.given import poses_coordinates
+from symkin.position.pose_coordinates import poses_coordinates
 from symkin.spatial.rotation import wrapped
 
 SOLVED_TOLERANCE = 1e-10

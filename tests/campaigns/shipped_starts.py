@@ -1,20 +1,29 @@
-"""Compute the start roots of the shipped mechanisms into the package: `python -m
-symkin.assembly.shipped_starts`.
+"""Compute the start roots of the shipped mechanisms into the package: `python
+tests/campaigns/shipped_starts.py`.
 """
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterator
+from pathlib import Path
 
-from symkin.assembly.block_paths import BlockPaths
-from symkin.assembly.group_solvers import solved_parts, solvers_of
-from symkin.formats.load import load
-from symkin.homotopy.algebraic import AlgebraicSystem
-from symkin.homotopy.start_files import SHIPPED, content_of
-from symkin.homotopy.start_store import compute_start, start_key
-from symkin.homotopy.systems import system_of
-from symkin.model.shipped import shipped_names
-from symkin.position.problem import Problem, build_problem
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
+from helpers.inside import (
+    SHIPPED,
+    AlgebraicSystem,
+    BlockPaths,
+    Problem,
+    build_problem,
+    compute_start,
+    content_of,
+    solved_parts,
+    solvers_of,
+    start_key,
+    system_of,
+)
+from symkin import load, shipped_names
 
 
 def write_shipped() -> None:

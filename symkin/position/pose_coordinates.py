@@ -1,0 +1,211 @@
+"""The coordinates of a platform's motion that a pose is, how far it lies off that motion, and,
+where joints tie them, those that the mechanism can take.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from symkin.machine.lower import Lowered, lowered
+from symkin.model.mechanism import Mechanism
+from symkin.plain_number import plain
+from symkin.position.feasible_pose import PROJECTED, closing_poses, nearest_pose, ties_poses
+from symkin.spatial.backend import Array, atan2, vector
+from symkin.spatial.pose import Pose
+from symkin.spatial.rotation import conjugate, multiply, wrapped
+
+ON_MOTION = 1e-6
+"""A pose off a restricted motion by less than this (of the size, or rad) is projected onto it."""
+
+
+def pose_coordinates(mechanism: Mechanism, pose: Pose) -> tuple[np.ndarray, float]:
+    """Pose coordinates of the motion nearest to a pose, and the distance left (length unit, angles
+    times the size).
+    """
+    values, off = poses_coordinates(
+        mechanism, np.asarray(pose.position)[:, None], np.asarray(pose.quaternion)[:, None]
+    )
+    return values[0], float(off[0])
+
+
+def poses_coordinates(
+    mechanism: Mechanism, position: np.ndarray, quaternion: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Of poses with position (3, n) and unit quaternion (4, n): coordinates (n, numbers) of the
+    motion nearest to each, and the distances left (n,).
+    """
+    numbers = motion_coordinates(mechanism, position, quaternion).T.copy()
+    if mechanism.motion in ("schoenflies", "planar"):
+        numbers[:, -1] = wrapped(numbers[:, -1])
+    return numbers, _off_motion(mechanism, position, quaternion)
+
+
+def motion_coordinates(mechanism: Mechanism, position: Array, quaternion: Array) -> Array:
+    """The coordinates, an angle up to whole turns, of the declared motion nearest to a pose: of
+    numbers (3, n) and (4, n), or of expressions.
+    """
+    match mechanism.motion:
+        case "schoenflies":
+            return vector(*_parts(position, 3), _turn_about_z(mechanism, quaternion))
+        case "planar":
+            return vector(*_parts(position, 2), _turn_about_z(mechanism, quaternion))
+        case "translation":
+            return position
+        case "spherical":
+            return quaternion
+        case _:
+            return vector(*_parts(position, 3), *_parts(quaternion, 4))
+
+
+def _parts(numbers: Array, count: int) -> list[Array]:
+    return [numbers[k] for k in range(count)]
+
+
+def _turn_about_z(mechanism: Mechanism, quaternion: Array) -> Array:
+    """The turn about z from the reference that is nearest to that of a quaternion."""
+    delta = multiply(quaternion, conjugate(mechanism.reference_pose.quaternion))
+    return 2.0 * atan2(delta[3], delta[0])
+
+
+def _off_motion(mechanism: Mechanism, position: np.ndarray, quaternion: np.ndarray) -> np.ndarray:
+    """How far (n,) poses with position (3, n) and unit quaternion (4, n) lie off the declared
+    motion, turns times the size.
+    """
+    if mechanism.motion == "spatial":
+        return np.zeros(position.shape[1])
+    reference, size = mechanism.reference_pose, mechanism.characteristic_length
+    away = np.abs(position - np.asarray(reference.position)[:, None])
+    if mechanism.motion == "spherical":
+        return np.asarray(away.max(axis=0))
+    w, x, y, z = multiply(quaternion, conjugate(reference.quaternion))
+    # a turn about z and one about an axis normal to it: each has a half of the quaternion
+    tilt = 2.0 * size * np.arctan2(np.hypot(x, y), np.hypot(w, z))
+    match mechanism.motion:
+        case "planar":
+            return np.asarray(np.maximum(tilt, away[2]))
+        case "translation":
+            turn = np.arctan2(np.sqrt(x * x + y * y + z * z), np.abs(w))
+            return np.asarray(2.0 * size * turn)
+        case _:
+            return np.asarray(tilt)
+
+
+def leaves_motion(mechanism: Mechanism, position: np.ndarray, quaternion: np.ndarray) -> bool:
+    """Whether any of some poses, with positions (n, 3) and unit quaternions (n, 4), lies off the
+    motion that is declared of the platform, by more than rounding: where joints carry the platform,
+    they decide how it moves.
+    """
+    if mechanism.motion == "spatial" or not len(position):
+        return False
+    off = _off_motion(mechanism, position.T, quaternion.T)
+    return bool(np.any(off > ON_MOTION * mechanism.characteristic_length))
+
+
+def motion_note(mechanism: Mechanism, position: np.ndarray, quaternion: np.ndarray) -> str | None:
+    """What is said of poses, as `leaves_motion` has them, that lie off the motion that is declared
+    of the platform; None where none does.
+    """
+    if not leaves_motion(mechanism, position, quaternion):
+        return None
+    return (
+        f"the platform's motion is declared {mechanism.motion}, and the joints that carry it move "
+        f"it otherwise too: whole poses are told; "
+        "leave the declaration out"
+    )
+
+
+def feasible_poses(
+    mechanism: Mechanism, position: np.ndarray, quaternion: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Pose coordinates (n, numbers) that the mechanism can take, nearest to poses with position (3,
+    n) and unit quaternion (4, n), and how far those that are more than rounding lie off them, 0 for
+    others.
+    """
+    own, pose = with_own_motion(mechanism), Pose(position, quaternion)
+    if own is not None:
+        values, off = _feasible_of_machine(own.machine, own.taken(pose), PROJECTED)
+        there = own.told(motion_pose(own.machine, values))
+        written, _ = poses_coordinates(mechanism, position, quaternion)
+        nearest, _ = poses_coordinates(
+            mechanism, np.asarray(there.position), np.asarray(there.quaternion)
+        )
+        return np.where(off[:, None] > 0.0, written, nearest), off
+    return _feasible_of_machine(mechanism, pose, ON_MOTION)
+
+
+def _feasible_of_machine(
+    mechanism: Mechanism, pose: Pose, near: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """`feasible_poses` of a mechanism whose motion is declared; poses `near` it, over the size, are
+    projected onto it.
+    """
+    values, off = poses_coordinates(
+        mechanism, np.asarray(pose.position), np.asarray(pose.quaternion)
+    )
+    off = np.where(off < near * mechanism.characteristic_length, 0.0, off)
+    if ties_poses(mechanism):
+        for i in np.flatnonzero((off == 0.0) & ~closing_poses(mechanism, values)):
+            values[i], off[i], _ = feasible_pose(mechanism, values[i])
+    return values, off
+
+
+def with_own_motion(mechanism: Mechanism) -> Lowered | None:
+    """The machine whose platform has a motion that the description does not declare."""
+    if mechanism.motion != "spatial":
+        return None
+    low = lowered(mechanism)
+    return None if low is None or low.machine.motion == "spatial" else low
+
+
+def feasible_pose(
+    mechanism: Mechanism, values: np.ndarray, low: Lowered | None = None
+) -> tuple[np.ndarray, float, tuple[str, ...]]:
+    """Pose coordinates that the joints can take, where they tie them to each other: those of a pose
+    with few digits are moved to the nearest; a distance that is more than that or beyond reach, and
+    what is said of it, in the words of the description of `low`.
+    """
+    nearest = nearest_pose(mechanism, values)
+    if nearest is None:
+        return values, 0.0, ()
+    frame = (mechanism if low is None else low.written).frame_name
+    unit = mechanism.length_unit
+    if nearest.distance <= PROJECTED * mechanism.characteristic_length and not nearest.beyond_reach:
+        note = (
+            f"the pose was projected onto those that the {frame} can take, by "
+            f"{nearest.distance:.3g} {unit}",
+        )
+        return nearest.values, 0.0, note
+    there = motion_pose(mechanism, nearest.values)
+    there = there if low is None else low.told(there)
+    numbers = np.concatenate([there.position, there.quaternion])
+    scales = [mechanism.characteristic_length] * 3 + [1.0] * 4
+    at = ", ".join(
+        f"{plain(v, scale):.7g}" for v, scale in zip(numbers.tolist(), scales, strict=True)
+    )
+    note = (
+        f"the joints tie the coordinates of the {frame}'s pose, and this one lies "
+        f"{nearest.distance:.3g} {unit} (angles times the "
+        f"size) off those that it can take; the nearest is {at}",
+    )
+    return values, nearest.distance, note
+
+
+def motion_pose(mechanism: Mechanism, values: np.ndarray) -> Pose:
+    """The pose whose coordinates (numbers,) are these of the mechanism's motion, or a stack of them
+    for coordinates (n, numbers).
+    """
+    columns = np.asarray(values, dtype=float).T
+    if mechanism.motion == "spatial":
+        return Pose(columns[:3], columns[3:])
+    reference, shape = mechanism.reference_pose, columns.shape[1:]
+    position, home = (
+        np.broadcast_to(np.reshape(part, (-1, *[1] * len(shape))), (len(part), *shape)).copy()
+        for part in map(np.asarray, (reference.position, reference.quaternion))
+    )
+    if mechanism.motion == "spherical":
+        return Pose(position, columns)
+    lengths = 2 if mechanism.motion == "planar" else 3
+    position[:lengths] = columns[:lengths]
+    half = 0.5 * (columns[lengths] if len(columns) > lengths else np.zeros(shape))
+    none = np.zeros(shape)
+    return Pose(position, multiply(np.array([np.cos(half), none, none, np.sin(half)]), home))
