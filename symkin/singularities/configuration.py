@@ -95,5 +95,3 @@ def _halved(problem: Problem, z: np.ndarray, known: np.ndarray) -> np.ndarray:
             break
         z, last = problem.system.move(z[None], step[None])[0], 0.9 * size
     return z
-
-
