@@ -156,7 +156,7 @@ def test_formulas_are_used_where_paths_find_as_many(name: str, turned: bool) -> 
         solver, paths = group_solver(group), group_paths(group)
         assert paths is not None
         assert solver is not None
-        assert (solver.method, solver.most_roots) == ("closed", paths.most_roots)
+        assert (solver.engine, solver.most_roots) == ("closed form", paths.most_roots)
 
 
 def test_structure_groups_do_not_depend_on_the_unit_of_length() -> None:

@@ -122,7 +122,7 @@ def _compare(made: Any, configurations: np.ndarray) -> int:
     )
     count = 0
     for z in configurations:
-        solution = make_solution(made.problem, z)
+        solution = make_solution(made.expressions.problem, z)
         values = {
             name: float(np.ravel(v)[0])
             for name, v in solution.all_values.items()
@@ -196,7 +196,7 @@ def test_every_format_is_right_where_a_choice_of_rows_is_not(language: str, tmp_
     made, configurations = _bricard()
     for values in configurations[:2]:
         inputs = [float(values[v.index]) for v in made.inputs]
-        expected = made.at(make_solution(made.problem, values))
+        expected = made.at(make_solution(made.expressions.problem, values))
         assert run_exported(made, language, inputs, tmp_path) == pytest.approx(expected, rel=1e-9)
 
 
@@ -231,7 +231,7 @@ def test_redundant_rows_carry_through_dead_points_of_their_parts() -> None:
         assert made.function.call([z[v.index] for v in made.inputs])[0].full() == pytest.approx(
             np.array([[1.0], [1.0], [-1.0]])
         )
-        assert made.at(make_solution(made.problem, z)) == pytest.approx(
+        assert made.at(make_solution(made.expressions.problem, z)) == pytest.approx(
             np.array([[1.0], [1.0], [-1.0]])
         )
 
