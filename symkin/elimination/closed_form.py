@@ -183,11 +183,15 @@ class ClosedForm:
 
     def discriminants_at(self, known: np.ndarray, signs: np.ndarray) -> np.ndarray:
         """The discriminants (n, choices) for known values (n, known) and signs (choices,)."""
-        return np.asarray(self._mapped(signs, known)[1][:, :, 0])
+        return np.asarray(self._mapped(np.tile(signs, (len(known), 1)), known)[1]).reshape(
+            len(known), -1
+        )
 
     def divisors_at(self, known: np.ndarray, signs: np.ndarray) -> np.ndarray:
         """The divisors (n, divisors) for known values (n, known) and signs (choices,)."""
-        return np.asarray(self._mapped(signs, known)[2][:, :, 0])
+        return np.asarray(self._mapped(np.tile(signs, (len(known), 1)), known)[2]).reshape(
+            len(known), -1
+        )
 
     def solutions(self, known: np.ndarray) -> Solutions:
         """All solutions for known values (n, known)."""

@@ -242,7 +242,7 @@ def mechanism_ends(
     mechanism: Mechanism, **given
 ) -> tuple[Problem, AlgebraicSystem, Fibre, np.ndarray, Ends]:
     values = read_given(mechanism, given.get("joints"), given.get("pose"))
-    problem, system, start = problem_of(mechanism, values.kind)
+    problem, system, start = problem_of(mechanism, "direct" if "joints" in given else "inverse")
     k = known_values(problem, values.values)
     return problem, system, start, k, ends_of(system, start, k)
 
