@@ -2,32 +2,38 @@
  * of which it uses nothing. CasADi's own C of all rows of the closure (rows.c), Newton's method by a dense factorisation, fine
  * steps. N: unknowns' tangent; M: rows, at least N; WIDTH: numbers of the unknowns; KNOWN: known values; SIZE: of the machine.
  *
+ * All numbers are long doubles, of 64 bits or more: beside a fold of condition 1e7 a step of Newton's method moves by 1e-9 of the size
+ * by a double's rounding alone, and a goal short of the fold cannot be told from one beyond it.
+ *
  * A step follows the tangent and is corrected by Newton's method. It is kept where
  * - the first correction is at most a tenth of the tangent's step, the second at most a tenth of the first: the steps are short
  *   beside the distance to a fold, at which the tangent's length is without bound;
  * - the matrices at both ends and at the tangent's end have one orientation: det(A^T B) > 0, which is the sign of the
  *   determinant and serves more rows than unknowns too. A gap between two folds is not leapt: the tangent into it ends on the far
  *   side of the fold, where the matrix has turned over.
- * Else it is halved, down to SHORTEST of the line: there the line meets a singularity. A goal whose distance to the singularity is
- * that of a crank of 1e-5 rad beside a dead centre, 1e-11 of its length, is still told from one beyond it. */
-#include <math.h>
+ * Else it is halved, down to SHORTEST of the line: there the line meets a singularity. A goal short of a fold by 1e-14 of the line, a
+ * hundred roundings of a double, is still told from one beyond it. */
 #include <string.h>
+#include <tgmath.h>
+
+typedef long double real;
+#define casadi_real real
 #include "rows.c"
 
-#define SHORTEST 1e-13
+#define SHORTEST 1e-16L
 
 typedef struct {
-    double f[M];      /* rows */
-    double j[M * N];  /* their matrix by tangent steps, column-major */
-    double r[M];      /* their rate along the line */
+    real f[M];     /* rows */
+    real j[M * N]; /* their matrix by tangent steps, column-major */
+    real r[M];     /* their rate along the line */
 } point;
 
-static void evaluate(const double *z, const double *begin, const double *goal, double part, point *at)
+static void evaluate(const real *z, const real *begin, const real *goal, real part, point *at)
 {
     static casadi_int iw[point_SZ_IW + 1];
-    static casadi_real w[point_SZ_W + 1];
-    const casadi_real *arg[point_SZ_ARG];
-    casadi_real *res[point_SZ_RES];
+    static real w[point_SZ_W + 1];
+    const real *arg[point_SZ_ARG];
+    real *res[point_SZ_RES];
     arg[0] = z;
     arg[1] = begin;
     arg[2] = goal;
@@ -38,13 +44,13 @@ static void evaluate(const double *z, const double *begin, const double *goal, d
     linearised(arg, res, iw, w, 0);
 }
 
-static void moved(double *z, const double *step)
+static void moved(real *z, const real *step)
 {
     static casadi_int iw[point_SZ_IW + 1];
-    static casadi_real w[point_SZ_W + 1];
-    const casadi_real *arg[point_SZ_ARG];
-    casadi_real *res[point_SZ_RES];
-    double to[WIDTH];
+    static real w[point_SZ_W + 1];
+    const real *arg[point_SZ_ARG];
+    real *res[point_SZ_RES];
+    real to[WIDTH];
     arg[0] = z;
     arg[1] = step;
     res[0] = to;
@@ -52,9 +58,9 @@ static void moved(double *z, const double *step)
     memcpy(z, to, sizeof to);
 }
 
-static double norm(const double *v, int count)
+static real norm(const real *v, int count)
 {
-    double sum = 0.0;
+    real sum = 0.0;
     for (int i = 0; i < count; ++i) {
         sum += v[i] * v[i];
     }
@@ -63,17 +69,17 @@ static double norm(const double *v, int count)
 
 /* Solves a x = b for `count` right-hand sides in the least-squares sense by Householder's reflections; a is column-major, overwritten;
  * false where it is singular. Solutions stand in the first N entries of each b. */
-static int least_squares(double *a, double *b, int count)
+static int least_squares(real *a, real *b, int count)
 {
     for (int k = 0; k < N; ++k) {
-        double *column = a + k * M;
-        const double length = norm(column + k, M - k);
+        real *column = a + k * M;
+        const real length = norm(column + k, M - k);
         if (!(length > 0.0)) {
             return 0;
         }
-        const double head = (column[k] > 0.0) ? -length : length;
-        double v[M];
-        double square = 0.0;
+        const real head = (column[k] > 0.0) ? -length : length;
+        real v[M];
+        real square = 0.0;
         for (int i = k; i < M; ++i) {
             v[i] = column[i];
         }
@@ -83,8 +89,8 @@ static int least_squares(double *a, double *b, int count)
         }
         column[k] = head;
         for (int c = k + 1; c < N + count; ++c) {
-            double *other = (c < N) ? (a + c * M) : (b + (c - N) * M);
-            double dot = 0.0;
+            real *other = (c < N) ? (a + c * M) : (b + (c - N) * M);
+            real dot = 0.0;
             for (int i = k; i < M; ++i) {
                 dot += v[i] * other[i];
             }
@@ -95,7 +101,7 @@ static int least_squares(double *a, double *b, int count)
         }
     }
     for (int c = 0; c < count; ++c) {
-        double *x = b + c * M;
+        real *x = b + c * M;
         for (int k = N - 1; k >= 0; --k) {
             for (int i = k + 1; i < N; ++i) {
                 x[k] -= a[i * M + k] * x[i];
@@ -107,13 +113,13 @@ static int least_squares(double *a, double *b, int count)
 }
 
 /* Whether det(a^T b) > 0. */
-static int alike(const double *a, const double *b)
+static int alike(const real *a, const real *b)
 {
-    double m[N * N];
+    real m[N * N];
     int positive = 1;
     for (int i = 0; i < N; ++i) {
         for (int j = 0; j < N; ++j) {
-            double sum = 0.0;
+            real sum = 0.0;
             for (int k = 0; k < M; ++k) {
                 sum += a[i * M + k] * b[j * M + k];
             }
@@ -131,14 +137,14 @@ static int alike(const double *a, const double *b)
         if (best != k) {
             positive = !positive;
             for (int j = k; j < N; ++j) {
-                const double kept = m[k * N + j];
+                const real kept = m[k * N + j];
                 m[k * N + j] = m[best * N + j];
                 m[best * N + j] = kept;
             }
         }
         positive = (m[k * N + k] > 0.0) ? positive : !positive;
         for (int i = k + 1; i < N; ++i) {
-            const double factor = m[i * N + k] / m[k * N + k];
+            const real factor = m[i * N + k] / m[k * N + k];
             for (int j = k + 1; j < N; ++j) {
                 m[i * N + j] -= factor * m[k * N + j];
             }
@@ -148,10 +154,10 @@ static int alike(const double *a, const double *b)
 }
 
 /* One Newton step at a part of the line, from z; returns its length, or -1. at: the point before it; rate: the tangent there. */
-static double corrected(double *z, const double *begin, const double *goal, double part, point *at, double *rate)
+static real corrected(real *z, const real *begin, const real *goal, real part, point *at, real *rate)
 {
-    double a[M * N];
-    double b[2 * M];
+    real a[M * N];
+    real b[2 * M];
     evaluate(z, begin, goal, part, at);
     memcpy(a, at->j, sizeof a);
     for (int i = 0; i < M; ++i) {
@@ -161,7 +167,7 @@ static double corrected(double *z, const double *begin, const double *goal, doub
     if (!least_squares(a, b, 2)) {
         return -1.0;
     }
-    const double length = norm(b, N);
+    const real length = norm(b, N);
     if (!(length < SIZE)) {
         return -1.0;
     }
@@ -172,13 +178,13 @@ static double corrected(double *z, const double *begin, const double *goal, doub
 
 /* Follows one line from the unknowns z, which are at its begin. Returns the shortest step that was tried, 0 where the line met a singularity;
  * *done: how far it came, z: the unknowns there. */
-static double follow(double *z, const double *begin, const double *goal, double longest, double *done)
+static real follow(real *z, const real *begin, const real *goal, real longest, real *done)
 {
     point here;
     point there;
-    double rate[N];
-    double step = longest;
-    double shortest = longest;
+    real rate[N];
+    real step = longest;
+    real shortest = longest;
     *done = 0.0;
     for (int i = 0; i < 3; ++i) {
         if (corrected(z, begin, goal, 0.0, &here, rate) < 0.0) {
@@ -186,21 +192,21 @@ static double follow(double *z, const double *begin, const double *goal, double 
         }
     }
     while (*done < 1.0) {
-        const double part = (*done + step < 1.0) ? (*done + step) : 1.0;
-        double to[WIDTH];
-        double tangent[N];
-        double after[N];
+        const real part = (*done + step < 1.0) ? (*done + step) : 1.0;
+        real to[WIDTH];
+        real tangent[N];
+        real after[N];
         int fine = 0;
         for (int i = 0; i < N; ++i) {
             tangent[i] = (part - *done) * rate[i];
         }
-        const double length = norm(tangent, N);
+        const real length = norm(tangent, N);
         if (length < 0.1 * SIZE) {
             memcpy(to, z, sizeof to);
             moved(to, tangent);
-            const double first = corrected(to, begin, goal, part, &there, after);
+            const real first = corrected(to, begin, goal, part, &there, after);
             if ((first >= 0.0) && (first <= 0.1 * length + 1e-6 * SIZE) && alike(here.j, there.j)) {
-                const double second = corrected(to, begin, goal, part, &there, after);
+                const real second = corrected(to, begin, goal, part, &there, after);
                 fine = (second >= 0.0) && (second <= 0.1 * first + 1e-11 * SIZE) && alike(here.j, there.j);
             }
         }
@@ -226,10 +232,28 @@ static double follow(double *z, const double *begin, const double *goal, double 
     return (corrected(z, begin, goal, 1.0, &there, rate) < 1e-9 * SIZE) ? shortest : 0.0;
 }
 
+static void copied(real *to, const double *from, int count)
+{
+    for (int i = 0; i < count; ++i) {
+        to[i] = from[i];
+    }
+}
+
 /* Many lines; z: begins, overwritten by ends. */
 void follow_all(int count, double *z, const double *begin, const double *goal, double longest, double *shortest, double *done)
 {
     for (int k = 0; k < count; ++k) {
-        shortest[k] = follow(z + k * WIDTH, begin + k * KNOWN, goal + k * KNOWN, longest, done + k);
+        real unknowns[WIDTH];
+        real from[KNOWN];
+        real to[KNOWN];
+        real part;
+        copied(unknowns, z + k * WIDTH, WIDTH);
+        copied(from, begin + k * KNOWN, KNOWN);
+        copied(to, goal + k * KNOWN, KNOWN);
+        shortest[k] = (double)follow(unknowns, from, to, longest, &part);
+        done[k] = (double)part;
+        for (int i = 0; i < WIDTH; ++i) {
+            z[k * WIDTH + i] = (double)unknowns[i];
+        }
     }
 }

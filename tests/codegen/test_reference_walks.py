@@ -138,6 +138,66 @@ def test_walks_of_redundant_rods_end_at_the_fold(walker):
     np.testing.assert_allclose(ends.unknowns[whole], below, atol=1e-6 * d["rod"])
 
 
+def wrist_heights(poses):
+    """Of yao2020's tool poses (n, 7) the squares that hold joints 4 and 5 from their folds, by
+    where the tool sees the point O in which axes 1, 2, 3 meet: joint 4 takes it a1 about an axis
+    105 above the tool's, joint 5 across the tool's axis.
+    """
+    w, x, y, z = (poses[..., k] for k in range(3, 7))
+    across = np.stack([2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x)], -1)
+    normal = np.stack([2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)], -1)
+    up, side = (np.sum(v * poses[..., :3], axis=-1) for v in (normal, across))
+    fourth = 300.0**2 - (105.0 - up) ** 2
+    return fourth, (85.0 + np.sqrt(np.maximum(fourth, 0.0))) ** 2 - side**2
+
+
+def poses_between(begin, goals, parts):
+    """Tool poses (n, 7) at parts (n,) of straight lines, of unit quaternions."""
+    poses = begin + parts[:, None] * (goals - begin)
+    return np.hstack([poses[:, :3], poses[:, 3:] / np.linalg.norm(poses[:, 3:], axis=1)[:, None]])
+
+
+def test_walks_end_short_of_a_fold_and_not_beyond():
+    """An arm's tool goes to poses short of the fold of joint 4 by 1e-9 down to 1e-14 of the line,
+    and as far beyond: the walk comes to all of the former, by rounding too where joint 5 is beside
+    its own fold, and to none of the latter.
+    """
+    tools.compiler("gcc")
+    rng, begin = np.random.default_rng(6), np.array([-545.0, 0.0, 105.0, 1.0, 0.0, 0.0, 0.0])
+    goals = np.hstack([rng.uniform(-400, 400, (1000, 3)), rng.normal(size=(1000, 4))])
+    goals[:, 3:] /= np.linalg.norm(goals[:, 3:], axis=1)[:, None] * np.sign(goals[:, 3:4])
+
+    def heights(goals, part):
+        return wrist_heights(poses_between(begin, goals, np.full(len(goals), part)))
+
+    clear, folds = np.ones(len(goals), bool), np.ones(len(goals))
+    for part in np.linspace(0.0, 1.0, 501):
+        fourth, fifth = heights(goals, part)
+        folds = np.where((folds == 1.0) & (fourth < 0.0), part, folds)
+        clear &= (part > folds) | (folds < 1.0) | (fifth > 1.0)
+    goals, folds = goals[clear & (folds < 1.0)], folds[clear & (folds < 1.0)]
+    assert len(goals) > 100
+    low, high = folds - 2e-3, folds
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        short = wrist_heights(poses_between(begin, goals, middle))[0] > 0.0
+        low, high = np.where(short, middle, low), np.where(short, high, middle)
+    walk = tools.bench_module("continuation").Walker(build_problem(load("yao2020"), "inverse"))
+    before = np.concatenate([np.linspace(0.0, 0.99, 400), 1.0 - np.geomspace(1e-2, 1e-8, 200)])
+    for away in (1e-9, 1e-10, 1e-11, 1e-12, 1e-13, 1e-14):
+        for side in (-1.0, 1.0):
+            ends_at = poses_between(begin, goals, low * (1.0 + side * away))
+            fourth, fifth = wrist_heights(ends_at)
+            clear = (np.sign(fourth) == -side) & (fifth > 1.0)
+            for part in before:
+                fourth, fifth = heights(ends_at, part)
+                clear &= (fourth > 0.0) & (fifth > 1.0)
+            assert np.sum(clear) > 50
+            tiled = (np.tile(v, (len(goals), 1)) for v in (np.zeros(6), begin))
+            ends = walk.reached(*tiled, ends_at)
+            np.testing.assert_array_equal(ends.shortest[clear] > 0.0, side < 0.0)
+
+
 @pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.parametrize(
