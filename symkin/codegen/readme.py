@@ -91,7 +91,9 @@ def _chapters(program: Program) -> list[str]:
     if isinstance(kind, JointMap):
         return [_of_map(kind), _map_answers(program, kind), guards]
     if isinstance(kind, SerialArm):
-        answers = _words("closed_line") if kind.follows_closed_form else _newton(program)
+        answers = (
+            _words("closed_line", p=kind.name) if kind.follows_closed_form else _newton(program)
+        )
         more = ["\n\n" + _words("redundant")] if kind.is_redundant else []
         return ["".join([_words("serial"), *more]), answers, guards, *_closed_form(kind)]
     if isinstance(kind, RodPlatform):

@@ -36,14 +36,12 @@ from symkin.position.given import (
     problem_of_names,
     rows_by_name,
 )
-from symkin.position.pose_coordinates import pose_coordinates
+from symkin.position.pose_coordinates import ON_MOTION, pose_coordinates
 from symkin.position.problem import Kind, Problem
 from symkin.spatial.backend import Array, cos, sin
 from symkin.spatial.pose import Pose
 from symkin.verb_options import takes
 
-_ON_MOTION = 1e-6
-"""A pose off a restricted motion by less than this times the size is projected, as in `solve`."""
 _ROUNDED = 1e-12
 """Of the size: a shorter way onto the motion is rounding."""
 _MOST_SAMPLES = 10**6
@@ -122,7 +120,7 @@ def make_trajectory(mechanism: Mechanism, **options: Unpack[PathOptions]) -> Tra
     problem = _problem(mechanism, read[0].names, options["limits"])
     samples: list[np.ndarray] = []
     for k, one in enumerate(read, start=1):
-        if one.off_motion > _ON_MOTION * mechanism.characteristic_length:
+        if one.off_motion > ON_MOTION * mechanism.characteristic_length:
             raise InputError(_off_motion(mechanism, k, one.off_motion))
         samples.append(
             _continued(problem.known_coordinates, samples[-1], one.values)
@@ -276,7 +274,7 @@ _READ: dict[str, Callable[[Mechanism, Any, int], Given]] = {
 def _off_motion(mechanism: Mechanism, number: int, off: float) -> str:
     return (
         f"pose of sample {number} lies off the platform's {mechanism.motion} motion by {off:.3g} "
-        f"{mechanism.length_unit}; allowed: {_ON_MOTION * mechanism.characteristic_length:.3g}"
+        f"{mechanism.length_unit}; allowed: {ON_MOTION * mechanism.characteristic_length:.3g}"
     )
 
 

@@ -37,6 +37,14 @@ _SIMPLER, _FEW = 2, 1.0 / 3.0
 """Times as many zeros on the base, and share of its numbers, above which a machine is turned:
 turning poses has its price.
 """
+_SAME_WAY = 4e-12
+"""Difference of the angles about an axis of vectors that are parallel or normal to each other:
+rounding.
+"""
+_PAIRED, _TIED = 64, 32
+"""Directions on the base of which normals of two are tried, and axes of equally many zeros that
+are: of more limbs each is one of many.
+"""
 _Z = np.array([0.0, 0.0, 1.0])
 _ABOUT_Z = ("planar", "schoenflies")
 """Motions whose z is that of the base frame."""
@@ -248,8 +256,10 @@ def simplest_turn(told: np.ndarray, first: np.ndarray, *, in_plane: bool) -> np.
     of the others; with `in_plane` it is about z. None where it makes less than twice as many zero
     as there are, or only a few.
     """
-    axes = _distinct([*first, *(np.cross(a, b) for a, b in combinations(_distinct(first), 2))])
-    frames = _frames(first, [_Z] if in_plane else axes)
+    axes = np.array([_Z]) if in_plane else _promising(first)
+    if not len(axes):
+        return None
+    frames = _frames(first, axes)
     counts = _zeros([told, first], frames)
     best = _most(counts)
     [written] = _zeros([first], np.eye(3)[None])
@@ -260,11 +270,46 @@ def simplest_turn(told: np.ndarray, first: np.ndarray, *, in_plane: bool) -> np.
     return np.asarray(frames[best]) if is_simpler else None
 
 
-def _frames(vectors: np.ndarray, normals: Iterable[np.ndarray]) -> np.ndarray:
-    """Frames (n, 3, 3) whose z is one of the normals, and x the direction of one of the vectors or
-    of the difference of two.
+def _promising(vectors: np.ndarray) -> np.ndarray:
+    """Of the directions of vectors (n, 3) and the normals of two of them those that are z in the
+    frames in which most coordinates are zero; none where these are only a few.
     """
-    ways = _distinct([*vectors, *(b - a for a, b in combinations(vectors, 2)), *np.eye(3)])
+    ways = _distinct(vectors)
+    axes = _distinct([*ways, *(np.cross(a, b) for a, b in combinations(ways[:_PAIRED], 2))])
+    if not len(axes):
+        return axes
+    zeros = _zeros_about(axes, vectors)
+    best = int(zeros.max())
+    return axes[zeros == best][:_TIED] if best > _FEW * vectors.size else axes[:0]
+
+
+def _zeros_about(axes: np.ndarray, vectors: np.ndarray) -> np.ndarray:
+    """For each axis (m, 3) the most coordinates of vectors (n, 3) that are zero in a frame whose z
+    it is: one of each vector in the directions of x and y, which are those of most vectors, two of
+    one along z, and the third of one across.
+    """
+    aside = np.cross(axes, np.eye(3)[np.abs(axes).argmin(axis=1)])
+    aside /= np.linalg.norm(aside, axis=1)[:, None]
+    x, y, z = vectors @ aside.T, vectors @ np.cross(axes, aside).T, vectors @ axes.T
+    is_along = np.hypot(x, y) <= _ALIGNED
+    quarter = 0.5 * math.pi
+    angles = np.where(is_along, np.inf, np.arctan2(y, x) % quarter)
+    angles = np.where(np.abs(angles - quarter) <= _SAME_WAY, angles - quarter, angles)
+    angles.sort(axis=0)
+    same = most = np.isfinite(angles[0]).astype(int)
+    with np.errstate(invalid="ignore"):  # those along z stand behind the others, at infinity
+        gaps = np.diff(angles, axis=0)
+    for gap, angle in zip(gaps, angles[1:], strict=True):
+        same = np.where(gap <= _SAME_WAY, same + 1, np.isfinite(angle))
+        most = np.maximum(most, same)
+    return np.asarray(most + np.sum(np.abs(z) <= _ALIGNED, axis=0) + 2 * np.sum(is_along, axis=0))
+
+
+def _frames(vectors: np.ndarray, normals: Iterable[np.ndarray]) -> np.ndarray:
+    """Frames (n, 3, 3) whose z is one of the normals, and x the direction of one of the vectors, or
+    of one of the axes where all vectors are along z.
+    """
+    ways = _distinct([*vectors, *np.eye(3)])
     found = list[np.ndarray]()
     for up in normals:
         in_plane = ways - np.outer(ways @ up, up)

@@ -101,16 +101,17 @@ def view_mechanism(
             "joints and given are both told; joints are the actuated ones, given any coordinates: "
             "give one of them"
         )
-    if any(np.ndim(value) for value in (given or {}).values()):
+    if isinstance(given, Mapping) and any(map(np.ndim, given.values())):
         raise InputError(
             "given (--given): pose=... is a whole pose, and sliders have single coordinates: give "
             "pose (--pose X,Y,Z,QW,QX,QY,QZ), or x, y, z, azimuth, tilt, torsion one by one"
         )
     if pose is not None:
         if joints is not None or given is not None or path is not None:
+            other = "joints" if joints is not None else "path" if given is None else "given"
             raise InputError(
-                "view: a pose is told beside joints, given or a path; each tells where the page "
-                "begins: give one of them"
+                f"view: both pose (--pose) and {other} (--{other}) are given; each tells where the "
+                f"page begins: give one of them"
             )
         found = modes(mechanism, pose=pose)
         if not len(found):

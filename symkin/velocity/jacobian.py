@@ -110,7 +110,8 @@ class Jacobian(Result):
         """The matrix at a closed configuration: a Solution, its `values` (those of the inputs
         suffice), or the closure's vector (radians, length unit). `parameters` are all of the
         closure's (`closure.parameter_names`); nominal without. Raises SolveError where coordinates
-        that are told by name do not decide the rates that are asked for.
+        that are told by name do not decide the rates that are asked for, which all coordinates
+        tell.
         """
         geometry = (
             self.closure.parameter_values
@@ -125,7 +126,8 @@ class Jacobian(Result):
         z = variables_of(self.closure, values, {v.coordinate for v in self.inputs})
         found = np.asarray(self._value(z, geometry))
         if isinstance(self.expressions, NamedRates):
-            self.expressions.refuse_singular(z, self.rows if self.kind == "rates" else ())
+            if np.isfinite(z).all():
+                self.expressions.refuse_singular(z, self.rows if self.kind == "rates" else ())
             if not np.isfinite(found).all():
                 raise SolveError(
                     f"{self.mechanism.name}: {self._what}: not defined at this configuration: it "

@@ -152,6 +152,7 @@ def test_the_size_that_is_told_of_a_guard_bounds_it(name, tmp_path):
     arm = symkin.load(name)
     tools.write_code(arm, tmp_path, Options("double"))
     told = readme_of(build_program(arm, Options("double")))
+    assert "NAME_" not in told
     rows = re.findall(r"\| ([\d.e+-]+) \| sampled \|", told)
     sizes = np.array([float(row) for row in rows])
     code = MARGINS.replace("NAME", arm.name).replace("COUNT", str(len(arm.actuated)))

@@ -5,6 +5,7 @@ description, and its answers are those of the description's own rows.
 from __future__ import annotations
 
 import ctypes
+import tracemalloc
 from dataclasses import replace
 
 import numpy as np
@@ -195,6 +196,37 @@ def guided(limits) -> Mechanism:
 
 def graph_of(name: str) -> Mechanism:
     return graph_twin(replace(MACHINES[name]().home, motion="spatial"))
+
+
+def test_limbs_that_tell_no_direction_on_the_base_stay_as_they_are() -> None:
+    """A spherical joint at the base's origin has neither an axis nor a place off it."""
+    ball = [Joint("s", "S", point=(0.0, 0.0, 0.0))]
+    slide = [Joint("p", "P", point=(0.0, 0.0, 0.0), axis=(0.0, 0.0, 1.0), actuated=True)]
+    limb = Limb("carried", [*ball, *slide, Joint("e", "S", point=(10.0, 0.0, 300.0))])
+    legs = symkin.load("zhang2009").limbs[1:]
+    machine = Mechanism("ball", [limb, *legs], platform_position=(0.0, 0.0, 300.0))
+    assert lowered_limbs(machine).frames is None
+
+
+def test_the_frame_of_many_limbs_is_found_in_little_memory() -> None:
+    """Twenty limbs on 60 directions have 1,800 normals of two, each with 60 directions across."""
+    rng = np.random.default_rng(1)
+    limbs = []
+    for k in range(20):
+        base, platform, axis = rng.normal(size=(3, 3))
+        axis2 = np.cross(axis, platform - base)
+        joints = [
+            Joint(f"u{k}", "U", point=base, axis=axis, axis2=axis2),
+            Joint(f"p{k}", "P", point=base, axis=platform - base, actuated=True),
+            Joint(f"s{k}", "S", point=platform),
+        ]
+        limbs.append(Limb(f"leg{k}", joints))
+    tracemalloc.start()
+    try:
+        assert lowered_limbs(Mechanism("many", limbs)).frames is None
+        assert tracemalloc.get_traced_memory()[1] < 1e8
+    finally:
+        tracemalloc.stop()
 
 
 def test_a_graph_that_is_no_limbs_stays_one() -> None:

@@ -767,6 +767,8 @@ def test_wrong_input_is_told_in_a_sentence(
         assert err.count("\n") == 1
     with pytest.raises(InputError, match="has no page"):
         symkin.view(3)
+    with pytest.raises(InputError, match="has no names"):
+        len(symkin.view(symkin.load("four_bar"), given=[60.0]).html)
 
 
 @pytest.mark.parametrize(("name", "count"), [("ren2008", 28), ("klann_leg", 4)])

@@ -185,6 +185,13 @@ def test_rates_of_a_platform_of_loops_within_loops_are_differences() -> None:
     assert inverse @ numbers == pytest.approx(np.eye(len(mechanism.actuated)), abs=1e-9)
 
 
+def test_values_of_what_is_read_suffice() -> None:
+    linkage = symkin.load("four_bar")
+    ratio = symkin.jacobian(linkage, of=["crank"], by=["crank"])
+    assert ratio.inputs == ()
+    assert ratio.at({}) == 1.0
+
+
 def test_a_singular_configuration_has_no_rates() -> None:
     """At the dead centre of a slider-crank the piston does not decide the crank."""
     mechanism = symkin.load("slider_crank")
