@@ -289,7 +289,8 @@ def _nearest(tree: Tree, state: np.ndarray) -> np.ndarray:
             break
         else:
             share *= 0.3
-    return _polished(tree, state[None])[0]
+    (found,) = _polished(tree, state[None])
+    return np.asarray(found)
 
 
 def way_between(tree: Tree, start: np.ndarray, end: np.ndarray) -> np.ndarray:

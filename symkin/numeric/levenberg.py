@@ -8,12 +8,12 @@ from functools import partial
 
 import numpy as np
 
-from symkin.numeric.linear_algebra import part_by_part
+from symkin.numeric.linear_algebra import part_by_part, pattern_of
 from symkin.numeric.newton import Rows
 
-_SLIGHT_DAMPING = 1e-3
-"""Damping up to which a step sees all that could shrink the rows but for singular values that are
-smaller.
+_SLIGHT_DAMPING = 1e-2
+"""Damping up to which a step sees all that could shrink the rows: a direction of singular value s
+is seen by the share s^2 / (s^2 + damping^2) of what it could.
 """
 _NO_GAIN = 1e-8
 """Of |F|: a step that shrinks |F|^2 by no more than the square of this share shrinks nothing."""
@@ -58,7 +58,7 @@ def levenberg_marquardt(
     count = len(points)
     values, jacobians = system.linearise(points, known)
     cost = np.linalg.norm(values, axis=1)
-    damping = np.full(count, 0.1)
+    damping, pattern = np.full(count, 0.1), pattern_of(jacobians)
     mark, since = cost.copy(), np.zeros(count, dtype=int)
     floor = tolerance * system.characteristic_length
     active = np.flatnonzero(
@@ -69,7 +69,9 @@ def levenberg_marquardt(
         if active.size == 0:
             break
         solve = partial(_damped_steps, damping=damping[active])
-        step = part_by_part(solve, jacobians[active], values[active])
+        # that of all steps so far: entries that vanish for a step only make no new parts
+        pattern |= pattern_of(jacobians[active])
+        step = part_by_part(solve, jacobians[active], values[active], pattern)
         gain = -np.einsum("ni,nij,nj->n", values[active], jacobians[active], step)
         least = np.maximum(_NO_GAIN * cost[active], _ROUNDING * system.characteristic_length)
         bottom = (damping[active] <= _SLIGHT_DAMPING) & (gain <= least**2)
