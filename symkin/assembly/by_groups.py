@@ -169,10 +169,8 @@ def modes_of_inputs(
     grouped = modes_by_groups(
         problem, known, search, choose, least_errors=least_errors, certify=True, told=told
     )
-    found = [
-        with_least_modes(problem, given, search, grouped.modes_of(number, given))
-        for number, given in enumerate(givens)
-    ]
+    each = [grouped.modes_of(number, given) for number, given in enumerate(givens)]
+    found = with_least_modes(problem, givens, search, each)
     if all(modes.completeness != "sampled" for modes in found):
         return found
     notes = motion_notes(problem)

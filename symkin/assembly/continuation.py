@@ -9,6 +9,8 @@ theorem's bound or on the evidence of monodromy, never on a proof.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from symkin.assembly.block_paths import BlockPaths, own_paths
@@ -19,7 +21,7 @@ from symkin.homotopy.instance import instance
 from symkin.homotopy.six_distances import meet_all_distances, redundant_distances
 from symkin.homotopy.systems import meets_all_rows
 from symkin.homotopy.values import known_values
-from symkin.position.multistart import batched
+from symkin.position.multistart import batched, batched_rows
 from symkin.position.problem import Problem
 from symkin.position.roots import Sample, polished_roots, unite
 
@@ -30,9 +32,9 @@ _LEAST_ERROR_STARTS = 200
 
 
 def by_continuation(
-    problem: Problem, known: np.ndarray, starts: int, rng: np.random.Generator
+    problem: Problem, known: np.ndarray, starts: int, rngs: Sequence[np.random.Generator]
 ) -> GroupRoots:
-    """Roots of a group at one row of known values by paths; where it has no start system by
+    """Roots of a group at rows of known values (n, known) by paths; where it has no start system by
     `starts` random starts, with a note why. These are of use too where paths left something in
     doubt.
     """
@@ -41,10 +43,17 @@ def by_continuation(
     begin_loading()
     paths, why = own_paths(problem)
     if paths is not None:
-        return _block_roots(paths, known, starts, rng)
+        return GroupRoots.joined(
+            [_block_roots(paths, row, starts, rng) for row, rng in zip(known, rngs, strict=True)]
+        )
     names = ", ".join(sorted(c.name for c in problem.system.unknowns))
     note = f"{names}: sampled by multistart, {why}"
-    return sampled_roots(problem, batched(problem, known, starts, rng), note)
+    return sampled_rows(problem, batched_rows(problem, known, starts, rngs), note)
+
+
+def sampled_rows(problem: Problem, samples: Sequence[Sample], *notes: str) -> GroupRoots:
+    """What random starts have reached at rows of known values."""
+    return GroupRoots.joined([sampled_roots(problem, sample, *notes) for sample in samples])
 
 
 def sampled_roots(problem: Problem, sample: Sample, *notes: str) -> GroupRoots:

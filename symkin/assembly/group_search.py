@@ -10,7 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from symkin.assembly.continuation import by_continuation, sampled_roots
+from symkin.assembly.continuation import by_continuation, sampled_rows
 from symkin.assembly.group_roots import NO_ENDS, GroupRoots
 from symkin.assembly.group_solvers import group_paths
 from symkin.assembly.search import Search
@@ -18,7 +18,7 @@ from symkin.numeric.newton import Polished
 from symkin.numeric.root_checks import are_roots
 from symkin.position.canonical import canonical
 from symkin.position.gear_train import GearTrain
-from symkin.position.multistart import batched, one_by_one
+from symkin.position.multistart import batched_rows, one_by_one
 from symkin.position.problem import Problem
 
 
@@ -26,7 +26,7 @@ def searched_alone(group: Problem, known: np.ndarray, search: Search) -> GroupRo
     """The solutions of a group at known values (n, known), each searched alone, with random numbers
     that do not depend on the others.
     """
-    found = GroupRoots.joined([_searched(group, numbers, search) for numbers in known])
+    found = _searched(group, known, search)
     paths = group_paths(group) if search.method == "continuation" else None
     if paths is not None and paths.shared is None:
         return found
@@ -35,15 +35,16 @@ def searched_alone(group: Problem, known: np.ndarray, search: Search) -> GroupRo
 
 
 def _searched(group: Problem, known: np.ndarray, search: Search) -> GroupRoots:
-    """The solutions of a group at one row of known values."""
-    rng = np.random.default_rng(search.seed)
+    rngs = [np.random.default_rng(search.seed) for _ in known]
+    starts, progress = search.starts, search.progress
     if search.method == "continuation":
-        return by_continuation(group, known, search.starts, rng)
+        return by_continuation(group, known, starts, rngs)
     if search.solver == "batched":
-        sample = batched(group, known, search.starts, rng, search.progress)
-    else:
-        sample = one_by_one(group, known, search.starts, rng, search.solver, search.progress)
-    return sampled_roots(group, sample)
+        return sampled_rows(group, batched_rows(group, known, starts, rngs, progress))
+    each = zip(known, rngs, strict=True)
+    return sampled_rows(
+        group, [one_by_one(group, row, starts, rng, search.solver, progress) for row, rng in each]
+    )
 
 
 # --- groups that are linear, or linear but for whole turns ----------------------------------------

@@ -248,8 +248,17 @@ def _random_steps(
     return tree.system.move(np.tile(state, (count, 1)), steps)
 
 
-def _searched(tree: Tree, starts: np.ndarray, patience: int = _STALLED) -> np.ndarray:
+def _searched(tree: Tree, starts: np.ndarray) -> np.ndarray:
     """Where least squares on all rows ends: at rounding, or at a local minimum."""
+    return _polished(tree, _ends(tree, starts, _STALLED))
+
+
+def _polished(tree: Tree, points: np.ndarray) -> np.ndarray:
+    return np.asarray(tree.system.polish_many(points, NOTHING).points)
+
+
+def _ends(tree: Tree, starts: np.ndarray, patience: int) -> np.ndarray:
+    """The same to the digits that its steps reach."""
     if not row_count(tree):
         return starts
     batch = levenberg_marquardt(
@@ -260,7 +269,7 @@ def _searched(tree: Tree, starts: np.ndarray, patience: int = _STALLED) -> np.nd
         max_iterations=_ITERATIONS,
         patience=patience,
     )
-    return np.asarray(tree.system.polish_many(batch.points, NOTHING).points)
+    return batch.points
 
 
 def _nearest(tree: Tree, state: np.ndarray) -> np.ndarray:
@@ -272,7 +281,7 @@ def _nearest(tree: Tree, state: np.ndarray) -> np.ndarray:
         free = back - felt.T @ (felt @ back)
         if share < 1e-3 or np.linalg.norm(free) <= 1e-9 * tree.size:
             break
-        (trial,) = _searched(tree, tree.system.move(state[None], share * free[None]), _STALLED_NEAR)
+        (trial,) = _ends(tree, tree.system.move(state[None], share * free[None]), _STALLED_NEAR)
         distance = float(np.linalg.norm(way_between(tree, trial, tree.own)))
         if distance < far and _largest(tree, trial) <= CLOSED * tree.size:
             state, far = trial, distance
@@ -280,7 +289,8 @@ def _nearest(tree: Tree, state: np.ndarray) -> np.ndarray:
             break
         else:
             share *= 0.3
-    return state
+    (found,) = _polished(tree, state[None])
+    return np.asarray(found)
 
 
 def way_between(tree: Tree, start: np.ndarray, end: np.ndarray) -> np.ndarray:

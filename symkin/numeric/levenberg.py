@@ -8,9 +8,17 @@ from functools import partial
 
 import numpy as np
 
-from symkin.numeric.linear_algebra import part_by_part
+from symkin.numeric.linear_algebra import part_by_part, pattern_of
 from symkin.numeric.newton import Rows
 
+_SLIGHT_DAMPING = 1e-2
+"""Damping up to which a step sees all that could shrink the rows: a direction of singular value s
+is seen by the share s^2 / (s^2 + damping^2) of what it could.
+"""
+_NO_GAIN = 1e-8
+"""Of |F|: a step that shrinks |F|^2 by no more than the square of this share shrinks nothing."""
+_ROUNDING = 2.0**-50
+"""Of the size: norm of rows that is rounding."""
 Progress = Callable[[int, int], None]
 """Called with (starts finished, starts in all)."""
 
@@ -42,14 +50,15 @@ def levenberg_marquardt(
     start; known values are those of each start (n, known) or of all (known,).
 
     A start is finished when its largest row is below `tolerance` times the size, when `patience`
-    steps have shrunk |F| by less than a tenth while it is far from zero (a local minimum), or when
-    it meets NaN. `trace` takes the points after each step.
+    steps have shrunk |F| by less than a tenth while it is far from zero (a local minimum), when a
+    step of slight damping is told to shrink it by rounding only (the bottom of one), or when it
+    meets NaN. `trace` takes the points after each step.
     """
     points = starts.copy()
     count = len(points)
     values, jacobians = system.linearise(points, known)
     cost = np.linalg.norm(values, axis=1)
-    damping = np.full(count, 0.1)
+    damping, pattern = np.full(count, 0.1), pattern_of(jacobians)
     mark, since = cost.copy(), np.zeros(count, dtype=int)
     floor = tolerance * system.characteristic_length
     active = np.flatnonzero(
@@ -60,7 +69,12 @@ def levenberg_marquardt(
         if active.size == 0:
             break
         solve = partial(_damped_steps, damping=damping[active])
-        step = part_by_part(solve, jacobians[active], values[active])
+        # that of all steps so far: entries that vanish for a step only make no new parts
+        pattern |= pattern_of(jacobians[active])
+        step = part_by_part(solve, jacobians[active], values[active], pattern)
+        gain = -np.einsum("ni,nij,nj->n", values[active], jacobians[active], step)
+        least = np.maximum(_NO_GAIN * cost[active], _ROUNDING * system.characteristic_length)
+        bottom = (damping[active] <= _SLIGHT_DAMPING) & (gain <= least**2)
         trial = system.move(points[active], step)
         trial_values, trial_jacobians = system.linearise(
             trial, known[active] if known.ndim == 2 else known
@@ -78,7 +92,7 @@ def levenberg_marquardt(
         mark[moved], since[moved] = cost[moved], 0
         done = np.max(np.abs(values[active]), axis=1, initial=0.0) <= floor
         stuck = (since[active] >= patience) | (damping[active] > 1e8)
-        active = active[~(done | stuck)]
+        active = active[~(done | stuck | bottom)]
         if trace is not None:
             trace.append(points.copy())
         if progress is not None:

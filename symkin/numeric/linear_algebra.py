@@ -26,9 +26,22 @@ def diagonal_parts(matrices: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
     columns) of block diagonal matrices whose rows and columns stand in any order; none where the
     matrices are small or have one part only.
     """
+    return parts_of_pattern(pattern_of(matrices))
+
+
+def pattern_of(matrices: np.ndarray) -> np.ndarray:
+    """Which entries (rows, columns) of large matrices (n, rows, columns) are not all zero; of small
+    ones, which are not looked at, every one.
+    """
     if matrices.shape[2] < _LARGE:
+        return np.ones(matrices.shape[1:], dtype=bool)
+    return np.asarray((matrices != 0.0).any(axis=0))
+
+
+def parts_of_pattern(pattern: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
+    """The same parts of all matrices that are zero where a pattern (rows, columns) is."""
+    if pattern.shape[1] < _LARGE:
         return []
-    pattern = (matrices != 0.0).any(axis=0)
     return _parts_of(np.packbits(pattern).tobytes(), *pattern.shape)
 
 
@@ -68,12 +81,15 @@ def _places(labels: np.ndarray, parts: np.ndarray) -> list[np.ndarray]:
 
 
 def part_by_part(
-    solve: Callable[[np.ndarray, np.ndarray], np.ndarray], matrices: np.ndarray, values: np.ndarray
+    solve: Callable[[np.ndarray, np.ndarray], np.ndarray],
+    matrices: np.ndarray,
+    values: np.ndarray,
+    pattern: np.ndarray | None = None,
 ) -> np.ndarray:
     """What `solve` makes of matrices (n, rows, columns) and values (n, rows): n vectors (columns,),
-    those of block diagonal matrices part by part.
+    those of block diagonal matrices part by part. Matrices are zero where a `pattern` is.
     """
-    parts = diagonal_parts(matrices)
+    parts = parts_of_pattern(pattern_of(matrices) if pattern is None else pattern)
     if not parts:
         return solve(matrices, values)
     found = np.zeros((len(matrices), matrices.shape[2]))

@@ -19,37 +19,53 @@ from symkin.pool import Pool
 
 _LARGEST_BLOCK = 256
 """Points of the largest block; its inputs and outputs stay in the second level of the cache."""
+_LARGE, _SPARSE = 1024, 0.25
+"""Numbers of a result, and share of them that are no constant zeros, from and up to which the zeros
+are left out: of a Jacobian of many loops most of an evaluation would be writing them.
+"""
 
 
 @dataclass(frozen=True, eq=False)
 class Mapped:
     """A CasADi function of vectors at many points: each argument and each result has the points
-    along its first axis.
+    along its first axis. Of results that are nearly empty the function tells the nonzeros, which
+    stand at `places`, column by column, in a matrix of their shape.
     """
 
     function: ca.Function
+    shapes: tuple[tuple[int, int], ...]
+    places: tuple[np.ndarray | None, ...]
 
     @staticmethod
-    def of(arguments: Sequence[ca.SX], results: Sequence[ca.SX]) -> Mapped:
-        """The function of symbols (columns) with some expressions as its results, common parts
+    def of(arguments: Sequence[ca.SX], results: Sequence[ca.SX], *, common: bool = True) -> Mapped:
+        """The function of symbols (columns) with some expressions as its results, `common` parts
         computed once.
         """
-        return Mapped(
-            ca.Function("mapped", list(arguments), [ca.densify(r) for r in results], {"cse": True})
+        results = [ca.SX(r) for r in results]
+        places = tuple(
+            np.array(r.sparsity().find(), dtype=int) if _is_nearly_empty(r) else None
+            for r in results
         )
+        told = [
+            ca.densify(r) if place is None else ca.vertcat(ca.SX(0, 1), *r.nonzeros())
+            for r, place in zip(results, places, strict=True)
+        ]
+        function = ca.Function("mapped", list(arguments), told, {"cse": common})
+        return Mapped(function, tuple(r.shape for r in results), places)
 
     def __call__(self, *arguments: np.ndarray) -> list[np.ndarray]:
         """Results (n, rows, columns) at arguments (n, length); an argument (length,) is that of all
         points.
         """
         count = max([a.shape[0] for a in arguments if a.ndim == 2], default=1)
-        results = [np.empty((count, columns, rows)) for rows, columns in self._shapes]
+        told = [np.empty((count, *shape[::-1])) for shape in self._shapes]
         begin = 0
         while begin < count:
             size = min(_LARGEST_BLOCK, 1 << (count - begin).bit_length() - 1)
-            self._blocks[size].evaluate(arguments, results, begin)
+            self._blocks[size].evaluate(arguments, told, begin)
             begin += size
-        return [result.transpose(0, 2, 1) for result in results]
+        results = zip(told, self.shapes, self.places, strict=True)
+        return [_whole(*result).transpose(0, 2, 1) for result in results]
 
     @cached_property
     def _shapes(self) -> list[tuple[int, int]]:
@@ -59,6 +75,20 @@ class Mapped:
     def _blocks(self) -> dict[int, _Block]:
         sizes = [1 << i for i in range(_LARGEST_BLOCK.bit_length())]
         return {size: _Block(self.function, size) for size in sizes}
+
+
+def _is_nearly_empty(result: ca.SX) -> bool:
+    return int(result.numel()) >= _LARGE and int(result.nnz()) <= _SPARSE * int(result.numel())
+
+
+def _whole(numbers: np.ndarray, shape: tuple[int, int], places: np.ndarray | None) -> np.ndarray:
+    """Matrices (n, columns, rows) of their nonzeros (n, 1, nonzeros), or as they are."""
+    if places is None:
+        return numbers
+    rows, columns = shape
+    found = np.zeros((len(numbers), columns * rows))
+    found[:, places] = numbers[:, 0]
+    return found.reshape(-1, columns, rows)
 
 
 class _Block:

@@ -21,6 +21,10 @@ from symkin.numeric.newton import Polished, polish
 from symkin.numeric.tolerances import ROUNDED_COMPONENT
 from symkin.spatial.rotation import multiply, wrapped
 
+_MANY_NUMBERS = 4096
+"""Numbers of a Jacobian from which on common parts are not looked for: in rows of so many loops
+these are a tenth of the operations, and finding them takes as long as 10^4 evaluations.
+"""
 _AT_ONCE = 2_000_000
 """Entries of Jacobians that are held at once."""
 NOTHING = np.zeros(0)
@@ -115,7 +119,8 @@ class System:
 
     @cached_property
     def _linearised(self) -> Mapped:
-        return Mapped.of([self.unknown, self.known], [self.rows, self.jacobian])
+        few = int(self.rows.shape[0]) * self.freedom < _MANY_NUMBERS
+        return Mapped.of([self.unknown, self.known], [self.rows, self.jacobian], common=few)
 
     @cached_property
     def _checked(self) -> Mapped:

@@ -28,7 +28,7 @@ from symkin.elimination.product_rows import ProductRow
 from symkin.model.joint import Coordinate, units_of
 from symkin.numeric.linear_algebra import diagonal_parts, singular_values
 from symkin.numeric.rank import Rank, independent_rows
-from symkin.numeric.system import System
+from symkin.numeric.system import System, components
 from symkin.numeric.tolerances import RANK_TOLERANCE
 from symkin.position.closed_configurations import closed_configurations
 from symkin.position.problem import Problem
@@ -243,22 +243,21 @@ def _rows_of(
 
 
 def _parts(problem: Problem, dependence: np.ndarray) -> list[set[int]]:
-    """Places of unknowns, part by part in the order of solution; one part where the rows leave
-    unknowns free.
+    """Places of unknowns, part by part in the order of solution. Where the rows leave unknowns
+    free, those that rows tie to each other are one part.
     """
     system, slices = problem.system, problem.closure.slices
     if not system.unknowns:
         return []
+    every = np.array([dependence[:, slices[c.name]].any(axis=1) for c in system.unknowns]).T
+    bodies = _bodies(system.unknowns)
     columns = np.repeat(np.arange(len(system.unknowns)), [c.freedom for c in system.unknowns])
     independent = _independent_rows(problem)
-    if len(independent) != system.freedom:
-        return [set(range(len(system.unknowns)))]
-    holds = np.array(
-        [dependence[independent, slices[system.unknowns[k].name]].any(axis=1) for k in columns]
-    ).T
-    match = _matching(holds)
+    holds = every[independent][:, columns]
+    match = _matching(holds) if len(independent) == system.freedom else None
     if match is None:
-        return [set(range(len(system.unknowns)))]
+        tied = [set(np.flatnonzero(row).tolist()) for row in every]
+        return components([*tied, *bodies], len(system.unknowns))
     after = [
         {int(columns[j]) for j in np.flatnonzero(holds[match[column]])}
         for column in range(system.freedom)
@@ -266,7 +265,7 @@ def _parts(problem: Problem, dependence: np.ndarray) -> list[set[int]]:
     needs: list[set[int]] = [set() for _ in system.unknowns]
     for column, others in enumerate(after):
         needs[int(columns[column])] |= others
-    for body in _bodies(system.unknowns):
+    for body in bodies:
         # the coordinates of a pose are found together
         for place in body:
             needs[place] |= body

@@ -9,6 +9,7 @@ estimate of how many are still unseen (Chao
 from __future__ import annotations
 
 import logging
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -24,9 +25,18 @@ from symkin.position.starts import random_starts
 from symkin.text import not_among
 
 DEFAULT_STARTS = 2000
-
+_AT_ONCE = 4096
+"""Starts of one batch, of several rows of known values together."""
+_REFINED = 16
+"""Ends of a row without a root that are refined."""
 
 LOG = logging.getLogger(__name__)
+
+
+def row_chunks(rows: int, starts: int) -> list[slice]:
+    """Rows of known values that are searched in one batch, from so many starts each."""
+    each = max(1, _AT_ONCE // max(1, starts))
+    return [slice(begin, begin + each) for begin in range(0, rows, each)]
 
 
 def batched(
@@ -37,24 +47,69 @@ def batched(
     progress: Progress | None = None,
 ) -> Sample:
     """Roots of a problem that Levenberg-Marquardt on all rows reaches, all starts at once."""
+    return batched_rows(problem, known[None], starts, [rng], progress)[0]
+
+
+def batched_rows(
+    problem: Problem,
+    known: np.ndarray,
+    starts: int,
+    rngs: Sequence[np.random.Generator],
+    progress: Progress | None = None,
+) -> list[Sample]:
+    """As `batched`, at each row of known values (n, known), with random numbers of its own."""
     LOG.info("%d random starts", starts)
-    system = problem.system
-    points = random_starts(problem, system, known, starts, rng)
-    batch = levenberg_marquardt(system, points, known, progress=progress)
-    ends = batch.points[batch.converged]
-    if not len(ends):
-        return _no_roots(system, batch.points, batch.largest_row, known, starts)
-    return distinct(system, ends, known, starts)
+    return [
+        sample
+        for rows in row_chunks(len(known), starts)
+        for sample in _samples(problem, known[rows], starts, rngs[rows], progress)
+    ]
 
 
-def _no_roots(
-    system: System, points: np.ndarray, largest: np.ndarray, known: np.ndarray, starts: int
-) -> Sample:
-    """Refine the best ends, so that the smallest residual is that of a minimum."""
-    order = np.argsort(np.where(np.isfinite(largest), largest, np.inf))[:16]
-    batch = patiently(system, points[order], known)
-    smallest = float(np.nanmin(system.residuals(batch.points, known)))
-    return Sample.of_none(system, smallest, starts)
+def _samples(
+    problem: Problem,
+    known: np.ndarray,
+    starts: int,
+    rngs: Sequence[np.random.Generator],
+    progress: Progress | None,
+) -> list[Sample]:
+    system, n = problem.system, len(known)
+    begin = [
+        random_starts(problem, system, row, starts, rng)
+        for row, rng in zip(known, rngs, strict=True)
+    ]
+    batch = levenberg_marquardt(
+        system, np.concatenate(begin), np.repeat(known, starts, axis=0), progress=progress
+    )
+    points = batch.points.reshape(n, starts, -1)
+    converged = batch.converged.reshape(n, starts)
+    none = np.flatnonzero(~converged.any(axis=1))
+    smallest = _smallest(
+        system, points[none], batch.largest_row.reshape(n, starts)[none], known[none]
+    )
+    least = dict(zip(none.tolist(), smallest, strict=True))
+    return [
+        Sample.of_none(system, least[k], starts)
+        if k in least
+        else distinct(system, points[k][converged[k]], known[k], starts)
+        for k in range(n)
+    ]
+
+
+def _smallest(
+    system: System, points: np.ndarray, largest: np.ndarray, known: np.ndarray
+) -> list[float]:
+    """The smallest residuals of rows without a root, their best ends refined so that these are of
+    minima.
+    """
+    if not len(points):
+        return []
+    order = np.argsort(np.where(np.isfinite(largest), largest, np.inf), axis=1)[:, :_REFINED]
+    best = np.take_along_axis(points, order[:, :, None], axis=1)
+    every = np.repeat(known, order.shape[1], axis=0)
+    ends = patiently(system, best.reshape(-1, best.shape[2]), every).points
+    least = np.nanmin(system.residuals(ends, every).reshape(order.shape), axis=1)
+    return [float(error) for error in least]
 
 
 def one_by_one(

@@ -116,6 +116,35 @@ def test_minitaur_leaves_its_singular_configuration() -> None:
     )
 
 
+def test_minitaur_legs_combine_freely() -> None:
+    """Its legs share no joint: each is a five-bar, which closes in two ways, so that the modes of
+    least squares are every combination, of few random starts too, and of several inputs together
+    as of each alone.
+    """
+    mechanism, rng = symkin.load(MODELS / "sdf/minitaur.sdf"), np.random.default_rng(2)
+    inputs = rng.uniform(-0.2, 0.2, (2, len(mechanism.actuated))).tolist()
+    driven = {c.name for c in mechanism.actuated}
+    legs: dict[str, list[str]] = {}
+    for loop in symkin.mobility(mechanism).loops:
+        own = [name for joint in loop.joints for name in (joint, f"{joint}.1", f"{joint}.2")]
+        legs[loop.name] = [name for name in own if name not in driven]
+    together = symkin.modes(mechanism, joints=inputs, starts=100)
+    for values, found in zip(inputs, together, strict=True):
+        ways = [
+            {tuple(round(mode.joints[n], 3) for n in own if n in mode.joints) for mode in found}
+            for own in legs.values()
+        ]
+        assert [len(way) for way in ways] == [2, 2, 2, 2]
+        assert len(found) == 16
+        alone = symkin.modes(mechanism, joints=values, starts=100)
+        assert len(alone) == 16
+        np.testing.assert_allclose(
+            [list(mode.joints.values()) for mode in found],
+            [list(mode.joints.values()) for mode in alone],
+            atol=1e-6,
+        )
+
+
 # --- versions -------------------------------------------------------------------------------------
 
 BODIES = (

@@ -67,6 +67,7 @@ NAMES = {
     "diagonal_parts": "symkin.numeric.linear_algebra",
     "extreme_singular_values": "symkin.numeric.linear_algebra",
     "conditions": "symkin.numeric.linear_algebra",
+    "levenberg_marquardt": "symkin.numeric.levenberg",
     "least_squares_steps": "symkin.numeric.linear_algebra",
     "null_space": "symkin.numeric.rank",
     "independent_rows": "symkin.numeric.rank",

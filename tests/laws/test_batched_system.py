@@ -10,11 +10,13 @@ import symkin
 from helpers.inside import (
     Coordinate,
     Mapped,
+    System,
     build_problem,
     canonical,
     conditions,
     independent_rows,
     least_squares_steps,
+    levenberg_marquardt,
     most_independent,
     null_space,
     row_space,
@@ -39,6 +41,34 @@ def test_a_mapped_function_is_the_function(count):
             a, b = mapped.function(points[i], each[i] if each.ndim == 2 else each)
             assert np.array_equal(np.asarray(a), first[i])
             assert np.array_equal(np.asarray(b), second[i])
+
+
+@pytest.mark.parametrize("held", [0, 1, 40])
+def test_a_nearly_empty_result_is_whole(held):
+    """Of large results with few entries, or none, the others are zeros, at every point."""
+    x = ca.SX.sym("x", 40)
+    rows = ca.vertcat(ca.SX(0, 1), *(ca.sin(x[k]) * x[(k + 7) % 40] for k in range(held)))
+    jacobian = ca.vertcat(ca.jacobian(rows, x), ca.SX(40 - held, 40))
+    points = RNG.normal(size=(5, 40))
+    (found,) = Mapped.of([x], [jacobian])(points)
+    direct = ca.Function("direct", [x], [ca.densify(jacobian)])
+    assert found.shape == (5, 40, 40)
+    for point, one in zip(points, found, strict=True):
+        np.testing.assert_allclose(one, np.asarray(direct(point)), rtol=1e-14)
+
+
+def test_a_search_ends_at_the_bottom_of_a_minimum():
+    """Rows (x - 1, x + 1) of one angle, whose least squares at 0 leave both: Gauss and Newton's
+    steps are exact there, so that no patience is needed to see that nothing shrinks any more.
+    """
+    x, angle = ca.SX.sym("x"), Coordinate("x", "angle", "passive")
+    rows = ca.vertcat(x - 1, x + 1)
+    system = System((angle,), x, ca.SX(0, 1), rows, rows, 1.0)
+    starts = np.array([[0.7], [-2.0]])
+    ended = levenberg_marquardt(system, starts, np.zeros(0), max_iterations=300, patience=200)
+    assert ended.iterations < 20
+    np.testing.assert_allclose(ended.points, 0.0, atol=1e-8)
+    assert not ended.converged.any()
 
 
 @pytest.mark.parametrize(("rows", "columns"), [(5, 5), (8, 5), (4, 6)])
