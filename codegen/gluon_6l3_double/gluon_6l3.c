@@ -1119,7 +1119,7 @@ static bool gluon_6l3_inverse_keeps(gluon_6l3_inverse_work *w, const gluon_6l3_r
     bool kept = true;
     /* q2, q3, q4 have parallel axes: a level along them, which they do not change, tells q1:
      * sampled */
-    const gluon_6l3_real bend0 = 2.71 * change[0] + 0.361 * change[1];
+    const gluon_6l3_real bend0 = 5.42 * change[0] + 0.722 * change[1];
     const gluon_6l3_real lesser0 = ((w->left[0] < w->guard[0])
         ? w->left[0] : w->guard[0]) - 6.97e-15;
     const gluon_6l3_real greater0 = (w->left[0] < w->guard[0]) ? w->guard[0] : w->left[0];
@@ -1133,7 +1133,7 @@ static bool gluon_6l3_inverse_keeps(gluon_6l3_inverse_work *w, const gluon_6l3_r
     }
     /* the normal of q2, q3, q4: its level along the axis of q6 tells q5: sampled */
     const gluon_6l3_real sum0 = change[1] + change[2];
-    const gluon_6l3_real bend1 = 5.0 * sum0;
+    const gluon_6l3_real bend1 = 10.0 * sum0;
     const gluon_6l3_real lesser1 = ((w->left[1] < w->guard[1])
         ? w->left[1] : w->guard[1]) - 1.18e-14;
     const gluon_6l3_real greater1 = (w->left[1] < w->guard[1]) ? w->guard[1] : w->left[1];
@@ -1146,7 +1146,7 @@ static bool gluon_6l3_inverse_keeps(gluon_6l3_inverse_work *w, const gluon_6l3_r
         kept = false;
     }
     /* q6 turns the normal of q2, q3, q4 to where it must be: sampled */
-    const gluon_6l3_real bend2 = 2.5 * change[6];
+    const gluon_6l3_real bend2 = 5.0 * change[6];
     const gluon_6l3_real lesser2 = ((w->left[2] < w->guard[2])
         ? w->left[2] : w->guard[2]) - 1.18e-14;
     const gluon_6l3_real greater2 = (w->left[2] < w->guard[2]) ? w->guard[2] : w->left[2];
@@ -1159,8 +1159,8 @@ static bool gluon_6l3_inverse_keeps(gluon_6l3_inverse_work *w, const gluon_6l3_r
         kept = false;
     }
     /* a point of the axis of q4: its distance from the axis of q2 tells q3: sampled */
-    const gluon_6l3_real bend3 = 0.722 * change[0] + 0.461 * change[1] + 0.256 * change[6]
-        + 0.27 * change[7];
+    const gluon_6l3_real bend3 = 1.45 * change[0] + 0.921 * change[1] + 0.512 * change[6]
+        + 0.54 * change[7];
     const gluon_6l3_real lesser3 = ((w->left[3] < w->guard[3])
         ? w->left[3] : w->guard[3]) - 1.3e-16;
     const gluon_6l3_real greater3 = (w->left[3] < w->guard[3]) ? w->guard[3] : w->left[3];
@@ -1173,8 +1173,8 @@ static bool gluon_6l3_inverse_keeps(gluon_6l3_inverse_work *w, const gluon_6l3_r
         kept = false;
     }
     /* q2 turns a point of the axis of q4 to where it must be: sampled */
-    const gluon_6l3_real bend4 = 5.48 * change[0] + 1.95 * change[1] + 2.08 * change[2]
-        + 0.923 * change[6] + 1.34 * change[7];
+    const gluon_6l3_real bend4 = 11.0 * change[0] + 3.89 * change[1] + 4.16 * change[2]
+        + 1.85 * change[6] + 2.67 * change[7];
     const gluon_6l3_real lesser4 = ((w->left[4] < w->guard[4])
         ? w->left[4] : w->guard[4]) - 4.95e-15;
     const gluon_6l3_real greater4 = (w->left[4] < w->guard[4]) ? w->guard[4] : w->left[4];
@@ -1188,7 +1188,7 @@ static bool gluon_6l3_inverse_keeps(gluon_6l3_inverse_work *w, const gluon_6l3_r
     }
     /* q4 turns a direction of the tool to where it must be: sampled */
     const gluon_6l3_real sum1 = change[1] + change[2] + change[6];
-    const gluon_6l3_real bend5 = 5.0 * sum1;
+    const gluon_6l3_real bend5 = 10.0 * sum1;
     const gluon_6l3_real lesser5 = ((w->left[5] < w->guard[5])
         ? w->left[5] : w->guard[5]) - 1.18e-14;
     const gluon_6l3_real greater5 = (w->left[5] < w->guard[5]) ? w->guard[5] : w->left[5];

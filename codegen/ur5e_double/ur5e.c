@@ -1107,7 +1107,7 @@ static bool ur5e_inverse_keeps(ur5e_inverse_work *w, const ur5e_real change[8])
     bool kept = true;
     /* q2, q3, q4 have parallel axes: a level along them, which they do not change, tells q1:
      * sampled */
-    const ur5e_real bend0 = 2.8 * change[0] + 0.586 * change[1];
+    const ur5e_real bend0 = 5.6 * change[0] + 1.18 * change[1];
     const ur5e_real lesser0 = ((w->left[0] < w->guard[0]) ? w->left[0] : w->guard[0]) - 1.34e-14;
     const ur5e_real greater0 = (w->left[0] < w->guard[0]) ? w->guard[0] : w->left[0];
     const ur5e_real most0 = 3.0 * lesser0 + greater0;
@@ -1120,7 +1120,7 @@ static bool ur5e_inverse_keeps(ur5e_inverse_work *w, const ur5e_real change[8])
     }
     /* the normal of q2, q3, q4: its level along the axis of q6 tells q5: sampled */
     const ur5e_real sum0 = change[1] + change[2];
-    const ur5e_real bend1 = 5.0 * sum0;
+    const ur5e_real bend1 = 10.0 * sum0;
     const ur5e_real lesser1 = ((w->left[1] < w->guard[1]) ? w->left[1] : w->guard[1]) - 1.18e-14;
     const ur5e_real greater1 = (w->left[1] < w->guard[1]) ? w->guard[1] : w->left[1];
     const ur5e_real most1 = 3.0 * lesser1 + greater1;
@@ -1132,7 +1132,7 @@ static bool ur5e_inverse_keeps(ur5e_inverse_work *w, const ur5e_real change[8])
         kept = false;
     }
     /* q6 turns the normal of q2, q3, q4 to where it must be: sampled */
-    const ur5e_real bend2 = 2.5 * change[6];
+    const ur5e_real bend2 = 5.0 * change[6];
     const ur5e_real lesser2 = ((w->left[2] < w->guard[2]) ? w->left[2] : w->guard[2]) - 1.18e-14;
     const ur5e_real greater2 = (w->left[2] < w->guard[2]) ? w->guard[2] : w->left[2];
     const ur5e_real most2 = 3.0 * lesser2 + greater2;
@@ -1144,8 +1144,8 @@ static bool ur5e_inverse_keeps(ur5e_inverse_work *w, const ur5e_real change[8])
         kept = false;
     }
     /* a point of the axis of q4: its distance from the axis of q2 tells q3: sampled */
-    const ur5e_real bend3 = 1.57 * change[0] + 1.14 * change[1] + 0.638 * change[6]
-        + 0.645 * change[7];
+    const ur5e_real sum1 = change[6] + change[7];
+    const ur5e_real bend3 = 3.14 * change[0] + 2.27 * change[1] + 1.29 * sum1;
     const ur5e_real lesser3 = ((w->left[3] < w->guard[3]) ? w->left[3] : w->guard[3]) - 6.49e-16;
     const ur5e_real greater3 = (w->left[3] < w->guard[3]) ? w->guard[3] : w->left[3];
     const ur5e_real most3 = 3.0 * lesser3 + greater3;
@@ -1157,8 +1157,8 @@ static bool ur5e_inverse_keeps(ur5e_inverse_work *w, const ur5e_real change[8])
         kept = false;
     }
     /* q2 turns a point of the axis of q4 to where it must be: sampled */
-    const ur5e_real bend4 = 6.32 * change[0] + 2.46 * change[1] + 2.98 * change[2]
-        + 1.33 * change[6] + 1.57 * change[7];
+    const ur5e_real bend4 = 12.7 * change[0] + 4.92 * change[1] + 5.95 * change[2]
+        + 2.65 * change[6] + 3.14 * change[7];
     const ur5e_real lesser4 = ((w->left[4] < w->guard[4]) ? w->left[4] : w->guard[4]) - 1.11e-14;
     const ur5e_real greater4 = (w->left[4] < w->guard[4]) ? w->guard[4] : w->left[4];
     const ur5e_real most4 = 3.0 * lesser4 + greater4;
@@ -1170,8 +1170,8 @@ static bool ur5e_inverse_keeps(ur5e_inverse_work *w, const ur5e_real change[8])
         kept = false;
     }
     /* q4 turns a direction of the tool to where it must be: sampled */
-    const ur5e_real sum1 = change[1] + change[2] + change[6];
-    const ur5e_real bend5 = 5.0 * sum1;
+    const ur5e_real sum2 = change[1] + change[2] + change[6];
+    const ur5e_real bend5 = 10.0 * sum2;
     const ur5e_real lesser5 = ((w->left[5] < w->guard[5]) ? w->left[5] : w->guard[5]) - 1.18e-14;
     const ur5e_real greater5 = (w->left[5] < w->guard[5]) ? w->guard[5] : w->left[5];
     const ur5e_real most5 = 3.0 * lesser5 + greater5;

@@ -24,24 +24,12 @@
  *   inverse_branch: 1384 add, 1771 mul, 59 div, 37 sqrt, 18 sin, 18 cos, 34 atan2
  *   inverse_nearest: 1415 add, 1799 mul, 59 div, 37 sqrt, 18 sin, 18 cos, 34 atan2
  *   direct: 58 add, 92 mul, 1 div, 1 sqrt, 6 sin, 6 cos
- *   inverse: 100 iterations, 42447 add, 60227 mul, 1648 div, 3610 sqrt, 24 sin, 24 cos, 3400 atan2
+ *   inverse: 100 iterations, 42447 add, 60127 mul, 1648 div, 3610 sqrt, 24 sin, 24 cos, 3400 atan2
  *   jacobian: 97 add, 135 mul, 6 sin, 6 cos
  *   twist: 139 add, 171 mul, 6 sin, 6 cos
  *   feed: 893 add, 1064 mul, 53 div, 5 sqrt, 6 sin, 6 cos
  *   rates: 887 add, 1058 mul, 47 div, 5 sqrt, 6 sin, 6 cos
  *   track: 1241 add, 1620 mul, 49 div, 10 sqrt, 36 sin, 36 cos
- *   measured (Cortex-M7, GCC 12.2.1 -O2, 9766 inputs, seed 1): instructions, bytes of stack with
- *     callees, bytes of code with callees but without those of libm:
- *   inverse_all: 19625 instructions, 1576 stack, 6588 code
- *   inverse_branch: 2940 instructions, 1632 stack, 6672 code
- *   inverse_nearest: 3570 instructions, 1696 stack, 6892 code
- *   direct: 1655 instructions, 944 stack, 1240 code
- *   inverse: 189470 instructions, 2064 stack, 9872 code
- *   jacobian: 1755 instructions, 1032 stack, 1688 code
- *   twist: 2170 instructions, 1376 stack, 1856 code
- *   feed: 10165 instructions, 1496 stack, 3276 code
- *   rates: 10040 instructions, 1432 stack, 3176 code
- *   track: 13020 instructions, 1576 stack, 4684 code
  *
  * Model SHA-256 a72b063b87bb3a08505b80421fdd2a78f08e451a852a353dab64180a7c23c55b
  */

@@ -999,7 +999,7 @@ static bool yao2020_inverse_keeps(yao2020_inverse_work *w, const yao2020_real ch
     bool kept = true;
     /* the point where the axes of theta3, theta2, theta1 meet: its level normal to the plane of L6
      * and theta5 tells theta4: sampled */
-    const yao2020_real bend0 = 4.88f * change[0] + 5.78f * change[1];
+    const yao2020_real bend0 = 9.75f * change[0] + 11.6f * change[1];
     const yao2020_real lesser0 = ((w->left[0] < w->guard[0])
         ? w->left[0] : w->guard[0]) - 1.86e-06f;
     const yao2020_real greater0 = (w->left[0] < w->guard[0]) ? w->guard[0] : w->left[0];
@@ -1013,7 +1013,7 @@ static bool yao2020_inverse_keeps(yao2020_inverse_work *w, const yao2020_real ch
     }
     /* the point where the axes of theta3, theta2, theta1 meet: its level across L6 tells theta5:
      * sampled */
-    const yao2020_real bend1 = 4.89f * change[0] + 5.47f * change[1] + 0.738f * change[5];
+    const yao2020_real bend1 = 9.77f * change[0] + 11.0f * change[1] + 1.48f * change[5];
     const yao2020_real lesser1 = ((w->left[1] < w->guard[1])
         ? w->left[1] : w->guard[1]) - 3.03e-06f;
     const yao2020_real greater1 = (w->left[1] < w->guard[1]) ? w->guard[1] : w->left[1];
@@ -1026,7 +1026,7 @@ static bool yao2020_inverse_keeps(yao2020_inverse_work *w, const yao2020_real ch
         kept = false;
     }
     /* the axis of theta3: its level along the axis of theta1 tells theta2: sampled */
-    const yao2020_real bend2 = 7.47f * change[1] + 5.36f * change[5] + 4.97f * change[6];
+    const yao2020_real bend2 = 15.0f * change[1] + 10.8f * change[5] + 9.94f * change[6];
     const yao2020_real lesser2 = ((w->left[2] < w->guard[2])
         ? w->left[2] : w->guard[2]) - 6.36e-06f;
     const yao2020_real greater2 = (w->left[2] < w->guard[2]) ? w->guard[2] : w->left[2];
@@ -1039,7 +1039,7 @@ static bool yao2020_inverse_keeps(yao2020_inverse_work *w, const yao2020_real ch
         kept = false;
     }
     /* theta1 turns the axis of theta3 to where it must be: sampled */
-    const yao2020_real bend3 = 7.47f * change[1] + 5.36f * change[5] + 4.97f * change[6];
+    const yao2020_real bend3 = 15.0f * change[1] + 10.8f * change[5] + 9.94f * change[6];
     const yao2020_real lesser3 = ((w->left[3] < w->guard[3])
         ? w->left[3] : w->guard[3]) - 6.36e-06f;
     const yao2020_real greater3 = (w->left[3] < w->guard[3]) ? w->guard[3] : w->left[3];
@@ -1052,8 +1052,8 @@ static bool yao2020_inverse_keeps(yao2020_inverse_work *w, const yao2020_real ch
         kept = false;
     }
     /* theta3 turns a direction of the tool to where it must be: sampled */
-    const yao2020_real bend4 = 5.96f * change[1] + 5.4f * change[2] + 5.5f * change[3]
-        + 5.9f * change[6];
+    const yao2020_real bend4 = 12.0f * change[1] + 10.8f * change[2] + 11.0f * change[3]
+        + 11.8f * change[6];
     const yao2020_real lesser4 = ((w->left[4] < w->guard[4])
         ? w->left[4] : w->guard[4]) - 6.36e-06f;
     const yao2020_real greater4 = (w->left[4] < w->guard[4]) ? w->guard[4] : w->left[4];

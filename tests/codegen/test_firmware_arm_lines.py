@@ -119,6 +119,42 @@ def test_lines_that_are_ok_have_their_branch_everywhere(name, reach):
     assert found["ok"] > 0.05 * found["lines"]
 
 
+TWO_FOLDS = [
+    (
+        [18.86388663048635, 455.8541007333297, 87.05871498063338]
+        + [0.6052428210394809, 0.5235028757225149, 0.2159829222712809, 0.5594436915164797],
+        [0.70889, 0.018124, 0.76199, -0.670662, 0.171769, -13.710721362585193],
+    ),
+    (
+        [-220.60928091269312, -178.7192738895519, 423.72158800086163]
+        + [0.5089900756907517, 0.3408496816441135, -0.5573922706788773, -0.5604145376048647],
+        [-0.42354881667541155, -0.4754737169804036, 2.008963446387515]
+        + [1.0990220568042088, -0.15547934675913772, 721.0763315930262],
+    ),
+    (
+        [-105.04052745572707, -561.0232578855695, -44.628856161438186]
+        + [0.25350444597255223, -0.721841489444747, -0.3290017930409211, 0.5535685866847914],
+        [3.3859984974967325, 1.0809308061750649, 1.6181638288388187]
+        + [-0.24485032235949744, 0.42012041834972386, -257.7142171028499],
+    ),
+]
+"""Goals and guesses of yao2020, in mm and rad."""
+
+
+def test_a_line_beside_the_folds_of_two_joints_is_refused() -> None:
+    """The second square falls below zero and rises again while a joint that it reads turns fast
+    beside its own fold; no configuration is there, as a fine walk says.
+    """
+    tools.compiler("gcc")
+    asked, directions = tools.bench_module("asked"), tools.bench_module("directions")
+    lines = directions.direction_of(asked.Asked(symkin.load("yao2020"), Options("double")))
+    goals, guesses = (np.array(part) for part in zip(*TWO_FOLDS, strict=True))
+    known = np.array([lines.kind.forward_at(q) for q in guesses])
+    walked = lines.walker.reached(guesses, *lines.line(known, goals))
+    assert np.all(walked.shortest <= 0.0)
+    assert np.all(lines.answers(goals, guesses).status != 0)
+
+
 MARGINS = """
 #include "NAME.c"
 #include <stdio.h>
