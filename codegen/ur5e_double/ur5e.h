@@ -30,6 +30,18 @@
  *   feed: 893 add, 1064 mul, 53 div, 5 sqrt, 6 sin, 6 cos
  *   rates: 887 add, 1058 mul, 47 div, 5 sqrt, 6 sin, 6 cos
  *   track: 1241 add, 1620 mul, 49 div, 10 sqrt, 36 sin, 36 cos
+ *   measured (Cortex-M7, GCC 12.2.1 -O2, 9048 inputs, seed 1): instructions, bytes of stack with
+ *     callees, bytes of code with callees but without those of libm:
+ *   inverse_all: 19630 instructions, 1576 stack, 6588 code
+ *   inverse_branch: 2940 instructions, 1632 stack, 6672 code
+ *   inverse_nearest: 3585 instructions, 1696 stack, 6892 code
+ *   direct: 1650 instructions, 944 stack, 1240 code
+ *   inverse: 190820 instructions, 2064 stack, 9872 code
+ *   jacobian: 1750 instructions, 1032 stack, 1688 code
+ *   twist: 2165 instructions, 1376 stack, 1856 code
+ *   feed: 10155 instructions, 1496 stack, 3276 code
+ *   rates: 10030 instructions, 1432 stack, 3176 code
+ *   track: 13130 instructions, 1576 stack, 4684 code
  *
  * Model SHA-256 a72b063b87bb3a08505b80421fdd2a78f08e451a852a353dab64180a7c23c55b
  */

@@ -13,7 +13,8 @@ import re
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import lru_cache
+
+from symkin.computed_once import lru_cache
 
 USUAL_ITERATIONS = 100
 """What a call without a config may take (NAME_MAX_STEPS)."""
