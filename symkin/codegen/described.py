@@ -9,6 +9,7 @@ import numpy as np
 from symkin.codegen.program import Program
 from symkin.codegen.vectors import Vectors
 from symkin.errors import InputError
+from symkin.position.given import problem_of, read_given
 from symkin.position.solve import solve
 from symkin.spatial.pose import Pose
 
@@ -30,9 +31,11 @@ def check_description(program: Program, vectors: Vectors) -> None:
             c.name: described.angle_out(value) if c.is_angular else value
             for c, value in zip(described.actuated, joints.tolist(), strict=True)
         }
-        start = Pose(pose[:3], pose[3:])
+        there = Pose(pose[:3], pose[3:])
+        # the pose of a chain of driven joints is no matter of a start
+        start = None if problem_of(described, read_given(described, given)).is_explicit else there
         found = solve(described, joints=given, start=start, check=False).solution
-        away = np.inf if found is None else _distance(found.pose, start, size)
+        away = np.inf if found is None else _distance(found.pose, there, size)
         if not away <= bound:
             raise InputError(
                 f"{described.name}: at {given} the described machine is {away:.3g} "
