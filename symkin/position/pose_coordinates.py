@@ -150,11 +150,16 @@ def _feasible_of_machine(
 
 
 def with_own_motion(mechanism: Mechanism) -> Lowered | None:
-    """The machine whose platform has a motion that the description does not declare."""
+    """The machine whose joints leave the platform a motion, or tie its pose, of which the
+    description does not tell: it declares none, or is a graph.
+    """
     if mechanism.motion != "spatial":
         return None
     low = lowered(mechanism)
-    return None if low is None or low.machine.motion == "spatial" else low
+    if low is None:
+        return None
+    tells_more = mechanism.is_graph and not low.machine.is_graph
+    return low if tells_more or low.machine.motion != "spatial" else None
 
 
 def feasible_pose(

@@ -68,10 +68,12 @@ def test_all_spellings_have_one_answer(tmp_path, name, direction, names) -> None
 OFF = ("limbs, motion", "limbs", "graph", "graph, turned", "MJCF")
 
 
-@pytest.mark.parametrize("name", in_gate(["five-bar", "3-RPR", "3-RRR", "Agile Eye"], ["3-RPR"]))
+@pytest.mark.parametrize(
+    "name", in_gate(["five-bar", "3-RPR", "3-RRR", "Agile Eye", "ankle"], ["3-RPR", "ankle"])
+)
 def test_a_pose_off_the_motion_is_told_so_in_all_spellings(tmp_path, name) -> None:
     """Rounding is taken away, and said; beyond it nothing is found, and how far off it lies. The
-    joints leave the motion whether or not a file declares it.
+    joints leave the motion, or tie the pose, whether or not a file declares it.
     """
     machine = MACHINES[name]()
     size = machine.home.characteristic_length
