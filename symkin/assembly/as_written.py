@@ -14,6 +14,7 @@ from symkin.machine.universal import BallReading
 from symkin.model.mechanism import Mechanism
 from symkin.position.feasible_pose import ties_poses
 from symkin.position.given import Given, given_of_pose, in_order, plain_kind, pose_names
+from symkin.position.pose_coordinates import reader_of_poses
 from symkin.position.problem import Problem
 from symkin.position.solution_list import SolutionList, checked_solutions
 from symkin.position.transfer import many_as_written
@@ -52,7 +53,7 @@ def given_of_machine(low: Lowered, given: Given) -> Given:
     stands_otherwise = low.frames is not None or low.machine.motion != low.written.motion
     if _is_pose(low.written, given) and stands_otherwise:
         pose = Pose(given.values[:3], given.values[3:])
-        looked_at = low.machine.motion != low.written.motion or ties_poses(low.written)
+        looked_at = reader_of_poses(low.written) is not None or ties_poses(low.written)
         found = given.off_motion == 0.0 and looked_at
         there = given_of_pose(low.machine, low.taken(pose), is_feasible=found)
         return replace(there, echo=given.echo)

@@ -19,13 +19,12 @@ from symkin.machine.lower import Lowered
 from symkin.model.joint import POSE_CONDITIONS, Coordinate
 from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.model.oddities import FULL_TURN
-from symkin.position.feasible_pose import PROJECTED
 from symkin.position.pose_coordinates import (
-    ON_MOTION,
     feasible_pose,
     motion_pose,
     pose_coordinates,
-    with_own_motion,
+    projected_below,
+    reader_of_poses,
 )
 from symkin.position.problem import Kind, Problem, build_problem
 from symkin.spatial.pose import Pose
@@ -119,30 +118,24 @@ def given_pose(mechanism: Mechanism, given: Sequence[float] | Pose) -> Given:
             f"mechanism file, of a robot's file by --platform LINK, or give joints"
         )
     pose = pose_from(given)
-    own = with_own_motion(mechanism)
-    if own is None:
+    low = reader_of_poses(mechanism)
+    if low is None:
         return given_of_pose(mechanism, pose)
-    there = given_of_pose(own.machine, own.taken(pose), near=PROJECTED, low=own)
-    on_motion = pose if there.off_motion else own.told(motion_pose(own.machine, there.values))
+    there = given_of_pose(low.machine, low.taken(pose), low=low)
+    on_motion = pose if there.off_motion else low.told(motion_pose(low.machine, there.values))
     values, _ = pose_coordinates(mechanism, on_motion)
     return replace(there, names=pose_names(mechanism), values=values, echo=_echo(pose))
 
 
 def given_of_pose(
-    mechanism: Mechanism,
-    pose: Pose,
-    *,
-    is_feasible: bool = False,
-    near: float = ON_MOTION,
-    low: Lowered | None = None,
+    mechanism: Mechanism, pose: Pose, *, is_feasible: bool = False, low: Lowered | None = None
 ) -> Given:
-    """`given_pose` of numbers that were looked at before, on the declared motion; the joints can
-    take a pose that `is_feasible`, and one `near` the motion, over the size, is projected onto it.
-    Notes tell of the description of `low`, whose machine the mechanism is.
+    """`given_pose` by the mechanism's own motion; the joints can take a pose that `is_feasible`.
+    Of the machine of `low` notes are told of the description.
     """
     values, off = pose_coordinates(mechanism, pose)
     notes: tuple[str, ...] = ()
-    if 0.0 < off < near * mechanism.characteristic_length:
+    if 0.0 < off < projected_below(mechanism, low):
         if off > 1e-12 * mechanism.characteristic_length:
             notes = (
                 f"the pose was projected onto the platform's {mechanism.motion} motion, by "

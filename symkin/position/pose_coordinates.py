@@ -121,37 +121,35 @@ def feasible_poses(
     n) and unit quaternion (4, n), and how far those that are more than rounding lie off them, 0 for
     others.
     """
-    own, pose = with_own_motion(mechanism), Pose(position, quaternion)
-    if own is not None:
-        values, off = _feasible_of_machine(own.machine, own.taken(pose), PROJECTED)
-        there = own.told(motion_pose(own.machine, values))
-        written, _ = poses_coordinates(mechanism, position, quaternion)
-        nearest, _ = poses_coordinates(
-            mechanism, np.asarray(there.position), np.asarray(there.quaternion)
-        )
-        return np.where(off[:, None] > 0.0, written, nearest), off
-    return _feasible_of_machine(mechanism, pose, ON_MOTION)
+    low, pose = reader_of_poses(mechanism), Pose(position, quaternion)
+    if low is None:
+        return _feasible_of_machine(mechanism, pose, None)
+    values, off = _feasible_of_machine(low.machine, low.taken(pose), low)
+    there = low.told(motion_pose(low.machine, values))
+    written, nearest = (
+        motion_coordinates(mechanism, one.position, one.quaternion).T for one in (pose, there)
+    )
+    return np.where(off[:, None] > 0.0, written, nearest), off
 
 
 def _feasible_of_machine(
-    mechanism: Mechanism, pose: Pose, near: float
+    mechanism: Mechanism, pose: Pose, low: Lowered | None
 ) -> tuple[np.ndarray, np.ndarray]:
-    """`feasible_poses` of a mechanism whose motion is declared; poses `near` it, over the size, are
-    projected onto it.
-    """
+    """`feasible_poses` of a mechanism by its own motion, the machine of `low` or a description."""
     values, off = poses_coordinates(
         mechanism, np.asarray(pose.position), np.asarray(pose.quaternion)
     )
-    off = np.where(off < near * mechanism.characteristic_length, 0.0, off)
+    off = np.where(off < projected_below(mechanism, low), 0.0, off)
     if ties_poses(mechanism):
         for i in np.flatnonzero((off == 0.0) & ~closing_poses(mechanism, values)):
             values[i], off[i], _ = feasible_pose(mechanism, values[i])
     return values, off
 
 
-def with_own_motion(mechanism: Mechanism) -> Lowered | None:
-    """The machine whose joints leave the platform a motion, or tie its pose, of which the
-    description does not tell: it declares none, or is a graph.
+def reader_of_poses(mechanism: Mechanism) -> Lowered | None:
+    """The machine that reads the poses of a description which does not tell what its joints leave
+    the platform, or tie of its pose: it declares no motion, or is a graph. None where the
+    description does.
     """
     if mechanism.motion != "spatial":
         return None
@@ -160,6 +158,14 @@ def with_own_motion(mechanism: Mechanism) -> Lowered | None:
         return None
     tells_more = mechanism.is_graph and not low.machine.is_graph
     return low if tells_more or low.machine.motion != "spatial" else None
+
+
+def projected_below(mechanism: Mechanism, low: Lowered | None) -> float:
+    """How far (length unit) off its motion a pose is taken for one of it: of a motion that is
+    declared by rounding, of one that the joints leave the machine of `low` by few digits, as where
+    joints tie poses.
+    """
+    return (ON_MOTION if low is None else PROJECTED) * mechanism.characteristic_length
 
 
 def feasible_pose(
