@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from symkin.closure.snapping import snap
-from symkin.machine.motion import simplest_turn
+from symkin.machine.frame import simplest_turn
 from symkin.model.mechanism import Mechanism
 from symkin.spatial.pose import Pose
 

@@ -14,7 +14,7 @@ from symkin.closure.closure import Closure
 from symkin.codegen.text.c import Real
 from symkin.computed_once import cached_property
 from symkin.errors import InputError
-from symkin.machine.motion import Frames
+from symkin.machine.frame import Frames
 from symkin.model.names import identifiers
 from symkin.numeric.system import System
 from symkin.position.problem import Problem

@@ -26,7 +26,7 @@ from symkin.codegen.limbwise import Held
 from symkin.codegen.options import Options
 from symkin.codegen.pose_coordinates import COLUMNS
 from symkin.codegen.text.c import Real
-from symkin.machine.motion import Frames
+from symkin.machine.frame import Frames
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.rank import null_space, row_space
 from symkin.numeric.tolerances import RANK_TOLERANCE

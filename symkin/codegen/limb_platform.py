@@ -35,7 +35,7 @@ from symkin.computed_once import cached_property
 from symkin.elimination.closed_form import ClosedForm, closed_form, samples_about
 from symkin.elimination.implied_rows import unit_of
 from symkin.errors import InputError
-from symkin.machine.motion import Frames
+from symkin.machine.frame import Frames
 from symkin.model.changed import scaled
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism

@@ -14,8 +14,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 from symkin.computed_once import lru_cache
+from symkin.machine.frame import Frames, with_own_frame
 from symkin.machine.limbs import limbs_of
-from symkin.machine.motion import Frames, Guide, with_own_frame, with_own_motion, without_guides
+from symkin.machine.motion import Guide, with_own_motion, without_guides
 from symkin.machine.universal import BallReading, Reading, with_universal_joints
 from symkin.model.arm import arm_of
 from symkin.model.joint import BASE

@@ -24,6 +24,8 @@ from symkin.text import first_of, meant, shown
 LENGTH_UNITS, ANGLE_UNITS = ("m", "mm"), ("deg", "rad")
 Motion = Literal["spatial", "schoenflies", "planar", "translation", "spherical"]
 MOTIONS: tuple[Motion, ...] = get_args(Motion)
+ABOUT_Z: tuple[Motion, ...] = ("schoenflies", "planar")
+"""Motions that turn about the base frame's z alone: one angle is their last coordinate."""
 _NEEDED = object()
 """The default of a key that a table must have."""
 

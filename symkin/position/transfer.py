@@ -14,8 +14,8 @@ from symkin.closure.closure import Closure, build_closure
 from symkin.closure.link_poses import joint_expressions, link_expressions
 from symkin.closure.tilt_torsion import tilt_and_torsion_of
 from symkin.computed_once import lru_cache
+from symkin.machine.frame import Frames
 from symkin.machine.lower import Lowered
-from symkin.machine.motion import Frames
 from symkin.model.joint import POSE_CONDITIONS, Coordinate
 from symkin.numeric.mapped import Mapped
 from symkin.position.canonical import canonical
