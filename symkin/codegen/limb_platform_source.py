@@ -17,7 +17,7 @@ from symkin.codegen.guards import DETERMINANT
 from symkin.codegen.joint_ranges import range_functions, ranges_of
 from symkin.codegen.limb_platform import LimbPlatform
 from symkin.codegen.limb_source import LimbSource
-from symkin.codegen.line_parts import line_target
+from symkin.codegen.line_parts import FIRST_TURN, line_target
 from symkin.codegen.linear_solver import singular_condition
 from symkin.codegen.newton_kernel import rounded, sampled
 from symkin.codegen.newton_source import NewtonCode, tracked_error
@@ -36,8 +36,6 @@ from symkin.computed_once import cached_property
 from symkin.model.joint import Coordinate
 from symkin.numeric.system import System
 
-_FIRST_TURN = 0.5
-"""Turn of the actuated joints that is tried first (rad): most longer ones are refused."""
 _TRACKED = 4.0
 """How many times the error that one step of tracking may predict rows of a guess may be off."""
 _STANDS = 4.0
@@ -144,7 +142,7 @@ class LimbPlatformSource:
             if made.core is None
             else core_target(made.core.direct, self.real),
             known_count=nq,
-            first_turn=_FIRST_TURN,
+            first_turn=FIRST_TURN,
             measured=made.core is not None,
             keeps_known=self._keeps_known,
             compact=made.options.compact,

@@ -9,6 +9,8 @@ from dataclasses import dataclass
 from symkin.codegen.newton_kernel import Kernel
 from symkin.codegen.text.c import Real, indent, indexed
 
+FIRST_TURN = 0.5
+"""Turn of the known values that is tried first (rad): most longer ones are refused."""
 LONGEST_TURN = 1.0
 """Largest turn of a known value in a part of the line (rad): within it the middle stands for all
 points between the ends.

@@ -16,6 +16,7 @@ from symkin.codegen.guards import DETERMINANT
 from symkin.codegen.home_sheet import HomeSheet, home_sheet
 from symkin.codegen.joint_map import Direction, JointMap
 from symkin.codegen.joint_map_values import MapValues, places_among
+from symkin.codegen.line_parts import FIRST_TURN
 from symkin.codegen.linear_solver import singular_condition
 from symkin.codegen.newton_kernel import Kernel, sampled
 from symkin.codegen.newton_source import NewtonCode, tolerance_of
@@ -28,8 +29,6 @@ from symkin.computed_once import cached_property
 from symkin.model.joint import Coordinate
 from symkin.text import c_comment
 
-_FIRST_TURN = 0.5
-"""Turn of the known values that is tried first (rad): most longer ones are refused."""
 _TRACKED = 24.0
 """A step of one call is at most the size over this."""
 _NOISE = 4.0
@@ -167,7 +166,7 @@ class DirectionSource:
             kappa=kappa,
             target_lines=self._target_lines,
             known_count=self.n,
-            first_turn=_FIRST_TURN,
+            first_turn=FIRST_TURN,
             keeps_known=self.closed is None,
             members=self._members,
         )

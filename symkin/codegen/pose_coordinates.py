@@ -12,6 +12,7 @@ from symkin.codegen.formula_guards import feasible_error
 from symkin.codegen.geometry import Geometry
 from symkin.codegen.text.c import Emitter, Real, indent, indexed
 from symkin.codegen.text.templates import fill
+from symkin.model.keys import ABOUT_Z
 from symkin.spatial.rotation import conjugate, multiply
 
 COLUMNS: dict[str, tuple[int, ...]] = {
@@ -78,7 +79,7 @@ def pose_coordinates_text(geometry: Geometry, real: Real, values: dict[str, obje
     limit = real.literal(off_motion(geometry, real))
     tests = [f"({real.call('fabs')}({emitter.value(1, i)}) <= {limit})" for i in range(len(off))]
     body = [*emitter.lines, *(f"c[{i}] = {text};" for i, text in enumerate(texts))]
-    if motion in ("schoenflies", "planar"):
+    if motion in ABOUT_Z:
         pi, two_pi = real.literal(np.pi), real.literal(2 * np.pi)
         angle = f"c[{count - 1}]"
         body += [

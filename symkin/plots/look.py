@@ -8,6 +8,7 @@ import numpy as np
 
 from symkin.closure.closure import build_closure
 from symkin.drawing.layout import layout_of
+from symkin.model.keys import ABOUT_Z
 from symkin.plots.figures import Panel
 from symkin.position.pose_coordinates import leaves_motion
 from symkin.position.solution import Solution
@@ -71,7 +72,7 @@ def _pose_text(solution: Solution) -> str:
         f"{mechanism.length_unit}"
     )
     leaves = leaves_motion(mechanism, solution.position[None], solution.quaternion[None])
-    if mechanism.motion in ("schoenflies", "planar") and not leaves:
+    if mechanism.motion in ABOUT_Z and not leaves:
         (angle,) = _clean([mechanism.angle_out(solution.gamma)], 1.0)
         return f"{text.removeprefix('position ')}, gamma {angle:.5g} {mechanism.angle_unit}"
     turn = euler_from_quaternion(np.asarray(solution.quaternion), "xyz")

@@ -7,6 +7,7 @@ from __future__ import annotations
 import numpy as np
 
 from symkin.machine.lower import Lowered, lowered
+from symkin.model.keys import ABOUT_Z
 from symkin.model.mechanism import Mechanism
 from symkin.plain_number import plain
 from symkin.position.feasible_pose import PROJECTED, closing_poses, nearest_pose, ties_poses
@@ -35,7 +36,7 @@ def poses_coordinates(
     motion nearest to each, and the distances left (n,).
     """
     numbers = motion_coordinates(mechanism, position, quaternion).T.copy()
-    if mechanism.motion in ("schoenflies", "planar"):
+    if mechanism.motion in ABOUT_Z:
         numbers[:, -1] = wrapped(numbers[:, -1])
     return numbers, _off_motion(mechanism, position, quaternion)
 

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from symkin.model.keys import ABOUT_Z
 from symkin.model.mechanism import Mechanism
 from symkin.position.pose_coordinates import leaves_motion
 from symkin.position.problem import Problem
@@ -114,7 +115,7 @@ def _pose_columns(solutions: Sequence[Solution]) -> Columns:
     position = np.array([s.position for s in solutions])
     if leaves_motion(mechanism, position, np.array([s.quaternion for s in solutions])):
         return columns | _turn_columns(solutions)
-    if mechanism.motion in ("schoenflies", "planar"):
+    if mechanism.motion in ABOUT_Z:
         values = [mechanism.angle_out(s.gamma) for s in solutions]
         return columns | {f"gamma [{mechanism.angle_unit}]": [_fixed(v, 3) for v in values]}
     if mechanism.motion == "translation":

@@ -12,6 +12,7 @@ from symkin.assembly.by_groups import modes_by_groups
 from symkin.assembly.search import Search
 from symkin.closure.closure import build_closure
 from symkin.errors import InputError
+from symkin.model.keys import ABOUT_Z
 from symkin.model.mechanism import Mechanism
 from symkin.position.determination import determination
 from symkin.position.given import read_given
@@ -125,7 +126,7 @@ def _side(mechanism: Mechanism, name: str, values: np.ndarray) -> tuple[str, flo
     low, high = float(values[0]), float(values[-1])
     if name in "xyz":
         return name, low, high
-    own = "gamma" if mechanism.motion in ("schoenflies", "planar") else name
+    own = "gamma" if mechanism.motion in ABOUT_Z else name
     return own, mechanism.angle_in(low), mechanism.angle_in(high)
 
 
