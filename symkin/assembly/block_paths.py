@@ -1,5 +1,4 @@
-"""Real roots of one group at many instances, by paths, with what is in doubt left to
-others.
+"""Real roots of one group at many instances, by paths, with what is in doubt left to others.
 
 All steps take all instances together: paths, certificates of the complex roots, real candidates,
 Newton's method on the group's own rows, the check on all rows. An instance is plain where none of

@@ -1,5 +1,4 @@
-"""Real roots of one group at many instances, by formulas, with what is in doubt left
-to paths.
+"""Real roots of one group at many instances, by formulas, with what is in doubt left to paths.
 
 Formulas are used where they account for all solutions: generically every branch, complex ones
 included, closes on all rows, and they are as many as paths find. Where each equation of the

@@ -6,8 +6,8 @@ discriminant, or the square of the length that is carried, as a function of the 
 joints before. Between two points a, b of the line D stays above zero where its second derivative is
 below 2 (D_a + D_b) + 4 min(D_a, D_b). That derivative is bounded by weights times the squares of
 the changes of place, turn and joints between the two points: sampled at random configurations,
-raised, and doubled for speeds that change on the way. Parts of the line for which this holds are
-kept, others are cut (`guard_text`). Limits of joints are functions of the same kind
+raised, and taken several times for speeds that change on the way. Parts of the line for which this
+holds are kept, others are cut (`guard_text`). Limits of joints are functions of the same kind
 (`closed_limits`).
 """
 
