@@ -92,7 +92,7 @@ def with_own_frame(mechanism: Mechanism) -> tuple[Mechanism, Frames | None]:
     if mechanism.serial or not any(limb.joints for limb in mechanism.limbs):
         return mechanism, None
     turn = _turn_to_axes(mechanism)
-    return (_aligned(mechanism, turned=False), None) if turn is None else _placed(mechanism, turn)
+    return (_aligned(mechanism), None) if turn is None else _placed(mechanism, turn)
 
 
 def is_along_z(axis: np.ndarray | None) -> bool:
@@ -222,11 +222,11 @@ def _placed(mechanism: Mechanism, turn: Pose) -> tuple[Mechanism, Frames]:
     """The machine turned, its platform frame along that of the base."""
     turned = displaced(mechanism, turn)
     if mechanism.platform_link is None and not mechanism.limbs:
-        return _aligned(turned, turned=True), Frames(turn, Pose(np.zeros(3), np.array(_AS_BASE)))
+        return _aligned(turned), Frames(turn, Pose(np.zeros(3), np.array(_AS_BASE)))
     own = Pose(np.zeros(3), turned.reference_pose.quaternion)
     limbs = [_with_rods(limb, own) for limb in turned.limbs]
     return (
-        _aligned(replace(turned, limbs=limbs, platform_quaternion=_AS_BASE), turned=True),
+        _aligned(replace(turned, limbs=limbs, platform_quaternion=_AS_BASE)),
         Frames(turn, own),
     )
 
@@ -239,11 +239,11 @@ def _with_rods(limb: AnyLimb, own: Pose) -> AnyLimb:
     return replace(limb, rods=rods)
 
 
-def _aligned(mechanism: Mechanism, *, turned: bool) -> Mechanism:
-    """The machine with numbers that are zero to rounding so to the last digit; of one that was
-    `turned`, those that are equal to rounding are one.
+def _aligned(mechanism: Mechanism) -> Mechanism:
+    """The machine with numbers that are zero to rounding so to the last digit, and one where they
+    are equal to rounding: else what processors make of their last digits tells what formulas cost.
     """
-    clean = _Clean(mechanism.characteristic_length, [] if turned else None)
+    clean = _Clean(mechanism.characteristic_length, [])
     entries = [LinkJoint(clean.joint(entry.joint), entry.links) for entry in mechanism.link_joints]
     return replace(
         mechanism,
@@ -256,11 +256,11 @@ def _aligned(mechanism: Mechanism, *, turned: bool) -> Mechanism:
 @dataclass(frozen=True)
 class _Clean:
     """Takes the rounding out of the numbers of a machine of a size: they are 0, of directions also
-    1, and those `seen` before, unless that is None.
+    1, and those `seen` before.
     """
 
     size: float
-    seen: list[float] | None
+    seen: list[float]
 
     def point(self, numbers: Sequence[float]) -> list[float]:
         return [self._number(c, (0.0,), self.size) for c in numbers]
@@ -284,9 +284,8 @@ class _Clean:
     def _number(self, number: float, whole: Sequence[float], size: float) -> float:
         length = abs(number)
         near = [one for one in whole if abs(length - one) <= ALIGNED * size]
-        near += [one for one in self.seen or () if abs(length - one) <= _ROUNDING * size]
+        near += [one for one in self.seen if abs(length - one) <= _ROUNDING * size]
         if near:
             return math.copysign(near[0], number) if near[0] else 0.0
-        if self.seen is not None:
-            self.seen.append(length)
+        self.seen.append(length)
         return number

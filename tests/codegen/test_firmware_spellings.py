@@ -67,6 +67,28 @@ def test_a_universal_joint_may_be_two_revolutes() -> None:
     assert operations(as_revolutes(hexapod)) == operations(hexapod)
 
 
+@pytest.mark.parametrize("name", in_gate(["3-RRR", "delta", "Tricept"], ["3-RRR"]))
+def test_what_processors_make_of_last_digits_costs_nothing(name) -> None:
+    """Points off by roundings, as sines and products of other processors are."""
+    machine = MACHINES[name]().home
+    wanted, rng = operations(machine), np.random.default_rng(0)
+    assert all(operations(_shaken(machine, rng)) == wanted for _ in range(3))
+
+
+def _shaken(machine: Mechanism, rng: np.random.Generator) -> Mechanism:
+    """The machine with two roundings at most on each coordinate of a joint's point."""
+
+    def shaken(joint: Joint) -> Joint:
+        off = rng.integers(-2, 3, 3) * np.finfo(float).eps
+        return replace(joint, point=(np.array(joint.point) * (1.0 + off)).tolist())
+
+    limbs = [
+        replace(limb, joints=[shaken(j) for j in limb.joints]) if limb.joints else limb
+        for limb in machine.limbs
+    ]
+    return replace(machine, limbs=limbs)
+
+
 @pytest.mark.parametrize("name", in_gate(["UR arm", "Agile Eye", "delta", "ankle"], ["UR arm"]))
 def test_a_turned_machine_answers_as_the_plain_one(tmp_path, name) -> None:
     """As many goals are OK in both directions, and no answer is off the machine."""
