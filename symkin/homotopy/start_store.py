@@ -165,10 +165,9 @@ def _from_universal(
         return None
     if z.shape[1] == 0:
         return universal_start() if is_universal(problem) else None
-    ends, last = newton(system, z, k)
-    if np.max(last) > 1e-9:
+    ends = _settled(system, z, k)
+    if ends is None:
         return None
-
     return Fibre(
         ends, k, orbits(system, ends, k, _corners(problem, joints, rng)), float("inf"), 0, seed
     )
