@@ -21,7 +21,6 @@ from helpers.inclinometer import (
 from helpers.inside import (
     FORMS,
     METHODS,
-    Distance,
     build_calibration,
     build_closure,
     build_model,
@@ -34,7 +33,7 @@ from helpers.inside import (
 )
 from helpers.inside import evaluate_state as evaluate
 from helpers.samples import five_bar, three_rrr
-from symkin import InputError, Measurements, calibrate
+from symkin import InputError, Measurements, Reading, calibrate
 
 NOMINAL = symkin.load("ren2008")
 HELD = joint_frames(NOMINAL, PLATFORM_LIMBS, BASE_LIMBS)
@@ -271,7 +270,7 @@ def test_absolute_inclinations_and_distances():
         data.joints,
         inclination=tilt,
         inclination_sigma=1e-5,
-        distances=[Distance((0, 0, 0), (0.5, -0.4, 0.1), gaps, 1e-6)],
+        readings=[Reading("distance", gaps, 1e-6, ((0, 0, 0), (0.5, -0.4, 0.1)))],
     )
     fit = calibrate(NOMINAL, both, fixed=HELD)
     assert fit.rank == 32

@@ -357,7 +357,6 @@ NAMES = {
     "METHODS": "symkin.calibration.options",
     "measurements_text": "symkin.calibration.data.files",
     "read_measurements": "symkin.calibration.data.files",
-    "Distance": "symkin.calibration.data.measurements",
     "NO_GROUP": "symkin.calibration.data.measurements",
     "observables": "symkin.calibration.data.observables",
     "observed": "symkin.calibration.data.observables",

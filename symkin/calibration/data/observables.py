@@ -24,7 +24,7 @@ from symkin.computed_once import lru_cache
 from symkin.errors import InputError
 from symkin.model.graph import LinkPoint
 from symkin.model.graph_checks import links_of
-from symkin.model.joint import BASE
+from symkin.model.joint import BASE, Coordinate
 from symkin.model.mechanism import Mechanism
 from symkin.spatial.backend import dot
 from symkin.spatial.pose import Pose
@@ -34,7 +34,7 @@ ObservableKind = Literal[
     "joint", "point", "distance", "position", "orientation", "inclination", "group"
 ]
 Measure = Literal["length", "angle"]
-POSE_COLUMNS: dict[str, tuple[str, ...]] = {
+POSE_COLUMNS: dict[ObservableKind, tuple[str, ...]] = {
     "group": ("group",),
     "inclination": ("alpha", "beta"),
     "position": ("x", "y", "z"),
@@ -93,10 +93,22 @@ def _of_link(kind: ObservableKind, *link: str) -> Observable:
     )
 
 
-PLATFORM: dict[str, Observable] = {
-    kind: _of_link(kind) for kind in ("group", "inclination", "position", "orientation")
-}
+PLATFORM: dict[str, Observable] = {kind: _of_link(kind) for kind in POSE_COLUMNS}
 """What is read of the platform, in the order of its columns; distances follow, then all else."""
+
+
+def of_joint(c: Coordinate) -> Observable:
+    """What an encoder reads of a coordinate."""
+    measure: Measure = "angle" if c.is_angular else "length"
+    return Observable(c.name, "joint", (c.name,), (c.name,), (measure,), angular=c.is_angular)
+
+
+def distance_to_base(name: str, ends: Sequence[Sequence[float]]) -> Observable:
+    """The distance between a point of the platform frame and one of the base frame, by the name of
+    its column.
+    """
+    held = tuple(map(tuple, ends))
+    return Observable("distance", "distance", (), (name,), (name,), ends=held)
 
 
 @lru_cache(maxsize=64)
@@ -104,22 +116,12 @@ def observables(mechanism: Mechanism) -> dict[str, Observable]:
     """All that can be read of a mechanism by name beside actuated joints and platform, distances in
     both orders of their points.
     """
-    found = [
-        Observable(
-            c.name,
-            "joint",
-            (c.name,),
-            (c.name,),
-            ("angle" if c.is_angular else "length",),
-            angular=c.is_angular,
-        )
-        for c in mechanism.coordinates
-        if c.role == "passive" and not c.is_rotation
-    ]
+    passive = (c for c in mechanism.coordinates if c.role == "passive" and not c.is_rotation)
+    found = [of_joint(c) for c in passive]
     points = [point.name for point in mechanism.link_points]
     for point in points:
         columns = tuple(f"point.{point}.{k}" for k in "xyz")
-        found.append(Observable(f"point.{point}", "point", (point,), columns, ("x", "y", "z")))
+        found.append(Observable(f"point.{point}", "point", (point,), columns, tuple("xyz")))
     for pair in permutations(points, 2):
         name = f"distance.{pair[0]}.{pair[1]}"
         found.append(Observable(name, "distance", pair, (name,), ("length",)))

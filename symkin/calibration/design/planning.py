@@ -15,8 +15,9 @@ from typing import Any, Unpack
 
 import numpy as np
 
-from symkin.calibration.data.columns import WEDGE, measure_of
+from symkin.calibration.data.columns import WEDGE
 from symkin.calibration.data.files import CsvColumns
+from symkin.calibration.data.observables import of_joint
 from symkin.calibration.design.exchange_algorithm import (
     Candidates,
     Criterion,
@@ -465,7 +466,7 @@ def plan_text(plan: Plan) -> str:
     if len(plan.wedges):
         table.text("group", [str(g + 1) for g in plan.groups])
     for k, c in enumerate(plan.mechanism.actuated):
-        table.number(c.name, plan.configurations.joints[:, k], measure_of(c))
+        table.number(c.name, plan.configurations.joints[:, k], of_joint(c).measure)
     for k, name in enumerate(WEDGE if len(plan.wedges) else ()):
         table.number(name, plan.wedges[plan.groups, k], "angle")
     return table.csv([plan.head("postures"), *plan.expected("postures")])

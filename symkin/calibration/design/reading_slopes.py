@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from symkin.calibration.data.measurements import NO_GROUP
-from symkin.calibration.design.simulation import READING_CHOICES, Noise, simulate_readings
+from symkin.calibration.design.simulation import Noise, simulate_readings
 from symkin.calibration.estimate.configurations import ClosedConfigurations
 from symkin.calibration.estimate.problem import CalibrationProblem, build_calibration
 from symkin.calibration.estimate.residuals import noise_of, whitening
@@ -45,14 +45,11 @@ def readings_problem(
     """
     quiet = np.random.default_rng(0)
     taken = simulate_readings(mechanism, made, groups, readings, noise, quiet)
-    stated = {r.name: r.sigma for r in taken.readings}
-    for kind, key in (("group", "groups"), *((k, k) for k in READING_CHOICES[:3])):
-        if getattr(taken, key) is not None:
-            stated[f"{kind} readings"] = taken.sigma(kind)
-    for name, sigma in stated.items():
-        if sigma is None:
+    for o, r in taken.channels(mechanism):
+        if r.sigma is None:
             raise InputError(
-                f"the standard deviation of {name} is zero or not given; a plan needs it"
+                f"the standard deviation of {o.name if o.of else f'{o.name} readings'} is zero or "
+                f"not given; a plan needs it"
             )
     # readings at the configurations themselves
     read = None if taken.orientation is None else made.poses[:, 3:]

@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from symkin.calibration.data.measurements import NO_GROUP, Distance, Measurements, Reading
+from symkin.calibration.data.measurements import NO_GROUP, Measurements, Reading
 from symkin.calibration.data.observables import (
+    PLATFORM,
     Observable,
+    distance_to_base,
     observables,
     observables_named,
     unknown_observable,
 )
-from symkin.calibration.estimate.configuration_model import build_model
+from symkin.calibration.estimate.configuration_model import build_model, model_of
 from symkin.calibration.estimate.configurations import (
     ClosedConfigurations,
     refuse_undetermined,
@@ -23,13 +24,10 @@ from symkin.calibration.estimate.configurations import (
 )
 from symkin.calibration.estimate.workspace import Workspace
 from symkin.closure.closure import build_closure
-from symkin.closure.link_poses import joint_readings, link_poses
 from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
-from symkin.position.readings import points_at
 from symkin.position.transfer import many_elsewhere
-from symkin.spatial.pose import Pose
-from symkin.spatial.rotation import euler_from_quaternion, multiply, quaternion_from_rotation_vector
+from symkin.spatial.rotation import multiply, quaternion_from_rotation_vector
 
 READING_CHOICES = ("inclination", "position", "orientation", "pose")
 """What may be read of the platform beside the joints; a pose is position and orientation. Groups
@@ -203,79 +201,32 @@ def simulate_readings(
     """
     grouped = bool(np.any(groups != NO_GROUP))
     own = platform_kinds(mechanism, readings, grouped=grouped)
-    _refuse_undetermined(mechanism, true)
-
-    def read(kind: str, exact: np.ndarray, sigma: float) -> np.ndarray:
-        if kind != "orientation":
-            return np.asarray(exact + noise.draw(sigma, exact.shape, rng))
-        turn = quaternion_from_rotation_vector(noise.draw(sigma, (3, len(exact)), rng))
-        return np.asarray(multiply(exact.T, turn)).T
-
-    joint_sigma = noise.joints(mechanism)
-    changes: dict[str, Any] = {
-        "joints": true.joints + noise.draw(joint_sigma, true.joints.shape, rng),
-        "joint_sigma": joint_sigma if np.any(joint_sigma) else None,
-    }
-    if grouped:
-        changes |= {"groups": groups, "group_sigma": noise.group or None}
-    alpha, beta, _ = euler_from_quaternion(true.poses[:, 3:].T, "xyz")
-    platform = {
-        "inclination": np.column_stack([alpha, beta]),
-        "position": true.poses[:, :3],
-        "orientation": true.poses[:, 3:],
-    }
-    for kind, exact in platform.items():
-        if kind in own or ("pose" in own and kind != "inclination"):
-            sigma = noise.of(kind)
-            changes |= {kind: read(kind, exact, sigma), f"{kind}_sigma": sigma or None}
-    measured = []
-    for name, (end, base) in (distances or {}).items():
-        ends = np.array([Pose(row[:3], row[3:]).apply(np.array(end)) for row in true.poses])
-        values = read("distance", np.linalg.norm(ends - np.array(base), axis=1), noise.distance)
-        measured.append(Distance(end, base, values, noise.distance or None, name))
-    others = observed_kinds(mechanism, readings)
-    exactly = exact_readings(mechanism, true, others) if others else {}
-    beside = []
-    for o in others:
-        sigma = noise.of(o.kind, angular=o.angular)
-        beside.append(Reading(o.name, read(o.kind, exactly[o.name], sigma), sigma or None))
-    return Measurements(**changes, distances=measured, readings=beside)
-
-
-def _refuse_undetermined(mechanism: Mechanism, true: ClosedConfigurations) -> None:
-    """Refuse, as a fit would, joints that do not determine the configuration."""
-    model = build_model(mechanism, Measurements(true.joints), ())
+    whole = {"position", "orientation"} if "pose" in own else set()
+    read = [PLATFORM[kind] for kind in READING_CHOICES[:3] if kind in whole | set(own)]
+    read += [distance_to_base(name, ends) for name, ends in (distances or {}).items()]
+    read += observed_kinds(mechanism, readings)
+    model = model_of(mechanism, tuple(read))
     values = many_elsewhere(model.closure, build_closure(mechanism), true.values)
     z = np.ascontiguousarray(values[:, true.joints.shape[1] :])
     refuse_undetermined(model, z, true.joints, model.nominal)
-
-
-def exact_readings(
-    mechanism: Mechanism, true: ClosedConfigurations, read: Sequence[Observable]
-) -> dict[str, np.ndarray]:
-    """Values (n, w) of observables by name at closed configurations."""
-    closure = build_closure(mechanism)
-    poses = link_poses(closure, true.values)
-    joints, points = joint_readings(closure, poses), points_at(mechanism, poses)
-    found = {}
-    for o in read:
-        match o.kind:
-            case "joint":
-                held = (
-                    true.values[:, closure.slices[o.name]]
-                    if o.name in closure.slices
-                    else joints[o.name][:, None]
-                )
-                found[o.name] = np.asarray(held)
-            case "point":
-                found[o.name] = points[o.of[0]]
-            case "distance":
-                found[o.name] = np.linalg.norm(points[o.of[0]] - points[o.of[1]], axis=1)[:, None]
-            case "position":
-                found[o.name] = np.asarray(poses[o.of[0]].position).T
-            case "orientation":
-                found[o.name] = np.asarray(poses[o.of[0]].quaternion).T
-            case _:
-                alpha, beta, _ = euler_from_quaternion(poses[o.of[0]].quaternion, "xyz")
-                found[o.name] = np.column_stack([alpha, beta])
-    return found
+    joint_sigma = noise.joints(mechanism)
+    made = Measurements(
+        true.joints + noise.draw(joint_sigma, true.joints.shape, rng),
+        joint_sigma=joint_sigma if np.any(joint_sigma) else None,
+        groups=groups if grouped else None,
+        group_sigma=(noise.group or None) if grouped else None,
+    )
+    beside = []
+    for o, exact in zip(read, model.exact_readings(z, true.joints), strict=True):
+        sigma = noise.of(o.kind, angular=o.angular)
+        if o.kind == "orientation":
+            turn = quaternion_from_rotation_vector(noise.draw(sigma, (3, len(exact)), rng))
+            exact = np.asarray(multiply(exact.T, turn)).T
+        else:
+            exact = exact + noise.draw(sigma, exact.shape, rng)
+        name = o.columns[0] if o.ends else o.name
+        if o.of or o.ends:
+            beside.append(Reading(name, exact, sigma or None, o.ends))
+        else:
+            made = made.replaced(name, values=exact, sigma=sigma or None)
+    return replace(made, readings=beside)
