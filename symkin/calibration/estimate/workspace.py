@@ -32,7 +32,7 @@ from symkin.calibration.estimate.configurations import (
     with_poses,
 )
 from symkin.closure.branches import edges_of
-from symkin.closure.closure import build_closure
+from symkin.closure.closure import Closure
 from symkin.computed_once import cached_property
 from symkin.errors import InputError
 from symkin.model.bar import Bar
@@ -125,8 +125,17 @@ class Workspace:
         return home_pose(self.mechanism) if self.start is None else self.start
 
     @cached_property
-    def solver(self) -> ClosureSolver:
-        return ClosureSolver(self.mechanism, self.home, self.margin)
+    def _model(self) -> ConfigurationModel:
+        return closing_model(self.mechanism)
+
+    @property
+    def closure(self) -> Closure:
+        return self._model.closure
+
+    @cached_property
+    def _joints(self) -> Closing:
+        """The closing of joints for poses."""
+        return Closing(self._model, np.zeros(0), held=("pose",))
 
     @property
     def lean(self) -> float:
@@ -158,7 +167,7 @@ class Workspace:
             drawn, idle = drawn + len(chosen), idle + len(chosen)
             wanted = inclinations[chosen]
             starts = self._starts(wanted, rng, edge)
-            made, good = self.solver.close(starts, wanted if held else None)
+            made, good = self.close(starts, wanted if held else None)
             for row in np.flatnonzero(good):
                 if chosen[row] not in found:
                     found[chosen[row]], idle = made.take(np.array([row])), 0
@@ -190,7 +199,7 @@ class Workspace:
     def _why_none(self, inclination: np.ndarray, held: bool) -> str:
         """What to do where postures are not found."""
         if self.carried and not held:
-            rows, freedom = self.solver.rows_and_unknowns
+            rows, freedom = int(self._model.system.rows.shape[0]), self._model.system.freedom
             redundant = (
                 f"; {rows} rows for {freedom} unknowns close at special geometry alone: check it, "
                 f"or name fewer joints as actuated"
@@ -218,7 +227,7 @@ class Workspace:
             low, high = self._joint_ranges
             away = 0.5 * scale * (high - low) * rng.uniform(-1, 1, around.joints.shape)
             joints = np.clip(around.joints + away, low, high)
-            starts = self.solver.at_joints(joints, around.values)
+            starts = self.at_joints(joints, around.values)
         else:
             turns = multiply(around.poses[:, 3:].T, conjugate(self.home.quaternion))
             alpha, beta, gamma = euler_from_quaternion(turns, "xyz")
@@ -226,7 +235,7 @@ class Workspace:
             gamma = np.clip(gamma + self.spin * drawn[:, 0], -self.spin, self.spin)
             away = np.clip(self._middles(around) + self.half * drawn[:, 1:], -self.half, self.half)
             starts = self._posed(around.values, away, np.array([alpha, beta, gamma]))
-        made, good = self.solver.close(starts, inclinations)
+        made, good = self.close(starts, inclinations)
         kept = np.flatnonzero(good & self.holds(made))
         return made.take(kept), kept
 
@@ -234,17 +243,14 @@ class Workspace:
         """Variables with the middles of the platforms so far from home's (n, 3), and turned from
         home's orientation by angles (3, n).
         """
-        q = np.asarray(multiply(quaternion_from_euler(angles, "xyz"), self.home.quaternion))
-        places = self.home.apply(self.centre) + away - self._turned_centre(q)
-        return with_poses(build_closure(self.mechanism), values, np.hstack([places, q.T]))
-
-    def _turned_centre(self, q: np.ndarray) -> np.ndarray:
-        return np.asarray(rotate(q, self.centre[:, None] * np.ones(q.shape[1]))).T
+        q = np.asarray(multiply(quaternion_from_euler(angles, "xyz"), self.home.quaternion)).T
+        turned = moved_point(np.hstack([np.zeros((len(q), 3)), q]), self.centre)
+        places = self.home.apply(self.centre) + away - turned
+        return with_poses(self.closure, values, np.hstack([places, q]))
 
     def _middles(self, made: ClosedConfigurations) -> np.ndarray:
         """Middles of the platforms (n, 3), from home's."""
-        turned = self._turned_centre(made.poses[:, 3:].T)
-        return np.asarray(made.poses[:, :3] + turned - self.home.apply(self.centre))
+        return moved_point(made.poses, self.centre) - self.home.apply(self.centre)  # type: ignore[no-any-return]
 
     def at(
         self, poses: np.ndarray, joints: np.ndarray, inclinations: np.ndarray | None
@@ -253,11 +259,11 @@ class Workspace:
         platform, turned to inclinations where they are given, and tell which of them are good;
         limits do not count.
         """
-        closure = build_closure(self.mechanism)
-        starts = with_poses(closure, np.tile(closure.reference, (len(poses), 1)), poses)
+        starts = np.tile(self.closure.reference, (len(poses), 1))
+        starts = with_poses(self.closure, starts, poses)
         if self.carried:
-            starts = self.solver.at_joints(joints, starts)
-        return self.solver.close(starts, inclinations, limits=False)
+            starts = self.at_joints(joints, starts)
+        return self.close(starts, inclinations, limits=False)
 
     def holds(self, made: ClosedConfigurations) -> np.ndarray:
         """Tell which configurations of a platform have their middle within the box (n,); where
@@ -270,8 +276,8 @@ class Workspace:
     def _starts(
         self, inclinations: np.ndarray, rng: np.random.Generator, edge: float
     ) -> np.ndarray:
-        closure, count = build_closure(self.mechanism), len(inclinations)
-        starts = np.tile(closure.reference, (count, 1))
+        count = len(inclinations)
+        starts = np.tile(self.closure.reference, (count, 1))
         if not self.drawn_by_joints:
             share = np.clip(edge * rng.uniform(-1, 1, (count, 4)), -1, 1)
             angles = np.vstack([inclinations.T, self.spin * share[:, 3]])
@@ -279,13 +285,13 @@ class Workspace:
         low, high = self._joint_ranges
         joints = rng.uniform(low[:, None], high[:, None], (len(low), count)).T
         if self.carried:
-            return self.solver.at_joints(joints, starts)
-        return self.solver.with_tool(np.hstack([joints, starts[:, joints.shape[1] :]]))
+            return self.at_joints(joints, starts)
+        return self.with_tool(np.hstack([joints, starts[:, joints.shape[1] :]]))
 
     @property
     def carried(self) -> bool:
         """Whether the platform's pose follows from the joints, and no coordinates of its own."""
-        return is_carried(build_closure(self.mechanism))
+        return is_carried(self.closure)
 
     @property
     def drawn_by_joints(self) -> bool:
@@ -303,39 +309,7 @@ class Workspace:
             ranges = np.vstack([ranges, c.limits or c.reference[0] + swing])
         return ranges[:, 0], ranges[:, 1]
 
-
-def platform_points(mechanism: Mechanism) -> np.ndarray:
-    """List the joint points of the platform, or of the link judged in its place, in its frame (n,
-    3): ends of rods, joints and named points.
-    """
-    link, points = judged_link(mechanism), []
-    frame = mechanism.reference_pose if mechanism.platform_link is not None else Pose.identity()
-    inverse = frame.inverse()  # points of joints are given at the reference
-    for edge in sorted(
-        edges_of(mechanism), key=lambda edge: not isinstance(edge.elements[0].part, Bar)
-    ):
-        part = edge.elements[0].part
-        if link in edge.ends and isinstance(part, Bar):
-            end = (part.start, part.end)[edge.ends.index(link)]
-            points.append(
-                np.array(end.point) if end.in_platform_frame else inverse.apply(np.array(end.point))
-            )
-        elif link in edge.ends:
-            points.append(inverse.apply(mechanism.places[edge.elements[0].name]))
-    points += [inverse.apply(np.array(p.point)) for p in mechanism.link_points if p.link == link]
-    return np.array(points)
-
-
-class ClosureSolver:
-    """Closes many configurations at once by Newton: first the joints for the pose, then all
-    coordinates together.
-    """
-
-    def __init__(self, mechanism: Mechanism, home: Pose, margin: float = 0.0) -> None:
-        self.mechanism, self.closure = mechanism, build_closure(mechanism)
-        self.home, self.margin = home, margin
-        self._model = closing_model(mechanism)
-        self._joints = Closing(self._model, np.zeros(0), held=("pose",))
+    # --- closing ----------------------------------------------------------------------------------
 
     def close(
         self, starts: np.ndarray, inclinations: np.ndarray | None, *, limits: bool = True
@@ -358,11 +332,6 @@ class ClosureSolver:
             if limits:
                 good &= self._within_limits(values)
         return made, good
-
-    @property
-    def rows_and_unknowns(self) -> tuple[int, int]:
-        """Counts of closure rows and of the freedoms of the unknown coordinates."""
-        return int(self._model.system.rows.shape[0]), self._model.system.freedom
 
     def at_joints(self, joints: np.ndarray, values: np.ndarray) -> np.ndarray:
         """Follow configurations (n, width) from their joints to others (n, a), and return the
@@ -410,6 +379,33 @@ class ClosureSolver:
         if condition < _SINGULAR_CONDITION:
             worst = _WORSE_CONDITION * condition
         return (conditions(rows_z) < worst) & (determinant_signs(rows_z) * side >= 0)
+
+
+def platform_points(mechanism: Mechanism) -> np.ndarray:
+    """List the joint points of the platform, or of the link judged in its place, in its frame (n,
+    3): ends of rods, joints and named points.
+    """
+    link, points = judged_link(mechanism), []
+    frame = mechanism.reference_pose if mechanism.platform_link is not None else Pose.identity()
+    inverse = frame.inverse()  # points of joints are given at the reference
+    for edge in sorted(
+        edges_of(mechanism), key=lambda edge: not isinstance(edge.elements[0].part, Bar)
+    ):
+        part = edge.elements[0].part
+        if link in edge.ends and isinstance(part, Bar):
+            end = (part.start, part.end)[edge.ends.index(link)]
+            points.append(
+                np.array(end.point) if end.in_platform_frame else inverse.apply(np.array(end.point))
+            )
+        elif link in edge.ends:
+            points.append(inverse.apply(mechanism.places[edge.elements[0].name]))
+    points += [inverse.apply(np.array(p.point)) for p in mechanism.link_points if p.link == link]
+    return np.array(points)
+
+
+def moved_point(poses: np.ndarray, point: np.ndarray) -> np.ndarray:
+    """Where a point of a frame is at its poses (n, 7)."""
+    return np.asarray(poses[:, :3] + np.asarray(rotate(poses[:, 3:].T, point[:, None])).T)
 
 
 def home_pose(mechanism: Mechanism) -> Pose:

@@ -29,13 +29,12 @@ from symkin.calibration.estimate.configurations import (
 )
 from symkin.calibration.estimate.problem import CalibrationProblem
 from symkin.calibration.estimate.state import State
-from symkin.calibration.estimate.workspace import lever, platform_points
+from symkin.calibration.estimate.workspace import lever, moved_point, platform_points
 from symkin.calibration.judge.statistics import rms_of_better_part
 from symkin.spatial.rotation import (
     conjugate,
     matrix_from_quaternion,
     multiply,
-    rotate,
     rotation_vector_from_quaternion,
 )
 
@@ -123,9 +122,8 @@ def most_central(turns: np.ndarray) -> int:
 
 def _middles(problem: CalibrationProblem, poses: np.ndarray) -> np.ndarray:
     """Poses (n, 7) with the place of the middle of the platform's joint points."""
-    centre = np.mean(platform_points(problem.mechanism), axis=0)[:, None]
-    turned = np.asarray(rotate(poses[:, 3:].T, np.tile(centre, len(poses)))).T
-    return np.hstack([poses[:, :3] + turned, poses[:, 3:]])
+    centre = np.mean(platform_points(problem.mechanism), axis=0)
+    return np.hstack([moved_point(poses, centre), poses[:, 3:]])
 
 
 def _difference(poses: np.ndarray, others: np.ndarray) -> np.ndarray:

@@ -16,7 +16,7 @@ from symkin.calibration.estimate.configuration_model import build_model
 from symkin.calibration.estimate.configurations import ClosedConfigurations, is_carried
 from symkin.calibration.estimate.problem import PRIOR_SHARE
 from symkin.calibration.estimate.starting import has_home
-from symkin.calibration.estimate.workspace import ClosureSolver, Workspace, home_pose, lever
+from symkin.calibration.estimate.workspace import Workspace, home_pose, lever
 from symkin.calibration.judge.departure import judged_poses, less_frames, most_central
 from symkin.calibration.judge.prediction import covariance_root
 from symkin.calibration.judge.result import Calibration
@@ -130,7 +130,7 @@ def _measured_region(
         poses = judged_poses(fit.problem, fit.state.p, fit.state.z, joints)
         central = poses[most_central(poses[:, 3:])]
         home = Pose(central[:3], central[3:])
-    solver = ClosureSolver(identified, home)
+    solver = Workspace.about(identified, start=home)
     first, second = rng.integers(len(measured), size=(2, _DRAWN_POSES))
     share, (a, b) = rng.uniform(0.0, 1.0, (_DRAWN_POSES, 1)), measured[[first, second]]
     starts = (1 - share) * a + share * b
