@@ -337,11 +337,6 @@ _MAX_LISTED_COLUMNS = 12
 """Most columns of joints, points and links that a message lists."""
 
 
-def unit_of(mechanism: Mechanism, measure: Measure) -> str:
-    """Return the file's unit of lengths or angles."""
-    return mechanism.length_unit if measure == "length" else mechanism.angle_unit
-
-
 def reading_name(mechanism: Mechanism, name: str) -> str:
     """Name the column of a reading: its name, or platform.NAME where a joint has that name."""
     return (

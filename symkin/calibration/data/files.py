@@ -40,10 +40,15 @@ from symkin.calibration.data.columns import (
     ColumnReader,
     DistancePoints,
     reading_name,
-    unit_of,
 )
 from symkin.calibration.data.measurements import NO_GROUP, Measurements
-from symkin.calibration.data.observables import PLATFORM, Measure, of_joint
+from symkin.calibration.data.observables import (
+    PLATFORM,
+    ParameterKind,
+    of_joint,
+    unit_of,
+    value_out,
+)
 from symkin.errors import InputError
 from symkin.files.csv_table import read_table
 from symkin.files.euler_columns import SEQUENCES
@@ -192,15 +197,16 @@ def measurements_text(
         table.number(o.name, values, o.measure)
     channels = measurements.channels(mechanism)
     for o, r in (channel for channel in channels if channel[0].kind != "group"):
-        columns, values, measure = o.columns, r.values, None if r.is_orientation else o.measure
+        columns, values = o.columns, r.values
+        kind: ParameterKind = "number" if r.is_orientation else o.measure
         if not o.of:
             columns = tuple(reading_name(mechanism, name) for name in columns)
         if o is PLATFORM["orientation"] and sequence is not None:
-            begin, measure = "euler_" if hidden else f"euler_{sequence}_", "angle"
+            begin, kind = "euler_" if hidden else f"euler_{sequence}_", "angle"
             columns = tuple(begin + k for k in "123")
             values = np.asarray(euler_from_quaternion(values.T, sequence)).T
         for k, name in enumerate(columns):
-            table.number(name, values[:, k], measure)
+            table.number(name, values[:, k], kind)
     sigmas = [(o, r.sigma) for o, r in channels]
     if measurements.joint_sigma is not None:
         of_joints = np.asarray(measurements.joint_sigma)[:, :, None]
@@ -223,12 +229,11 @@ class CsvColumns:
         self.headers.append(name)
         self.cells.append(list(cells))
 
-    def number(self, name: str, values: np.ndarray, measure: Measure | None) -> None:
-        unit = "" if measure is None else f"[{unit_of(self.mechanism, measure)}]"
-        out = [
-            self.mechanism.angle_out(float(v)) if measure == "angle" else float(v) for v in values
-        ]
-        self.text(name + unit, ["" if np.isnan(v) else repr(v) for v in out])
+    def number(self, name: str, values: np.ndarray, kind: ParameterKind) -> None:
+        unit = unit_of(self.mechanism, kind)
+        out = [value_out(self.mechanism, kind, float(v)) for v in values]
+        header = f"{name}[{unit}]" if unit else name
+        self.text(header, ["" if np.isnan(v) else repr(v) for v in out])
 
     def csv(self, comments: Sequence[str]) -> str:
         text = io.StringIO()

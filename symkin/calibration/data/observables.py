@@ -34,6 +34,7 @@ ObservableKind = Literal[
     "joint", "point", "distance", "position", "orientation", "inclination", "group"
 ]
 Measure = Literal["length", "angle"]
+ParameterKind = Literal["length", "angle", "number"]
 POSE_COLUMNS: dict[ObservableKind, tuple[str, ...]] = {
     "group": ("group",),
     "inclination": ("alpha", "beta"),
@@ -167,12 +168,28 @@ def unknown_observable(mechanism: Mechanism, name: str, besides: Sequence[str] =
     return f"nothing of {mechanism.name} is read as {shown(name)}{meant(name, known)}{listed}"
 
 
-def is_angular(mechanism: Mechanism, kind: str) -> bool:
-    """Tell whether readings of a kind, of the platform or by the name of an observable, are
-    angles.
+def measure_of(mechanism: Mechanism, kind: str) -> Measure:
+    """Say whether readings of a kind, of the platform or by the name of an observable, are lengths
+    or angles.
     """
     found = PLATFORM.get(kind) or observables(mechanism).get(kind)
-    return found is not None and found.angular
+    return "length" if found is None else found.measure
+
+
+def unit_of(mechanism: Mechanism, kind: ParameterKind) -> str:
+    """The unit in which lengths and angles are written; none for numbers."""
+    m = mechanism
+    return {"length": m.length_unit, "angle": m.angle_unit, "number": ""}[kind]
+
+
+def value_out(mechanism: Mechanism, kind: ParameterKind, value: float) -> float:
+    """A length, angle or number in the mechanism's unit."""
+    return mechanism.angle_out(value) if kind == "angle" else value
+
+
+def written(mechanism: Mechanism, kind: ParameterKind, value: float, digits: str = "+.3g") -> str:
+    """Write a length, angle or number with its unit."""
+    return f"{value_out(mechanism, kind, value):{digits}} {unit_of(mechanism, kind)}".strip()
 
 
 def observing_closure(mechanism: Mechanism, names: Sequence[str]) -> Closure:

@@ -16,10 +16,9 @@ import casadi as ca
 import numpy as np
 
 from symkin.calibration.data.measurements import Measurements
-from symkin.calibration.data.observables import Observable, Observed, observed
+from symkin.calibration.data.observables import Observable, Observed, ParameterKind, observed
 from symkin.calibration.data.parameters import (
     MEASURING_FRAMES,
-    ParameterKind,
     described_parameters,
     nominal_parameters,
 )

@@ -18,7 +18,7 @@ import numpy as np
 
 from symkin.calibration.data.files import DataFile, euler_quaternions
 from symkin.calibration.data.measurements import Measurements, spread_rows
-from symkin.calibration.data.observables import PLATFORM, Observable
+from symkin.calibration.data.observables import PLATFORM, Observable, written
 from symkin.calibration.estimate.configurations import joints_at_poses, whole_poses
 from symkin.calibration.estimate.state import readings_at
 from symkin.calibration.judge.euler_sequence import describe_sequence, equal_sequences
@@ -146,7 +146,7 @@ class Case:
         return bool(np.all(measurements.joints > np.array(least)))
 
     def angle(self, value: float) -> str:
-        return f"{self.mechanism.angle_out(value):.3g} {self.mechanism.angle_unit}"
+        return written(self.mechanism, "angle", value, ".3g")
 
 
 Finding = tuple[str, Measurements | None]

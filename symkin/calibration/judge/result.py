@@ -11,7 +11,8 @@ from typing import Any
 import numpy as np
 
 from symkin.calibration.data.measurements import Measurements
-from symkin.calibration.data.parameters import ParameterKind, with_parameters
+from symkin.calibration.data.observables import Measure, ParameterKind, unit_of, value_out, written
+from symkin.calibration.data.parameters import with_parameters
 from symkin.calibration.estimate.problem import CalibrationProblem
 from symkin.calibration.estimate.state import State
 from symkin.calibration.judge.departure import Departure
@@ -251,13 +252,13 @@ class Calibration(Result):
 
     def row(self, q: Parameter) -> list[str]:
         """Name, value, standard deviation, unit and change of a parameter, as texts."""
-        one = value_out(self.mechanism, q, 1.0)
+        one = value_out(self.mechanism, q.kind, 1.0)
         sigma = "held" if q.held else "unknown" if q.sigma is None else f"{one * q.sigma:.2g}"
         return [
             q.name,
             f"{one * q.value:.9g}",
             sigma,
-            unit_of(self.mechanism, q),
+            unit_of(self.mechanism, q.kind),
             f"{one * q.change:+.3g}",
         ]
 
@@ -294,10 +295,10 @@ class Calibration(Result):
             "parameters": [
                 {
                     "name": q.name,
-                    "unit": unit_of(m, q) or "1",
-                    "nominal": value_out(m, q, q.nominal),
-                    "value": value_out(m, q, q.value),
-                    "sigma": None if q.sigma is None else value_out(m, q, q.sigma),
+                    "unit": unit_of(m, q.kind) or "1",
+                    "nominal": value_out(m, q.kind, q.nominal),
+                    "value": value_out(m, q.kind, q.value),
+                    "sigma": None if q.sigma is None else value_out(m, q.kind, q.sigma),
                     "held": q.held,
                 }
                 for q in self.parameters
@@ -312,34 +313,17 @@ class Calibration(Result):
 
     def residual_rows(self) -> Iterator[dict[str, Any]]:
         """The residuals in JSON, one by one."""
-        labels, out = self.measurements.labels, self.mechanism.angle_out
         for r in self.residuals:
-            value = out(r.value) if r.angular else r.value
             yield {
-                "posture": labels[r.configuration],
+                "posture": self.measurements.labels[r.configuration],
                 "kind": r.kind,
                 "component": r.component,
-                "value": value,
+                "value": value_out(self.mechanism, "angle" if r.angular else "length", r.value),
                 "normalised": finite(r.normalised),
             }
 
 
-def unit_of(mechanism: Mechanism, q: Parameter) -> str:
-    """The unit in which a parameter is written; none for numbers."""
-    return {"length": mechanism.length_unit, "angle": mechanism.angle_unit, "number": ""}[q.kind]
-
-
-def value_out(mechanism: Mechanism, q: Parameter, value: float) -> float:
-    """A value of a parameter's kind in the mechanism's unit."""
-    return mechanism.angle_out(value) if q.kind == "angle" else value
-
-
-def shown(mechanism: Mechanism, q: Parameter, value: float, digits: str = "+.3g") -> str:
-    """Write a value of a parameter's kind with its unit."""
-    return f"{value_out(mechanism, q, value):{digits}} {unit_of(mechanism, q)}".strip()
-
-
 def length_and_angle(mechanism: Mechanism, length: float, angle: float) -> str:
     """Write '0.1 mm and 0.02 deg'."""
-    m = mechanism
-    return f"{length:.3g} {m.length_unit} and {m.angle_out(float(angle)):.3g} {m.angle_unit}"
+    both: list[tuple[Measure, float]] = [("length", length), ("angle", float(angle))]
+    return " and ".join(written(mechanism, measure, v, ".3g") for measure, v in both)

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from symkin.calibration.data.observables import written
 from symkin.calibration.data.parameters import MEASURING_FRAMES
 from symkin.calibration.estimate.residuals import only_rounding
 from symkin.calibration.judge.identifiability import OPEN_LOOPS
@@ -25,7 +26,6 @@ from symkin.calibration.judge.result import (
     Parameter,
     Residual,
     length_and_angle,
-    shown,
 )
 from symkin.calibration.judge.statistics import SIGNIFICANCE, rms_of_better_part
 from symkin.computed_once import cached_property
@@ -265,7 +265,7 @@ def _other_machine(fit: Calibration, suspicions: Sequence[str] = ()) -> str:
     m, departure = fit.mechanism, fit.departure
     free = sorted((p for p in fit.parameters if not p.held), key=fit.relative_change)
     changes = ", ".join(
-        f"{p.name} {shown(m, p, p.change)}" for p in free[: -_NAMED_CHANGES - 1 : -1]
+        f"{p.name} {written(m, p.kind, p.change)}" for p in free[: -_NAMED_CHANGES - 1 : -1]
     )
     unclosed, cause = "", f"{suspicions[0]}; its" if suspicions else "its"
     if departure.unclosed:
