@@ -23,7 +23,6 @@ from symkin.calibration.estimate.configurations import (
     start_points,
 )
 from symkin.calibration.estimate.estimator import Estimate, estimate, parameters_at_poses
-from symkin.calibration.estimate.first_guess import fit_measuring_frames
 from symkin.calibration.estimate.joint_lines import (
     dh_names,
     has_nearly_parallel_axes,
@@ -36,7 +35,11 @@ from symkin.calibration.estimate.problem import (
     build_calibration,
 )
 from symkin.calibration.estimate.robust import loss_note, robust_estimate
-from symkin.calibration.estimate.starting import start_configurations, with_starts
+from symkin.calibration.estimate.starting import (
+    fit_measuring_frames,
+    start_configurations,
+    with_starts,
+)
 from symkin.calibration.judge.assessment import build_result
 from symkin.calibration.judge.outliers import (
     OUTLIER_LEVEL,

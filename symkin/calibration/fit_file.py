@@ -21,12 +21,16 @@ from symkin.calibration.data.parameters import (
     parameter_names,
 )
 from symkin.calibration.estimate.problem import default_parameters
-from symkin.calibration.judge.euler_sequence import find_sequence
-from symkin.calibration.judge.holdout import draw_held_out, held_out_count, predict_held_out
+from symkin.calibration.judge.accuracy import (
+    draw_held_out,
+    held_out_count,
+    predict_held_out,
+    predict_pose_sigma,
+)
 from symkin.calibration.judge.mistakes import Case, diagnose, diagnose_labels, nominal_misfit
 from symkin.calibration.judge.outliers import MAX_OUTLIER_SHARE
-from symkin.calibration.judge.pose_accuracy import predict_pose_sigma
 from symkin.calibration.judge.result import Calibration
+from symkin.calibration.judge.trials import find_sequence
 from symkin.calibration.options import LEAST_CHANGE, FileOptions, FitOptions
 from symkin.calibration.report import FitReport
 from symkin.errors import InputError

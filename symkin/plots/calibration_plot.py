@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from symkin.calibration.judge.pose_accuracy import PoseSigma
+    from symkin.calibration.judge.accuracy import PoseSigma
     from symkin.calibration.judge.result import Calibration, Parameter
     from symkin.model.mechanism import Mechanism
 

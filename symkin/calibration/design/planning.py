@@ -23,14 +23,14 @@ from symkin.calibration.design.exchange_algorithm import (
     Criterion,
     ExchangeSearch,
 )
-from symkin.calibration.design.plan_options import PlanOptions
-from symkin.calibration.design.reading_slopes import reading_slopes, readings_problem
 from symkin.calibration.design.simulation import (
     Noise,
     group_numbers,
-    observed_kinds,
-    platform_kinds,
+    names_beside,
     random_configurations,
+    reading_slopes,
+    readings_problem,
+    taken_readings,
 )
 from symkin.calibration.estimate.configurations import ClosedConfigurations
 from symkin.calibration.estimate.problem import (
@@ -39,10 +39,11 @@ from symkin.calibration.estimate.problem import (
 )
 from symkin.calibration.estimate.state import evaluate, unbound
 from symkin.calibration.estimate.workspace import Workspace, lever
+from symkin.calibration.judge.accuracy import pose_slopes
 from symkin.calibration.judge.departure import less_frames
 from symkin.calibration.judge.identifiability import told_rank
-from symkin.calibration.judge.pose_accuracy import pose_slopes
 from symkin.calibration.judge.result import length_and_angle
+from symkin.calibration.options import PlanOptions
 from symkin.errors import InputError
 from symkin.ignored_options import refuse_ignored
 from symkin.model.mechanism import Mechanism
@@ -239,7 +240,7 @@ def plan_measurements(
     workspace = Workspace.about(workspace) if isinstance(workspace, Mechanism) else workspace
     noise = noise if isinstance(noise, Noise) else _noise_by_name(noise)
     _check(options, configurations)
-    platform_kinds(workspace.mechanism, options["readings"], grouped=options["groups"] > 0)
+    taken_readings(workspace.mechanism, options["readings"], grouped=options["groups"] > 0)
     task = _Task(workspace, configurations, noise, options)
     pool = task.chosen_candidates()
     order = np.argsort(pool.wedge, kind="stable")
@@ -287,7 +288,7 @@ class _Task:
     ) -> None:
         self.workspace, self.count, self.noise, self.options = workspace, count, noise, options
         self.mechanism, self.rng = workspace.mechanism, np.random.default_rng(options["seed"])
-        read = tuple(o.name for o in observed_kinds(self.mechanism, options["readings"]))
+        read = names_beside(self.mechanism, options["readings"])
         self.names = (
             default_parameters(self.mechanism, read)
             if options["parameters"] is None
@@ -362,15 +363,10 @@ class _Task:
         return 0 if self.offered is None else len(self.offered)
 
     def candidates(self, pool: ClosedConfigurations, wedge: np.ndarray) -> Candidates:
-        slopes = reading_slopes(
-            self.mechanism,
-            pool,
-            self.options["readings"],
-            self.noise,
-            self.names,
-            grouped=bool(np.all(wedge >= 0)),
-        )
-        return Candidates(slopes.parameters @ self.allowed, slopes.group, wedge)
+        what = self.options["readings"], self.noise, self.names
+        grouped = bool(np.all(wedge >= 0))
+        rows, group = reading_slopes(self.mechanism, pool, *what, grouped=grouped)
+        return Candidates(rows @ self.allowed, group, wedge)
 
     def rank(self, made: ClosedConfigurations, groups: np.ndarray) -> int:
         """Count the combinations of parameters that a fit of readings there determines."""
@@ -419,23 +415,15 @@ class _Task:
         spread = self.pose @ root
         draws = np.random.default_rng(self.seed).normal(size=(root.shape[1], _ERROR_DRAWS))
         errors = np.abs(np.einsum("nkp,pd->nkd", spread, draws))
-        worst = [
-            float(np.quantile(errors[:, part].max(axis=(0, 1)), 0.95))
-            for part in (slice(0, 3), slice(3, 6))
-        ]
-        variance = np.sum(spread**2, axis=2)
-        mean = [
-            float(np.sqrt(variance[:, part].sum(axis=1).mean()))
-            for part in (slice(0, 3), slice(3, 6))
-        ]
-        return Accuracy(
-            position=mean[0],
-            angle=mean[1],
-            worst_position=worst[0],
-            worst_angle=worst[1],
-            rank=self.rank(planned, groups),
-            parameters=len(self.names),
+        parts = [slice(0, 3), slice(3, 6)]
+        position, angle = (
+            float(np.sqrt(np.mean(np.sum(spread[:, part] ** 2, axis=(1, 2))))) for part in parts
         )
+        worst_position, worst_angle = (
+            float(np.quantile(errors[:, part].max(axis=(0, 1)), 0.95)) for part in parts
+        )
+        rank, count = self.rank(planned, groups), len(self.names)
+        return Accuracy(position, angle, worst_position, worst_angle, rank, count)
 
 
 def less_inclinations(slopes: Candidates, wedges: int) -> np.ndarray:

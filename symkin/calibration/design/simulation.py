@@ -1,4 +1,6 @@
-"""Simulate readings as a measuring system would take them of a mechanism with a known geometry."""
+"""Simulate readings as a measuring system would take them of a mechanism with a known geometry, and
+differentiate those that would be taken, over their standard deviations.
+"""
 
 from __future__ import annotations
 
@@ -22,6 +24,9 @@ from symkin.calibration.estimate.configurations import (
     refuse_undetermined,
     solve_configurations,
 )
+from symkin.calibration.estimate.problem import CalibrationProblem, build_calibration
+from symkin.calibration.estimate.residuals import noise_of, whitening
+from symkin.calibration.estimate.state import evaluate_at, joint_covariance_at
 from symkin.calibration.estimate.workspace import Workspace
 from symkin.closure.closure import build_closure
 from symkin.errors import InputError
@@ -72,13 +77,14 @@ class Noise:
         return float(getattr(self, others.get(kind, kind)))
 
 
-def platform_kinds(
+def taken_readings(
     mechanism: Mechanism, readings: Sequence[str], *, grouped: bool = False
-) -> tuple[str, ...]:
-    """Return which of the readings are of the platform. Raises InputError for what is unknown, and
-    for readings and groups (of equal inclination) of a platform that is not there.
+) -> tuple[Observable, ...]:
+    """Return what readings are by their names, those of the platform first; the pose of a link is
+    its position and its orientation. Raises InputError for what is unknown, and for readings and
+    groups (of equal inclination) of a platform that is not there.
     """
-    own = tuple(kind for kind in readings if kind in READING_CHOICES)
+    own = [kind for kind in readings if kind in READING_CHOICES]
     if (own or grouped) and mechanism.platform_link is None:
         what = f"readings: {own[0]!r} is read" if own else "groups: equal inclination is that"
         raise InputError(
@@ -87,23 +93,22 @@ def platform_kinds(
             "read named points (point.NAME) and other links (LINK.pose, LINK.position, "
             "LINK.orientation, LINK.inclination)"
         )
-    observed_kinds(mechanism, readings)
-    return own
-
-
-def observed_kinds(mechanism: Mechanism, readings: Sequence[str]) -> tuple[Observable, ...]:
-    """Return what else is read; a link's pose is its position and its orientation."""
     known, names = observables(mechanism), list[str]()
-    for name in readings:
-        if name in READING_CHOICES:
-            continue
+    for name in (name for name in readings if name not in own):
         link, _, last = name.rpartition(".")
         whole = [f"{link}.position", f"{link}.orientation"] if last == "pose" else [name]
         if not all(part in known for part in whole):
             besides = READING_CHOICES if mechanism.platform_link is not None else ()
             raise InputError(f"readings: {unknown_observable(mechanism, name, besides)}")
         names += whole
-    return observables_named(mechanism, names)
+    own += ["position", "orientation"] if "pose" in own else []
+    platform = [o for kind, o in PLATFORM.items() if kind in own]
+    return (*platform, *observables_named(mechanism, names))
+
+
+def names_beside(mechanism: Mechanism, readings: Sequence[str]) -> tuple[str, ...]:
+    """Name those of the readings that are not of the platform."""
+    return tuple(o.name for o in taken_readings(mechanism, readings) if o.of)
 
 
 def group_numbers(configurations: int, groups: int) -> np.ndarray:
@@ -200,11 +205,10 @@ def simulate_readings(
     `distances` points of the platform and of the base by the names of their columns.
     """
     grouped = bool(np.any(groups != NO_GROUP))
-    own = platform_kinds(mechanism, readings, grouped=grouped)
-    whole = {"position", "orientation"} if "pose" in own else set()
-    read = [PLATFORM[kind] for kind in READING_CHOICES[:3] if kind in whole | set(own)]
-    read += [distance_to_base(name, ends) for name, ends in (distances or {}).items()]
-    read += observed_kinds(mechanism, readings)
+    to_base = [distance_to_base(name, ends) for name, ends in (distances or {}).items()]
+    taken = taken_readings(mechanism, readings, grouped=grouped)
+    # distances to the base stand before what is not of the platform, as in a file
+    read = sorted((*to_base, *taken), key=lambda o: 2 * bool(o.of) + bool(o.ends))
     model = model_of(mechanism, tuple(read))
     values = many_elsewhere(model.closure, build_closure(mechanism), true.values)
     z = np.ascontiguousarray(values[:, true.joints.shape[1] :])
@@ -230,3 +234,58 @@ def simulate_readings(
         else:
             made = made.replaced(name, values=exact, sigma=sigma or None)
     return replace(made, readings=beside)
+
+
+# --- slopes ---------------------------------------------------------------------------------------
+
+
+def readings_problem(
+    mechanism: Mechanism,
+    made: ClosedConfigurations,
+    groups: np.ndarray,
+    readings: Sequence[str],
+    noise: Noise,
+    names: Sequence[str],
+) -> tuple[CalibrationProblem, np.ndarray]:
+    """State the problem of readings that would be taken at closed configurations, with the unknown
+    coordinates there. Raises InputError where a reading is without a standard deviation.
+    """
+    quiet = np.random.default_rng(0)
+    taken = simulate_readings(mechanism, made, groups, readings, noise, quiet)
+    for o, r in taken.channels(mechanism):
+        if r.sigma is None:
+            raise InputError(
+                f"the standard deviation of {o.name if o.of else f'{o.name} readings'} is zero or "
+                f"not given; a plan needs it"
+            )
+    # readings at the configurations themselves
+    read = None if taken.orientation is None else made.poses[:, 3:]
+    taken = replace(taken, joints=made.joints, orientation=read)
+    problem = build_calibration(mechanism, taken, parameters=names)
+    values = many_elsewhere(problem.model.closure, build_closure(mechanism), made.values)
+    return problem, np.ascontiguousarray(values[:, made.joints.shape[1] :])
+
+
+def reading_slopes(
+    mechanism: Mechanism,
+    made: ClosedConfigurations,
+    readings: Sequence[str],
+    noise: Noise,
+    names: Sequence[str],
+    *,
+    grouped: bool,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Differentiate the readings that would be taken at closed configurations, over their standard
+    deviations, joint noise included: (n, K, P) by scaled parameters, and (n, K, 2) by the unknown
+    inclination of the configuration's group, none where it has none.
+    """
+    groups = np.zeros(len(made), dtype=int) if grouped else np.full(len(made), NO_GROUP)
+    problem, z = readings_problem(mechanism, made, groups, readings, noise, names)
+    p = problem.model.nominal
+    found = evaluate_at(problem, p, z).slopes, joint_covariance_at(problem, p, z)
+    # two inclinations have no slopes where the platform's z axis lies level: such a configuration
+    # is offered as one that tells nothing
+    told = np.all([np.all(np.isfinite(v), axis=(1, 2)) for v in found], axis=0)
+    slopes, of_joints = (np.where(told[:, None, None], v, 0.0) for v in found)
+    whiten = whitening(problem.readings, noise_of(problem.readings, of_joints))
+    return whiten @ slopes, whiten[:, :, problem.readings.grouped if grouped else []]

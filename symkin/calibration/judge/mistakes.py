@@ -21,9 +21,15 @@ from symkin.calibration.data.measurements import Measurements, spread_rows
 from symkin.calibration.data.observables import PLATFORM, Observable, written
 from symkin.calibration.estimate.configurations import joints_at_poses, whole_poses
 from symkin.calibration.estimate.state import readings_at
-from symkin.calibration.judge.euler_sequence import describe_sequence, equal_sequences
 from symkin.calibration.judge.statistics import rms_of_better_part
-from symkin.calibration.judge.trials import NO_TRIAL, Start, Trial, begin
+from symkin.calibration.judge.trials import (
+    NO_TRIAL,
+    Start,
+    Trial,
+    begin,
+    describe_sequence,
+    equal_sequences,
+)
 from symkin.errors import SymkinError
 from symkin.files.euler_columns import SEQUENCES
 from symkin.model.mechanism import Mechanism

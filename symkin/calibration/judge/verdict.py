@@ -18,8 +18,7 @@ import numpy as np
 from symkin.calibration.data.observables import written
 from symkin.calibration.data.parameters import MEASURING_FRAMES
 from symkin.calibration.estimate.residuals import only_rounding
-from symkin.calibration.judge.identifiability import OPEN_LOOPS
-from symkin.calibration.judge.named_directions import all_values, nearly_parallel
+from symkin.calibration.judge.identifiability import OPEN_LOOPS, all_values, nearly_parallel
 from symkin.calibration.judge.result import (
     EXPECTED_TOLERANCES,
     Calibration,
@@ -32,9 +31,8 @@ from symkin.computed_once import cached_property
 from symkin.text import first_of
 
 if TYPE_CHECKING:
-    from symkin.calibration.judge.euler_sequence import SequenceChoice
-    from symkin.calibration.judge.holdout import HeldOut
-    from symkin.calibration.judge.pose_accuracy import PoseSigma
+    from symkin.calibration.judge.accuracy import HeldOut, PoseSigma
+    from symkin.calibration.judge.trials import SequenceChoice
 
 _MAX_NOISE_RATIO = 30.0
 """Residuals larger than so many times the noise stated do not come from noise: an instrument's is
