@@ -55,6 +55,7 @@ from symkin.closure.closure import build_closure
 from symkin.errors import InputError
 from symkin.ignored_options import refuse_ignored
 from symkin.model.mechanism import Mechanism, require_mechanism
+from symkin.numeric.linear_algebra import largest_of
 from symkin.verb import verb
 from symkin.verb_options import takes
 
@@ -256,8 +257,7 @@ class _Fitting:
         nominal = lines.model.nominal
         found = self._estimate(lines, solve_configurations(lines.model, m, nominal).z, nominal)
         p = table_of_lines(part, lines, found.state.p)
-        change = (p - part.model.nominal) / part.model.scales / part.prior
-        wide = replace(part, widened=max(1.0, float(np.max(np.abs(change), initial=0.0))))
+        wide = replace(part, widened=max(1.0, largest_of(part.over_prior(p))))
         other = self._estimate(wide, solve_configurations(part.model, m, p).z, p)
         better = other.status == "ok" and (other.state.cost < cost or result.status != "ok")
         return replace(other, iterations=found.iterations + other.iterations) if better else result

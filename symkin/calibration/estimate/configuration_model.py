@@ -208,11 +208,15 @@ class ConfigurationModel:
         return np.flatnonzero([kind == "group" for kind, _ in self.columns])
 
     @property
+    def size(self) -> float:
+        return self.closure.characteristic_length
+
+    @property
     def lengths(self) -> np.ndarray:
         """Lengths (K,) by which readings are multiplied to be lengths: the size for angles, 1 for
         lengths.
         """
-        return np.where(self.angular, self.closure.characteristic_length, 1.0)
+        return np.where(self.angular, self.size, 1.0)
 
     @property
     def observes_through_frames(self) -> bool:

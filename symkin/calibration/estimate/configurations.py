@@ -21,7 +21,7 @@ from symkin.errors import InputError
 from symkin.model.joint import units_of
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.levenberg import levenberg_marquardt
-from symkin.numeric.linear_algebra import conditions
+from symkin.numeric.linear_algebra import conditions, largest_of
 from symkin.position.pose_coordinates import poses_coordinates
 from symkin.spatial.rotation import wrapped
 
@@ -90,7 +90,7 @@ class Closing:
 
     @property
     def characteristic_length(self) -> float:
-        return self.model.closure.characteristic_length
+        return self.model.size
 
     @property
     def freedom(self) -> int:
@@ -315,12 +315,12 @@ def follow_joints(
     """Follow configurations z (n, width) by Newton while the joint readings move straight from
     `begin` to `end` (n, a); one that is lost, or would jump, stays where it was last.
     """
-    size, away = model.closure.characteristic_length, end - begin
+    size, away = model.size, end - begin
     units, lengths = (
         np.array(units_of(coordinates, size))
         for coordinates in (model.closure.role("actuated"), model.system.unknowns)
     )
-    furthest = float(np.max(np.abs(away) / units, initial=0.0))
+    furthest = largest_of(away / units)
     count = min(max(1, int(np.ceil(furthest / _FOLLOWED_STEP))), _MAX_FOLLOWED_STEPS)
     # from the reference, which need not be closed, the first step may be a long one
     longest = np.inf

@@ -52,6 +52,7 @@ from symkin.calibration.estimate.state import (
     restored_after,
     state_after,
 )
+from symkin.numeric.linear_algebra import largest_of
 
 _MINIMUM_DECREMENT = 1e-6
 """The iteration ends when one more step would gain less than this, in variances: next to nothing
@@ -194,7 +195,7 @@ def _at_poses(
     `by_rows`: the closure rows over the readings' usual standard deviation in their place, which
     leads further, to where is near the estimate.
     """
-    model, joints = problem.model, problem.measurements.joints
+    model, joints = problem.model, problem.joints
     z = fit_passive(model, z, joints, p, steps)
     # poses that are measured are of one mode, whatever the geometry
     state = replace(evaluate(problem, p, z, "means"), determinant_signs=np.zeros(len(z)))
@@ -276,7 +277,7 @@ class _Search:
         while self.damping < _MAX_DAMPING:
             step, promised = solver.step(self.damping)
             trial = None
-            if np.max(np.abs(step) / self._prior, initial=0.0) < furthest:
+            if largest_of(step / self._prior) < furthest:
                 step = self._along_valley(solver, step)
                 trial = restored_after(self.move, self.state, step)
                 self.steps += 1
@@ -342,7 +343,7 @@ class _Search:
             matrix[: len(silent)] -= linear.jacobian @ silent @ silent.T
             y += rest @ np.linalg.lstsq(matrix @ rest, solver.right, rcond=None)[0]
             step = linear.particular + linear.basis @ y
-            length = float(np.max(np.abs(step), initial=0.0)) / self._size
+            length = largest_of(step) / self._size
             if not _CONVERGED_STEP < length < 0.9 * last:
                 return
             trial = restored_after(self.move, self.state, step)
@@ -355,15 +356,14 @@ class _Search:
 
     @property
     def _size(self) -> float:
-        return self.problem.model.closure.characteristic_length
+        return self.problem.size
 
     def _cost(self, state: State, weight: float) -> float:
         return state.cost + float(np.sum((weight * self._over_prior(state)) ** 2))
 
     def _over_prior(self, state: State) -> np.ndarray:
         """Change of the parameters (P,) from nominal over the prior's standard deviations."""
-        model = self.problem.model
-        return np.asarray((state.p - model.nominal) / model.scales / self._prior)
+        return self.problem.over_prior(state.p) / self.widened
 
     @property
     def _prior(self) -> np.ndarray:
@@ -372,12 +372,12 @@ class _Search:
     @property
     def _change(self) -> float:
         """The largest change of a parameter from nominal over its prior standard deviation."""
-        return float(np.max(np.abs(self._over_prior(self.state)), initial=0.0))
+        return largest_of(self._over_prior(self.state))
 
 
 def _unmet(state: State) -> float:
     """The largest row left over."""
-    return 0.0 if state.leftover is None else float(np.max(np.abs(state.leftover[0]), initial=0.0))
+    return 0.0 if state.leftover is None else largest_of(state.leftover[0])
 
 
 class _Damped:

@@ -38,11 +38,7 @@ _ROUNDING_VARIANCE = 1e6
 
 def rounding_residual(problem: CalibrationProblem) -> float:
     """A residual that arithmetic leaves."""
-    return (
-        _ROUNDING_RESIDUAL
-        * problem.model.closure.characteristic_length
-        * float(np.max(problem.readings.weight, initial=0.0))
-    )
+    return _ROUNDING_RESIDUAL * problem.size * float(np.max(problem.readings.weight, initial=0.0))
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,7 +60,7 @@ class Linear:
     def of(problem: CalibrationProblem, state: State, widened: float) -> Linear:
         """Linearise at a state, the prior's standard deviations `widened` times the problem's."""
         matrix, model, prior = state.linearised.matrix, problem.model, widened * problem.prior
-        units = prior_units(matrix, prior, model.closure.characteristic_length)
+        units = prior_units(matrix, prior, model.size)
         known = np.isfinite(prior)
         allowed, particular = admissible_steps(state, units)
         basis = units[:, None] * (np.eye(len(units)) if allowed is None else allowed)

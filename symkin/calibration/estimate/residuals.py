@@ -112,7 +112,7 @@ def build_readings(model: ConfigurationModel, measurements: Measurements) -> Rea
     channels = measurements.channels(model.mechanism)
     table, sigma = [np.zeros((len(measurements), 0))], [np.zeros((len(measurements), 0))]
     for o, reading in channels:
-        unit = 1.0 / model.closure.characteristic_length if o.angular else 1.0
+        unit = 1.0 / model.size if o.angular else 1.0
         values = 0.0 * reading.values[:, :3] if reading.is_orientation else reading.values
         table.append(values)
         sigma.append(np.full(values.shape, unit if reading.sigma is None else reading.sigma))

@@ -16,6 +16,7 @@ import numpy as np
 from symkin.calibration.estimate.estimator import Estimate, estimate
 from symkin.calibration.estimate.problem import CalibrationProblem
 from symkin.calibration.estimate.state import State, evaluate, joint_covariance
+from symkin.numeric.linear_algebra import largest_of
 
 _TUNING = {"huber": 1.345, "cauchy": 2.385}
 """Standard deviations from which a reading counts less, for EFFICIENCY with normal errors."""
@@ -76,7 +77,7 @@ def robust_estimate(
         if known and count > _MIN_FITS and scale > max(_MAX_SCALE, _SCALE_DECREASE * before):
             break
         fresh = loss_weights(loss, t / scale)
-        if np.max(np.abs(fresh - weight), initial=0.0) < _MIN_WEIGHT_CHANGE and steps:
+        if largest_of(fresh - weight) < _MIN_WEIGHT_CHANGE and steps:
             break
         weight = fresh
         here = with_weights(problem, weight)

@@ -186,13 +186,13 @@ class _Modes:
         self.problem, self.p = problem, p
         self.z, self.solved = begin.z.copy(), begin.solved.copy()
         self.gaps = reading_gaps(problem, p, begin)
-        self.size = problem.model.closure.characteristic_length
+        self.size = problem.size
 
     def chosen(self, judged: np.ndarray) -> SolvedConfigurations:
         """Move those of the `judged` that do not fit their own readings to a mode that fits them
         better, where there is one.
         """
-        joints, listed = self.problem.measurements.joints, ~judged
+        joints, listed = self.problem.joints, ~judged
         for _ in range(_MAX_ROUNDS):
             bad = judged & self.doubtful
             good, wanted = np.flatnonzero(~bad & self.solved), np.flatnonzero(bad)
@@ -263,7 +263,7 @@ def _all_modes(
     for k in rows:
         given = {
             c.name: mechanism.value_out(c, float(v))
-            for v, c in zip(problem.measurements.joints[k], mechanism.actuated, strict=True)
+            for v, c in zip(problem.joints[k], mechanism.actuated, strict=True)
         }
         with suppress(SymkinError):  # modes that cannot be listed
             for solution in modes_at_need(mechanism, joints=given, starts=_RANDOM_STARTS):
@@ -303,7 +303,7 @@ def _choose_branch(
 def _height(
     problem: CalibrationProblem, p: np.ndarray, configurations: SolvedConfigurations
 ) -> float:
-    solved, joints = configurations.solved, problem.measurements.joints
+    solved, joints = configurations.solved, problem.joints
     return float(np.mean(problem.model.poses(configurations.z[solved], joints[solved], p)[:, 2]))
 
 
@@ -311,7 +311,7 @@ def _branch(
     problem: CalibrationProblem, p: np.ndarray, first: int, z: np.ndarray
 ) -> SolvedConfigurations:
     """Solve all configurations from the mode z of one of them, by following it to their joints."""
-    model, joints = problem.model, problem.measurements.joints
+    model, joints = problem.model, problem.joints
     begin = np.tile(joints[first], (len(joints), 1))
     points = follow_joints(model, np.tile(z, (len(joints), 1)), begin, joints, p)
     return SolvedConfigurations(

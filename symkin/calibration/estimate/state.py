@@ -28,6 +28,7 @@ from symkin.calibration.estimate.configurations import (
 )
 from symkin.calibration.estimate.problem import CalibrationProblem
 from symkin.calibration.estimate.residuals import Form, Linearised, linearise
+from symkin.numeric.linear_algebra import largest_of
 from symkin.numeric.tolerances import RANK_TOLERANCE
 
 PREDICTION_TOLERANCE = 1e-4
@@ -101,7 +102,7 @@ def evaluate_at(problem: CalibrationProblem, p: np.ndarray, z: np.ndarray) -> Ev
     """Evaluate closure and readings at (p, z), without the condensation; of a large problem only
     part by part.
     """
-    return problem.model.evaluate(z, problem.measurements.joints, p, problem.quaternions)
+    return problem.model.evaluate(z, problem.joints, p, problem.quaternions)
 
 
 def readings_at(problem: CalibrationProblem, p: np.ndarray, z: np.ndarray) -> np.ndarray:
@@ -128,7 +129,7 @@ def joint_covariance_at(problem: CalibrationProblem, p: np.ndarray, z: np.ndarra
     sigma, model, joints = (
         problem.measurements.sigma("joint"),
         problem.model,
-        problem.measurements.joints,
+        problem.joints,
     )
     if sigma is None:
         return np.zeros((len(z), len(model.columns), len(model.columns)))
@@ -147,11 +148,11 @@ def closed_state(
     """Evaluate the state with the closure met to rounding."""
     state = evaluate(problem, p, z, form, covariance)
     for _ in range(2):
-        largest = np.max(np.abs(state.pending), initial=0.0)
-        if not 1e-15 * problem.model.closure.characteristic_length < largest < np.inf:
+        largest = largest_of(state.pending)
+        if not 1e-15 * problem.size < largest < np.inf:
             break
-        if largest > PREDICTION_TOLERANCE * problem.model.closure.characteristic_length:
-            z, _ = newton_configurations(problem.model, z, problem.measurements.joints, p)
+        if largest > PREDICTION_TOLERANCE * problem.size:
+            z, _ = newton_configurations(problem.model, z, problem.joints, p)
             state = evaluate(problem, p, z, form, covariance)
         state = evaluate(
             problem, p, problem.model.system.move(state.z, -state.pending), form, covariance
@@ -175,10 +176,10 @@ def state_after(
     trial = evaluate(problem, p, z, form, covariance)
     if not np.all(np.isfinite(trial.pending)):
         return None
-    furthest = np.max(np.abs(trial.pending), initial=0.0)
-    if furthest > PREDICTION_TOLERANCE * model.closure.characteristic_length:
+    furthest = largest_of(trial.pending)
+    if furthest > PREDICTION_TOLERANCE * model.size:
         z, solved = newton_configurations(
-            model, z, problem.measurements.joints, p, tolerance=1e2 * SOLVED_TOLERANCE
+            model, z, problem.joints, p, tolerance=1e2 * SOLVED_TOLERANCE
         )
         if not solved.all():
             return None
@@ -194,11 +195,7 @@ def restored_after(
     """
     trial = move(state, step)
     for _ in range(_RESTORATION_STEPS):
-        if (
-            trial is None
-            or trial.leftover is None
-            or not np.max(np.abs(trial.leftover[0]), initial=0.0) > 0.0
-        ):
+        if trial is None or trial.leftover is None or not largest_of(trial.leftover[0]) > 0.0:
             break
         trial = move(trial, admissible_steps(trial, np.ones(len(step)))[1])
     return trial

@@ -35,6 +35,7 @@ from symkin.calibration.judge.statistics import SIGNIFICANCE, chi_square_tail
 from symkin.closure.closure import build_closure
 from symkin.errors import InputError, SymkinError
 from symkin.model.mechanism import Mechanism
+from symkin.numeric.linear_algebra import largest_of
 from symkin.position.transfer import many_elsewhere
 from symkin.spatial.pose import Pose
 
@@ -111,7 +112,7 @@ def _pose_sigma_at(
     root = np.hstack([known, prior * fit.identifiability.drowned])
     sigma = np.linalg.norm(slopes @ root, axis=2)
     spread = float(np.sqrt(np.mean(np.sum(sigma[:, :3] ** 2, axis=1)))) / prior
-    moved = np.max(np.abs(slopes @ fit.identifiability.blind), initial=0.0)
+    moved = largest_of(slopes @ fit.identifiability.blind)
     read = fit.measurements.joints[list(fit.used)]
     outside = np.any((made.joints < read.min(axis=0)) | (made.joints > read.max(axis=0)), axis=1)
     return PoseSigma(
@@ -133,7 +134,7 @@ def _measured_region(
     values; where joints carry the platform, followed part of the way to the joints of others), else
     the configurations measured.
     """
-    joints, closure = fit.problem.measurements.joints, build_closure(identified)
+    joints, closure = fit.problem.joints, build_closure(identified)
     measured, home = np.tile(closure.reference, (len(joints), 1)), home_pose(identified)
     if not identified.serial:
         observing = build_closure(identified, fit.problem.model.closure.partition)

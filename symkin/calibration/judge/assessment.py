@@ -100,7 +100,7 @@ def build_result(
         used=tuple(found.used.tolist()),
         unsolved=tuple(found.unsolved.tolist()),
         changed_mode=tuple(crossed.tolist()),
-        poses=problem.model.poses(state.z, problem.measurements.joints, state.p),
+        poses=problem.model.poses(state.z, problem.joints, state.p),
         status=found.result.status,
         iterations=found.result.iterations,
         given_up=screening.given_up,
@@ -246,7 +246,7 @@ def _faults(
     for c, place in zip(model.system.unknowns, model.system.slices, strict=True):
         if c.width == 1 and c in model.closure.role("passive"):
             column = z[:, place.start]
-            off = _beyond_limits(c, column, model.closure.characteristic_length)
+            off = _beyond_limits(c, column, model.size)
             off |= column < _least(c)
             if off.any():  # limits of actuated joints speak of the rows, not of the geometry
                 yield (
@@ -261,7 +261,7 @@ def _faults(
 def _disagreements(problem: CalibrationProblem, state: State, of_file: np.ndarray) -> Iterator[str]:
     """Yield which rows come out otherwise from the file than in the fit."""
     readings, lengths = problem.readings, problem.model.lengths
-    units = problem.model.closure.characteristic_length / lengths
+    units = problem.size / lengths
     gap = np.where(readings.taken, of_file - readings_at(problem, state.p, state.z), 0.0)
     gap = np.abs(np.where(readings.turning, wrapped(gap), gap))
     known = _READING_AGREEMENT[0] * readings.sigma if readings.known else 0.0

@@ -59,7 +59,7 @@ class Departure:
 def measure_departure(problem: CalibrationProblem, state: State) -> Departure:
     """Measure the departure of a fit from the nominal geometry, over the configurations fitted."""
     nominal, rows = problem.model.nominal, spread_rows(len(state.z), _COMPARED_CONFIGURATIONS)
-    joints, length = problem.measurements.joints[rows], lever(problem.mechanism)
+    joints, length = problem.joints[rows], lever(problem.mechanism)
     with np.errstate(all="ignore"):
         z, closed = newton_configurations(
             problem.model, state.z[rows], joints, nominal, tolerance=ROUGHLY_SOLVED_TOLERANCE

@@ -50,6 +50,7 @@ from symkin.computed_once import cached_property
 from symkin.errors import InputError
 from symkin.model.joint import BASE
 from symkin.model.mechanism import Mechanism
+from symkin.numeric.linear_algebra import largest_of
 from symkin.numeric.rank import independent_rows
 from symkin.spatial.rotation import euler_from_quaternion, multiply, rotate
 
@@ -213,8 +214,8 @@ def _opens_beside(problem: CalibrationProblem, state: State) -> bool:
     if state.leftover is None:
         return False
     some = spread_rows(len(state.z), _MAX_BESIDE)
-    joints, quaternions = problem.measurements.joints[some], problem.quaternions[some]
-    size, rng = model.closure.characteristic_length, np.random.default_rng(0)
+    joints, quaternions = problem.joints[some], problem.quaternions[some]
+    size, rng = model.size, np.random.default_rng(0)
     units = np.array([c.unit(size) for c in model.closure.role("actuated")])
     moved = _JOINTS_BESIDE * units * rng.uniform(-1.0, 1.0, joints.shape)
 
@@ -225,7 +226,7 @@ def _opens_beside(problem: CalibrationProblem, state: State) -> bool:
         return np.asarray(left[closed].reshape(-1, len(problem.names)))
 
     open_steps = left_over(joints + moved) @ unbound(left_over(joints))
-    return bool(np.max(np.abs(open_steps), initial=0.0) > _OPEN_SLOPE)
+    return bool(largest_of(open_steps) > _OPEN_SLOPE)
 
 
 def name_null_space(
@@ -319,7 +320,7 @@ def _advice(
     unusual = any(
         not text.startswith(_FREE_FRAMES) and "size of" not in text for text in unobservable
     )
-    turns = problem.model.poses(state.z, problem.measurements.joints, state.p)[:, 3:].T
+    turns = problem.model.poses(state.z, problem.joints, state.p)[:, 3:].T
     angles = np.asarray(euler_from_quaternion(turns, "xyz")).T
     if unusual and readings.groups and np.all(_ranges(angles[readings.first, :2]) < _SAME_ANGLE):
         yield (
@@ -374,7 +375,7 @@ def named_motions(model: ConfigurationModel, p: np.ndarray) -> Iterator[tuple[st
     mechanism, read, values = model.mechanism, _read(model), all_values(model, p)
     names, free = list(values), np.isin(list(values), model.names)
     order = [names.index(name) for name in model.names]
-    table, size = nominal_parameters(mechanism, read), model.closure.characteristic_length
+    table, size = nominal_parameters(mechanism, read), model.size
     units = np.where([table.get(name, ("", "length"))[1] == "length" for name in names], 1.0, size)
 
     def rows(changes: Iterable[tuple[str, Velocity]]) -> list[tuple[str, np.ndarray]]:

@@ -214,15 +214,9 @@ class Calibration(Result):
     @property
     def changes_over_tolerances(self) -> list[tuple[str, float]]:
         """The changes of free parameters over the tolerances stated."""
-        prior, model = self.problem.prior, self.problem.model
-        if not self.problem.is_stated:
-            return []
-        changes = (self.state.p - model.nominal) / model.scales / prior
-        return [
-            (name, float(z))
-            for name, z, s in zip(model.names, changes, prior, strict=True)
-            if np.isfinite(s)
-        ]
+        problem = self.problem
+        changes = zip(problem.names, problem.over_prior(self.state.p), problem.prior, strict=True)
+        return [(name, float(z)) for name, z, s in changes if problem.is_stated and np.isfinite(s)]
 
     @property
     def frames(self) -> tuple[str, ...]:

@@ -167,8 +167,7 @@ def _stated_rows(problem: CalibrationProblem, state: State) -> tuple[np.ndarray,
     are readings of them, and their derivative (k, P) by scaled parameters; none without.
     """
     known = np.isfinite(problem.prior) & problem.is_stated
-    change = (state.p - problem.model.nominal) / problem.model.scales
-    return (change / problem.prior)[known], np.diag(1.0 / problem.prior)[known]
+    return problem.over_prior(state.p)[known], np.diag(1.0 / problem.prior)[known]
 
 
 def _basis_in_place(columns: np.ndarray) -> np.ndarray:

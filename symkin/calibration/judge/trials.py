@@ -99,7 +99,7 @@ class Start:
         the configurations, so that single bad rows do not count; one that does not close counts as
         one size.
         """
-        readings, size = self.problem.readings, self.problem.model.closure.characteristic_length
+        readings, size = self.problem.readings, self.problem.size
         unclosed = readings.values.shape[1] * size**2
         return rms_of_better_part(np.where(self.solved, self.squares, unclosed))
 
@@ -122,7 +122,7 @@ class Start:
         degrees -= spectrum(design(state)).rank
         if degrees <= 0:
             return None
-        units = np.where(problem.model.angular, 1.0, problem.model.closure.characteristic_length)
+        units = np.where(problem.model.angular, 1.0, problem.size)
         most = np.sum((_UNCLOSED_MISFIT * problem.readings.weight * units) ** 2, axis=1)
         squares = np.minimum(np.sum(state.linearised.residuals**2, axis=1), most[solved])
         chi_square = float(np.sum(squares) + np.sum(most[~solved]))
