@@ -168,16 +168,16 @@ def with_sigmas(
         alone = key == "joint" or (key == "orientation" and data.open_euler is not None)
         if not (alone or read):
             refuse_ignored({f"--sigma-{key}": value}, f"{data.path} holds no {key}s")
-        names = {r.name: r.name if o.of or o.ends else f"{key} readings" for o, r in read}
-        stated = [names[r.name] for _, r in read if r.sigma is not None]
+        stated = [o.key if o.by_name else f"{key} readings" for o, r in read if r.sigma is not None]
         if stated or (alone and m.sigma(key) is not None):
             raise InputError(
                 f"{data.path}: the standard deviation of {[*stated, f'{key} readings'][0]} stands "
                 f"in the file; leave the option out"
             )
         m = m.replaced(key, sigma=value) if alone else m
-        for o, r in read:
-            m = m.replaced(r.name, sigma=_like(mechanism, value, o) if o.of else value)
+        for o, _ in read:
+            own = _like(mechanism, value, o) if o.of else value
+            m = m.replaced(o.key, by_name=o.by_name, sigma=own)
     return m
 
 

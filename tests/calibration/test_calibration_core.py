@@ -445,3 +445,17 @@ def test_only_redundant_loops_are_blamed_for_a_fit_that_breaks_down(name, redund
     with pytest.raises(InputError, match="the fit broke down") as error:
         calibrate(machine, Measurements(np.zeros((1, len(machine.actuated)))))
     assert ("redundant" in str(error.value)) is redundant
+
+
+def test_a_passive_joint_may_be_called_as_a_table_is():
+    """Deviations of a joint called position are not those of the platform's position, nor the other
+    way round.
+    """
+    table, read = np.ones((2, 3)), Reading("position", np.ones(2))
+    m = Measurements(np.zeros((2, 1)), position=table, readings=[read])
+    joint = m.replaced("position", by_name=True, sigma=0.1)
+    assert joint.position_sigma is None
+    assert np.all(joint.readings[0].sigma == 0.1)
+    platform = m.replaced("position", sigma=0.2)
+    assert np.all(platform.position_sigma == 0.2)
+    assert platform.readings[0].sigma is None

@@ -200,7 +200,7 @@ class ColumnReader:
 
     def read(self, o: Observable) -> Reading | None:
         """Read an observable and its standard deviations, None where nothing is in its columns."""
-        own, oriented = bool(o.of or o.ends), o.kind == "orientation"
+        own, oriented = o.by_name, o.kind == "orientation"
         if oriented or o.kind == "inclination":
             values = self.together(o.columns, None if oriented else "angle", own=own)
         else:
@@ -216,7 +216,7 @@ class ColumnReader:
                 text = "the quaternion has norm {:.6g}; allowed: 1 to within 0.01"
             for row in np.flatnonzero(bad):
                 raise self._error(row, o.columns[0], text.format(norms[row]))
-        return Reading(o.columns[0] if o.ends else o.name, values, sigma, o.ends)
+        return Reading(o.key, values, sigma, o.ends)
 
     def euler(self) -> tuple[str | None, np.ndarray | None]:
         """Read Euler angles: the sequence of the header, None where it names none, and the
@@ -243,8 +243,8 @@ class ColumnReader:
         for o, reading in found:
             if o.ends and reading is None:
                 raise InputError(
-                    f"{self.table.path}: column {o.columns[0]!r} is missing or empty; "
-                    f"--distance {o.columns[0].removeprefix(DISTANCE)} names it"
+                    f"{self.table.path}: column {o.key!r} is missing or empty; "
+                    f"--distance {o.key.removeprefix(DISTANCE)} names it"
                 )
         return tuple(reading for _, reading in found if reading is not None)
 

@@ -239,24 +239,25 @@ class Measurements:
         ]
         return replace(self, **changes)
 
-    def replaced(self, name: str, **changes: Any) -> Measurements:
-        """Replace the `values` or the `sigma` of one kind of reading (`joint`, `group`,
-        `inclination`, ...), or of a reading by its name.
+    def replaced(self, name: str, *, by_name: bool = False, **changes: Any) -> Measurements:
+        """Replace the `values` or the `sigma` of a table (`joint`, `group`, `inclination`, ...), or
+        of readings that are held `by_name`.
         """
-        if name in ("joint", *PLATFORM):
-            keys = {"values": _TABLE_OF.get(name, name), "sigma": f"{name}_sigma"}
-            return replace(self, **{keys[key]: value for key, value in changes.items()})
-        readings = [replace(r, **changes) if r.name == name else r for r in self.readings]
-        return replace(self, readings=readings)
+        if by_name:
+            readings = [replace(r, **changes) if r.name == name else r for r in self.readings]
+            return replace(self, readings=readings)
+        keys = {"values": _TABLE_OF.get(name, name), "sigma": f"{name}_sigma"}
+        return replace(self, **{keys[key]: value for key, value in changes.items()})
 
     def without(self, configuration: int, kind: str) -> Measurements:
         """Leave out one reading: the kind is group, inclination, position, orientation or the name
         of another reading.
         """
-        own = {kind: getattr(self, _TABLE_OF.get(kind, kind)) for kind in PLATFORM}
-        values = np.array({**{r.name: r.values for r in self.readings}, **own}[kind])
-        values[configuration] = NO_GROUP if kind == "group" else np.nan
-        return self.replaced(kind, values=values)
+        table = getattr(self, _TABLE_OF.get(kind, kind)) if kind in PLATFORM else None
+        named = {r.name: r.values for r in self.readings} if table is None else {kind: table}
+        values = np.array(named[kind])
+        values[configuration] = NO_GROUP if kind == "group" and table is not None else np.nan
+        return self.replaced(kind, by_name=table is None, values=values)
 
     def check(self, mechanism: Mechanism) -> None:
         """Refuse readings of another number of joints than the mechanism has, and of what it does

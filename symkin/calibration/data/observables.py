@@ -60,6 +60,16 @@ class Observable:
     ends: tuple[tuple[float, ...], ...] = ()
 
     @property
+    def by_name(self) -> bool:
+        """Whether its readings are held by their name, and not as a table of the platform."""
+        return bool(self.of or self.ends)
+
+    @property
+    def key(self) -> str:
+        """The name of its readings."""
+        return self.columns[0] if self.ends else self.name
+
+    @property
     def sigmas(self) -> tuple[str, ...]:
         """Columns of its standard deviations, without `sigma_`."""
         return (self.name,) if self.kind in ("orientation", "group") else self.columns

@@ -228,11 +228,10 @@ def simulate_readings(
             exact = np.asarray(multiply(exact.T, turn)).T
         else:
             exact = exact + noise.draw(sigma, exact.shape, rng)
-        name = o.columns[0] if o.ends else o.name
-        if o.of or o.ends:
-            beside.append(Reading(name, exact, sigma or None, o.ends))
+        if o.by_name:
+            beside.append(Reading(o.key, exact, sigma or None, o.ends))
         else:
-            made = made.replaced(name, values=exact, sigma=sigma or None)
+            made = made.replaced(o.key, values=exact, sigma=sigma or None)
     return replace(made, readings=beside)
 
 

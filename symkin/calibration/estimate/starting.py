@@ -39,6 +39,7 @@ from symkin.calibration.estimate.configurations import (
 )
 from symkin.calibration.estimate.estimator import estimate
 from symkin.calibration.estimate.problem import CalibrationProblem, build_calibration
+from symkin.calibration.estimate.residuals import deviations
 from symkin.calibration.estimate.state import evaluate, readings_at
 from symkin.calibration.estimate.workspace import home_pose, states_reference
 from symkin.closure.closure import build_closure
@@ -51,7 +52,6 @@ from symkin.spatial.rotation import (
     multiply,
     quaternion_from_euler,
     rotation_vector_from_quaternion,
-    wrapped,
 )
 
 _MAX_READING_GAP = 0.05
@@ -168,9 +168,8 @@ def reading_gaps(
     the size; infinite where it is not solved, 0 where nothing but its group was read.
     """
     model, readings = problem.model, problem.readings
-    gap = readings_at(problem, p, np.nan_to_num(configurations.z)) - readings.targets
-    used = readings.taken & ~readings.grouped
-    gap = model.lengths * np.where(readings.turning, wrapped(gap), gap)
+    h = readings_at(problem, p, np.nan_to_num(configurations.z))
+    used, gap = readings.taken & ~readings.grouped, model.lengths * deviations(readings, h)
     mean = np.sum(np.where(used, gap**2, 0.0), axis=1) / np.maximum(np.sum(used, axis=1), 1)
     return np.where(configurations.solved & np.isfinite(mean), np.sqrt(mean), np.inf)
 

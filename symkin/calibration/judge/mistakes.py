@@ -332,8 +332,8 @@ def _taken(case: Case, is_meant: Callable[[Observable], bool], called: str = "")
 
     def put(values: np.ndarray) -> Measurements:
         made = m
-        for (_, r), part in zip(read, np.hsplit(values, ends), strict=True):
-            made = made.replaced(r.name, values=part)
+        for (o, _), part in zip(read, np.hsplit(values, ends), strict=True):
+            made = made.replaced(o.key, by_name=o.by_name, values=part)
         return made
 
     names, angular = zip(*((name, o.angular) for o, _ in read for name in o.columns), strict=True)
