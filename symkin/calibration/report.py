@@ -86,12 +86,9 @@ class FitReport(Verdict):
 
     def _changes(self) -> Iterator[str]:
         m = self.fit.mechanism
-        own = [p for p in self.fit.parameters if p.name not in MEASURING_FRAMES]
-        changes = sorted(own, key=lambda p: -self.fit.relative_change(p))[:_MAX_SHOWN]
         frames = [p for p in self.fit.parameters if p.name in MEASURING_FRAMES and not p.held]
-        if changes:
-            listed = ", ".join(f"{p.name} {written(m, p.kind, p.change)}" for p in changes)
-            yield f"largest changes: {listed}"
+        if changes := self.fit.largest_changes(_MAX_SHOWN):
+            yield f"largest changes: {changes}"
         if frames:
             listed = ", ".join(f"{p.name} {written(m, p.kind, p.value, '.7g')}" for p in frames)
             yield f"measuring frames: {listed}"

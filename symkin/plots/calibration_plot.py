@@ -13,7 +13,6 @@ import numpy as np
 
 from symkin.calibration.data.measurements import spread_rows
 from symkin.calibration.data.observables import ParameterKind, judged_link, unit_of, value_out
-from symkin.calibration.data.parameters import MEASURING_FRAMES
 from symkin.calibration.judge.departure import judged_poses
 from symkin.drawing.palette import COLOURS
 from symkin.errors import InputError
@@ -174,9 +173,8 @@ def parameter_figure(fit: Calibration) -> Figure:
     """Changes from nominal with two standard deviations, and the changes over their standard
     deviations: two panels a unit.
     """
-    own = [p for p in fit.parameters if not p.held and p.name not in MEASURING_FRAMES] or [
-        p for p in fit.parameters if not p.held
-    ]
+    chosen = fit.free or [p for p in fit.parameters if not p.held]
+    own = sorted(chosen, key=fit.parameters.index)
     kinds = [k for k in get_args(ParameterKind) if any(p.kind == k for p in own)]
     shown = {k: _most_changed([p for p in own if p.kind == k]) for k in kinds}
     rows = max(len(kept) for kept in shown.values())

@@ -18,10 +18,11 @@ from symkin.calibration.estimate.configuration_model import (
 from symkin.closure.closure import Closure
 from symkin.computed_once import cached_property
 from symkin.errors import InputError
-from symkin.model.joint import units_of
+from symkin.model.joint import Coordinate, units_of
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.levenberg import levenberg_marquardt
 from symkin.numeric.linear_algebra import conditions, largest_of
+from symkin.position.canonical import into_limits
 from symkin.position.pose_coordinates import poses_coordinates
 from symkin.spatial.rotation import wrapped
 
@@ -440,3 +441,14 @@ def with_poses(closure: Closure, values: np.ndarray, poses: np.ndarray) -> np.nd
         begin = closure.slices[closure.role("pose")[0].name].start
         values[given, begin : begin + numbers.shape[1]] = numbers
     return values
+
+
+def outside_limits(c: Coordinate, values: np.ndarray, kept: float = 0.0) -> np.ndarray:
+    """Tell which values (n,) of a coordinate are outside its limits, angles by whole turns as near
+    as may be, or nearer than `kept` to one of them, or below the least value of a rod.
+    """
+    low, high = c.limits or (-np.inf, np.inf)
+    if c.limits is not None and c.is_periodic:
+        values = into_limits(values, c.limits)
+    least = -np.inf if c.least is None else c.least
+    return np.asarray((values < low + kept) | (values > high - kept) | (values < least))

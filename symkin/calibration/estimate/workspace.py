@@ -29,6 +29,7 @@ from symkin.calibration.estimate.configurations import (
     determinant_signs,
     follow_joints,
     is_carried,
+    outside_limits,
     with_poses,
 )
 from symkin.closure.branches import edges_of
@@ -38,7 +39,6 @@ from symkin.errors import InputError
 from symkin.model.bar import Bar
 from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.numeric.linear_algebra import conditions
-from symkin.position.canonical import into_limits
 from symkin.position.given import pose_from
 from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import (
@@ -355,13 +355,9 @@ class Workspace:
     def _within_limits(self, values: np.ndarray) -> np.ndarray:
         good = np.all(np.isfinite(values), axis=1)
         for c in self.closure.coordinates:
+            low, high = c.limits or (0.0, 0.0)
             column = values[:, self.closure.slices[c.name].start]
-            if c.limits is not None:
-                kept = self.margin * (c.limits[1] - c.limits[0])
-                column = into_limits(column, c.limits) if c.is_periodic else column
-                good &= (column >= c.limits[0] + kept) & (column <= c.limits[1] - kept)
-            elif c.least is not None:
-                good &= column > c.least
+            good &= ~outside_limits(c, column, self.margin * (high - low))
         return np.asarray(good)
 
     @cached_property

@@ -12,7 +12,7 @@ import numpy as np
 
 from symkin.calibration.data.measurements import Measurements
 from symkin.calibration.data.observables import Measure, ParameterKind, unit_of, value_out, written
-from symkin.calibration.data.parameters import with_parameters
+from symkin.calibration.data.parameters import MEASURING_FRAMES, with_parameters
 from symkin.calibration.estimate.problem import CalibrationProblem
 from symkin.calibration.estimate.state import State
 from symkin.calibration.judge.departure import Departure
@@ -192,6 +192,19 @@ class Calibration(Result):
     def relative_change(self, p: Parameter) -> float:
         """Return the change of a parameter over the size (lengths), in radians or plain."""
         return abs(p.change) / (self.mechanism.characteristic_length if p.kind == "length" else 1.0)
+
+    @cached_property
+    def free(self) -> list[Parameter]:
+        """The free parameters of the geometry, those that changed most first; measuring frames have
+        no nominal place.
+        """
+        free = (p for p in self.parameters if not p.held and p.name not in MEASURING_FRAMES)
+        return sorted(free, key=self.relative_change, reverse=True)
+
+    def largest_changes(self, most: int) -> str:
+        """Write the largest changes, with their units."""
+        m = self.mechanism
+        return ", ".join(f"{p.name} {written(m, p.kind, p.change)}" for p in self.free[:most])
 
     @property
     def is_noticeable(self) -> bool:

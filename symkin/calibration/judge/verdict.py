@@ -15,8 +15,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from symkin.calibration.data.observables import written
-from symkin.calibration.data.parameters import MEASURING_FRAMES
 from symkin.calibration.estimate.residuals import only_rounding
 from symkin.calibration.judge.identifiability import OPEN_LOOPS, all_values, nearly_parallel
 from symkin.calibration.judge.result import (
@@ -126,7 +124,7 @@ class Verdict:
         """
         fit = self.fit
         if moved := large_changes(fit):
-            largest = max(moved, key=fit.relative_change)
+            largest = moved[0]
             how = {"length": "of the size", "angle": "of a radian"}.get(largest.kind, "of one")
             return (
                 f"{beyond}, although {largest.name} moved by "
@@ -261,10 +259,6 @@ def residual_misfit(residuals: Iterable[Residual], size: float) -> float:
 def _other_machine(fit: Calibration, suspicions: Sequence[str] = ()) -> str:
     """Describe a geometry far from the file's, first what would explain it."""
     m, departure = fit.mechanism, fit.departure
-    free = sorted((p for p in fit.parameters if not p.held), key=fit.relative_change)
-    changes = ", ".join(
-        f"{p.name} {written(m, p.kind, p.change)}" for p in free[: -_NAMED_CHANGES - 1 : -1]
-    )
     unclosed, cause = "", f"{suspicions[0]}; its" if suspicions else "its"
     if departure.unclosed:
         unclosed = (
@@ -275,8 +269,9 @@ def _other_machine(fit: Calibration, suspicions: Sequence[str] = ()) -> str:
     return (
         f"another machine than {m.name} describes: {cause} poses are {100 * departure.share:.2g} % "
         f"of their spread away from the file's at the same joint readings "
-        f"({away} rms, frames aligned{unclosed}); largest changes: {changes}; for a machine "
-        f"that is so, state --tolerance or --any-machine"
+        f"({away} rms, frames aligned{unclosed}); largest changes: "
+        f"{fit.largest_changes(_NAMED_CHANGES)}; for a machine that is so, state --tolerance or "
+        f"--any-machine"
     )
 
 
@@ -329,11 +324,8 @@ def stray_reading(fit: Calibration, r: Residual) -> str:
 
 
 def large_changes(fit: Calibration) -> list[Parameter]:
-    """List free parameters that moved by more than `LARGE_CHANGE`; measuring frames have no nominal
-    place.
-    """
-    free = (p for p in fit.parameters if not p.held and p.name not in MEASURING_FRAMES)
-    return [p for p in free if fit.relative_change(p) > LARGE_CHANGE]
+    """List free parameters that moved by more than `LARGE_CHANGE`, furthest first."""
+    return [p for p in fit.free if fit.relative_change(p) > LARGE_CHANGE]
 
 
 def fit_notes(fit: Calibration, *, removed: bool) -> Iterator[str]:
