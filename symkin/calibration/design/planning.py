@@ -373,7 +373,7 @@ class _Task:
         problem, z = readings_problem(
             self.mechanism, made, groups, self.options["readings"], self.noise, self.names
         )
-        return told_rank(problem, evaluate(problem, problem.model.nominal, z, "means"))
+        return told_rank(problem, evaluate(problem, problem.model.nominal, z))
 
     def observe(self, slopes: Candidates) -> None:
         """Keep the directions of parameter space that all candidates together determine."""

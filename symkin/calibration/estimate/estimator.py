@@ -42,7 +42,7 @@ from symkin.calibration.estimate.linear import (
     rounding_residual,
 )
 from symkin.calibration.estimate.problem import CalibrationProblem
-from symkin.calibration.estimate.residuals import Form, Linearised
+from symkin.calibration.estimate.residuals import Linearised
 from symkin.calibration.estimate.state import (
     State,
     closed_state,
@@ -117,14 +117,12 @@ def estimate(
     begin = problem.model.nominal if p is None else p
     with np.errstate(all="ignore"):
         if problem.form != "maximum likelihood":
-            return _minimise(problem, begin, z, problem.form, None, max_iterations)
-        result = _minimise(problem, begin, z, "means", None, max_iterations)
+            return _minimise(problem, begin, z, max_iterations)
+        result = _minimise(problem.by_means, begin, z, max_iterations)
         for _ in range(2):
             noise = joint_covariance(problem, result.state)
-            wide = replace(problem, widened=result.widened)
-            again = _minimise(
-                wide, result.state.p, result.state.z, problem.form, noise, max_iterations
-            )
+            wide = replace(problem, widened=result.widened, noise=noise)
+            again = _minimise(wide, result.state.p, result.state.z, max_iterations)
             result = replace(again, iterations=result.iterations + again.iterations)
     return result
 
@@ -166,21 +164,13 @@ def parameters_at_poses(problem: CalibrationProblem) -> np.ndarray | None:
     return best.p
 
 
-def _minimise(
-    problem: CalibrationProblem,
-    p: np.ndarray,
-    z: np.ndarray,
-    form: Form,
-    covariance: np.ndarray | None,
-    limit: int,
-) -> Estimate:
-    state = closed_state(problem, p, z, form, covariance)
+def _minimise(problem: CalibrationProblem, p: np.ndarray, z: np.ndarray, limit: int) -> Estimate:
+    state = closed_state(problem, p, z)
     if is_rounding(problem, state):
         return Estimate(state, "ok", 0)
-    move = partial(state_after, problem, form=form, covariance=covariance)
-    search = _Search(problem, move, state, widened=problem.widened)
+    search = _Search(problem, partial(state_after, problem), state, widened=problem.widened)
     status = search.run(limit)
-    best = closed_state(problem, search.state.p, search.state.z, form, covariance)
+    best = closed_state(problem, search.state.p, search.state.z)
     return Estimate(best, status, search.steps, search.widened)
 
 
@@ -198,7 +188,7 @@ def _at_poses(
     model, joints = problem.model, problem.joints
     z = fit_passive(model, z, joints, p, steps)
     # poses that are measured are of one mode, whatever the geometry
-    state = replace(evaluate(problem, p, z, "means"), determinant_signs=np.zeros(len(z)))
+    state = replace(evaluate(problem.by_means, p, z), determinant_signs=np.zeros(len(z)))
     if not by_rows:
         return state
     e = evaluate_at(problem, p, z)

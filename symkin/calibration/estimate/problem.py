@@ -60,7 +60,8 @@ class CalibrationProblem:
     scaled parameters about nominal, infinite for what has no nominal place: `PRIOR_SHARE` of the
     size, or the manufacturing tolerances where they are stated (`is_stated`), by which the estimate
     is the maximum a posteriori. A fit that goes further than the prior lets expect begins or ends
-    with it `widened` by this factor.
+    with it `widened` by this factor. `noise` (n, K, K) is the covariance that joint noise gives the
+    readings, by which maximum likelihood weighs them; without it they count as means.
     """
 
     mechanism: Mechanism
@@ -72,6 +73,12 @@ class CalibrationProblem:
     prior: np.ndarray
     is_stated: bool = False
     widened: float = 1.0
+    noise: np.ndarray | None = None
+
+    @property
+    def by_means(self) -> CalibrationProblem:
+        """The same with residuals from the means of groups, each reading by itself."""
+        return self if self.form == "means" else replace(self, form="means")
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -110,8 +117,10 @@ class CalibrationProblem:
 
     def of(self, rows: np.ndarray) -> CalibrationProblem:
         """The problem of some configurations, by number or by mask."""
-        some = self.measurements.subset(rows)
-        return replace(self, measurements=some, readings=build_readings(self.model, some))
+        some, noise = self.measurements.subset(rows), self.noise
+        noise = None if noise is None else noise[rows]
+        readings = build_readings(self.model, some)
+        return replace(self, measurements=some, readings=readings, noise=noise)
 
     @property
     def quaternions(self) -> np.ndarray:

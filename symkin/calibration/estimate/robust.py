@@ -69,7 +69,7 @@ def robust_estimate(
     problem: CalibrationProblem, p: np.ndarray, z: np.ndarray, loss: str
 ) -> RobustEstimate:
     """Estimate with a robust loss from p and configurations z."""
-    known, state = problem.readings.known, evaluate(problem, p, z, "means")
+    known, state = problem.readings.known, evaluate(problem.by_means, p, z)
     here, steps, weight, scale = problem, 0, np.ones_like(problem.readings.sigma), np.inf
     for count in range(_MAX_FITS):
         t = normalised_residuals(problem, here, state)
@@ -85,7 +85,7 @@ def robust_estimate(
         state, steps = result.state, steps + result.iterations
     status = result.status if result.status != "max_iterations" else "stalled"
     return RobustEstimate(
-        Estimate(evaluate(problem, state.p, state.z, "means"), status, steps, result.widened),
+        Estimate(evaluate(problem.by_means, state.p, state.z), status, steps, result.widened),
         scale,
     )
 
@@ -106,7 +106,7 @@ def normalised_residuals(
     groups' means are those of the weights that another problem, `here`, gives.
     """
     taken = problem.readings.taken
-    raw = evaluate(here, state.p, state.z, "means").linearised.residuals * np.where(
+    raw = evaluate(here.by_means, state.p, state.z).linearised.residuals * np.where(
         taken, here.readings.sigma, 0.0
     )
     noise = np.einsum("nkk->nk", joint_covariance(problem, state))

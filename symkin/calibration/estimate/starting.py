@@ -325,7 +325,7 @@ def _disagreement(
     over their standard deviations.
     """
     rows = np.flatnonzero(configurations.solved)
-    fit = evaluate(problem.of(rows), p, configurations.z[rows], "means").linearised
+    fit = evaluate(problem.of(rows).by_means, p, configurations.z[rows]).linearised
     return float(np.sqrt(np.mean(np.sum(fit.residuals**2, axis=1)))) if len(rows) else np.inf
 
 

@@ -27,7 +27,7 @@ from symkin.calibration.estimate.configurations import (
     newton_configurations,
 )
 from symkin.calibration.estimate.problem import CalibrationProblem
-from symkin.calibration.estimate.residuals import Form, Linearised, linearise
+from symkin.calibration.estimate.residuals import Linearised, linearise
 from symkin.numeric.linear_algebra import largest_of
 from symkin.numeric.tolerances import RANK_TOLERANCE
 
@@ -82,19 +82,13 @@ class State:
         return float(np.dot(self.linearised.vector, self.linearised.vector))
 
 
-def evaluate(
-    problem: CalibrationProblem,
-    p: np.ndarray,
-    z: np.ndarray,
-    form: Form,
-    covariance: np.ndarray | None = None,
-) -> State:
+def evaluate(problem: CalibrationProblem, p: np.ndarray, z: np.ndarray) -> State:
     """Evaluate closure and readings at (p, z), condensed to p."""
     if problem.is_large:
-        return _evaluate_parts(problem, p, z, form, covariance)
+        return _evaluate_parts(problem, p, z)
     e = evaluate_at(problem, p, z)
     pending, readings, slopes, leftover = e.condensed()
-    fit = linearise(form, problem.readings, readings, slopes, covariance)
+    fit = linearise(problem.form, problem.readings, readings, slopes, problem.noise)
     return State(problem, p, z, fit, e, pending, leftover, determinant_signs(e.rows_z))
 
 
@@ -138,42 +132,28 @@ def joint_covariance_at(problem: CalibrationProblem, p: np.ndarray, z: np.ndarra
     return np.asarray(by_joint @ by_joint.transpose(0, 2, 1))
 
 
-def closed_state(
-    problem: CalibrationProblem,
-    p: np.ndarray,
-    z: np.ndarray,
-    form: Form,
-    covariance: np.ndarray | None,
-) -> State:
+def closed_state(problem: CalibrationProblem, p: np.ndarray, z: np.ndarray) -> State:
     """Evaluate the state with the closure met to rounding."""
-    state = evaluate(problem, p, z, form, covariance)
+    state = evaluate(problem, p, z)
     for _ in range(2):
         largest = largest_of(state.pending)
         if not 1e-15 * problem.size < largest < np.inf:
             break
         if largest > PREDICTION_TOLERANCE * problem.size:
             z, _ = newton_configurations(problem.model, z, problem.joints, p)
-            state = evaluate(problem, p, z, form, covariance)
-        state = evaluate(
-            problem, p, problem.model.system.move(state.z, -state.pending), form, covariance
-        )
+            state = evaluate(problem, p, z)
+        state = evaluate(problem, p, problem.model.system.move(state.z, -state.pending))
     return state
 
 
-def state_after(
-    problem: CalibrationProblem,
-    state: State,
-    step: np.ndarray,
-    form: Form,
-    covariance: np.ndarray | None,
-) -> State | None:
+def state_after(problem: CalibrationProblem, state: State, step: np.ndarray) -> State | None:
     """Take a step in p, configurations moved along; None where a direct problem has no solution
     there.
     """
     model = problem.model
     p = state.p + model.scales * step
     z = model.system.move(state.z, state.follow(step))
-    trial = evaluate(problem, p, z, form, covariance)
+    trial = evaluate(problem, p, z)
     if not np.all(np.isfinite(trial.pending)):
         return None
     furthest = largest_of(trial.pending)
@@ -183,7 +163,7 @@ def state_after(
         )
         if not solved.all():
             return None
-        trial = evaluate(problem, p, z, form, covariance)
+        trial = evaluate(problem, p, z)
     return trial if np.isfinite(trial.cost) else None
 
 
@@ -217,19 +197,14 @@ def error_free_state(problem: CalibrationProblem, state: State) -> State:
         # groups that no configuration can have, as under wrong labels, send the steps away
         if np.all(largest <= SOLVED_TOLERANCE):
             z, joints = closing.split(found)
-    return evaluate(replace(problem, measurements=replace(m, joints=joints)), state.p, z, "means")
+    there = replace(problem.by_means, measurements=replace(m, joints=joints))
+    return evaluate(there, state.p, z)
 
 
 # --- many configurations --------------------------------------------------------------------------
 
 
-def _evaluate_parts(
-    problem: CalibrationProblem,
-    p: np.ndarray,
-    z: np.ndarray,
-    form: Form,
-    covariance: np.ndarray | None,
-) -> State:
+def _evaluate_parts(problem: CalibrationProblem, p: np.ndarray, z: np.ndarray) -> State:
     """The same as `evaluate`, a part at a time: derivatives and residuals of each are joined to the
     triangle of those before.
     """
@@ -237,7 +212,7 @@ def _evaluate_parts(
     triangle, residuals = np.zeros((0, width + 1)), np.zeros(problem.readings.values.shape)
     pending, side = np.zeros((len(z), problem.model.system.freedom)), np.zeros(len(z))
     for rows, part in problem.parts:
-        state = evaluate(part, p, z[rows], form, None if covariance is None else covariance[rows])
+        state = evaluate(part, p, z[rows])
         fit, pending[rows], side[rows] = state.linearised, state.pending, state.determinant_signs
         residuals[rows] = fit.residuals
         below = np.column_stack([fit.matrix, fit.vector])

@@ -160,7 +160,7 @@ def _residuals(
     """
     readings, columns = problem.readings, problem.model.columns
     taken, shape = readings.taken, readings.values.shape
-    means = evaluate(problem, state.p, state.z, "means").linearised.residuals
+    means = evaluate(problem.by_means, state.p, state.z).linearised.residuals
     raw = means * np.where(taken, readings.sigma, 0.0)
     left, whitened = (v[: raw.size].reshape(shape) for v in (1.0 - model.absorbed, model.residuals))
     judged = taken & (left > MIN_REDUNDANCY) & (spread > 0.0)
@@ -207,7 +207,7 @@ def read_back(problem: CalibrationProblem, state: State) -> tuple[State, str | N
     )
     with np.errstate(all="ignore"):
         noise = joint_covariance(problem, state) if problem.form == "maximum likelihood" else None
-        here = closed_state(problem, p, state.z, problem.form, noise)
+        here = closed_state(replace(problem, noise=noise), p, state.z)
         return here, next(_faults(problem, state, found, values), None)
 
 

@@ -155,7 +155,7 @@ def identifiability(
         )
     if not solved.all():
         problem = build_calibration(mechanism, measurements.subset(solved), **chosen)
-    state = evaluate(problem, nominal, configurations.z[solved], "means")
+    state = evaluate(problem.by_means, nominal, configurations.z[solved])
     return identifiability_at(problem, state, 1.0 if problem.readings.known else 0.0)
 
 
