@@ -38,7 +38,6 @@ from symkin.calibration.estimate.linear import (
     UNTOLD,
     WELL_TOLD,
     Linear,
-    prior_weight,
     rounding_residual,
 )
 from symkin.calibration.estimate.problem import CalibrationProblem
@@ -244,8 +243,7 @@ class _Search:
         """Iterate with the prior as wide as it is."""
         while True:
             linear = Linear.of(self.problem, self.state, self.widened)
-            weight = prior_weight(self.problem, self.state, linear)
-            solver = _Damped(linear, weight)
+            solver, weight = _Damped(linear), linear.weight
             if not solver.is_finite:
                 return "stalled"
             met = _unmet(self.state) <= _LEFTOVER_TOLERANCE * self._size
@@ -309,7 +307,7 @@ class _Search:
         """Tell whether a trial lowers the cost, or meets rows left over that were not met, in the
         assembly mode of where the iteration stands: det F_z changes its sign only between modes.
         """
-        if not np.array_equal(trial.determinant_signs, self.state.determinant_signs):
+        if not trial.is_in_mode_of(self.state):
             return False
         here, there = _unmet(self.state), _unmet(trial)
         if there > max(_LEFTOVER_TOLERANCE * self._size, 0.5 * here):
@@ -323,12 +321,11 @@ class _Search:
         last = np.inf
         for _ in range(_MAX_UNSHRUNK_STEPS):
             linear = Linear.of(self.problem, self.state, self.widened)
-            weight = prior_weight(self.problem, self.state, linear)
-            told = linear.told(weight)
+            told = linear.told()
             well, silent = told.ratios > WELL_TOLD, told.inner[:, told.ratios < UNTOLD]
             free, rest = told.inner[:, well], told.inner[:, ~well]
             y = -free @ (told.gains[well] * ((linear.jacobian @ free).T @ linear.residuals))
-            solver = _Damped(linear, weight)
+            solver = _Damped(linear)
             matrix = solver.matrix.copy()
             matrix[: len(silent)] -= linear.jacobian @ silent @ silent.T
             y += rest @ np.linalg.lstsq(matrix @ rest, solver.right, rcond=None)[0]
@@ -337,9 +334,7 @@ class _Search:
             if not _CONVERGED_STEP < length < 0.9 * last:
                 return
             trial = restored_after(self.move, self.state, step)
-            if trial is None or not np.array_equal(
-                trial.determinant_signs, self.state.determinant_signs
-            ):
+            if trial is None or not trial.is_in_mode_of(self.state):
                 return
             self.state, last = trial, length
             self.steps += 1
@@ -375,10 +370,10 @@ class _Damped:
     lengths. `decrement` is what the step without damping would gain, by the linear model.
     """
 
-    def __init__(self, linear: Linear, weight: float) -> None:
+    def __init__(self, linear: Linear) -> None:
         self._linear = linear
-        self.matrix = np.vstack([linear.jacobian, weight * linear.tight])
-        self.right = -np.concatenate([linear.residuals, weight * linear.change])
+        self.matrix = np.vstack([linear.jacobian, linear.weight * linear.tight])
+        self.right = -np.concatenate([linear.residuals, linear.weight * linear.change])
         self.is_finite = bool(np.all(np.isfinite(self.matrix)) and np.all(np.isfinite(self.right)))
         self._lengths = np.maximum(np.linalg.norm(self.matrix, axis=0), 1e-300)
         if self.is_finite:

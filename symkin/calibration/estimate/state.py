@@ -77,6 +77,10 @@ class State:
             moved[rows] -= solve_systems(e.rows_z, e.rows_p @ step[:, None])[:, :, 0]
         return moved
 
+    def is_in_mode_of(self, other: State) -> bool:
+        """Whether no configuration lies across a singularity from where it is in another state."""
+        return np.array_equal(self.determinant_signs, other.determinant_signs)
+
     @property
     def cost(self) -> float:
         return float(np.dot(self.linearised.vector, self.linearised.vector))

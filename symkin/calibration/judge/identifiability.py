@@ -10,7 +10,7 @@ readings cannot tell, and has a name.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import chain
 from typing import Any
 
@@ -196,7 +196,7 @@ def _told(
     null_space = found.null_space
     if weight == 0.0:
         return found, null_space, ()
-    told = Linear.of(problem, state, problem.widened).told(weight)
+    told = replace(Linear.of(problem, state, problem.widened), weight=weight).told()
     ratios, directions = told.ratios, told.columns
     untold = ratios < UNTOLD
     if np.sum(untold) > null_space.shape[1]:
