@@ -392,7 +392,7 @@ class _Task:
         """Average squared pose slopes in the observable directions, angles times the lever."""
         weight = np.array([1.0] * 3 + [self.length] * 3)[:, None]
         flat = (weight * (self.pose @ self.directions)).reshape(-1, self.directions.shape[1])
-        return np.asarray(flat.T @ flat / len(self.pose))
+        return flat.T @ flat / len(self.pose)
 
     def random_accuracy(self) -> Accuracy:
         """Predict what as many random configurations in as many random groups would reach."""
@@ -435,7 +435,7 @@ def less_inclinations(slopes: Candidates, wedges: int) -> np.ndarray:
             basis, _ = np.linalg.qr(slopes.group[inside].reshape(-1, slopes.group.shape[2]))
             flat = rows[inside].reshape(-1, rows.shape[2])
             rows[inside] = (flat - basis @ (basis.T @ flat)).reshape(-1, *rows.shape[1:])
-    return np.asarray(rows.reshape(-1, rows.shape[2]))
+    return rows.reshape(-1, rows.shape[2])
 
 
 def _principal_directions(rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -65,7 +65,7 @@ class Noise:
         unit = (
             rng.uniform(-np.sqrt(3), np.sqrt(3), shape) if self.uniform else rng.normal(size=shape)
         )
-        return np.asarray(sigma * unit)
+        return sigma * unit
 
     def joints(self, mechanism: Mechanism) -> np.ndarray:
         """Standard deviation of each actuated joint (a,)."""

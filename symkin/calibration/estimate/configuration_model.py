@@ -85,7 +85,7 @@ def solve_systems(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
     """
     if matrix.shape[1] == matrix.shape[2]:
         try:
-            return np.asarray(np.linalg.solve(matrix, right))
+            return np.linalg.solve(matrix, right)
         except np.linalg.LinAlgError:
             pass
     if not np.all(np.isfinite(matrix)):

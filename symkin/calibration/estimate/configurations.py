@@ -451,4 +451,4 @@ def outside_limits(c: Coordinate, values: np.ndarray, kept: float = 0.0) -> np.n
     if c.limits is not None and c.is_periodic:
         values = into_limits(values, c.limits)
     least = -np.inf if c.least is None else c.least
-    return np.asarray((values < low + kept) | (values > high - kept) | (values < least))
+    return (values < low + kept) | (values > high - kept) | (values < least)

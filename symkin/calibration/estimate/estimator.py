@@ -392,7 +392,7 @@ class _Damped:
         y = self._solved(damping, self.right) if damping > 0.0 else self._free
         after = self.matrix @ y - self._told
         step = self._linear.particular + self._linear.basis @ y
-        return np.asarray(step), self.decrement - float(after @ after)
+        return step, self.decrement - float(after @ after)
 
     def against(self, gradient: np.ndarray, damping: float) -> np.ndarray:
         """Return the change (P,) that makes residuals with this gradient J^T r least."""

@@ -110,10 +110,8 @@ def normalised_residuals(
         taken, here.readings.sigma, 0.0
     )
     noise = np.einsum("nkk->nk", joint_covariance(problem, state))
-    return np.asarray(
-        np.where(
-            taken, raw / np.sqrt(np.where(taken, problem.readings.sigma, 1.0) ** 2 + noise), 0.0
-        )
+    return np.where(
+        taken, raw / np.sqrt(np.where(taken, problem.readings.sigma, 1.0) ** 2 + noise), 0.0
     )
 
 

@@ -254,7 +254,7 @@ def _split(rows: np.ndarray, unit: float = 1.0) -> tuple[np.ndarray, np.ndarray,
 def unbound(rows: np.ndarray) -> np.ndarray:
     """Return an orthonormal basis (P, k) of the steps that rows left over (m, P) leave free."""
     *_, right, kept = _split(rows)
-    return np.asarray(right[kept:].T)
+    return right[kept:].T
 
 
 def design(state: State) -> np.ndarray:

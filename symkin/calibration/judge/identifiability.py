@@ -122,7 +122,7 @@ class Identifiability:
         """The rest of the null space (P, k - j): told by readings without noise alone."""
         rest = self.null_space - self.blind @ (self.blind.T @ self.null_space)
         left, lengths, _ = np.linalg.svd(rest, full_matrices=False)
-        return np.asarray(left[:, lengths > 0.5])
+        return left[:, lengths > 0.5]
 
     @property
     def condition(self) -> float:

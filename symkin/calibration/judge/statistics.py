@@ -240,14 +240,14 @@ def _gain(problem: CalibrationProblem, inverse: np.ndarray) -> np.ndarray:
     readings = problem.readings
     gain = inverse * np.where(readings.taken, 1.0 / readings.sigma, 0.0)
     if problem.form != "differences":
-        return np.asarray(gain)
+        return gain
     before, after = neighbours(readings)
     for column in np.flatnonzero(readings.grouped):
         s = 1.0 / np.hypot(readings.sigma[before, column], readings.sigma[after, column])
         gain[:, :, column] = 0.0
         gain[:, after, column] += s * inverse[:, after, column]
         gain[:, before, column] -= s * inverse[:, after, column]
-    return np.asarray(gain)
+    return gain
 
 
 def curvature(
