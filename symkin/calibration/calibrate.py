@@ -11,7 +11,6 @@ from typing import Any, Unpack
 import numpy as np
 
 from symkin.calibration.data.measurements import NO_GROUP, Measurements
-from symkin.calibration.data.parameters import MEASURING_FRAMES
 from symkin.calibration.estimate.configurations import (
     ROUGHLY_SOLVED_TOLERANCE,
     SolvedConfigurations,
@@ -126,8 +125,8 @@ def _calibrate(
     begin, rule, method = time.perf_counter(), options["outliers"], options["method"]
     measurements.check(mechanism)
     _check_residual_form(options["residual"], measurements)
-    free = set(options["parameters"] or ()) - set(options["fixed"])
-    measurements = with_starts(mechanism, measurements, posed=not free & set(MEASURING_FRAMES))
+    free = options["parameters"], options["fixed"]
+    measurements = with_starts(mechanism, measurements, *free)
 
     def fit(readings: Measurements, near: StartValues | None = None) -> Fit:
         return _fit_measurements(mechanism, readings, options, near)

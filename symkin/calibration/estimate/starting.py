@@ -18,7 +18,7 @@ those that were read.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from itertools import product
@@ -86,14 +86,21 @@ disagreement are not told apart by groups.
 
 
 def with_starts(
-    mechanism: Mechanism, measurements: Measurements, *, posed: bool = True, completed: bool = True
+    mechanism: Mechanism,
+    measurements: Measurements,
+    parameters: Sequence[str] | None = None,
+    fixed: Sequence[str] = (),
+    *,
+    completed: bool = True,
 ) -> Measurements:
     """Give a start to each configuration that has none and whose pose was not measured as a whole:
     what was read of the pose, the rest from the nearest configuration (in the joints) whose pose is
-    whole, else from home. Readings are no starts where they are seen through unknown frames (not
-    `posed`), nor parts of a pose where readings are judged (not `completed`): begun at a wrong one,
-    a configuration would end in the mode that fits it best.
+    whole, else from home. Readings are no starts where they are seen through frames that are
+    unknown (among the `parameters` that are not `fixed`), nor parts of a pose where readings are
+    judged (not `completed`): begun at a wrong one, a configuration would end in the mode that fits
+    it best.
     """
+    posed = set(MEASURING_FRAMES).isdisjoint(set(parameters or ()) - set(fixed))
     if is_carried(build_closure(mechanism)):
         return measurements
     home = home_pose(mechanism)

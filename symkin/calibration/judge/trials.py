@@ -17,7 +17,6 @@ import numpy as np
 
 from symkin.calibration.data.files import DataFile, euler_quaternions
 from symkin.calibration.data.measurements import Measurements, spread_rows
-from symkin.calibration.data.parameters import MEASURING_FRAMES
 from symkin.calibration.estimate.configurations import first_points, newton_configurations
 from symkin.calibration.estimate.estimator import estimate, parameters_at_poses
 from symkin.calibration.estimate.problem import CalibrationProblem, build_calibration
@@ -136,11 +135,8 @@ def begin(
     give by themselves; measuring frames are where they fit best. `options` are those of
     `build_calibration`.
     """
-    free = set(options.get("parameters") or ()) - set(options.get("fixed", ()))
-    completed = not has_home(mechanism)
-    ready = with_starts(
-        mechanism, measurements, posed=not free & set(MEASURING_FRAMES), completed=completed
-    )
+    free = options.get("parameters"), options.get("fixed", ())
+    ready = with_starts(mechanism, measurements, *free, completed=not has_home(mechanism))
     problem = replace(build_calibration(mechanism, ready, **options), widened=_WIDENED)
     model, readings = problem.model, problem.readings
     first = parameters_at_poses(problem) if at_poses else None
