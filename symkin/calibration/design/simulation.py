@@ -225,7 +225,7 @@ def simulate_readings(
         sigma = noise.of(o.kind, angular=o.angular)
         if o.kind == "orientation":
             turn = quaternion_from_rotation_vector(noise.draw(sigma, (3, len(exact)), rng))
-            exact = np.asarray(multiply(exact.T, turn)).T
+            exact = multiply(exact.T, turn).T
         else:
             exact = exact + noise.draw(sigma, exact.shape, rng)
         if o.by_name:

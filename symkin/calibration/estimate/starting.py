@@ -119,7 +119,7 @@ def with_starts(
         if m.inclination is not None:  # with their own yaw
             angles = np.array(euler_from_quaternion(starts[:, 3:].T, "xyz"))
             _put_in(m.inclination, angles[:2].T, rows)
-            starts[rows, 3:] = np.asarray(quaternion_from_euler(angles, "xyz")).T[rows]
+            starts[rows, 3:] = quaternion_from_euler(angles, "xyz").T[rows]
         for kind, part in parts.items():
             if getattr(m, kind) is not None:
                 _put_in(getattr(m, kind), part, rows)
@@ -397,7 +397,7 @@ def _frame_starts(
         if read is not None and len(given):
             start[target] = 0.0
             seen = problem.model.poses(z[given], m.joints[given], start)[:, 3:].T
-            turns = np.asarray(multiply(conjugate(seen), read[given].T))
+            turns = multiply(conjugate(seen), read[given].T)
             # the mean orientation is the eigenvector of the sum of q q^T (Markley and others 2007)
             mean = np.linalg.eigh(turns @ turns.T)[1][:, -1]
             start[target] = rotation_vector_from_quaternion(mean)

@@ -243,7 +243,7 @@ class Workspace:
         """Variables with the middles of the platforms so far from home's (n, 3), and turned from
         home's orientation by angles (3, n).
         """
-        q = np.asarray(multiply(quaternion_from_euler(angles, "xyz"), self.home.quaternion)).T
+        q = multiply(quaternion_from_euler(angles, "xyz"), self.home.quaternion).T
         turned = moved_point(np.hstack([np.zeros((len(q), 3)), q]), self.centre)
         places = self.home.apply(self.centre) + away - turned
         return with_poses(self.closure, values, np.hstack([places, q]))

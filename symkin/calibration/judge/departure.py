@@ -102,7 +102,7 @@ def less_frames(values: np.ndarray, poses: np.ndarray, length: float) -> np.ndar
     X T by (t, w) it is (t + w x position, R^T w) and (R t, w). Angles weigh `length`.
     """
     n, unit = len(poses), np.broadcast_to(np.eye(3), (len(poses), 3, 3))
-    turn = np.asarray(matrix_from_quaternion(poses[:, 3:].T)).transpose(2, 0, 1)
+    turn = matrix_from_quaternion(poses[:, 3:].T).transpose(2, 0, 1)
     across = np.cross(unit, poses[:, None, :3]).transpose(0, 2, 1)
     none = np.zeros((n, 3, 3))
     base = np.block([[unit, across / length], [none, turn.transpose(0, 2, 1)]])
@@ -128,8 +128,8 @@ def _middles(problem: CalibrationProblem, poses: np.ndarray) -> np.ndarray:
 
 def _difference(poses: np.ndarray, others: np.ndarray) -> np.ndarray:
     """Poses (n, 7) less others (n, 6): positions, and rotation vectors in the turned axes."""
-    turn = np.asarray(multiply(conjugate(others[:, 3:].T), poses[:, 3:].T))
-    turned = np.asarray(rotation_vector_from_quaternion(turn)).T
+    turn = multiply(conjugate(others[:, 3:].T), poses[:, 3:].T)
+    turned = rotation_vector_from_quaternion(turn).T
     return np.hstack([poses[:, :3] - others[:, :3], turned])
 
 

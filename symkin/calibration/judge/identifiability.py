@@ -479,8 +479,8 @@ def _platform_moved(
     if f"{frame}.quaternion.w" in values:
         q = vector_values(values, f"{frame}.quaternion", "wxyz")
         shifted, turned = rotate(q / np.linalg.norm(q), t), multiply(q, np.array([0.0, *w]))
-        velocity |= vector_velocity(f"{frame}.position", np.asarray(shifted))
-        velocity |= vector_velocity(f"{frame}.quaternion", 0.5 * np.asarray(turned), "wxyz")
+        velocity |= vector_velocity(f"{frame}.position", shifted)
+        velocity |= vector_velocity(f"{frame}.quaternion", 0.5 * turned, "wxyz")
     return velocity
 
 
