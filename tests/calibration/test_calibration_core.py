@@ -459,3 +459,10 @@ def test_a_passive_joint_may_be_called_as_a_table_is():
     platform = m.replaced("position", sigma=0.2)
     assert np.all(platform.position_sigma == 0.2)
     assert platform.readings[0].sigma is None
+
+
+@pytest.mark.parametrize("ends", [((0, 0, 0),), ((0, 0, 0), (1, 0))])
+def test_a_distance_to_the_base_has_two_points(ends):
+    """One point, or a point of two numbers, is refused with the reading's name."""
+    with pytest.raises(symkin.SymkinError, match="gauge"):
+        Reading("gauge", np.ones(2), ends=ends)

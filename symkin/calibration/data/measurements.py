@@ -67,6 +67,11 @@ class Reading:
             values, width = _unit_quaternions(values, self.name), 3
         keep("values", values)
         keep("sigma", _sigma(self.sigma, f"{self.name}: sigma", (len(values), width)))
+        if len(self.ends) not in (0, 2):
+            raise InputError(
+                f"{self.name}: {len(self.ends)} ends; a point of the platform and one of the base "
+                f"are needed"
+            )
         sides = zip(self.ends, ("platform", "base"), strict=False)
         keep("ends", tuple(vector3(end, f"{self.name}: {side}") for end, side in sides))
 
