@@ -4,14 +4,12 @@ platform.
 The way of the data, by modules:
   data       `files` and `columns` read a file, `measurements` hold it, `parameters` name what it
              may determine
-  estimate   `problem` states what is fitted; `workspace`, `configurations`, `starting` and
-             `first_guess` find where to begin; `configuration_model`, `residuals` and
-             `state` evaluate, `linear` sets readings beside the prior; `estimator`, `joint_lines`
-             and `robust` minimise
+  estimate   `problem` states what is fitted; `workspace`, `configurations` and `starting` find
+             where to begin; `configuration_model`, `residuals` and `state` evaluate, `linear` sets
+             readings beside the prior; `estimator`, `joint_lines` and `robust` minimise
   judge      `assessment` builds the `result`: `statistics`, `identifiability`;
-             `outliers` finds bad readings, `mistakes`, `trials` and `euler_sequence` wrong files,
-             `holdout` and `pose_accuracy` judge by what `prediction` says; `verdict` notes
-             doubts and says what all of it means
+             `outliers` finds bad readings, `mistakes` and `trials` wrong files, `accuracy` judges
+             by what `prediction` says; `verdict` notes doubts and says what all of it means
   design     `simulation` makes readings, `planning` chooses configurations worth measuring
 `calibrate` runs this for measurements, `fit_file` for a file, by the `options` of both, and
 `report` says what came of it.

@@ -11,7 +11,6 @@ from typing import Any, Unpack
 import numpy as np
 
 from symkin.calibration.data.measurements import NO_GROUP, Measurements
-from symkin.calibration.data.parameters import MEASURING_FRAMES
 from symkin.calibration.estimate.configurations import (
     ROUGHLY_SOLVED_TOLERANCE,
     SolvedConfigurations,
@@ -23,7 +22,6 @@ from symkin.calibration.estimate.configurations import (
     start_points,
 )
 from symkin.calibration.estimate.estimator import Estimate, estimate, parameters_at_poses
-from symkin.calibration.estimate.first_guess import fit_measuring_frames
 from symkin.calibration.estimate.joint_lines import (
     dh_names,
     has_nearly_parallel_axes,
@@ -36,7 +34,11 @@ from symkin.calibration.estimate.problem import (
     build_calibration,
 )
 from symkin.calibration.estimate.robust import loss_note, robust_estimate
-from symkin.calibration.estimate.starting import start_configurations, with_starts
+from symkin.calibration.estimate.starting import (
+    fit_measuring_frames,
+    start_configurations,
+    with_starts,
+)
 from symkin.calibration.judge.assessment import build_result
 from symkin.calibration.judge.outliers import (
     OUTLIER_LEVEL,
@@ -52,6 +54,7 @@ from symkin.closure.closure import build_closure
 from symkin.errors import InputError
 from symkin.ignored_options import refuse_ignored
 from symkin.model.mechanism import Mechanism, require_mechanism
+from symkin.numeric.linear_algebra import largest_of
 from symkin.verb import verb
 from symkin.verb_options import takes
 
@@ -122,8 +125,8 @@ def _calibrate(
     begin, rule, method = time.perf_counter(), options["outliers"], options["method"]
     measurements.check(mechanism)
     _check_residual_form(options["residual"], measurements)
-    free = set(options["parameters"] or ()) - set(options["fixed"])
-    measurements = with_starts(mechanism, measurements, posed=not free & set(MEASURING_FRAMES))
+    free = options["parameters"], options["fixed"]
+    measurements = with_starts(mechanism, measurements, *free)
 
     def fit(readings: Measurements, near: StartValues | None = None) -> Fit:
         return _fit_measurements(mechanism, readings, options, near)
@@ -253,8 +256,7 @@ class _Fitting:
         nominal = lines.model.nominal
         found = self._estimate(lines, solve_configurations(lines.model, m, nominal).z, nominal)
         p = table_of_lines(part, lines, found.state.p)
-        change = (p - part.model.nominal) / part.model.scales / part.prior
-        wide = replace(part, widened=max(1.0, float(np.max(np.abs(change), initial=0.0))))
+        wide = replace(part, widened=max(1.0, largest_of(part.over_prior(p))))
         other = self._estimate(wide, solve_configurations(part.model, m, p).z, p)
         better = other.status == "ok" and (other.state.cost < cost or result.status != "ok")
         return replace(other, iterations=found.iterations + other.iterations) if better else result

@@ -11,8 +11,8 @@ import numpy as np
 
 from symkin.calibration.calibrate import calibrate
 from symkin.calibration.data.files import DataFile
-from symkin.calibration.data.measurements import Distance, Measurements, Reading
-from symkin.calibration.data.observables import is_angular, observables_named
+from symkin.calibration.data.measurements import Measurements
+from symkin.calibration.data.observables import Observable
 from symkin.calibration.data.parameters import (
     MEASURING_FRAMES,
     bound_by_motion,
@@ -21,12 +21,16 @@ from symkin.calibration.data.parameters import (
     parameter_names,
 )
 from symkin.calibration.estimate.problem import default_parameters
-from symkin.calibration.judge.euler_sequence import find_sequence
-from symkin.calibration.judge.holdout import draw_held_out, held_out_count, predict_held_out
+from symkin.calibration.judge.accuracy import (
+    draw_held_out,
+    held_out_count,
+    predict_held_out,
+    predict_pose_sigma,
+)
 from symkin.calibration.judge.mistakes import Case, diagnose, diagnose_labels, nominal_misfit
 from symkin.calibration.judge.outliers import MAX_OUTLIER_SHARE
-from symkin.calibration.judge.pose_accuracy import predict_pose_sigma
 from symkin.calibration.judge.result import Calibration
+from symkin.calibration.judge.trials import find_sequence
 from symkin.calibration.options import LEAST_CHANGE, FileOptions, FitOptions
 from symkin.calibration.report import FitReport
 from symkin.errors import InputError
@@ -40,15 +44,8 @@ ALL_PARAMETERS = "all"
 """The pattern that stands for every parameter that moves poses."""
 _MAX_LISTED_NAMES = 12
 """Most names that a message lists."""
-_SIGMA_KEYS = {
-    "joint": "joint",
-    "point": "position",
-    "position": "position",
-    "orientation": "orientation",
-    "inclination": "inclination",
-    "distance": "distance",
-}
-"""Keys of standard deviations that hold for observables of each kind, too."""
+_OPTION_OF = {"point": "position"}
+"""Kinds of readings whose standard deviations are given as those of another."""
 
 
 class NotFittedError(InputError):
@@ -166,44 +163,35 @@ def with_sigmas(
 ) -> Measurements:
     """Add standard deviations (keys joint, group, ...) that the file does not give."""
     m = data.measurements
-    kinds = {o.name: o.kind for o in observables_named(mechanism, m.observed)}
     for key, value in sigmas.items():
-        own = key == "joint" or getattr(m, "groups" if key == "group" else key, None) is not None
-        own |= key == "orientation" and data.open_euler is not None
-        read: list[Reading | Distance]
-        read = [r for r in m.readings if _SIGMA_KEYS[kinds[r.name]] == key]
-        read += m.distances if key == "distance" else ()
-        if not (own or read):
+        read = [(o, r) for o, r in m.channels(mechanism) if _OPTION_OF.get(o.kind, o.kind) == key]
+        alone = key == "joint" or (key == "orientation" and data.open_euler is not None)
+        if not (alone or read):
             refuse_ignored({f"--sigma-{key}": value}, f"{data.path} holds no {key}s")
-        stated = [r.name for r in read if r.sigma is not None]
-        stated += [f"{key} readings"] if own and m.sigma(key) is not None else []
-        if stated:
+        stated = [o.key if o.by_name else f"{key} readings" for o, r in read if r.sigma is not None]
+        if stated or (alone and m.sigma(key) is not None):
             raise InputError(
-                f"{data.path}: the standard deviation of {stated[0]} stands in the file; leave the "
-                f"option out"
+                f"{data.path}: the standard deviation of {[*stated, f'{key} readings'][0]} stands "
+                f"in the file; leave the option out"
             )
-        given = {r.name: replace(r, sigma=_of_joints(mechanism, value, r)) for r in read}
-        changes: dict[str, Any] = {f"{key}_sigma": value} if own else {}
-        for kept in ("distances", "readings"):
-            changes[kept] = [given.get(r.name, r) for r in getattr(m, kept)]
-        m = replace(m, **changes)
+        m = m.replaced(key, sigma=value) if alone else m
+        for o, _ in read:
+            own = _like(mechanism, value, o) if o.of else value
+            m = m.replaced(o.key, by_name=o.by_name, sigma=own)
     return m
 
 
-def _of_joints(
-    mechanism: Mechanism, value: np.ndarray | float, reading: Reading | Distance
-) -> float:
-    """Choose the standard deviation of a reading; of joints it is by kind, as that of the actuated
-    ones.
+def _like(mechanism: Mechanism, value: np.ndarray | float, o: Observable) -> float:
+    """Choose the standard deviation of an observable; of joints it is by kind, as that of the
+    actuated ones.
     """
-    angular = is_angular(mechanism, reading.name)
-    each = np.broadcast_to(value, len(mechanism.actuated)) if np.ndim(value) else [value]
-    kinds = [c.is_angular for c in mechanism.actuated] if np.ndim(value) else [angular]
-    like = [float(v) for v, its in zip(each, kinds, strict=True) if its == angular]
+    if np.ndim(value) == 0:
+        return float(value)
+    both = zip(np.broadcast_to(value, len(mechanism.actuated)), mechanism.actuated, strict=True)
+    like = [float(v) for v, c in both if c.is_angular == o.angular]
     if not like:
         raise InputError(
-            f"--sigma-joints: it says nothing of {reading.name}; give its column "
-            f"sigma_{reading.name}"
+            f"--sigma-joints: it says nothing of {o.name}; give its column sigma_{o.name}"
         )
     return like[0]
 

@@ -1,9 +1,15 @@
-"""The options of `calibrate`, of `fit_file` and of the command `symkin calibrate fit`."""
+"""The options of `calibrate`, of `fit_file`, of `plan_measurements` and of the commands `symkin
+calibrate fit` and `plan`.
+"""
 
 from collections.abc import Sequence
-from typing import Annotated, Literal, TypedDict, get_args
+from typing import TYPE_CHECKING, Annotated, Literal, TypedDict, get_args
 
-from symkin.verb_options import Option
+from symkin.verb_options import POSTURES, READINGS, Option
+
+if TYPE_CHECKING:
+    import numpy as np
+
 
 Method = Literal["nested", "lifted", "ipopt"]
 METHODS: tuple[Method, ...] = get_args(Method)
@@ -92,3 +98,43 @@ class FileOptions(FitOptions, total=False):
             "N|PERCENT",
         ),
     ]
+
+
+# --- plans ----------------------------------------------------------------------------------------
+
+
+READ_BESIDE = Option(
+    "What is read beside joints: inclination, position, orientation, pose; a passive joint, "
+    "point.NAME, LINK.pose, distance.A.B.",
+    "A,B,...",
+    READINGS,
+    default=(),
+    read="names",
+)
+
+
+class PlanOptions(TypedDict, total=False):
+    """Options of `plan_measurements`."""
+
+    groups: Annotated[
+        int, Option("Groups of equal inclination; 0: none.", "N", POSTURES, default=5)
+    ]
+    readings: Annotated[Sequence[str], READ_BESIDE]
+    wedges: Annotated[
+        "np.ndarray | None",
+        Option(
+            "Inclinations alpha:beta that groups may have. Default: level, and +-tilt.",
+            "A:B,...",
+            POSTURES,
+            read="angle pairs",
+        ),
+    ]
+    criterion: Annotated[
+        Literal["D", "A", "I"],
+        Option(
+            "I: pose variance over the workspace; A: parameters; D: their determinant.", default="I"
+        ),
+    ]
+    parameters: Annotated[Sequence[str] | None, Option()]
+    aligned: Annotated[bool, Option(default=True)]
+    seed: Annotated[int, SEED]

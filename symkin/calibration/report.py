@@ -11,9 +11,9 @@ from typing import Any
 
 import numpy as np
 
-from symkin.calibration.data.observables import is_angular
+from symkin.calibration.data.observables import measure_of, unit_of, value_out, written
 from symkin.calibration.data.parameters import MEASURING_FRAMES
-from symkin.calibration.judge.result import Parameter, length_and_angle, shown, value_out
+from symkin.calibration.judge.result import Parameter, length_and_angle
 from symkin.calibration.judge.statistics import SIGNIFICANCE
 from symkin.calibration.judge.verdict import Verdict
 from symkin.position.solution import finite
@@ -86,14 +86,11 @@ class FitReport(Verdict):
 
     def _changes(self) -> Iterator[str]:
         m = self.fit.mechanism
-        own = [p for p in self.fit.parameters if p.name not in MEASURING_FRAMES]
-        changes = sorted(own, key=lambda p: -self.fit.relative_change(p))[:_MAX_SHOWN]
         frames = [p for p in self.fit.parameters if p.name in MEASURING_FRAMES and not p.held]
-        if changes:
-            listed = ", ".join(f"{p.name} {shown(m, p, p.change)}" for p in changes)
-            yield f"largest changes: {listed}"
+        if changes := self.fit.largest_changes(_MAX_SHOWN):
+            yield f"largest changes: {changes}"
         if frames:
-            listed = ", ".join(f"{p.name} {shown(m, p, p.value, '.7g')}" for p in frames)
+            listed = ", ".join(f"{p.name} {written(m, p.kind, p.value, '.7g')}" for p in frames)
             yield f"measuring frames: {listed}"
 
     def sigma_text(self) -> str:
@@ -156,12 +153,10 @@ class FitReport(Verdict):
 
     def _out(self, kind: str, value: float) -> float:
         """Convert a reading's value to the mechanism's unit."""
-        m = self.fit.mechanism
-        return m.angle_out(value) if is_angular(m, kind) else value
+        return value_out(self.fit.mechanism, measure_of(self.fit.mechanism, kind), value)
 
     def _unit(self, kind: str) -> str:
-        m = self.fit.mechanism
-        return m.angle_unit if is_angular(m, kind) else m.length_unit
+        return unit_of(self.fit.mechanism, measure_of(self.fit.mechanism, kind))
 
     # --- JSON -------------------------------------------------------------------------------------
 
@@ -271,7 +266,7 @@ class FitReport(Verdict):
 
     def _row(self, q: Parameter) -> str:
         name, value, sigma, unit, change = self.fit.row(q)
-        nominal = value_out(self.fit.mechanism, q, q.nominal)
+        nominal = value_out(self.fit.mechanism, q.kind, q.nominal)
         cells = [markdown(name), unit or "1", f"{nominal:.9g}", value, sigma, change]
         return f"| {' | '.join(cells)} |"
 

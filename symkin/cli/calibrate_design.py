@@ -9,8 +9,7 @@ from collections.abc import Collection, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from symkin.calibration.design.plan_options import PlanOptions
-from symkin.calibration.options import SEED
+from symkin.calibration.options import SEED, PlanOptions
 from symkin.cli.calibrate_options import (
     MEASURES,
     AllNoise,
@@ -131,7 +130,7 @@ def simulate(
             workspace, mechanism, planned.measurements, planned.wedges, sigmas, rng
         )
     else:
-        simulation.platform_kinds(true, kinds, grouped=grouped)
+        simulation.taken_readings(true, kinds, grouped=grouped)
         count = _DEFAULT_CONFIGURATIONS if postures is None else postures
         numbers = simulation.group_numbers(count, groups or 0)
         made = simulation.random_configurations(workspace, numbers, sigmas, rng)
@@ -166,7 +165,7 @@ def plan(
 ) -> None:
     """Choose postures and wedges that identify the geometry best, and say what they will reach."""
     from symkin.calibration.design.planning import plan_measurements, plan_text
-    from symkin.calibration.design.simulation import observed_kinds
+    from symkin.calibration.design.simulation import names_beside
     from symkin.calibration.fit_file import match_parameters
 
     check_output(output, mech)
@@ -177,10 +176,11 @@ def plan(
     _check_anything_read(values["groups"] != 0, kinds, noise["noise_group"])
     _refuse_unread_noise(mechanism, kinds, noise)
     sigmas = _noise(mechanism, noise, "normal")
-    told = tuple(o.name for o in observed_kinds(mechanism, kinds))
     _checked_seed(values["seed"])
     if parameters is not None:
-        values["parameters"] = match_parameters(mechanism, parameters, told)
+        values["parameters"] = match_parameters(
+            mechanism, parameters, names_beside(mechanism, kinds)
+        )
     made = plan_measurements(
         _workspace(mechanism, space, _LIMIT_MARGIN), postures, sigmas, aligned=not raw, **values
     )
@@ -211,12 +211,11 @@ def _refuse_unread_noise(
     mechanism: Mechanism, readings: Sequence[str], noise: Noise, distances: Collection[str] = ()
 ) -> None:
     """Refuse the noise of readings that are not taken."""
-    from symkin.calibration.design.simulation import observed_kinds
+    from symkin.calibration.design.simulation import taken_readings
 
-    observed = observed_kinds(mechanism, readings)
-    taken = {"position" if o.kind == "point" else o.kind for o in observed} | set(readings)
-    taken |= {"position", "orientation"} if "pose" in readings else set()
-    taken |= {"distance", "group"} if distances else {"group"}
+    read = taken_readings(mechanism, readings)
+    taken = {"position" if o.kind == "point" else o.kind for o in read} | {"group"}
+    taken |= {"distance"} if distances else set()
     for kind in MEASURES:
         named = "--readings distance.A.B, or --distance" if kind == "distance" else "--readings"
         if kind not in taken:

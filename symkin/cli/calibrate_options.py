@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import Annotated, Any, TypedDict
 
-from symkin.calibration.design.plan_options import READ_BESIDE
+from symkin.calibration.options import READ_BESIDE
 from symkin.verb_options import OUTPUT, POSTURES, READINGS, Argument, Option
 
 DataArgument = Annotated[Path, Argument("Measurements, one row a posture.", "DATA.csv")]

@@ -218,3 +218,8 @@ def _regular_steps(jacobians: np.ndarray, values: np.ndarray) -> tuple[np.ndarra
     steps = -(inverses @ right)
     steps = steps if basis is None else basis @ steps
     return steps[:, :, 0], size < WELL_CONDITIONED**2
+
+
+def largest_of(values: np.ndarray) -> float:
+    """The largest absolute value; 0 of none."""
+    return float(np.max(np.abs(values), initial=0.0))

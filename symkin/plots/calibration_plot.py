@@ -5,27 +5,26 @@ sigma over the workspace.
 from __future__ import annotations
 
 import io
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from itertools import cycle
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, get_args
 
 import numpy as np
 
-from symkin.calibration.data.observables import judged_link
-from symkin.calibration.data.parameters import MEASURING_FRAMES
+from symkin.calibration.data.measurements import spread_rows
+from symkin.calibration.data.observables import ParameterKind, judged_link, unit_of, value_out
+from symkin.calibration.judge.departure import judged_poses
 from symkin.drawing.palette import COLOURS
 from symkin.errors import InputError
 from symkin.plots.sheet import blank_figure
 from symkin.plots.style import drawing
-from symkin.spatial.pose import Pose
-from symkin.spatial.rotation import quaternion_from_rotation_vector
 from symkin.text import matplotlib_text, not_among
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from symkin.calibration.judge.pose_accuracy import PoseSigma
+    from symkin.calibration.judge.accuracy import PoseSigma
     from symkin.calibration.judge.result import Calibration, Parameter
     from symkin.model.mechanism import Mechanism
 
@@ -130,11 +129,15 @@ def residual_figure(fit: Calibration) -> Figure:
     title = "Residuals" + (f"; {len(flagged)} outliers left out (lines)" if flagged else "")
     left.set_title(title, loc="left")
     if len(values):
-        left.legend(
-            loc="lower right", bbox_to_anchor=(1.0, 1.0), frameon=False, ncols=3, borderaxespad=0.2
-        )
+        _legend(left, 1.0, ncols=3)
     _distribution(right, values, reach)
     return figure
+
+
+def _legend(axes: Axes, across: float, **options: Any) -> None:
+    """The legend above the axes, at their left (0) or right (1) end."""
+    place: Any = {"loc": "lower right" if across else "lower left", "borderaxespad": 0.2}
+    axes.legend(bbox_to_anchor=(across, 1.0), frameon=False, **place | options)
 
 
 def _distribution(axes: Axes, values: np.ndarray, reach: float) -> None:
@@ -159,14 +162,7 @@ def _distribution(axes: Axes, values: np.ndarray, reach: float) -> None:
             axes.plot(normal, t, color=COLOURS["text"], lw=1.2, label="normal")
         else:
             axes.axhspan(-3.0, 3.0, color=COLOURS["text"], lw=1.5, label="normal, three sigma")
-        axes.legend(
-            loc="lower right",
-            bbox_to_anchor=(1.0, 1.0),
-            frameon=False,
-            ncols=2,
-            borderaxespad=0.2,
-            handlelength=1.2,
-        )
+        _legend(axes, 1.0, ncols=2, handlelength=1.2)
     axes.set(ylim=(-reach, reach), xlabel="number of readings")
     axes.set_xlim(left=0)
     axes.xaxis.set_major_locator(MaxNLocator(3, integer=True))
@@ -177,10 +173,9 @@ def parameter_figure(fit: Calibration) -> Figure:
     """Changes from nominal with two standard deviations, and the changes over their standard
     deviations: two panels a unit.
     """
-    own = [p for p in fit.parameters if not p.held and p.name not in MEASURING_FRAMES] or [
-        p for p in fit.parameters if not p.held
-    ]
-    kinds = [k for k in ("length", "angle", "number") if any(p.kind == k for p in own)]
+    chosen = fit.free or [p for p in fit.parameters if not p.held]
+    own = sorted(chosen, key=fit.parameters.index)
+    kinds = [k for k in get_args(ParameterKind) if any(p.kind == k for p in own)]
     shown = {k: _most_changed([p for p in own if p.kind == k]) for k in kinds}
     rows = max(len(kept) for kept in shown.values())
     aside = [0.2 + _CHARACTER * max(len(p.name) for p in shown[k]) for k in kinds]
@@ -210,15 +205,16 @@ def _most_changed(parameters: list[Parameter]) -> list[Parameter]:
     )
 
 
-def _changes(axes: Axes, kept: list[Parameter], kind: str, m: Mechanism, title: str) -> None:
-    out = m.angle_out if kind == "angle" else float
-    places = np.arange(len(kept))[::-1]
-    axes.barh(places, [out(p.change) for p in kept], color="#9cc3e4", height=0.7)
-    sigma = [0.0 if p.sigma is None else 2 * out(p.sigma) for p in kept]
+def _changes(
+    axes: Axes, kept: list[Parameter], kind: ParameterKind, m: Mechanism, title: str
+) -> None:
+    places, one = np.arange(len(kept))[::-1], value_out(m, kind, 1.0)
+    changes = [one * p.change for p in kept]
+    axes.barh(places, changes, color="#9cc3e4", height=0.7)
     axes.errorbar(
-        [out(p.change) for p in kept],
+        changes,
         places,
-        xerr=sigma,
+        xerr=[2 * one * (p.sigma or 0.0) for p in kept],
         fmt="none",
         ecolor=COLOURS["text"],
         elinewidth=1,
@@ -227,8 +223,7 @@ def _changes(axes: Axes, kept: list[Parameter], kind: str, m: Mechanism, title: 
     axes.set_yticks(places, [p.name for p in kept], fontsize=7)
     axes.set_ylim(-1, len(kept))
     axes.axvline(0, color=COLOURS["quiet"], lw=0.8)
-    unit = {"length": m.length_unit, "angle": m.angle_unit, "number": "1"}[kind]
-    axes.set_xlabel(f"identified less nominal [{unit}]")
+    axes.set_xlabel(f"identified less nominal [{unit_of(m, kind) or '1'}]")
     axes.set_title(title, loc="left")
 
 
@@ -268,26 +263,17 @@ def pose_sigma_figure(fit: Calibration, sigma: PoseSigma) -> Figure:
     figure, (above, bar, beside, other) = _figure(
         11, 4.8, (1, 0.04, 1, 0.04), (_ASIDE, 0.15, 0.9 + _ASIDE, 0.15, 0.9)
     )
-    x, y, z = sigma.poses[:, 0], sigma.poses[:, 1], sigma.poses[:, 2]
     measured = _platform_positions(fit)
+    angles = sigma.angle * m.angle_out(1.0)
     shown = (
-        (above, bar, x, y, "y", sigma.position, "position", m.length_unit),
-        (
-            beside,
-            other,
-            x,
-            z,
-            "z",
-            np.array([m.angle_out(float(a)) for a in sigma.angle]),
-            "orientation",
-            m.angle_unit,
-        ),
+        (above, bar, 1, sigma.position, "position", m.length_unit, "above"),
+        (beside, other, 2, angles, "orientation", m.angle_unit, "the side"),
     )
-    for axes, scale, across, up, name, values, what, unit in shown:
-        dots = axes.scatter(across, up, c=values, s=22, cmap="viridis")
+    for axes, scale, up, values, what, unit, side in shown:
+        dots = axes.scatter(sigma.poses[:, 0], sigma.poses[:, up], c=values, s=22, cmap="viridis")
         axes.plot(
             measured[:, 0],
-            measured[:, "xyz".index(name)],
+            measured[:, up],
             "x",
             ms=4,
             mew=0.9,
@@ -297,20 +283,10 @@ def pose_sigma_figure(fit: Calibration, sigma: PoseSigma) -> Figure:
         figure.colorbar(dots, cax=scale, label=f"sigma of {what} [{unit}]")
         axes.set(
             xlabel=f"x of {judged} [{m.length_unit}]",
-            ylabel=f"{name} of {judged} [{m.length_unit}]",
+            ylabel=f"{'xyz'[up]} of {judged} [{m.length_unit}]",
         )
-        axes.set_title(
-            f"Sigma of the {what}, seen from {'above' if name == 'y' else 'the side'}",
-            loc="left",
-            pad=18,
-        )
-        axes.legend(
-            loc="lower left",
-            bbox_to_anchor=(0.0, 1.0),
-            frameon=False,
-            borderaxespad=0.1,
-            handletextpad=0.2,
-        )
+        axes.set_title(f"Sigma of the {what}, seen from {side}", loc="left", pad=18)
+        _legend(axes, 0.0, borderaxespad=0.1, handletextpad=0.2)
     return figure
 
 
@@ -323,18 +299,9 @@ def _platform_positions(fit: Calibration) -> np.ndarray:
     """Where the platform frame was (n, 3) in the measured postures, in the base frame: observed
     poses less the measuring frames.
     """
-    rows = np.unique(np.linspace(0, len(fit.poses) - 1, _MOST_POSES).astype(int))
-    back = {frame: _frame(fit.values, frame).inverse() for frame in ("world", "target")}
-    poses = [back["world"] @ Pose(row[:3], row[3:]) @ back["target"] for row in fit.poses[rows]]
-    return np.array([pose.position for pose in poses]).reshape(-1, 3)
-
-
-def _frame(values: Mapping[str, float], name: str) -> Pose:
-    position, turn = (
-        np.array([values.get(f"{name}.{what}.{k}", 0.0) for k in "xyz"])
-        for what in ("position", "rotation")
-    )
-    return Pose(position, np.asarray(quaternion_from_rotation_vector(turn)))
+    rows, state = spread_rows(len(fit.poses), _MOST_POSES), fit.state
+    joints = fit.problem.measurements.joints[rows]
+    return judged_poses(fit.problem, state.p, state.z[rows], joints)[:, :3]
 
 
 def _figure(

@@ -21,7 +21,6 @@ from helpers.inclinometer import (
 from helpers.inside import (
     FORMS,
     METHODS,
-    Distance,
     build_calibration,
     build_closure,
     build_model,
@@ -34,7 +33,7 @@ from helpers.inside import (
 )
 from helpers.inside import evaluate_state as evaluate
 from helpers.samples import five_bar, three_rrr
-from symkin import InputError, Measurements, calibrate
+from symkin import InputError, Measurements, Reading, calibrate
 
 NOMINAL = symkin.load("ren2008")
 HELD = joint_frames(NOMINAL, PLATFORM_LIMBS, BASE_LIMBS)
@@ -121,7 +120,7 @@ def test_condensed_derivatives_are_those_of_the_direct_problem(form):
     problem = build_calibration(NOMINAL, measured(truth, rng, 3), fixed=HELD, residual=form)
     model, data = problem.model, problem.measurements
     z = solve_configurations(model, data, model.nominal).z
-    exact = evaluate(problem, model.nominal, z, form).linearised.matrix
+    exact = evaluate(problem, model.nominal, z).linearised.matrix
     for k in (0, 7, 20):
         step = np.zeros(len(model.nominal))
         step[k] = 1e-6 * model.scales[k]
@@ -129,7 +128,7 @@ def test_condensed_derivatives_are_those_of_the_direct_problem(form):
         for sign in (1, -1):
             p = model.nominal + sign * step
             there = solve_configurations(model, data, p, z=z).z
-            ends.append(evaluate(problem, p, there, form).linearised.vector)
+            ends.append(evaluate(problem, p, there).linearised.vector)
         column = (ends[0] - ends[1]) / 2e-6
         assert np.max(np.abs(column - exact[:, k])) < 1e-6 * np.max(np.abs(exact))
 
@@ -271,7 +270,7 @@ def test_absolute_inclinations_and_distances():
         data.joints,
         inclination=tilt,
         inclination_sigma=1e-5,
-        distances=[Distance((0, 0, 0), (0.5, -0.4, 0.1), gaps, 1e-6)],
+        readings=[Reading("distance", gaps, 1e-6, ((0, 0, 0), (0.5, -0.4, 0.1)))],
     )
     fit = calibrate(NOMINAL, both, fixed=HELD)
     assert fit.rank == 32
@@ -446,3 +445,24 @@ def test_only_redundant_loops_are_blamed_for_a_fit_that_breaks_down(name, redund
     with pytest.raises(InputError, match="the fit broke down") as error:
         calibrate(machine, Measurements(np.zeros((1, len(machine.actuated)))))
     assert ("redundant" in str(error.value)) is redundant
+
+
+def test_a_passive_joint_may_be_called_as_a_table_is():
+    """Deviations of a joint called position are not those of the platform's position, nor the other
+    way round.
+    """
+    table, read = np.ones((2, 3)), Reading("position", np.ones(2))
+    m = Measurements(np.zeros((2, 1)), position=table, readings=[read])
+    joint = m.replaced("position", by_name=True, sigma=0.1)
+    assert joint.position_sigma is None
+    assert np.all(joint.readings[0].sigma == 0.1)
+    platform = m.replaced("position", sigma=0.2)
+    assert np.all(platform.position_sigma == 0.2)
+    assert platform.readings[0].sigma is None
+
+
+@pytest.mark.parametrize("ends", [((0, 0, 0),), ((0, 0, 0), (1, 0))])
+def test_a_distance_to_the_base_has_two_points(ends):
+    """One point, or a point of two numbers, is refused with the reading's name."""
+    with pytest.raises(symkin.SymkinError, match="gauge"):
+        Reading("gauge", np.ones(2), ends=ends)

@@ -65,7 +65,7 @@ def test_the_estimate_is_what_readings_and_prior_ask_for(name):
     nominal, data = drawn(name, 3)
     fit = calibrate(nominal, data, outliers="ignore")
     problem, told = fit.problem, told_directions(fit.problem, fit.state)
-    state = evaluate_state(problem, fit.state.p, fit.state.z, "means")
+    state = evaluate_state(problem.by_means, fit.state.p, fit.state.z)
     by_readings = told.columns.T @ (state.linearised.matrix.T @ state.linearised.vector)
     change = (fit.state.p - problem.model.nominal) / problem.model.scales / problem.prior**2
     by_prior = told.columns.T @ change

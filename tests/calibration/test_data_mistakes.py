@@ -15,7 +15,6 @@ from helpers.hexapods import matrices
 from helpers.inside import (
     RULES,
     Case,
-    Distance,
     Noise,
     Stage,
     Workspace,
@@ -26,7 +25,7 @@ from helpers.inside import (
     random_configurations,
     simulate_readings,
 )
-from symkin import Measurements
+from symkin import Measurements, Reading
 
 MACHINE = hexapod_log.TRUTH
 END, BASE = np.array([0.0, 0.0, 0.01]), np.array([0.0, 0.0, -0.02])
@@ -57,7 +56,9 @@ def positions_only(change):
 def distances_in_millimetres(m):
     ends = m.position + matrices(m.orientation) @ END
     values = 1e3 * np.linalg.norm(ends - BASE, axis=1)
-    return replace(m, position=None, orientation=None, distances=[Distance(END, BASE, values)])
+    return replace(
+        m, position=None, orientation=None, readings=[Reading("distance", values, ends=(END, BASE))]
+    )
 
 
 def inclinations_exchanged(m):

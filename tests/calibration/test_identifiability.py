@@ -121,7 +121,7 @@ def test_readings_without_errors_agree_in_their_groups(kind):
     data = simulate_readings(machine, made, groups, (), dataclasses.replace(noise, group=1e-5), rng)
     problem = build_calibration(machine, data)
     z = solve_configurations(problem.model, data, problem.model.nominal).z
-    before = evaluate(problem, problem.model.nominal, z, "means")
+    before = evaluate(problem.by_means, problem.model.nominal, z)
     after = error_free_state(problem, before)
     assert np.max(np.abs(before.linearised.residuals)) > 0.1
     assert np.max(np.abs(after.linearised.residuals)) < 1e-4
@@ -222,7 +222,7 @@ def test_null_space_changes_nothing():
     found, problem = identifiability(NOMINAL, data), build_calibration(NOMINAL, data)
     model = problem.model
     z = solve_configurations(model, data, model.nominal).z
-    before = evaluate(problem, model.nominal, z, "means").linearised.vector
+    before = evaluate(problem.by_means, model.nominal, z).linearised.vector
     direction = model.scales * (found.null_space @ np.random.default_rng(11).normal(size=10))
     changes = []
     for step in (1e-3, 1e-4):
@@ -230,7 +230,7 @@ def test_null_space_changes_nothing():
         changes.append(
             np.linalg.norm(
                 evaluate(
-                    problem, p, solve_configurations(model, data, p, z=z).z, "means"
+                    problem.by_means, p, solve_configurations(model, data, p, z=z).z
                 ).linearised.vector
                 - before
             )
@@ -351,6 +351,6 @@ def test_a_departure_knows_no_frames(end, most):
         values |= dict(zip(names, moved, strict=True))
     p = np.array([values[n] for n in problem.names])
     z = solve_configurations(problem.model, data, p).z
-    found = measure_departure(problem, evaluate(problem, p, z, "means"))
+    found = measure_departure(problem, evaluate(problem.by_means, p, z))
     assert found.unclosed == 0
     assert found.share < most

@@ -215,7 +215,7 @@ def test_predicted_deviations_are_those_of_a_fit():
     )
     names = fit.problem.names
     slopes = reading_slopes(NOMINAL, made, (), NOISE, names, grouped=True)
-    rows = less_inclinations(Candidates(slopes.parameters, slopes.group, groups), 10)
+    rows = less_inclinations(Candidates(*slopes, groups), 10)
     covariance = np.linalg.inv(rows.T @ rows)
     sigmas = np.array([p.sigma for p in fit.parameters if not p.held])
     np.testing.assert_allclose(np.sqrt(np.diag(covariance)), sigmas, rtol=1e-3)

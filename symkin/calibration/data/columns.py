@@ -6,22 +6,24 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
-from symkin.calibration.data.measurements import NO_GROUP, Distance, Reading
+from symkin.calibration.data.measurements import NO_GROUP, Reading
 from symkin.calibration.data.observables import (
     PLATFORM,
     POSE_COLUMNS,
     Measure,
     Observable,
+    distance_to_base,
     observables,
+    of_joint,
 )
 from symkin.errors import InputError
 from symkin.files.csv_dialect import listed
-from symkin.files.csv_table import UNITS, Table
+from symkin.files.csv_table import Table
 from symkin.files.euler_columns import sequenced_columns
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism
@@ -35,8 +37,11 @@ _MAX_LISTED_JOINTS = 12
 class ColumnReader:
     """Reads one table for one mechanism, column by column."""
 
-    def __init__(self, table: Table, mechanism: Mechanism, distances: Sequence[str] = ()) -> None:
-        self.mechanism, self.distances = mechanism, [DISTANCE + name for name in distances]
+    def __init__(
+        self, table: Table, mechanism: Mechanism, points: Mapping[str, DistancePoints]
+    ) -> None:
+        self.mechanism = mechanism
+        self.distances = [distance_to_base(DISTANCE + name, ends) for name, ends in points.items()]
         self.known = {c.name for c in mechanism.coordinates if c.width == 1}
         self.observables = observables(mechanism)
         self.copies = table.copies()
@@ -45,14 +50,14 @@ class ColumnReader:
 
     def _matched(self, table: Table) -> Table:
         """Keep the columns that mean something for this mechanism, under their names."""
-        joints = [c.name for c in self.mechanism.actuated]
+        joints = [of_joint(c) for c in self.mechanism.actuated]
+        beside = [*self.distances, *self.observables.values()]
         sequenced = sequenced_columns(table, self.known)
-        both = (*PLATFORM.values(), *self.observables.values())
         bare = [c for o in PLATFORM.values() for c in o.columns] + [f"euler_{k}" for k in "123"]
         placed = [name for r in bare for name in (reading_name(self.mechanism, r), f"platform.{r}")]
-        read = [*self.distances, *(c for o in self.observables.values() for c in o.columns)]
-        sigmas = (*joints, *(s for o in both for s in o.sigmas), *self.distances)
-        own = (*joints, *placed, *(f"sigma_{s}" for s in sigmas), *WEDGE, *read)
+        read = [c for o in beside for c in o.columns]
+        sigmas = [f"sigma_{s}" for o in (*joints, *PLATFORM.values(), *beside) for s in o.sigmas]
+        own = (*(o.name for o in joints), *placed, *sigmas, *WEDGE, *read)
         known = tuple(dict.fromkeys(own))
         made = table.matched(
             known,
@@ -118,8 +123,7 @@ class ColumnReader:
     def joints(self) -> np.ndarray:
         values = np.zeros((len(self.table), len(self.mechanism.actuated)))
         for k, c in enumerate(self.mechanism.actuated):
-            unit = "rad" if c.is_angular else self.mechanism.length_unit
-            values[:, k] = self.table.numbers(c.name, measure_of(c), unit)
+            values[:, k] = self._numbers([c.name], of_joint(c).measure, empty=False)[:, 0]
             self._check_range(c, values[:, k])
         self._note_repeats(values)
         return values
@@ -149,13 +153,13 @@ class ColumnReader:
                 f"above is needed",
             )
         low, high = c.limits or (-np.inf, np.inf)
-        unit = 1 / UNITS[self.mechanism.angle_unit][1] if c.is_angular else 1.0
+        unit = self.mechanism.value_out(c, 1.0)
         outside = (values < low) | (values > high)
         if np.any(outside):
             self.notes.append(
                 f"{c.name}: {int(outside.sum())} of {len(values)} readings lie outside its limits "
                 f"{low * unit:g} to {high * unit:g} "
-                f"{unit_of(self.mechanism, measure_of(c))} (line "
+                f"{self.mechanism.unit_of(c)} (line "
                 f"{self._lines(np.flatnonzero(outside))})"
             )
         if len(values) > 2 and np.ptp(values) == 0.0:
@@ -194,17 +198,17 @@ class ColumnReader:
             )
         return None if empty.all() else values
 
-    def channel(self, o: Observable) -> tuple[np.ndarray | None, np.ndarray | None]:
-        """Read an observable, None where nothing is in its columns, and its standard deviations,
-        None without them.
-        """
-        own, oriented = bool(o.of), o.kind == "orientation"
+    def read(self, o: Observable) -> Reading | None:
+        """Read an observable and its standard deviations, None where nothing is in its columns."""
+        own, oriented = o.by_name, o.kind == "orientation"
         if oriented or o.kind == "inclination":
             values = self.together(o.columns, None if oriented else "angle", own=own)
         else:
             values = self._numbers([self._column(c, own=own) for c in o.columns], o.measure)
-            values = None if np.all(np.isnan(values)) else values
-        if values is not None and (oriented or o.kind == "distance"):
+        sigma = self.sigmas(o)
+        if values is None or np.all(np.isnan(values)):
+            return None
+        if oriented or o.kind == "distance":
             norms = np.linalg.norm(values, axis=1) if oriented else values[:, 0]
             bad = np.abs(norms - 1.0) > 1e-2 if oriented else norms <= 0.0
             text = "a distance of {:g}; a positive number is needed"
@@ -212,7 +216,7 @@ class ColumnReader:
                 text = "the quaternion has norm {:.6g}; allowed: 1 to within 0.01"
             for row in np.flatnonzero(bad):
                 raise self._error(row, o.columns[0], text.format(norms[row]))
-        return values, self.sigmas(o)
+        return Reading(o.key, values, sigma, o.ends)
 
     def euler(self) -> tuple[str | None, np.ndarray | None]:
         """Read Euler angles: the sequence of the header, None where it names none, and the
@@ -233,23 +237,16 @@ class ColumnReader:
         prefix = "euler_" if sequence is None else f"euler_{sequence}_"
         return sequence, self.together([prefix + k for k in "123"], "angle")
 
-    def distance(self, name: str, platform: Sequence[float], base: Sequence[float]) -> Distance:
-        """Read a distance between a point of the platform and one of the base."""
-        column = DISTANCE + name
-        values, sigma = self.channel(Observable("distance", "distance", (), (column,), ("length",)))
-        if values is None:
-            raise InputError(
-                f"{self.table.path}: column {column!r} is missing or empty; --distance {name} "
-                f"names it"
-            )
-        return Distance(
-            platform, base, values[:, 0], None if sigma is None else sigma[:, 0], column
-        )
-
-    def observed(self) -> tuple[Reading, ...]:
-        """Read what is read of passive joints, named points and other links."""
-        found = [(o.name, *self.channel(o)) for o in self.observables.values()]
-        return tuple(Reading(name, values, s) for name, values, s in found if values is not None)
+    def beside(self) -> tuple[Reading, ...]:
+        """Read distances, and what is read of passive joints, named points and other links."""
+        found = [(o, self.read(o)) for o in (*self.distances, *self.observables.values())]
+        for o, reading in found:
+            if o.ends and reading is None:
+                raise InputError(
+                    f"{self.table.path}: column {o.key!r} is missing or empty; "
+                    f"--distance {o.key.removeprefix(DISTANCE)} names it"
+                )
+        return tuple(reading for _, reading in found if reading is not None)
 
     def sigmas(self, o: Observable) -> np.ndarray | None:
         """Read the standard deviations (n, w) of an observable: for each of its columns that is
@@ -275,11 +272,10 @@ class ColumnReader:
         return self._sigmas(names, o.measure)
 
     def joint_sigmas(self) -> np.ndarray | None:
-        names = [f"sigma_{c.name}" for c in self.mechanism.actuated]
-        if not any(name in self.table.columns for name in names):
+        joints = [of_joint(c) for c in self.mechanism.actuated]
+        if not any(f"sigma_{o.name}" in self.table.columns for o in joints):
             return None
-        measures = map(measure_of, self.mechanism.actuated)
-        return np.hstack([self._sigmas([n], m) for n, m in zip(names, measures, strict=True)])
+        return np.hstack([self._sigmas([f"sigma_{o.name}"], o.measure) for o in joints])
 
     def _sigmas(self, names: Sequence[str | None], measure: Measure) -> np.ndarray:
         for name in names:
@@ -308,17 +304,25 @@ class ColumnReader:
         held = (c for c in found if c in self.table.columns)
         return next((c for c in held if any(map(str.strip, self.table.text(c)))), None)
 
-    def _numbers(self, names: Sequence[str | None], measure: Measure | None) -> np.ndarray:
-        """Numbers (n, k) of columns, NaN for those that are not there and for empty cells."""
+    def _numbers(
+        self, names: Sequence[str | None], measure: Measure | None, *, empty: bool = True
+    ) -> np.ndarray:
+        """Numbers (n, k) of columns, NaN for those that are not there and for `empty` cells, which
+        are refused else.
+        """
         unit = {"length": self.mechanism.length_unit, "angle": "rad"}.get(measure or "")
-        empty = [np.nan] * len(self.table)
+        none = [np.nan] * len(self.table)
         columns = [
-            empty if name is None else self.table.numbers(name, measure, unit, empty=True)
+            none if name is None else self.table.numbers(name, measure, unit, empty=empty)
             for name in names
         ]
         return np.array(columns).T
 
 
+DistancePoints = tuple[Sequence[float], Sequence[float]]
+"""Ends of a distance: a point of the platform frame (tool frame of an arm) and one of the base
+frame, length unit.
+"""
 WEDGE = ("wedge_alpha", "wedge_beta")
 """Columns of a plan that a measurement file may keep; they say where the configuration was meant to
 be, not what was read.
@@ -333,11 +337,6 @@ _MAX_LISTED_COLUMNS = 12
 """Most columns of joints, points and links that a message lists."""
 
 
-def unit_of(mechanism: Mechanism, measure: Measure) -> str:
-    """Return the file's unit of lengths or angles."""
-    return mechanism.length_unit if measure == "length" else mechanism.angle_unit
-
-
 def reading_name(mechanism: Mechanism, name: str) -> str:
     """Name the column of a reading: its name, or platform.NAME where a joint has that name."""
     return (
@@ -345,11 +344,6 @@ def reading_name(mechanism: Mechanism, name: str) -> str:
         if any(c.name == name for c in mechanism.coordinates if c.width == 1)
         else name
     )
-
-
-def measure_of(c: Coordinate) -> Measure:
-    """Say whether a coordinate is a length or an angle."""
-    return "angle" if c.is_angular else "length"
 
 
 def columns_of_platform_link(

@@ -38,23 +38,23 @@ import numpy as np
 from symkin.calibration.data.columns import (
     WEDGE,
     ColumnReader,
-    measure_of,
+    DistancePoints,
     reading_name,
-    unit_of,
 )
 from symkin.calibration.data.measurements import NO_GROUP, Measurements
-from symkin.calibration.data.observables import PLATFORM, Measure
+from symkin.calibration.data.observables import (
+    PLATFORM,
+    ParameterKind,
+    of_joint,
+    unit_of,
+    value_out,
+)
 from symkin.errors import InputError
 from symkin.files.csv_table import read_table
 from symkin.files.euler_columns import SEQUENCES
 from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.spatial.rotation import euler_from_quaternion, quaternion_from_euler
 from symkin.text import first_of, not_among
-
-DistancePoints = tuple[Sequence[float], Sequence[float]]
-"""Ends of a distance: a point of the platform frame (tool frame of an arm) and one of the base
-frame, length unit.
-"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,18 +128,18 @@ def read_measurements(
     that names file, line and column.
     """
     require_mechanism(mechanism)
-    points = distances or {}
     table = read_table(path)
-    reader = ColumnReader(table, mechanism, tuple(points))
+    reader = ColumnReader(table, mechanism, distances or {})
     if not len(table):
         raise InputError(
             f"{path}: the file has a header and no row; one row for each posture is needed"
         )
     groups = reader.groups()
-    kinds = ("inclination", "position", "orientation")
-    found = {kind: reader.channel(PLATFORM[kind]) for kind in kinds}
-    readings: dict[str, Any] = {kind: values for kind, (values, _) in found.items()}
-    readings |= {f"{kind}_sigma": sigma for kind, (_, sigma) in found.items()}
+    readings: dict[str, Any] = {"group_sigma": reader.sigmas(PLATFORM["group"])}
+    for kind in ("inclination", "position", "orientation"):
+        reading = reader.read(o := PLATFORM[kind])
+        readings[kind] = None if reading is None else reading.values
+        readings[f"{kind}_sigma"] = reader.sigmas(o) if reading is None else reading.sigma
     sequence, angles = reader.euler()
     if angles is not None and readings["orientation"] is not None:
         raise InputError(
@@ -151,10 +151,8 @@ def read_measurements(
     measurements = Measurements(
         reader.joints(),
         groups=groups,
-        distances=[reader.distance(name, *ends) for name, ends in points.items()],
-        readings=reader.observed(),
+        readings=reader.beside(),
         joint_sigma=reader.joint_sigmas(),
-        group_sigma=reader.sigmas(PLATFORM["group"]),
         labels=tuple(f"line {line}" for line in table.lines),
         **readings,
     )
@@ -194,25 +192,28 @@ def measurements_text(
     table = CsvColumns(mechanism)
     if measurements.groups is not None:
         table.text("group", ["" if g == NO_GROUP else str(g + 1) for g in measurements.groups])
-    for k, c in enumerate(mechanism.actuated):
-        table.number(c.name, measurements.joints[:, k], measure_of(c))
-    channels = [c for c in measurements.channels(mechanism) if c[0].kind != "group"]
-    for o, r in channels:
-        columns, values, measure = o.columns, r.values, None if r.is_orientation else o.measure
+    joints = [of_joint(c) for c in mechanism.actuated]
+    for o, values in zip(joints, measurements.joints.T, strict=True):
+        table.number(o.name, values, o.measure)
+    channels = measurements.channels(mechanism)
+    for o, r in (channel for channel in channels if channel[0].kind != "group"):
+        columns, values = o.columns, r.values
+        kind: ParameterKind = "number" if r.is_orientation else o.measure
         if not o.of:
             columns = tuple(reading_name(mechanism, name) for name in columns)
         if o is PLATFORM["orientation"] and sequence is not None:
-            begin, measure = "euler_" if hidden else f"euler_{sequence}_", "angle"
+            begin, kind = "euler_" if hidden else f"euler_{sequence}_", "angle"
             columns = tuple(begin + k for k in "123")
             values = np.asarray(euler_from_quaternion(values.T, sequence)).T
         for k, name in enumerate(columns):
-            table.number(name, values[:, k], measure)
-    joint_sigma = measurements.sigma("joint")
-    for k, c in enumerate(mechanism.actuated if joint_sigma is not None else ()):
-        table.number(f"sigma_{c.name}", joint_sigma[:, k], measure_of(c))  # type: ignore[index]
-    for o, r in measurements.channels(mechanism):
-        for k, name in enumerate(o.sigmas if r.sigma is not None else ()):
-            table.number(f"sigma_{name}", np.asarray(r.sigma)[:, k], o.measure)
+            table.number(name, values[:, k], kind)
+    sigmas = [(o, r.sigma) for o, r in channels]
+    if measurements.joint_sigma is not None:
+        of_joints = np.asarray(measurements.joint_sigma)[:, :, None]
+        sigmas = [*zip(joints, of_joints.transpose(1, 0, 2), strict=True), *sigmas]
+    for o, sigma in sigmas:
+        for k, name in enumerate(o.sigmas if sigma is not None else ()):
+            table.number(f"sigma_{name}", np.asarray(sigma)[:, k], o.measure)
     return table.csv(comments)
 
 
@@ -228,12 +229,11 @@ class CsvColumns:
         self.headers.append(name)
         self.cells.append(list(cells))
 
-    def number(self, name: str, values: np.ndarray, measure: Measure | None) -> None:
-        unit = "" if measure is None else f"[{unit_of(self.mechanism, measure)}]"
-        out = [
-            self.mechanism.angle_out(float(v)) if measure == "angle" else float(v) for v in values
-        ]
-        self.text(name + unit, ["" if np.isnan(v) else repr(v) for v in out])
+    def number(self, name: str, values: np.ndarray, kind: ParameterKind) -> None:
+        unit = unit_of(self.mechanism, kind)
+        out = [value_out(self.mechanism, kind, float(v)) for v in values]
+        header = f"{name}[{unit}]" if unit else name
+        self.text(header, ["" if np.isnan(v) else repr(v) for v in out])
 
     def csv(self, comments: Sequence[str]) -> str:
         text = io.StringIO()

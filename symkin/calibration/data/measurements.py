@@ -11,11 +11,16 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 from functools import partial
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 
-from symkin.calibration.data.observables import PLATFORM, Observable, observables_named
+from symkin.calibration.data.observables import (
+    PLATFORM,
+    Observable,
+    distance_to_base,
+    observables_named,
+)
 from symkin.computed_once import cached_property
 from symkin.errors import InputError
 from symkin.model.joint import units_of, vector3
@@ -27,33 +32,15 @@ NO_GROUP = -1
 """Group number of a configuration that belongs to no group."""
 _TABLES = ("inclination", "position", "orientation")
 """Kinds of readings of the platform that are tables of numbers."""
-_Single = TypeVar("_Single", "Distance", "Reading")
-
-
-@dataclass(frozen=True, eq=False)
-class Distance:
-    """Distances |X platform - base| between a point of the platform frame and one of the base
-    frame: `values` (n,), NaN where none was taken; `sigma` is a number or (n,).
-    """
-
-    platform: Sequence[float]
-    base: Sequence[float]
-    values: np.ndarray
-    sigma: float | np.ndarray | None = None
-    name: str = "distance"
-
-    def __post_init__(self) -> None:
-        keep = partial(object.__setattr__, self)
-        for end in ("platform", "base"):
-            keep(end, vector3(getattr(self, end), f"{self.name}: {end}"))
-        keep("values", np.asarray(self.values, dtype=float))
-        keep("sigma", _sigma(self.sigma, f"{self.name}: sigma", self.values.shape))
+_TABLE_OF = {"joint": "joints", "group": "groups"}
+"""Tables that are not called as what they hold."""
 
 
 @dataclass(frozen=True, eq=False)
 class Reading:
     """Readings of a passive joint, a named point, a distance of two or another link than the
-    platform's, by its `name`.
+    platform's, by its `name`; or, with `ends`, of the distance between a point of the platform
+    frame and one of the base frame, whatever it is called.
 
     Names are "follower" (a joint), "point.toe" (in the base frame), "distance.toe.hip",
     "coupler.position", "coupler.orientation" (unit quaternions) and "coupler.inclination" of a
@@ -70,16 +57,23 @@ class Reading:
     name: str
     values: np.ndarray
     sigma: float | np.ndarray | None = None
+    ends: Sequence[Sequence[float]] = ()
 
     def __post_init__(self) -> None:
-        values = np.array(self.values, dtype=float)
+        keep, values = partial(object.__setattr__, self), np.array(self.values, dtype=float)
         values = values[:, None] if values.ndim == 1 else _matrix(values, self.name)
         width = values.shape[1]
         if self.is_orientation:
             values, width = _unit_quaternions(values, self.name), 3
-        object.__setattr__(self, "values", values)
-        sigma = _sigma(self.sigma, f"{self.name}: sigma", (len(values), width))
-        object.__setattr__(self, "sigma", sigma)
+        keep("values", values)
+        keep("sigma", _sigma(self.sigma, f"{self.name}: sigma", (len(values), width)))
+        if len(self.ends) not in (0, 2):
+            raise InputError(
+                f"{self.name}: {len(self.ends)} ends; a point of the platform and one of the base "
+                f"are needed"
+            )
+        sides = zip(self.ends, ("platform", "base"), strict=False)
+        keep("ends", tuple(vector3(end, f"{self.name}: {side}") for end, side in sides))
 
     @property
     def is_orientation(self) -> bool:
@@ -99,8 +93,8 @@ class Measurements:
     inclination (n, 2)       alpha, beta
     position (n, 3)          platform origin in the base frame, any of its components
     orientation (n, 4)       unit quaternion w, x, y, z (all four or NaN)
-    distances                see `Distance`
-    readings                 of passive joints, named points, other links: see `Reading`
+    readings                 of passive joints, named points, other links, distances: see
+                             `Reading`
     *_sigma                  standard deviations: a number or an array that broadcasts to the
                              readings (orientation: of the rotation vector's components,
                              (n, 3)); None: unknown, and then estimated from the fit
@@ -123,7 +117,6 @@ class Measurements:
     inclination: np.ndarray | None = None
     position: np.ndarray | None = None
     orientation: np.ndarray | None = None
-    distances: Sequence[Distance] = ()
     readings: Sequence[Reading] = ()
     joint_sigma: float | np.ndarray | None = None
     group_sigma: float | np.ndarray | None = None
@@ -166,10 +159,8 @@ class Measurements:
         for kind, width in (("joint", joints.shape[1]), *widths.items()):
             key = f"{kind}_sigma"
             keep(key, _sigma(getattr(self, key), key, (count, width)))
-        keep("distances", tuple(self.distances))
         keep("readings", tuple(self.readings))
-        every: list[Any] = [*self.distances, *self.readings]
-        for r in every:
+        for r in self.readings:
             _shaped(r.values, (count, *r.values.shape[1:]), r.name)
 
     def __len__(self) -> int:
@@ -184,7 +175,7 @@ class Measurements:
     @property
     def observed(self) -> tuple[str, ...]:
         """Names of what is read beside actuated joints and the platform."""
-        return tuple(r.name for r in self.readings)
+        return tuple(r.name for r in self.readings if not r.ends)
 
     @property
     def quaternions(self) -> np.ndarray:
@@ -214,33 +205,30 @@ class Measurements:
         return places[number], first[kept]
 
     @property
-    def _own(self) -> list[tuple[Observable, Reading]]:
-        """What was read of the platform, and distances from it to the base."""
+    def _of_platform(self) -> list[Reading]:
+        """What was read of the platform; of groups zeros."""
         held = np.where(self.grouping[0] >= 0, 0.0, np.nan)
-        tables = {"group": None if self.groups is None else np.column_stack([held, held])}
-        tables |= {kind: getattr(self, kind) for kind in _TABLES}
-        own = [
-            (PLATFORM[k], Reading(k, t, self.sigma(k))) for k, t in tables.items() if t is not None
-        ]
-        for d in self.distances:
-            ends = (tuple(d.platform), tuple(d.base))
-            what = Observable("distance", "distance", (), (d.name,), (d.name,), ends=ends)
-            own.append((what, Reading(d.name, d.values, d.sigma)))
-        return own
+        groups = None if self.groups is None else np.column_stack([held, held])
+        tables = {"group": groups, **{kind: getattr(self, kind) for kind in _TABLES}}
+        return [Reading(k, t, self.sigma(k)) for k, t in tables.items() if t is not None]
 
     def channels(self, mechanism: Mechanism) -> tuple[tuple[Observable, Reading], ...]:
-        """All that was read beside the joints: what it is, and the readings; of groups zeros."""
-        others = observables_named(mechanism, self.observed)
-        return (*self._own, *zip(others, self.readings, strict=True))
+        """All that was read beside the joints: what it is, and the readings."""
+        others = iter(observables_named(mechanism, self.observed))
+        own = [(PLATFORM[r.name], r) for r in self._of_platform]
+        beside = [
+            (distance_to_base(r.name, r.ends) if r.ends else next(others), r) for r in self.readings
+        ]
+        return (*own, *beside)
 
     @property
     def is_read(self) -> np.ndarray:
         """Tell which configurations (n,) hold any reading beside the joints; a group of one
         configuration is none.
         """
-        readings = [*(r for _, r in self._own), *self.readings]
-        tables = [np.zeros((len(self), 0)), *(r.values for r in readings)]
-        return np.asarray(np.any(np.isfinite(np.hstack(tables)), axis=1))
+        tables = [r.values for r in (*self._of_platform, *self.readings)]
+        whole = np.hstack([np.zeros((len(self), 0)), *tables])
+        return np.asarray(np.any(np.isfinite(whole), axis=1))
 
     def subset(self, configurations: Sequence[int] | np.ndarray) -> Measurements:
         """Keep the readings of some configurations, by number from 0 or by mask."""
@@ -250,31 +238,31 @@ class Measurements:
             value = getattr(self, item.name)
             if isinstance(value, np.ndarray) and value.ndim and len(value) == len(self):
                 changes[item.name] = value[index]
-        for name in ("distances", "readings"):
-            changes[name] = tuple(
-                replace(r, values=r.values[index], sigma=_at(r.sigma, index))
-                for r in getattr(self, name)
-            )
+        changes["readings"] = [
+            replace(r, values=r.values[index], sigma=None if r.sigma is None else r.sigma[index])  # type: ignore[index]
+            for r in self.readings
+        ]
         return replace(self, **changes)
+
+    def replaced(self, name: str, *, by_name: bool = False, **changes: Any) -> Measurements:
+        """Replace the `values` or the `sigma` of a table (`joint`, `group`, `inclination`, ...), or
+        of readings that are held `by_name`.
+        """
+        if by_name:
+            readings = [replace(r, **changes) if r.name == name else r for r in self.readings]
+            return replace(self, readings=readings)
+        keys = {"values": _TABLE_OF.get(name, name), "sigma": f"{name}_sigma"}
+        return replace(self, **{keys[key]: value for key, value in changes.items()})
 
     def without(self, configuration: int, kind: str) -> Measurements:
         """Leave out one reading: the kind is group, inclination, position, orientation or the name
-        of a distance or other reading.
+        of another reading.
         """
-        if kind == "group" and self.groups is not None:
-            groups = self.groups.copy()
-            groups[configuration] = NO_GROUP
-            return replace(self, groups=groups)
-        if kind in _TABLES:
-            table = np.array(getattr(self, kind))
-            table[configuration] = np.nan
-            changes: dict[str, Any] = {kind: table}
-            return replace(self, **changes)
-        return replace(
-            self,
-            distances=[_left_out(d, configuration, kind) for d in self.distances],
-            readings=[_left_out(r, configuration, kind) for r in self.readings],
-        )
+        table = getattr(self, _TABLE_OF.get(kind, kind)) if kind in PLATFORM else None
+        named = {r.name: r.values for r in self.readings} if table is None else {kind: table}
+        values = np.array(named[kind])
+        values[configuration] = NO_GROUP if kind == "group" and table is not None else np.nan
+        return self.replaced(kind, by_name=table is None, values=values)
 
     def check(self, mechanism: Mechanism) -> None:
         """Refuse readings of another number of joints than the mechanism has, and of what it does
@@ -304,19 +292,8 @@ class Measurements:
                     f"by [platform] link, or read named points (point.NAME) and other links "
                     f"(LINK.position, LINK.orientation, LINK.inclination)"
                 )
-            if o.of:
+            if o.kind != "group":
                 _shaped(reading.values, (len(self), o.width), reading.name)
-
-
-def _left_out(reading: _Single, configuration: int, kind: str) -> _Single:
-    """A distance or another reading without its value at a configuration, where it has that
-    name.
-    """
-    if reading.name != kind:
-        return reading
-    values = np.array(reading.values)
-    values[configuration] = np.nan
-    return replace(reading, values=values)
 
 
 def _unit_quaternions(values: np.ndarray, what: str, labels: Sequence[str] = ()) -> np.ndarray:
@@ -379,7 +356,3 @@ def _sigma(value: Any, what: str, shape: tuple[int, ...]) -> np.ndarray | None:
             f"{what} = {float(given.min()):g}: a standard deviation must be finite and positive"
         )
     return array
-
-
-def _at(sigma: Any, index: np.ndarray) -> np.ndarray | None:
-    return None if sigma is None else sigma[index]

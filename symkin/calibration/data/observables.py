@@ -24,7 +24,7 @@ from symkin.computed_once import lru_cache
 from symkin.errors import InputError
 from symkin.model.graph import LinkPoint
 from symkin.model.graph_checks import links_of
-from symkin.model.joint import BASE
+from symkin.model.joint import BASE, Coordinate
 from symkin.model.mechanism import Mechanism
 from symkin.spatial.backend import dot
 from symkin.spatial.pose import Pose
@@ -34,7 +34,8 @@ ObservableKind = Literal[
     "joint", "point", "distance", "position", "orientation", "inclination", "group"
 ]
 Measure = Literal["length", "angle"]
-POSE_COLUMNS: dict[str, tuple[str, ...]] = {
+ParameterKind = Literal["length", "angle", "number"]
+POSE_COLUMNS: dict[ObservableKind, tuple[str, ...]] = {
     "group": ("group",),
     "inclination": ("alpha", "beta"),
     "position": ("x", "y", "z"),
@@ -57,6 +58,16 @@ class Observable:
     components: tuple[str, ...]
     angular: bool = False
     ends: tuple[tuple[float, ...], ...] = ()
+
+    @property
+    def by_name(self) -> bool:
+        """Whether its readings are held by their name, and not as a table of the platform."""
+        return bool(self.of or self.ends)
+
+    @property
+    def key(self) -> str:
+        """The name of its readings."""
+        return self.columns[0] if self.ends else self.name
 
     @property
     def sigmas(self) -> tuple[str, ...]:
@@ -93,10 +104,22 @@ def _of_link(kind: ObservableKind, *link: str) -> Observable:
     )
 
 
-PLATFORM: dict[str, Observable] = {
-    kind: _of_link(kind) for kind in ("group", "inclination", "position", "orientation")
-}
+PLATFORM: dict[str, Observable] = {kind: _of_link(kind) for kind in POSE_COLUMNS}
 """What is read of the platform, in the order of its columns; distances follow, then all else."""
+
+
+def of_joint(c: Coordinate) -> Observable:
+    """What an encoder reads of a coordinate."""
+    measure: Measure = "angle" if c.is_angular else "length"
+    return Observable(c.name, "joint", (c.name,), (c.name,), (measure,), angular=c.is_angular)
+
+
+def distance_to_base(name: str, ends: Sequence[Sequence[float]]) -> Observable:
+    """The distance between a point of the platform frame and one of the base frame, by the name of
+    its column.
+    """
+    held = tuple(map(tuple, ends))
+    return Observable("distance", "distance", (), (name,), (name,), ends=held)
 
 
 @lru_cache(maxsize=64)
@@ -104,22 +127,12 @@ def observables(mechanism: Mechanism) -> dict[str, Observable]:
     """All that can be read of a mechanism by name beside actuated joints and platform, distances in
     both orders of their points.
     """
-    found = [
-        Observable(
-            c.name,
-            "joint",
-            (c.name,),
-            (c.name,),
-            ("angle" if c.is_angular else "length",),
-            angular=c.is_angular,
-        )
-        for c in mechanism.coordinates
-        if c.role == "passive" and not c.is_rotation
-    ]
+    passive = (c for c in mechanism.coordinates if c.role == "passive" and not c.is_rotation)
+    found = [of_joint(c) for c in passive]
     points = [point.name for point in mechanism.link_points]
     for point in points:
         columns = tuple(f"point.{point}.{k}" for k in "xyz")
-        found.append(Observable(f"point.{point}", "point", (point,), columns, ("x", "y", "z")))
+        found.append(Observable(f"point.{point}", "point", (point,), columns, tuple("xyz")))
     for pair in permutations(points, 2):
         name = f"distance.{pair[0]}.{pair[1]}"
         found.append(Observable(name, "distance", pair, (name,), ("length",)))
@@ -165,12 +178,28 @@ def unknown_observable(mechanism: Mechanism, name: str, besides: Sequence[str] =
     return f"nothing of {mechanism.name} is read as {shown(name)}{meant(name, known)}{listed}"
 
 
-def is_angular(mechanism: Mechanism, kind: str) -> bool:
-    """Tell whether readings of a kind, of the platform or by the name of an observable, are
-    angles.
+def measure_of(mechanism: Mechanism, kind: str) -> Measure:
+    """Say whether readings of a kind, of the platform or by the name of an observable, are lengths
+    or angles.
     """
     found = PLATFORM.get(kind) or observables(mechanism).get(kind)
-    return found is not None and found.angular
+    return "length" if found is None else found.measure
+
+
+def unit_of(mechanism: Mechanism, kind: ParameterKind) -> str:
+    """The unit in which lengths and angles are written; none for numbers."""
+    m = mechanism
+    return {"length": m.length_unit, "angle": m.angle_unit, "number": ""}[kind]
+
+
+def value_out(mechanism: Mechanism, kind: ParameterKind, value: float) -> float:
+    """A length, angle or number in the mechanism's unit."""
+    return mechanism.angle_out(value) if kind == "angle" else value
+
+
+def written(mechanism: Mechanism, kind: ParameterKind, value: float, digits: str = "+.3g") -> str:
+    """Write a length, angle or number with its unit."""
+    return f"{value_out(mechanism, kind, value):{digits}} {unit_of(mechanism, kind)}".strip()
 
 
 def observing_closure(mechanism: Mechanism, names: Sequence[str]) -> Closure:

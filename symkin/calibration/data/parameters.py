@@ -6,12 +6,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import Any, Literal, TypeVar
+from typing import Any, TypeVar
 
 import casadi as ca
 import numpy as np
 
 from symkin.calibration.data.observables import (
+    ParameterKind,
     observables_named,
     observed,
     observing_closure,
@@ -29,7 +30,6 @@ from symkin.model.limb import Limb, Rod, RodLimb
 from symkin.model.mechanism import Mechanism, serial_arm_from_dh
 from symkin.text import meant
 
-ParameterKind = Literal["length", "angle", "number"]
 MEASURING_FRAMES = tuple(
     f"{frame}.{what}.{k}"
     for frame in ("world", "target")

@@ -138,7 +138,7 @@ def moved(
     if platform in twists:
         path = f"{mechanism.frame_name}.quaternion"
         q, w = vector_values(values, path, "wxyz"), twists[platform][3:]
-        turned = 0.5 * np.asarray(multiply(np.array([0.0, *w]), q))
+        turned = 0.5 * multiply(np.array([0.0, *w]), q)
         velocity |= vector_velocity(path, turned, "wxyz")
         put(f"{mechanism.frame_name}.position", platform)
     return velocity

@@ -90,7 +90,7 @@ class ExchangeSearch:
         weak = np.concatenate([np.full(self.width, self.prior), np.full(2 * self.wedges, 1.0)])
         factor = np.linalg.qr(np.vstack([flat, np.diag(np.sqrt(weak))]), mode="r")
         root = np.linalg.solve(factor, np.eye(len(weak)))
-        return np.asarray(root @ root.T)
+        return root @ root.T
 
     def value(self, c: np.ndarray) -> float:
         """Return the criterion, less is better."""

@@ -15,21 +15,22 @@ from typing import Any, Unpack
 
 import numpy as np
 
-from symkin.calibration.data.columns import WEDGE, measure_of
+from symkin.calibration.data.columns import WEDGE
 from symkin.calibration.data.files import CsvColumns
+from symkin.calibration.data.observables import of_joint
 from symkin.calibration.design.exchange_algorithm import (
     Candidates,
     Criterion,
     ExchangeSearch,
 )
-from symkin.calibration.design.plan_options import PlanOptions
-from symkin.calibration.design.reading_slopes import reading_slopes, readings_problem
 from symkin.calibration.design.simulation import (
     Noise,
     group_numbers,
-    observed_kinds,
-    platform_kinds,
+    names_beside,
     random_configurations,
+    reading_slopes,
+    readings_problem,
+    taken_readings,
 )
 from symkin.calibration.estimate.configurations import ClosedConfigurations
 from symkin.calibration.estimate.problem import (
@@ -38,10 +39,11 @@ from symkin.calibration.estimate.problem import (
 )
 from symkin.calibration.estimate.state import evaluate, unbound
 from symkin.calibration.estimate.workspace import Workspace, lever
+from symkin.calibration.judge.accuracy import pose_slopes
 from symkin.calibration.judge.departure import less_frames
 from symkin.calibration.judge.identifiability import told_rank
-from symkin.calibration.judge.pose_accuracy import pose_slopes
 from symkin.calibration.judge.result import length_and_angle
+from symkin.calibration.options import PlanOptions
 from symkin.errors import InputError
 from symkin.ignored_options import refuse_ignored
 from symkin.model.mechanism import Mechanism
@@ -238,7 +240,7 @@ def plan_measurements(
     workspace = Workspace.about(workspace) if isinstance(workspace, Mechanism) else workspace
     noise = noise if isinstance(noise, Noise) else _noise_by_name(noise)
     _check(options, configurations)
-    platform_kinds(workspace.mechanism, options["readings"], grouped=options["groups"] > 0)
+    taken_readings(workspace.mechanism, options["readings"], grouped=options["groups"] > 0)
     task = _Task(workspace, configurations, noise, options)
     pool = task.chosen_candidates()
     order = np.argsort(pool.wedge, kind="stable")
@@ -286,7 +288,7 @@ class _Task:
     ) -> None:
         self.workspace, self.count, self.noise, self.options = workspace, count, noise, options
         self.mechanism, self.rng = workspace.mechanism, np.random.default_rng(options["seed"])
-        read = tuple(o.name for o in observed_kinds(self.mechanism, options["readings"]))
+        read = names_beside(self.mechanism, options["readings"])
         self.names = (
             default_parameters(self.mechanism, read)
             if options["parameters"] is None
@@ -361,22 +363,17 @@ class _Task:
         return 0 if self.offered is None else len(self.offered)
 
     def candidates(self, pool: ClosedConfigurations, wedge: np.ndarray) -> Candidates:
-        slopes = reading_slopes(
-            self.mechanism,
-            pool,
-            self.options["readings"],
-            self.noise,
-            self.names,
-            grouped=bool(np.all(wedge >= 0)),
-        )
-        return Candidates(slopes.parameters @ self.allowed, slopes.group, wedge)
+        what = self.options["readings"], self.noise, self.names
+        grouped = bool(np.all(wedge >= 0))
+        rows, group = reading_slopes(self.mechanism, pool, *what, grouped=grouped)
+        return Candidates(rows @ self.allowed, group, wedge)
 
     def rank(self, made: ClosedConfigurations, groups: np.ndarray) -> int:
         """Count the combinations of parameters that a fit of readings there determines."""
         problem, z = readings_problem(
             self.mechanism, made, groups, self.options["readings"], self.noise, self.names
         )
-        return told_rank(problem, evaluate(problem, problem.model.nominal, z, "means"))
+        return told_rank(problem, evaluate(problem, problem.model.nominal, z))
 
     def observe(self, slopes: Candidates) -> None:
         """Keep the directions of parameter space that all candidates together determine."""
@@ -395,7 +392,7 @@ class _Task:
         """Average squared pose slopes in the observable directions, angles times the lever."""
         weight = np.array([1.0] * 3 + [self.length] * 3)[:, None]
         flat = (weight * (self.pose @ self.directions)).reshape(-1, self.directions.shape[1])
-        return np.asarray(flat.T @ flat / len(self.pose))
+        return flat.T @ flat / len(self.pose)
 
     def random_accuracy(self) -> Accuracy:
         """Predict what as many random configurations in as many random groups would reach."""
@@ -418,23 +415,15 @@ class _Task:
         spread = self.pose @ root
         draws = np.random.default_rng(self.seed).normal(size=(root.shape[1], _ERROR_DRAWS))
         errors = np.abs(np.einsum("nkp,pd->nkd", spread, draws))
-        worst = [
-            float(np.quantile(errors[:, part].max(axis=(0, 1)), 0.95))
-            for part in (slice(0, 3), slice(3, 6))
-        ]
-        variance = np.sum(spread**2, axis=2)
-        mean = [
-            float(np.sqrt(variance[:, part].sum(axis=1).mean()))
-            for part in (slice(0, 3), slice(3, 6))
-        ]
-        return Accuracy(
-            position=mean[0],
-            angle=mean[1],
-            worst_position=worst[0],
-            worst_angle=worst[1],
-            rank=self.rank(planned, groups),
-            parameters=len(self.names),
+        parts = [slice(0, 3), slice(3, 6)]
+        position, angle = (
+            float(np.sqrt(np.mean(np.sum(spread[:, part] ** 2, axis=(1, 2))))) for part in parts
         )
+        worst_position, worst_angle = (
+            float(np.quantile(errors[:, part].max(axis=(0, 1)), 0.95)) for part in parts
+        )
+        rank, count = self.rank(planned, groups), len(self.names)
+        return Accuracy(position, angle, worst_position, worst_angle, rank, count)
 
 
 def less_inclinations(slopes: Candidates, wedges: int) -> np.ndarray:
@@ -446,7 +435,7 @@ def less_inclinations(slopes: Candidates, wedges: int) -> np.ndarray:
             basis, _ = np.linalg.qr(slopes.group[inside].reshape(-1, slopes.group.shape[2]))
             flat = rows[inside].reshape(-1, rows.shape[2])
             rows[inside] = (flat - basis @ (basis.T @ flat)).reshape(-1, *rows.shape[1:])
-    return np.asarray(rows.reshape(-1, rows.shape[2]))
+    return rows.reshape(-1, rows.shape[2])
 
 
 def _principal_directions(rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -465,7 +454,7 @@ def plan_text(plan: Plan) -> str:
     if len(plan.wedges):
         table.text("group", [str(g + 1) for g in plan.groups])
     for k, c in enumerate(plan.mechanism.actuated):
-        table.number(c.name, plan.configurations.joints[:, k], measure_of(c))
+        table.number(c.name, plan.configurations.joints[:, k], of_joint(c).measure)
     for k, name in enumerate(WEDGE if len(plan.wedges) else ()):
         table.number(name, plan.wedges[plan.groups, k], "angle")
     return table.csv([plan.head("postures"), *plan.expected("postures")])

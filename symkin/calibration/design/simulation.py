@@ -1,35 +1,38 @@
-"""Simulate readings as a measuring system would take them of a mechanism with a known geometry."""
+"""Simulate readings as a measuring system would take them of a mechanism with a known geometry, and
+differentiate those that would be taken, over their standard deviations.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from symkin.calibration.data.measurements import NO_GROUP, Distance, Measurements, Reading
+from symkin.calibration.data.measurements import NO_GROUP, Measurements, Reading
 from symkin.calibration.data.observables import (
+    PLATFORM,
     Observable,
+    distance_to_base,
     observables,
     observables_named,
     unknown_observable,
 )
-from symkin.calibration.estimate.configuration_model import build_model
+from symkin.calibration.estimate.configuration_model import build_model, model_of
 from symkin.calibration.estimate.configurations import (
     ClosedConfigurations,
     refuse_undetermined,
     solve_configurations,
 )
+from symkin.calibration.estimate.problem import CalibrationProblem, build_calibration
+from symkin.calibration.estimate.residuals import noise_of, whitening
+from symkin.calibration.estimate.state import evaluate_at, joint_covariance_at
 from symkin.calibration.estimate.workspace import Workspace
 from symkin.closure.closure import build_closure
-from symkin.closure.link_poses import joint_readings, link_poses
 from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
-from symkin.position.readings import points_at
 from symkin.position.transfer import many_elsewhere
-from symkin.spatial.pose import Pose
-from symkin.spatial.rotation import euler_from_quaternion, multiply, quaternion_from_rotation_vector
+from symkin.spatial.rotation import multiply, quaternion_from_rotation_vector
 
 READING_CHOICES = ("inclination", "position", "orientation", "pose")
 """What may be read of the platform beside the joints; a pose is position and orientation. Groups
@@ -62,7 +65,7 @@ class Noise:
         unit = (
             rng.uniform(-np.sqrt(3), np.sqrt(3), shape) if self.uniform else rng.normal(size=shape)
         )
-        return np.asarray(sigma * unit)
+        return sigma * unit
 
     def joints(self, mechanism: Mechanism) -> np.ndarray:
         """Standard deviation of each actuated joint (a,)."""
@@ -74,13 +77,14 @@ class Noise:
         return float(getattr(self, others.get(kind, kind)))
 
 
-def platform_kinds(
+def taken_readings(
     mechanism: Mechanism, readings: Sequence[str], *, grouped: bool = False
-) -> tuple[str, ...]:
-    """Return which of the readings are of the platform. Raises InputError for what is unknown, and
-    for readings and groups (of equal inclination) of a platform that is not there.
+) -> tuple[Observable, ...]:
+    """Return what readings are by their names, those of the platform first; the pose of a link is
+    its position and its orientation. Raises InputError for what is unknown, and for readings and
+    groups (of equal inclination) of a platform that is not there.
     """
-    own = tuple(kind for kind in readings if kind in READING_CHOICES)
+    own = [kind for kind in readings if kind in READING_CHOICES]
     if (own or grouped) and mechanism.platform_link is None:
         what = f"readings: {own[0]!r} is read" if own else "groups: equal inclination is that"
         raise InputError(
@@ -89,23 +93,22 @@ def platform_kinds(
             "read named points (point.NAME) and other links (LINK.pose, LINK.position, "
             "LINK.orientation, LINK.inclination)"
         )
-    observed_kinds(mechanism, readings)
-    return own
-
-
-def observed_kinds(mechanism: Mechanism, readings: Sequence[str]) -> tuple[Observable, ...]:
-    """Return what else is read; a link's pose is its position and its orientation."""
     known, names = observables(mechanism), list[str]()
-    for name in readings:
-        if name in READING_CHOICES:
-            continue
+    for name in (name for name in readings if name not in own):
         link, _, last = name.rpartition(".")
         whole = [f"{link}.position", f"{link}.orientation"] if last == "pose" else [name]
         if not all(part in known for part in whole):
             besides = READING_CHOICES if mechanism.platform_link is not None else ()
             raise InputError(f"readings: {unknown_observable(mechanism, name, besides)}")
         names += whole
-    return observables_named(mechanism, names)
+    own += ["position", "orientation"] if "pose" in own else []
+    platform = [o for kind, o in PLATFORM.items() if kind in own]
+    return (*platform, *observables_named(mechanism, names))
+
+
+def names_beside(mechanism: Mechanism, readings: Sequence[str]) -> tuple[str, ...]:
+    """Name those of the readings that are not of the platform."""
+    return tuple(o.name for o in taken_readings(mechanism, readings) if o.of)
 
 
 def group_numbers(configurations: int, groups: int) -> np.ndarray:
@@ -202,80 +205,86 @@ def simulate_readings(
     `distances` points of the platform and of the base by the names of their columns.
     """
     grouped = bool(np.any(groups != NO_GROUP))
-    own = platform_kinds(mechanism, readings, grouped=grouped)
-    _refuse_undetermined(mechanism, true)
-
-    def read(kind: str, exact: np.ndarray, sigma: float) -> np.ndarray:
-        if kind != "orientation":
-            return np.asarray(exact + noise.draw(sigma, exact.shape, rng))
-        turn = quaternion_from_rotation_vector(noise.draw(sigma, (3, len(exact)), rng))
-        return np.asarray(multiply(exact.T, turn)).T
-
-    joint_sigma = noise.joints(mechanism)
-    changes: dict[str, Any] = {
-        "joints": true.joints + noise.draw(joint_sigma, true.joints.shape, rng),
-        "joint_sigma": joint_sigma if np.any(joint_sigma) else None,
-    }
-    if grouped:
-        changes |= {"groups": groups, "group_sigma": noise.group or None}
-    alpha, beta, _ = euler_from_quaternion(true.poses[:, 3:].T, "xyz")
-    platform = {
-        "inclination": np.column_stack([alpha, beta]),
-        "position": true.poses[:, :3],
-        "orientation": true.poses[:, 3:],
-    }
-    for kind, exact in platform.items():
-        if kind in own or ("pose" in own and kind != "inclination"):
-            sigma = noise.of(kind)
-            changes |= {kind: read(kind, exact, sigma), f"{kind}_sigma": sigma or None}
-    measured = []
-    for name, (end, base) in (distances or {}).items():
-        ends = np.array([Pose(row[:3], row[3:]).apply(np.array(end)) for row in true.poses])
-        values = read("distance", np.linalg.norm(ends - np.array(base), axis=1), noise.distance)
-        measured.append(Distance(end, base, values, noise.distance or None, name))
-    others = observed_kinds(mechanism, readings)
-    exactly = exact_readings(mechanism, true, others) if others else {}
-    beside = []
-    for o in others:
-        sigma = noise.of(o.kind, angular=o.angular)
-        beside.append(Reading(o.name, read(o.kind, exactly[o.name], sigma), sigma or None))
-    return Measurements(**changes, distances=measured, readings=beside)
-
-
-def _refuse_undetermined(mechanism: Mechanism, true: ClosedConfigurations) -> None:
-    """Refuse, as a fit would, joints that do not determine the configuration."""
-    model = build_model(mechanism, Measurements(true.joints), ())
+    to_base = [distance_to_base(name, ends) for name, ends in (distances or {}).items()]
+    taken = taken_readings(mechanism, readings, grouped=grouped)
+    # distances to the base stand before what is not of the platform, as in a file
+    read = sorted((*to_base, *taken), key=lambda o: 2 * bool(o.of) + bool(o.ends))
+    model = model_of(mechanism, tuple(read))
     values = many_elsewhere(model.closure, build_closure(mechanism), true.values)
     z = np.ascontiguousarray(values[:, true.joints.shape[1] :])
     refuse_undetermined(model, z, true.joints, model.nominal)
+    joint_sigma = noise.joints(mechanism)
+    made = Measurements(
+        true.joints + noise.draw(joint_sigma, true.joints.shape, rng),
+        joint_sigma=joint_sigma if np.any(joint_sigma) else None,
+        groups=groups if grouped else None,
+        group_sigma=(noise.group or None) if grouped else None,
+    )
+    beside = []
+    for o, exact in zip(read, model.exact_readings(z, true.joints), strict=True):
+        sigma = noise.of(o.kind, angular=o.angular)
+        if o.kind == "orientation":
+            turn = quaternion_from_rotation_vector(noise.draw(sigma, (3, len(exact)), rng))
+            exact = multiply(exact.T, turn).T
+        else:
+            exact = exact + noise.draw(sigma, exact.shape, rng)
+        if o.by_name:
+            beside.append(Reading(o.key, exact, sigma or None, o.ends))
+        else:
+            made = made.replaced(o.key, values=exact, sigma=sigma or None)
+    return replace(made, readings=beside)
 
 
-def exact_readings(
-    mechanism: Mechanism, true: ClosedConfigurations, read: Sequence[Observable]
-) -> dict[str, np.ndarray]:
-    """Values (n, w) of observables by name at closed configurations."""
-    closure = build_closure(mechanism)
-    poses = link_poses(closure, true.values)
-    joints, points = joint_readings(closure, poses), points_at(mechanism, poses)
-    found = {}
-    for o in read:
-        match o.kind:
-            case "joint":
-                held = (
-                    true.values[:, closure.slices[o.name]]
-                    if o.name in closure.slices
-                    else joints[o.name][:, None]
-                )
-                found[o.name] = np.asarray(held)
-            case "point":
-                found[o.name] = points[o.of[0]]
-            case "distance":
-                found[o.name] = np.linalg.norm(points[o.of[0]] - points[o.of[1]], axis=1)[:, None]
-            case "position":
-                found[o.name] = np.asarray(poses[o.of[0]].position).T
-            case "orientation":
-                found[o.name] = np.asarray(poses[o.of[0]].quaternion).T
-            case _:
-                alpha, beta, _ = euler_from_quaternion(poses[o.of[0]].quaternion, "xyz")
-                found[o.name] = np.column_stack([alpha, beta])
-    return found
+# --- slopes ---------------------------------------------------------------------------------------
+
+
+def readings_problem(
+    mechanism: Mechanism,
+    made: ClosedConfigurations,
+    groups: np.ndarray,
+    readings: Sequence[str],
+    noise: Noise,
+    names: Sequence[str],
+) -> tuple[CalibrationProblem, np.ndarray]:
+    """State the problem of readings that would be taken at closed configurations, with the unknown
+    coordinates there. Raises InputError where a reading is without a standard deviation.
+    """
+    quiet = np.random.default_rng(0)
+    taken = simulate_readings(mechanism, made, groups, readings, noise, quiet)
+    for o, r in taken.channels(mechanism):
+        if r.sigma is None:
+            raise InputError(
+                f"the standard deviation of {o.name if o.of else f'{o.name} readings'} is zero or "
+                f"not given; a plan needs it"
+            )
+    # readings at the configurations themselves
+    read = None if taken.orientation is None else made.poses[:, 3:]
+    taken = replace(taken, joints=made.joints, orientation=read)
+    problem = build_calibration(mechanism, taken, parameters=names)
+    values = many_elsewhere(problem.model.closure, build_closure(mechanism), made.values)
+    return problem, np.ascontiguousarray(values[:, made.joints.shape[1] :])
+
+
+def reading_slopes(
+    mechanism: Mechanism,
+    made: ClosedConfigurations,
+    readings: Sequence[str],
+    noise: Noise,
+    names: Sequence[str],
+    *,
+    grouped: bool,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Differentiate the readings that would be taken at closed configurations, over their standard
+    deviations, joint noise included: (n, K, P) by scaled parameters, and (n, K, 2) by the unknown
+    inclination of the configuration's group, none where it has none.
+    """
+    groups = np.zeros(len(made), dtype=int) if grouped else np.full(len(made), NO_GROUP)
+    problem, z = readings_problem(mechanism, made, groups, readings, noise, names)
+    p = problem.model.nominal
+    found = evaluate_at(problem, p, z).slopes, joint_covariance_at(problem, p, z)
+    # two inclinations have no slopes where the platform's z axis lies level: such a configuration
+    # is offered as one that tells nothing
+    told = np.all([np.all(np.isfinite(v), axis=(1, 2)) for v in found], axis=0)
+    slopes, of_joints = (np.where(told[:, None, None], v, 0.0) for v in found)
+    whiten = whitening(problem.readings, noise_of(problem.readings, of_joints))
+    return whiten @ slopes, whiten[:, :, problem.readings.grouped if grouped else []]

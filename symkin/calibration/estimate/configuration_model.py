@@ -16,10 +16,9 @@ import casadi as ca
 import numpy as np
 
 from symkin.calibration.data.measurements import Measurements
-from symkin.calibration.data.observables import Observable, Observed, observed
+from symkin.calibration.data.observables import Observable, Observed, ParameterKind, observed
 from symkin.calibration.data.parameters import (
     MEASURING_FRAMES,
-    ParameterKind,
     described_parameters,
     nominal_parameters,
 )
@@ -34,7 +33,7 @@ from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import conjugate, multiply, quaternion_from_rotation_vector, rotate
 from symkin.text import meant, shown
 
-_VECTOR_OUTPUTS = {"whole": (0, 3), "rows": (0,), "tangent": (0, 3), "pose": (0,)}
+_VECTOR_OUTPUTS = {"whole": (0, 3), "rows": (0,), "tangent": (0, 3), "pose": (0,), "exact": (0,)}
 """Outputs that are columns, for each function of a configuration."""
 
 
@@ -86,7 +85,7 @@ def solve_systems(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
     """
     if matrix.shape[1] == matrix.shape[2]:
         try:
-            return np.asarray(np.linalg.solve(matrix, right))
+            return np.linalg.solve(matrix, right)
         except np.linalg.LinAlgError:
             pass
     if not np.all(np.isfinite(matrix)):
@@ -98,8 +97,8 @@ def solve_systems(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
 class ConfigurationModel:
     """One configuration as expressions: `system` holds closure and tangent space, `joints`,
     `parameters` and `quaternion` (measured ones, of the platform and of other links) are what is
-    known; `channels` are what is read; `pose` is that of the link by which geometry is judged, as
-    it is observed.
+    known; `channels` are what is read, `exact` the numbers that stand in a file (quaternions
+    whole); `pose` is that of the link by which geometry is judged, as it is observed.
     """
 
     mechanism: Mechanism
@@ -113,12 +112,13 @@ class ConfigurationModel:
     parameters: ca.SX
     quaternion: ca.SX
     readings: ca.SX
+    exact: ca.SX
     channels: tuple[Observable, ...]
     pose: Pose
 
     def __reduce__(self) -> tuple[Callable[..., Any], tuple[Any, ...]]:
         """Pickle as what it is built from: symbols and functions stay in their process."""
-        return _build_model, (self.mechanism, self.channels, self.names)
+        return model_of, (self.mechanism, self.channels, self.names)
 
     def evaluate(
         self,
@@ -170,6 +170,18 @@ class ConfigurationModel:
         packed[:, 3:] *= np.where(packed[:, 3:4] < 0, -1.0, 1.0)
         return packed
 
+    def exact_readings(self, z: np.ndarray, joints: np.ndarray) -> list[np.ndarray]:
+        """Evaluate what each channel would read (n, w) at nominal parameters, quaternions with
+        w >= 0.
+        """
+        table = self._call("exact", z, joints, self.nominal)[0]
+        widths = [len(o.components) + (o.kind == "orientation") for o in self.channels]
+        made = np.split(table, np.cumsum(widths)[:-1], axis=1)
+        return [
+            v * np.where(v[:, :1] < 0, -1.0, 1.0) if o.kind == "orientation" else v
+            for o, v in zip(self.channels, made, strict=False)
+        ]
+
     @cached_property
     def columns(self) -> tuple[tuple[str, str], ...]:
         """Kind and component of each reading (K)."""
@@ -196,11 +208,15 @@ class ConfigurationModel:
         return np.flatnonzero([kind == "group" for kind, _ in self.columns])
 
     @property
+    def size(self) -> float:
+        return self.closure.characteristic_length
+
+    @property
     def lengths(self) -> np.ndarray:
         """Lengths (K,) by which readings are multiplied to be lengths: the size for angles, 1 for
         lengths.
         """
-        return np.where(self.angular, self.closure.characteristic_length, 1.0)
+        return np.where(self.angular, self.size, 1.0)
 
     @property
     def observes_through_frames(self) -> bool:
@@ -222,6 +238,7 @@ class ConfigurationModel:
             "rows": [both[0], by_z[0]],
             "tangent": [both[0], by_z[0], by_q[0], both[1], by_z[1], by_q[1]],
             "pose": [ca.vertcat(self.pose.position, self.pose.quaternion)],
+            "exact": [self.exact],
         }
         inputs = [system.unknown, self.joints, self.parameters, self.quaternion]
         return {what: Mapped.of(inputs, made) for what, made in outputs.items()}
@@ -251,13 +268,14 @@ def build_model(
     parameters; all others keep their nominal values.
     """
     channels = tuple(o for o, _ in measurements.channels(mechanism))
-    return _build_model(mechanism, channels, tuple(names))
+    return model_of(mechanism, channels, tuple(names))
 
 
 @lru_cache(maxsize=64)
-def _build_model(
-    mechanism: Mechanism, channels: tuple[Observable, ...], names: tuple[str, ...]
+def model_of(
+    mechanism: Mechanism, channels: tuple[Observable, ...], names: tuple[str, ...] = ()
 ) -> ConfigurationModel:
+    """The same of what is read."""
     read = tuple(o.name for o in channels if o.of)
     table = _values_of(mechanism, read, names)
     symbols = {
@@ -271,6 +289,7 @@ def _build_model(
     slots = {"orientation": next(measured)}  # the platform's, read or not
     slots |= {name: next(measured) for name in read if name.endswith(".orientation")}
     readings = [known.reading(o, slots.get(o.name)) for o in channels]
+    exact = [known.reading(o) for o in channels]
     parameters = ca.vertcat(ca.SX(0, 1), *(symbols[n] for n in names))
     unknowns = closure.role("passive", "body", "pose")
     types = tuple(table[n][1] for n in names)
@@ -293,6 +312,7 @@ def _build_model(
         parameters=parameters,
         quaternion=quaternion,
         readings=ca.vertcat(ca.SX(0, 1), *readings),
+        exact=ca.vertcat(ca.SX(0, 1), *exact),
         channels=channels,
         pose=known.pose,
     )
@@ -330,8 +350,8 @@ class _Known:
         known = self(pose)
         return self.world @ Pose(known[:3], known[3:])
 
-    def reading(self, o: Observable, measured: ca.SX | None) -> ca.SX:
-        """What is read, a column; of an orientation the turn from the one `measured`."""
+    def reading(self, o: Observable, measured: ca.SX | None = None) -> ca.SX:
+        """What is read, a column; of an orientation the turn from the one `measured`, if any."""
         value = self.seen.values.get(o.name, self.seen.pose)
         if o.kind == "joint":
             return self(value) / self.symbols[f"{o.name}.scale"]
@@ -352,6 +372,8 @@ class _Known:
                 return inclination(pose.quaternion)
             case "position":
                 return pose.position
+        if measured is None:
+            return pose.quaternion
         # twice the vector part of the quaternion
         e = multiply(conjugate(measured), pose.quaternion)
         return 2 * ca.if_else(e[0] < 0, -1, 1) * e[1:]

@@ -18,10 +18,11 @@ from symkin.calibration.estimate.configuration_model import (
 from symkin.closure.closure import Closure
 from symkin.computed_once import cached_property
 from symkin.errors import InputError
-from symkin.model.joint import units_of
+from symkin.model.joint import Coordinate, units_of
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.levenberg import levenberg_marquardt
-from symkin.numeric.linear_algebra import conditions
+from symkin.numeric.linear_algebra import conditions, largest_of
+from symkin.position.canonical import into_limits
 from symkin.position.pose_coordinates import poses_coordinates
 from symkin.spatial.rotation import wrapped
 
@@ -90,7 +91,7 @@ class Closing:
 
     @property
     def characteristic_length(self) -> float:
-        return self.model.closure.characteristic_length
+        return self.model.size
 
     @property
     def freedom(self) -> int:
@@ -315,12 +316,12 @@ def follow_joints(
     """Follow configurations z (n, width) by Newton while the joint readings move straight from
     `begin` to `end` (n, a); one that is lost, or would jump, stays where it was last.
     """
-    size, away = model.closure.characteristic_length, end - begin
+    size, away = model.size, end - begin
     units, lengths = (
         np.array(units_of(coordinates, size))
         for coordinates in (model.closure.role("actuated"), model.system.unknowns)
     )
-    furthest = float(np.max(np.abs(away) / units, initial=0.0))
+    furthest = largest_of(away / units)
     count = min(max(1, int(np.ceil(furthest / _FOLLOWED_STEP))), _MAX_FOLLOWED_STEPS)
     # from the reference, which need not be closed, the first step may be a long one
     longest = np.inf
@@ -440,3 +441,14 @@ def with_poses(closure: Closure, values: np.ndarray, poses: np.ndarray) -> np.nd
         begin = closure.slices[closure.role("pose")[0].name].start
         values[given, begin : begin + numbers.shape[1]] = numbers
     return values
+
+
+def outside_limits(c: Coordinate, values: np.ndarray, kept: float = 0.0) -> np.ndarray:
+    """Tell which values (n,) of a coordinate are outside its limits, angles by whole turns as near
+    as may be, or nearer than `kept` to one of them, or below the least value of a rod.
+    """
+    low, high = c.limits or (-np.inf, np.inf)
+    if c.limits is not None and c.is_periodic:
+        values = into_limits(values, c.limits)
+    least = -np.inf if c.least is None else c.least
+    return (values < low + kept) | (values > high - kept) | (values < least)

@@ -38,11 +38,10 @@ from symkin.calibration.estimate.linear import (
     UNTOLD,
     WELL_TOLD,
     Linear,
-    prior_weight,
     rounding_residual,
 )
 from symkin.calibration.estimate.problem import CalibrationProblem
-from symkin.calibration.estimate.residuals import Form, Linearised
+from symkin.calibration.estimate.residuals import Linearised
 from symkin.calibration.estimate.state import (
     State,
     closed_state,
@@ -52,6 +51,7 @@ from symkin.calibration.estimate.state import (
     restored_after,
     state_after,
 )
+from symkin.numeric.linear_algebra import largest_of
 
 _MINIMUM_DECREMENT = 1e-6
 """The iteration ends when one more step would gain less than this, in variances: next to nothing
@@ -116,14 +116,12 @@ def estimate(
     begin = problem.model.nominal if p is None else p
     with np.errstate(all="ignore"):
         if problem.form != "maximum likelihood":
-            return _minimise(problem, begin, z, problem.form, None, max_iterations)
-        result = _minimise(problem, begin, z, "means", None, max_iterations)
+            return _minimise(problem, begin, z, max_iterations)
+        result = _minimise(problem.by_means, begin, z, max_iterations)
         for _ in range(2):
             noise = joint_covariance(problem, result.state)
-            wide = replace(problem, widened=result.widened)
-            again = _minimise(
-                wide, result.state.p, result.state.z, problem.form, noise, max_iterations
-            )
+            wide = replace(problem, widened=result.widened, noise=noise)
+            again = _minimise(wide, result.state.p, result.state.z, max_iterations)
             result = replace(again, iterations=result.iterations + again.iterations)
     return result
 
@@ -165,21 +163,13 @@ def parameters_at_poses(problem: CalibrationProblem) -> np.ndarray | None:
     return best.p
 
 
-def _minimise(
-    problem: CalibrationProblem,
-    p: np.ndarray,
-    z: np.ndarray,
-    form: Form,
-    covariance: np.ndarray | None,
-    limit: int,
-) -> Estimate:
-    state = closed_state(problem, p, z, form, covariance)
+def _minimise(problem: CalibrationProblem, p: np.ndarray, z: np.ndarray, limit: int) -> Estimate:
+    state = closed_state(problem, p, z)
     if is_rounding(problem, state):
         return Estimate(state, "ok", 0)
-    move = partial(state_after, problem, form=form, covariance=covariance)
-    search = _Search(problem, move, state, widened=problem.widened)
+    search = _Search(problem, partial(state_after, problem), state, widened=problem.widened)
     status = search.run(limit)
-    best = closed_state(problem, search.state.p, search.state.z, form, covariance)
+    best = closed_state(problem, search.state.p, search.state.z)
     return Estimate(best, status, search.steps, search.widened)
 
 
@@ -194,10 +184,10 @@ def _at_poses(
     `by_rows`: the closure rows over the readings' usual standard deviation in their place, which
     leads further, to where is near the estimate.
     """
-    model, joints = problem.model, problem.measurements.joints
+    model, joints = problem.model, problem.joints
     z = fit_passive(model, z, joints, p, steps)
     # poses that are measured are of one mode, whatever the geometry
-    state = replace(evaluate(problem, p, z, "means"), determinant_signs=np.zeros(len(z)))
+    state = replace(evaluate(problem.by_means, p, z), determinant_signs=np.zeros(len(z)))
     if not by_rows:
         return state
     e = evaluate_at(problem, p, z)
@@ -253,8 +243,7 @@ class _Search:
         """Iterate with the prior as wide as it is."""
         while True:
             linear = Linear.of(self.problem, self.state, self.widened)
-            weight = prior_weight(self.problem, self.state, linear)
-            solver = _Damped(linear, weight)
+            solver, weight = _Damped(linear), linear.weight
             if not solver.is_finite:
                 return "stalled"
             met = _unmet(self.state) <= _LEFTOVER_TOLERANCE * self._size
@@ -276,7 +265,7 @@ class _Search:
         while self.damping < _MAX_DAMPING:
             step, promised = solver.step(self.damping)
             trial = None
-            if np.max(np.abs(step) / self._prior, initial=0.0) < furthest:
+            if largest_of(step / self._prior) < furthest:
                 step = self._along_valley(solver, step)
                 trial = restored_after(self.move, self.state, step)
                 self.steps += 1
@@ -318,7 +307,7 @@ class _Search:
         """Tell whether a trial lowers the cost, or meets rows left over that were not met, in the
         assembly mode of where the iteration stands: det F_z changes its sign only between modes.
         """
-        if not np.array_equal(trial.determinant_signs, self.state.determinant_signs):
+        if not trial.is_in_mode_of(self.state):
             return False
         here, there = _unmet(self.state), _unmet(trial)
         if there > max(_LEFTOVER_TOLERANCE * self._size, 0.5 * here):
@@ -332,38 +321,34 @@ class _Search:
         last = np.inf
         for _ in range(_MAX_UNSHRUNK_STEPS):
             linear = Linear.of(self.problem, self.state, self.widened)
-            weight = prior_weight(self.problem, self.state, linear)
-            told = linear.told(weight)
+            told = linear.told()
             well, silent = told.ratios > WELL_TOLD, told.inner[:, told.ratios < UNTOLD]
             free, rest = told.inner[:, well], told.inner[:, ~well]
             y = -free @ (told.gains[well] * ((linear.jacobian @ free).T @ linear.residuals))
-            solver = _Damped(linear, weight)
+            solver = _Damped(linear)
             matrix = solver.matrix.copy()
             matrix[: len(silent)] -= linear.jacobian @ silent @ silent.T
             y += rest @ np.linalg.lstsq(matrix @ rest, solver.right, rcond=None)[0]
             step = linear.particular + linear.basis @ y
-            length = float(np.max(np.abs(step), initial=0.0)) / self._size
+            length = largest_of(step) / self._size
             if not _CONVERGED_STEP < length < 0.9 * last:
                 return
             trial = restored_after(self.move, self.state, step)
-            if trial is None or not np.array_equal(
-                trial.determinant_signs, self.state.determinant_signs
-            ):
+            if trial is None or not trial.is_in_mode_of(self.state):
                 return
             self.state, last = trial, length
             self.steps += 1
 
     @property
     def _size(self) -> float:
-        return self.problem.model.closure.characteristic_length
+        return self.problem.size
 
     def _cost(self, state: State, weight: float) -> float:
         return state.cost + float(np.sum((weight * self._over_prior(state)) ** 2))
 
     def _over_prior(self, state: State) -> np.ndarray:
         """Change of the parameters (P,) from nominal over the prior's standard deviations."""
-        model = self.problem.model
-        return np.asarray((state.p - model.nominal) / model.scales / self._prior)
+        return self.problem.over_prior(state.p) / self.widened
 
     @property
     def _prior(self) -> np.ndarray:
@@ -372,12 +357,12 @@ class _Search:
     @property
     def _change(self) -> float:
         """The largest change of a parameter from nominal over its prior standard deviation."""
-        return float(np.max(np.abs(self._over_prior(self.state)), initial=0.0))
+        return largest_of(self._over_prior(self.state))
 
 
 def _unmet(state: State) -> float:
     """The largest row left over."""
-    return 0.0 if state.leftover is None else float(np.max(np.abs(state.leftover[0]), initial=0.0))
+    return 0.0 if state.leftover is None else largest_of(state.leftover[0])
 
 
 class _Damped:
@@ -385,10 +370,10 @@ class _Damped:
     lengths. `decrement` is what the step without damping would gain, by the linear model.
     """
 
-    def __init__(self, linear: Linear, weight: float) -> None:
+    def __init__(self, linear: Linear) -> None:
         self._linear = linear
-        self.matrix = np.vstack([linear.jacobian, weight * linear.tight])
-        self.right = -np.concatenate([linear.residuals, weight * linear.change])
+        self.matrix = np.vstack([linear.jacobian, linear.weight * linear.tight])
+        self.right = -np.concatenate([linear.residuals, linear.weight * linear.change])
         self.is_finite = bool(np.all(np.isfinite(self.matrix)) and np.all(np.isfinite(self.right)))
         self._lengths = np.maximum(np.linalg.norm(self.matrix, axis=0), 1e-300)
         if self.is_finite:
@@ -407,7 +392,7 @@ class _Damped:
         y = self._solved(damping, self.right) if damping > 0.0 else self._free
         after = self.matrix @ y - self._told
         step = self._linear.particular + self._linear.basis @ y
-        return np.asarray(step), self.decrement - float(after @ after)
+        return step, self.decrement - float(after @ after)
 
     def against(self, gradient: np.ndarray, damping: float) -> np.ndarray:
         """Return the change (P,) that makes residuals with this gradient J^T r least."""

@@ -38,11 +38,7 @@ _ROUNDING_VARIANCE = 1e6
 
 def rounding_residual(problem: CalibrationProblem) -> float:
     """A residual that arithmetic leaves."""
-    return (
-        _ROUNDING_RESIDUAL
-        * problem.model.closure.characteristic_length
-        * float(np.max(problem.readings.weight, initial=0.0))
-    )
+    return _ROUNDING_RESIDUAL * problem.size * float(np.max(problem.readings.weight, initial=0.0))
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,7 +46,7 @@ class Linear:
     """The linear model of a state in prior units, over `basis` (P, k), the directions that are
     allowed; `particular` (P,) meets rows left over. `jacobian` (k, k) and `residuals` (k,) are the
     triangle of the readings' J and r, `tight` (P, k) and `change` (P,) those of the prior of weight
-    1.
+    1; `weight` is that of the prior.
     """
 
     basis: np.ndarray
@@ -59,12 +55,13 @@ class Linear:
     residuals: np.ndarray
     tight: np.ndarray
     change: np.ndarray
+    weight: float
 
     @staticmethod
     def of(problem: CalibrationProblem, state: State, widened: float) -> Linear:
         """Linearise at a state, the prior's standard deviations `widened` times the problem's."""
         matrix, model, prior = state.linearised.matrix, problem.model, widened * problem.prior
-        units = prior_units(matrix, prior, model.closure.characteristic_length)
+        units = prior_units(matrix, prior, model.size)
         known = np.isfinite(prior)
         allowed, particular = admissible_steps(state, units)
         basis = units[:, None] * (np.eye(len(units)) if allowed is None else allowed)
@@ -75,24 +72,23 @@ class Linear:
             both = np.asarray(np.linalg.qr(both, mode="r"))
         weights = np.where(known, 1.0, _FREE_WEIGHT) / units
         moved = (state.p - model.nominal) / model.scales * known + particular
+        jacobian = both[:width, :width]
+        longest = float(np.max(np.linalg.norm(jacobian, axis=0), initial=0.0))
         return Linear(
             basis=basis,
             particular=particular,
-            jacobian=both[:width, :width],
+            jacobian=jacobian,
             residuals=both[:width, width],
             tight=weights[:, None] * basis,
             change=weights * moved,
+            weight=max(_prior_weight(problem, state), _LEAST_WEIGHT * longest),
         )
 
-    @property
-    def longest(self) -> float:
-        """The longest column of the Jacobian."""
-        return float(np.max(np.linalg.norm(self.jacobian, axis=0), initial=0.0))
-
-    def told(self, weight: float, *, stated: bool = False, least: float = 0.0) -> Told:
-        """Find what the readings tell beside a prior of some weight, better than its `least`;
-        `stated` tolerances are taken for readings: no direction is told without them.
+    def told(self, *, stated: bool = False, least: float = 0.0) -> Told:
+        """Find what the readings tell beside the prior, better than its `least`; `stated`
+        tolerances are taken for readings: no direction is told without them.
         """
+        weight = self.weight
         _, lengths, right = np.linalg.svd(self.jacobian)
         some = (lengths >= least * weight) | stated
         lengths, inner = lengths[some], right[some].T
@@ -124,8 +120,7 @@ def told_directions(problem: CalibrationProblem, state: State) -> Told:
     what they do not tell at all, but where tolerances are stated.
     """
     linear = Linear.of(problem, state, problem.widened)
-    weight = prior_weight(problem, state, linear)
-    return linear.told(weight, stated=problem.is_stated, least=UNTOLD)
+    return linear.told(stated=problem.is_stated, least=UNTOLD)
 
 
 def prior_units(matrix: np.ndarray, prior: np.ndarray, size: float) -> np.ndarray:
@@ -139,7 +134,7 @@ def prior_units(matrix: np.ndarray, prior: np.ndarray, size: float) -> np.ndarra
     return np.where(known, prior, np.where(seen, usual / np.where(seen, lengths, 1.0), size))
 
 
-def prior_weight(problem: CalibrationProblem, state: State, linear: Linear) -> float:
+def _prior_weight(problem: CalibrationProblem, state: State) -> float:
     """Return the weight w of the prior: 1, or the standard deviation of the residuals where the
     noise is not known or they are far below it; not below what rounding leaves.
     """
@@ -150,4 +145,4 @@ def prior_weight(problem: CalibrationProblem, state: State, linear: Linear) -> f
         quiet = freedom > 0 and not problem.is_stated
         variance = min(1.0, _QUIET * variance) if quiet else 1.0
     least = _ROUNDING_VARIANCE * rounding_residual(problem) ** 2
-    return max(float(np.sqrt(max(variance, least, 1e-300))), _LEAST_WEIGHT * linear.longest)
+    return float(np.sqrt(max(variance, least, 1e-300)))

@@ -31,6 +31,7 @@ from symkin.calibration.estimate.residuals import FORMS, Form, Readings, build_r
 from symkin.computed_once import cached_property, lru_cache
 from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
+from symkin.numeric.linear_algebra import largest_of
 from symkin.text import not_among
 
 MAX_WHOLE_ROWS, PART_ROWS = 10_000, 4_000
@@ -59,7 +60,8 @@ class CalibrationProblem:
     scaled parameters about nominal, infinite for what has no nominal place: `PRIOR_SHARE` of the
     size, or the manufacturing tolerances where they are stated (`is_stated`), by which the estimate
     is the maximum a posteriori. A fit that goes further than the prior lets expect begins or ends
-    with it `widened` by this factor.
+    with it `widened` by this factor. `noise` (n, K, K) is the covariance that joint noise gives the
+    readings, by which maximum likelihood weighs them; without it they count as means.
     """
 
     mechanism: Mechanism
@@ -71,10 +73,28 @@ class CalibrationProblem:
     prior: np.ndarray
     is_stated: bool = False
     widened: float = 1.0
+    noise: np.ndarray | None = None
+
+    @property
+    def by_means(self) -> CalibrationProblem:
+        """The same with residuals from the means of groups, each reading by itself."""
+        return self if self.form == "means" else replace(self, form="means")
 
     @property
     def names(self) -> tuple[str, ...]:
         return self.model.names
+
+    @property
+    def size(self) -> float:
+        return self.model.size
+
+    @property
+    def joints(self) -> np.ndarray:
+        return self.measurements.joints
+
+    def over_prior(self, p: np.ndarray) -> np.ndarray:
+        """Changes of the parameters (P,) from nominal over the prior's standard deviations."""
+        return np.asarray((p - self.model.nominal) / self.model.scales / self.prior)
 
     @property
     def is_large(self) -> bool:
@@ -97,8 +117,10 @@ class CalibrationProblem:
 
     def of(self, rows: np.ndarray) -> CalibrationProblem:
         """The problem of some configurations, by number or by mask."""
-        some = self.measurements.subset(rows)
-        return replace(self, measurements=some, readings=build_readings(self.model, some))
+        some, noise = self.measurements.subset(rows), self.noise
+        noise = None if noise is None else noise[rows]
+        readings = build_readings(self.model, some)
+        return replace(self, measurements=some, readings=readings, noise=noise)
 
     @property
     def quaternions(self) -> np.ndarray:
@@ -198,7 +220,7 @@ def prior_of(model: ConfigurationModel, tolerance: tuple[float, float] | None = 
     angles; frames between the mechanism and what is measured are not made to a tolerance, and
     factors of readings are no geometry.
     """
-    size = model.closure.characteristic_length
+    size = model.size
     length, angle = (PRIOR_SHARE * size, PRIOR_SHARE) if tolerance is None else tolerance
     if not (0.0 < length < np.inf and 0.0 < angle < np.inf):
         raise InputError(
@@ -243,7 +265,7 @@ def default_parameters(mechanism: Mechanism, read: tuple[str, ...] = ()) -> tupl
     rows, dropped = np.zeros((0, len(free))), list[int]()
     for velocity, first in freedoms:
         row = units * [velocity.get(name, 0.0) for name in free]
-        bound_below = _NO_RATE * np.max(np.abs(row), initial=0.0)
+        bound_below = _NO_RATE * largest_of(row)
         # by elimination, so that what is left out tells the freedoms apart
         for k, earlier in zip(dropped, rows, strict=True):
             row = row - row[k] / earlier[k] * earlier

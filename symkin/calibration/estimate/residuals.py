@@ -58,7 +58,7 @@ class Readings:
     @cached_property
     def weight(self) -> np.ndarray:
         """1 / sigma, 0 where nothing was read."""
-        return np.asarray(1.0 / self.sigma)
+        return 1.0 / self.sigma
 
     @cached_property
     def targets(self) -> np.ndarray:
@@ -112,7 +112,7 @@ def build_readings(model: ConfigurationModel, measurements: Measurements) -> Rea
     channels = measurements.channels(model.mechanism)
     table, sigma = [np.zeros((len(measurements), 0))], [np.zeros((len(measurements), 0))]
     for o, reading in channels:
-        unit = 1.0 / model.closure.characteristic_length if o.angular else 1.0
+        unit = 1.0 / model.size if o.angular else 1.0
         values = 0.0 * reading.values[:, :3] if reading.is_orientation else reading.values
         table.append(values)
         sigma.append(np.full(values.shape, unit if reading.sigma is None else reading.sigma))
@@ -178,7 +178,7 @@ def deviations(readings: Readings, h: np.ndarray) -> np.ndarray:
 
 def group_sum(readings: Readings, values: np.ndarray) -> np.ndarray:
     """Sum over the configurations of each group: (n, ...) to (groups, ...)."""
-    return np.asarray(np.add.reduceat(values[readings.order], readings.begins, axis=0))
+    return np.add.reduceat(values[readings.order], readings.begins, axis=0)
 
 
 def neighbours(readings: Readings) -> tuple[np.ndarray, np.ndarray]:
@@ -205,9 +205,7 @@ def noise_of(readings: Readings, covariance: np.ndarray, factor: float = 1.0) ->
     taken = readings.taken
     both = taken[:, :, None] & taken[:, None, :]
     variance = np.where(taken, factor * readings.sigma**2, 1.0)
-    return np.asarray(
-        np.where(both, factor * covariance, 0.0) + variance[:, :, None] * np.eye(taken.shape[1])
-    )
+    return np.where(both, factor * covariance, 0.0) + variance[:, :, None] * np.eye(taken.shape[1])
 
 
 def whitening(readings: Readings, noise: np.ndarray) -> np.ndarray:

@@ -16,6 +16,7 @@ import numpy as np
 from symkin.calibration.estimate.estimator import Estimate, estimate
 from symkin.calibration.estimate.problem import CalibrationProblem
 from symkin.calibration.estimate.state import State, evaluate, joint_covariance
+from symkin.numeric.linear_algebra import largest_of
 
 _TUNING = {"huber": 1.345, "cauchy": 2.385}
 """Standard deviations from which a reading counts less, for EFFICIENCY with normal errors."""
@@ -68,7 +69,7 @@ def robust_estimate(
     problem: CalibrationProblem, p: np.ndarray, z: np.ndarray, loss: str
 ) -> RobustEstimate:
     """Estimate with a robust loss from p and configurations z."""
-    known, state = problem.readings.known, evaluate(problem, p, z, "means")
+    known, state = problem.readings.known, evaluate(problem.by_means, p, z)
     here, steps, weight, scale = problem, 0, np.ones_like(problem.readings.sigma), np.inf
     for count in range(_MAX_FITS):
         t = normalised_residuals(problem, here, state)
@@ -76,7 +77,7 @@ def robust_estimate(
         if known and count > _MIN_FITS and scale > max(_MAX_SCALE, _SCALE_DECREASE * before):
             break
         fresh = loss_weights(loss, t / scale)
-        if np.max(np.abs(fresh - weight), initial=0.0) < _MIN_WEIGHT_CHANGE and steps:
+        if largest_of(fresh - weight) < _MIN_WEIGHT_CHANGE and steps:
             break
         weight = fresh
         here = with_weights(problem, weight)
@@ -84,7 +85,7 @@ def robust_estimate(
         state, steps = result.state, steps + result.iterations
     status = result.status if result.status != "max_iterations" else "stalled"
     return RobustEstimate(
-        Estimate(evaluate(problem, state.p, state.z, "means"), status, steps, result.widened),
+        Estimate(evaluate(problem.by_means, state.p, state.z), status, steps, result.widened),
         scale,
     )
 
@@ -105,14 +106,12 @@ def normalised_residuals(
     groups' means are those of the weights that another problem, `here`, gives.
     """
     taken = problem.readings.taken
-    raw = evaluate(here, state.p, state.z, "means").linearised.residuals * np.where(
+    raw = evaluate(here.by_means, state.p, state.z).linearised.residuals * np.where(
         taken, here.readings.sigma, 0.0
     )
     noise = np.einsum("nkk->nk", joint_covariance(problem, state))
-    return np.asarray(
-        np.where(
-            taken, raw / np.sqrt(np.where(taken, problem.readings.sigma, 1.0) ** 2 + noise), 0.0
-        )
+    return np.where(
+        taken, raw / np.sqrt(np.where(taken, problem.readings.sigma, 1.0) ** 2 + noise), 0.0
     )
 
 

@@ -8,17 +8,25 @@ does not fit the configuration's own readings, solved neighbours are followed to
 do not fit either all modes of the geometry at its joint readings are listed. Groups of equal
 inclination judge no configuration alone: there each mode of one configuration is followed through
 the whole file, and the one whose groups agree best is taken.
+
+A laser tracker stands anywhere and sees a reflector that is mounted anywhere on the platform:
+observed pose = world, platform pose, target one after the other. These frames have no nominal value
+near which they could be sought. With the platform's poses known from the mechanism's own geometry,
+only the frames are fitted: from many orientations of the world frame, the target's orientation from
+those that were read.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import replace
+from itertools import product
 
 import numpy as np
 
 from symkin.calibration.data.measurements import Measurements, spread_rows
-from symkin.calibration.data.parameters import with_parameters
+from symkin.calibration.data.parameters import MEASURING_FRAMES, with_parameters
 from symkin.calibration.estimate.configurations import (
     ROUGHLY_SOLVED_TOLERANCE,
     SolvedConfigurations,
@@ -29,14 +37,22 @@ from symkin.calibration.estimate.configurations import (
     solve_configurations,
     whole_poses,
 )
-from symkin.calibration.estimate.problem import CalibrationProblem
+from symkin.calibration.estimate.estimator import estimate
+from symkin.calibration.estimate.problem import CalibrationProblem, build_calibration
+from symkin.calibration.estimate.residuals import deviations
 from symkin.calibration.estimate.state import evaluate, readings_at
 from symkin.calibration.estimate.workspace import home_pose, states_reference
 from symkin.closure.closure import build_closure
 from symkin.errors import SymkinError
 from symkin.model.mechanism import Mechanism
 from symkin.position.transfer import variables_elsewhere
-from symkin.spatial.rotation import euler_from_quaternion, quaternion_from_euler, wrapped
+from symkin.spatial.rotation import (
+    conjugate,
+    euler_from_quaternion,
+    multiply,
+    quaternion_from_euler,
+    rotation_vector_from_quaternion,
+)
 
 _MAX_READING_GAP = 0.05
 """A configuration whose readings are off by more than this share of the size (angles times the
@@ -66,18 +82,25 @@ disagreement are not told apart by groups.
 """
 
 
-# --- where a direct problem begins ----------------------------------------------------------------
+# --- where a direct problem begins --------------------------------------------------------------
 
 
 def with_starts(
-    mechanism: Mechanism, measurements: Measurements, *, posed: bool = True, completed: bool = True
+    mechanism: Mechanism,
+    measurements: Measurements,
+    parameters: Sequence[str] | None = None,
+    fixed: Sequence[str] = (),
+    *,
+    completed: bool = True,
 ) -> Measurements:
     """Give a start to each configuration that has none and whose pose was not measured as a whole:
     what was read of the pose, the rest from the nearest configuration (in the joints) whose pose is
-    whole, else from home. Readings are no starts where they are seen through unknown frames (not
-    `posed`), nor parts of a pose where readings are judged (not `completed`): begun at a wrong one,
-    a configuration would end in the mode that fits it best.
+    whole, else from home. Readings are no starts where they are seen through frames that are
+    unknown (among the `parameters` that are not `fixed`), nor parts of a pose where readings are
+    judged (not `completed`): begun at a wrong one, a configuration would end in the mode that fits
+    it best.
     """
+    posed = set(MEASURING_FRAMES).isdisjoint(set(parameters or ()) - set(fixed))
     if is_carried(build_closure(mechanism)):
         return measurements
     home = home_pose(mechanism)
@@ -96,7 +119,7 @@ def with_starts(
         if m.inclination is not None:  # with their own yaw
             angles = np.array(euler_from_quaternion(starts[:, 3:].T, "xyz"))
             _put_in(m.inclination, angles[:2].T, rows)
-            starts[rows, 3:] = np.asarray(quaternion_from_euler(angles, "xyz")).T[rows]
+            starts[rows, 3:] = quaternion_from_euler(angles, "xyz").T[rows]
         for kind, part in parts.items():
             if getattr(m, kind) is not None:
                 _put_in(getattr(m, kind), part, rows)
@@ -108,7 +131,7 @@ def _put_in(read: np.ndarray, table: np.ndarray, rows: np.ndarray) -> None:
     table[rows] = np.where(np.isfinite(read[rows]), read[rows], table[rows])
 
 
-# --- modes ----------------------------------------------------------------------------------------
+# --- modes --------------------------------------------------------------------------------------
 
 
 def start_configurations(
@@ -152,9 +175,8 @@ def reading_gaps(
     the size; infinite where it is not solved, 0 where nothing but its group was read.
     """
     model, readings = problem.model, problem.readings
-    gap = readings_at(problem, p, np.nan_to_num(configurations.z)) - readings.targets
-    used = readings.taken & ~readings.grouped
-    gap = model.lengths * np.where(readings.turning, wrapped(gap), gap)
+    h = readings_at(problem, p, np.nan_to_num(configurations.z))
+    used, gap = readings.taken & ~readings.grouped, model.lengths * deviations(readings, h)
     mean = np.sum(np.where(used, gap**2, 0.0), axis=1) / np.maximum(np.sum(used, axis=1), 1)
     return np.where(configurations.solved & np.isfinite(mean), np.sqrt(mean), np.inf)
 
@@ -170,13 +192,13 @@ class _Modes:
         self.problem, self.p = problem, p
         self.z, self.solved = begin.z.copy(), begin.solved.copy()
         self.gaps = reading_gaps(problem, p, begin)
-        self.size = problem.model.closure.characteristic_length
+        self.size = problem.size
 
     def chosen(self, judged: np.ndarray) -> SolvedConfigurations:
         """Move those of the `judged` that do not fit their own readings to a mode that fits them
         better, where there is one.
         """
-        joints, listed = self.problem.measurements.joints, ~judged
+        joints, listed = self.problem.joints, ~judged
         for _ in range(_MAX_ROUNDS):
             bad = judged & self.doubtful
             good, wanted = np.flatnonzero(~bad & self.solved), np.flatnonzero(bad)
@@ -247,7 +269,7 @@ def _all_modes(
     for k in rows:
         given = {
             c.name: mechanism.value_out(c, float(v))
-            for v, c in zip(problem.measurements.joints[k], mechanism.actuated, strict=True)
+            for v, c in zip(problem.joints[k], mechanism.actuated, strict=True)
         }
         with suppress(SymkinError):  # modes that cannot be listed
             for solution in modes_at_need(mechanism, joints=given, starts=_RANDOM_STARTS):
@@ -256,7 +278,7 @@ def _all_modes(
     return np.vstack(points), np.array(owner, dtype=int)
 
 
-# --- groups ---------------------------------------------------------------------------------------
+# --- groups -------------------------------------------------------------------------------------
 
 
 def _choose_branch(
@@ -287,7 +309,7 @@ def _choose_branch(
 def _height(
     problem: CalibrationProblem, p: np.ndarray, configurations: SolvedConfigurations
 ) -> float:
-    solved, joints = configurations.solved, problem.measurements.joints
+    solved, joints = configurations.solved, problem.joints
     return float(np.mean(problem.model.poses(configurations.z[solved], joints[solved], p)[:, 2]))
 
 
@@ -295,7 +317,7 @@ def _branch(
     problem: CalibrationProblem, p: np.ndarray, first: int, z: np.ndarray
 ) -> SolvedConfigurations:
     """Solve all configurations from the mode z of one of them, by following it to their joints."""
-    model, joints = problem.model, problem.measurements.joints
+    model, joints = problem.model, problem.joints
     begin = np.tile(joints[first], (len(joints), 1))
     points = follow_joints(model, np.tile(z, (len(joints), 1)), begin, joints, p)
     return SolvedConfigurations(
@@ -310,5 +332,80 @@ def _disagreement(
     over their standard deviations.
     """
     rows = np.flatnonzero(configurations.solved)
-    fit = evaluate(problem.of(rows), p, configurations.z[rows], "means").linearised
+    fit = evaluate(problem.of(rows).by_means, p, configurations.z[rows]).linearised
     return float(np.sqrt(np.mean(np.sum(fit.residuals**2, axis=1)))) if len(rows) else np.inf
+
+
+# --- measuring frames -----------------------------------------------------------------------------
+
+
+_FRAME_CONFIGURATIONS = 40
+"""Configurations that the start is found from, spread evenly: twelve numbers at most are wanted,
+and only nearly.
+"""
+_TRIAL_STEPS, _FOLLOWED_TRIALS, _FINAL_STEPS = 4, 3, 40
+"""Steps from each orientation, how many of what they lead to are followed, and the steps from
+there.
+"""
+
+
+def fit_measuring_frames(
+    problem: CalibrationProblem, z: np.ndarray, p: np.ndarray, solved: np.ndarray
+) -> np.ndarray:
+    """Fit the free measuring frames to the configurations z (n, width) that are solved (n,), all
+    other parameters nominal.
+    """
+    free = np.flatnonzero([name in MEASURING_FRAMES for name in problem.names])
+    if not len(free) or not solved.any():
+        return p
+    closed = np.flatnonzero(solved)
+    rows = closed[spread_rows(len(closed), _FRAME_CONFIGURATIONS)]
+    frames = [problem.names[k] for k in free]
+    whole = build_calibration(problem.mechanism, problem.measurements, parameters=frames)
+    few = whole.of(rows)
+
+    def fitted(start: np.ndarray, steps: int) -> tuple[float, np.ndarray]:
+        state = estimate(few, z[rows], p=start, max_iterations=steps).state
+        return state.cost if np.isfinite(state.cost) else np.inf, state.p
+
+    trials = [fitted(start, _TRIAL_STEPS) for start in _frame_starts(few, z[rows], p[free])]
+    best = sorted(trials, key=lambda trial: trial[0])[:_FOLLOWED_TRIALS]
+    ends = [fitted(near, _FINAL_STEPS) for _, near in best]
+    found = p.copy()
+    found[free] = min(ends, key=lambda end: end[0])[1]
+    return found
+
+
+def _frame_starts(
+    problem: CalibrationProblem, z: np.ndarray, p: np.ndarray
+) -> Iterator[np.ndarray]:
+    """Yield p, and p with the world frame in the orientations of a cube where all of its rotation
+    is free; the target's orientation is then the mean of those that were read, where all of it is
+    free.
+    """
+    yield p
+    places = {name: k for k, name in enumerate(problem.names)}
+    world, target = (
+        [places.get(f"{frame}.rotation.{k}", -1) for k in "xyz"] for frame in ("world", "target")
+    )
+    m, start = problem.measurements, p.copy()
+    read = None if min(target) < 0 else m.orientation
+    given = np.flatnonzero([] if read is None else np.isfinite(read[:, 0]))
+    for turn in _cube_orientations() if min(world) >= 0 else (None,):
+        if turn is not None:
+            start[world] = rotation_vector_from_quaternion(turn)
+        if read is not None and len(given):
+            start[target] = 0.0
+            seen = problem.model.poses(z[given], m.joints[given], start)[:, 3:].T
+            turns = multiply(conjugate(seen), read[given].T)
+            # the mean orientation is the eigenvector of the sum of q q^T (Markley and others 2007)
+            mean = np.linalg.eigh(turns @ turns.T)[1][:, -1]
+            start[target] = rotation_vector_from_quaternion(mean)
+        yield start.copy()
+
+
+def _cube_orientations() -> Iterator[np.ndarray]:
+    """Quaternions of the 24 orientations of a cube."""
+    for q in product((-1.0, 0.0, 1.0), repeat=4):
+        if q.count(0.0) != 1 and q > tuple(-v for v in q):
+            yield np.array(q) / np.linalg.norm(q)

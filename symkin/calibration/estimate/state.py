@@ -27,7 +27,8 @@ from symkin.calibration.estimate.configurations import (
     newton_configurations,
 )
 from symkin.calibration.estimate.problem import CalibrationProblem
-from symkin.calibration.estimate.residuals import Form, Linearised, linearise
+from symkin.calibration.estimate.residuals import Linearised, linearise
+from symkin.numeric.linear_algebra import largest_of
 from symkin.numeric.tolerances import RANK_TOLERANCE
 
 PREDICTION_TOLERANCE = 1e-4
@@ -76,24 +77,22 @@ class State:
             moved[rows] -= solve_systems(e.rows_z, e.rows_p @ step[:, None])[:, :, 0]
         return moved
 
+    def is_in_mode_of(self, other: State) -> bool:
+        """Whether no configuration lies across a singularity from where it is in another state."""
+        return np.array_equal(self.determinant_signs, other.determinant_signs)
+
     @property
     def cost(self) -> float:
         return float(np.dot(self.linearised.vector, self.linearised.vector))
 
 
-def evaluate(
-    problem: CalibrationProblem,
-    p: np.ndarray,
-    z: np.ndarray,
-    form: Form,
-    covariance: np.ndarray | None = None,
-) -> State:
+def evaluate(problem: CalibrationProblem, p: np.ndarray, z: np.ndarray) -> State:
     """Evaluate closure and readings at (p, z), condensed to p."""
     if problem.is_large:
-        return _evaluate_parts(problem, p, z, form, covariance)
+        return _evaluate_parts(problem, p, z)
     e = evaluate_at(problem, p, z)
     pending, readings, slopes, leftover = e.condensed()
-    fit = linearise(form, problem.readings, readings, slopes, covariance)
+    fit = linearise(problem.form, problem.readings, readings, slopes, problem.noise)
     return State(problem, p, z, fit, e, pending, leftover, determinant_signs(e.rows_z))
 
 
@@ -101,7 +100,7 @@ def evaluate_at(problem: CalibrationProblem, p: np.ndarray, z: np.ndarray) -> Ev
     """Evaluate closure and readings at (p, z), without the condensation; of a large problem only
     part by part.
     """
-    return problem.model.evaluate(z, problem.measurements.joints, p, problem.quaternions)
+    return problem.model.evaluate(z, problem.joints, p, problem.quaternions)
 
 
 def readings_at(problem: CalibrationProblem, p: np.ndarray, z: np.ndarray) -> np.ndarray:
@@ -128,7 +127,7 @@ def joint_covariance_at(problem: CalibrationProblem, p: np.ndarray, z: np.ndarra
     sigma, model, joints = (
         problem.measurements.sigma("joint"),
         problem.model,
-        problem.measurements.joints,
+        problem.joints,
     )
     if sigma is None:
         return np.zeros((len(z), len(model.columns), len(model.columns)))
@@ -137,52 +136,38 @@ def joint_covariance_at(problem: CalibrationProblem, p: np.ndarray, z: np.ndarra
     return np.asarray(by_joint @ by_joint.transpose(0, 2, 1))
 
 
-def closed_state(
-    problem: CalibrationProblem,
-    p: np.ndarray,
-    z: np.ndarray,
-    form: Form,
-    covariance: np.ndarray | None,
-) -> State:
+def closed_state(problem: CalibrationProblem, p: np.ndarray, z: np.ndarray) -> State:
     """Evaluate the state with the closure met to rounding."""
-    state = evaluate(problem, p, z, form, covariance)
+    state = evaluate(problem, p, z)
     for _ in range(2):
-        largest = np.max(np.abs(state.pending), initial=0.0)
-        if not 1e-15 * problem.model.closure.characteristic_length < largest < np.inf:
+        largest = largest_of(state.pending)
+        if not 1e-15 * problem.size < largest < np.inf:
             break
-        if largest > PREDICTION_TOLERANCE * problem.model.closure.characteristic_length:
-            z, _ = newton_configurations(problem.model, z, problem.measurements.joints, p)
-            state = evaluate(problem, p, z, form, covariance)
-        state = evaluate(
-            problem, p, problem.model.system.move(state.z, -state.pending), form, covariance
-        )
+        if largest > PREDICTION_TOLERANCE * problem.size:
+            z, _ = newton_configurations(problem.model, z, problem.joints, p)
+            state = evaluate(problem, p, z)
+        state = evaluate(problem, p, problem.model.system.move(state.z, -state.pending))
     return state
 
 
-def state_after(
-    problem: CalibrationProblem,
-    state: State,
-    step: np.ndarray,
-    form: Form,
-    covariance: np.ndarray | None,
-) -> State | None:
+def state_after(problem: CalibrationProblem, state: State, step: np.ndarray) -> State | None:
     """Take a step in p, configurations moved along; None where a direct problem has no solution
     there.
     """
     model = problem.model
     p = state.p + model.scales * step
     z = model.system.move(state.z, state.follow(step))
-    trial = evaluate(problem, p, z, form, covariance)
+    trial = evaluate(problem, p, z)
     if not np.all(np.isfinite(trial.pending)):
         return None
-    furthest = np.max(np.abs(trial.pending), initial=0.0)
-    if furthest > PREDICTION_TOLERANCE * model.closure.characteristic_length:
+    furthest = largest_of(trial.pending)
+    if furthest > PREDICTION_TOLERANCE * model.size:
         z, solved = newton_configurations(
-            model, z, problem.measurements.joints, p, tolerance=1e2 * SOLVED_TOLERANCE
+            model, z, problem.joints, p, tolerance=1e2 * SOLVED_TOLERANCE
         )
         if not solved.all():
             return None
-        trial = evaluate(problem, p, z, form, covariance)
+        trial = evaluate(problem, p, z)
     return trial if np.isfinite(trial.cost) else None
 
 
@@ -194,11 +179,7 @@ def restored_after(
     """
     trial = move(state, step)
     for _ in range(_RESTORATION_STEPS):
-        if (
-            trial is None
-            or trial.leftover is None
-            or not np.max(np.abs(trial.leftover[0]), initial=0.0) > 0.0
-        ):
+        if trial is None or trial.leftover is None or not largest_of(trial.leftover[0]) > 0.0:
             break
         trial = move(trial, admissible_steps(trial, np.ones(len(step)))[1])
     return trial
@@ -220,19 +201,14 @@ def error_free_state(problem: CalibrationProblem, state: State) -> State:
         # groups that no configuration can have, as under wrong labels, send the steps away
         if np.all(largest <= SOLVED_TOLERANCE):
             z, joints = closing.split(found)
-    return evaluate(replace(problem, measurements=replace(m, joints=joints)), state.p, z, "means")
+    there = replace(problem.by_means, measurements=replace(m, joints=joints))
+    return evaluate(there, state.p, z)
 
 
 # --- many configurations --------------------------------------------------------------------------
 
 
-def _evaluate_parts(
-    problem: CalibrationProblem,
-    p: np.ndarray,
-    z: np.ndarray,
-    form: Form,
-    covariance: np.ndarray | None,
-) -> State:
+def _evaluate_parts(problem: CalibrationProblem, p: np.ndarray, z: np.ndarray) -> State:
     """The same as `evaluate`, a part at a time: derivatives and residuals of each are joined to the
     triangle of those before.
     """
@@ -240,7 +216,7 @@ def _evaluate_parts(
     triangle, residuals = np.zeros((0, width + 1)), np.zeros(problem.readings.values.shape)
     pending, side = np.zeros((len(z), problem.model.system.freedom)), np.zeros(len(z))
     for rows, part in problem.parts:
-        state = evaluate(part, p, z[rows], form, None if covariance is None else covariance[rows])
+        state = evaluate(part, p, z[rows])
         fit, pending[rows], side[rows] = state.linearised, state.pending, state.determinant_signs
         residuals[rows] = fit.residuals
         below = np.column_stack([fit.matrix, fit.vector])
@@ -278,7 +254,7 @@ def _split(rows: np.ndarray, unit: float = 1.0) -> tuple[np.ndarray, np.ndarray,
 def unbound(rows: np.ndarray) -> np.ndarray:
     """Return an orthonormal basis (P, k) of the steps that rows left over (m, P) leave free."""
     *_, right, kept = _split(rows)
-    return np.asarray(right[kept:].T)
+    return right[kept:].T
 
 
 def design(state: State) -> np.ndarray:

@@ -29,16 +29,16 @@ from symkin.calibration.estimate.configurations import (
     determinant_signs,
     follow_joints,
     is_carried,
+    outside_limits,
     with_poses,
 )
 from symkin.closure.branches import edges_of
-from symkin.closure.closure import build_closure
+from symkin.closure.closure import Closure
 from symkin.computed_once import cached_property
 from symkin.errors import InputError
 from symkin.model.bar import Bar
 from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.numeric.linear_algebra import conditions
-from symkin.position.canonical import into_limits
 from symkin.position.given import pose_from
 from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import (
@@ -125,8 +125,17 @@ class Workspace:
         return home_pose(self.mechanism) if self.start is None else self.start
 
     @cached_property
-    def solver(self) -> ClosureSolver:
-        return ClosureSolver(self.mechanism, self.home, self.margin)
+    def _model(self) -> ConfigurationModel:
+        return closing_model(self.mechanism)
+
+    @property
+    def closure(self) -> Closure:
+        return self._model.closure
+
+    @cached_property
+    def _joints(self) -> Closing:
+        """The closing of joints for poses."""
+        return Closing(self._model, np.zeros(0), held=("pose",))
 
     @property
     def lean(self) -> float:
@@ -158,7 +167,7 @@ class Workspace:
             drawn, idle = drawn + len(chosen), idle + len(chosen)
             wanted = inclinations[chosen]
             starts = self._starts(wanted, rng, edge)
-            made, good = self.solver.close(starts, wanted if held else None)
+            made, good = self.close(starts, wanted if held else None)
             for row in np.flatnonzero(good):
                 if chosen[row] not in found:
                     found[chosen[row]], idle = made.take(np.array([row])), 0
@@ -190,7 +199,7 @@ class Workspace:
     def _why_none(self, inclination: np.ndarray, held: bool) -> str:
         """What to do where postures are not found."""
         if self.carried and not held:
-            rows, freedom = self.solver.rows_and_unknowns
+            rows, freedom = int(self._model.system.rows.shape[0]), self._model.system.freedom
             redundant = (
                 f"; {rows} rows for {freedom} unknowns close at special geometry alone: check it, "
                 f"or name fewer joints as actuated"
@@ -218,7 +227,7 @@ class Workspace:
             low, high = self._joint_ranges
             away = 0.5 * scale * (high - low) * rng.uniform(-1, 1, around.joints.shape)
             joints = np.clip(around.joints + away, low, high)
-            starts = self.solver.at_joints(joints, around.values)
+            starts = self.at_joints(joints, around.values)
         else:
             turns = multiply(around.poses[:, 3:].T, conjugate(self.home.quaternion))
             alpha, beta, gamma = euler_from_quaternion(turns, "xyz")
@@ -226,7 +235,7 @@ class Workspace:
             gamma = np.clip(gamma + self.spin * drawn[:, 0], -self.spin, self.spin)
             away = np.clip(self._middles(around) + self.half * drawn[:, 1:], -self.half, self.half)
             starts = self._posed(around.values, away, np.array([alpha, beta, gamma]))
-        made, good = self.solver.close(starts, inclinations)
+        made, good = self.close(starts, inclinations)
         kept = np.flatnonzero(good & self.holds(made))
         return made.take(kept), kept
 
@@ -234,17 +243,14 @@ class Workspace:
         """Variables with the middles of the platforms so far from home's (n, 3), and turned from
         home's orientation by angles (3, n).
         """
-        q = np.asarray(multiply(quaternion_from_euler(angles, "xyz"), self.home.quaternion))
-        places = self.home.apply(self.centre) + away - self._turned_centre(q)
-        return with_poses(build_closure(self.mechanism), values, np.hstack([places, q.T]))
-
-    def _turned_centre(self, q: np.ndarray) -> np.ndarray:
-        return np.asarray(rotate(q, self.centre[:, None] * np.ones(q.shape[1]))).T
+        q = multiply(quaternion_from_euler(angles, "xyz"), self.home.quaternion).T
+        turned = moved_point(np.hstack([np.zeros((len(q), 3)), q]), self.centre)
+        places = self.home.apply(self.centre) + away - turned
+        return with_poses(self.closure, values, np.hstack([places, q]))
 
     def _middles(self, made: ClosedConfigurations) -> np.ndarray:
         """Middles of the platforms (n, 3), from home's."""
-        turned = self._turned_centre(made.poses[:, 3:].T)
-        return np.asarray(made.poses[:, :3] + turned - self.home.apply(self.centre))
+        return moved_point(made.poses, self.centre) - self.home.apply(self.centre)  # type: ignore[no-any-return]
 
     def at(
         self, poses: np.ndarray, joints: np.ndarray, inclinations: np.ndarray | None
@@ -253,11 +259,11 @@ class Workspace:
         platform, turned to inclinations where they are given, and tell which of them are good;
         limits do not count.
         """
-        closure = build_closure(self.mechanism)
-        starts = with_poses(closure, np.tile(closure.reference, (len(poses), 1)), poses)
+        starts = np.tile(self.closure.reference, (len(poses), 1))
+        starts = with_poses(self.closure, starts, poses)
         if self.carried:
-            starts = self.solver.at_joints(joints, starts)
-        return self.solver.close(starts, inclinations, limits=False)
+            starts = self.at_joints(joints, starts)
+        return self.close(starts, inclinations, limits=False)
 
     def holds(self, made: ClosedConfigurations) -> np.ndarray:
         """Tell which configurations of a platform have their middle within the box (n,); where
@@ -270,8 +276,8 @@ class Workspace:
     def _starts(
         self, inclinations: np.ndarray, rng: np.random.Generator, edge: float
     ) -> np.ndarray:
-        closure, count = build_closure(self.mechanism), len(inclinations)
-        starts = np.tile(closure.reference, (count, 1))
+        count = len(inclinations)
+        starts = np.tile(self.closure.reference, (count, 1))
         if not self.drawn_by_joints:
             share = np.clip(edge * rng.uniform(-1, 1, (count, 4)), -1, 1)
             angles = np.vstack([inclinations.T, self.spin * share[:, 3]])
@@ -279,13 +285,13 @@ class Workspace:
         low, high = self._joint_ranges
         joints = rng.uniform(low[:, None], high[:, None], (len(low), count)).T
         if self.carried:
-            return self.solver.at_joints(joints, starts)
-        return self.solver.with_tool(np.hstack([joints, starts[:, joints.shape[1] :]]))
+            return self.at_joints(joints, starts)
+        return self.with_tool(np.hstack([joints, starts[:, joints.shape[1] :]]))
 
     @property
     def carried(self) -> bool:
         """Whether the platform's pose follows from the joints, and no coordinates of its own."""
-        return is_carried(build_closure(self.mechanism))
+        return is_carried(self.closure)
 
     @property
     def drawn_by_joints(self) -> bool:
@@ -302,6 +308,73 @@ class Workspace:
             swing = np.array([-1.0, 1.0]) * (_ARM_SWING if c.is_angular else reach)
             ranges = np.vstack([ranges, c.limits or c.reference[0] + swing])
         return ranges[:, 0], ranges[:, 1]
+
+    # --- closing ----------------------------------------------------------------------------------
+
+    def close(
+        self, starts: np.ndarray, inclinations: np.ndarray | None, *, limits: bool = True
+    ) -> tuple[ClosedConfigurations, np.ndarray]:
+        """Close configurations near the starts, and tell which of them are good: closed, with the
+        inclination where one is given, within limits, regular, and on home's side of singularities.
+        """
+        inclined = None
+        if inclinations is not None:
+            tilts = quaternion_from_euler(np.pad(inclinations, ((0, 0), (0, 1))).T, "xyz")
+            level = multiply(self.home.quaternion, level_turn(self.mechanism))
+            inclined = np.array(euler_from_quaternion(multiply(tilts, level), "xyz"))[:2].T
+        every = Closing(self._model, np.zeros(0), held=(), inclined=inclined)
+        with np.errstate(all="ignore"):
+            values, closed = every.close(self._joints.close(starts)[0])
+            z, joints = every.split(values)
+            _, rows_z = self._model.rows(z, joints, np.zeros(0))
+            made = ClosedConfigurations(values, joints, self._model.poses(z, joints, np.zeros(0)))
+            good = closed & self._regular(rows_z)
+            if limits:
+                good &= self._within_limits(values)
+        return made, good
+
+    def at_joints(self, joints: np.ndarray, values: np.ndarray) -> np.ndarray:
+        """Follow configurations (n, width) from their joints to others (n, a), and return the
+        variables there; not numbers where one is lost on the way, or does not come back to where it
+        began: it has passed into another assembly mode.
+        """
+        nothing, size = np.zeros(0), self.closure.characteristic_length
+        start, begin = self._joints.split(values)
+        start = follow_joints(self._model, start, begin, begin, nothing)
+        z = follow_joints(self._model, start, begin, joints, nothing)
+        rows, _ = self._model.rows(z, joints, nothing)
+        back = follow_joints(self._model, z, joints, begin, nothing)
+        lost = ~(np.max(np.abs(rows), axis=1, initial=0.0) <= ROUGHLY_SOLVED_TOLERANCE * size)
+        lost |= ~(np.max(np.abs(back - start), axis=1, initial=0.0) <= _SAME_PLACE * max(size, 1.0))
+        return np.hstack([joints, np.where(lost[:, None], np.nan, z)])
+
+    def with_tool(self, values: np.ndarray) -> np.ndarray:
+        """Put the pose of an arm's tool at its joints into the variables."""
+        return Closing(self._model, np.zeros(0)).newton(values, longest=np.inf)[0]
+
+    def _within_limits(self, values: np.ndarray) -> np.ndarray:
+        good = np.all(np.isfinite(values), axis=1)
+        for c in self.closure.coordinates:
+            low, high = c.limits or (0.0, 0.0)
+            column = values[:, self.closure.slices[c.name].start]
+            good &= ~outside_limits(c, column, self.margin * (high - low))
+        return np.asarray(good)
+
+    @cached_property
+    def _at_home(self) -> tuple[float, float]:
+        """Sign of det F_z at home, 0 where F_z is not square or singular, and the condition of
+        F_z.
+        """
+        rows_z = _rows_at(self._model, self.home)
+        (side,), (condition,) = determinant_signs(rows_z), conditions(rows_z)
+        return (side if condition < _SINGULAR_CONDITION else 0.0), condition
+
+    def _regular(self, rows_z: np.ndarray) -> np.ndarray:
+        side, condition = self._at_home
+        worst = _SINGULAR_CONDITION
+        if condition < _SINGULAR_CONDITION:
+            worst = _WORSE_CONDITION * condition
+        return (conditions(rows_z) < worst) & (determinant_signs(rows_z) * side >= 0)
 
 
 def platform_points(mechanism: Mechanism) -> np.ndarray:
@@ -326,90 +399,9 @@ def platform_points(mechanism: Mechanism) -> np.ndarray:
     return np.array(points)
 
 
-class ClosureSolver:
-    """Closes many configurations at once by Newton: first the joints for the pose, then all
-    coordinates together.
-    """
-
-    def __init__(self, mechanism: Mechanism, home: Pose, margin: float = 0.0) -> None:
-        self.mechanism, self.closure = mechanism, build_closure(mechanism)
-        self.home, self.margin = home, margin
-        self._model = closing_model(mechanism)
-        self._joints = Closing(self._model, np.zeros(0), held=("pose",))
-
-    def close(
-        self, starts: np.ndarray, inclinations: np.ndarray | None, *, limits: bool = True
-    ) -> tuple[ClosedConfigurations, np.ndarray]:
-        """Close configurations near the starts, and tell which of them are good: closed, with the
-        inclination where one is given, within limits, regular, and on home's side of singularities.
-        """
-        inclined = None
-        if inclinations is not None:
-            tilts = quaternion_from_euler(np.pad(inclinations, ((0, 0), (0, 1))).T, "xyz")
-            level = multiply(self.home.quaternion, level_turn(self.mechanism))
-            inclined = np.array(euler_from_quaternion(multiply(tilts, level), "xyz"))[:2].T
-        every = Closing(self._model, np.zeros(0), held=(), inclined=inclined)
-        with np.errstate(all="ignore"):
-            values, closed = every.close(self._joints.close(starts)[0])
-            z, joints = every.split(values)
-            _, rows_z = self._model.rows(z, joints, np.zeros(0))
-            made = ClosedConfigurations(values, joints, self._model.poses(z, joints, np.zeros(0)))
-            good = closed & self._regular(rows_z)
-            if limits:
-                good &= self._within_limits(values)
-        return made, good
-
-    @property
-    def rows_and_unknowns(self) -> tuple[int, int]:
-        """Counts of closure rows and of the freedoms of the unknown coordinates."""
-        return int(self._model.system.rows.shape[0]), self._model.system.freedom
-
-    def at_joints(self, joints: np.ndarray, values: np.ndarray) -> np.ndarray:
-        """Follow configurations (n, width) from their joints to others (n, a), and return the
-        variables there; not numbers where one is lost on the way, or does not come back to where it
-        began: it has passed into another assembly mode.
-        """
-        nothing, size = np.zeros(0), self.closure.characteristic_length
-        start, begin = self._joints.split(values)
-        start = follow_joints(self._model, start, begin, begin, nothing)
-        z = follow_joints(self._model, start, begin, joints, nothing)
-        rows, _ = self._model.rows(z, joints, nothing)
-        back = follow_joints(self._model, z, joints, begin, nothing)
-        lost = ~(np.max(np.abs(rows), axis=1, initial=0.0) <= ROUGHLY_SOLVED_TOLERANCE * size)
-        lost |= ~(np.max(np.abs(back - start), axis=1, initial=0.0) <= _SAME_PLACE * max(size, 1.0))
-        return np.hstack([joints, np.where(lost[:, None], np.nan, z)])
-
-    def with_tool(self, values: np.ndarray) -> np.ndarray:
-        """Put the pose of an arm's tool at its joints into the variables."""
-        return Closing(self._model, np.zeros(0)).newton(values, longest=np.inf)[0]
-
-    def _within_limits(self, values: np.ndarray) -> np.ndarray:
-        good = np.all(np.isfinite(values), axis=1)
-        for c in self.closure.coordinates:
-            column = values[:, self.closure.slices[c.name].start]
-            if c.limits is not None:
-                kept = self.margin * (c.limits[1] - c.limits[0])
-                column = into_limits(column, c.limits) if c.is_periodic else column
-                good &= (column >= c.limits[0] + kept) & (column <= c.limits[1] - kept)
-            elif c.least is not None:
-                good &= column > c.least
-        return np.asarray(good)
-
-    @cached_property
-    def _at_home(self) -> tuple[float, float]:
-        """Sign of det F_z at home, 0 where F_z is not square or singular, and the condition of
-        F_z.
-        """
-        rows_z = _rows_at(self._model, self.home)
-        (side,), (condition,) = determinant_signs(rows_z), conditions(rows_z)
-        return (side if condition < _SINGULAR_CONDITION else 0.0), condition
-
-    def _regular(self, rows_z: np.ndarray) -> np.ndarray:
-        side, condition = self._at_home
-        worst = _SINGULAR_CONDITION
-        if condition < _SINGULAR_CONDITION:
-            worst = _WORSE_CONDITION * condition
-        return (conditions(rows_z) < worst) & (determinant_signs(rows_z) * side >= 0)
+def moved_point(poses: np.ndarray, point: np.ndarray) -> np.ndarray:
+    """Where a point of a frame is at its poses (n, 7)."""
+    return np.asarray(poses[:, :3] + np.asarray(rotate(poses[:, 3:].T, point[:, None])).T)
 
 
 def home_pose(mechanism: Mechanism) -> Pose:

@@ -19,7 +19,7 @@ import numpy as np
 from symkin.calibration.data.measurements import Measurements
 from symkin.calibration.data.parameters import is_writable, nominal_parameters, with_parameters
 from symkin.calibration.estimate.configuration_model import build_model
-from symkin.calibration.estimate.configurations import newton_configurations
+from symkin.calibration.estimate.configurations import newton_configurations, outside_limits
 from symkin.calibration.estimate.linear import told_directions
 from symkin.calibration.estimate.problem import CalibrationProblem
 from symkin.calibration.estimate.robust import EFFICIENCY
@@ -45,10 +45,8 @@ from symkin.calibration.judge.statistics import (
 from symkin.calibration.judge.verdict import fit_notes, is_exact
 from symkin.errors import SymkinError
 from symkin.model.file import parse
-from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.tolerances import LIMIT_SLACK
-from symkin.position.canonical import into_limits
 from symkin.spatial.rotation import wrapped
 from symkin.text import first_of
 
@@ -100,7 +98,7 @@ def build_result(
         used=tuple(found.used.tolist()),
         unsolved=tuple(found.unsolved.tolist()),
         changed_mode=tuple(crossed.tolist()),
-        poses=problem.model.poses(state.z, problem.measurements.joints, state.p),
+        poses=problem.model.poses(state.z, problem.joints, state.p),
         status=found.result.status,
         iterations=found.result.iterations,
         given_up=screening.given_up,
@@ -162,7 +160,7 @@ def _residuals(
     """
     readings, columns = problem.readings, problem.model.columns
     taken, shape = readings.taken, readings.values.shape
-    means = evaluate(problem, state.p, state.z, "means").linearised.residuals
+    means = evaluate(problem.by_means, state.p, state.z).linearised.residuals
     raw = means * np.where(taken, readings.sigma, 0.0)
     left, whitened = (v[: raw.size].reshape(shape) for v in (1.0 - model.absorbed, model.residuals))
     judged = taken & (left > MIN_REDUNDANCY) & (spread > 0.0)
@@ -209,7 +207,7 @@ def read_back(problem: CalibrationProblem, state: State) -> tuple[State, str | N
     )
     with np.errstate(all="ignore"):
         noise = joint_covariance(problem, state) if problem.form == "maximum likelihood" else None
-        here = closed_state(problem, p, state.z, problem.form, noise)
+        here = closed_state(replace(problem, noise=noise), p, state.z)
         return here, next(_faults(problem, state, found, values), None)
 
 
@@ -232,7 +230,8 @@ def _faults(
     m = problem.measurements
     beside = {n: v for n, v in values.items() if not is_writable(n)}
     for k, c in enumerate(found.actuated):
-        beyond = m.joints[:, k] * beside.get(f"{c.name}.scale", 1.0) - _least(c)
+        least = -math.inf if c.least is None else c.least
+        beyond = m.joints[:, k] * beside.get(f"{c.name}.scale", 1.0) - least
         if np.any(beyond < 0.0):
             yield (
                 f"the rod of {c.name} would have a negative length at {_row_names(m, beyond < 0)}, "
@@ -246,8 +245,7 @@ def _faults(
     for c, place in zip(model.system.unknowns, model.system.slices, strict=True):
         if c.width == 1 and c in model.closure.role("passive"):
             column = z[:, place.start]
-            off = _beyond_limits(c, column, model.closure.characteristic_length)
-            off |= column < _least(c)
+            off = outside_limits(c, column, -LIMIT_SLACK * c.unit(model.size))
             if off.any():  # limits of actuated joints speak of the rows, not of the geometry
                 yield (
                     f"the passive joint {c.name} would be outside its limits at "
@@ -261,7 +259,7 @@ def _faults(
 def _disagreements(problem: CalibrationProblem, state: State, of_file: np.ndarray) -> Iterator[str]:
     """Yield which rows come out otherwise from the file than in the fit."""
     readings, lengths = problem.readings, problem.model.lengths
-    units = problem.model.closure.characteristic_length / lengths
+    units = problem.size / lengths
     gap = np.where(readings.taken, of_file - readings_at(problem, state.p, state.z), 0.0)
     gap = np.abs(np.where(readings.turning, wrapped(gap), gap))
     known = _READING_AGREEMENT[0] * readings.sigma if readings.known else 0.0
@@ -274,24 +272,7 @@ def _disagreements(problem: CalibrationProblem, state: State, of_file: np.ndarra
         )
 
 
-def _least(c: Coordinate) -> float:
-    return -math.inf if c.least is None else c.least
-
-
-def _beyond_limits(c: Coordinate, values: np.ndarray, size: float) -> np.ndarray:
-    """Tell which values, angles by whole turns as near as may be, are outside the limits by more
-    than rounding.
-    """
-    if c.limits is None:
-        return np.zeros(len(values), dtype=bool)
-    low, high = c.limits
-    slack = LIMIT_SLACK * c.unit(size)
-    values = into_limits(values, c.limits) if c.is_periodic else values
-    return np.asarray((values < low - slack) | (values > high + slack))
-
-
 def _row_names(m: Measurements, which: np.ndarray) -> str:
     """Name rows: 'posture line 3, line 9 and 12 more'."""
-    labels = [label for label, is_one in zip(m.labels, which, strict=True) if is_one]
-    more = f" and {len(labels) - 3} more" if len(labels) > 3 else ""
-    return f"posture {', '.join(labels[:3])}{more}"
+    labels = [m.labels[k] for k in np.flatnonzero(which).tolist()]
+    return f"posture {first_of(labels, 3)}"

@@ -29,13 +29,12 @@ from symkin.calibration.estimate.configurations import (
 )
 from symkin.calibration.estimate.problem import CalibrationProblem
 from symkin.calibration.estimate.state import State
-from symkin.calibration.estimate.workspace import lever, platform_points
+from symkin.calibration.estimate.workspace import lever, moved_point, platform_points
 from symkin.calibration.judge.statistics import rms_of_better_part
 from symkin.spatial.rotation import (
     conjugate,
     matrix_from_quaternion,
     multiply,
-    rotate,
     rotation_vector_from_quaternion,
 )
 
@@ -60,7 +59,7 @@ class Departure:
 def measure_departure(problem: CalibrationProblem, state: State) -> Departure:
     """Measure the departure of a fit from the nominal geometry, over the configurations fitted."""
     nominal, rows = problem.model.nominal, spread_rows(len(state.z), _COMPARED_CONFIGURATIONS)
-    joints, length = problem.measurements.joints[rows], lever(problem.mechanism)
+    joints, length = problem.joints[rows], lever(problem.mechanism)
     with np.errstate(all="ignore"):
         z, closed = newton_configurations(
             problem.model, state.z[rows], joints, nominal, tolerance=ROUGHLY_SOLVED_TOLERANCE
@@ -103,7 +102,7 @@ def less_frames(values: np.ndarray, poses: np.ndarray, length: float) -> np.ndar
     X T by (t, w) it is (t + w x position, R^T w) and (R t, w). Angles weigh `length`.
     """
     n, unit = len(poses), np.broadcast_to(np.eye(3), (len(poses), 3, 3))
-    turn = np.asarray(matrix_from_quaternion(poses[:, 3:].T)).transpose(2, 0, 1)
+    turn = matrix_from_quaternion(poses[:, 3:].T).transpose(2, 0, 1)
     across = np.cross(unit, poses[:, None, :3]).transpose(0, 2, 1)
     none = np.zeros((n, 3, 3))
     base = np.block([[unit, across / length], [none, turn.transpose(0, 2, 1)]])
@@ -123,15 +122,14 @@ def most_central(turns: np.ndarray) -> int:
 
 def _middles(problem: CalibrationProblem, poses: np.ndarray) -> np.ndarray:
     """Poses (n, 7) with the place of the middle of the platform's joint points."""
-    centre = np.mean(platform_points(problem.mechanism), axis=0)[:, None]
-    turned = np.asarray(rotate(poses[:, 3:].T, np.tile(centre, len(poses)))).T
-    return np.hstack([poses[:, :3] + turned, poses[:, 3:]])
+    centre = np.mean(platform_points(problem.mechanism), axis=0)
+    return np.hstack([moved_point(poses, centre), poses[:, 3:]])
 
 
 def _difference(poses: np.ndarray, others: np.ndarray) -> np.ndarray:
     """Poses (n, 7) less others (n, 6): positions, and rotation vectors in the turned axes."""
-    turn = np.asarray(multiply(conjugate(others[:, 3:].T), poses[:, 3:].T))
-    turned = np.asarray(rotation_vector_from_quaternion(turn)).T
+    turn = multiply(conjugate(others[:, 3:].T), poses[:, 3:].T)
+    turned = rotation_vector_from_quaternion(turn).T
     return np.hstack([poses[:, :3] - others[:, :3], turned])
 
 

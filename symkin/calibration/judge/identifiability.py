@@ -1,11 +1,16 @@
 """Determine what the readings can tell: rank and null space of the identification Jacobian, named
 in parameter terms.
+
+Moving the base frame or the platform frame, stretching everything, shifting a joint's point along
+its axis, shifting the offsets of parallel axes: each is a velocity of every parameter of the
+mechanism. A direction that lies in the null space of the identification Jacobian is what the
+readings cannot tell, and has a name.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from itertools import chain
 from typing import Any
 
@@ -13,10 +18,22 @@ import numpy as np
 
 from symkin.calibration.data.measurements import Measurements, spread_rows
 from symkin.calibration.data.observables import observables
+from symkin.calibration.data.parameters import (
+    AXES,
+    MEASURING_FRAMES,
+    Velocity,
+    nominal_parameters,
+    vector_values,
+    vector_velocity,
+    written_freedoms,
+)
+from symkin.calibration.data.reference_motions import moved, reference_motions
+from symkin.calibration.estimate.configuration_model import ConfigurationModel
 from symkin.calibration.estimate.configurations import (
     newton_configurations,
     solve_configurations,
 )
+from symkin.calibration.estimate.joint_lines import NEARLY_PARALLEL, parallel_axes
 from symkin.calibration.estimate.linear import UNTOLD, WELL_TOLD, Linear
 from symkin.calibration.estimate.problem import CalibrationProblem, build_calibration
 from symkin.calibration.estimate.state import (
@@ -28,12 +45,14 @@ from symkin.calibration.estimate.state import (
     spectrum,
     unbound,
 )
-from symkin.calibration.judge.named_directions import frame_names, named_motions
+from symkin.closure.branches import edges_of
 from symkin.computed_once import cached_property
 from symkin.errors import InputError
+from symkin.model.joint import BASE
 from symkin.model.mechanism import Mechanism
+from symkin.numeric.linear_algebra import largest_of
 from symkin.numeric.rank import independent_rows
-from symkin.spatial.rotation import euler_from_quaternion
+from symkin.spatial.rotation import euler_from_quaternion, multiply, rotate
 
 _NULL_SPACE_TOLERANCE = 1e-5
 """A unit direction belongs to the null space when its part outside is shorter than this."""
@@ -103,7 +122,7 @@ class Identifiability:
         """The rest of the null space (P, k - j): told by readings without noise alone."""
         rest = self.null_space - self.blind @ (self.blind.T @ self.null_space)
         left, lengths, _ = np.linalg.svd(rest, full_matrices=False)
-        return np.asarray(left[:, lengths > 0.5])
+        return left[:, lengths > 0.5]
 
     @property
     def condition(self) -> float:
@@ -136,7 +155,7 @@ def identifiability(
         )
     if not solved.all():
         problem = build_calibration(mechanism, measurements.subset(solved), **chosen)
-    state = evaluate(problem, nominal, configurations.z[solved], "means")
+    state = evaluate(problem.by_means, nominal, configurations.z[solved])
     return identifiability_at(problem, state, 1.0 if problem.readings.known else 0.0)
 
 
@@ -177,7 +196,7 @@ def _told(
     null_space = found.null_space
     if weight == 0.0:
         return found, null_space, ()
-    told = Linear.of(problem, state, problem.widened).told(weight)
+    told = replace(Linear.of(problem, state, problem.widened), weight=weight).told()
     ratios, directions = told.ratios, told.columns
     untold = ratios < UNTOLD
     if np.sum(untold) > null_space.shape[1]:
@@ -195,8 +214,8 @@ def _opens_beside(problem: CalibrationProblem, state: State) -> bool:
     if state.leftover is None:
         return False
     some = spread_rows(len(state.z), _MAX_BESIDE)
-    joints, quaternions = problem.measurements.joints[some], problem.quaternions[some]
-    size, rng = model.closure.characteristic_length, np.random.default_rng(0)
+    joints, quaternions = problem.joints[some], problem.quaternions[some]
+    size, rng = model.size, np.random.default_rng(0)
     units = np.array([c.unit(size) for c in model.closure.role("actuated")])
     moved = _JOINTS_BESIDE * units * rng.uniform(-1.0, 1.0, joints.shape)
 
@@ -207,7 +226,7 @@ def _opens_beside(problem: CalibrationProblem, state: State) -> bool:
         return np.asarray(left[closed].reshape(-1, len(problem.names)))
 
     open_steps = left_over(joints + moved) @ unbound(left_over(joints))
-    return bool(np.max(np.abs(open_steps), initial=0.0) > _OPEN_SLOPE)
+    return bool(largest_of(open_steps) > _OPEN_SLOPE)
 
 
 def name_null_space(
@@ -301,7 +320,7 @@ def _advice(
     unusual = any(
         not text.startswith(_FREE_FRAMES) and "size of" not in text for text in unobservable
     )
-    turns = problem.model.poses(state.z, problem.measurements.joints, state.p)[:, 3:].T
+    turns = problem.model.poses(state.z, problem.joints, state.p)[:, 3:].T
     angles = np.asarray(euler_from_quaternion(turns, "xyz")).T
     if unusual and readings.groups and np.all(_ranges(angles[readings.first, :2]) < _SAME_ANGLE):
         yield (
@@ -337,3 +356,154 @@ def _advice(
 
 def _ranges(values: np.ndarray) -> np.ndarray:
     return np.asarray(np.ptp(values, axis=0))
+
+
+# --- names of directions --------------------------------------------------------------------------
+
+
+_TURNS = ("roll (about x)", "pitch (about y)", "yaw (about z)")
+
+_HELD_STILL = 1e-9
+"""A change leaves held parameters where they are when they move by less than this share of it."""
+
+
+def named_motions(model: ConfigurationModel, p: np.ndarray) -> Iterator[tuple[str, np.ndarray]]:
+    """Yield (name, scaled direction over the model's parameters) of every known change at p, most
+    telling first. What a change would need of parameters that are held is made up for by freedoms
+    in how the file is written; a change that cannot be so is left out.
+    """
+    mechanism, read, values = model.mechanism, _read(model), all_values(model, p)
+    names, free = list(values), np.isin(list(values), model.names)
+    order = [names.index(name) for name in model.names]
+    table, size = nominal_parameters(mechanism, read), model.size
+    units = np.where([table.get(name, ("", "length"))[1] == "length" for name in names], 1.0, size)
+
+    def rows(changes: Iterable[tuple[str, Velocity]]) -> list[tuple[str, np.ndarray]]:
+        return [(text, units * [v.get(name, 0.0) for name in names]) for text, v in changes]
+
+    written = written_freedoms(mechanism, values, read)
+    freedoms = rows((*written, *reference_motions(mechanism, values, read)))
+    basis = np.array([one for _, one in freedoms]).reshape(-1, len(names)).T
+    for text, direction in (*rows(_all_motions(model, values)), *freedoms):
+        made = direction - basis @ _made_up(basis[~free], direction[~free])
+        length = float(np.linalg.norm(made))
+        if length > 0.0 and np.linalg.norm(made[~free]) <= _HELD_STILL * length:
+            yield text, made[order] / length
+
+
+def _made_up(held: np.ndarray, wanted: np.ndarray) -> np.ndarray:
+    """Shares of freedoms that move the held parameters as a change does; none where it does not
+    move them.
+    """
+    if not np.any(wanted) or not held.size:
+        return np.zeros(held.shape[1])
+    return np.asarray(np.linalg.lstsq(held, wanted, rcond=1e-10)[0])
+
+
+def _read(model: ConfigurationModel) -> tuple[str, ...]:
+    return tuple(o.name for o in model.read)
+
+
+def all_values(model: ConfigurationModel, p: np.ndarray) -> Velocity:
+    """Return the values of all parameters by name: nominal, those of the model's as p has them;
+    measuring frames only among these.
+    """
+    table = nominal_parameters(model.mechanism, _read(model))
+    values = {name: value for name, (value, _) in table.items() if name not in MEASURING_FRAMES}
+    return values | dict(zip(model.names, map(float, p), strict=True))
+
+
+def _all_motions(model: ConfigurationModel, values: Velocity) -> Iterator[tuple[str, Velocity]]:
+    if model.mechanism.dh is None:
+        yield from _frame_motions(model.mechanism, values)
+    table = nominal_parameters(model.mechanism, _read(model))
+    stretched = {
+        name: value
+        for name, value in values.items()
+        if table.get(name, ("", ""))[1] == "length" and name not in MEASURING_FRAMES
+    }
+    yield "size of the whole mechanism", stretched
+    lengths = [c.name for c in model.mechanism.actuated if not c.is_angular]
+    lengths += [o.name for o in model.read if o.kind == "joint" and not o.angular]
+    if lengths:
+        yield (
+            "size of the whole mechanism with the factors of all length readings",
+            stretched | {f"{name}.scale": 1.0 for name in lengths},
+        )
+    yield from _parallel_offsets(model.mechanism, values)
+
+
+# --- frames ---------------------------------------------------------------------------------------
+
+
+def frame_names(mechanism: Mechanism) -> Iterator[tuple[str, str, str]]:
+    """Yield the names of unit twists of base and platform frame, translations first, each with the
+    frame between the mechanism and what is measured there, and the name of what mixes both.
+    """
+    for frame, beside, fixed in (
+        (BASE, "world", "base"),
+        (mechanism.frame_name, "target", "platform"),
+    ):
+        for axis in AXES:
+            mixed = f"{beside} frame position {axis} with the {fixed} frame"
+            yield f"{frame} frame translation {axis}", beside, mixed
+        for axis, turn in zip(AXES, _TURNS, strict=True):
+            turn = turn if frame == BASE else f"rotation about {axis}"
+            mixed = f"{beside} frame rotation {axis} with the {fixed} frame"
+            yield f"{frame} frame {turn}", beside, mixed
+
+
+def _frame_motions(mechanism: Mechanism, values: Velocity) -> Iterator[tuple[str, Velocity]]:
+    """Move base and platform frame by unit twists (t, w)."""
+    links = {link for edge in edges_of(mechanism) for link in edge.ends}
+    links |= {BASE, *(p.link for p in mechanism.link_points)}
+    texts = [text for text, *_ in frame_names(mechanism)]
+    for text, twist in zip(texts, np.eye(6), strict=False):
+        yield text, moved(mechanism, values, dict.fromkeys(links, twist))
+    for text, twist in zip(texts[6:], np.eye(6), strict=True):
+        yield text, _platform_moved(mechanism, values, twist[:3], twist[3:])
+
+
+def _platform_moved(
+    mechanism: Mechanism, values: Velocity, t: np.ndarray, w: np.ndarray
+) -> Velocity:
+    """Move the platform frame by the twist (t, w) in its own axes; what is given in it moves the
+    other way.
+    """
+    velocity: Velocity = {}
+    for end in (end for bar in mechanism.bars for end in (bar.start, bar.end)):
+        if end.in_platform_frame:
+            back = -(t + np.cross(w, vector_values(values, end.path)))
+            velocity |= vector_velocity(end.path, back)
+    frame = mechanism.frame_name
+    if f"{frame}.quaternion.w" in values:
+        q = vector_values(values, f"{frame}.quaternion", "wxyz")
+        shifted, turned = rotate(q / np.linalg.norm(q), t), multiply(q, np.array([0.0, *w]))
+        velocity |= vector_velocity(f"{frame}.position", shifted)
+        velocity |= vector_velocity(f"{frame}.quaternion", 0.5 * turned, "wxyz")
+    return velocity
+
+
+# --- parallel axes --------------------------------------------------------------------------------
+
+
+def _parallel_offsets(mechanism: Mechanism, values: Velocity) -> Iterator[tuple[str, Velocity]]:
+    """Shift the offset d of an axis that is parallel to the next to rounding against that one's:
+    both move the tool alike.
+    """
+    for k, twist in parallel_axes(mechanism, values, 1e-12):
+        yield (
+            f"parallel axes {_axes_named(mechanism, k)}: only the sum of their offsets dh.{k}.d "
+            f"and dh.{k + 1}.d is told",
+            {f"dh.{k}.d": 1.0, f"dh.{k + 1}.d": -1.0 if np.cos(twist) > 0 else 1.0},
+        )
+
+
+def nearly_parallel(mechanism: Mechanism, values: Velocity) -> tuple[str, ...]:
+    """Name pairs of neighbouring axes that are parallel or nearly so."""
+    found = parallel_axes(mechanism, values, NEARLY_PARALLEL)
+    return tuple(_axes_named(mechanism, k) for k, _ in found)
+
+
+def _axes_named(mechanism: Mechanism, k: int) -> str:
+    return " and ".join(mechanism.actuated[i].name for i in (k - 1, k))

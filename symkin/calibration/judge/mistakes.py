@@ -13,18 +13,23 @@ from dataclasses import dataclass, replace
 from enum import Enum, auto
 from functools import partial
 from itertools import combinations, permutations
-from typing import Any
 
 import numpy as np
 
 from symkin.calibration.data.files import DataFile, euler_quaternions
 from symkin.calibration.data.measurements import Measurements, spread_rows
-from symkin.calibration.data.observables import observables
+from symkin.calibration.data.observables import PLATFORM, Observable, written
 from symkin.calibration.estimate.configurations import joints_at_poses, whole_poses
 from symkin.calibration.estimate.state import readings_at
-from symkin.calibration.judge.euler_sequence import describe_sequence, equal_sequences
 from symkin.calibration.judge.statistics import rms_of_better_part
-from symkin.calibration.judge.trials import NO_TRIAL, Start, Trial, begin
+from symkin.calibration.judge.trials import (
+    NO_TRIAL,
+    Start,
+    Trial,
+    begin,
+    describe_sequence,
+    equal_sequences,
+)
 from symkin.errors import SymkinError
 from symkin.files.euler_columns import SEQUENCES
 from symkin.model.mechanism import Mechanism
@@ -147,7 +152,7 @@ class Case:
         return bool(np.all(measurements.joints > np.array(least)))
 
     def angle(self, value: float) -> str:
-        return f"{self.mechanism.angle_out(value):.3g} {self.mechanism.angle_unit}"
+        return written(self.mechanism, "angle", value, ".3g")
 
 
 Finding = tuple[str, Measurements | None]
@@ -288,21 +293,11 @@ def _in_radians(block: Block) -> Changes:
         yield next(_in_another_unit(block))
 
 
-def _table(
-    case: Case, key: str, names: Sequence[str], angular: Sequence[bool], called: str = ""
-) -> Iterator[Block]:
-    """A table of the measurements, those columns that were read."""
-    m = case.measurements
-    values = getattr(m, key)
-    if values is not None:
-        read = np.flatnonzero(np.any(np.isfinite(values), axis=0)).tolist()
-        put = lambda values: replace(m, **{key: values})  # noqa: E731
-        yield Block(names, angular, values, put, read, called)
-
-
 def _joints(case: Case) -> Iterator[Block]:
-    actuated = case.mechanism.actuated
-    return _table(case, "joints", [c.name for c in actuated], [c.is_angular for c in actuated])
+    m, read = case.measurements, case.mechanism.actuated
+    names, angular = [c.name for c in read], [c.is_angular for c in read]
+    put = lambda values: m.replaced("joint", values=values)  # noqa: E731
+    yield Block(names, angular, m.joints, put, range(len(read)))
 
 
 def _kinds_of_joints(case: Case) -> Iterator[Block]:
@@ -326,53 +321,48 @@ def _odd_lengths(case: Case) -> Iterator[Block]:
             yield replace(block, columns=[k])
 
 
+def _taken(case: Case, is_meant: Callable[[Observable], bool], called: str = "") -> Iterator[Block]:
+    """What was read beside the joints and is meant, together: those columns that hold numbers."""
+    m = case.measurements
+    read = [(o, r) for o, r in m.channels(case.mechanism) if is_meant(o)]
+    if not read:
+        return
+    tables = [r.values for _, r in read]
+    values, ends = np.hstack(tables), np.cumsum([table.shape[1] for table in tables])[:-1]
+
+    def put(values: np.ndarray) -> Measurements:
+        made = m
+        for (o, _), part in zip(read, np.hsplit(values, ends), strict=True):
+            made = made.replaced(o.key, by_name=o.by_name, values=part)
+        return made
+
+    names, angular = zip(*((name, o.angular) for o, _ in read for name in o.columns), strict=True)
+    held = np.flatnonzero(np.any(np.isfinite(values), axis=0)).tolist()
+    yield Block(names, angular, values, put, held, called)
+
+
 def _positions(case: Case) -> Iterator[Block]:
-    return _table(case, "position", "xyz", [False] * 3, "the positions")
+    return _taken(case, PLATFORM["position"].__eq__, "the positions")
 
 
 def _inclinations(case: Case) -> Iterator[Block]:
-    return _table(case, "inclination", ("alpha", "beta"), [True] * 2)
-
-
-def _taken(case: Case, key: str, places: Sequence[int], called: str = "") -> Iterator[Block]:
-    """Distances or other readings, by their places."""
-    m, known, read = case.measurements, observables(case.mechanism), getattr(case.measurements, key)
-    own = {read[k].name: read[k].values.reshape(len(m), -1) for k in places}
-    names = [name for name, table in own.items() for _ in table.T]
-    ends = np.cumsum([table.shape[1] for table in own.values()])[:-1]
-
-    def put(values: np.ndarray) -> Measurements:
-        parts = dict(zip(own, np.hsplit(values, ends), strict=True))
-        changes: dict[str, Any] = {
-            key: [
-                replace(r, values=parts[r.name].reshape(r.values.shape)) if r.name in parts else r
-                for r in read
-            ]
-        }
-        return replace(m, **changes)
-
-    if names:
-        angular = [key == "readings" and known[name].angular for name in names]
-        yield Block(names, angular, np.hstack([*own.values()]), put, range(len(names)), called)
+    return _taken(case, PLATFORM["inclination"].__eq__)
 
 
 def _distances(case: Case) -> Iterator[Block]:
-    return _taken(case, "distances", range(len(case.measurements.distances)), "the distances")
+    return _taken(case, lambda o: bool(o.ends), "the distances")
 
 
 def _readings(case: Case) -> Iterator[Block]:
     """Readings of passive joints, points, distances and links, one by one."""
-    for k, r in enumerate(case.measurements.readings):
-        if not r.is_orientation:
-            yield from _taken(case, "readings", [k], f"the readings of {r.name}")
+    for o, _ in case.measurements.channels(case.mechanism):
+        if o.of and o.kind != "orientation":
+            yield from _taken(case, o.__eq__, f"the readings of {o.name}")
 
 
 def _encoders(case: Case) -> Iterator[Block]:
     """Readings of passive joints, together."""
-    known, read = observables(case.mechanism), case.measurements.readings
-    return _taken(
-        case, "readings", [k for k, r in enumerate(read) if known[r.name].kind == "joint"]
-    )
+    return _taken(case, lambda o: o.kind == "joint")
 
 
 def _euler(case: Case) -> Iterator[Block]:

@@ -20,7 +20,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from symkin.calibration.data.measurements import NO_GROUP, Measurements
-from symkin.calibration.data.observables import is_angular
+from symkin.calibration.data.observables import measure_of, written
 from symkin.calibration.estimate.configurations import (
     first_points,
     newton_configurations,
@@ -175,7 +175,7 @@ def screen_readings(
         falls.append(model.chi_square - less.chi_square)
         if falls[-1] < share * max(falls):
             break
-        angular = is_angular(problem.mechanism, outlier.kind)
+        angular = measure_of(problem.mechanism, outlier.kind) == "angle"
         unit = 1.0 if angular else problem.mechanism.characteristic_length
         if only_rounding(np.array(outlier.shift), unit):
             break
@@ -264,18 +264,17 @@ def _described(
 ) -> Outlier:
     """Say in a sentence by how much the readings of some columns of a row are off."""
     label, mechanism = problem.measurements.labels[row], problem.mechanism
-    angular = is_angular(mechanism, o.kind)
-    unit = "deg" if angular else mechanism.length_unit
+    measure = measure_of(mechanism, o.kind)
     text = ", ".join(
-        f"{problem.model.columns[k][1]} {v:+.3g} {unit}"
-        for k, v in zip(columns, np.degrees(shift) if angular else shift, strict=True)
+        f"{problem.model.columns[k][1]} {written(mechanism, measure, float(v))}"
+        for k, v in zip(columns, shift, strict=True)
     )
-    shown = f"below {_MIN_SHOWN_PROBABILITY:.0e}"
+    chance = f"below {_MIN_SHOWN_PROBABILITY:.0e}"
     if o.probability >= _MIN_SHOWN_PROBABILITY:
-        shown = f"{o.probability:.1g}"
+        chance = f"{o.probability:.1g}"
     reason = (
         f"posture {label}, {o.kind}: off by {text} of what the other readings say; "
-        f"statistic {o.statistic:.4g} with {o.degrees} degrees of freedom, probability {shown}"
+        f"statistic {o.statistic:.4g} with {o.degrees} degrees of freedom, probability {chance}"
     )
     return replace(o, label=label, shift=tuple(map(float, shift)), reason=reason)
 

@@ -34,7 +34,7 @@ def close_others(
     problem of those that are solved, their unknown coordinates, and which they are (n,).
     """
     model = build_model(problem.mechanism, measurements, problem.names)
-    near = state.z[nearest_rows(problem.measurements.joints, measurements.joints, 1)[:, 0]]
+    near = state.z[nearest_rows(problem.joints, measurements.joints, 1)[:, 0]]
     found = solve_configurations(model, measurements, state.p, z=near, seed=seed)
     some = measurements.subset(found.solved)
     readings = build_readings(model, some)

@@ -11,7 +11,8 @@ from typing import Any
 import numpy as np
 
 from symkin.calibration.data.measurements import Measurements
-from symkin.calibration.data.parameters import ParameterKind, with_parameters
+from symkin.calibration.data.observables import Measure, ParameterKind, unit_of, value_out, written
+from symkin.calibration.data.parameters import MEASURING_FRAMES, with_parameters
 from symkin.calibration.estimate.problem import CalibrationProblem
 from symkin.calibration.estimate.state import State
 from symkin.calibration.judge.departure import Departure
@@ -192,6 +193,19 @@ class Calibration(Result):
         """Return the change of a parameter over the size (lengths), in radians or plain."""
         return abs(p.change) / (self.mechanism.characteristic_length if p.kind == "length" else 1.0)
 
+    @cached_property
+    def free(self) -> list[Parameter]:
+        """The free parameters of the geometry, those that changed most first; measuring frames have
+        no nominal place.
+        """
+        free = (p for p in self.parameters if not p.held and p.name not in MEASURING_FRAMES)
+        return sorted(free, key=self.relative_change, reverse=True)
+
+    def largest_changes(self, most: int) -> str:
+        """Write the largest changes, with their units."""
+        m = self.mechanism
+        return ", ".join(f"{p.name} {written(m, p.kind, p.change)}" for p in self.free[:most])
+
     @property
     def is_noticeable(self) -> bool:
         """Whether the geometry went so far that mistakes in the file are worth a search although it
@@ -213,15 +227,9 @@ class Calibration(Result):
     @property
     def changes_over_tolerances(self) -> list[tuple[str, float]]:
         """The changes of free parameters over the tolerances stated."""
-        prior, model = self.problem.prior, self.problem.model
-        if not self.problem.is_stated:
-            return []
-        changes = (self.state.p - model.nominal) / model.scales / prior
-        return [
-            (name, float(z))
-            for name, z, s in zip(model.names, changes, prior, strict=True)
-            if np.isfinite(s)
-        ]
+        problem = self.problem
+        changes = zip(problem.names, problem.over_prior(self.state.p), problem.prior, strict=True)
+        return [(name, float(z)) for name, z, s in changes if problem.is_stated and np.isfinite(s)]
 
     @property
     def frames(self) -> tuple[str, ...]:
@@ -251,13 +259,13 @@ class Calibration(Result):
 
     def row(self, q: Parameter) -> list[str]:
         """Name, value, standard deviation, unit and change of a parameter, as texts."""
-        one = value_out(self.mechanism, q, 1.0)
+        one = value_out(self.mechanism, q.kind, 1.0)
         sigma = "held" if q.held else "unknown" if q.sigma is None else f"{one * q.sigma:.2g}"
         return [
             q.name,
             f"{one * q.value:.9g}",
             sigma,
-            unit_of(self.mechanism, q),
+            unit_of(self.mechanism, q.kind),
             f"{one * q.change:+.3g}",
         ]
 
@@ -294,10 +302,10 @@ class Calibration(Result):
             "parameters": [
                 {
                     "name": q.name,
-                    "unit": unit_of(m, q) or "1",
-                    "nominal": value_out(m, q, q.nominal),
-                    "value": value_out(m, q, q.value),
-                    "sigma": None if q.sigma is None else value_out(m, q, q.sigma),
+                    "unit": unit_of(m, q.kind) or "1",
+                    "nominal": value_out(m, q.kind, q.nominal),
+                    "value": value_out(m, q.kind, q.value),
+                    "sigma": None if q.sigma is None else value_out(m, q.kind, q.sigma),
                     "held": q.held,
                 }
                 for q in self.parameters
@@ -312,34 +320,17 @@ class Calibration(Result):
 
     def residual_rows(self) -> Iterator[dict[str, Any]]:
         """The residuals in JSON, one by one."""
-        labels, out = self.measurements.labels, self.mechanism.angle_out
         for r in self.residuals:
-            value = out(r.value) if r.angular else r.value
             yield {
-                "posture": labels[r.configuration],
+                "posture": self.measurements.labels[r.configuration],
                 "kind": r.kind,
                 "component": r.component,
-                "value": value,
+                "value": value_out(self.mechanism, "angle" if r.angular else "length", r.value),
                 "normalised": finite(r.normalised),
             }
 
 
-def unit_of(mechanism: Mechanism, q: Parameter) -> str:
-    """The unit in which a parameter is written; none for numbers."""
-    return {"length": mechanism.length_unit, "angle": mechanism.angle_unit, "number": ""}[q.kind]
-
-
-def value_out(mechanism: Mechanism, q: Parameter, value: float) -> float:
-    """A value of a parameter's kind in the mechanism's unit."""
-    return mechanism.angle_out(value) if q.kind == "angle" else value
-
-
-def shown(mechanism: Mechanism, q: Parameter, value: float, digits: str = "+.3g") -> str:
-    """Write a value of a parameter's kind with its unit."""
-    return f"{value_out(mechanism, q, value):{digits}} {unit_of(mechanism, q)}".strip()
-
-
 def length_and_angle(mechanism: Mechanism, length: float, angle: float) -> str:
     """Write '0.1 mm and 0.02 deg'."""
-    m = mechanism
-    return f"{length:.3g} {m.length_unit} and {m.angle_out(float(angle)):.3g} {m.angle_unit}"
+    both: list[tuple[Measure, float]] = [("length", length), ("angle", float(angle))]
+    return " and ".join(written(mechanism, measure, v, ".3g") for measure, v in both)

@@ -167,8 +167,7 @@ def _stated_rows(problem: CalibrationProblem, state: State) -> tuple[np.ndarray,
     are readings of them, and their derivative (k, P) by scaled parameters; none without.
     """
     known = np.isfinite(problem.prior) & problem.is_stated
-    change = (state.p - problem.model.nominal) / problem.model.scales
-    return (change / problem.prior)[known], np.diag(1.0 / problem.prior)[known]
+    return problem.over_prior(state.p)[known], np.diag(1.0 / problem.prior)[known]
 
 
 def _basis_in_place(columns: np.ndarray) -> np.ndarray:
@@ -214,15 +213,16 @@ def covariance(problem: CalibrationProblem, state: State, told: Told | None = No
     covariance of readings with joint noise, and what the prior leaves open where it decides; along
     directions of which the readings tell nothing 0.
     """
-    noise, form = joint_covariance(problem, state), problem.form
-    told = told or told_directions(problem, evaluate(problem, state.p, state.z, form, noise))
+    noise = joint_covariance(problem, state)
+    problem = replace(problem, noise=noise)
+    told = told or told_directions(problem, evaluate(problem, state.p, state.z))
     scaled = problem.model.scales[:, None] * told.columns
     left = scaled * ((1.0 - told.shares) / told.weight)
     total = left @ left.T
     for rows, part in problem.parts:
-        near = evaluate(part, state.p, state.z[rows], form, noise[rows])
+        near = evaluate(part, state.p, state.z[rows])
         moved = (scaled * told.gains) @ (near.linearised.matrix @ told.columns).T
-        if form == "maximum likelihood":  # residuals of covariance 1
+        if problem.form == "maximum likelihood":  # residuals of covariance 1
             total += moved @ moved.T
             continue
         taken, sigma = part.readings.taken, part.readings.sigma
@@ -240,14 +240,14 @@ def _gain(problem: CalibrationProblem, inverse: np.ndarray) -> np.ndarray:
     readings = problem.readings
     gain = inverse * np.where(readings.taken, 1.0 / readings.sigma, 0.0)
     if problem.form != "differences":
-        return np.asarray(gain)
+        return gain
     before, after = neighbours(readings)
     for column in np.flatnonzero(readings.grouped):
         s = 1.0 / np.hypot(readings.sigma[before, column], readings.sigma[after, column])
         gain[:, :, column] = 0.0
         gain[:, after, column] += s * inverse[:, after, column]
         gain[:, before, column] -= s * inverse[:, after, column]
-    return np.asarray(gain)
+    return gain
 
 
 def curvature(
@@ -260,30 +260,29 @@ def curvature(
     """
     if state.leftover is not None:
         return np.zeros(len(problem.names))
-    noise, told = joint_covariance(problem, state), told or told_directions(problem, state)
+    told = told or told_directions(problem, state)
+    problem = replace(problem, noise=joint_covariance(problem, state))
     free = told.ratios > 1.0
     # along one of them the residuals move by one standard deviation
     units = np.sqrt(spread) / told.weight * told.columns[:, free] / told.ratios[free]
     steps = [sign * step for step in units.T[-_WEAKEST_DIRECTIONS:] for sign in (1.0, -1.0)]
     pulls = np.zeros((len(problem.names), len(steps)))
     for rows, part in problem.parts:
-        near = evaluate(part, state.p, state.z[rows], problem.form, noise[rows])
+        near = evaluate(part, state.p, state.z[rows])
         for k, step in enumerate(steps):
-            pulls[:, k] += near.linearised.matrix.T @ _bend(part, near, step, noise[rows])
+            pulls[:, k] += near.linearised.matrix.T @ _bend(part, near, step)
     sigma, change = np.linalg.norm(units, axis=1), np.abs(units @ (units.T @ pulls)) / spread
     largest = np.max(np.where(np.isfinite(change), change, np.inf), axis=1, initial=0.0)
     return np.asarray(np.divide(largest, sigma, out=np.zeros_like(sigma), where=sigma > 0))
 
 
-def _bend(
-    problem: CalibrationProblem, here: State, step: np.ndarray, noise: np.ndarray
-) -> np.ndarray:
+def _bend(problem: CalibrationProblem, here: State, step: np.ndarray) -> np.ndarray:
     """Return d = r(p + step) - r(p) - (dr/dp) step, configurations closed again; not a number where
     they do not close.
     """
     before = here.linearised
     with np.errstate(all="ignore"):
-        there = state_after(problem, here, step, problem.form, noise)
+        there = state_after(problem, here, step)
     if there is None:
         return np.full_like(before.vector, np.nan)
     return np.asarray(there.linearised.vector - before.vector - before.matrix @ step)

@@ -1,5 +1,10 @@
 """Try readings as they might be meant: where each trial begins, what a fit from there leaves, and
-which of two explains the readings.
+which of two explains the readings; and so find the Euler sequence that the angles of a file follow.
+
+About moving axes (capitals) the angles of the columns 1, 2, 3 turn in this order about the axes
+named; about fixed axes (small letters) likewise. A sequence about moving axes is the reversed one
+about fixed axes with the angles in reversed order, so that twenty-four remain for columns in a
+given order; those that give the same rotations for all rows are one.
 """
 
 from __future__ import annotations
@@ -10,21 +15,23 @@ from typing import Any
 
 import numpy as np
 
-from symkin.calibration.data.measurements import Measurements
-from symkin.calibration.data.parameters import MEASURING_FRAMES
+from symkin.calibration.data.files import DataFile, euler_quaternions
+from symkin.calibration.data.measurements import Measurements, spread_rows
 from symkin.calibration.estimate.configurations import first_points, newton_configurations
 from symkin.calibration.estimate.estimator import estimate, parameters_at_poses
-from symkin.calibration.estimate.first_guess import fit_measuring_frames
 from symkin.calibration.estimate.problem import CalibrationProblem, build_calibration
 from symkin.calibration.estimate.residuals import linearise
-from symkin.calibration.estimate.starting import has_home, with_starts
+from symkin.calibration.estimate.starting import fit_measuring_frames, has_home, with_starts
 from symkin.calibration.estimate.state import design, readings_at, spectrum
 from symkin.calibration.judge.statistics import (
     SIGNIFICANCE,
     chi_square_tail,
     rms_of_better_part,
 )
+from symkin.errors import InputError
+from symkin.files.euler_columns import SEQUENCES
 from symkin.model.mechanism import Mechanism
+from symkin.position.solution import finite
 
 _WIDENED = 10.0
 """How much wider the prior of a trial is: what is meant must be found of machines far off, too."""
@@ -91,7 +98,7 @@ class Start:
         the configurations, so that single bad rows do not count; one that does not close counts as
         one size.
         """
-        readings, size = self.problem.readings, self.problem.model.closure.characteristic_length
+        readings, size = self.problem.readings, self.problem.size
         unclosed = readings.values.shape[1] * size**2
         return rms_of_better_part(np.where(self.solved, self.squares, unclosed))
 
@@ -114,7 +121,7 @@ class Start:
         degrees -= spectrum(design(state)).rank
         if degrees <= 0:
             return None
-        units = np.where(problem.model.angular, 1.0, problem.model.closure.characteristic_length)
+        units = np.where(problem.model.angular, 1.0, problem.size)
         most = np.sum((_UNCLOSED_MISFIT * problem.readings.weight * units) ** 2, axis=1)
         squares = np.minimum(np.sum(state.linearised.residuals**2, axis=1), most[solved])
         chi_square = float(np.sum(squares) + np.sum(most[~solved]))
@@ -128,11 +135,8 @@ def begin(
     give by themselves; measuring frames are where they fit best. `options` are those of
     `build_calibration`.
     """
-    free = set(options.get("parameters") or ()) - set(options.get("fixed", ()))
-    completed = not has_home(mechanism)
-    ready = with_starts(
-        mechanism, measurements, posed=not free & set(MEASURING_FRAMES), completed=completed
-    )
+    free = options.get("parameters"), options.get("fixed", ())
+    ready = with_starts(mechanism, measurements, *free, completed=not has_home(mechanism))
     problem = replace(build_calibration(mechanism, ready, **options), widened=_WIDENED)
     model, readings = problem.model, problem.readings
     first = parameters_at_poses(problem) if at_poses else None
@@ -144,3 +148,132 @@ def begin(
         off = linearise("means", readings, h, np.zeros((*h.shape, 1))).residuals
         gaps = np.where(readings.taken, off * readings.sigma * model.lengths, 0.0)
         return Start(problem, p, z, solved, np.nan_to_num(np.sum(gaps**2, axis=1), nan=1e300))
+
+
+# --- Euler sequences ------------------------------------------------------------------------------
+
+
+_TRIAL_ROWS = 60
+"""Configurations that the trial fits use, spread evenly over the file."""
+_FITTED_SEQUENCES = 4
+"""Sequences, the best by their misfit before the fit, that are fitted."""
+
+
+@dataclass(frozen=True)
+class SequenceChoice:
+    """The sequence that fits and those that read the same from these data; the trial fits of it and
+    of the runner-up (None where no other could be fitted), over the same `configurations`.
+    """
+
+    sequence: str
+    same: tuple[str, ...]
+    best: Trial
+    runner_up: str | None
+    second: Trial | None
+    configurations: int
+
+    @property
+    def clear(self) -> bool:
+        return self.second is None or self.best.better_than(self.second)
+
+    @property
+    def none_fits(self) -> str:
+        """The sentence where the fit in this sequence is not to be used."""
+        return (
+            f"no Euler sequence led to a fit that can be used; the nearest was "
+            f"{describe_sequence(self.sequence)}, chi-square per degree of "
+            f"freedom {self.best.score:.3g}"
+        )
+
+    def __str__(self) -> str:
+        also = f" (the same on these data: {', '.join(self.same)})" if self.same else ""
+        other, doubt = "no other sequence could be fitted", ""
+        if self.second is not None:
+            other = (
+                f"the next best, {self.runner_up}, has {self.second.chi_square:.4g} with "
+                f"{self.second.degrees}"
+            )
+        if not self.clear:
+            doubt = (
+                "; these data cannot tell the sequence: name it in the header, or take more "
+                "postures and larger angles"
+            )
+        return (
+            f"the angles fit the Euler sequence {describe_sequence(self.sequence)}{also}: "
+            f"chi-square {self.best.chi_square:.4g} with {self.best.degrees} degrees of freedom "
+            f"over {self.configurations} postures, {other}{doubt}"
+        )
+
+    def to_dict(self) -> dict[str, Any]:
+        return {
+            "sequence": self.sequence,
+            "same": list(self.same),
+            "chi_square": self.best.chi_square,
+            "runner_up": self.runner_up,
+            "runner_up_chi_square": finite(None if self.second is None else self.second.chi_square),
+            "clear": self.clear,
+        }
+
+
+def describe_sequence(sequence: str) -> str:
+    """Write 'ZYX about moving axes (xyz about fixed axes, angles in reversed order)'."""
+    other = sequence[::-1].swapcase()
+    here, there = ("moving", "fixed") if sequence.isupper() else ("fixed", "moving")
+    return (
+        f"{sequence} about {here} axes (= {other} about {there} axes with the angles in reversed "
+        f"order)"
+    )
+
+
+def find_sequence(mechanism: Mechanism, data: DataFile, **options: Any) -> SequenceChoice:
+    """Find the sequence of the file's open Euler angles; `options` are those of
+    `build_calibration`.
+
+    Raises InputError where no sequence leads to a fit.
+    """
+    if data.open_euler is None:
+        raise InputError(f"{data.path}: the file has no Euler angles of unknown sequence")
+    rows = spread_rows(len(data.measurements), _TRIAL_ROWS)
+    families, some = equal_sequences(data.open_euler), data.subset(rows)
+    starts = [
+        (names, begin(mechanism, some.with_sequence(names[0]), at_poses=True, **options))
+        for names in families
+    ]
+    starts = sorted((s for s in starts if s[1].solved.any()), key=lambda s: s[1].misfit)
+    if not starts:
+        raise InputError(
+            "no Euler sequence leads to a fit; check units and the order of the columns"
+        )
+    fitted: list[tuple[tuple[str, ...], Trial]] = []
+    undetermined = False
+    for names, start in starts:
+        trial = start.fitted()
+        if trial is not None:
+            fitted.append((names, trial))
+        undetermined |= trial is None and bool(start.solved.all())
+        if len(fitted) == _FITTED_SEQUENCES:
+            break
+    if undetermined or not fitted:
+        raise InputError(
+            f"{len(data.measurements)} postures have no more readings than there are "
+            f"parameters, so that every Euler sequence fits: name the sequence in the header "
+            f"(euler_ZYX_1[deg], ...), hold parameters, or add postures"
+        )
+    (best, trial), *others = sorted(fitted, key=lambda f: f[1].score)
+    runner_up, second = (others[0][0][0], others[0][1]) if others else (None, None)
+    return SequenceChoice(best[0], best[1:], trial, runner_up, second, len(rows))
+
+
+def equal_sequences(angles: np.ndarray) -> list[tuple[str, ...]]:
+    """Gather sequences that read the same rotations from all rows."""
+    found: list[tuple[np.ndarray, list[str]]] = []
+    given = angles[np.all(np.isfinite(angles), axis=1)]
+    for sequence in SEQUENCES:
+        q = euler_quaternions(given, sequence)
+        same = (n for known, n in found if np.all(np.abs(np.sum(known * q, axis=1)) > 1 - 1e-12))
+        names = next(same, None)
+        if names is None:
+            found.append((q, [sequence]))
+        else:
+            names.append(sequence)
+    return [tuple(names) for _, names in found]

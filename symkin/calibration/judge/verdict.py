@@ -15,26 +15,22 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from symkin.calibration.data.parameters import MEASURING_FRAMES
 from symkin.calibration.estimate.residuals import only_rounding
-from symkin.calibration.judge.identifiability import OPEN_LOOPS
-from symkin.calibration.judge.named_directions import all_values, nearly_parallel
+from symkin.calibration.judge.identifiability import OPEN_LOOPS, all_values, nearly_parallel
 from symkin.calibration.judge.result import (
     EXPECTED_TOLERANCES,
     Calibration,
     Parameter,
     Residual,
     length_and_angle,
-    shown,
 )
 from symkin.calibration.judge.statistics import SIGNIFICANCE, rms_of_better_part
 from symkin.computed_once import cached_property
 from symkin.text import first_of
 
 if TYPE_CHECKING:
-    from symkin.calibration.judge.euler_sequence import SequenceChoice
-    from symkin.calibration.judge.holdout import HeldOut
-    from symkin.calibration.judge.pose_accuracy import PoseSigma
+    from symkin.calibration.judge.accuracy import HeldOut, PoseSigma
+    from symkin.calibration.judge.trials import SequenceChoice
 
 _MAX_NOISE_RATIO = 30.0
 """Residuals larger than so many times the noise stated do not come from noise: an instrument's is
@@ -128,7 +124,7 @@ class Verdict:
         """
         fit = self.fit
         if moved := large_changes(fit):
-            largest = max(moved, key=fit.relative_change)
+            largest = moved[0]
             how = {"length": "of the size", "angle": "of a radian"}.get(largest.kind, "of one")
             return (
                 f"{beyond}, although {largest.name} moved by "
@@ -263,10 +259,6 @@ def residual_misfit(residuals: Iterable[Residual], size: float) -> float:
 def _other_machine(fit: Calibration, suspicions: Sequence[str] = ()) -> str:
     """Describe a geometry far from the file's, first what would explain it."""
     m, departure = fit.mechanism, fit.departure
-    free = sorted((p for p in fit.parameters if not p.held), key=fit.relative_change)
-    changes = ", ".join(
-        f"{p.name} {shown(m, p, p.change)}" for p in free[: -_NAMED_CHANGES - 1 : -1]
-    )
     unclosed, cause = "", f"{suspicions[0]}; its" if suspicions else "its"
     if departure.unclosed:
         unclosed = (
@@ -277,8 +269,9 @@ def _other_machine(fit: Calibration, suspicions: Sequence[str] = ()) -> str:
     return (
         f"another machine than {m.name} describes: {cause} poses are {100 * departure.share:.2g} % "
         f"of their spread away from the file's at the same joint readings "
-        f"({away} rms, frames aligned{unclosed}); largest changes: {changes}; for a machine "
-        f"that is so, state --tolerance or --any-machine"
+        f"({away} rms, frames aligned{unclosed}); largest changes: "
+        f"{fit.largest_changes(_NAMED_CHANGES)}; for a machine that is so, state --tolerance or "
+        f"--any-machine"
     )
 
 
@@ -331,11 +324,8 @@ def stray_reading(fit: Calibration, r: Residual) -> str:
 
 
 def large_changes(fit: Calibration) -> list[Parameter]:
-    """List free parameters that moved by more than `LARGE_CHANGE`; measuring frames have no nominal
-    place.
-    """
-    free = (p for p in fit.parameters if not p.held and p.name not in MEASURING_FRAMES)
-    return [p for p in free if fit.relative_change(p) > LARGE_CHANGE]
+    """List free parameters that moved by more than `LARGE_CHANGE`, furthest first."""
+    return [p for p in fit.free if fit.relative_change(p) > LARGE_CHANGE]
 
 
 def fit_notes(fit: Calibration, *, removed: bool) -> Iterator[str]:
