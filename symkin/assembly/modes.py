@@ -244,10 +244,9 @@ def modes_at_need(
     joints: Joints | None = None,
     pose: Sequence[float] | Pose | None = None,
     starts: int = DEFAULT_STARTS,
-    seed: int = DEFAULT_SEED,
 ) -> Modes:
-    """`modes` by continuation, with `starts` and `seed` at hand for the parts that need random
+    """`modes` by continuation, with `starts` random ones at hand for the parts that need random
     starts, if any does.
     """
-    search = Search("continuation", starts, seed, "batched")
+    search = Search("continuation", starts, DEFAULT_SEED, "batched")
     return _found(_Ask(mechanism, search), [read_given(mechanism, joints, pose)])[0]

@@ -94,9 +94,7 @@ class Meeting:
         return f"{own} {listed} meets mode {last}{signs[self.opposite_signs]}"
 
 
-def meeting_modes(
-    problem: Problem, trajectory: Trajectory, branch: Branch, seed: int = 0
-) -> Meeting | None:
+def meeting_modes(problem: Problem, trajectory: Trajectory, branch: Branch) -> Meeting | None:
     """The modes that meet where a branch ends at a singular point. None where nothing lies before
     it or the enumeration refuses.
     """
@@ -109,7 +107,7 @@ def meeting_modes(
         found = (
             modes(trajectory.mechanism, **given)
             if problem.by_name
-            else modes_at_need(problem.mechanism, seed=seed, **given)
+            else modes_at_need(problem.mechanism, **given)
         )
     except SymkinError:
         return None

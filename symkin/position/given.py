@@ -166,16 +166,14 @@ def given_by_name(mechanism: Mechanism, values: Values) -> Given:
             f"given = {shown(str(values))} has no names; values by name are needed, as in "
             f"given={{'crank': 60.0}}"
         )
-    coordinates = given_coordinates(mechanism)
+    coordinates = _coordinates_named(mechanism, values)
     read: Given | None = None
-    if "pose" in values and "pose" not in coordinates and mechanism.platform_link is not None:
+    if "pose" in values and "pose" not in coordinates:
         read = given_pose(mechanism, values["pose"])  # type: ignore[arg-type]
     numbers: dict[str, float] = {}
     for name, value in values.items():
         if read is not None and name == "pose":
             continue
-        if name not in coordinates:
-            raise InputError(unknown_name(mechanism, name, list(coordinates)))
         number = number_of(value, f"given: {name}")
         refuse_negative_rod(mechanism, coordinates[name], number, "given")
         numbers[name] = mechanism.value_in(coordinates[name], number)
@@ -217,6 +215,18 @@ def given_coordinates(mechanism: Mechanism) -> dict[str, Coordinate]:
         }
         found = pose | found
     return found
+
+
+def _coordinates_named(mechanism: Mechanism, values: Iterable[str]) -> dict[str, Coordinate]:
+    """What can be given; a whole "pose" can be too. Raises InputError for a name that nothing
+    has.
+    """
+    coordinates = given_coordinates(mechanism)
+    for name in values:
+        is_pose = name == "pose" and mechanism.platform_link is not None
+        if name not in coordinates and not is_pose:
+            raise InputError(unknown_name(mechanism, name, list(coordinates)))
+    return coordinates
 
 
 def unknown_name(mechanism: Mechanism, name: str, known: list[str], what: str = "given") -> str:
@@ -302,6 +312,7 @@ def read_many(mechanism: Mechanism, joints: Any, pose: Any, given: Columns | Non
     """
     require_mechanism(mechanism)
     if given is not None:
+        _coordinates_named(mechanism, given)
         return [read_given(mechanism, joints, pose, row) for row in rows_by_name(given)]
     if pose is not None and (joints is not None or mechanism.platform_link is None):
         return [read_given(mechanism, joints, pose)]
