@@ -55,14 +55,13 @@ class RowBuilder(BodyBuilder):
     def __init__(
         self,
         mechanism: Mechanism,
-        form: PoseForm | None = None,
         *,
         eliminate: bool = False,
-        bound: bool | None = None,
+        bound: bool = False,
         partition: Partition = ALL_JOINTS,
         body_forms: Mapping[str, PoseForm] | None = None,
     ) -> None:
-        super().__init__(mechanism, form, bound=bound, partition=partition, body_forms=body_forms)
+        super().__init__(mechanism, bound=bound, partition=partition, body_forms=body_forms)
         self.eliminate = eliminate
         self.rows: list[ca.SX] = []
         self.sources: list[Row] = []

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import casadi as ca
 import numpy as np
 
-from symkin.closure.closure import Closure, build_closure, numbered_rows, random_values
+from symkin.closure.closure import Closure, algebraic_rows, build_closure, random_values
 from symkin.closure.partition import ALL_JOINTS, POSE_COORDINATES, Partition
 from symkin.computed_once import cached_property, lru_cache
 from symkin.model.joint import POSE_CONDITIONS, Coordinate
@@ -260,7 +260,7 @@ def _problem(closure: Closure, kind: Kind, names: tuple[str, ...]) -> Problem:
         unknowns,
         closure.symbols(unknowns),
         closure.symbols(known),
-        numbered_rows(closure)
+        algebraic_rows(closure, {}).rows
         if kind not in KNOWN and not closure.partition.geometry
         else closure.bound(closure.rows),
         closure.bound(closure.errors),

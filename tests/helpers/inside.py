@@ -148,7 +148,7 @@ NAMES = {
     "edges_of": "symkin.closure.branches",
     "layout_of": "symkin.closure.branches",
     "Closure": "symkin.closure.closure",
-    "build_algebraic_closure": "symkin.closure.closure",
+    "algebraic_rows": "symkin.closure.closure",
     "build_closure": "symkin.closure.closure",
     "random_values": "symkin.closure.closure",
     "joint_expressions": "symkin.closure.link_poses",
