@@ -65,7 +65,7 @@ def sampled_roots(problem: Problem, sample: Sample, *notes: str) -> GroupRoots:
 def _continuum_note(problem: Problem) -> str:
     names = ", ".join(c.name for c in problem.system.unknowns)
     return (
-        f"positive-dimensional set: the {problem.kind} problem has solutions that are not "
+        f"positive-dimensional set: the {problem.name} problem has solutions that are not "
         f"isolated (in {names}); the modes listed are the isolated ones only"
     )
 

@@ -26,7 +26,7 @@ def free_unknowns(problem: Problem) -> str | None:
     if free <= 0:
         return None
     return (
-        f"{problem.mechanism.name}: the {problem.kind} problem leaves {free} of "
+        f"{problem.mechanism.name}: the {problem.name} problem leaves {free} of "
         f"{problem.system.freedom} unknowns free, so that "
         "its solutions are no isolated modes; use solve with a start for one of them"
     )
@@ -40,7 +40,7 @@ def _certified(problem: Problem, one: SolutionList, values: np.ndarray) -> Solut
         return one
     known, owner = values[:, problem.known_places], np.zeros(1, dtype=int)
     proofs = PartProofs.of_nothing(1)
-    for part in problem.independent:
+    for part in problem.blocks:
         roots = GroupRoots.of_all(values[:, part.unknown_places], owner, np.ones(1))
         proofs = proofs.beside(proofs_of_group(part, roots, known, np.zeros(known.shape))[0])
     return proofs.told(one)
@@ -91,7 +91,7 @@ def known_without_search(
 
 def _of_no_unknowns(problem: Problem, given: Given, search: Search, told: Told | None) -> Modes:
     """The one mode of given values that leave nothing open."""
-    who = f"the {problem.kind} problem of {problem.mechanism.name}"
+    who = f"the {problem.name} problem of {problem.mechanism.name}"
     unknown, notes = np.zeros(0), given.notes
     if problem.is_explicit:
         who = "the direct problem of a serial arm"

@@ -168,10 +168,11 @@ def algebraic_rows(
                 if known
                 else ca.SX(float(numbers.get(name, value)))
             )
-    every = ca.vertcat(*(builder.rows[k] for k in kept), *(v for _, v in builder.eliminated))
-    found = ca.substitute(every, ca.vertcat(*ours), ca.vertcat(*theirs))
-    cut = zip((c for c, _ in builder.eliminated), ca.vertsplit(found[len(kept) :]), strict=True)
-    return AlgebraicRows(found[: len(kept)], symbols, tuple(cut))
+    every = ca.vertcat(*(builder.rows[k] for k in kept))
+    angles = ca.vertcat(*(angle for _, angle in builder.eliminated))
+    rows, told = ca.substitute([every, angles], [ca.vertcat(*ours)], [ca.vertcat(*theirs)])
+    cut = tuple((c, told[i]) for i, (c, _) in enumerate(builder.eliminated))
+    return AlgebraicRows(rows, symbols, cut)
 
 
 def _assemble(builder: RowBuilder) -> Closure:

@@ -135,7 +135,7 @@ def _check_isolated(problem: Problem) -> None:
     free = problem.system.freedom - problem.generic_rank
     if free > 0:
         raise InputError(
-            f"{problem.mechanism.name}: the {problem.kind} problem leaves {free} of "
+            f"{problem.mechanism.name}: the {problem.name} problem leaves {free} of "
             f"{problem.system.freedom} unknowns free, so "
             "that there is no isolated mode to stay on"
         )

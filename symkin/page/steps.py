@@ -38,7 +38,7 @@ def groups_of(problem: Problem) -> list[Problem]:
         return []
     # of a problem by name the groups are those that `modes` has solved
     if not problem.by_name:
-        problem = replace(problem, kind="given", row_places=problem.places_of_rows)
+        problem = replace(problem, by_name=True, row_places=problem.places_of_rows)
     return _leaves(structure_groups(problem))
 
 

@@ -159,7 +159,7 @@ def _part(
     own = problem.places_of_rows
     return replace(
         problem,
-        kind="given",
+        by_name=True,
         system=system,
         known_coordinates=known,
         row_places=tuple(own[k] for k in places if k < len(own)),

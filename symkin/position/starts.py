@@ -62,7 +62,7 @@ def begun_by_name(mechanism: Mechanism, given: Given, start: Start) -> tuple[Pro
     """
     begin = _start_by_name(mechanism, given, start)
     held = tuple(name for name in begin.names if name not in given.names)
-    problem = build_problem(mechanism, "given", given.names, held)
+    problem = build_problem(mechanism, given.names, held)
     return problem, _unknowns_at(problem, given, begin)
 
 
@@ -106,7 +106,6 @@ def _unknowns_at(problem: Problem, given: Given, start: Given) -> np.ndarray:
     if start.names:
         other = build_problem(
             problem.mechanism,
-            "given",
             start.names,
             tuple(n for n in given.names if n not in start.names),
         )

@@ -175,8 +175,6 @@ NAMES = {
     "read_given": "symkin.position.given",
     "given_by_name": "symkin.position.given",
     "Told": "symkin.assembly.as_written",
-    "problem_of": "symkin.position.given",
-    "problem_of_names": "symkin.position.given",
     "is_linear": "symkin.position.groups",
     "ProductRow": "symkin.elimination.product_rows",
     "implied_parts": "symkin.position.groups",
@@ -191,7 +189,6 @@ NAMES = {
     "implied_motion": "symkin.position.platform_motion",
     "poses_vary": "symkin.position.pose_conditions",
     "Problem": "symkin.position.problem",
-    "build_problem": "symkin.position.problem",
     "NOT_KNOWN": "symkin.position.roots",
     "Sample": "symkin.position.roots",
     "binomial_bound": "symkin.position.roots",
@@ -598,6 +595,22 @@ def where(name: str) -> str:
     if name in MODULES:
         return MODULES[name]
     return NAMES[name].split(":")[0]
+
+
+def build_problem(
+    mechanism: Any, kind: str, names: tuple[str, ...] = (), held: tuple[str, ...] | None = None
+) -> Any:
+    """The problem that answers call direct or inverse, or that of coordinates by `names`."""
+    problem = import_module("symkin.position.problem")
+    if kind == "given":
+        return problem.build_problem(mechanism, names, () if names and held is None else held)
+    names = (problem.pose_names if kind == "inverse" else problem.actuated_names)(mechanism)
+    return problem.build_problem(mechanism, names)
+
+
+def problem_of(mechanism: Any, given: Any) -> Any:
+    """The problem for which values are given."""
+    return import_module("symkin.position.problem").build_problem(mechanism, given.names)
 
 
 def __getattr__(name: str) -> Any:

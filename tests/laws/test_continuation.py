@@ -354,8 +354,8 @@ def test_every_shipped_start_is_read():
     problems = set()
     for problem, system in shipped_systems():
         kept = start_files.SHIPPED / f"{start_store.start_key(problem, system)}.npz"
-        assert kept.exists(), (problem.mechanism.name, problem.kind)
-        problems.add((problem.mechanism.name, problem.kind))
+        assert kept.exists(), (problem.mechanism.name, problem.name)
+        problems.add((problem.mechanism.name, problem.name))
     assert {("zhang2009", "direct"), ("zhao2000_links", "given")} < problems
 
 
