@@ -120,7 +120,7 @@ def branch_from(
         return Branch(
             [first], first, (), ending="singular" if limit is None else "limit", limit=limit
         )
-    if is_formula(problem, trajectory):
+    if is_formula(problem):
         return evaluate_formula(problem, trajectory, unknown, watch, progress)
     return follow(problem, trajectory, unknown, watch, progress, known)
 

@@ -152,7 +152,7 @@ class Problem:
 
     def forward(self, known: np.ndarray) -> np.ndarray | None:
         """(x, y, z, qw, qx, qy, qz) where the pose is a function of the joints, else None."""
-        if not self.of_joints or self._forward is None or self.mechanism.motion != "spatial":
+        if not self.of_joints or self._forward is None:
             return None
         return np.asarray(self._forward(known)).ravel()
 
