@@ -17,7 +17,7 @@ from symkin.assembly.block_paths import BlockPaths, own_paths
 from symkin.assembly.group_roots import STATEMENTS, GroupRoots
 from symkin.homotopy.algebraic import imaginary_part
 from symkin.homotopy.ends import Ends
-from symkin.homotopy.instance import instance
+from symkin.homotopy.many_instances import instance
 from symkin.homotopy.six_distances import meet_all_distances, redundant_distances
 from symkin.homotopy.systems import meets_all_rows
 from symkin.homotopy.values import known_values

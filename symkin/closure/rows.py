@@ -20,9 +20,8 @@ import casadi as ca
 import numpy as np
 
 from symkin.closure.bodies import BodyBuilder, PoseForm
-from symkin.closure.branches import Branch, Element
+from symkin.closure.branches import Branch, Element, cut_index, middle_turn
 from symkin.closure.chain import Chain, JointSymbols, PlatformSide, Side, relative_sides
-from symkin.closure.cuts import cut_index, middle_turn
 from symkin.closure.partition import ALL_JOINTS, Partition
 from symkin.closure.pose_forms import PlatformPose, StudyPose, UnitPose
 from symkin.closure.tilt_torsion import rotation_conditions, tilt_and_torsion

@@ -27,7 +27,7 @@ from symkin.position.given import Joints, Values
 from symkin.position.problem import Problem
 from symkin.position.solution import Solution
 from symkin.position.solve import solve
-from symkin.position.start_notes import start_notes
+from symkin.position.starts import start_notes
 from symkin.position.transfer import variables_elsewhere
 from symkin.spatial.pose import Pose
 from symkin.verb import verb

@@ -181,7 +181,7 @@ def unsuitable(problem: Problem) -> str | None:
             )
         if c.is_rotation and c.role not in ("pose", "body"):
             return f"{c.name} is a spherical joint that the closure keeps"
-    bodies = floating_bodies(problem.system.unknowns) if problem.by_name else ()
+    bodies = floating_bodies(problem.system.unknowns)
     if len(bodies) > 1:
         return f"the poses of {' and '.join(bodies)} are found together"
     return None

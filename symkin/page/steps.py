@@ -16,7 +16,7 @@ from symkin.assembly.group_solvers import any_paths, group_paths, solved_at_once
 from symkin.closure.numpy_code import vectorise
 from symkin.codegen.text.javascript import javascript
 from symkin.elimination.closed_form import ClosedForm
-from symkin.homotopy.instance import instance
+from symkin.homotopy.many_instances import instance
 from symkin.homotopy.systems import meets_all_rows
 from symkin.homotopy.values import complex_values, known_values
 from symkin.position.gear_train import gear_train

@@ -42,8 +42,13 @@ from symkin.position.problem import Problem, build_problem
 from symkin.position.solution import Solution
 from symkin.position.solution_list import make_solution
 from symkin.position.solve_result import SolveError, SolveResult, iterates_of
-from symkin.position.start_notes import start_notes
-from symkin.position.starts import Start, begun_by_name, random_starts, start_values
+from symkin.position.starts import (
+    Start,
+    begun_by_name,
+    random_starts,
+    start_notes,
+    start_values,
+)
 from symkin.text import not_among
 from symkin.verb import verb
 from symkin.verb_options import takes

@@ -1,8 +1,11 @@
-"""Where iterations begin: the user's start, the default one, and random ones."""
+"""Where iterations begin: the user's start, the default one, and random ones; and how far a start
+lies from what it led to.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import math
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -16,9 +19,14 @@ from symkin.position.given import Given, Joints, given_by_name, joint_values, po
 from symkin.position.passive import fit_passive
 from symkin.position.pose_coordinates import pose_coordinates
 from symkin.position.problem import Problem, actuated_names, build_problem
+from symkin.position.solution import Solution
 from symkin.spatial.pose import Pose
 
 Start = Mapping[str, Any] | Sequence[float] | Pose | None
+_FAR = 0.2
+"""A start further from the configuration that it led to than this (of the size, or rad) is
+noted.
+"""
 
 
 def start_values(problem: Problem, given: Given, start: Joints | Pose | None) -> np.ndarray:
@@ -154,3 +162,49 @@ def _example_start(problem: Problem) -> Sequence[float] | None:
     start = example.start if example is not None else None
     of_pose = example is not None and example.pose is not None
     return start if not problem.by_name and problem.of_pose == of_pose else None
+
+
+# --- what a start has led to ----------------------------------------------------------------------
+
+
+def start_notes(found: Solution, problem: Problem, start: Any) -> tuple[str, ...]:
+    """A note where the start that the user gives is far from what it led to: values by name, else a
+    pose of the direct problem, joints in file order of the inverse one.
+    """
+    mechanism = found.mechanism
+    if not isinstance(start, Mapping):
+        if problem.by_name:
+            return ()
+        names = [c.name for c in mechanism.actuated]
+        start = {"pose": start} if problem.of_joints else dict(zip(names, start, strict=True))
+    far = [
+        f"{name} by {mechanism.angle_out(gap):.3g} {mechanism.angle_unit}"
+        if angular
+        else f"{name} by {gap:.3g} {mechanism.length_unit}"
+        for name, gap, angular in _gaps(found, start)
+        if gap > _FAR * (1.0 if angular else mechanism.characteristic_length)
+    ]
+    return (
+        (f"the start lies far from the configuration that it led to: {', '.join(far)}",)
+        if far
+        else ()
+    )
+
+
+def _gaps(found: Solution, start: Mapping[str, Any]) -> Iterator[tuple[str, float, bool]]:
+    """How far each value lies from the start's (rad, or length unit), and whether it is an
+    angle.
+    """
+    kinds = {c.name: c for c in found.mechanism.coordinates}
+    for name, value in start.items():
+        there = found.joints.get(name)
+        if isinstance(there, float):
+            gap = found.mechanism.value_in(kinds[name], there - float(value))
+            angular = kinds[name].is_angular
+            yield name, abs(math.remainder(gap, 2 * math.pi) if angular else gap), angular
+        elif name == "pose":
+            pose = pose_from(value, "start")
+            away = np.asarray(pose.position) - found.position
+            turn = 2 * math.acos(min(1.0, abs(float(np.dot(pose.quaternion, found.quaternion)))))
+            yield "position", float(np.linalg.norm(away)), False
+            yield "orientation", turn, True

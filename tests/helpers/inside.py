@@ -222,7 +222,7 @@ NAMES = {
     "are_regular": "symkin.homotopy.endgame",
     "finish": "symkin.homotopy.endgame",
     "Ends": "symkin.homotopy.ends",
-    "instance": "symkin.homotopy.instance",
+    "instance": "symkin.homotopy.many_instances",
     "Fibre": "symkin.homotopy.monodromy",
     "Looping": "symkin.homotopy.monodromy",
     "around": "symkin.homotopy.monodromy",
