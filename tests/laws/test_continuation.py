@@ -355,8 +355,8 @@ def test_every_shipped_start_is_read():
     for problem, system in shipped_systems():
         kept = start_files.SHIPPED / f"{start_store.start_key(problem, system)}.npz"
         assert kept.exists(), (problem.mechanism.name, problem.name)
-        problems.add((problem.mechanism.name, problem.name))
-    assert {("zhang2009", "direct"), ("zhao2000_links", "given")} < problems
+        problems.add((problem.mechanism.name, problem.by_name))
+    assert {("zhang2009", False), ("zhao2000_links", True)} < problems
 
 
 @pytest.mark.slow
