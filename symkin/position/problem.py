@@ -66,7 +66,7 @@ class Problem:
             else self.row_places
         )
 
-    @property
+    @cached_property
     def name(self) -> Kind:
         """The kind as users read it."""
         names = {c.name for c in self.known_coordinates}
