@@ -21,9 +21,10 @@ import numpy as np
 import symkin
 from cases import STARTED
 from symkin.numeric.levenberg import levenberg_marquardt
-from symkin.position.given import problem_of, read_given
+from symkin.position.given import read_given
 from symkin.position.multistart import distinct
 from symkin.position.newton import flat_rows
+from symkin.position.problem import build_problem
 from symkin.position.starts import random_starts
 from timing import Figure, in_turn
 
@@ -57,7 +58,7 @@ def main() -> None:
 def compare(name: str, options: argparse.Namespace) -> dict[str, float]:
     """Median starts per second of the three ways, measured in turn."""
     given = read_given(symkin.load(name), None, None)
-    problem = problem_of(symkin.load(name), given)
+    problem = build_problem(symkin.load(name), given.names)
     system = problem.system
     starts = random_starts(
         problem, system, given.values, options.starts, np.random.default_rng(options.seed)

@@ -24,7 +24,7 @@ from symkin.codegen.text.c import Real
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism
 from symkin.position.canonical import poses_of
-from symkin.position.problem import Problem, build_problem
+from symkin.position.problem import Problem, actuated_names, build_problem, pose_names
 
 OUT_OF_RANGE = STATUSES.index("OUT_OF_RANGE")
 REGULAR = 1.0 / 25600
@@ -193,7 +193,7 @@ class Direction:
         if self.is_map or self.mechanism.serial:
             return np.ones(len(unknowns), bool)
         values = self.problem.join_values(unknowns, known)
-        limbs = build_problem(self.mechanism, "inverse")
+        limbs = build_problem(self.mechanism, pose_names(self.mechanism))
         parts = (limbs.system.unknowns, limbs.known_coordinates)
         conditions = limbs.system.conditions(*(limbs.select_values(values, c) for c in parts))
         return np.asarray(conditions * np.sqrt(self.epsilon) < _FIRM)
@@ -341,7 +341,8 @@ def solved_by(kind: object, way: object = None) -> str:
 
 def direction_of(asked: Asked, longest: float = LONGEST) -> Direction:
     """The problem of a platform's or an arm's code."""
-    problem = build_problem(asked.mechanism, "inverse" if asked.mechanism.serial else "direct")
+    names = pose_names if asked.mechanism.serial else actuated_names
+    problem = build_problem(asked.mechanism, names(asked.mechanism))
     return Direction(asked, problem, longest, solved_by=solved_by(asked.program.kind))
 
 

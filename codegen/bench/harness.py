@@ -29,7 +29,7 @@ from symkin.codegen.signature import Function
 from symkin.codegen.text.c import Real
 from symkin.codegen.vectors import build_vectors
 from symkin.formats.load import load
-from symkin.position.problem import build_problem
+from symkin.position.problem import actuated_names, build_problem
 from symkin.spatial.rotation import multiply
 
 MAIN = """
@@ -191,7 +191,7 @@ def platform_tables(platform: RodPlatform) -> dict[str, np.ndarray]:
     """64 poses within 60 mm and 0.25 rad of home; warm starts lie within 0.2 mm and 1 mrad of the
     answer.
     """
-    system = build_problem(platform.mechanism, "direct").system
+    system = build_problem(platform.mechanism, actuated_names(platform.mechanism)).system
     rng, relative = np.random.default_rng(3), platform.options.home_relative
     origin = np.array(platform.home.position) if relative else np.zeros(3)
     joints, warm, answers = [], [], []

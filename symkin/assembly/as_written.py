@@ -13,9 +13,9 @@ from symkin.machine.lower import Lowered, lowered
 from symkin.machine.universal import BallReading
 from symkin.model.mechanism import Mechanism
 from symkin.position.feasible_pose import ties_poses
-from symkin.position.given import Given, given_of_pose, in_order, plain_kind, pose_names
+from symkin.position.given import Given, given_of_pose, in_order
 from symkin.position.pose_coordinates import reader_of_poses
-from symkin.position.problem import Problem
+from symkin.position.problem import Problem, plain_kind, pose_names
 from symkin.position.solution_list import SolutionList, checked_solutions
 from symkin.position.transfer import many_as_written
 from symkin.spatial.pose import Pose

@@ -17,7 +17,7 @@ from symkin.assembly.block_paths import BlockPaths, own_paths
 from symkin.assembly.group_roots import STATEMENTS, GroupRoots
 from symkin.homotopy.algebraic import imaginary_part
 from symkin.homotopy.ends import Ends
-from symkin.homotopy.instance import instance
+from symkin.homotopy.many_instances import instance
 from symkin.homotopy.six_distances import meet_all_distances, redundant_distances
 from symkin.homotopy.systems import meets_all_rows
 from symkin.homotopy.values import known_values
@@ -65,7 +65,7 @@ def sampled_roots(problem: Problem, sample: Sample, *notes: str) -> GroupRoots:
 def _continuum_note(problem: Problem) -> str:
     names = ", ".join(c.name for c in problem.system.unknowns)
     return (
-        f"positive-dimensional set: the {problem.kind} problem has solutions that are not "
+        f"positive-dimensional set: the {problem.name} problem has solutions that are not "
         f"isolated (in {names}); the modes listed are the isolated ones only"
     )
 

@@ -58,7 +58,7 @@ def solved_groups(problem: Problem, search: Search) -> tuple[Problem, ...]:
 def _solved_groups(problem: Problem, by_paths: bool, formulas: bool) -> tuple[Problem, ...]:
     if problem.by_name:
         return structure_groups(problem)
-    blocks = problem.independent
+    blocks = problem.blocks
     if by_paths and any(_lacks_solver(block) for block in blocks):
         finer = structure_groups(problem)
         return finer if len(finer) > len(blocks) else blocks
@@ -81,7 +81,7 @@ def _with_rods_together(problem: Problem, blocks: tuple[Problem, ...]) -> tuple[
         rows=problem.system.rows[list(places), 0],
         errors=ca.vertcat(*(block.system.errors for block in rods)),
     )
-    together = replace(problem, kind="given", system=system, row_places=places)
+    together = replace(problem, by_name=True, system=system, row_places=places)
     return (together, *(block for block in blocks if block not in rods))
 
 
@@ -157,7 +157,7 @@ def solved_parts(group: Problem) -> tuple[Problem, ...]:
     if group.of_pose:
         return ()
     if not group.by_name:
-        whole = replace(group, kind="given", row_places=group.places_of_rows)
+        whole = replace(group, by_name=True, row_places=group.places_of_rows)
     elif group.system.freedom <= MOST_UNKNOWNS and group_paths(group) is not None:
         return ()
     parts = implied_parts(whole)

@@ -31,7 +31,6 @@ from symkin.position.given import (
     Joints,
     Values,
     is_many,
-    problem_of,
     read_given,
     read_many,
 )
@@ -163,11 +162,7 @@ def _of_machine(ask: _Ask, givens: Sequence[Given]) -> list[Modes]:
     if not givens:
         return []
     # numbers of solutions to take are those of blocks of named coordinates
-    problem = (
-        build_problem(ask.mechanism, "given", givens[0].names)
-        if ask.choose
-        else problem_of(ask.mechanism, givens[0])
-    )
+    problem = build_problem(ask.mechanism, givens[0].names, () if ask.choose else None)
     if problem.by_name:
         refuse_unless_determined(problem)
     may_be = not ask.choose and ask.search.method == "continuation"
@@ -176,7 +171,7 @@ def _of_machine(ask: _Ask, givens: Sequence[Given]) -> list[Modes]:
         return _of_description(ask, problem, givens)
     there = [given_of_machine(low, given) for given in givens]
     told = Told(low, problem, np.array([given.values for given in givens]))
-    of_machine = _of_description(ask, problem_of(low.machine, there[0]), there, told)
+    of_machine = _of_description(ask, build_problem(low.machine, there[0].names), there, told)
     found: dict[int, Modes] = {}
     rest = list[int]()
     for i, (at, modes) in enumerate(zip(there, of_machine, strict=True)):
@@ -244,10 +239,9 @@ def modes_at_need(
     joints: Joints | None = None,
     pose: Sequence[float] | Pose | None = None,
     starts: int = DEFAULT_STARTS,
-    seed: int = DEFAULT_SEED,
 ) -> Modes:
-    """`modes` by continuation, with `starts` and `seed` at hand for the parts that need random
+    """`modes` by continuation, with `starts` random ones at hand for the parts that need random
     starts, if any does.
     """
-    search = Search("continuation", starts, seed, "batched")
+    search = Search("continuation", starts, DEFAULT_SEED, "batched")
     return _found(_Ask(mechanism, search), [read_given(mechanism, joints, pose)])[0]

@@ -38,8 +38,8 @@ from symkin.computed_once import cached_property
 from symkin.errors import InputError, TooManyModesError
 from symkin.machine.lower import Lowered
 from symkin.position.determination import determination, refuse_unless_determined
-from symkin.position.given import Given, problem_of, read_given
-from symkin.position.problem import Problem
+from symkin.position.given import Given, read_given
+from symkin.position.problem import Problem, build_problem
 from symkin.position.roots import NOT_KNOWN
 
 ROOTS_AT_ONCE = 40_000
@@ -247,7 +247,7 @@ def _of_machine(problem: Problem, search: Search, certify: bool) -> ModeFinder |
     if low is None or may_contradict(low, given):
         return None
     there = given_of_machine(low, given)
-    of_machine = problem_of(low.machine, there)
+    of_machine = build_problem(low.machine, there.names)
     if of_machine.is_explicit:
         return None
     columns = tuple(map(int, there.values))

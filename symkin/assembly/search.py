@@ -80,7 +80,7 @@ class Search:
     def refuse_starts(self, problem: Problem) -> None:
         """Refuse `starts` and `seed` after a continuation that had no use for random starts."""
         reason = (
-            f"every part of the {problem.kind} problem of {problem.mechanism.name} was solved by "
+            f"every part of the {problem.name} problem of {problem.mechanism.name} was solved by "
             f"formulas or by continuation, and nothing was sampled"
         )
         refuse_ignored(self.named, reason, _MULTISTART)

@@ -26,7 +26,7 @@ def free_unknowns(problem: Problem) -> str | None:
     if free <= 0:
         return None
     return (
-        f"{problem.mechanism.name}: the {problem.kind} problem leaves {free} of "
+        f"{problem.mechanism.name}: the {problem.name} problem leaves {free} of "
         f"{problem.system.freedom} unknowns free, so that "
         "its solutions are no isolated modes; use solve with a start for one of them"
     )
@@ -40,7 +40,7 @@ def _certified(problem: Problem, one: SolutionList, values: np.ndarray) -> Solut
         return one
     known, owner = values[:, problem.known_places], np.zeros(1, dtype=int)
     proofs = PartProofs.of_nothing(1)
-    for part in problem.independent:
+    for part in problem.blocks:
         roots = GroupRoots.of_all(values[:, part.unknown_places], owner, np.ones(1))
         proofs = proofs.beside(proofs_of_group(part, roots, known, np.zeros(known.shape))[0])
     return proofs.told(one)
@@ -48,9 +48,8 @@ def _certified(problem: Problem, one: SolutionList, values: np.ndarray) -> Solut
 
 def meet_conditions(problem: Problem, known: np.ndarray) -> np.ndarray:
     """Which given values (n, known) meet the rows without unknowns."""
-    return _errors_of_given(problem, known) <= (
-        CLOSURE_TOLERANCE * problem.closure.characteristic_length
-    )
+    bound = CLOSURE_TOLERANCE * problem.closure.characteristic_length
+    return _errors_of_given(problem, known) <= bound
 
 
 def _errors_of_given(problem: Problem, known: np.ndarray) -> np.ndarray:
@@ -80,49 +79,38 @@ def known_without_search(
         return _nothing(problem, given, search, given.off_motion)
     if problem.by_name:
         return None
-    if not problem.is_explicit:
-        if not meet_conditions(problem, given.values[None])[0]:
-            off = float(_errors_of_given(problem, given.values[None])[0])
-            return _nothing(problem, given, search, off)
-        if problem.blocks:
-            return None
-    return _of_no_unknowns(problem, given, search, told)
-
-
-def _of_no_unknowns(problem: Problem, given: Given, search: Search, told: Told | None) -> Modes:
-    """The one mode of given values that leave nothing open."""
-    who = f"the {problem.kind} problem of {problem.mechanism.name}"
-    unknown, notes = np.zeros(0), given.notes
     if problem.is_explicit:
-        who = "the direct problem of a serial arm"
-        unknown = start_values(problem, given, None)
-        notes = (
-            *notes,
-            "forward kinematics of a serial arm is a function of its joints: one pose",
-        )
-    what = "is a function of its joints" if problem.is_explicit else "has no unknowns"
-    search.refuse_unless_multistart(f"{who} {what}, and nothing is searched")
-    values = problem.join_values(unknown, given.values)[None]
+        return _forward(problem, given, search, told)
+    known = given.values[None]
+    if meet_conditions(problem, known)[0]:
+        return None
+    return _nothing(problem, given, search, float(_errors_of_given(problem, known)[0]))
+
+
+def _forward(problem: Problem, given: Given, search: Search, told: Told | None) -> Modes:
+    """The one mode of a serial arm's joints."""
+    search.refuse_unless_multistart(
+        "the direct problem of a serial arm is a function of its joints, and nothing is searched"
+    )
+    values = problem.join_values(start_values(problem, given, None), given.values)[None]
     if told is None:
         one = checked_solutions(problem, values, given.notes)
     else:
         one = told.listed(problem.closure, values, np.zeros(1, dtype=int))
-    asked = problem if told is None else told.problem
-    if (problem.is_explicit or told is not None) and not one.closed[0]:
+    if not one.closed[0]:
         return _nothing(problem, given, search, float(one.residual[0]))
-    if problem.is_explicit:
-        one = _certified(problem, one, values)
+    note = "forward kinematics of a serial arm is a function of its joints: one pose"
     return Modes(
-        problem=asked,
+        problem=problem if told is None else told.problem,
         given=given.echo,
-        modes=one,
+        modes=_certified(problem, one, values),
         completeness="proved",
-        method="forward" if problem.is_explicit else search.method,
-        seed=None if problem.is_explicit else search.seed,
+        method="forward",
+        seed=None,
         elapsed_s=0.0,
         complex_count=1,
         unresolved_paths=0,
-        notes=notes,
+        notes=(*given.notes, note),
     )
 
 

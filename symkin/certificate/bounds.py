@@ -82,7 +82,7 @@ def bound_of(
     """
     if structure is not None and structure.system.projective:
         return Bound(SIX_DISTANCES, structure.system, partial(_of_structure, structure))
-    if problem.of_joints and system is universal_system():
+    if system is universal_system():
         return Bound(SIX_DISTANCES, system)
     if is_six_revolute(problem):
         arm, geometry = exact_arm(problem, system)

@@ -91,10 +91,13 @@ def exact_arm(
     rows: for any p the arm is one of the family.
     """
     mechanism, size = problem.mechanism, system.characteristic_length
-    builder = RowBuilder(mechanism, "homogeneous", eliminate=bool(system.eliminated), bound=False)
+    tool = mechanism.platform_link or ""
+    builder = RowBuilder(
+        mechanism, body_forms={tool: "homogeneous"}, eliminate=bool(system.eliminated)
+    )
     builder.build_rows()
     z = ca.vertcat(*(builder.coordinates[c.name][1] for c in system.unknowns))
-    pose = builder.pose_symbols
+    pose = builder.body_symbols[tool]
     scaled = ca.vertcat(
         z * ca.DM([c.unit(size) for c in system.unknowns]),
         pose * ca.DM([size] * 3 + [1.0] * 4),

@@ -35,20 +35,18 @@ class BodyBuilder:
     def __init__(
         self,
         mechanism: Mechanism,
-        form: PoseForm | None = None,
         *,
-        bound: bool | None = None,
+        bound: bool = False,
         partition: Partition = ALL_JOINTS,
         body_forms: Mapping[str, PoseForm] | None = None,
     ) -> None:
         self.mechanism = mechanism
-        self.form = form if mechanism.motion in ("spatial", "spherical") else None
         self.body_forms = dict(body_forms or {})
         self.body_symbols: dict[str, ca.SX] = {}
         self.partition = partition
         self.kept = partition.kept | {n for c in mechanism.couplings for n in (c.joint, *c.names)}
         self.layout = layout_of(mechanism, self.kept, pose=partition.pose)
-        self.table = ParameterTable(bound=form is not None if bound is None else bound)
+        self.table = ParameterTable(bound=bound)
         self.kinds = {c.name: c for c in mechanism.coordinates}
         self.coordinates: dict[str, tuple[Coordinate, ca.SX]] = {}
         self.bodies: dict[str, Side] = {BASE: Chain(())}
@@ -177,9 +175,6 @@ class BodyBuilder:
         return end.at_reference(self.mechanism.reference_pose)
 
     def _declare_pose(self, reference: Pose) -> None:
-        if self.form is not None:
-            self._declare_algebraic_pose(reference)
-            return
         m = self.mechanism
         values: dict[str, ca.SX] = {}
         nominal = {"x": 0, "y": 1, "z": 2}
@@ -203,17 +198,6 @@ class BodyBuilder:
             )
         self.pose = Pose(position, quaternion)
         self.platform_pose: PlatformPose = UnitPose(position, quaternion)
-
-    def _declare_algebraic_pose(self, reference: Pose) -> None:
-        e = ca.SX.sym("e", 4)
-        if self.mechanism.motion == "spherical":
-            self.pose_symbols, self.platform_pose = e, HomogeneousPose(reference.position, e)
-        elif self.form == "study":
-            g = ca.SX.sym("g", 4)
-            self.pose_symbols, self.platform_pose = ca.vertcat(e, g), StudyPose(e, g)
-        else:
-            t = ca.SX.sym("t", 3)
-            self.pose_symbols, self.platform_pose = ca.vertcat(t, e), HomogeneousPose(t, e)
 
     def _place_platform(self) -> None:
         """The pose of a platform that the joints carry, as an expression of theirs; the base's

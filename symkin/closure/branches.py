@@ -302,3 +302,39 @@ def _from_base(chain: Branch, floating: Sequence[str]) -> Branch:
         last == BASE and first != BASE and last not in floating
     )
     return chain.reversed if turned else chain
+
+
+# --- where a loop is cut --------------------------------------------------------------------------
+
+
+def middle_turn(elements: Sequence[Element]) -> int | None:
+    """The revolute joint nearest the middle of a limb: cut there, an unknown joint leaves the rows,
+    and both sides are short. None where it is the only joint: then nothing would be left to solve
+    for.
+    """
+    if len(elements) == 1:
+        return None
+    turns = [
+        i
+        for i, element in enumerate(elements)
+        if isinstance(element.part, Joint) and element.part.type == "R"
+    ]
+    return min(turns, key=lambda i: abs(2 * i - len(elements) + 1), default=None)
+
+
+def cut_index(elements: Sequence[Element], kept: frozenset[str]) -> int | None:
+    """The passive joint of most freedom, the last of equals; helical joints are never cut (their
+    angle stays), nor those that are kept.
+    """
+    best: int | None = None
+    most = 0
+    for i, element in enumerate(elements):
+        joint = element.part
+        if not isinstance(joint, Joint) or joint.actuated or not joint.form.may_be_cut:
+            continue
+        if any(c.name in kept for c in joint.coordinates):
+            continue
+        # >= takes the last of equals, so that the chain from the base is the longer one
+        if joint.freedom >= most:
+            best, most = i, joint.freedom
+    return best

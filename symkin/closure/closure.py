@@ -93,28 +93,6 @@ class Closure:
         return build_closure, (self.mechanism, self.partition)
 
 
-@dataclass(frozen=True, eq=False)
-class AlgebraicClosure:
-    """The closure's rows, geometry bound, over joints and a pose whose quaternion has any length.
-
-    `pose` is (e, g) in Study coordinates or (position, quaternion); for motions without a
-    quaternion it is the closure's own pose coordinates. Rows are homogeneous in (e, g), and in the
-    quaternion. Where every row is a distance between a point of the platform and one that the
-    actuated joints place, `distances` holds length, base point and platform point of each row (7
-    numbers a row) as expressions of the joints. `coordinates` are those of `joints`; `eliminated`
-    gives the values of actuated joints that were cut by the others.
-    """
-
-    closure: Closure
-    joints: ca.SX
-    pose: ca.SX
-    rows: ca.SX
-    form: PoseForm | None
-    distances: ca.SX | None
-    coordinates: tuple[Coordinate, ...]
-    eliminated: tuple[tuple[Coordinate, ca.SX], ...]
-
-
 def build_closure(mechanism: Mechanism, partition: Partition = ALL_JOINTS) -> Closure:
     """The closure of a mechanism, for what is given; mechanisms are frozen, so that it is built
     once for each.
@@ -137,37 +115,47 @@ def built_rows(mechanism: Mechanism, partition: Partition) -> RowBuilder:
     return builder
 
 
-def numbered_rows(closure: Closure) -> ca.SX:
-    """The rows of a closure over its own variables, its geometry as numbers: joints that the
-    geometry places to rounding (a point at 1e-14, an axis off by 1e-17) are where they are meant to
-    be.
+@dataclass(frozen=True, eq=False)
+class AlgebraicRows:
+    """Rows of a closure over its variables and the `symbols` of some floating bodies' poses: Study
+    coordinates (e; g), or position and a quaternion of any length, in which rows are homogeneous.
+    `eliminated` gives the values of actuated joints that were cut by the others.
     """
-    builder = RowBuilder(closure.mechanism, bound=True, partition=closure.partition)
-    builder.build_rows()
-    variables = ca.vertcat(*(builder.coordinates[c.name][1] for c in closure.coordinates))
-    kept = _nonzero_rows(builder, closure.coordinates, variables, ca.SX(0, 1), np.zeros(0))
-    return ca.substitute(ca.vertcat(*(builder.rows[k] for k in kept)), variables, closure.variables)
+
+    rows: ca.SX
+    symbols: dict[str, ca.SX]
+    eliminated: tuple[tuple[Coordinate, ca.SX], ...]
 
 
 def algebraic_rows(
-    closure: Closure, forms: Mapping[str, PoseForm]
-) -> tuple[ca.SX, dict[str, ca.SX]]:
-    """The rows of a closure with some floating bodies in an algebraic form, geometry bound, over
-    the closure's variables and the symbols of these bodies' poses: Study coordinates (e; g), or
-    position and a quaternion of any length. Bodies are named as their coordinates are: "pose" is
-    the platform.
+    closure: Closure, forms: Mapping[str, PoseForm], *, eliminate: bool = False
+) -> AlgebraicRows:
+    """The rows of a closure with some floating bodies in an algebraic form, geometry bound as
+    numbers: joints that it places to rounding (a point at 1e-14, an axis off by 1e-17) are where
+    they are meant to be. Bodies are named as their coordinates are: "pose" is the platform. With
+    `eliminate`, limbs without a passive joint to cut are cut at an actuated one, which must then be
+    unknown.
     """
     bound, platform = not closure.partition.geometry, closure.mechanism.platform_link or ""
     by_link = {platform if name == "pose" else name: form for name, form in forms.items()}
     builder = RowBuilder(
-        closure.mechanism, bound=bound, partition=closure.partition, body_forms=by_link
+        closure.mechanism,
+        bound=bound,
+        partition=closure.partition,
+        body_forms=by_link,
+        eliminate=eliminate,
     )
     builder.build_rows()
     symbols = {name: builder.body_symbols[platform if name == "pose" else name] for name in forms}
     names = [c.name for c in closure.coordinates if c.name in builder.coordinates]
     ours = [builder.coordinates[name][1] for name in names]
     theirs = [closure.variables[closure.slices[name]] for name in names]
-    rows = ca.vertcat(*(builder.rows[k] for k in closure.row_numbers))
+    kept = closure.row_numbers
+    if builder.eliminated:
+        gone = {c.name for c, _ in builder.eliminated}
+        left = tuple(c for c in closure.coordinates if c.name not in gone)
+        variables = ca.vertcat(*ours, *symbols.values())
+        kept = _nonzero_rows(builder, left, variables, ca.SX(0, 1), np.zeros(0))
     if not bound:
         numbers = dict(zip(closure.parameter_names, closure.parameter_values, strict=True))
         for name, symbol, value in zip(
@@ -180,24 +168,11 @@ def algebraic_rows(
                 if known
                 else ca.SX(float(numbers.get(name, value)))
             )
-    return ca.substitute(rows, ca.vertcat(*ours), ca.vertcat(*theirs)), symbols
-
-
-def build_algebraic_closure(
-    mechanism: Mechanism, form: PoseForm, *, eliminate: bool = False
-) -> AlgebraicClosure:
-    """The closure with the pose in an algebraic form; joints in the order of `Closure.coordinates`.
-    With `eliminate`, limbs without a passive joint to cut are cut at an actuated one, which must
-    then be unknown.
-    """
-    return _algebraic_closure(mechanism, form, eliminate)
-
-
-@lru_cache(maxsize=128)
-def _algebraic_closure(mechanism: Mechanism, form: PoseForm, eliminate: bool) -> AlgebraicClosure:
-    builder = RowBuilder(mechanism, form, eliminate=eliminate)
-    builder.build_rows()
-    return _assemble_algebraic(builder, build_closure(mechanism))
+    every = ca.vertcat(*(builder.rows[k] for k in kept))
+    angles = ca.vertcat(*(angle for _, angle in builder.eliminated))
+    rows, told = ca.substitute([every, angles], [ca.vertcat(*ours)], [ca.vertcat(*theirs)])
+    cut = tuple((c, told[i]) for i, (c, _) in enumerate(builder.eliminated))
+    return AlgebraicRows(rows, symbols, cut)
 
 
 def _assemble(builder: RowBuilder) -> Closure:
@@ -297,38 +272,6 @@ def _nonzero_rows(
     return tuple(
         int(k)
         for k in np.flatnonzero(largest > _ZERO_ROW * builder.mechanism.characteristic_length)
-    )
-
-
-def _assemble_algebraic(builder: RowBuilder, closure: Closure) -> AlgebraicClosure:
-    coordinates = tuple(
-        c for c in closure.role("actuated", "passive") if c.name in builder.coordinates
-    )
-    joints = ca.vertcat(*(builder.coordinates[c.name][1] for c in coordinates))
-    if builder.form is None:
-        pose = ca.vertcat(*(builder.coordinates[c.name][1] for c in closure.role("pose")))
-    else:
-        pose = builder.pose_symbols
-    nothing = ca.SX(0, 1)
-    variables = ca.vertcat(joints, pose)
-    kept = _nonzero_rows(
-        builder, (*coordinates, *closure.role("pose")), variables, nothing, np.zeros(0)
-    )
-    rows = ca.vertcat(*(builder.rows[k] for k in kept))
-    # six distances have a start system of their own, which needs points and lengths alone
-    all_distances = len(builder.distances) == len(builder.rows) and not any(
-        c.role == "passive" for c in coordinates
-    )
-    distances = ca.vertcat(*builder.distances) if all_distances else None
-    return AlgebraicClosure(
-        closure=closure,
-        joints=joints,
-        pose=pose,
-        rows=rows,
-        form=builder.form,
-        distances=distances,
-        coordinates=coordinates,
-        eliminated=tuple(builder.eliminated),
     )
 
 

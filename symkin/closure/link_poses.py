@@ -8,7 +8,7 @@ centres, which nothing holds: it is turned there from its reference by the short
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import casadi as ca
@@ -52,19 +52,19 @@ def link_poses(closure: Closure, values: np.ndarray) -> LinkPoses:
     """The displacements of all links, the base and those within limbs ("leg1.1", from the base on)
     included, at full vectors of variables (m, variables).
     """
-    placed, values = _placed_links(closure), np.asarray(values, dtype=float)
-    numbers = _at(placed.evaluate, values).reshape(len(placed.links), 7, len(values))
+    found, values = link_frames(closure), np.asarray(values, dtype=float)
+    numbers = _at(_placed(closure), values).reshape(len(found.frames), 7, len(values))
     turns = numbers[:, 3:] / np.linalg.norm(numbers[:, 3:], axis=1, keepdims=True)
     poses = {
         link: Pose(position, turn)
-        for link, position, turn in zip(placed.links, numbers[:, :3], turns, strict=True)
+        for link, position, turn in zip(found.frames, numbers[:, :3], turns, strict=True)
     }
-    for bridge in placed.bridges:
+    for bridge in found.bridges:
         poses |= _hung(bridge, poses, [centre[:, None] for centre in bridge.centres])
     return LinkPoses(poses, values)
 
 
-def _at(evaluate: Callable[[np.ndarray], ca.DM], values: np.ndarray) -> np.ndarray:
+def _at(evaluate: ca.Function, values: np.ndarray) -> np.ndarray:
     """The numbers (numbers, m) at m configurations."""
     # of no configuration CasADi makes one
     return np.asarray(evaluate(values.T))[:, : len(values)]
@@ -74,11 +74,11 @@ def joint_readings(closure: Closure, poses: LinkPoses) -> dict[str, np.ndarray]:
     """Every joint coordinate by name (m,), those of cut joints included, from the poses of the
     links on both sides: radians, lengths and quaternions (4, m).
     """
-    read = _read_joints(closure)
-    numbers, found, place = _at(read.evaluate, poses.values), dict[str, np.ndarray](), 0
-    for joint, (before, after) in _placed_links(closure).joints.items():
+    evaluate, read = _read_joints(closure)
+    numbers, found, place = _at(evaluate, poses.values), dict[str, np.ndarray](), 0
+    for joint, (before, after) in link_frames(closure).joints.items():
         names = [c.name for c in joint.coordinates]
-        if joint in read.joints:
+        if joint in read:
             own = [c.width for c in joint.coordinates]
             rows = [numbers[place + sum(own[:k]) :][:width] for k, width in enumerate(own)]
             found |= dict(zip(names, (r if len(r) > 1 else r[0] for r in rows), strict=True))
@@ -145,46 +145,25 @@ def _between(found: LinkFrames) -> Iterator[tuple[Joint, Pose]]:
 # --- links that the closure places ----------------------------------------------------------------
 
 
-@dataclass(frozen=True, eq=False)
-class _PlacedLinks:
-    """`evaluate` gives position and quaternion of each of the `links`; those of a bridge as seen
-    from its first one.
-    """
-
-    evaluate: Callable[[np.ndarray], ca.DM]
-    links: tuple[str, ...]
-    bridges: tuple[Bridge, ...]
-    joints: dict[Joint, tuple[str, str]]
-
-
 @lru_cache(maxsize=128)
-def _placed_links(closure: Closure) -> _PlacedLinks:
+def _placed(closure: Closure) -> ca.Function:
+    """Position and quaternion of each link; those of a bridge as seen from its first one."""
     found = link_frames(closure)
-    packed = ca.densify(found.bound(ca.vertcat(*found.frames.values())))
-    evaluate = ca.Function(
-        "links", [ca.vertcat(ca.SX(0, 1), closure.variables)], [packed], {"cse": True}
-    )
-    return _PlacedLinks(evaluate, tuple(found.frames), found.bridges, found.joints)
-
-
-@dataclass(frozen=True, eq=False)
-class _ReadJoints:
-    """`evaluate` gives the coordinates of the `joints`, one below the other."""
-
-    evaluate: Callable[[np.ndarray], ca.DM]
-    joints: frozenset[Joint]
+    return _function(closure, found.bound(ca.vertcat(*found.frames.values())))
 
 
 @lru_cache(maxsize=128)
-def _read_joints(closure: Closure) -> _ReadJoints:
+def _read_joints(closure: Closure) -> tuple[ca.Function, frozenset[Joint]]:
+    """The coordinates of the joints that expressions place, one below the other, and these."""
     found = link_frames(closure)
     between = dict(_between(found))
     parts = [part for joint, pose in between.items() for part in joint_coordinates(joint, pose)]
-    packed = ca.densify(found.bound(ca.vertcat(ca.SX(0, 1), *parts)))
-    evaluate = ca.Function(
-        "joints", [ca.vertcat(ca.SX(0, 1), closure.variables)], [packed], {"cse": True}
-    )
-    return _ReadJoints(evaluate, frozenset(between))
+    return _function(closure, found.bound(ca.vertcat(ca.SX(0, 1), *parts))), frozenset(between)
+
+
+def _function(closure: Closure, numbers: ca.SX) -> ca.Function:
+    variables = ca.vertcat(ca.SX(0, 1), closure.variables)
+    return ca.Function("placed", [variables], [ca.densify(numbers)], {"cse": True})
 
 
 def _hung(bridge: Bridge, poses: dict[str, Pose], centres: Sequence[Array]) -> dict[str, Pose]:

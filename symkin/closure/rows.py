@@ -20,9 +20,8 @@ import casadi as ca
 import numpy as np
 
 from symkin.closure.bodies import BodyBuilder, PoseForm
-from symkin.closure.branches import Branch, Element
+from symkin.closure.branches import Branch, Element, cut_index, middle_turn
 from symkin.closure.chain import Chain, JointSymbols, PlatformSide, Side, relative_sides
-from symkin.closure.cuts import cut_index, middle_turn
 from symkin.closure.partition import ALL_JOINTS, Partition
 from symkin.closure.pose_forms import PlatformPose, StudyPose, UnitPose
 from symkin.closure.tilt_torsion import rotation_conditions, tilt_and_torsion
@@ -55,14 +54,13 @@ class RowBuilder(BodyBuilder):
     def __init__(
         self,
         mechanism: Mechanism,
-        form: PoseForm | None = None,
         *,
         eliminate: bool = False,
-        bound: bool | None = None,
+        bound: bool = False,
         partition: Partition = ALL_JOINTS,
         body_forms: Mapping[str, PoseForm] | None = None,
     ) -> None:
-        super().__init__(mechanism, form, bound=bound, partition=partition, body_forms=body_forms)
+        super().__init__(mechanism, bound=bound, partition=partition, body_forms=body_forms)
         self.eliminate = eliminate
         self.rows: list[ca.SX] = []
         self.sources: list[Row] = []

@@ -9,7 +9,8 @@ import numpy as np
 from symkin.codegen.program import Program
 from symkin.codegen.vectors import Vectors
 from symkin.errors import InputError
-from symkin.position.given import problem_of, read_given
+from symkin.position.given import read_given
+from symkin.position.problem import build_problem
 from symkin.position.solve import solve
 from symkin.spatial.pose import Pose
 
@@ -33,7 +34,8 @@ def check_description(program: Program, vectors: Vectors) -> None:
         }
         there = Pose(pose[:3], pose[3:])
         # the pose of a chain of driven joints is no matter of a start
-        start = None if problem_of(described, read_given(described, given)).is_explicit else there
+        problem = build_problem(described, read_given(described, given).names)
+        start = None if problem.is_explicit else there
         found = solve(described, joints=given, start=start, check=False).solution
         away = np.inf if found is None else _distance(found.pose, there, size)
         if not away <= bound:

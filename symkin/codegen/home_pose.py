@@ -13,7 +13,7 @@ from symkin.codegen.rod_platform import rod_values
 from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
 from symkin.position.given import pose_from
-from symkin.position.problem import build_problem
+from symkin.position.problem import actuated_names, build_problem
 from symkin.position.solve import solve
 from symkin.spatial.pose import Pose
 
@@ -67,7 +67,7 @@ def _rounded(pose: Pose, size: float) -> Pose:
 
 def _refusal(mechanism: Mechanism, pose: Pose) -> str | None:
     """Why a pose is no home, or None."""
-    direct = build_problem(mechanism, "direct")
+    direct = build_problem(mechanism, actuated_names(mechanism))
     joints = rod_values(mechanism, pose)
     unknown = np.concatenate(
         [np.asarray(pose.position, dtype=float), np.asarray(pose.quaternion, dtype=float)]

@@ -185,7 +185,7 @@ class JointMap:
     def _whole(self) -> Problem:
         """All loops that hold a given or a found coordinate."""
         given, found = self.options.given, self.options.find
-        problem = build_problem(_with_advancing_wheels(self.mechanism), "given", given, found)
+        problem = build_problem(_with_advancing_wheels(self.mechanism), given, found)
         return _connected(problem, {*given, *found})
 
     @cached_property

@@ -43,7 +43,7 @@ from symkin.numeric.rank import Rank
 from symkin.numeric.system import System, constant_rows, split_blocks
 from symkin.numeric.tolerances import CLOSURE_TOLERANCE
 from symkin.position.mobility import mobility
-from symkin.position.problem import Problem, build_problem
+from symkin.position.problem import Problem, actuated_names, build_problem, pose_names
 from symkin.spatial.pose import Pose
 
 _COMPARED = 4
@@ -110,11 +110,11 @@ class LimbPlatform:
 
     @cached_property
     def direct(self) -> Problem:
-        return build_problem(self.mechanism, "direct")
+        return build_problem(self.mechanism, actuated_names(self.mechanism))
 
     @cached_property
     def inverse(self) -> Problem:
-        return build_problem(self.mechanism, "inverse")
+        return build_problem(self.mechanism, pose_names(self.mechanism))
 
     @property
     def closure(self) -> Closure:

@@ -15,7 +15,7 @@ from symkin.model.joint import Coordinate, units_of
 from symkin.numeric.newton import Polished
 from symkin.numeric.system import System
 from symkin.numeric.tolerances import CLOSURE_TOLERANCE
-from symkin.position.problem import Problem, build_problem
+from symkin.position.problem import Problem, build_problem, pose_names
 
 _STEPS = 12
 _LONGEST = 0.25
@@ -85,9 +85,9 @@ def _limb_signs(direct: Problem, values: np.ndarray) -> np.ndarray:
     """Signs (n, limbs) of the determinants of the limbs for a given pose: one changes where a limb
     has passed a dead centre.
     """
-    inverse = build_problem(direct.mechanism, "inverse")
+    inverse = build_problem(direct.mechanism, pose_names(direct.mechanism))
     known, signs = values[:, inverse.known_places], [np.zeros((len(values), 0))]
-    for b in inverse.blocks:
+    for b in (part.system for part in inverse.blocks):
         matrices = b.linearise(inverse.select_values(values, b.unknowns), known)[1]
         if matrices.shape[1] == matrices.shape[2]:
             signs.append(np.sign(np.linalg.det(matrices))[:, None])

@@ -44,7 +44,7 @@ from symkin.errors import InputError
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism
 from symkin.position.feasible_pose import closing_poses
-from symkin.position.problem import Problem, build_problem
+from symkin.position.problem import Problem, build_problem, pose_names
 from symkin.spatial.rotation import conjugate, multiply
 
 NEARLY = 0.005
@@ -79,7 +79,7 @@ class SerialArm:
 
     @cached_property
     def inverse(self) -> Problem:
-        return build_problem(self.mechanism, "inverse")
+        return build_problem(self.mechanism, pose_names(self.mechanism))
 
     @property
     def actuated(self) -> tuple[Coordinate, ...]:

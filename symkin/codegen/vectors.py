@@ -29,7 +29,7 @@ from symkin.codegen.text.c import Real
 from symkin.computed_once import cached_property
 from symkin.errors import InputError
 from symkin.model.joint import units_of
-from symkin.position.problem import Problem, build_problem
+from symkin.position.problem import Problem, actuated_names, build_problem, pose_names
 from symkin.position.solution import pose_of
 
 _PARTS = (1.0, 0.25, 0.0625)
@@ -107,14 +107,14 @@ class _Sides:
         kind = self.kind
         if isinstance(kind, JointMap):
             return kind.direct.problem
-        return build_problem(kind.mechanism, "direct")
+        return build_problem(kind.mechanism, actuated_names(kind.mechanism))
 
     @cached_property
     def inverse(self) -> Problem:
         kind = self.kind
         if isinstance(kind, JointMap):
             return kind.inverse.problem
-        return build_problem(kind.mechanism, "inverse")
+        return build_problem(kind.mechanism, pose_names(kind.mechanism))
 
     @property
     def home(self) -> np.ndarray:

@@ -324,14 +324,12 @@ def _last_tube(branch: Branch) -> str:
 # --- serial arms: the pose is a formula of the joints ---------------------------------------------
 
 
-def is_formula(problem: Problem, trajectory: Trajectory) -> bool:
+def is_formula(problem: Problem) -> bool:
     """Whether the unknowns are a position and a quaternion alone, as a function of the given
     joints.
     """
     kinds = [c.kind for c in problem.system.unknowns]
-    if kinds != ["length", "length", "length", "quaternion"]:
-        return False
-    return problem.is_explicit and problem.forward(trajectory.samples[0]) is not None
+    return problem.is_explicit and kinds == ["length", "length", "length", "quaternion"]
 
 
 def evaluate_formula(

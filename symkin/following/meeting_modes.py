@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from symkin.assembly.modes import modes, modes_at_need
+from symkin.assembly.modes import modes
 from symkin.assembly.modes_result import Completeness, Modes
 from symkin.errors import SymkinError
 from symkin.following.block_follower import BlockFollower
@@ -94,9 +94,7 @@ class Meeting:
         return f"{own} {listed} meets mode {last}{signs[self.opposite_signs]}"
 
 
-def meeting_modes(
-    problem: Problem, trajectory: Trajectory, branch: Branch, seed: int = 0
-) -> Meeting | None:
+def meeting_modes(problem: Problem, trajectory: Trajectory, branch: Branch) -> Meeting | None:
     """The modes that meet where a branch ends at a singular point. None where nothing lies before
     it or the enumeration refuses.
     """
@@ -106,11 +104,7 @@ def meeting_modes(
         return None
     given = user_values(trajectory, trajectory.at(row, u - back))
     try:
-        found = (
-            modes(trajectory.mechanism, **given)
-            if problem.by_name
-            else modes_at_need(problem.mechanism, seed=seed, **given)
-        )
+        found = modes(problem.mechanism, **given)
     except SymkinError:
         return None
     turning = [block for block in branch.stopped if _is_turning(block)]

@@ -29,8 +29,8 @@ from symkin.following.path_system import path_systems
 from symkin.following.track import branch_from
 from symkin.following.trajectory import Trajectory, make_trajectory
 from symkin.model.mechanism import Mechanism, require_mechanism
-from symkin.position.given import Joints, Values, given_by_name, plain_kind, read_given
-from symkin.position.problem import Problem
+from symkin.position.given import Joints, Values, given_by_name, read_given
+from symkin.position.problem import Problem, plain_kind
 from symkin.result import Result, Summary
 from symkin.text import meant
 from symkin.verb import verb

@@ -201,7 +201,7 @@ def _independent(problem: Problem) -> tuple[System, ...]:
     checks join.
     """
     if not problem.by_name:
-        return problem.blocks
+        return tuple(block.system for block in problem.blocks)
     return split_blocks(problem.system, incidence_of(problem.system.errors, problem.system))
 
 

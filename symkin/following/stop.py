@@ -168,9 +168,8 @@ def _groups(problem: Problem, place: Sample) -> tuple[SingularGroup, ...]:
     """
     if not problem.by_name:
         return ()
-    listed = build_problem(
-        problem.mechanism, "given", tuple(c.name for c in problem.known_coordinates)
-    )
+    names = tuple(c.name for c in problem.known_coordinates)
+    listed = build_problem(problem.mechanism, names)
     return singular_groups(listed, variables_elsewhere(listed.closure, place.solution))
 
 

@@ -27,7 +27,7 @@ from symkin.position.given import Joints, Values
 from symkin.position.problem import Problem
 from symkin.position.solution import Solution
 from symkin.position.solve import solve
-from symkin.position.start_notes import start_notes
+from symkin.position.starts import start_notes
 from symkin.position.transfer import variables_elsewhere
 from symkin.spatial.pose import Pose
 from symkin.verb import verb
@@ -120,7 +120,7 @@ def branch_from(
         return Branch(
             [first], first, (), ending="singular" if limit is None else "limit", limit=limit
         )
-    if is_formula(problem, trajectory):
+    if is_formula(problem):
         return evaluate_formula(problem, trajectory, unknown, watch, progress)
     return follow(problem, trajectory, unknown, watch, progress, known)
 
@@ -135,7 +135,7 @@ def _check_isolated(problem: Problem) -> None:
     free = problem.system.freedom - problem.generic_rank
     if free > 0:
         raise InputError(
-            f"{problem.mechanism.name}: the {problem.kind} problem leaves {free} of "
+            f"{problem.mechanism.name}: the {problem.name} problem leaves {free} of "
             f"{problem.system.freedom} unknowns free, so "
             "that there is no isolated mode to stay on"
         )

@@ -30,14 +30,11 @@ from symkin.position.given import (
     is_many,
     joint_rows,
     joint_values,
-    plain_kind,
     pose_from,
-    pose_names,
-    problem_of_names,
     rows_by_name,
 )
 from symkin.position.pose_coordinates import ON_MOTION, pose_coordinates
-from symkin.position.problem import Kind, Problem
+from symkin.position.problem import Kind, Problem, build_problem, plain_kind, pose_names
 from symkin.spatial.backend import Array, cos, sin
 from symkin.spatial.pose import Pose
 from symkin.verb_options import takes
@@ -172,12 +169,13 @@ def _problem(mechanism: Mechanism, names: tuple[str, ...], limits: bool) -> Prob
     """The problem of known coordinates; one of coordinates by name holds those that have limits, so
     that these are seen.
     """
-    limited = (
+    limited = tuple(
         c.name
         for c in mechanism.coordinates
         if limits and c.limits is not None and c.name not in names
     )
-    return problem_of_names(mechanism, names, tuple(limited))
+    by_name = plain_kind(mechanism, names) is None
+    return build_problem(mechanism, names, limited if by_name else None)
 
 
 def _named_rows(given: Columns) -> list[dict[str, Any]]:

@@ -71,7 +71,6 @@ def best_start(
     bases: Iterable[np.ndarray],
     targets: Sequence[np.ndarray],
     track: TrackLines = track_lines,
-    settings: TrackSettings | None = None,
 ) -> Choice:
     """The roots of `start` at whichever of its own base and `bases` takes the fewest steps to the
     real known values `targets`, fewest failures first. A base counts only if all roots reach it and
@@ -86,7 +85,7 @@ def best_start(
             (candidate, target) for i in which if (candidate := candidates[i]) for target in targets
         ]
         lines = [(candidate.k, target) for candidate, target in chosen]
-        tracked = track(system, [candidate.z for candidate, _ in chosen], lines, settings)
+        tracked = track(system, [candidate.z for candidate, _ in chosen], lines, None)
         for place, i in enumerate(which):
             ends = tracked[place * len(targets) : (place + 1) * len(targets)]
             lost = sum(not _is_whole(system, end) for end in ends)

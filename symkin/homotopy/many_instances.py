@@ -9,11 +9,13 @@ from __future__ import annotations
 import numpy as np
 
 from symkin.homotopy.algebraic import AlgebraicSystem
-from symkin.homotopy.endgame import are_well_conditioned
+from symkin.homotopy.endgame import are_well_conditioned, finish
+from symkin.homotopy.ends import Ends
 from symkin.homotopy.engine import aligned, track
 from symkin.homotopy.monodromy import Fibre
 from symkin.homotopy.point_checks import is_no_pose
 from symkin.homotopy.symmetry import Orbits
+from symkin.homotopy.tracker import Tracked
 
 _PATHS_AT_ONCE = 1400
 """Paths that are tracked in one call: enough to fill vectors, few enough to stay in the cache."""
@@ -110,3 +112,22 @@ def _differences(system: AlgebraicSystem, values: np.ndarray, i: int) -> np.ndar
         least = c.least / system.characteristic_length
         gap = gap * (values[:, :, None] + values[:, None, :] - 2.0 * least)
     return np.asarray(np.abs(gap) / np.maximum(1.0, np.abs(values))[:, None, :])
+
+
+# --- one instance with its endgame ----------------------------------------------------------------
+
+
+def instance(system: AlgebraicSystem, start: Fibre, target: np.ndarray) -> Ends:
+    """Track all generic roots to known values `target`; what does not arrive at a regular root of
+    its own is decided by the endgame.
+    """
+    target = aligned(system, start.k, target)
+    return finish(system, start, target, _tracked(system, start, target))
+
+
+def _tracked(system: AlgebraicSystem, start: Fibre, target: np.ndarray) -> Tracked:
+    """All paths; of those that symmetries carry to each other, one is followed."""
+    mirrors = start.mirrors
+    if mirrors is None:
+        return track(system, start.z, start.k, target)
+    return mirrors.unfold_tracked(track(system, start.z[:, mirrors.first], start.k, target))

@@ -45,6 +45,8 @@ _LOOPING = TrackSettings(most_steps=400)
 _ORBIT_LOOPS_AT_ONCE = 4
 _MOST_ORBIT_LOOPS = 60
 """Loops at most in search of connections between known roots."""
+_ORBITS_APART = 10.0
+"""Evidence that orbits which no loop connects are apart."""
 _LOOPS_APART = 20
 """Loops in a row that connect no two orbits before orbits are told apart. A loop around one branch
 point moves every root and connects only the pairs that meet there, so that moved roots alone are no
@@ -330,16 +332,15 @@ def orbits(
     z: np.ndarray,
     k0: np.ndarray,
     corner: Callable[[], np.ndarray],
-    needed: float = 10.0,
 ) -> np.ndarray:
     """Labels of roots by what loops through pairs of corners connect, until all are one or the
-    evidence since the last connection is `needed` and `_LOOPS_APART` have connected none. All zero
-    where the loops leave a root alone: that is no evidence of a part of its own.
+    evidence since the last connection is `_ORBITS_APART` and `_LOOPS_APART` have connected none.
+    All zero where the loops leave a root alone: that is no evidence of a part of its own.
     """
     found, evidence, loops, apart = _Found.of(system, z), 0.0, 0, 0
     while (
         found.parts > 1
-        and (evidence < needed or apart < _LOOPS_APART)
+        and (evidence < _ORBITS_APART or apart < _LOOPS_APART)
         and loops < _MOST_ORBIT_LOOPS
     ):
         count = max(1, min(_ORBIT_LOOPS_AT_ONCE, _PATHS_AT_ONCE // z.shape[1]))
@@ -352,7 +353,8 @@ def orbits(
                 else (0.0, 0)
             )
     labels = found.orbits
-    return labels if np.bincount(labels).min() > 1 and evidence >= needed else np.zeros_like(labels)
+    are_apart = np.bincount(labels).min() > 1 and evidence >= _ORBITS_APART
+    return labels if are_apart else np.zeros_like(labels)
 
 
 def _absorb(found: _Found, loop: _Loop) -> int:

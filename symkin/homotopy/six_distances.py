@@ -12,9 +12,9 @@ from collections.abc import Callable
 import casadi as ca
 import numpy as np
 
-from symkin.closure.closure import build_algebraic_closure
 from symkin.closure.numpy_code import vectorise
 from symkin.closure.pose_forms import StudyPose
+from symkin.closure.rows import RowBuilder
 from symkin.computed_once import lru_cache
 from symkin.homotopy.algebraic import AlgebraicSystem
 from symkin.numeric.rank import independent_rows
@@ -48,12 +48,17 @@ def all_distances(problem: Problem) -> ca.Function | None:
     """Length, base point and platform point of each distance (7 numbers, length unit) as a function
     of the known joints; None where the direct problem is another one.
     """
-    if not problem.of_joints or problem.mechanism.motion != "spatial":
+    mechanism, joints = problem.mechanism, problem.known_coordinates
+    if not problem.of_joints or mechanism.motion != "spatial":
         return None
-    algebraic = build_algebraic_closure(problem.mechanism, "study")
-    if algebraic.distances is None or algebraic.rows.shape[0] < DISTANCES:
+    form = {mechanism.platform_link or "": "study"}
+    builder = RowBuilder(mechanism, bound=True, body_forms=form)  # type: ignore[arg-type]
+    builder.build_rows()
+    of_joints_alone = len(builder.coordinates) == len(joints)
+    if not of_joints_alone or not DISTANCES <= len(builder.distances) == len(builder.rows):
         return None
-    return ca.Function("distances", [algebraic.joints], [ca.densify(algebraic.distances)])
+    symbols = ca.vertcat(*(builder.coordinates[c.name][1] for c in joints))
+    return ca.Function("distances", [symbols], [ca.densify(ca.vertcat(*builder.distances))])
 
 
 @lru_cache(maxsize=128)

@@ -78,7 +78,7 @@ def compute_start(problem: Problem, system: AlgebraicSystem) -> tuple[Fibre | No
     """
     if not int(system.k.shape[0]):
         return None, RIGID
-    LOG.info("the generic solutions of the %s problem are found, once", problem.kind)
+    LOG.info("the generic solutions of the %s problem are found, once", problem.name)
     data = distance_data(problem)
     if is_six_revolute(problem):
         found = _from_universal_arm(problem, system)

@@ -9,7 +9,7 @@ import casadi as ca
 import numpy as np
 
 from symkin.closure.bodies import PoseForm
-from symkin.closure.closure import AlgebraicClosure, algebraic_rows, build_algebraic_closure
+from symkin.closure.closure import algebraic_rows
 from symkin.closure.pose_forms import HomogeneousPose, StudyPose
 from symkin.computed_once import lru_cache
 from symkin.homotopy.algebraic import AlgebraicSystem
@@ -21,7 +21,7 @@ from symkin.homotopy.six_distances import (
 )
 from symkin.model.joint import Coordinate, units_of
 from symkin.position.groups import without_later
-from symkin.position.problem import KNOWN, Problem
+from symkin.position.problem import Problem
 
 _ALL_ROWS = 1e-6
 """Largest row, over the size, of a root of combined rows that is one of all: given values that were
@@ -31,70 +31,12 @@ projected close them to 1e-9.
 
 @lru_cache(maxsize=256)
 def system_of(problem: Problem) -> AlgebraicSystem:
-    """The rows of a problem over the complex numbers. Platforms held by six rods share one system,
-    whose known values are lengths and points.
+    """The rows of a problem over the complex numbers: joints as they are, a floating body that is
+    unknown in Study coordinates, those that are known by position and a quaternion of any length.
+    Platforms held by six rods share one system, whose known values are lengths and points.
     """
-    if problem.by_name:
-        return _of_given(problem)
     if is_universal(problem):
         return universal_system()
-    return _build(problem)
-
-
-def _build(problem: Problem) -> AlgebraicSystem:
-    pose_unknown = problem.of_joints
-    algebraic = build_algebraic_closure(
-        problem.mechanism,
-        "study" if pose_unknown else "homogeneous",
-        eliminate=problem.of_pose,
-    )
-    size = problem.closure.characteristic_length
-    known_role = KNOWN[problem.kind]
-    symbols = {c.name: algebraic.joints[k] for k, c in enumerate(algebraic.coordinates)}
-    unknowns = tuple(c for c in algebraic.coordinates if c.role != known_role)
-    known = tuple(c for c in algebraic.coordinates if c.role == known_role)
-    z_parts, k_parts = [symbols[c.name] for c in unknowns], [symbols[c.name] for c in known]
-    scale_z, scale_k = _scales(unknowns, size), _scales(known, size)
-    pose_scale = _pose_scale(algebraic, problem.closure.role("pose"), size)
-    rows = list(ca.vertsplit(algebraic.rows))
-    if distance_function(problem) is not None:
-        rows = [rows[i] for i in chosen_distances(problem)]
-    projective: tuple[int, ...] = ()
-    affine = unknowns
-    if pose_unknown:
-        if algebraic.form is None:
-            affine = (*unknowns, *problem.closure.role("pose"))
-        else:
-            width = int(algebraic.pose.shape[0])
-            projective = tuple(range(len(unknowns), len(unknowns) + width))
-            if width == 8:
-                rows.append(ca.dot(algebraic.pose[:4], algebraic.pose[4:]))
-        z_parts.append(algebraic.pose)
-        scale_z += pose_scale
-    else:
-        k_parts.append(algebraic.pose)
-        scale_k += pose_scale
-    z, k = ca.vertcat(*z_parts), ca.vertcat(*k_parts)
-    scaled = ca.vertcat(z * ca.DM(scale_z), k * ca.DM(scale_k))
-    eliminated = tuple(e for e in algebraic.eliminated if e[0].role != known_role)
-    expressions = ca.substitute(
-        ca.vertcat(*rows, *(size * e for _, e in eliminated)) / size, ca.vertcat(z, k), scaled
-    )
-    last = int(k.shape[0])
-    known_ray = () if pose_unknown or algebraic.form is None else tuple(range(last - 4, last))
-    whole = AlgebraicSystem(
-        size, affine, z, k, expressions[: len(rows)], projective, known_ray=known_ray
-    )
-    cut = tuple((c, expressions[len(rows) + i]) for i, (c, _) in enumerate(eliminated))
-    if whole.projective:
-        return whole
-    return _part(whole, cut, {c.name for c in problem.system.unknowns})
-
-
-def _of_given(problem: Problem) -> AlgebraicSystem:
-    """The rows of a problem of given coordinates: joints as they are, a floating body that is
-    unknown in Study coordinates, those that are known by position and a quaternion of any length.
-    """
     closure, system, size = problem.closure, problem.system, problem.closure.characteristic_length
     unknown = floating_bodies(system.unknowns)
     partly = {c.body for c in system.unknowns}
@@ -103,14 +45,10 @@ def _of_given(problem: Problem) -> AlgebraicSystem:
         **dict.fromkeys(unknown, "study"),
         **dict.fromkeys(known, "homogeneous"),
     }
-    rows, symbols = algebraic_rows(closure, forms) if forms else (system.rows, {})
-    if forms and problem.row_places is not None:
-        allowed = {c.name for c in (*system.unknowns, *problem.known_coordinates)}
-        rows = without_later(rows[list(problem.row_places), 0], closure, allowed)
-        rows = ca.vertcat(rows, _implied(problem, unknown, symbols))
-    affine = tuple(c for c in system.unknowns if c.body not in unknown)
+    rows, symbols, eliminated = _written(problem, forms)
+    affine = tuple(c for c in system.unknowns if c.body not in unknown and c not in eliminated)
     stacked = {c.name: closure.variables[closure.slices[c.name]] for c in closure.coordinates}
-    z_parts, z_scale = [stacked[c.name] for c in affine], _scales(affine, size)
+    z_parts, z_scale = [stacked[c.name] for c in affine], units_of(affine, size)
     for body in unknown:
         z_parts.append(symbols[body])
         z_scale += [1.0] * 4
@@ -119,19 +57,48 @@ def _of_given(problem: Problem) -> AlgebraicSystem:
             rows = ca.vertcat(rows, ca.dot(symbols[body][:4], symbols[body][4:]))
     k_parts, k_scale, ray = _known_parts(problem, symbols)
     z, k = ca.vertcat(*z_parts), ca.vertcat(ca.SX(0, 1), *k_parts)
-    rows = (
-        ca.substitute(rows, ca.vertcat(z, k), ca.vertcat(z * ca.DM(z_scale), k * ca.DM(k_scale)))
-        / size
-    )
-    projective = tuple(range(len(affine), int(z.shape[0]))) if unknown else ()
+    scaled = ca.vertcat(z * ca.DM(z_scale), k * ca.DM(k_scale))
+    angles = ca.substitute(ca.vertcat(*eliminated.values()), ca.vertcat(z, k), scaled)
     return AlgebraicSystem(
-        size, affine, z, k, rows, projective, known_ray=ray, body=unknown[0] if unknown else "pose"
+        size,
+        affine,
+        z,
+        k,
+        ca.substitute(rows, ca.vertcat(z, k), scaled) / size,
+        tuple(range(len(affine), int(z.shape[0]))) if unknown else (),
+        eliminated=tuple(zip(eliminated, ca.vertsplit(angles), strict=True)),
+        known_ray=ray,
+        body=unknown[0] if unknown else "pose",
     )
 
 
-def _implied(problem: Problem, unknown: Sequence[str], symbols: Mapping[str, ca.SX]) -> ca.SX:
+def _written(
+    problem: Problem, forms: Mapping[str, PoseForm]
+) -> tuple[ca.SX, dict[str, ca.SX], dict[Coordinate, ca.SX]]:
+    """The closure's rows of a problem with bodies in algebraic forms, their symbols, and the values
+    of unknown joints that these rows do not hold.
+    """
+    closure, system = problem.closure, problem.system
+    if problem.by_name and not forms:
+        return system.rows, {}, {}
+    written = algebraic_rows(closure, forms, eliminate=problem.of_pose)
+    rows, allowed = written.rows, {c.name for c in (*system.unknowns, *problem.known_coordinates)}
+    if distance_function(problem) is not None:
+        rows = rows[list(chosen_distances(problem)), 0]
+    elif problem.row_places is None and not floating_bodies(system.unknowns):
+        # rows without unknowns are conditions on what is given
+        held = ca.which_depends(rows, closure.symbols(system.unknowns), 1, True)
+        rows = rows[[k for k, some in enumerate(held) if some], 0]
+    elif problem.row_places is not None:
+        rows = without_later(rows[list(problem.row_places), 0], closure, allowed)
+        rows = ca.vertcat(rows, _implied(problem, written.symbols))
+    return rows, written.symbols, {c: v for c, v in written.eliminated if c.name in allowed}
+
+
+def _implied(problem: Problem, symbols: Mapping[str, ca.SX]) -> ca.SX:
     """The implied rows with the unknown body in the form of its symbols."""
     closure, size, found = problem.closure, problem.closure.characteristic_length, ca.SX(0, 1)
+    unknown = floating_bodies(problem.system.unknowns)
     for row in problem.implied:
         value = row.row
         for body in unknown:
@@ -203,42 +170,6 @@ def meets_all_rows(
     return np.asarray(np.max(np.abs(f), axis=1, initial=0.0) < _ALL_ROWS)
 
 
-def _scales(coordinates: Sequence[Coordinate], size: float) -> list[float]:
-    return [c.unit(size) for c in coordinates]
-
-
-def _part(
-    whole: AlgebraicSystem, cut: tuple[tuple[Coordinate, ca.SX], ...], names: set[str]
-) -> AlgebraicSystem:
-    """The part of the coordinates `names`; rows without unknowns (conditions on the given values)
-    belong to none. `cut` are eliminated coordinates and their values.
-    """
-    pattern = np.asarray(ca.DM(ca.jacobian_sparsity(whole.rows, whole.z), 1)) != 0
-    places = [i for i, c in enumerate(whole.unknowns) if c.name in names]
-    rows = [i for i in range(whole.count) if pattern[i, places].any()]
-    return AlgebraicSystem(
-        characteristic_length=whole.characteristic_length,
-        unknowns=tuple(whole.unknowns[i] for i in places),
-        z=whole.z[places],
-        k=whole.k,
-        rows=whole.rows[rows, 0],
-        projective=(),
-        eliminated=tuple((c, value) for c, value in cut if c.name in names),
-        known_ray=whole.known_ray,
-    )
-
-
-def _pose_scale(
-    algebraic: AlgebraicClosure, pose: Sequence[Coordinate], size: float
-) -> list[float]:
-    if algebraic.form is None:
-        return [c.unit(size) for c in pose]
-    width = int(algebraic.pose.shape[0])
-    if width == 4:
-        return [1.0] * 4
-    return [1.0] * 4 + [size] * 4 if width == 8 else [size] * 3 + [1.0] * 4
-
-
 def unsuitable(problem: Problem) -> str | None:
     """Why a problem has no complex start system, if it has none."""
     for c in problem.system.unknowns:
@@ -250,7 +181,7 @@ def unsuitable(problem: Problem) -> str | None:
             )
         if c.is_rotation and c.role not in ("pose", "body"):
             return f"{c.name} is a spherical joint that the closure keeps"
-    bodies = floating_bodies(problem.system.unknowns) if problem.by_name else ()
+    bodies = floating_bodies(problem.system.unknowns)
     if len(bodies) > 1:
         return f"the poses of {' and '.join(bodies)} are found together"
     return None

@@ -40,25 +40,18 @@ def real_values(
     """Coordinates (n, numbers) of the block (radians, length unit, unit quaternion) from roots z
     (width, n) at k (known, n) that are real up to rounding.
     """
-    size = problem.closure.characteristic_length
-    values = {c.name: z[i].real[:, None] * c.unit(size) for i, c in enumerate(system.unknowns)}
+    real = z.real.copy()
+    if system.projective:
+        rays = z[list(system.projective)]
+        largest = rays[np.argmax(np.abs(rays), axis=0), np.arange(rays.shape[1])]
+        real[list(system.projective)] = (rays / largest).real
+    values = complex_values(problem, system, real)
     if system.eliminated:
-        angles = system.angles_eliminated(z.real.T, k.real.T)
+        angles = system.angles_eliminated(real.T, k.real.T)
         values |= {
             c.name: angle[:, :, 0] for (c, _), angle in zip(system.eliminated, angles, strict=True)
         }
-    if system.projective:
-        values |= {
-            f"{system.body}.{key}": value
-            for key, value in _pose_values(z[list(system.projective)], size).items()
-        }
     return values
-
-
-def _pose_values(rays: np.ndarray, size: float) -> dict[str, np.ndarray]:
-    """Of rays (4 or 8, n)."""
-    rays = (rays / rays[np.argmax(np.abs(rays), axis=0), np.arange(rays.shape[1])]).real
-    return _of_unit(rays / np.sqrt(np.einsum("in,in->n", rays[:4], rays[:4])), size)
 
 
 def _of_unit(rays: np.ndarray, size: float) -> dict[str, np.ndarray]:

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 
 from symkin.model.mechanism import Mechanism
 from symkin.position.determination import Determination, determination
-from symkin.position.given import problem_of_names
+from symkin.position.problem import build_problem
 from symkin.position.solve import solve
 from symkin.text import first_of
 
@@ -45,7 +45,7 @@ def completed_sliders(mechanism: Mechanism) -> tuple[dict[str, float], str] | No
 
 
 def _determination(mechanism: Mechanism, names: Sequence[str]) -> Determination:
-    return determination(problem_of_names(mechanism, tuple(names)))
+    return determination(build_problem(mechanism, tuple(names)))
 
 
 def _added(mechanism: Mechanism, kept: Sequence[str], found: Determination) -> list[str] | None:

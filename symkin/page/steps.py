@@ -16,7 +16,7 @@ from symkin.assembly.group_solvers import any_paths, group_paths, solved_at_once
 from symkin.closure.numpy_code import vectorise
 from symkin.codegen.text.javascript import javascript
 from symkin.elimination.closed_form import ClosedForm
-from symkin.homotopy.instance import instance
+from symkin.homotopy.many_instances import instance
 from symkin.homotopy.systems import meets_all_rows
 from symkin.homotopy.values import complex_values, known_values
 from symkin.position.gear_train import gear_train
@@ -38,7 +38,7 @@ def groups_of(problem: Problem) -> list[Problem]:
         return []
     # of a problem by name the groups are those that `modes` has solved
     if not problem.by_name:
-        problem = replace(problem, kind="given", row_places=problem.places_of_rows)
+        problem = replace(problem, by_name=True, row_places=problem.places_of_rows)
     return _leaves(structure_groups(problem))
 
 

@@ -30,7 +30,7 @@ class ClosedForm:
         arm = arm_formulas(problem)
         if arm is None:
             raise InputError(
-                f"solver = 'closed': the {problem.kind} problem of {problem.mechanism.name} has no "
+                f"solver = 'closed': the {problem.name} problem of {problem.mechanism.name} has no "
                 f"closed form; allowed: newton, "
                 "fast_newton, ipopt"
             )

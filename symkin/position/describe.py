@@ -18,7 +18,6 @@ from symkin.model.mechanism import Mechanism
 from symkin.position.mobility import mobility
 from symkin.position.mobility_result import Mobility
 from symkin.position.platform_motion import fewer_rows
-from symkin.position.problem import build_problem
 from symkin.text import counted
 
 
@@ -180,11 +179,9 @@ def _closure(found: Mobility) -> list[str]:
         f"{vanishing and f', and {vanishing} that vanish everywhere'}; "
         f"p, geometry: {len(closure.parameter_names)} parameters"
     )
-    for kind in ("direct", "inverse") if found.limbs else ():
-        system = build_problem(closure.mechanism, kind).system
-        lines.append(
-            f"  {kind} problem: {system.rows.shape[0]} equations, {system.freedom} unknowns"
-        )
+    for kind, known in (("direct", "actuated"), ("inverse", "pose")) if found.limbs else ():
+        unknowns = sum(c.freedom for c in closure.coordinates if c.role != known)
+        lines.append(f"  {kind} problem: {closure.rows.shape[0]} equations, {unknowns} unknowns")
     return lines
 
 

@@ -17,7 +17,7 @@ from symkin.numeric.rank import Rank, count_above
 from symkin.numeric.system import System
 from symkin.numeric.tolerances import CLOSED_CONFIGURATION
 from symkin.position.closed_configurations import closed_configurations
-from symkin.position.problem import Problem, build_problem
+from symkin.position.problem import Problem, build_problem, plain_kind, pose_names
 
 PROJECTED = 1e-4
 """Distance over the size below which a pose is one of few digits: tables print three of a length,
@@ -49,13 +49,14 @@ class NearestPose:
 
 @lru_cache(maxsize=128)
 def ties_poses(mechanism: Mechanism) -> bool:
-    """Whether the joints put conditions on the pose's coordinates: at closed configurations, moves
-    of the pose that no joints follow.
+    """Whether the joints of limbs put conditions on the pose's coordinates: at closed
+    configurations, moves of the pose that no joints follow.
     """
-    problem = build_problem(mechanism, "inverse")
-    if not problem.closure.role("pose") or problem.generic_rank == int(
-        problem.system.rows.shape[0]
-    ):
+    names = pose_names(mechanism)
+    if plain_kind(mechanism, names) is None:
+        return False
+    problem = build_problem(mechanism, names)
+    if problem.generic_rank == int(problem.system.rows.shape[0]):
         return False
     return all(both > joints for both, joints in _ranks(mechanism))
 
@@ -68,7 +69,7 @@ def _joint_rank(mechanism: Mechanism) -> int:
 @lru_cache(maxsize=128)
 def _ranks(mechanism: Mechanism) -> tuple[tuple[int, int], ...]:
     """Ranks of the rows by joints and pose, and by joints alone, at some closed configurations."""
-    problem = build_problem(mechanism, "inverse")
+    problem = build_problem(mechanism, pose_names(mechanism))
     whole, joints = _whole(problem), problem.system.freedom
     jacobians = [
         whole.linearise_one(_take(problem, values))[1]
@@ -85,7 +86,7 @@ def nearest_pose(mechanism: Mechanism, pose: np.ndarray) -> NearestPose | None:
     """
     if not ties_poses(mechanism) or closing_poses(mechanism, pose[None])[0]:
         return None
-    problem = build_problem(mechanism, "inverse")
+    problem = build_problem(mechanism, pose_names(mechanism))
     system, near = problem.system, _CLOSED * problem.closure.characteristic_length
     # the reference's branch closes most poses that are to be closed
     here = problem.select_values(problem.closure.reference, system.unknowns)[None]
@@ -127,7 +128,7 @@ def closing_poses(mechanism: Mechanism, poses: np.ndarray) -> np.ndarray:
     """
     from symkin.position.arm_formulas import arm_formulas
 
-    problem = build_problem(mechanism, "inverse")
+    problem = build_problem(mechanism, pose_names(mechanism))
     arm, shown = arm_formulas(problem), np.zeros(len(poses), dtype=bool)
     if arm is not None:
         found = arm.solutions(poses)
@@ -142,7 +143,7 @@ def _nearest_joints(problem: Problem, pose: np.ndarray) -> np.ndarray:
     rng = np.random.default_rng(0)
     values = problem.closure.reference
     named: dict[str, np.ndarray] = {}
-    for block in problem.blocks:
+    for block in (part.system for part in problem.blocks):
         here = np.concatenate([values[problem.closure.slices[c.name]] for c in block.unknowns])
         starts = block.move(
             np.tile(here, (_STARTS, 1)),

@@ -12,8 +12,6 @@ from typing import Any
 
 import numpy as np
 
-from symkin.closure.partition import POSE_COORDINATES
-from symkin.computed_once import lru_cache
 from symkin.errors import InputError
 from symkin.machine.lower import Lowered
 from symkin.model.joint import POSE_CONDITIONS, Coordinate
@@ -26,7 +24,7 @@ from symkin.position.pose_coordinates import (
     projected_below,
     reader_of_poses,
 )
-from symkin.position.problem import Kind, Problem, build_problem
+from symkin.position.problem import actuated_names, plain_kind, pose_names
 from symkin.spatial.pose import Pose
 from symkin.text import counted, first_of, meant, shown
 from symkin.verb import real
@@ -105,7 +103,7 @@ def _of_joints(mechanism: Mechanism, joints: Joints) -> Given:
     ordered = in_file_order(mechanism, joints)
     values = joint_values(mechanism, ordered)
     echo = {"joints": [float(v) for v in ordered]}
-    return Given(_actuated(mechanism), values, echo, notes=_turn_notes(mechanism, ordered))
+    return Given(actuated_names(mechanism), values, echo, notes=_turn_notes(mechanism, ordered))
 
 
 def given_pose(mechanism: Mechanism, given: Sequence[float] | Pose) -> Given:
@@ -166,16 +164,14 @@ def given_by_name(mechanism: Mechanism, values: Values) -> Given:
             f"given = {shown(str(values))} has no names; values by name are needed, as in "
             f"given={{'crank': 60.0}}"
         )
-    coordinates = given_coordinates(mechanism)
+    coordinates = _coordinates_named(mechanism, values)
     read: Given | None = None
-    if "pose" in values and "pose" not in coordinates and mechanism.platform_link is not None:
+    if "pose" in values and "pose" not in coordinates:
         read = given_pose(mechanism, values["pose"])  # type: ignore[arg-type]
     numbers: dict[str, float] = {}
     for name, value in values.items():
         if read is not None and name == "pose":
             continue
-        if name not in coordinates:
-            raise InputError(unknown_name(mechanism, name, list(coordinates)))
         number = number_of(value, f"given: {name}")
         refuse_negative_rod(mechanism, coordinates[name], number, "given")
         numbers[name] = mechanism.value_in(coordinates[name], number)
@@ -193,16 +189,7 @@ def given_by_name(mechanism: Mechanism, values: Values) -> Given:
     )
 
 
-# --- names and problems ---------------------------------------------------------------------------
-
-
-def pose_names(mechanism: Mechanism) -> tuple[str, ...]:
-    """Names of the coordinates of the platform's pose."""
-    return tuple(f"pose.{name}" for name, _ in POSE_COORDINATES[mechanism.motion])
-
-
-def _actuated(mechanism: Mechanism) -> tuple[str, ...]:
-    return tuple(c.name for c in mechanism.actuated)
+# --- names ---------------------------------------------------------------------------
 
 
 def given_coordinates(mechanism: Mechanism) -> dict[str, Coordinate]:
@@ -219,6 +206,18 @@ def given_coordinates(mechanism: Mechanism) -> dict[str, Coordinate]:
     return found
 
 
+def _coordinates_named(mechanism: Mechanism, values: Iterable[str]) -> dict[str, Coordinate]:
+    """What can be given; a whole "pose" can be too. Raises InputError for a name that nothing
+    has.
+    """
+    coordinates = given_coordinates(mechanism)
+    for name in values:
+        is_pose = name == "pose" and mechanism.platform_link is not None
+        if name not in coordinates and not is_pose:
+            raise InputError(unknown_name(mechanism, name, list(coordinates)))
+    return coordinates
+
+
 def unknown_name(mechanism: Mechanism, name: str, known: list[str], what: str = "given") -> str:
     """A sentence about a name that no coordinate has, with the nearest ones."""
     return (
@@ -227,45 +226,12 @@ def unknown_name(mechanism: Mechanism, name: str, known: list[str], what: str = 
     )
 
 
-@lru_cache(maxsize=256)
-def plain_kind(mechanism: Mechanism, names: tuple[str, ...]) -> Kind | None:
-    """ "direct" or "inverse" where known coordinates are all actuated joints or the whole pose of
-    limbs; None for any others, and for a graph.
-    """
-    if mechanism.is_graph:
-        return None
-    told = set(names)
-    whole = names == ("pose",) and "pose" not in given_coordinates(mechanism)
-    if whole or (told and told == set(pose_names(mechanism))):
-        return "inverse"
-    return "direct" if told and told == set(_actuated(mechanism)) else None
-
-
-def problem_of_names(
-    mechanism: Mechanism, names: tuple[str, ...], held: tuple[str, ...] | None = None
-) -> Problem:
-    """The problem whose known coordinates have these names; `held` are others that a closure of
-    names must hold.
-    """
-    kind = plain_kind(mechanism, names)
-    return (
-        build_problem(mechanism, "given", names, held)
-        if kind is None
-        else build_problem(mechanism, kind)
-    )
-
-
 def in_order(mechanism: Mechanism, given: Given) -> Given:
     """The same values, those of all actuated joints of limbs in file order."""
-    names = _actuated(mechanism)
+    names = actuated_names(mechanism)
     if given.names == names or plain_kind(mechanism, given.names) != "direct":
         return given
     return replace(given, names=names, values=given.values[[given.names.index(n) for n in names]])
-
-
-def problem_of(mechanism: Mechanism, given: Given) -> Problem:
-    """The problem for which values are given."""
-    return problem_of_names(mechanism, given.names)
 
 
 # --- many inputs ----------------------------------------------------------------------------------
@@ -302,6 +268,7 @@ def read_many(mechanism: Mechanism, joints: Any, pose: Any, given: Columns | Non
     """
     require_mechanism(mechanism)
     if given is not None:
+        _coordinates_named(mechanism, given)
         return [read_given(mechanism, joints, pose, row) for row in rows_by_name(given)]
     if pose is not None and (joints is not None or mechanism.platform_link is None):
         return [read_given(mechanism, joints, pose)]
@@ -314,7 +281,7 @@ def read_many(mechanism: Mechanism, joints: Any, pose: Any, given: Columns | Non
             _named_input(i, partial(_of_joints, mechanism, one)) for i, one in enumerate(joints)
         ]
     values = rows * np.array([mechanism.value_in(c, 1.0) for c in mechanism.actuated])
-    names = _actuated(mechanism)
+    names = actuated_names(mechanism)
     return [
         Given(names, v, {"joints": echo}) for v, echo in zip(values, rows.tolist(), strict=True)
     ]

@@ -28,7 +28,7 @@ from symkin.elimination.product_rows import ProductRow
 from symkin.model.joint import Coordinate, units_of
 from symkin.numeric.linear_algebra import diagonal_parts, singular_values
 from symkin.numeric.rank import Rank, independent_rows
-from symkin.numeric.system import System, components
+from symkin.numeric.system import components
 from symkin.numeric.tolerances import RANK_TOLERANCE
 from symkin.position.closed_configurations import closed_configurations
 from symkin.position.problem import Problem
@@ -147,19 +147,18 @@ def _part(
     rows, errors = (without_later(part, closure, found) for part in (rows, errors))
     held = _coordinates_in(ca.vertcat(rows, errors), closure)
     known = tuple(c for name, c in found.items() if name in held and c not in unknowns)
-    system = System(
-        unknowns,
-        closure.symbols(unknowns),
-        closure.symbols(known),
-        rows,
-        errors,
-        closure.characteristic_length,
-        closure.mechanism.farthest,
+    system = replace(
+        problem.system,
+        unknowns=unknowns,
+        unknown=closure.symbols(unknowns),
+        known=closure.symbols(known),
+        rows=rows,
+        errors=errors,
     )
     own = problem.places_of_rows
     return replace(
         problem,
-        kind="given",
+        by_name=True,
         system=system,
         known_coordinates=known,
         row_places=tuple(own[k] for k in places if k < len(own)),

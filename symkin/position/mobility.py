@@ -65,7 +65,8 @@ def mobility(mechanism: Mechanism, *, seed: int = 0) -> Mobility:
         reference_rank = Rank.of(system.linearise_one(reference)[1])
     found = _by_least_squares(closure, seed) if own is None else _of_component(closure, own, seed)
     values, generic = found.values, found.rank
-    direct = Rank.of(system.linearise_one(values)[1][:, _unknown_columns(closure)])
+    unknown = [c.role != "actuated" for c in per_freedom(closure.coordinates)]
+    direct = Rank.of(system.linearise_one(values)[1][:, unknown])
     limbs = limb_screws(closure, values)
     at_reference = reference_rank is not None and reference_rank.value == generic.value
     if at_reference:
@@ -158,11 +159,6 @@ def _ranks_apart(closure: Closure) -> tuple[int, ...]:
     jacobians = system.linearise(ends.points[ends.closed])[1]
     clear = [rank.value for rank in map(Rank.of, jacobians) if rank.is_clear]
     return tuple(sorted({value for value in clear if clear.count(value) > 1}))
-
-
-def _unknown_columns(closure: Closure) -> list[int]:
-    """Columns of the coordinates that are not actuated."""
-    return [k for k, c in enumerate(per_freedom(closure.coordinates)) if c.role != "actuated"]
 
 
 @lru_cache(maxsize=64)

@@ -39,15 +39,9 @@ def row_chunks(rows: int, starts: int) -> list[slice]:
     return [slice(begin, begin + each) for begin in range(0, rows, each)]
 
 
-def batched(
-    problem: Problem,
-    known: np.ndarray,
-    starts: int,
-    rng: np.random.Generator,
-    progress: Progress | None = None,
-) -> Sample:
+def batched(problem: Problem, known: np.ndarray, starts: int, rng: np.random.Generator) -> Sample:
     """Roots of a problem that Levenberg-Marquardt on all rows reaches, all starts at once."""
-    return batched_rows(problem, known[None], starts, [rng], progress)[0]
+    return batched_rows(problem, known[None], starts, [rng])[0]
 
 
 def batched_rows(

@@ -87,7 +87,7 @@ def _gap(problem: Problem, nearest: Polished, given: Given) -> float:
     largest.
     """
     places, gaps = problem.system.places, [0.0]
-    for block in problem.blocks:
+    for block in (part.system for part in problem.blocks):
         columns = np.r_[tuple(places[c.name] for c in block.unknowns)]
         gaps.append(float(block.residuals(nearest.points[:, columns], given.values).min()))
     return max(gaps)

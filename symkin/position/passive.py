@@ -5,6 +5,7 @@ limb that a start means.
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
@@ -14,6 +15,7 @@ from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.levenberg import levenberg_marquardt
 from symkin.numeric.system import System, split_blocks
+from symkin.position.closed_configurations import whole_system
 
 _STARTS = 23
 """Further starts, with random angles, of a limb that the values given do not lead to a closed
@@ -33,11 +35,7 @@ def fit_passive(mechanism: Mechanism, values: np.ndarray) -> np.ndarray:
     closure, found = build_closure(mechanism), values.copy()
     parts = limbs(mechanism)
     known = np.concatenate(
-        [
-            values[closure.slices[c.name]]
-            for role in ("actuated", "pose")
-            for c in closure.role(role)
-        ]
+        [values[closure.slices[c.name]] for c in closure.role("actuated", "pose")]
     )
     for part in parts:
         here = np.concatenate([values[closure.slices[c.name]] for c in part.unknowns])
@@ -56,17 +54,10 @@ def limbs(mechanism: Mechanism) -> tuple[System, ...]:
     passive = closure.role("passive")
     if not passive:
         return ()
-    known = (*closure.role("actuated"), *closure.role("pose"))
-    rows, errors = closure.bound(closure.rows), closure.bound(closure.errors)
+    known = closure.symbols(closure.role("actuated", "pose"))
+    whole = whole_system(closure)
     return split_blocks(
-        System(
-            passive,
-            closure.symbols(passive),
-            closure.symbols(known),
-            rows,
-            errors,
-            closure.characteristic_length,
-        )
+        replace(whole, unknowns=passive, unknown=closure.symbols(passive), known=known)
     )
 
 

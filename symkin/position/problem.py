@@ -1,7 +1,6 @@
-"""A position problem: a partition of the closure's variables into known and unknown.
-
-direct: known q, unknown (x, X); inverse: known X, unknown (q, x); given: any coordinates known, by
-name.
+"""A position problem: a partition of the closure's variables into known and unknown, by the names
+of the known ones. Where these are all actuated joints it is direct, where they are the whole pose
+inverse, as answers say.
 """
 
 from __future__ import annotations
@@ -13,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import casadi as ca
 import numpy as np
 
-from symkin.closure.closure import Closure, build_closure, numbered_rows, random_values
+from symkin.closure.closure import Closure, algebraic_rows, build_closure, random_values
 from symkin.closure.partition import ALL_JOINTS, POSE_COORDINATES, Partition
 from symkin.computed_once import cached_property, lru_cache
 from symkin.model.joint import POSE_CONDITIONS, Coordinate
@@ -26,38 +25,33 @@ if TYPE_CHECKING:
     from symkin.elimination.product_rows import ProductRow
 
 Kind = Literal["direct", "inverse", "given"]
-KNOWN: dict[Kind, str] = {"direct": "actuated", "inverse": "pose"}
-"""Role of the known coordinates; all others are unknown. Those of a "given" problem have names."""
+"""What answers call a problem."""
 
 
 @dataclass(frozen=True, eq=False)
 class Problem:
     """A position problem of one mechanism; values of the known coordinates are bound at each solve.
+    `by_name`: whether any coordinates are known, not all actuated joints or the pose of limbs.
     `row_places` are the rows of the closure that its system holds, None for all of them; `implied`
     are rows behind these that follow from the closure's.
     """
 
     closure: Closure
-    kind: Kind
     system: System
     known_coordinates: tuple[Coordinate, ...]
+    by_name: bool = True
     row_places: tuple[int, ...] | None = None
     implied: tuple[PointRow | ProductRow, ...] = ()
 
     @property
-    def by_name(self) -> bool:
-        """Whether any coordinates are known, told by their names."""
-        return self.kind == "given"
-
-    @property
     def of_joints(self) -> bool:
-        """Whether the actuated joints of limbs are known: the direct problem."""
-        return self.kind == "direct"
+        """Whether the actuated joints of limbs are known."""
+        return not self.by_name and self.known_coordinates[0].role == "actuated"
 
     @property
     def of_pose(self) -> bool:
-        """Whether the pose of limbs is known: the inverse problem."""
-        return self.kind == "inverse"
+        """Whether the pose of limbs is known."""
+        return not self.by_name and self.known_coordinates[0].role == "pose"
 
     @property
     def mechanism(self) -> Mechanism:
@@ -72,20 +66,13 @@ class Problem:
             else self.row_places
         )
 
-    @property
+    @cached_property
     def name(self) -> Kind:
-        """The kind as users read it: a problem whose coordinates are told by name is direct where
-        these are all actuated joints, inverse where they are the whole pose.
-        """
-        if not self.by_name or not self.known_coordinates:
-            return self.kind
-        if all(c.role == "pose" for c in self.known_coordinates):
+        """The kind as users read it."""
+        names = {c.name for c in self.known_coordinates}
+        if names and all(c.role == "pose" for c in self.known_coordinates):
             return "inverse"
-        return (
-            "direct"
-            if {c.name for c in self.known_coordinates} == {c.name for c in self.mechanism.actuated}
-            else "given"
-        )
+        return "direct" if names and names == set(actuated_names(self.mechanism)) else "given"
 
     @cached_property
     def reference_known(self) -> np.ndarray:
@@ -93,21 +80,17 @@ class Problem:
         return self.select_values(self.closure.reference, self.known_coordinates)
 
     @cached_property
-    def blocks(self) -> tuple[System, ...]:
-        """Independent parts of the system: limbs decouple once the pose is given. A rotation that
-        is sought stays with all other unknowns, and the joints of a limb that is not cut stay
-        together, as over the complex numbers, where the position belongs to the rotation's
-        coordinates and such a limb is cut at another joint.
+    def blocks(self) -> tuple[Problem, ...]:
+        """Independent parts, each a problem of its own, without the rows that no unknown enters:
+        limbs decouple once the pose is given. A rotation that is sought stays with all other
+        unknowns, and the joints of a limb that is not cut stay together, as over the complex
+        numbers, where the position belongs to the rotation's coordinates and such a limb is cut at
+        another joint.
         """
-        return split_blocks(self.system, self._together)
-
-    @cached_property
-    def independent(self) -> tuple[Problem, ...]:
-        """Its blocks, each a problem of its own, without the rows that no unknown enters."""
-        conditions = self.conditions
-        if len(self.blocks) == 1 and not (conditions.errors.shape[0] or conditions.rows.shape[0]):
+        parts, conditions = split_blocks(self.system, self._together), self.conditions
+        if len(parts) == 1 and not (conditions.errors.shape[0] or conditions.rows.shape[0]):
             return (self,)
-        return tuple(replace(self, system=block) for block in self.blocks)
+        return tuple(replace(self, system=part) for part in parts)
 
     @property
     def _together(self) -> list[set[int]]:
@@ -169,7 +152,7 @@ class Problem:
 
     def forward(self, known: np.ndarray) -> np.ndarray | None:
         """(x, y, z, qw, qx, qy, qz) where the pose is a function of the joints, else None."""
-        if not self.of_joints or self._forward is None or self.mechanism.motion != "spatial":
+        if not self.of_joints or self._forward is None:
             return None
         return np.asarray(self._forward(known)).ravel()
 
@@ -205,11 +188,9 @@ class Problem:
         )
 
     def __reduce__(self) -> tuple[Callable[..., Any], tuple[Any, ...]]:
-        """Pickle as the mechanism and the kind, from which the symbols are built anew."""
-        if not self.by_name:
-            return build_problem, (self.mechanism, self.kind)
+        """Pickle as the mechanism and the names, from which the symbols are built anew."""
         names = tuple(c.name for c in self.known_coordinates if c.role != "geometry")
-        return build_problem, (self.mechanism, self.kind, names, self._held(names))
+        return build_problem, (self.mechanism, names, self._held(names) if self.by_name else None)
 
     def _held(self, names: tuple[str, ...]) -> tuple[str, ...] | None:
         """What the closure holds beside known coordinates of these names; None where the geometry
@@ -218,65 +199,76 @@ class Problem:
         partition = self.closure.partition
         if partition.geometry:
             return None
-        told = {name for name in names if name.startswith("pose.")}
-        pose = (
-            [f"pose.{name}" for name, _ in POSE_COORDINATES[self.mechanism.motion]]
-            if partition.pose and not told
-            else []
-        )
-        held = tuple(
-            name
-            for name in (*sorted(partition.kept), *partition.pose_conditions, *pose)
-            if name not in names
-        )
-        return held or (None if names else ())
+        told = any(name.startswith("pose.") for name in names)
+        pose = pose_names(self.mechanism) if partition.pose and not told else ()
+        held = (*sorted(partition.kept), *partition.pose_conditions, *pose)
+        return tuple(name for name in held if name not in names)
+
+
+def actuated_names(mechanism: Mechanism) -> tuple[str, ...]:
+    """Names of the coordinates of all actuated joints, in file order."""
+    return tuple(c.name for c in mechanism.actuated)
+
+
+def pose_names(mechanism: Mechanism) -> tuple[str, ...]:
+    """Names of the coordinates of the platform's pose."""
+    return tuple(f"pose.{name}" for name, _ in POSE_COORDINATES[mechanism.motion])
+
+
+@lru_cache(maxsize=256)
+def plain_kind(mechanism: Mechanism, names: tuple[str, ...]) -> Kind | None:
+    """ "direct" or "inverse" where known coordinates are all actuated joints or the whole pose of
+    limbs; None for any others, and for a graph.
+    """
+    if mechanism.is_graph:
+        return None
+    told = set(names)
+    whole = names == ("pose",) and all(c.name != "pose" for c in mechanism.coordinates)
+    if whole or (told and told == set(pose_names(mechanism))):
+        return "inverse"
+    return "direct" if told and told == set(actuated_names(mechanism)) else None
 
 
 def build_problem(
-    mechanism: Mechanism,
-    kind: Kind,
-    names: tuple[str, ...] = (),
-    held: tuple[str, ...] | None = None,
+    mechanism: Mechanism, names: tuple[str, ...], held: tuple[str, ...] | None = None
 ) -> Problem:
-    """The problem of a mechanism; built once for each closure and kind, so that problems of one
-    closure share its symbols.
+    """The problem whose known coordinates have these names, in the order of their values; built
+    once for each closure and names, so that problems of one closure share its symbols.
 
-    `names` are the known coordinates of a "given" one, in the order of their values; `held` are
-    others that the closure must hold, where they tell a start. Without `names` and `held` the
+    All actuated joints of limbs, or their whole pose, are in the closure's own order, unless some
+    are `held`: others, or none, that a closure of names must hold. Without `names` and `held` the
     geometry is what is known.
     """
-    return _problem(build_closure(mechanism, _partition(mechanism, kind, names, held)), kind, names)
+    by_name = held is not None or plain_kind(mechanism, names) is None
+    partition = _partition(mechanism, names, held) if by_name else ALL_JOINTS
+    return _problem(build_closure(mechanism, partition), names, by_name)
 
 
 @lru_cache(maxsize=128)
-def _problem(closure: Closure, kind: Kind, names: tuple[str, ...]) -> Problem:
-    if kind in KNOWN:
-        known = closure.role(KNOWN[kind])
-    else:
-        named = {c.name: c for c in closure.coordinates}
-        known = tuple(named[name] for name in names) or closure.role("geometry")
+def _problem(closure: Closure, names: tuple[str, ...], by_name: bool) -> Problem:
+    named = {c.name: c for c in closure.coordinates}
+    known = tuple(named[name] for name in (names if by_name else named) if name in names)
+    known = known or closure.role("geometry")
     unknowns = tuple(c for c in closure.coordinates if c not in known)
     system = System(
         unknowns,
         closure.symbols(unknowns),
         closure.symbols(known),
-        numbered_rows(closure)
-        if kind not in KNOWN and not closure.partition.geometry
+        algebraic_rows(closure, {}).rows
+        if by_name and not closure.partition.geometry
         else closure.bound(closure.rows),
         closure.bound(closure.errors),
         closure.characteristic_length,
         closure.mechanism.farthest,
     )
-    return Problem(closure, kind, system, known)
+    return Problem(closure, system, known, by_name)
 
 
 @lru_cache(maxsize=128)
 def _partition(
-    mechanism: Mechanism, kind: Kind, names: tuple[str, ...], held: tuple[str, ...] | None
+    mechanism: Mechanism, names: tuple[str, ...], held: tuple[str, ...] | None
 ) -> Partition:
     """What the closure must hold for the known coordinates and those that are held beside them."""
-    if kind in KNOWN:
-        return ALL_JOINTS
     wanted = (*names, *(held or ()))
     joints = frozenset(c.name for joint in mechanism.all_joints for c in joint.coordinates)
     conditions = tuple(name for name in POSE_CONDITIONS if name in wanted and name not in joints)

@@ -95,11 +95,6 @@ class Solution(Result):
         return self.values | self._read.values
 
     @cached_property
-    def held_joints(self) -> dict[str, Any]:
-        """The joint coordinates that the closure holds, in the mechanism's units."""
-        return self._in_units(self._held_names, self.values)
-
-    @cached_property
     def points(self) -> dict[str, list[float]]:
         """Where the named points of links are, in the base frame."""
         return self._read.points
@@ -219,17 +214,11 @@ class Solution(Result):
         )
 
     @property
-    def _held_names(self) -> list[str]:
-        return [c.name for c in self._closure.role("actuated", "passive")]
-
-    @property
     def _printed_names(self) -> list[str]:
         """All joints of a graph, those of the closure of limbs."""
-        return (
-            [c.name for c in self.mechanism.coordinates]
-            if self.mechanism.is_graph
-            else self._held_names
-        )
+        graph = self.mechanism.is_graph
+        held = self.mechanism.coordinates if graph else self._closure.role("actuated", "passive")
+        return [c.name for c in held]
 
     @cached_property
     def printed_joints(self) -> dict[str, Any]:

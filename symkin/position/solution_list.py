@@ -177,7 +177,7 @@ def _double(problem: Problem, values: np.ndarray, extremes: np.ndarray) -> np.nd
         (structure_groups(problem) if problem.by_name else [problem]) if suspect.size else ()
     ):
         known = near[:, part.known_places]
-        for block in part.blocks:
+        for block in (one.system for one in part.blocks):
             found[suspect] |= are_double(block, near[:, part.places(block.unknowns)], known)
     return found
 

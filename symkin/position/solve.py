@@ -23,7 +23,7 @@ from symkin.position.determination import (
     misfit_note,
     refuse_contradictions,
 )
-from symkin.position.given import Given, problem_of, read_given
+from symkin.position.given import Given, read_given
 from symkin.position.least_squares import LeastSquares
 from symkin.position.levenberg import Levenberg
 from symkin.position.mobility import open_loops_note
@@ -38,12 +38,17 @@ from symkin.position.newton import Newton
 from symkin.position.options import SolveOptions
 from symkin.position.out_of_reach import reach_note
 from symkin.position.pose_coordinates import motion_note
-from symkin.position.problem import Problem
+from symkin.position.problem import Problem, build_problem
 from symkin.position.solution import Solution
 from symkin.position.solution_list import make_solution
 from symkin.position.solve_result import SolveError, SolveResult, iterates_of
-from symkin.position.start_notes import start_notes
-from symkin.position.starts import Start, begun_by_name, random_starts, start_values
+from symkin.position.starts import (
+    Start,
+    begun_by_name,
+    random_starts,
+    start_notes,
+    start_values,
+)
 from symkin.text import not_among
 from symkin.verb import verb
 from symkin.verb_options import takes
@@ -119,7 +124,7 @@ def _solved(
     """
     begin = time.perf_counter()
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-        problem = problem_of(mechanism, given)
+        problem = build_problem(mechanism, given.names)
         if problem.by_name:
             problem, z = begun_by_name(mechanism, given, start)
             refuse_contradictions(problem)
@@ -173,7 +178,7 @@ def _nothing_iterated(problem: Problem) -> str:
             "iterated"
         )
     return (
-        f"the {problem.kind} problem of {problem.mechanism.name} has no unknowns, and nothing is "
+        f"the {problem.name} problem of {problem.mechanism.name} has no unknowns, and nothing is "
         f"iterated"
     )
 

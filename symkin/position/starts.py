@@ -1,8 +1,11 @@
-"""Where iterations begin: the user's start, the default one, and random ones."""
+"""Where iterations begin: the user's start, the default one, and random ones; and how far a start
+lies from what it led to.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import math
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -15,10 +18,15 @@ from symkin.numeric.system import System
 from symkin.position.given import Given, Joints, given_by_name, joint_values, pose_from
 from symkin.position.passive import fit_passive
 from symkin.position.pose_coordinates import pose_coordinates
-from symkin.position.problem import Problem, build_problem
+from symkin.position.problem import Problem, actuated_names, build_problem
+from symkin.position.solution import Solution
 from symkin.spatial.pose import Pose
 
 Start = Mapping[str, Any] | Sequence[float] | Pose | None
+_FAR = 0.2
+"""A start further from the configuration that it led to than this (of the size, or rad) is
+noted.
+"""
 
 
 def start_values(problem: Problem, given: Given, start: Joints | Pose | None) -> np.ndarray:
@@ -27,43 +35,55 @@ def start_values(problem: Problem, given: Given, start: Joints | Pose | None) ->
     there, to those nearest to the reference.
     """
     mechanism, closure = problem.mechanism, problem.closure
-    if start is None and mechanism.example is not None:
-        start = _example_start(problem)
     values = closure.reference.copy()
-    if problem.of_joints and start is not None:
-        pose_from(start, "start")
+    start = _example_start(problem) if start is None else start
+    begin = None if start is None else _beside_given(problem, start)
     forward = problem.forward(given.values)
     if forward is not None:
-        return np.concatenate([problem.select_values(values, closure.role("passive")), forward])
-    if problem.of_pose:
-        if start is not None:
-            numbers = joint_values(mechanism, start, "start")  # type: ignore[arg-type]
-            for c, number in zip(mechanism.actuated, numbers, strict=True):
-                values[closure.slices[c.name]] = number
-            _set(values, problem, closure.role("pose"), given.values)
-            values = fit_passive(mechanism, values)
-        return problem.select_values(values, problem.system.unknowns)
-    if start is not None:
-        coordinates, off = pose_coordinates(mechanism, pose_from(start, "start"))
-        if off > 1e-6 * mechanism.characteristic_length:
-            raise InputError(
-                f"start: the pose lies off the platform's {mechanism.motion} motion by {off:.3g} "
-                f"{mechanism.length_unit}"
-            )
-        _set(values, problem, closure.role("pose"), coordinates)
-        _set(values, problem, closure.role("actuated"), given.values)
+        pose, _ = pose_coordinates(mechanism, Pose(forward[:3], forward[3:]))
+        return np.concatenate([problem.select_values(values, closure.role("passive")), pose])
+    if begin is not None:
+        role = "actuated" if problem.of_pose else "pose"
+        values[problem.places(closure.role(role))] = begin
+        values[problem.known_places] = given.values
         values = fit_passive(mechanism, values)
     return problem.select_values(values, problem.system.unknowns)
 
 
+def _beside_given(problem: Problem, start: Any) -> np.ndarray:
+    """The start's joints, beside a pose that is given, or the coordinates of its pose."""
+    mechanism = problem.mechanism
+    if problem.of_pose:
+        return joint_values(mechanism, start, "start")
+    coordinates, off = pose_coordinates(mechanism, pose_from(start, "start"))
+    if off > 1e-6 * mechanism.characteristic_length:
+        raise InputError(
+            f"start: the pose lies off the platform's {mechanism.motion} motion by {off:.3g} "
+            f"{mechanism.length_unit}"
+        )
+    return coordinates
+
+
 def begun_by_name(mechanism: Mechanism, given: Given, start: Start) -> tuple[Problem, np.ndarray]:
     """The problem of values that are given by name, which holds the coordinates that tell the
-    start, and its unknowns there.
+    start, and its unknowns there: at the closed configuration near the reference that has the
+    start's values, or one that nearly has.
     """
     begin = _start_by_name(mechanism, given, start)
     held = tuple(name for name in begin.names if name not in given.names)
-    problem = build_problem(mechanism, "given", given.names, held)
-    return problem, _unknowns_at(problem, given, begin)
+    problem = build_problem(mechanism, given.names, held)
+    values = problem.closure.reference.copy()
+    if begin.names:
+        # it holds the same coordinates, so that its closure is the same
+        left = tuple(name for name in given.names if name not in begin.names)
+        other = build_problem(mechanism, begin.names, left)
+        z = values[other.unknown_places]
+        if other.system.width:
+            ends = patiently(other.system, z[None], begin.values).points
+            z = ends[0] if np.isfinite(ends).all() else z
+        values = other.join_values(z, begin.values)
+    values[problem.known_places] = given.values
+    return problem, values[problem.unknown_places]
 
 
 def _start_by_name(mechanism: Mechanism, given: Given, start: Start) -> Given:
@@ -77,7 +97,7 @@ def _start_by_name(mechanism: Mechanism, given: Given, start: Start) -> Given:
         start = example.start
     if isinstance(start, Mapping):
         return _read_start(mechanism, start)
-    actuated = [c.name for c in mechanism.actuated]
+    actuated = actuated_names(mechanism)
     direct = set(given.names) == set(actuated)
     if isinstance(start, Pose) or (len(start) == 7 and (direct or len(actuated) != 7)):
         return _read_start(mechanism, {"pose": start})
@@ -97,51 +117,6 @@ def _read_start(mechanism: Mechanism, start: Mapping[str, Any]) -> Given:
         raise InputError(f"start: {str(error).removeprefix('given: ')}") from None
 
 
-def _unknowns_at(problem: Problem, given: Given, start: Given) -> np.ndarray:
-    """Unknowns at the start: the closed configuration near the reference that has the start's
-    values, or one that nearly has.
-    """
-    closure = problem.closure
-    values = closure.reference.copy()
-    if start.names:
-        other = build_problem(
-            problem.mechanism,
-            "given",
-            start.names,
-            tuple(n for n in given.names if n not in start.names),
-        )
-        # the same coordinates, some of them in another place
-        values = _values_in(problem, other, _fitted(other, start))
-    values[problem.known_places] = given.values
-    return problem.select_values(values, problem.system.unknowns)
-
-
-def _fitted(problem: Problem, start: Given) -> np.ndarray:
-    begin = problem.select_values(problem.closure.reference, problem.system.unknowns)
-    if problem.system.width:
-        batch = patiently(problem.system, begin[None], start.values)
-        begin = batch.points[0] if np.all(np.isfinite(batch.points)) else begin
-    return problem.join_values(begin, start.values)
-
-
-def _values_in(problem: Problem, other: Problem, values: np.ndarray) -> np.ndarray:
-    """The variables of one problem from those of another that holds the same coordinates."""
-    found = problem.closure.reference.copy()
-    for c in problem.closure.coordinates:
-        if c.name in other.closure.slices:
-            found[problem.closure.slices[c.name]] = values[other.closure.slices[c.name]]
-    return found
-
-
-def _set(
-    values: np.ndarray, problem: Problem, coordinates: Sequence[Coordinate], numbers: np.ndarray
-) -> None:
-    place = 0
-    for c in coordinates:
-        values[problem.closure.slices[c.name]] = numbers[place : place + c.width]
-        place += c.width
-
-
 def random_starts(
     problem: Problem, system: System, known: np.ndarray, count: int, rng: np.random.Generator
 ) -> np.ndarray:
@@ -150,8 +125,8 @@ def random_starts(
     the first start at the reference; within `limits` where there are some.
     """
     closure = problem.closure
-    lengths = [abs(v) for c, v in _named(problem.known_coordinates, known) if c.is_length]
-    reach = 1.5 * max([closure.characteristic_length, *lengths])
+    lengths = [c.is_length for c in problem.known_coordinates for _ in range(c.width)]
+    reach = 1.5 * np.max(np.abs(known[lengths]), initial=closure.characteristic_length)
     points = np.empty((count, system.width))
     for c, place in zip(system.unknowns, system.slices, strict=True):
         reference = closure.reference[closure.slices[c.name]]
@@ -181,17 +156,55 @@ def _turns_within(mechanism: Mechanism, c: Coordinate, reach: float) -> float:
     return max(2 * np.pi, 2 * np.pi * reach / abs(pitch)) if pitch else 2 * np.pi
 
 
-def _named(coordinates: Sequence[Coordinate], values: np.ndarray) -> list[tuple[Coordinate, float]]:
-    pairs, start = [], 0
-    for c in coordinates:
-        pairs.append((c, float(values[start])))
-        start += c.width
-    return pairs
-
-
 def _example_start(problem: Problem) -> Sequence[float] | None:
     """The example's start, where it is of the kind that the problem takes."""
     example = problem.mechanism.example
     start = example.start if example is not None else None
     of_pose = example is not None and example.pose is not None
     return start if not problem.by_name and problem.of_pose == of_pose else None
+
+
+# --- what a start has led to ----------------------------------------------------------------------
+
+
+def start_notes(found: Solution, problem: Problem, start: Any) -> tuple[str, ...]:
+    """A note where the start that the user gives is far from what it led to: values by name, else a
+    pose of the direct problem, joints in file order of the inverse one.
+    """
+    mechanism = found.mechanism
+    if not isinstance(start, Mapping):
+        if problem.by_name:
+            return ()
+        names = [c.name for c in mechanism.actuated]
+        start = {"pose": start} if problem.of_joints else dict(zip(names, start, strict=True))
+    far = [
+        f"{name} by {mechanism.angle_out(gap):.3g} {mechanism.angle_unit}"
+        if angular
+        else f"{name} by {gap:.3g} {mechanism.length_unit}"
+        for name, gap, angular in _gaps(found, start)
+        if gap > _FAR * (1.0 if angular else mechanism.characteristic_length)
+    ]
+    return (
+        (f"the start lies far from the configuration that it led to: {', '.join(far)}",)
+        if far
+        else ()
+    )
+
+
+def _gaps(found: Solution, start: Mapping[str, Any]) -> Iterator[tuple[str, float, bool]]:
+    """How far each value lies from the start's (rad, or length unit), and whether it is an
+    angle.
+    """
+    kinds = {c.name: c for c in found.mechanism.coordinates}
+    for name, value in start.items():
+        there = found.joints.get(name)
+        if isinstance(there, float):
+            gap = found.mechanism.value_in(kinds[name], there - float(value))
+            angular = kinds[name].is_angular
+            yield name, abs(math.remainder(gap, 2 * math.pi) if angular else gap), angular
+        elif name == "pose":
+            pose = pose_from(value, "start")
+            away = np.asarray(pose.position) - found.position
+            turn = 2 * math.acos(min(1.0, abs(float(np.dot(pose.quaternion, found.quaternion)))))
+            yield "position", float(np.linalg.norm(away)), False
+            yield "orientation", turn, True

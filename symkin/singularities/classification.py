@@ -211,7 +211,7 @@ def _groups(solution: Solution, roles: Roles, tolerance: float) -> tuple[Singula
     """The structure groups of the problem whose known coordinates drive that are singular at a
     solution.
     """
-    problem = build_problem(solution.mechanism, "given", roles.inputs or ())
+    problem = build_problem(solution.mechanism, roles.inputs or (), ())
     return singular_groups(problem, variables_elsewhere(problem.closure, solution), tolerance)
 
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.tolerances import ROUNDED_STEP
-from symkin.position.given import Given, problem_of, read_given
+from symkin.position.given import Given, read_given
 from symkin.position.levenberg import Levenberg
 from symkin.position.moved_starts import StartRank, nearly_closes
 from symkin.position.options import Begun
@@ -38,7 +38,7 @@ def configuration(mechanism: Mechanism, **options: Unpack[Begun]) -> Solution:
     InputError for values that do not fit.
     """
     read = read_given(mechanism, options["joints"], options["pose"], options["given"])
-    problem = problem_of(mechanism, read)
+    problem = build_problem(mechanism, read.names)
     if problem.by_name:
         return _refined(_noted(solve(mechanism, **options, check=False)), read)
     begin, known = start_values(problem, read, options["start"]), read.values
@@ -71,7 +71,7 @@ def _refined(solution: Solution, given: Given) -> Solution:
     """
     if solution.condition < _NEARLY_SINGULAR:
         return solution
-    problem = build_problem(solution.mechanism, "given", given.names)
+    problem = build_problem(solution.mechanism, given.names)
     values = variables_elsewhere(problem.closure, solution)
     known, z = (
         problem.select_values(values, c)

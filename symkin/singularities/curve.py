@@ -22,6 +22,8 @@ CORRECTED = 1e-11
 """A point lies on the curve when no row exceeds this times the size."""
 _MOST_CORRECTIONS = 12
 """Corrector steps at most; a step that is short enough needs three."""
+_MOST_POINTS = 4000
+"""Points of a curve each way, at most."""
 _REGULAR = 1e-4
 """Where the last singular value but one is below this times the largest, a zero is nearly a
 multiple one.
@@ -88,17 +90,17 @@ class Window:
     leading: int
 
 
-def trace(system: System, start: np.ndarray, window: Window, most: int = 4000) -> Curve | None:
+def trace(system: System, start: np.ndarray, window: Window) -> Curve | None:
     """The curve through a point, both ways until it leaves the window or returns; None without a
     tangent there.
     """
     first = tangent(system, start)
     if first is None:
         return None
-    ahead, closed = _one_way(system, start, first, window, most)
+    ahead, closed = _one_way(system, start, first, window)
     if closed:
         return _curve(ahead, closed=True)
-    back, _ = _one_way(system, start, -first, window, most)
+    back, _ = _one_way(system, start, -first, window)
     return _curve([(z, -t) for z, t in reversed(back[1:])] + ahead, closed=False)
 
 
@@ -119,11 +121,11 @@ Step = tuple[np.ndarray, np.ndarray]
 
 
 def _one_way(
-    system: System, start: np.ndarray, direction: np.ndarray, window: Window, most: int
+    system: System, start: np.ndarray, direction: np.ndarray, window: Window
 ) -> tuple[list[Step], bool]:
     path: list[Step] = [(start, direction)]
     length = min(window.cap(direction), _LONGEST_STEP * system.characteristic_length)
-    while len(path) < most:
+    while len(path) < _MOST_POINTS:
         z, t = path[-1]
         length = min(length, window.cap(t), _LONGEST_STEP * system.characteristic_length)
         found = _step(system, z, t, length)

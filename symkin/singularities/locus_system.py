@@ -30,8 +30,7 @@ from symkin.model.mechanism import Mechanism
 from symkin.numeric.system import System
 from symkin.position.closed_configurations import closed_configurations, whole_system
 from symkin.position.determination import refuse_unless_determined
-from symkin.position.given import plain_kind, pose_names, problem_of_names
-from symkin.position.problem import Problem, build_problem
+from symkin.position.problem import Problem, actuated_names, build_problem, plain_kind, pose_names
 from symkin.position.solution import Solution
 from symkin.position.transfer import variables_elsewhere
 from symkin.position.varied_pose import POSE_AXES, TURNS, given_at, varied_pose
@@ -141,7 +140,7 @@ def plane_of(solution: Solution, names: Sequence[str], known: Sequence[str] | No
 
 def _plane_of_known(solution: Solution, names: Sequence[str], known: tuple[str, ...]) -> Plane:
     """A plane of two coordinates of those that are told by name, or a line of one."""
-    problem = problem_of_names(solution.mechanism, known)
+    problem = build_problem(solution.mechanism, known)
     if not set(names) <= set(known) or any(name.startswith("pose.") for name in known):
         raise InputError(
             f"plane = {', '.join(names)!r}{_guess(names, known)}; allowed: one or two of the "
@@ -160,23 +159,22 @@ def _guess(names: Sequence[str], known: Sequence[str]) -> str:
 def _plane_of_limbs(solution: Solution, names: Sequence[str]) -> Plane:
     """A plane of two actuated joints, or of two pose coordinates."""
     mechanism = solution.mechanism
-    pose_names, joint_names = POSE_AXES[mechanism.motion], [c.name for c in mechanism.actuated]
+    axes, joints = POSE_AXES[mechanism.motion], actuated_names(mechanism)
     # a joint that is named as a coordinate of the pose is the joint, as among values by name
-    of_joints = all(name in joint_names for name in names)
-    of_pose = not of_joints and all(name in pose_names for name in names)
+    of_joints = all(name in joints for name in names)
+    of_pose = not of_joints and all(name in axes for name in names)
     if not of_joints and not of_pose:
         raise InputError(
-            f"plane = {', '.join(names)!r}{_guess(names, [*pose_names, *joint_names])}; allowed: "
-            f"two of {', '.join(pose_names)} (pose), or two of "
-            f"{', '.join(joint_names) or 'no'} (actuated joints)"
+            f"plane = {', '.join(names)!r}{_guess(names, [*axes, *joints])}; allowed: two of "
+            f"{', '.join(axes)} (pose), or two of {', '.join(joints) or 'no'} (actuated joints)"
         )
     if of_pose and set(names) == {"gamma", "rz"}:
         raise InputError(
             f"plane = {', '.join(names)!r}; they are the same angle: two different coordinates are "
             f"needed"
         )
-    problem = build_problem(mechanism, "inverse" if of_pose else "direct")
-    return _plane(problem, solution, names, of_pose)
+    known = pose_names(mechanism) if of_pose else joints
+    return _plane(build_problem(mechanism, known), solution, names, of_pose)
 
 
 def _plane(problem: Problem, solution: Solution, names: Sequence[str], of_pose: bool) -> Plane:

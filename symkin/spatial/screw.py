@@ -15,6 +15,9 @@ import numpy as np
 from symkin.spatial.backend import Array, cos, cross, dot, scale, sin, sqrt, vector, where
 from symkin.spatial.pose import Pose
 
+_ZERO_ENTRY = 1e-9
+"""Entries of tidy rows below this are rounding."""
+
 
 def revolute_screw(point: Array, axis: Array, pitch_per_turn: Array = 0.0) -> Array:
     """Unit twist of a revolute (pitch 0) or helical joint: (a; c x a + h a), h = pitch per turn / 2
@@ -67,7 +70,7 @@ def reciprocal_product(twist: Array, wrench: Array) -> Array:
     return dot(twist[:3], wrench[3:]) + dot(twist[3:], wrench[:3])
 
 
-def tidy_rows(rows: np.ndarray, tolerance: float = 1e-9) -> np.ndarray:
+def tidy_rows(rows: np.ndarray) -> np.ndarray:
     """The same row space in reduced echelon form with unit rows: readable bases for print-outs."""
     reduced = np.array(rows, dtype=float)
     pivot_row = 0
@@ -75,7 +78,7 @@ def tidy_rows(rows: np.ndarray, tolerance: float = 1e-9) -> np.ndarray:
         if pivot_row >= reduced.shape[0]:
             break
         best = pivot_row + int(np.argmax(np.abs(reduced[pivot_row:, column])))
-        if abs(reduced[best, column]) < tolerance:
+        if abs(reduced[best, column]) < _ZERO_ENTRY:
             continue
         reduced[[pivot_row, best]] = reduced[[best, pivot_row]]
         reduced[pivot_row] /= reduced[pivot_row, column]
@@ -85,5 +88,5 @@ def tidy_rows(rows: np.ndarray, tolerance: float = 1e-9) -> np.ndarray:
         pivot_row += 1
     norms = np.linalg.norm(reduced, axis=1, keepdims=True)
     reduced = reduced / np.where(norms > 0, norms, 1.0)
-    reduced[np.abs(reduced) < tolerance] = 0.0
+    reduced[np.abs(reduced) < _ZERO_ENTRY] = 0.0
     return reduced

@@ -10,7 +10,8 @@ from typing import Any
 from symkin.errors import InputError
 from symkin.model.file import parse
 from symkin.model.mechanism import Mechanism
-from symkin.position.given import problem_of, read_given
+from symkin.position.given import read_given
+from symkin.position.problem import build_problem
 from symkin.singularities.configuration import configuration
 from symkin.singularities.curve import distance
 from symkin.singularities.loci import Loci
@@ -97,6 +98,6 @@ def _alike(mechanism: Mechanism, here: Mapping[str, Any], there: Mapping[str, An
     one, two = (read_given(mechanism, **told) for told in (here, there))
     if one.names != two.names:
         return False
-    problem = problem_of(mechanism, one)
+    problem = build_problem(mechanism, one.names)
     known = problem.system.exchanged(problem.known_coordinates)
     return distance(known, one.values, two.values) < _SAME * mechanism.characteristic_length

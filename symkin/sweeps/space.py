@@ -23,10 +23,9 @@ from symkin.position.given import (
     in_file_order,
     joint_values,
     pose_from,
-    problem_of,
     read_given,
 )
-from symkin.position.problem import Problem
+from symkin.position.problem import Problem, build_problem
 from symkin.position.varied_pose import ALL_POSE_AXES, given_at
 from symkin.spatial.pose import Pose
 from symkin.sweeps.pose_points import check_poses, pose_units, pose_values
@@ -114,7 +113,7 @@ class Space:
     @cached_property
     def problem(self) -> Problem:
         """The problem of all points."""
-        return problem_of(self.mechanism, self.given_at_end(0))
+        return build_problem(self.mechanism, self.given_at_end(0).names)
 
     def known_values(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """What `symkin.modes` is given at points (n, axes): known values (n, numbers) in the length

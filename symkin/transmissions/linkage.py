@@ -42,7 +42,7 @@ class Linkage:
     def problem(self) -> Problem:
         """The rows with the motors known."""
         held = tuple(name for name in self.joints if name not in self.motors)
-        return build_problem(self.mechanism, "given", self.motors, held)
+        return build_problem(self.mechanism, self.motors, held)
 
     @cached_property
     def system(self) -> System:

@@ -124,6 +124,9 @@ class Jacobian(Result):
                 f"are needed"
             )
         z = variables_of(self.closure, values, {v.coordinate for v in self.inputs})
+        for v in self.inputs:
+            if not np.isfinite(z[v.index]):
+                raise InputError(f"values: {v.source} = {z[v.index]:g} is not finite")
         found = np.asarray(self._value(z, geometry))
         if isinstance(self.expressions, NamedRates):
             if np.isfinite(z).all():

@@ -28,9 +28,9 @@ from symkin.numeric.rank import null_space
 from symkin.numeric.tolerances import RANK_TOLERANCE
 from symkin.position.closed_configurations import closed_configurations
 from symkin.position.determination import refuse_unless_determined
-from symkin.position.given import given_coordinates, pose_names, unknown_name
+from symkin.position.given import given_coordinates, unknown_name
 from symkin.position.groups import structure_groups
-from symkin.position.problem import Problem, build_problem
+from symkin.position.problem import Problem, build_problem, pose_names
 from symkin.position.solve_result import SolveError
 from symkin.position.transfer import many_elsewhere
 from symkin.velocity.differential import (
@@ -113,7 +113,7 @@ def graph_rates(mechanism: Mechanism, kind: JacobianKind) -> tuple[NamedRates, M
     wanted = held if kind == "passive" else pose
     if not joints or not wanted:
         raise InputError(_no_kind(mechanism, kind, joints))
-    problem = build_problem(mechanism, "given", joints, wanted)
+    problem = build_problem(mechanism, joints, wanted)
     refuse_unless_determined(problem)
     rates, closure = NamedRates(problem), problem.closure
     coordinates = {c.name: c for c in problem.system.unknowns}
@@ -176,11 +176,9 @@ def rates_by_name(
     """
     others = tuple(name for name in of if name not in by)
     plain = tuple(name for name in others if name not in _LEVEL)
-    problem = build_problem(mechanism, "given", by, others)
+    problem = build_problem(mechanism, by, others)
     rates = NamedRates(problem)
-    refuse_unless_determined(
-        build_problem(mechanism, "given", by, plain) if others != plain else problem
-    )
+    refuse_unless_determined(build_problem(mechanism, by, plain) if others != plain else problem)
     if others != plain:
         _refuse_level(rates, of, by)
         refuse_unless_determined(problem)
@@ -193,7 +191,7 @@ def _refuse_level(rates: NamedRates, of: Sequence[str], by: Sequence[str]) -> No
     # a closure that holds the tilt tells one of zero from others to the root of rounding only: it
     # is read off the orientation
     held = tuple(name for name in (*of, *by) if name not in POSE_CONDITIONS)
-    plain = build_problem(problem.mechanism, "given", (), held).closure
+    plain = build_problem(problem.mechanism, (), held).closure
     closed = many_elsewhere(problem.closure, plain, np.array(closed_configurations(plain, 0)))
     everywhere = set(of).intersection(*(rates.undecided(values, of) for values in closed))
     without = [name for name in of if name in everywhere]

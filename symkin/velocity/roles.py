@@ -13,8 +13,8 @@ from symkin.model.joint import POSE_CONDITIONS, Coordinate
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.tolerances import RANK_TOLERANCE
 from symkin.position.determination import determination
-from symkin.position.given import given_coordinates, plain_kind, pose_names, unknown_name
-from symkin.position.problem import build_problem
+from symkin.position.given import given_coordinates, unknown_name
+from symkin.position.problem import build_problem, plain_kind, pose_names
 
 _OPEN_RANK, _MOST_OPEN = 1e3, 1e-2
 """Singular values below this many times the share of the size by which loops stay open are those of
@@ -52,7 +52,7 @@ class Roles:
         numbers = [c.name for c in self.mechanism.coordinates if not c.is_rotation]
         held = dict.fromkeys([*numbers, *(self.outputs or ())])
         names = tuple(name for name in held if name not in self.inputs)
-        return build_problem(self.mechanism, "given", self.inputs, names).closure
+        return build_problem(self.mechanism, self.inputs, names).closure
 
     @property
     def names_output(self) -> bool:
@@ -66,7 +66,7 @@ class Roles:
         """
         if self.inputs is None:
             return RANK_TOLERANCE
-        misfit = determination(build_problem(self.mechanism, "given", self.inputs)).misfit
+        misfit = determination(build_problem(self.mechanism, self.inputs, ())).misfit
         return max(
             RANK_TOLERANCE,
             min(_OPEN_RANK * misfit / self.mechanism.characteristic_length, _MOST_OPEN),

@@ -35,7 +35,7 @@ def write_shipped() -> None:
         (SHIPPED / f"{start_key(problem, system)}.npz").write_bytes(content_of(start, reason))
         names = ", ".join(c.name for c in problem.system.unknowns)
         told = reason if start is None else f"{start.z.shape[1]} roots"
-        print(problem.mechanism.name, problem.kind, names, told)
+        print(problem.mechanism.name, problem.name, names, told)
 
 
 def shipped_systems() -> Iterator[tuple[Problem, AlgebraicSystem]]:
@@ -47,7 +47,7 @@ def shipped_systems() -> Iterator[tuple[Problem, AlgebraicSystem]]:
             problem = build_problem(mechanism, kind)
             if problem.is_explicit:
                 continue
-            blocks = problem.independent
+            blocks = problem.blocks
             yield from ((block, system_of(block)) for block in blocks)
             for part in solved_parts(blocks[0]) if len(blocks) == 1 else ():
                 for solver in solvers_of(part):

@@ -145,7 +145,7 @@ def judged(machine: Machine, spelling: Spelling, direction: str) -> str:
 
 def _printed(mode: symkin.Solution) -> dict[str, Any]:
     pose = [*map(float, mode.position), *map(float, mode.quaternion)]
-    return {"pose": pose, "joints": mode.held_joints}
+    return {"pose": pose, "joints": mode.printed_joints}
 
 
 def _given(oracle: Oracle, found: symkin.Modes) -> dict[str, Any]:

@@ -10,7 +10,7 @@ import pytest
 
 import symkin
 from helpers.gate import in_gate
-from helpers.inside import completed_sliders, determination, page_html, page_model, problem_of_names
+from helpers.inside import build_problem, completed_sliders, determination, page_html, page_model
 from symkin import Mechanism
 
 GRAPHS = [
@@ -57,7 +57,7 @@ def test_any_motors_are_completed_to_what_decides(name: str, seed: int) -> None:
     names = [c.name for c in changed.actuated]
     found = completed_sliders(changed)
     sliders = names if found is None else list(found[0])
-    told = determination(problem_of_names(changed, tuple(sliders)))
+    told = determination(build_problem(changed, "given", tuple(sliders)))
     assert not told.free
     assert not told.decided
     assert len(sliders) == told.mobility
@@ -130,7 +130,9 @@ def test_sliders_are_the_motors_where_the_loops_close_only_to_digits() -> None:
     """
     mechanism = symkin.load(Path(__file__).parents[1] / "data" / "models" / "sdf" / "minitaur.sdf")
     assert completed_sliders(mechanism) is None
-    told = determination(problem_of_names(mechanism, tuple(c.name for c in mechanism.actuated)))
+    told = determination(
+        build_problem(mechanism, "given", tuple(c.name for c in mechanism.actuated))
+    )
     assert (told.free, told.decided, told.mobility) == (0, (), 8)
     assert "mobility is 8" in str(symkin.mobility(mechanism))
 

@@ -148,7 +148,7 @@ NAMES = {
     "edges_of": "symkin.closure.branches",
     "layout_of": "symkin.closure.branches",
     "Closure": "symkin.closure.closure",
-    "build_algebraic_closure": "symkin.closure.closure",
+    "algebraic_rows": "symkin.closure.closure",
     "build_closure": "symkin.closure.closure",
     "random_values": "symkin.closure.closure",
     "joint_expressions": "symkin.closure.link_poses",
@@ -175,8 +175,6 @@ NAMES = {
     "read_given": "symkin.position.given",
     "given_by_name": "symkin.position.given",
     "Told": "symkin.assembly.as_written",
-    "problem_of": "symkin.position.given",
-    "problem_of_names": "symkin.position.given",
     "is_linear": "symkin.position.groups",
     "ProductRow": "symkin.elimination.product_rows",
     "implied_parts": "symkin.position.groups",
@@ -191,7 +189,6 @@ NAMES = {
     "implied_motion": "symkin.position.platform_motion",
     "poses_vary": "symkin.position.pose_conditions",
     "Problem": "symkin.position.problem",
-    "build_problem": "symkin.position.problem",
     "NOT_KNOWN": "symkin.position.roots",
     "Sample": "symkin.position.roots",
     "binomial_bound": "symkin.position.roots",
@@ -225,7 +222,7 @@ NAMES = {
     "are_regular": "symkin.homotopy.endgame",
     "finish": "symkin.homotopy.endgame",
     "Ends": "symkin.homotopy.ends",
-    "instance": "symkin.homotopy.instance",
+    "instance": "symkin.homotopy.many_instances",
     "Fibre": "symkin.homotopy.monodromy",
     "Looping": "symkin.homotopy.monodromy",
     "around": "symkin.homotopy.monodromy",
@@ -597,6 +594,22 @@ def where(name: str) -> str:
     if name in MODULES:
         return MODULES[name]
     return NAMES[name].split(":")[0]
+
+
+def build_problem(
+    mechanism: Any, kind: str, names: tuple[str, ...] = (), held: tuple[str, ...] | None = None
+) -> Any:
+    """The problem that answers call direct or inverse, or that of coordinates by `names`."""
+    problem = import_module("symkin.position.problem")
+    if kind == "given":
+        return problem.build_problem(mechanism, names, () if names and held is None else held)
+    names = (problem.pose_names if kind == "inverse" else problem.actuated_names)(mechanism)
+    return problem.build_problem(mechanism, names)
+
+
+def problem_of(mechanism: Any, given: Any) -> Any:
+    """The problem for which values are given."""
+    return import_module("symkin.position.problem").build_problem(mechanism, given.names)
 
 
 def __getattr__(name: str) -> Any:

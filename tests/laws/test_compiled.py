@@ -61,7 +61,7 @@ def cache(tmp_path_factory):
 def machine(name, kind):
     """The system of a mechanism's first block and its generic roots."""
     whole = build_problem(five_bar() if name == "five_bar" else symkin.load(name), kind)
-    problem = whole.independent[0]
+    problem = whole.blocks[0]
     system = system_of(problem)
     start, reason = start_of(problem, system)
     assert start is not None, reason

@@ -16,7 +16,6 @@ from helpers.gate import in_gate
 from helpers.inside import (
     BOUND,
     algebraic_point,
-    build_algebraic_closure,
     build_closure,
     build_problem,
     instance,
@@ -42,7 +41,10 @@ from symkin import Joint, Limb, Mechanism, Pose
 def test_algebraic_rows_are_the_closure_rows_at_unit_quaternions(name, form):
     """With |e| = 1 and g = t e / 2 the weighted rows are the closure's own."""
     mechanism = symkin.load(name)
-    closure, algebraic = build_closure(mechanism), build_algebraic_closure(mechanism, form)
+    closure = build_closure(mechanism)
+    written = inside.algebraic_rows(closure, {"pose": form})
+    joints_of = closure.symbols(closure.role("actuated", "passive"))
+    function = ca.Function("a", [joints_of, written.symbols["pose"]], [written.rows])
     rng = np.random.default_rng(1)
     for _ in range(5):
         values = random_values(closure.coordinates, closure.characteristic_length, rng)
@@ -55,7 +57,7 @@ def test_algebraic_rows_are_the_closure_rows_at_unit_quaternions(name, form):
         )
         product = inside.multiply(np.array([0.0, *t]), e)
         pose = np.concatenate([e, 0.5 * product]) if form == "study" else np.concatenate([t, e])
-        rows = ca.Function("a", [algebraic.joints, algebraic.pose], [algebraic.rows])(joints, pose)
+        rows = function(joints, pose)
         expected = ca.Function("c", [closure.variables], [closure.bound(closure.rows)])(values)
         np.testing.assert_allclose(
             np.asarray(rows), np.asarray(expected), atol=1e-9 * closure.characteristic_length
@@ -352,9 +354,9 @@ def test_every_shipped_start_is_read():
     problems = set()
     for problem, system in shipped_systems():
         kept = start_files.SHIPPED / f"{start_store.start_key(problem, system)}.npz"
-        assert kept.exists(), (problem.mechanism.name, problem.kind)
-        problems.add((problem.mechanism.name, problem.kind))
-    assert {("zhang2009", "direct"), ("zhao2000_links", "given")} < problems
+        assert kept.exists(), (problem.mechanism.name, problem.name)
+        problems.add((problem.mechanism.name, problem.by_name))
+    assert {("zhang2009", False), ("zhao2000_links", True)} < problems
 
 
 @pytest.mark.slow

@@ -153,3 +153,17 @@ def test_shipped_mechanisms_have_the_motion_that_they_declare() -> None:
         mechanism = symkin.load(name)
         if mechanism.motion != "spatial":
             assert "declared" not in str(symkin.mobility(mechanism)), name
+
+
+@pytest.mark.parametrize("motion", ["spatial", "planar", "schoenflies"])
+def test_a_limb_of_driven_joints_alone_places_its_platform(motion):
+    """A planar 2R arm written as a limb: x = cos q1 + cos(q1 + q2), y alike, turned by q1 + q2."""
+    joints = [symkin.Joint(f"q{k + 1}", "R", (k, 0, 0), (0, 0, 1), actuated=True) for k in range(2)]
+    arm = symkin.Mechanism("arm", [symkin.Limb("a", joints)], (2, 0, 0), motion=motion)
+    (mode,) = symkin.modes(arm, joints=[0.3, 0.4])
+    assert mode.certified
+    turned = np.exp(0.3j) + np.exp(0.7j)
+    np.testing.assert_allclose(mode.position, [turned.real, turned.imag, 0.0], atol=1e-12)
+    np.testing.assert_allclose(
+        mode.quaternion, [math.cos(0.35), 0.0, 0.0, math.sin(0.35)], atol=1e-12
+    )

@@ -182,7 +182,7 @@ def test_names_are_identifiers():
 
 def test_what_is_not_defined_is_refused_in_a_sentence():
     """Unknown kinds, passive joints that there are not, too few or no actuated joints, rates of a
-    wrong number.
+    wrong number, values that are none.
     """
     platform = symkin.load("zhang2009")
     with pytest.raises(InputError, match="allowed: direct, inverse, analytic, passive"):
@@ -198,6 +198,10 @@ def test_what_is_not_defined_is_refused_in_a_sentence():
         jacobian(none)
     with pytest.raises(InputError, match="rates: 4 values given"):
         jacobian(platform).time_derivative_at(cases.case("zhang2009").values, np.zeros(4))
+    for name in ("zhang2009", "ankle"):
+        matrix = jacobian(symkin.load(name))
+        with pytest.raises(InputError, match=r"values: .* = nan is not finite"):
+            matrix.at(np.full(matrix.closure.reference.shape, np.nan))
 
 
 def test_a_serial_arm_needs_its_joints_only():

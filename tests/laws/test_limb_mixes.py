@@ -25,7 +25,7 @@ def same_lists(mechanism: Mechanism, known: np.ndarray, found: Modes, starts: in
     places of `found` as given.
     """
     plain = plain_of(mechanism)
-    role = "actuated" if found.problem.kind == "direct" else "pose"
+    role = "actuated" if found.problem.name == "direct" else "pose"
     free = [i for i, n in enumerate(plain.numbers) if n.role != role]
     roots = solutions(plain, known, free, starts, np.random.default_rng(0))
     assert all(root.regular for root in roots)
@@ -161,7 +161,7 @@ def test_a_part_that_no_given_value_enters_has_its_own_redundant_rows():
     problem = build_problem(
         Mechanism("slides", limbs, platform_position=(85, 68, -180), motion="schoenflies"), "direct"
     )
-    height, plane = sorted(problem.independent, key=lambda part: len(part.system.unknowns))
+    height, plane = sorted(problem.blocks, key=lambda part: len(part.system.unknowns))
     assert [c.name for c in height.system.unknowns] == ["pose.z"]
     assert (redundant_rows(height), redundant_rows(plane)) == (1, 0)
 

@@ -99,7 +99,7 @@ def test_rows_of_joints_are_the_modes_of_each():
 
 def test_columns_by_name_are_many_inputs():
     """A column for each name, or one value for all; joints of limbs by name too. Columns of
-    different lengths are refused.
+    different lengths are refused, and names that nothing has, where a column is empty too.
     """
     ankle = symkin.load("ankle")
     many = symkin.modes(ankle, given={"ankle.1": [3.0, 5.0, -2.0], "ankle.2": 4.0})
@@ -117,6 +117,9 @@ def test_columns_by_name_are_many_inputs():
     ] == [4, 4]
     with pytest.raises(symkin.InputError, match=r"ankle\.1 2, ankle\.2 3"):
         symkin.modes(ankle, given={"ankle.1": [3.0, 5.0], "ankle.2": [1.0, 2.0, 3.0]})
+    assert symkin.modes(ankle, given={"ankle.1": [], "ankle.2": []}) == ()
+    with pytest.raises(symkin.InputError, match=r"no coordinate 'ankle\.3'"):
+        symkin.modes(ankle, given={"ankle.1": [], "ankle.3": []})
 
 
 def test_random_starts_of_an_input_do_not_depend_on_others():

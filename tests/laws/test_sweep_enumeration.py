@@ -35,7 +35,7 @@ def check_same(mechanism, kind, points, tolerance=1e-9):
         assert found.count[i] == len(alone), (i, point)
         total += len(alone)
         expected = [
-            [*s.position, *s.quaternion, *np.hstack(list(s.held_joints.values()))] for s in alone
+            [*s.position, *s.quaternion, *np.hstack(list(s.printed_joints.values()))] for s in alone
         ]
         if len(alone):
             difference = np.abs(modes_of(found, i) - np.array(expected))

@@ -54,7 +54,7 @@ def case(name: str) -> tuple[AlgebraicSystem, Symmetries, object]:
         "three_rrr": (three_rrr(), "direct"),
         "pieper": (pieper(), "inverse"),
     }[name]
-    system = system_of(build_problem(mechanism, kind).independent[0])
+    system = system_of(build_problem(mechanism, kind).blocks[0])
     draw = lengths_only(mechanism) if name == "zhang2009" else None
     return system, find_symmetries(system, draw), draw
 

@@ -135,19 +135,14 @@ def group_numbers(configurations: int, groups: int) -> np.ndarray:
 
 
 def random_configurations(
-    workspace: Workspace,
-    groups: np.ndarray,
-    noise: Noise,
-    rng: np.random.Generator,
-    wedges: np.ndarray | None = None,
+    workspace: Workspace, groups: np.ndarray, noise: Noise, rng: np.random.Generator
 ) -> ClosedConfigurations:
     """Draw random closed configurations; those of one group share the inclination of its wedge, but
     for the noise of that.
     """
     if np.all(groups == NO_GROUP):
         return workspace.draw(workspace.inclinations(len(groups), rng), rng, held=False)
-    held = workspace.inclinations(int(groups.max()) + 1, rng) if wedges is None else wedges
-    wanted = held[groups]
+    wanted = workspace.inclinations(int(groups.max()) + 1, rng)[groups]
     return workspace.draw(wanted + noise.draw(noise.group, wanted.shape, rng), rng)
 
 

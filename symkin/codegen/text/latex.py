@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import casadi as ca
 
-from symkin.closure.closure import Closure, build_closure, numbered_rows
+from symkin.closure.closure import Closure, algebraic_rows, build_closure
 from symkin.closure.snapping import snapped_expression
 from symkin.codegen.text.languages import latex_language
 from symkin.codegen.text.printer import Printer
@@ -167,7 +167,7 @@ def _in_user_scale(closure: Closure) -> ca.SX:
     for k, row in enumerate(closure.row_sources):
         if row.relation == "frame" and k % 6 < 3 and _is_position_row(closure, k):
             scaled[k] = 1.0
-    rows = numbered_rows(closure)
+    rows = algebraic_rows(closure, {}).rows
     return ca.vertcat(*(f * rows[k] for k, f in enumerate(scaled)))
 
 
