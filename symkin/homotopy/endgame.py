@@ -141,12 +141,12 @@ def are_well_conditioned(system: AlgebraicSystem, z: np.ndarray, k: np.ndarray) 
     """
     direction, good = _direction(system.width), np.zeros(z.shape[1], dtype=bool)
     for distance in _BESIDE:
-        left = np.flatnonzero(~good)
+        left = (~good).nonzero()[0]
         if left.size:
             here, at = z[:, left], k if k.ndim == 1 else k[:, left]
             back, _ = newton(system, here + distance * direction, at, 1)
             good[left] = gaps(system, back, here) < _RETURNED * distance
-    left = np.flatnonzero(~good)
+    left = (~good).nonzero()[0]
     if left.size:
         at = k if k.ndim == 1 else k[:, left]
         good[left] = look(system, z[:, left], at).share > RANK_TOLERANCE

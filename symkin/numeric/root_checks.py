@@ -69,7 +69,7 @@ def are_roots(system: System, polished: Polished, residuals: np.ndarray) -> np.n
     size = system.characteristic_length
     found = residuals <= CLOSURE_TOLERANCE * size
     left = np.linalg.norm(polished.rows, axis=1)
-    doubtful = np.flatnonzero(found & ~(left <= rounding(system, polished.points)))
+    doubtful = (found & ~(left <= rounding(system, polished.points))).nonzero()[0]
     if doubtful.size:
         found[doubtful] = _only_redundant_rows(
             polished.rows[doubtful], polished.jacobians[doubtful], size
