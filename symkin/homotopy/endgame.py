@@ -172,6 +172,7 @@ def _with_far_roots(
         are_far,
         are_infinite,
         carried,
+        completed,
         is_square,
         settled,
     )
@@ -181,8 +182,10 @@ def _with_far_roots(
     if not is_square(system) or not are_far(system, z[:, left]).all():
         return None
     found, z[:, left] = settled(system, z[:, left], target)
-    doubtful = np.isin(np.arange(z.shape[1]), left[~found]) | (separations(system, z) < _ONE)
     end = aligned(system, start.k, target)
+    if completed(system, start, z, left[~found], end).size:
+        return None
+    doubtful = separations(system, z) < _ONE
     every = np.ones(len(doubtful), dtype=bool)
     for again in (doubtful, every) if doubtful.any() else ():
         first, at = start.z[:, again], start.k
