@@ -7,9 +7,8 @@ from __future__ import annotations
 import numpy as np
 
 from symkin.computed_once import lru_cache
-from symkin.numeric.linear_algebra import extreme_singular_values
 from symkin.numeric.newton import polish
-from symkin.numeric.root_checks import POLISHING, are_roots, are_suspect
+from symkin.numeric.root_checks import POLISHING, are_roots, suspects
 from symkin.numeric.system import System
 from symkin.numeric.tolerances import DISTINCT_ROOTS
 from symkin.position.canonical import canonical
@@ -41,7 +40,7 @@ def checked_roots(
     points = canonical(block.unknowns, block.places, polished.points)
     closed = are_roots(block, polished, residuals).nonzero()[0]
     points, owner = points[closed], owner[closed]
-    plain[owner[are_suspect(extreme_singular_values(polished.jacobians[closed]))]] = False
+    plain[owner[suspects(polished.jacobians[closed])]] = False
     plain[_owners_of_equal(block, points, owner)] = False
     return points, closed
 
