@@ -159,27 +159,21 @@ def completed(
     known values are real, and what of the rest is followed with more bits from where double
     precision leads. The places that stay missing.
     """
-    stopped = np.repeat(end[:, None].astype(complex), z.shape[1], axis=1)
     for tolerance in _SHORTER:
         if missing.size:
             settings = TrackSettings(tolerance=tolerance)
-            tracked = track(system, start.z[:, missing], start.k, end, settings)
-            stopped[:, missing] = start.k[:, None] + tracked.s * (end - start.k)[:, None]
-            found, z[:, missing] = settled(system, tracked.z, end)
+            points = track(system, start.z[:, missing], start.k, end, settings).z
+            found, z[:, missing] = settled(system, points, end)
             missing = _without_conjugates(system, z, missing[~found], end)
     while missing.size:
-        place = missing[np.argmin(np.abs(stopped[:, missing] - end[:, None]).max(axis=0))]
-        at = stopped[:, place]
-        came, points = settled(system, z[:, [place]], at)
-        if not came.all():
-            points, at = advanced(system, start.z[:, [place]], start.k, end)
-        came, points = carried(system, points, at, end)
+        first = start.z[:, missing[:1]]
+        came, points = carried(system, *advanced(system, first, start.k, end), end)
         if came.all():
             came, points = settled(system, points, end)
         if not came.all():
             break
-        z[:, place] = points[:, 0]
-        missing = _without_conjugates(system, z, missing[missing != place], end)
+        z[:, missing[:1]] = points
+        missing = _without_conjugates(system, z, missing[1:], end)
     return missing
 
 
