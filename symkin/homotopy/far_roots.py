@@ -186,7 +186,7 @@ def _without_conjugates(
     if np.imag(end).any():
         return missing
     others = z[:, np.setdiff1d(np.arange(z.shape[1]), missing)]
-    apart = distances(system, others.conj(), others).min(axis=1)
+    apart = distances(system, others.conj(), others).min(axis=1, initial=np.inf)
     for root in others[:, apart > _NEAREST].conj().T[: missing.size]:
         place = missing[np.argmin(distances(system, root[:, None], z[:, missing]))]
         z[:, place], missing = root, missing[missing != place]
