@@ -102,17 +102,6 @@ def _is_waiting() -> bool:
     return getattr(_this_thread, "waits", True)
 
 
-@contextmanager
-def _taken(lock: Lock) -> Iterator[None]:
-    """Hold a lock; a thread that does not wait goes on without it where another holds it."""
-    taken = lock.acquire(blocking=_is_waiting())
-    try:
-        yield
-    finally:
-        if taken:
-            lock.release()
-
-
 class _Entry:
     """Place of one value in a cache."""
 
@@ -131,28 +120,51 @@ class _Entry:
 class _Turn:
     """The lock of a value that is being computed, and how many threads use it."""
 
+    __slots__ = ("lock", "users")
+
     def __init__(self) -> None:
         self.lock = Lock()
         self.users = 0
 
 
 _turns: dict[Hashable, _Turn] = {}
+_idle: list[_Turn] = []
+"""Turns that no thread uses, to be taken again."""
 _turns_guard = Lock()
 
 
-@contextmanager
-def computing(key: Hashable) -> Iterator[None]:
-    """Hold the lock of a key, so that one thread computes what it names; the lock exists only while
-    threads use it.
+class computing:  # noqa: N801  # stands in a `with`, as a function would
+    """Hold the lock of a key, so that one thread computes what it names; it is the key's only while
+    threads use it. A thread that does not wait goes on without it where another holds it.
     """
-    with _turns_guard:
-        turn = _turns.setdefault(key, _Turn())
-        turn.users += 1
-    try:
-        with _taken(turn.lock):
-            yield
-    finally:
-        with _turns_guard:
-            turn.users -= 1
-            if turn.users == 0:
-                del _turns[key]
+
+    __slots__ = ("key", "taken", "turn")
+
+    def __init__(self, key: Hashable) -> None:
+        self.key = key
+
+    def __enter__(self) -> None:
+        with _turns_guard.held:
+            turn = _turns.get(self.key)
+            if turn is None:
+                turn = _turns[self.key] = _idle.pop() if _idle else _Turn()
+            turn.users += 1
+        self.turn, self.taken = turn, False
+        try:
+            self.taken = turn.lock.acquire(blocking=_is_waiting())
+        except BaseException:
+            self._left()
+            raise
+
+    def __exit__(self, *_: object) -> None:
+        if self.taken:
+            self.turn.lock.release()
+        self._left()
+
+    def _left(self) -> None:
+        """Give the turn back, for good where no other thread uses it."""
+        with _turns_guard.held:
+            self.turn.users -= 1
+            if self.turn.users == 0:
+                del _turns[self.key]
+                _idle.append(self.turn)

@@ -116,7 +116,7 @@ class Account:
 
     def theorems_of(self, number: int) -> list[str]:
         """What proves an input's groups complete, in their order."""
-        proved = np.flatnonzero(self.seen[number] & (self.statement[number] == 0)).tolist()
+        proved = (self.seen[number] & (self.statement[number] == 0)).nonzero()[0].tolist()
         return [self.theorems[k] for k in proved if k in self.theorems]
 
     def notes_of(self, number: int) -> list[str]:

@@ -91,11 +91,14 @@ def as_written(told: Told, given: Given, found: Modes) -> Modes | None:
         return None
     names = {reading.of: reading.name for reading in told.low.readings}
     told_notes = [_told(note, names) for note in found.notes]
+    listed = found.modes
+    if listed.notes != given.notes:
+        listed = replace(listed, notes=given.notes, _made={})
     return replace(
         found,
         problem=told.problem,
         given=given.echo,
-        modes=replace(found.modes, notes=given.notes, _made={}),
+        modes=listed,
         groups=tuple(_renamed(group, names) for group in found.groups),
         notes=tuple(dict.fromkeys((*given.notes, *told_notes, *_ball_notes(told.low)))),
     )

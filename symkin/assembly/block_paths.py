@@ -74,14 +74,14 @@ class BlockPaths:
         k = k if self.shared is None else self.shared.known(k)
         ends, plain = plain_instances(self.algebraic, self.start, k)
         plain[plain] = self._clear(ends[plain])
-        chosen = np.flatnonzero(plain)
+        chosen = plain.nonzero()[0]
         instance = np.repeat(chosen, ends.shape[2])
         z = ends[chosen].transpose(1, 0, 2).reshape(self.algebraic.width, -1)
         whole = np.ones(len(instance), dtype=bool)
         if self.combined:
             whole = meets_all_rows(self.problem, self.algebraic, z, k[:, instance])
         counts = np.bincount(instance[whole], minlength=k.shape[1])
-        origin = np.flatnonzero(whole & (imaginary_part(self.algebraic, z) < _REAL))
+        origin = (whole & (imaginary_part(self.algebraic, z) < _REAL)).nonzero()[0]
         owner = instance[origin]
         points = self.points(z[:, origin], owner, k)
         points, kept = checked_roots(self.problem.system, points, owner, known, plain)
@@ -94,7 +94,7 @@ class BlockPaths:
             ends=z,
             ends_of=instance,
             origin=origin[kept],
-        ), np.flatnonzero(~plain)
+        ), (~plain).nonzero()[0]
 
     def _clear(self, ends: np.ndarray) -> np.ndarray:
         """Instances (n,) whose ends (n, width, roots) are real or not, beyond doubt."""

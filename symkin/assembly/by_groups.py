@@ -61,12 +61,14 @@ class GroupedModes:
         can be held.
         """
         account, groups = self.account, solved_groups(self.problem, self.search)
+        engine = account.engine
         if account.too_many[number] != FEW:
             raise TooManyModesError(_too_many(self.problem, groups, int(account.too_many[number])))
-        mine = np.flatnonzero(self.owner == number)
-        listed = self.listed if len(mine) == len(self.owner) else self.listed.chosen(mine)
-        found = replace(listed, notes=given.notes, _made={})
-        reached = np.flatnonzero(account.seen[number]).tolist()
+        found = self.listed
+        if len(self.total) > 1:
+            found = found.chosen(np.flatnonzero(self.owner == number))
+        found = found if found.notes == given.notes else replace(found, notes=given.notes, _made={})
+        reached = account.seen[number].nonzero()[0].tolist()
         grounds = (
             []
             if found.ground is None
@@ -79,7 +81,7 @@ class GroupedModes:
             given=given.echo,
             modes=found,
             completeness=STATEMENTS[self.statement[number]],
-            method="closed" if account.engine == "closed form" else self.search.name,
+            method="closed" if engine == "closed form" else self.search.name,
             seed=self.search.seed,
             elapsed_s=0.0,
             **sampling(account.samples.get(number, [])),
@@ -99,7 +101,7 @@ class GroupedModes:
                     )
                 )
             ),
-            engine=account.engine,
+            engine=engine,
             groups=tuple(account.group_of(number, k, groups[k]) for k in reached)
             if self.problem.by_name
             else (),
@@ -303,16 +305,13 @@ def _checked(
     order = order_of_modes(asked, found, combined.owner)
     # what is listed closes: on all rows together, not only on those of its groups
     closed = found.closed[order]
-    owner = combined.owner[order]
     left_out = np.zeros(n, dtype=bool)
-    left_out[owner[~closed]] = True
-    hits = combined.hits[order[closed]]
-    listed, owner = (
-        found.chosen(order[closed], hits=np.where(np.isfinite(hits), hits, -1).astype(int)),
-        owner[closed],
-    )
-    if certify and len(listed):
-        listed = combined.proofs.of(order[closed]).told(listed)
+    left_out[combined.owner[order[~closed]]] = True
+    order = order[closed]
+    owner, hits = combined.owner[order], combined.hits[order]
+    proved = combined.proofs.of(order).told() if certify and order.size else {}
+    hits = np.where(np.isfinite(hits), hits, -1).astype(int)
+    listed = found.chosen(order, hits=hits, **proved)
     statement = np.max(account.statement, axis=1, initial=0)
     statement = np.where(left_out, np.maximum(statement, STATEMENTS.index("incomplete")), statement)
     counts = np.bincount(owner, minlength=n)

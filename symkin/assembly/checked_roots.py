@@ -7,28 +7,40 @@ from __future__ import annotations
 import numpy as np
 
 from symkin.computed_once import lru_cache
-from symkin.numeric.linear_algebra import extreme_singular_values
-from symkin.numeric.root_checks import POLISHING, are_roots, are_suspect
+from symkin.numeric.newton import polish
+from symkin.numeric.root_checks import POLISHING, are_roots, suspects
 from symkin.numeric.system import System
 from symkin.numeric.tolerances import DISTINCT_ROOTS
 from symkin.position.canonical import canonical
 from symkin.position.roots import features
 
+_FEW = 64
+"""Roots of one instance up to which each is held against each other."""
+
 
 def checked_roots(
-    block: System, points: np.ndarray, owner: np.ndarray, known: np.ndarray, plain: np.ndarray
+    block: System,
+    points: np.ndarray,
+    owner: np.ndarray,
+    known: np.ndarray,
+    plain: np.ndarray,
+    judged: tuple[np.ndarray, ...] | None = None,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Points (m, width) near real roots of the instances `owner` (m,), rising, polished on the
     block's own rows: those that close on all rows, written in the standard way, and their places
-    among the given ones. Instances (n,) with roots that are badly conditioned or equal are no
-    longer `plain`.
+    among the given ones, which may have been `judged`. Instances (n,) with roots that are badly
+    conditioned or equal are no longer `plain`.
     """
     here = known[owner]
-    polished = block.polish_many(points, here, POLISHING)
+    rows, jacobians, residuals = block.judge(points, here) if judged is None else judged
+    polished = polish(block, points, here, POLISHING, begun=(rows, jacobians))
+    moved = (polished.points != points).any(axis=1).nonzero()[0]
+    if moved.size:
+        residuals[moved] = block.residuals(polished.points[moved], here[moved])
     points = canonical(block.unknowns, block.places, polished.points)
-    closed = np.flatnonzero(are_roots(block, polished, block.residuals(points, here)))
+    closed = are_roots(block, polished, residuals).nonzero()[0]
     points, owner = points[closed], owner[closed]
-    plain[owner[are_suspect(extreme_singular_values(polished.jacobians[closed]))]] = False
+    plain[owner[suspects(polished.jacobians[closed])]] = False
     plain[_owners_of_equal(block, points, owner)] = False
     return points, closed
 
@@ -42,6 +54,8 @@ def _owners_of_equal(block: System, points: np.ndarray, owner: np.ndarray) -> li
     if len(points) < 2:
         return []
     f = features(block, points)
+    if owner[0] == owner[-1] and len(f) <= _FEW:
+        return [int(owner[0])] if _has_equal(block, f) else []
     weights = _weights(f.shape[1])
     mixed = f @ weights
     order = np.lexsort((mixed, owner))

@@ -118,23 +118,23 @@ class ClosedBlock:
         points, real, plain = self.formulas.solutions(known)
         owner, branch = np.nonzero(real & plain[:, None])
         chosen, plain = points[owner, branch], plain.copy()
-        errors = (
-            self.problem.system.residuals(chosen, known[owner])
-            / self.problem.system.characteristic_length
-        )
+        judged: tuple[np.ndarray, ...] = self.problem.system.judge(chosen, known[owner])
+        errors = judged[-1] / self.problem.system.characteristic_length
         fails = np.zeros(len(errors), dtype=bool) if self.is_determined else errors >= _FAILS
         plain[owner[~fails & ~(errors <= _SOLVES)]] = False
         kept = plain[owner] & ~fails
-        chosen, owner = chosen[kept], owner[kept]
+        if not kept.all():
+            chosen, owner = chosen[kept], owner[kept]
+            judged = tuple(part[kept] for part in judged)
         # of an arm whose branches must meet further conditions only real ones are held against them
         count: float = self.formulas.count if self.is_determined else NOT_KNOWN
-        chosen, closed = checked_roots(self.problem.system, chosen, owner, known, plain)
+        chosen, closed = checked_roots(self.problem.system, chosen, owner, known, plain, judged)
         # a branch that solves all steps and fails the check leaves a doubt
         n, left = len(known), owner[closed]
         plain[np.bincount(owner, minlength=n) != np.bincount(left, minlength=n)] = False
-        return GroupRoots.of_all(
-            chosen, left, np.full(n, count), engine=self.engine
-        ), np.flatnonzero(~plain)
+        return GroupRoots.of_all(chosen, left, np.full(n, count), engine=self.engine), (
+            ~plain
+        ).nonzero()[0]
 
 
 def _all_close(formulas: ClosedForm, known: np.ndarray) -> bool:

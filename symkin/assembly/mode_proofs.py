@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -15,7 +15,6 @@ from symkin.homotopy.systems import system_of, unsuitable
 from symkin.position.groups import is_linear
 from symkin.position.problem import Problem
 from symkin.position.solution import PartialProof
-from symkin.position.solution_list import SolutionList
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,19 +45,17 @@ class PartProofs:
         largest = np.maximum(self.ground[:, 2:], other.ground[:, 2:])
         return PartProofs(self.certified & other.certified, np.hstack([sums, largest]))
 
-    def told(self, found: SolutionList) -> SolutionList:
-        """The modes with what is proved of them."""
-        grounds = np.full(len(found), None, dtype=object)
-        for i in np.flatnonzero(~self.certified & np.isfinite(self.radius)).tolist():
+    def told(self) -> dict[str, np.ndarray]:
+        """What is proved of them as a `SolutionList` has it."""
+        ground = np.full(len(self.certified), None, dtype=object)
+        for i in (~self.certified & np.isfinite(self.radius)).nonzero()[0].tolist():
             independent, rows, radius, remaining = self.ground[i].tolist()
-            grounds[i] = PartialProof(int(independent), int(rows), radius, remaining)
-        return replace(
-            found,
-            certified=self.certified.astype(int),
-            radius=np.where(self.certified, self.radius, np.nan),
-            ground=grounds,
-            _made={},
-        )
+            ground[i] = PartialProof(int(independent), int(rows), radius, remaining)
+        return {
+            "certified": self.certified.astype(int),
+            "radius": np.where(self.certified, self.radius, np.nan),
+            "ground": ground,
+        }
 
 
 @lru_cache(maxsize=128)
@@ -81,12 +78,12 @@ def proofs_of_group(
         return PartProofs(certified, ground), roots
     prover = prover_of(group, system_of(group))
     knowns, number = prover.knowns(known[near], away[near]), np.cumsum(near) - 1
-    chosen = np.flatnonzero(near[roots.owner])
+    chosen = near[roots.owner].nonzero()[0]
     owner = number[roots.owner[chosen]]
     paths, ends = group_paths(group) if len(roots.ends_of) else None, None
     of_paths = prover if paths is None else paths.prover
     if of_paths.bound is not None and paths is not None:
-        here = np.flatnonzero(near[roots.ends_of])
+        here = near[roots.ends_of].nonzero()[0]
         ends = of_paths.ends(roots.ends[:, here], knowns, number[roots.ends_of[here]])
     own = ends if paths is not None and paths.shared is None else None
     origin = roots.origin if near.all() else None

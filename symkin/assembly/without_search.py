@@ -43,7 +43,7 @@ def _certified(problem: Problem, one: SolutionList, values: np.ndarray) -> Solut
     for part in problem.blocks:
         roots = GroupRoots.of_all(values[:, part.unknown_places], owner, np.ones(1))
         proofs = proofs.beside(proofs_of_group(part, roots, known, np.zeros(known.shape))[0])
-    return proofs.told(one)
+    return one.chosen(slice(None), **proofs.told())
 
 
 def meet_conditions(problem: Problem, known: np.ndarray) -> np.ndarray:

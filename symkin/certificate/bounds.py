@@ -9,8 +9,8 @@ near another, a curve in the variety would lead to generic members with one solu
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from fractions import Fraction
 from functools import partial
 from math import prod
@@ -24,7 +24,7 @@ from symkin.certificate.discs import DiscFunction
 from symkin.certificate.exact import exact_arm
 from symkin.certificate.knowns import Knowns
 from symkin.certificate.tape import build_tape
-from symkin.closure.expression_graph import instructions
+from symkin.closure.expression_graph import Instruction, instructions
 from symkin.computed_once import lru_cache
 from symkin.homotopy.algebraic import AlgebraicSystem
 from symkin.homotopy.six_distances import universal_system
@@ -138,8 +138,12 @@ class _Unknown(NamedTuple):
 
 def _unknowns_in(system: AlgebraicSystem, slopes: ca.SX, row: int) -> dict[int, _Unknown]:
     """The unknowns of a row, by their places."""
-    places = [k for k in range(system.width) if slopes.sparsity().has_nz(row, k)]
-    return {k: _Unknown(_degree_in(system, k, row), slopes[row, k].is_constant()) for k in places}
+    steps = row_steps(system, row)
+    return {
+        k: _Unknown(univariate_degree(system, steps, k), slopes[row, k].is_constant())
+        for k in range(system.width)
+        if slopes.sparsity().has_nz(row, k)
+    }
 
 
 def _next_row(rows: list[dict[int, _Unknown]]) -> tuple[int, int] | None:
@@ -170,20 +174,6 @@ def _without(
         if k != gone:
             left[k] = _Unknown(degree, own.is_linear and other.is_linear)
     return left
-
-
-def _degree_in(system: AlgebraicSystem, unknown: int, row: int) -> int | None:
-    """`univariate_degree` of a row in one unknown, the others known."""
-    others = [k for k in range(system.width) if k != unknown]
-    return univariate_degree(
-        replace(
-            system,
-            unknowns=(system.unknowns[unknown],),
-            z=system.z[unknown],
-            k=ca.vertcat(system.k, system.z[others]),
-            rows=system.rows[row],
-        )
-    )
 
 
 def _of_structure(structure: Structure, knowns: Knowns) -> Knowns:
@@ -232,22 +222,30 @@ class _Degree:
     flips: bool = False
 
 
-def univariate_degree(system: AlgebraicSystem) -> int | None:
-    """The degree of a single row as a polynomial in its single unknown z, or, for an angle, twice
-    that in exp(i z): a bound on its roots, modulo whole turns. None where the system is no such
-    row.
+_KNOWN = _Degree()
+
+
+def row_steps(system: AlgebraicSystem, row: int) -> list[Instruction]:
+    """How a row is computed from unknowns and known values."""
+    rows = [ca.densify(system.rows[row])]
+    return list(instructions(ca.Function("row", [system.z, system.k], rows, {"cse": True})))
+
+
+def univariate_degree(
+    system: AlgebraicSystem, steps: Sequence[Instruction], unknown: int
+) -> int | None:
+    """The degree of a row, by its steps, as a polynomial in the unknown z of this number, the
+    others known, or, for an angle, twice that in exp(i z): a bound on its roots, modulo whole
+    turns. None where it is no such row.
     """
-    if system.width != 1 or system.count != 1 or system.projective:
-        return None
-    function = ca.Function("f", [system.z, system.k], [ca.densify(system.rows)], {"cse": True})
     work: dict[int, tuple[_Degree, float | None]] = {}
     result: _Degree | None = None
-    for op, a, o, constant in instructions(function):
+    for op, a, o, constant in steps:
         if op == ca.OP_INPUT:
             own = _Degree(Fraction(1), slope=Fraction(1))
-            work[o[0]] = (own if a[0] == 0 else _Degree(), None)
+            work[o[0]] = (own if a == [0, unknown] else _KNOWN, None)
         elif op == ca.OP_CONST:
-            work[o[0]] = (_Degree(), constant)
+            work[o[0]] = (_KNOWN, constant)
         elif op == ca.OP_OUTPUT:
             result = work[a[0]][0]
         else:
@@ -259,7 +257,7 @@ def univariate_degree(system: AlgebraicSystem) -> int | None:
         result is None
         or result.degree == 0
         or result.flips
-        or (result.turning and not system.unknowns[0].is_periodic)
+        or (result.turning and not system.unknowns[unknown].is_periodic)
     ):
         return None
     return int(2 * result.degree if result.turning else result.degree)
@@ -269,8 +267,8 @@ def _degree_of(op: int, operands: list[tuple[_Degree, float | None]]) -> _Degree
     """The degree of one operation's result; None where it is no polynomial."""
     degrees = [d for d, _ in operands]
     x = degrees[0]
-    if all(d.degree == 0 for d in degrees):
-        return _Degree()
+    if all(d is _KNOWN or d.degree == 0 for d in degrees):
+        return _KNOWN
     if len({d.turning for d in degrees if d.degree}) > 1:
         return None
     turning = any(d.turning for d in degrees)

@@ -125,7 +125,7 @@ class CertificateBatch:
             if expected is None
             else np.where(self.real[expected] == "real", expected, -1)
         )
-        some = np.flatnonzero(nearest >= 0)
+        some = (nearest >= 0).nonzero()[0]
         if not some.size:
             return index, radius
         roots = nearest[some]

@@ -33,8 +33,9 @@ def spread(
     result = np.full(points.shape[1], np.inf)
     function = _disc_coordinates(system)
     if function is not None and knowns.discs.is_real:
-        around = Discs(points.T, np.repeat(distance[:, None], system.width, axis=1))
-        values = function.evaluate(0, around, function.prepare(knowns.discs), instance)
+        values = Discs(points.T, np.repeat(distance[:, None], system.width, axis=1))
+        if system.eliminated or system.projective:
+            values = function.evaluate(0, values, function.prepare(knowns.discs), instance)
         # 2 r + _ROUNDING (1 + |m| + r)
         result = ((2.0 + _ROUNDING) * values.radius + _ROUNDING * np.abs(values.middle)).max(
             axis=1, initial=0.0

@@ -153,9 +153,12 @@ def _at(array: np.ndarray) -> Any:
     """Where an array begins: three times as fast as its own `ctypes.data`, where it may be written
     to.
     """
-    if array.size and array.flags.writeable:
+    try:
         return ctypes.byref(ctypes.c_char.from_buffer(array.data))
-    return array.ctypes.data
+    except (TypeError, ValueError):
+        if array.size and array.flags.writeable:
+            raise  # it is not in one piece
+        return array.ctypes.data
 
 
 # Two threads may make these twice, which does no harm; they are asked for at every call.

@@ -141,12 +141,12 @@ def are_well_conditioned(system: AlgebraicSystem, z: np.ndarray, k: np.ndarray) 
     """
     direction, good = _direction(system.width), np.zeros(z.shape[1], dtype=bool)
     for distance in _BESIDE:
-        left = np.flatnonzero(~good)
+        left = (~good).nonzero()[0]
         if left.size:
             here, at = z[:, left], k if k.ndim == 1 else k[:, left]
             back, _ = newton(system, here + distance * direction, at, 1)
             good[left] = gaps(system, back, here) < _RETURNED * distance
-    left = np.flatnonzero(~good)
+    left = (~good).nonzero()[0]
     if left.size:
         at = k if k.ndim == 1 else k[:, left]
         good[left] = look(system, z[:, left], at).share > RANK_TOLERANCE
@@ -167,37 +167,24 @@ def _with_far_roots(
     method with more bits finds; else None. Those that are no pose to the last digits are at
     infinity.
     """
-    from symkin.homotopy.far_roots import (
-        advanced,
-        are_far,
-        are_infinite,
-        carried,
-        is_square,
-        settled,
-    )
+    from symkin.homotopy.far_roots import are_far, are_infinite, completed, is_square, settled
 
     z = tracked.z.copy()
     left = np.flatnonzero(~are_regular(system, tracked, target))
     if not is_square(system) or not are_far(system, z[:, left]).all():
         return None
     found, z[:, left] = settled(system, z[:, left], target)
-    doubtful = np.isin(np.arange(z.shape[1]), left[~found]) | (separations(system, z) < _ONE)
-    end = aligned(system, start.k, target)
-    every = np.ones(len(doubtful), dtype=bool)
-    for again in (doubtful, every) if doubtful.any() else ():
-        first, at = start.z[:, again], start.k
-        if again is doubtful:
-            first, at = advanced(system, first, at, end)
-        came, points = carried(system, first, at, end)
-        found, z[:, again] = settled(system, points, target) if came.all() else (came, points)
-        if not found.all():
+    end, missing = aligned(system, start.k, target), left[~found]
+    for _ in range(2):
+        if completed(system, start, z, missing, end).size:
             return None
-        if (separations(system, z) >= _ONE).all():
-            break
-    if (separations(system, z) < _ONE).any():
-        return None
-    infinite = are_infinite(system, z)
-    return Ends(z[:, ~infinite], SingularRoots.none(system.width), int(infinite.sum()), ())
+        # of paths that have come to one root, one has jumped
+        missing = np.flatnonzero(separations(system, z) < _ONE)
+        if not missing.size:
+            infinite = are_infinite(system, z)
+            none = SingularRoots.none(system.width)
+            return Ends(z[:, ~infinite], none, int(infinite.sum()), ())
+    return None
 
 
 def _attempt(

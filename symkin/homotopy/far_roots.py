@@ -16,7 +16,9 @@ import numpy as np
 
 from symkin.computed_once import lru_cache
 from symkin.homotopy.algebraic import AlgebraicSystem
+from symkin.homotopy.circles import distances
 from symkin.homotopy.engine import track
+from symkin.homotopy.monodromy import Fibre
 from symkin.homotopy.point_checks import is_no_pose
 from symkin.homotopy.tracker import TrackSettings, in_newest_chart
 from symkin.numeric.balls import COMPLEX, BallFunction, Number, precision, upper
@@ -30,7 +32,7 @@ _LARGE_ENTRIES = 1e-4
 """|e.e| / |e|^2 and |e| / |(e, g)| of a ray below which a root is far: rotation matrices with
 entries, positions beyond 1e4.
 """
-_LAST_DIGITS = 1e-11
+_LAST_DIGITS = 1e-14
 """The same below which a root found by more bits, then rounded, is at infinity."""
 _NEAREST = 1e-3
 """Largest distance of a root from the point that stands for it."""
@@ -40,6 +42,8 @@ _FIRST, _SMALLEST, _MOST_STEPS = 0.01, 1e-9, 1000
 """First and smallest step along a path, in u, and the most that are made."""
 _SHARES = (0.95, 0.9, 0.8, 0.5)
 """Of a path: up to where double precision may lead."""
+_SHORTER = (1e-4, 1e-5)
+"""Largest first corrections of steps by which paths come nearer to far roots, or stop on them."""
 _CAREFUL = TrackSettings(tolerance=1e-6, smallest_step=1e-10, most_steps=2000)
 _NEAR_THE_END = 3e-3
 """What may be left of a path for Newton's method to lead to its end: along a smooth path it is off
@@ -145,6 +149,48 @@ def carried(
         if not came[i]:
             break
     return came, points
+
+
+def completed(
+    system: AlgebraicSystem, start: Fibre, z: np.ndarray, missing: np.ndarray, end: np.ndarray
+) -> np.ndarray:
+    """Put roots of F(., end) in place of those of the points z (width, n) that are `missing`, at
+    which paths from `start` stopped: what double precision finds by shorter steps, conjugates where
+    known values are real, and what of the rest is followed with more bits from where double
+    precision leads. The places that stay missing.
+    """
+    for tolerance in _SHORTER:
+        if missing.size:
+            settings = TrackSettings(tolerance=tolerance)
+            points = track(system, start.z[:, missing], start.k, end, settings).z
+            found, z[:, missing] = settled(system, points, end)
+            missing = _without_conjugates(system, z, missing[~found], end)
+    while missing.size:
+        first = start.z[:, missing[:1]]
+        came, points = carried(system, *advanced(system, first, start.k, end), end)
+        if came.all():
+            came, points = settled(system, points, end)
+        if not came.all():
+            break
+        z[:, missing[:1]] = points
+        missing = _without_conjugates(system, z, missing[1:], end)
+    return missing
+
+
+def _without_conjugates(
+    system: AlgebraicSystem, z: np.ndarray, missing: np.ndarray, end: np.ndarray
+) -> np.ndarray:
+    """The places that stay missing where roots have conjugates that are none of the others: these
+    are put where the paths next to them stopped.
+    """
+    if np.imag(end).any():
+        return missing
+    others = z[:, np.setdiff1d(np.arange(z.shape[1]), missing)]
+    apart = distances(system, others.conj(), others).min(axis=1, initial=np.inf)
+    for root in others[:, apart > _NEAREST].conj().T[: missing.size]:
+        place = missing[np.argmin(distances(system, root[:, None], z[:, missing]))]
+        z[:, place], missing = root, missing[missing != place]
+    return missing
 
 
 def advanced(

@@ -52,7 +52,7 @@ def _group(
         tracked = track(system, np.tile(begin, (1, n)), start.k, np.repeat(target, each, axis=1))
     plain = tracked.arrived.reshape(n, each).all(axis=1)
     plain &= np.isfinite(tracked.z).all(axis=0).reshape(n, each).all(axis=1)
-    places = np.flatnonzero(plain)
+    places = plain.nonzero()[0]
     if places.size:
         # by symmetry what holds of roots holds of their images
         kept = tracked.z if places.size == n else tracked.z[:, np.repeat(plain, each)]
@@ -63,7 +63,7 @@ def _group(
     ends = tracked.z.reshape(system.width, n, each).transpose(1, 0, 2)
     if mirrors is not None:
         ends = _unfolded(mirrors, ends)
-    places = np.flatnonzero(plain)
+    places = plain.nonzero()[0]
     plain[places] = nearest(system, ends[places]) > APART
     return ends, plain
 

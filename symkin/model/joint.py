@@ -40,12 +40,12 @@ class Coordinate:
     limits: tuple[float, float] | None = None
     least: float | None = None
 
-    @property
+    @cached_property
     def width(self) -> int:
         """Count of numbers that hold it."""
         return NUMBERS[self.kind][0]
 
-    @property
+    @cached_property
     def freedom(self) -> int:
         """Count of independent ways in which it changes."""
         return NUMBERS[self.kind][1]
@@ -57,27 +57,27 @@ class Coordinate:
         """
         return self.name.rpartition(".")[0] if self.role in ("body", "pose") else None
 
-    @property
+    @cached_property
     def is_angular(self) -> bool:
         """Whether it is a single angle, in radians."""
         return self.kind in ("angle", "turns")
 
-    @property
+    @cached_property
     def is_periodic(self) -> bool:
         """Whether whole turns leave it as it is."""
         return self.kind == "angle"
 
-    @property
+    @cached_property
     def is_advancing(self) -> bool:
         """Whether it is an angle whose whole turns count."""
         return self.kind == "turns"
 
-    @property
+    @cached_property
     def is_rotation(self) -> bool:
         """Whether it is a unit quaternion."""
         return self.kind == "quaternion"
 
-    @property
+    @cached_property
     def is_length(self) -> bool:
         """Whether it is a length."""
         return self.kind == "length"

@@ -26,7 +26,7 @@ def diagonal_parts(matrices: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
     columns) of block diagonal matrices whose rows and columns stand in any order; none where the
     matrices are small or have one part only.
     """
-    return parts_of_pattern(pattern_of(matrices))
+    return parts_of_pattern(pattern_of(matrices)) if matrices.shape[2] >= _LARGE else []
 
 
 def pattern_of(matrices: np.ndarray) -> np.ndarray:
@@ -147,7 +147,7 @@ def extreme_singular_values(matrices: np.ndarray) -> np.ndarray:
     if diagonal_parts(matrices):
         return singular_values(matrices)[:, [0, -1]]
     found = np.sqrt(np.maximum(_squared_extremes(matrices), 0.0))
-    doubtful = np.flatnonzero(~(found[:, 0] < GRAM_CONDITION * found[:, 1]))
+    doubtful = (~(found[:, 0] < GRAM_CONDITION * found[:, 1])).nonzero()[0]
     if doubtful.size:
         found[doubtful] = singular_values(matrices[doubtful])[:, [0, -1]]
     return np.asarray(found)
@@ -162,9 +162,8 @@ def _squared_extremes(matrices: np.ndarray) -> np.ndarray:
     gram = (
         transposed @ matrices if matrices.shape[1] >= matrices.shape[2] else matrices @ transposed
     )
-    finite = np.isfinite(gram).all(axis=(1, 2))
-    if not finite.all():
-        gram = np.where(finite[:, None, None], gram, 0.0)
+    if not np.isfinite(gram).all():
+        gram = np.where(np.isfinite(gram).all(axis=(1, 2))[:, None, None], gram, 0.0)
     return np.linalg.eigvalsh(gram)[:, [-1, 0]]
 
 

@@ -45,15 +45,20 @@ class Polished:
 
 
 def polish(
-    system: Rows, z: np.ndarray, known: np.ndarray, steps: int = 8, floor: float = _ROUNDING
+    system: Rows,
+    z: np.ndarray,
+    known: np.ndarray,
+    steps: int = 8,
+    floor: float = _ROUNDING,
+    begun: tuple[np.ndarray, np.ndarray] | None = None,
 ) -> Polished:
     """Move points z (n, width) at known values (n, known) or (known,) by z <- z - J^+ F(z), each
     point until its rows are rounding (`floor`, of the size) or a step no longer shrinks them, at
-    most `steps` times. Points where F or J is not finite stay. Where the rows stay larger than
-    those of roots, directions that a set of roots leaves free have misled the step, and it is taken
-    without them.
+    most `steps` times; F and J at z may be `begun`. Points where F or J is not finite stay. Where
+    the rows stay larger than those of roots, directions that a set of roots leaves free have misled
+    the step, and it is taken without them.
     """
-    found = Polished(z.copy(), *system.linearise(z, known))
+    found = Polished(z.copy(), *(system.linearise(z, known) if begun is None else begun))
     size, every = system.characteristic_length, np.arange(len(z))
     with np.errstate(over="ignore"):
         stuck = _descend(system, found, known, steps, every, (floor * size, ROUNDED_STEP))

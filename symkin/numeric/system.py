@@ -123,6 +123,12 @@ class System:
         return Mapped.of([self.unknown, self.known], [self.rows, self.jacobian], common=few)
 
     @cached_property
+    def _judged(self) -> Mapped:
+        few = int(self.rows.shape[0]) * self.freedom < _MANY_NUMBERS
+        told = [self.rows, self.jacobian, self.errors]
+        return Mapped.of([self.unknown, self.known], told, common=few)
+
+    @cached_property
     def _checked(self) -> Mapped:
         return Mapped.of([self.unknown, self.known], [self.errors])
 
@@ -143,26 +149,36 @@ class System:
         """The largest of the `checks` (n,)."""
         return np.asarray(np.max(np.abs(self.checks(z, known)), axis=1, initial=0.0))
 
-    def extremes(self, z: np.ndarray, known: np.ndarray) -> np.ndarray:
-        """Largest and smallest (n, 2) of the min(rows, freedom) singular values of dF/dd; few
-        points at a time, since the Jacobians of a large system hold millions of numbers.
+    def judge(self, z: np.ndarray, known: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """What `linearise` and `residuals` give, in one evaluation."""
+        values, jacobians, errors = self._judged(z, known)
+        return values[:, :, 0], jacobians, np.abs(errors).max(axis=(1, 2), initial=0.0)
+
+    def extremes(self, z: np.ndarray, known: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Largest and smallest (n, 2) of the min(rows, freedom) singular values of dF/dd, and the
+        `residuals` (n,); few points at a time, since the Jacobians of a large system hold millions
+        of numbers.
         """
         rows = int(self.rows.shape[0])
         if min(rows, self.freedom) == 0:
-            return np.ones((len(z), 2))
+            return np.ones((len(z), 2)), self.residuals(z, known)
         each = max(1, _AT_ONCE // (rows * self.freedom))
-        if len(z) <= each:
-            return extreme_singular_values(self.linearise(z, known)[1])
-        every = np.broadcast_to(known, (len(z), known.shape[-1]))
-        parts = [slice(i, i + each) for i in range(0, len(z), each)]
-        found = [extreme_singular_values(self.linearise(z[p], every[p])[1]) for p in parts]
-        return np.concatenate(found)
+        every = np.broadcast_to(known, (len(z), known.shape[-1])) if len(z) > each else known
+        found = []
+        for i in range(0, max(len(z), 1), each):
+            part = slice(i, i + each)
+            at = every[part] if every.ndim == z.ndim else every
+            _, jacobians, residuals = self.judge(z[part], at)
+            found.append((extreme_singular_values(jacobians), residuals))
+        if len(found) == 1:
+            return found[0]
+        return np.concatenate([e for e, _ in found]), np.concatenate([r for _, r in found])
 
     def conditions(self, z: np.ndarray, known: np.ndarray) -> np.ndarray:
         """Largest over smallest (n,) of the min(rows, freedom) singular values of dF/dd; infinite
         at a singularity, 1 where there are no rows or no unknowns.
         """
-        return condition_of(self.extremes(z, known))
+        return condition_of(self.extremes(z, known)[0])
 
     def polish_many(self, z: np.ndarray, known: np.ndarray = NOTHING, steps: int = 8) -> Polished:
         """Gauss-Newton on all rows from each point, until its step no longer shrinks the rows."""

@@ -154,7 +154,7 @@ def features_of(
             columns += [size * np.cos(part), size * np.sin(part)]
         else:
             columns.append(size * part if c.is_advancing else part)
-    return np.hstack(columns)
+    return np.concatenate(columns, axis=1)
 
 
 def merge(points: np.ndarray, tolerance: float) -> tuple[np.ndarray, np.ndarray]:

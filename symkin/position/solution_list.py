@@ -152,13 +152,13 @@ def checked_solutions(
     unknown, known = values[:, problem.unknown_places], values[:, problem.known_places]
     inside, untried = within_limits(closure, values), np.full(len(values), -1)
     position, quaternion = poses_of(closure, values)
-    extremes = system.extremes(unknown, known)
+    extremes, residuals = system.extremes(unknown, known)
     return SolutionList(
         closure=closure,
         values=values,
         position=position,
         quaternion=quaternion,
-        residual=system.residuals(unknown, known),
+        residual=residuals,
         condition=condition_of(extremes),
         within_limits=untried if inside is None else inside.astype(int),
         certified=untried,
@@ -171,7 +171,7 @@ def checked_solutions(
 def _double(problem: Problem, values: np.ndarray, extremes: np.ndarray) -> np.ndarray:
     """Which solutions (m,) stand for two or more in some block."""
     found = np.zeros(len(values), dtype=bool)
-    suspect = np.flatnonzero(extremes[:, 1] < NEARLY_SINGULAR)
+    suspect = (extremes[:, 1] < NEARLY_SINGULAR).nonzero()[0]
     near = values[suspect]
     for part in (
         (structure_groups(problem) if problem.by_name else [problem]) if suspect.size else ()

@@ -30,6 +30,11 @@ _LARGEST_CHUNK, _FEWEST_CHUNKS = 10_000, 16
 """A chunk has as many points as it may, unless a sweep would have less chunks than this."""
 _MODES_IN_CHUNK = 40_000
 """Complex solutions of a chunk's points: a few seconds of work."""
+_FORMULA_MODES = 50_000
+"""Those of a chunk that formulas solve, in half a second, distances from singularities left aside:
+writing its files takes a tenth of that, however few points they hold, so that small sweeps are one
+chunk.
+"""
 _SLOW_CHUNK = 500
 """Points of a chunk where each is searched alone, or its modes are proved."""
 _MOST_CHUNK = 100_000
@@ -129,6 +134,8 @@ def _usual_chunk(plan: Plan) -> int:
     """Points that are computed and written at a time where nobody says how many."""
     finder = plan.finder()
     bound = finder.bound if finder.own.is_tracked and not plan.certify else None
+    if bound is not None and finder.engine == "closed form" and plan.quantity != "conditioning":
+        return max(1, min(_FORMULA_MODES // max(bound, 1), plan.space.size))
     largest = (
         _SLOW_CHUNK
         if bound is None

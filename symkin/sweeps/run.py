@@ -84,7 +84,8 @@ class Swept(Result):
         )
         again = [f"{what} computed again"] if self.damaged else []
         head = (
-            f"{self.points} points in {self.chunks} chunks{kept}; real modes: points: "
+            f"{self.points} points in {self.chunks} chunk{'s' * (self.chunks != 1)}{kept}; real "
+            f"modes: points: "
             f"{counts}{none}"
         )
         return Summary([head, *again, str(self.folder)])

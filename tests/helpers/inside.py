@@ -270,6 +270,7 @@ NAMES = {
     "BallSystem": "symkin.certificate.ball_system",
     "bound_of": "symkin.certificate.bounds",
     "proves": "symkin.certificate.bounds",
+    "row_steps": "symkin.certificate.bounds",
     "univariate_degree": "symkin.certificate.bounds",
     "CertificateBatch": "symkin.certificate.certificate",
     "certify_batch": "symkin.certificate.certificate",

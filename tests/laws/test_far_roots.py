@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import casadi as ca
 import numpy as np
 import pytest
 
+import symkin
 from helpers.inside import AlgebraicSystem, Coordinate, far_roots
+from helpers.samples import delta
 
 BEGIN = np.array([1.3 + 0.4j, 0.7 - 0.2j])
 
@@ -73,3 +77,13 @@ def test_more_bits_go_on_from_where_double_precision_leads(steps):
     assert came_too.all()
     np.testing.assert_allclose(np.exp(1j * points_too), np.exp(1j * points), 1e-9)
     assert len(steps) - whole < whole
+
+
+@pytest.mark.parametrize("apart", [1e-3, 2e-3])
+def test_shorter_steps_and_conjugates_leave_little_to_follow(apart, steps):
+    """Beside two equal joints of a delta, all complex solutions are told without following four
+    paths with more bits: two of them are the others' conjugates.
+    """
+    found = symkin.modes(replace(delta(), motion="spatial"), joints=[0.1, 0.03, 0.1 + apart])
+    assert found.complex_count == 40
+    assert len(steps) <= 20

@@ -8,10 +8,28 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import symkin
-from helpers.inside import Blocks, check_slices, labels, make_space, read_values, slices_from
+from helpers.inside import (
+    Blocks,
+    check_slices,
+    labels,
+    make_plan,
+    make_space,
+    read_values,
+    slices_from,
+)
 from helpers.laws import ball_turn
 from helpers.samples import Z, five_bar
 from symkin import InputError, Joint, Limb, Mechanism
+
+
+def test_a_small_sweep_of_formulas_is_one_chunk():
+    """Its files take longer to write than its points to solve; distances from singularities do
+    not, and of these a run that is stopped loses little.
+    """
+    swept = {c.name: np.linspace(80.0, 90.0, 100) for c in five_bar().actuated}
+    space = make_space(five_bar(), swept)
+    assert len(make_plan(space).blocks) == 1
+    assert len(make_plan(space, quantity="conditioning").blocks) > 10
 
 
 @given(st.lists(st.integers(1, 9), min_size=1, max_size=4), st.integers(1, 200))
