@@ -114,8 +114,13 @@ def off_motion(geometry: Geometry, real: Real) -> float:
 
 
 def _reference(geometry: Geometry) -> ca.SX:
-    """Position and unit quaternion of the closure's platform at the reference configuration."""
+    """Position of the closure's platform at the reference configuration, and the unit quaternion
+    from which its turn about z is told.
+    """
     closure, pose = geometry.closure, geometry.closure.pose
     own = geometry.of(ca.vertcat(pose.position, pose.quaternion))
-    at = ca.substitute(own, closure.variables, ca.SX(ca.DM(closure.reference)))
+    home = closure.reference.copy()
+    if "pose.gamma" in closure.slices:
+        home[closure.slices["pose.gamma"]] = 0.0
+    at = ca.substitute(own, closure.variables, ca.SX(ca.DM(home)))
     return snapped_expression(ca.densify(at), [geometry.symbols])
