@@ -15,8 +15,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from symkin.closure.branches import Branch
-from symkin.closure.cuts import cut_index
+from symkin.closure.branches import Branch, cut_index
 from symkin.model.bar import Bar
 from symkin.model.joint import Joint
 from symkin.model.limb import Limb
