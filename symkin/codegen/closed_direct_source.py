@@ -21,11 +21,12 @@ from symkin.codegen.direct_values import DirectValues
 from symkin.codegen.limb_platform import LimbPlatform
 from symkin.codegen.newton_kernel import rounded
 from symkin.codegen.text.angles import lifted
-from symkin.codegen.text.c import Emitter, Real, indent, indexed
+from symkin.codegen.text.c import Emitter, Real, indent
 from symkin.codegen.text.gathered import gathered
 from symkin.codegen.text.templates import fill
 from symkin.codegen.text.turns import angle_of_direction, cosine_and_sine
 from symkin.computed_once import cached_property
+from symkin.spatial.backend import stacked
 from symkin.text import c_comment
 
 _WIDE = 1.5 * np.pi
@@ -74,7 +75,7 @@ class ClosedDirectSource:
             "nk": max(1, len(self.found.formulas.names)),
             "nto": len(made.actuated),
             "k": f"{made.name}_direct",
-            "ny": int(self.values.y.shape[0]),
+            "ny": self.values.y.numel(),
             "guess_lines": indent(GuessText(self.values).lines, 2),
             "formula_lines": indent(self._formula_lines),
             "set_lines": indent(self._set_lines),
@@ -113,7 +114,7 @@ class ClosedDirectSource:
     @property
     def _same_signs(self) -> list[str]:
         """Statements that compare the signs of a guess read again."""
-        count, p = int(self.found.formulas.roots.shape[0]), self.made.name.upper()
+        count, p = self.found.formulas.roots.numel(), self.made.name.upper()
         return (
             [
                 f"for (int k = 0; (k < {count}) && (status == {p}_OK); ++k) {{",
@@ -142,16 +143,14 @@ class ClosedDirectSource:
             for k, c in enumerate(self.values.unknowns)
             for part in ((first[k], second[k]) if c.is_angular else (first[k],))
         ]
-        reaches = ca.vertcat(
-            ca.SX(0, 1), *(self.values.signed(reach.of_known) for reach in self.found.whole.reaches)
-        )
+        reaches = stacked(self.values.signed(reach.of_known) for reach in self.found.whole.reaches)
         reaches = lifted(reaches, places, self.values.generators, formulas.roots)
         guards = [guard.of(discriminants, reaches, divisors) for guard in self.found.guards]
         outputs = [discriminants, ca.vertcat(*unknowns), ca.vertcat(*guards)]
         outputs = gathered(outputs, [self.values.u, formulas.roots], self.values.turns)
-        count = int(formulas.roots.shape[0])
+        count = formulas.roots.numel()
         inputs = [
-            (self.values.u, indexed("w->u", self.values.count)),
+            (self.values.u, "w->u"),
             (formulas.roots, [f"r{k + 1}" for k in range(count)]),
         ]
         emitter = Emitter.of(real, inputs, *outputs)

@@ -33,6 +33,7 @@ from symkin.codegen.text.c import Emitter, Real, indent, indexed
 from symkin.codegen.text.templates import fill
 from symkin.computed_once import cached_property
 from symkin.model.joint import units_of
+from symkin.spatial.backend import stacked
 from symkin.text import c_comment
 
 _RESOLVED = 64.0
@@ -179,7 +180,7 @@ class ClosedDirection:
     @cached_property
     def usual(self) -> np.ndarray:
         """The usual size of each condition, with the sign that it has at the reference."""
-        whole = ca.vertcat(ca.SX(0, 1), *(c.value for c in self.conditions))
+        whole = stacked(c.value for c in self.conditions)
         known = self._known_values
         function = ca.Function("f", [known], [self._put_in(whole, known)])
         places = self.direction.problem.known_places
@@ -306,10 +307,10 @@ class ClosedDirection:
         return dict(self.names) | {
             "which": self.direction.name,
             "k": f"{self.made.name}_{self.direction.name}",
-            "nk": int(self.known.shape[0]),
-            "ns": int(self.state.shape[0]),
+            "nk": self.known.numel(),
+            "ns": self.state.numel(),
             "nto": len(self.direction.known),
-            "signs": max(1, int(self.signs.shape[0]) + len(self.divisors)),
+            "signs": max(1, self.signs.numel() + len(self.divisors)),
             "conditions": count,
             "resolved": literal(_RESOLVED * self.real.epsilon),
             "home_signs": ", ".join(
@@ -367,18 +368,16 @@ class ClosedDirection:
         """Statements of the conditions, the roots and the state."""
         literal, kind = self.real.literal, self.real.type
         symbols = [self.known, self.signs, self.roots]
-        conditions = snapped_expression(
-            ca.vertcat(ca.SX(0, 1), *(c.value for c in self.conditions)), symbols
-        )
-        roots = [f"r{k + 1}" for k in range(int(self.roots.shape[0]))]
+        conditions = snapped_expression(stacked(c.value for c in self.conditions), symbols)
+        roots = [f"r{k + 1}" for k in range(self.roots.numel())]
         names = [
-            indexed("k", int(self.known.shape[0])),
-            indexed("sign", int(self.signs.shape[0])),
+            indexed("k", self.known.numel()),
+            indexed("sign", self.signs.numel()),
             roots,
         ]
         inputs = list(zip(symbols, names, strict=True))
         emitter = Emitter.of(self.real, inputs, conditions, self._outputs)
-        number, side = 0, int(self.signs.shape[0])
+        number, side = 0, self.signs.numel()
         for j, one in enumerate(self.conditions):
             text = emitter.value(0, j)
             if one.root is None:
@@ -399,8 +398,8 @@ class ClosedDirection:
                 f"const {kind} r{number} = (d{number} > {least}) ? "
                 f"{self.real.call('sqrt')}(d{number}) : {literal(0.0)};"
             )
-        count = int(self._outputs.shape[0])
-        lines = emitter.stored(indexed("x", count), 1)
+        count = self._outputs.numel()
+        lines = emitter.stored("x", 1)
         ones = [] if self.conditions else [f"d[0] = {literal(1.0)};"]
         return [*lines[: len(lines) - count], *ones, *lines[len(lines) - count :]]
 
@@ -419,13 +418,11 @@ class ClosedDirection:
                 told += there.written(part.form.told, inputs, part.form).elements()
         inputs = [self.known, self.state, self.signs, self.roots]
         divisors = [one.value for one in self.conditions if one.root is None]
-        expressions = [
-            snapped_expression(ca.vertcat(ca.SX(0, 1), *part), inputs) for part in (told, divisors)
-        ]
+        expressions = [snapped_expression(stacked(part), inputs) for part in (told, divisors)]
         literal, count = self.real.literal, len(told)
         names = [
-            indexed("k", int(self.known.shape[0])),
-            indexed("x", int(self.state.shape[0])),
+            indexed("k", self.known.numel()),
+            indexed("x", self.state.numel()),
             indexed("sign", count),
         ]
         names.append([f"r{k + 1}" for k in range(count)])

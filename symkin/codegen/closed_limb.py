@@ -22,6 +22,7 @@ from symkin.codegen.text.c import Emitter, Real, indent, indented_by_braces, ind
 from symkin.codegen.text.templates import fill
 from symkin.computed_once import cached_property
 from symkin.elimination.closed_form import ClosedForm
+from symkin.spatial.backend import stacked
 from symkin.text import c_comment
 
 BESIDE = 4.0
@@ -99,14 +100,14 @@ class LimbFormulas:
         """
         values, roots = self._values[actuated_places(self.block), 0], self.formulas.roots
         found, of_roots = self._by_twist(values), ca.SX(0, int(self.block.sides.shape[1]))
-        for k in range(int(roots.shape[0])):
+        for k in range(roots.numel()):
             change = self._by_twist(self._discriminants[k])
             if k:
                 change = change + ca.mtimes(
                     ca.jacobian(self._discriminants[k], roots[:k]), of_roots
                 )
             of_roots = ca.vertcat(of_roots, change / (2 * roots[k]))
-        if int(roots.shape[0]):
+        if roots.numel():
             found = found + ca.mtimes(ca.jacobian(values, roots), of_roots)
         return self._lines(ca.vec(found.T), _SINGULAR, "rates", "SINGULAR")
 
@@ -123,20 +124,20 @@ class LimbFormulas:
             self.formulas.roots,
             self.block.free_divisors,
         )
-        divisors = self.signed(ca.vertcat(ca.SX(0, 1), *(self.formulas.divisors[j] for j in free)))
+        divisors = self.signed(stacked(self.formulas.divisors[j] for j in free))
         outputs = [
             snapped_expression(ca.densify(part), [known, roots])
             for part in (self._discriminants, results, divisors)
         ]
-        count = int(roots.shape[0])
+        count = roots.numel()
         inputs = [
-            (known, indexed("c", int(known.shape[0]))),
+            (known, "c"),
             (roots, [f"r{k + 1}" for k in range(count)]),
         ]
         emitter = Emitter.of(self.real, inputs, *outputs)
         name, zeros = (
             self.made.name.upper(),
-            [f"{array}[{i}] = {self.real.literal(0.0)};" for i in range(int(results.shape[0]))],
+            [f"{array}[{i}] = {self.real.literal(0.0)};" for i in range(results.numel())],
         )
         status = [f"{self.made.name}_status status = {name}_{refused};"]
         written, closings, tests = list(status if free else []), list[list[str]](), []
@@ -178,7 +179,7 @@ class LimbFormulas:
                 f"if {tests[0] if len(tests) == 1 else '(' + ' && '.join(tests) + ')'} {{",
             ]
             closings.append(["} else {", *zeros, "}"])
-        stores = [f"{array}[{i}] = {emitter.value(1, i)};" for i in range(int(results.shape[0]))]
+        stores = [f"{array}[{i}] = {emitter.value(1, i)};" for i in range(results.numel())]
         written += [*emitter.take(), *stores]
         checks, result = (
             self._row_checks if array == "x" and self.block.is_checked else ([], f"{name}_OK")
@@ -196,7 +197,7 @@ class LimbFormulas:
         """Number, from 1, of the last root that an expression reads; 0 for none."""
         reads = (
             ca.which_depends(expression, self.formulas.roots, 1, False)
-            if int(self.formulas.roots.shape[0])
+            if self.formulas.roots.numel()
             else []
         )
         return max((k + 1 for k, is_read in enumerate(reads) if is_read), default=0)
@@ -212,11 +213,11 @@ class LimbFormulas:
         system, capital = self.block.system, self.made.name.upper()
         errors = snapped_expression(ca.densify(system.errors), [system.unknown, system.known])
         inputs = [
-            (system.unknown, indexed("x", system.width)),
-            (system.known, indexed("c", int(system.known.shape[0]))),
+            (system.unknown, "x"),
+            (system.known, "c"),
         ]
         emitter = Emitter.of(self.real, inputs, errors, prefix="e")
-        texts = [emitter.value(0, i) for i in range(int(errors.shape[0]))]
+        texts = [emitter.value(0, i) for i in range(errors.numel())]
         closes = " && ".join(f"({self.real.call('fabs')}({text}) <= within)" for text in texts)
         return [
             "/* the rows that the formulas leave over */",

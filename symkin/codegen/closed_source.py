@@ -142,7 +142,7 @@ class ClosedCode:
     def _emitter(self) -> Emitter:
         signs = [f"sign{i}" for i in range(len(self.plan.branches))]
         inputs = [
-            (self._pose, indexed("x", 7)),
+            (self._pose, "x"),
             (self._signs, signs),
             (self._near, indexed("near", 2 * len(signs))),
         ]

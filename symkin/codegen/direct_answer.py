@@ -16,6 +16,7 @@ from symkin.codegen.text.angles import NotLiftedError, Numbers, lifted
 from symkin.codegen.text.c import Emitter, indent, indexed
 from symkin.codegen.text.gathered import gathered
 from symkin.computed_once import cached_property
+from symkin.spatial.backend import stacked
 
 _SMALL_SHARE = 1.0 / 64
 """Share of its usual size below which a root multiplies rounding so much that an answer is read
@@ -85,7 +86,7 @@ class AnswerText:
         function = ca.Function("rows", [symbols], [rows])
         rng = np.random.default_rng(2)
         sizes = [1.0, 1.0, 1.0, *[self.values.made.closure.characteristic_length] * 3]
-        drawn = [s * rng.normal(size=int(symbols.shape[0])) for s in sizes]
+        drawn = [s * rng.normal(size=symbols.numel()) for s in sizes]
         values = np.array([np.asarray(function(one)).ravel() for one in drawn])
         values /= np.maximum(np.max(np.abs(values), axis=1, keepdims=True), np.finfo(float).tiny)
         kept: list[int] = []
@@ -96,7 +97,7 @@ class AnswerText:
                 for s in (1, -1)
             ):
                 kept.append(k)
-        return ca.vertcat(ca.SX(0, 1), *(rows[k] for k in kept))
+        return stacked(rows[k] for k in kept)
 
     @cached_property
     def needed(self) -> set[int]:
@@ -132,11 +133,11 @@ class AnswerText:
         function = ca.Function("answer", symbols, outputs, {"cse": True})
         names = [
             indexed("w->u", self.values.count),
-            indexed("w->y", int(self.values.y.shape[0])),
+            indexed("w->y", self.values.y.numel()),
             indexed("h", 2),
         ]
         emitter = Emitter(function, names, real)
-        texts = [emitter.value(0, k) for k in range(int(rows.shape[0]))]
+        texts = [emitter.value(0, k) for k in range(rows.numel())]
         squares = " + ".join(f"{t} * {t}" for t in texts)
         emitter.lines.append(f"*residual = {real.call('sqrt')}({squares});")
         residual = list(emitter.lines)

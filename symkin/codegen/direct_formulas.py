@@ -115,7 +115,7 @@ def direct_formulas(
     whole = (
         limbwise_form(problem, limbs, samples, held)
         if form is None
-        else LimbwiseForm(form, int(form.signs.shape[0]), ())
+        else LimbwiseForm(form, form.signs.numel(), ())
     )
     if whole is None:
         return None
@@ -175,7 +175,7 @@ class _Guarding:
         """A guard for each discriminant of the pose, for each bound of a limb, and for each divisor
         that is no multiple of another; None where one has no bounds.
         """
-        found, count = self.found, int(self.found.divisors.shape[0])
+        found, count = self.found, self.found.divisors.numel()
         discriminants = ca.substitute(
             found.discriminants, found.signs, ca.SX.ones(*found.signs.shape)
         )
@@ -231,15 +231,13 @@ class _Guarding:
         divisors that make its value a polynomial P, or P + Q root.
         """
         divisors, made = self.found.divisors, Guard(name, *place, (), 1.0, "proved", ())
-        powers = sorted(product(range(_POWERS), repeat=int(divisors.shape[0])), key=sum)
-        roots = {
-            j: (self.found.roots[j], discriminants[j]) for j in range(int(discriminants.shape[0]))
-        }
+        powers = sorted(product(range(_POWERS), repeat=divisors.numel()), key=sum)
+        roots = {j: (self.found.roots[j], discriminants[j]) for j in range(discriminants.numel())}
         return self._line.proved(made, value, roots, before, divisors, powers)
 
     def _without_squares(self, value: ca.SX, discriminants: ca.SX) -> ca.SX:
         """A value in which roots that it holds by their squares alone are put in."""
-        for j in reversed(range(int(discriminants.shape[0]))):
+        for j in reversed(range(discriminants.numel())):
             root = self.found.roots[j]
             if ca.depends_on(value, root):
                 parts = by_root(value, root, discriminants[j])

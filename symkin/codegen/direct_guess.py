@@ -15,10 +15,11 @@ from symkin.codegen.formula_guards import RESOLVED
 from symkin.codegen.newton_kernel import rounded
 from symkin.codegen.pose_coordinates import off_motion, restricted
 from symkin.codegen.text.angles import Numbers, lifted
-from symkin.codegen.text.c import Emitter, indexed
+from symkin.codegen.text.c import Emitter
 from symkin.codegen.text.gathered import gathered
 from symkin.computed_once import cached_property
 from symkin.model.joint import Coordinate
+from symkin.spatial.backend import stacked
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,7 +50,7 @@ class GuessText:
                 continue
             assert block.formulas is not None  # noqa: S101 - the caller has looked
             limb, own = LimbFormulas(made, block, block.formulas), block.formulas
-            symbols = ca.SX.sym(f"{block.name}_r", int(own.roots.shape[0]))
+            symbols = ca.SX.sym(f"{block.name}_r", own.roots.numel())
             with_roots = [
                 ca.substitute(limb.signed(e), own.roots, symbols)
                 for e in (own.discriminants, own.first, own.second)
@@ -58,7 +59,7 @@ class GuessText:
                 lifted(e, places, self._all(generators, block.system.unknowns), symbols)
                 for e in with_roots
             ]
-            for k in range(int(symbols.shape[0])):
+            for k in range(symbols.numel()):
                 roots.append(symbols[k])
                 discriminants.append(found[0][k])
                 limits.append(float((RESOLVED * real.epsilon * limb.usual_roots[k]) ** 2))
@@ -71,19 +72,17 @@ class GuessText:
             lifted(self.values.signed(formulas.told), places, generators, formulas.roots)
         )
         divisors = lifted(formulas.divisors, places, generators, formulas.roots)
-        reaches = ca.vertcat(
-            ca.SX(0, 1), *(reach.of_configuration for reach in self.values.found.whole.reaches)
-        )
+        reaches = stacked(reach.of_configuration for reach in self.values.found.whole.reaches)
         reaches = lifted(reaches, places, generators, formulas.roots)
         guards = ca.vertcat(
             *(guard.of(told**2, reaches, divisors) for guard in self.values.found.guards)
         )
         at = ca.vertcat(*(part for c in made.actuated for part in generators[c.name].parts))
-        off = ca.vertcat(ca.SX(0, 1), *taken.off)
+        off = stacked(taken.off)
         return self._read(
             x,
-            ca.vertcat(ca.SX(0, 1), *roots),
-            [ca.vertcat(ca.SX(0, 1), *discriminants), at, told, guards, off],
+            stacked(roots),
+            [stacked(discriminants), at, told, guards, off],
             limits,
         )
 
@@ -92,8 +91,8 @@ class GuessText:
     ) -> list[str]:
         real, name = self.values.real, self.values.made.name.upper()
         outputs = gathered(parts, [x, roots], [])
-        count = int(roots.shape[0])
-        inputs = [(x, indexed("x", 7)), (roots, [f"r{k + 1}" for k in range(count)])]
+        count = roots.numel()
+        inputs = [(x, "x"), (roots, [f"r{k + 1}" for k in range(count)])]
         emitter = Emitter.of(real, inputs, *outputs)
         tests = []
         for k in range(count):
@@ -107,13 +106,13 @@ class GuessText:
         limit = real.literal(off_motion(self.values.made.geometry, real))
         tests += [
             f"({real.call('fabs')}({emitter.value(4, i)}) <= {limit})"
-            for i in range(int(parts[4].shape[0]))
+            for i in range(parts[4].numel())
         ]
         begun, lines = len(emitter.lines), emitter.lines
-        lines += [f"w->at[{i}] = {emitter.value(1, i)};" for i in range(int(parts[1].shape[0]))]
+        lines += [f"w->at[{i}] = {emitter.value(1, i)};" for i in range(parts[1].numel())]
         self.values.store_guards(emitter, 3, "left", of_divisors=True)
         middle, zero, one = len(lines), real.literal(0.0), real.literal(1.0)
-        for k in range(int(parts[2].shape[0])):
+        for k in range(parts[2].numel()):
             lines.append(f"w->sign[{k}] = ({emitter.value(2, k)} < {zero}) ? -{one} : {one};")
         self.values.store_guards(emitter, 3, "left", of_divisors=False)
         near = self.values.above("left", of_divisors=False)
@@ -155,12 +154,12 @@ class GuessText:
     def _told(self, told: ca.SX) -> ca.SX:
         """What tells each sign, with those before put in: sign times root."""
         roots, parts = self.values.found.formulas.roots, list[ca.SX]()
-        for k in range(int(told.shape[0])):
+        for k in range(told.numel()):
             part = told[k]
             for j, before in enumerate(parts):
                 part = ca.substitute(part, roots[j], before)
             parts.append(part)
-        return ca.vertcat(ca.SX(0, 1), *parts)
+        return stacked(parts)
 
 
 def _refused(condition: str, lines: Sequence[str], status: str) -> list[str]:

@@ -149,8 +149,8 @@ def _emitted(way: DirectionSource, function: ca.Function, *more: list[str]) -> l
     """Statements that set `sides` to what a function gives, row by row."""
     known = way.numbers_of_known
     inputs = [
-        indexed("w->x", int(way.kernel.state.shape[0])),
-        indexed(known, int(way.circles.numbers.shape[0])),
+        indexed("w->x", way.kernel.state.numel()),
+        indexed(known, way.circles.numbers.numel()),
         *more,
     ]
     emitter = Emitter(function, inputs, way.real)

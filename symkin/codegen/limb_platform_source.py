@@ -280,7 +280,7 @@ class LimbPlatformSource:
             "unwrap": indent(unwrap, 2),
             "enter": indent(self._enter_lines(passive)),
             "leave": indent([f"{p}_pose_from_coordinates({ga}&w->x[{passive}], pose);"]),
-            "keep_known": indent(copy("w.k0", "w.k", int(kernel.known.shape[0])), 2)
+            "keep_known": indent(copy("w.k0", "w.k", kernel.known.numel()), 2)
             if self._keeps_known
             else "",
             "to": "given",
@@ -342,7 +342,7 @@ class LimbPlatformSource:
     def _solve_limbs(self) -> str:
         """NAME_solve_limbs: all limbs for a pose, on the reference's branches."""
         lines = [line for limb in self._limbs for line in limb.joint_lines]
-        if int(self.made.conditions.rows.shape[0]):
+        if self.made.conditions.rows.numel():
             lines += self._condition_lines(self.made.conditions)
         return fill("solve_limbs.c", self._common | {"limbs": indent(lines)})
 
@@ -350,14 +350,14 @@ class LimbPlatformSource:
         """Statements that refuse a pose which violates rows that no joint enters."""
         real, geometry = self.real, self.made.geometry
         inputs = [
-            (conditions.known, indexed("c", int(conditions.known.shape[0]))),
+            (conditions.known, "c"),
             (geometry.symbols, geometry.names),
         ]
         emitter = Emitter.of(real, inputs, conditions.rows, prefix="v")
         limit = real.literal(feasible_error(real.epsilon, conditions.characteristic_length))
         tests = [
             f"({real.call('fabs')}({emitter.value(0, i)}) <= {limit})"
-            for i in range(int(conditions.rows.shape[0]))
+            for i in range(conditions.rows.numel())
         ]
         return [
             "/* what the pose alone must satisfy */",

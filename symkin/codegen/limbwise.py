@@ -26,6 +26,7 @@ from symkin.elimination.implied_rows import plain
 from symkin.model.joint import Coordinate, units_of
 from symkin.numeric.system import System
 from symkin.position.problem import Problem
+from symkin.spatial.backend import stacked
 
 _COMPARED = 4
 """Configurations at which the coefficients of rows are compared."""
@@ -132,9 +133,7 @@ def _of_whole_angles(system: System, problem: Problem, coordinates: Sequence[Coo
 
 def _symbols(problem: Problem, coordinates: Sequence[Coordinate]) -> ca.SX:
     closure = problem.closure
-    return ca.vertcat(
-        ca.SX(0, 1), *(closure.variables[closure.slices[c.name]] for c in coordinates)
-    )
+    return closure.symbols(coordinates)
 
 
 @dataclass(frozen=True, eq=False)
@@ -177,7 +176,7 @@ class _Limbwise:
             reaches.append(Reach("the motion's wrenches", volume, self._of_known(whole, volume)))
         made = self._whole_form(whole, divisors)
         return (
-            LimbwiseForm(made, int(whole.forms[0].signs.shape[0]), tuple(reaches))
+            LimbwiseForm(made, whole.forms[0].signs.numel(), tuple(reaches))
             if made.closes(self._values(known))
             else None
         )
@@ -215,7 +214,7 @@ class _Limbwise:
             discriminants=ca.vertcat(
                 none, *(c.value for c in whole.conditions if c.root is not None)
             ),
-            divisors=ca.vertcat(none, *divisors),
+            divisors=stacked(divisors),
             implied=frozenset(),
             squares=frozenset(),
             told=ca.vertcat(none, *(f.told for f in forms)),
@@ -260,7 +259,7 @@ class _Limbwise:
             for k in range(values.shape[1])
             if not _is_multiple_of_any(values[:, k], lengths[:, None])
         ]
-        count = int(form.discriminants.shape[0])
+        count = form.discriminants.numel()
         others = ca.vertcat(form.roots, form.signs, _symbols(self.problem, self._pose))
         for k in alone:
             if k < count or ca.depends_on(form.divisors[k - count], others):

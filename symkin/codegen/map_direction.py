@@ -192,7 +192,7 @@ class DirectionSource:
         if self.circles.is_plain:
             return []
         return [
-            f"{self.real.type} numbers[{int(self.circles.numbers.shape[0])}]; /* numbers of "
+            f"{self.real.type} numbers[{self.circles.numbers.numel()}]; /* numbers of "
             f"what is aimed at: of angles cosine and sine */"
         ]
 
@@ -208,9 +208,9 @@ class DirectionSource:
         circles = self.circles
         if circles.is_plain:
             return ""
-        count, place = int(circles.numbers.shape[0]), int(circles.coefficients.shape[0])
-        inputs = [(circles.numbers, indexed("numbers", count))]
-        lines = Emitter.of(self.real, inputs, circles.coefficients).stored(indexed("k", place))
+        count, place = circles.numbers.numel(), circles.coefficients.numel()
+        inputs = [(circles.numbers, "numbers")]
+        lines = Emitter.of(self.real, inputs, circles.coefficients).stored("k")
         own = {"numbers": count, "nk": place, "lines": indent(lines)}
         return fill("map_coefficients.c", self.names | own)
 
@@ -249,7 +249,7 @@ class DirectionSource:
         lines = self.numbers.circles(values, self.known, target, range(count))
         lines += self._coefficients(target, "w->k")
         if self.closed is None:
-            lines += copy("w->k0", "w->k", int(self.kernel.known.shape[0]))
+            lines += copy("w->k0", "w->k", self.kernel.known.numel())
         if self.made.passive:
             lines += self.numbers.copies("w->x", self.unknown)
         else:
@@ -367,13 +367,13 @@ class DirectionSource:
         sheet, literal = self.sheet, self.real.literal
         if sheet is None:
             return ""
-        count = int(sheet.values.shape[0])
+        count = sheet.values.numel()
         inputs = [(sheet.known, [f"u{i}" for i in range(self.n)])]
         lines = [
             f"const {self.real.type} u{i} = values[{i}] - {literal(float(v))};"
             for i, v in enumerate(self.made.reference_of(self.known))
         ]
-        lines += Emitter.of(self.real, inputs, sheet.values).stored(indexed("wanted", count))
+        lines += Emitter.of(self.real, inputs, sheet.values).stored("wanted")
         within = [
             f"({self.real.call('fabs')}(u{i}) <= {literal(float(v))})"
             for i, v in enumerate(sheet.reach)

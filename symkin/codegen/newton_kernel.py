@@ -72,12 +72,12 @@ class Kernel:
     @property
     def m(self) -> int:
         """Count of rows."""
-        return int(self.rows.shape[0])
+        return int(self.rows.numel())
 
     @property
     def n(self) -> int:
         """Count of unknowns: entries of a step."""
-        return int(self.step.shape[0])
+        return int(self.step.numel())
 
     @property
     def is_square(self) -> bool:
@@ -172,7 +172,7 @@ def moves(
     times the size. Quaternions, and angles where they are `circles`, cosine and sine, are moved by
     the arc whose tangent is the step.
     """
-    tangent, moved, place, column = ca.SX(int(state.shape[0]), int(step.shape[0])), [], 0, 0
+    tangent, moved, place, column = ca.SX(state.numel(), step.numel()), [], 0, 0
     for c in coordinates:
         if c.kind == "angle" and circles:
             cosine, sine, turn = state[place], state[place + 1], (1 / size) * step[column]

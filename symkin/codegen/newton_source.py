@@ -147,9 +147,9 @@ class NewtonCode:
     @cached_property
     def linear(self) -> LinearSolver:
         """The linear solver."""
-        inputs = [*self._inputs, indexed("w->d", int(self.kernel.shared_symbols.shape[0]))]
+        inputs = [*self._inputs, indexed("w->d", self.kernel.shared_symbols.numel())]
         if self.keeps_known:
-            inputs[1] = indexed("w->k0", int(self.kernel.known.shape[0]))
+            inputs[1] = indexed("w->k0", self.kernel.known.numel())
         return linear_solver(
             self.kernel,
             self.real,
@@ -168,14 +168,14 @@ class NewtonCode:
     @property
     def middle(self) -> str:
         """The function that looks at the middle of a part, where known values turn."""
-        count = int(self.kernel.state.shape[0])
+        count = self.kernel.state.numel()
         copies = {
             "to_begin": indent(copy_loop("end", "w->x", count) + copy_loop("w->x", "w->x0", count)),
             "to_end": indent(copy_loop("w->x", "end", count)),
             "aimed_at": "",
         }
         if self.keeps_known:
-            nk = int(self.kernel.known.shape[0])
+            nk = self.kernel.known.numel()
             copies["aimed_at"] = f"    {self.real.type} aimed[{nk}];"
             copies["to_begin"] += "\n" + indent(copy_loop("aimed", "w->k", nk))
             copies["to_end"] += "\n" + indent(copy_loop("w->k", "aimed", nk))
@@ -220,8 +220,8 @@ class NewtonCode:
         """C text of state, known values and geometry."""
         kernel = self.kernel
         return [
-            indexed("w->x", int(kernel.state.shape[0])),
-            indexed("w->k", int(kernel.known.shape[0])),
+            indexed("w->x", kernel.state.numel()),
+            indexed("w->k", kernel.known.numel()),
             list(self.geometry),
         ]
 
@@ -232,7 +232,7 @@ class NewtonCode:
         """
         kernel = self.kernel
         emitter = Emitter(kernel.row_function(), self._inputs, self.real)
-        count = int(kernel.shared_symbols.shape[0])
+        count = kernel.shared_symbols.numel()
         for row in range(kernel.m):
             if kernel.m > 1:
                 about = kernel.meaning.each_row[row] if kernel.meaning.each_row else ""
@@ -253,7 +253,7 @@ class NewtonCode:
             [self._inputs[0], indexed("w->f", kernel.n), list(self.geometry)],
             self.real,
         )
-        moved = [emitter.value(0, i) for i in range(int(kernel.state.shape[0]))]
+        moved = [emitter.value(0, i) for i in range(kernel.state.numel())]
         squared = emitter.value(1, 0)
         return emitter, [
             *emitter.lines,
@@ -297,13 +297,13 @@ class NewtonCode:
     @property
     def _sizes(self) -> dict[str, object]:
         kernel = self.kernel
-        n, m, nk = kernel.n, kernel.m, int(kernel.known.shape[0])
+        n, m, nk = kernel.n, kernel.m, kernel.known.numel()
         return {
             "n": n,
             "last": n - 1,
             "n1": n + 1,
             "m": m,
-            "ns": int(kernel.state.shape[0]),
+            "ns": kernel.state.numel(),
             "nk": nk,
             "nto": self.known_count or nk,
             "na": m * n,
@@ -321,7 +321,7 @@ class NewtonCode:
     def _members(self) -> dict[str, object]:
         """Members of the work space that not every kernel has, and what its arrays hold."""
         kernel, kind = self.kernel, self.real.type
-        nd, square = int(kernel.shared_symbols.shape[0]), min(kernel.m, kernel.n) ** 2
+        nd, square = kernel.shared_symbols.numel(), min(kernel.m, kernel.n) ** 2
         meaning = kernel.meaning
         told = [
             f"x: {meaning.state}",
@@ -427,12 +427,10 @@ class NewtonCode:
             "aimed": "" if by_call else ": a part of the line from the guess's to `to`",
             "at_done": indent(["if (taken == 0U) {", f"    {done}", "}"], 3) if reads_known else "",
             "at_aim": indent(["if (taken == 0U) {", f"    {aim}", "}"], 3) if reads_known else "",
-            "save0": ""
-            if by_call
-            else indent(copy("w->x0", "w->x", int(self.kernel.state.shape[0]))),
+            "save0": "" if by_call else indent(copy("w->x0", "w->x", self.kernel.state.numel())),
             "advance": indent(
                 [
-                    *copy_loop("w->x0", "w->x", int(self.kernel.state.shape[0])),
+                    *copy_loop("w->x0", "w->x", self.kernel.state.numel()),
                     self.retarget or aim,
                 ],
                 4,
@@ -440,7 +438,7 @@ class NewtonCode:
             "retreat": indent(
                 [self.retarget]
                 if by_call
-                else [*copy_loop("w->x", "w->x0", int(self.kernel.state.shape[0])), aim],
+                else [*copy_loop("w->x", "w->x0", self.kernel.state.numel()), aim],
                 3,
             ),
         }
@@ -449,7 +447,7 @@ class NewtonCode:
         """The same where the known values at the part that is done are kept: new factors on the way
         to the aim are those of the aim.
         """
-        state, nk = int(self.kernel.state.shape[0]), int(self.kernel.known.shape[0])
+        state, nk = self.kernel.state.numel(), self.kernel.known.numel()
         keep = copy("w->k0", "w->k", nk)
         # the caller has set the kept values, or they are made here, where the line is `measured`
         begin, back = list[str](), [done, *keep]
@@ -479,7 +477,7 @@ class NewtonCode:
         constant.
         """
         literal, floor = self.real.literal, self.real.literal(self.tuning.floor**2)
-        epsilon, state = self.real.epsilon, int(self.kernel.state.shape[0])
+        epsilon, state = self.real.epsilon, self.kernel.state.numel()
         rounding = literal((_ROWS * epsilon * self.kernel.characteristic_length) ** 2)
         far = rounded(1.0 / (8.0 * _ROWS * epsilon))
         eighth = literal((_ROWS * epsilon * self.kernel.characteristic_length * far) ** 2)

@@ -18,7 +18,7 @@ from symkin.codegen.newton_source import NewtonCode
 from symkin.codegen.pose_coordinates import COLUMNS
 from symkin.codegen.pose_kernel import PoseKernel
 from symkin.codegen.pose_target import core_target
-from symkin.codegen.text.c import Emitter, Real, indent, indexed
+from symkin.codegen.text.c import Emitter, Real, indent
 from symkin.codegen.text.templates import copy, fill, substitute
 from symkin.model.mechanism import Mechanism
 
@@ -101,15 +101,15 @@ def closure_twist(made: LimbPlatform, values: Mapping[str, object], driver: Kern
         store, aim = _stores(made, kernel), list[str]()
     else:
         joints, target, into = core.joints, core.target, "w->at"
-        store = _of_state(kernel, core.twist, kernel.step, "w->f", made).stored(indexed("twist", 6))
+        store = _of_state(kernel, core.twist, kernel.step, "w->f", made).stored("twist")
         aim = [f"{k}_set_target(w, w->at, {real.literal(1.0)});", f"{k}_rows(w);"]
         if driver is kernel and kernel.reads_known:
-            aim += copy("w->k0", "w->k", int(kernel.known.shape[0]))
+            aim += copy("w->k0", "w->k", kernel.known.numel())
     rates = ca.SX.sym("v", nq)
     change = ca.jtimes(ca.substitute(kernel.rows, kernel.known, target), joints, rates)
     change = snapped_expression(change, [kernel.state, joints, kernel.geometry, rates])
-    sides = _of_state(kernel, change, joints, into, made, rates).stored(indexed("w->f", kernel.m))
-    count = int(kernel.state.shape[0]) - passive
+    sides = _of_state(kernel, change, joints, into, made, rates).stored("w->f")
+    count = kernel.state.numel() - passive
     state = [
         *copy("w->x", "passive", passive),
         *(f"w->x[{passive + i}] = c[{i}];" for i in range(count)),
@@ -149,12 +149,12 @@ def _of_state(
 ) -> Emitter:
     """Emitter of an expression of the state, of what stands in an array, and of joint rates."""
     inputs = [
-        (kernel.state, indexed("w->x", int(kernel.state.shape[0]))),
-        (read, indexed(array, int(read.shape[0]))),
+        (kernel.state, "w->x"),
+        (read, array),
         (kernel.geometry, made.geometry.names),
     ]
     if rates is not None:
-        inputs.append((rates, indexed("rates", int(rates.shape[0]))))
+        inputs.append((rates, "rates"))
     return Emitter.of(made.real, inputs, expression)
 
 

@@ -24,7 +24,7 @@ from symkin.closure.snapping import snap
 from symkin.codegen.newton_kernel import Kernel, Meaning, listed
 from symkin.elimination.implied_rows import PointRow, plain
 from symkin.model.joint import Coordinate
-from symkin.spatial.backend import cross, dot
+from symkin.spatial.backend import cross, dot, stacked
 from symkin.spatial.rotation import multiply, rotate
 
 _SAME = 1e-10
@@ -68,9 +68,7 @@ class PlatformPose:
 
     @property
     def symbols(self) -> ca.SX:
-        return ca.vertcat(
-            *(self.closure.variables[self.closure.slices[c.name]] for c in self.coordinates)
-        )
+        return self.closure.symbols(self.coordinates)
 
     @property
     def lengths(self) -> int:
@@ -220,7 +218,7 @@ class PlatformPose:
         kinds = [c.is_angular for c in joints]
         units = [
             np.where(
-                [k >= self.lengths for k in range(int(inputs[0].shape[0]))],
+                [k >= self.lengths for k in range(inputs[0].numel())],
                 1.0,
                 self.closure.characteristic_length,
             )
@@ -335,7 +333,7 @@ class _Known:
 
     def of(self, expression: ca.SX) -> ca.SX:
         """Entries of an expression as numbers or symbols of known values."""
-        return ca.vertcat(*(self._entry(expression[i]) for i in range(int(expression.shape[0]))))
+        return ca.vertcat(*(self._entry(expression[i]) for i in range(expression.numel())))
 
     def _entry(self, value: ca.SX) -> ca.SX:
         if not any(ca.which_depends(value, self.joints, 1, False)):
@@ -398,7 +396,7 @@ def pose_kernel(
     closure, state = pose.closure, pose.symbols
     size, joints = (
         closure.characteristic_length,
-        ca.vertcat(*(closure.variables[closure.slices[c.name]] for c in actuated)),
+        closure.symbols(actuated),
     )
     known, shared, none = _Known(joints), _Points(pose), ca.SX(0, 1)
     step = ca.SX.sym("s", sum(c.freedom for c in pose.coordinates))
@@ -422,12 +420,12 @@ def pose_kernel(
     kernel = Kernel(
         name="direct",
         state=state,
-        known=ca.vertcat(none, *known.symbols),
+        known=stacked(known.symbols),
         geometry=none,
         step=step,
-        shared_symbols=ca.vertcat(none, *shared.symbols),
+        shared_symbols=stacked(shared.symbols),
         rows=ca.vertcat(*rows),
-        shared=ca.vertcat(none, *shared.values),
+        shared=stacked(shared.values),
         jacobian=ca.vertcat(*matrix),
         moved=moved,
         norm=norm,
@@ -436,7 +434,7 @@ def pose_kernel(
         meaning=_meaning(pose),
         turns=tuple((i, 1.0 if c.is_angular else 1.0 / size) for i, c in enumerate(actuated)),
     )
-    return PoseKernel(kernel, joints, ca.vertcat(none, *known.values), pose.twist(state, step))
+    return PoseKernel(kernel, joints, stacked(known.values), pose.twist(state, step))
 
 
 def _usual_length(

@@ -167,7 +167,7 @@ class RodSource:
             values = [(2 * self.rods.home_lengths[i] + joints[i]) * joints[i] for i in range(6)]
         else:
             values = [(joints[i] + self.rods.offsets[i]) ** 2 for i in range(6)]
-        inputs = [(joints, indexed("to", 6))]
+        inputs = [(joints, "to")]
         return self._rolled(inputs, values)
 
     @property
@@ -187,7 +187,7 @@ class RodSource:
         return [
             *(f"w->k[{i}] = {self.real.literal(0.0)};" for i in range(6)),
             f"{self.name}_direct_rows({self._common['ga']}w);",
-            *self._rolled([(f, indexed("w->f", 6))], joints),
+            *self._rolled([(f, "w->f")], joints),
         ]
 
     def _rolled(

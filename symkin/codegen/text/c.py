@@ -79,7 +79,11 @@ class Emitter(Printer):
     """Printer of C; `prefix` begins the names of temporaries."""
 
     def __init__(
-        self, function: ca.Function, inputs: Sequence[Sequence[str]], real: Real, prefix: str = "t"
+        self,
+        function: ca.Function,
+        inputs: Sequence[Sequence[str] | str],
+        real: Real,
+        prefix: str = "t",
     ) -> None:
         super().__init__(function, inputs, c_language(real, prefix))
         self.real = real
@@ -88,19 +92,25 @@ class Emitter(Printer):
     def of(
         cls,
         real: Real,
-        inputs: Sequence[tuple[ca.SX, Sequence[str]]],
+        inputs: Sequence[tuple[ca.SX, Sequence[str] | str]],
         *outputs: ca.SX,
         prefix: str = "t",
     ) -> Emitter:
-        """The emitter of expressions of symbols, beside which stand their texts in C."""
+        """The emitter of expressions of symbols, beside which stand their texts in C, or the array
+        that holds them.
+        """
         function = ca.Function(
             "f", [symbols for symbols, _ in inputs], [ca.densify(e) for e in outputs], {"cse": True}
         )
         return cls(function, [texts for _, texts in inputs], real, prefix)
 
-    def stored(self, targets: Sequence[str], output: int = 0) -> list[str]:
-        """All statements up to the entries of an output, and those that set `targets` to these."""
-        texts = [self.value(output, k) for k in range(len(targets))]
+    def stored(self, targets: Sequence[str] | str, output: int = 0) -> list[str]:
+        """All statements up to the entries of an output, and those that set `targets`, or an array
+        of this name, to these.
+        """
+        texts = self.values(output)
+        if isinstance(targets, str):
+            targets = indexed(targets, len(texts))
         stores = [f"{target} = {text};" for target, text in zip(targets, texts, strict=True)]
         return [*self.lines, *stores]
 
