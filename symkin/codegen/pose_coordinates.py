@@ -25,6 +25,9 @@ COLUMNS: dict[str, tuple[int, ...]] = {
 }
 """Columns of a twist (velocity, angular velocity) that a motion has."""
 
+POSE = indexed("pose->position", 3) + indexed("pose->quaternion", 4)
+"""C text of the numbers of a pose."""
+
 
 @dataclass(frozen=True, eq=False)
 class Restricted:
@@ -104,8 +107,7 @@ def pose_text(geometry: Geometry, real: Real, values: dict[str, object]) -> str:
     expression = snapped_expression(geometry.pose, [symbols, geometry.symbols])
     count = symbols.numel()
     inputs = [(symbols, "c"), (geometry.symbols, geometry.names)]
-    targets = indexed("pose->position", 3) + indexed("pose->quaternion", 4)
-    body = indent(Emitter.of(real, inputs, expression).stored(targets))
+    body = indent(Emitter.of(real, inputs, expression).stored(POSE))
     return fill("pose_from_coordinates.c", values | {"count": count, "body": body})
 
 

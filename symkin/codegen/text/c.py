@@ -105,14 +105,30 @@ class Emitter(Printer):
         return cls(function, [texts for _, texts in inputs], real, prefix)
 
     def stored(self, targets: Sequence[str] | str, output: int = 0) -> list[str]:
-        """All statements up to the entries of an output, and those that set `targets`, or an array
-        of this name, to these.
+        """Add statements that set `targets`, or an array of this name, to the entries of an output;
+        all that have not been taken.
         """
         texts = self.values(output)
         if isinstance(targets, str):
             targets = indexed(targets, len(texts))
-        stores = [f"{target} = {text};" for target, text in zip(targets, texts, strict=True)]
-        return [*self.lines, *stores]
+        self.lines += [f"{target} = {text};" for target, text in zip(targets, texts, strict=True)]
+        return self.take()
+
+    def root(
+        self, number: int, square: str, least: str, other: str, *, about: str = "", sign: str = ""
+    ) -> str:
+        """Add statements of the root r1, ... of a square d1, ..., times a `sign`; `other` in place
+        of it where the square is not above `least`: that condition. `about`: the coordinate that
+        has two values.
+        """
+        told = f" /* above 0 where {c_comment(about)} has two values */" if about else ""
+        kind, d, above = self.real.type, f"d{number}", f"(d{number} > {least})"
+        root = f"{above} ? {self.real.call('sqrt')}({d}) : {other}"
+        self.lines += [
+            f"const {kind} {d} = {square};{told}",
+            f"const {kind} r{number} = {f'{sign} * ({root})' if sign else root};",
+        ]
+        return above
 
     def comment(self, text: str) -> None:
         """Add a line of comment, whatever text it is; names of temporaries do not count it."""
