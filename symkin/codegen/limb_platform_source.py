@@ -197,9 +197,25 @@ class LimbPlatformSource:
             own = [(c, float(rotation[c % 3, k % 3])) for c in columns if c // 3 == k // 3]
             terms = [f"{literal(v)} * a[{c}]" for c, v in own if v != 0.0]
             lines.append(f"b[{k}] = {' + '.join(terms) or literal(0.0)};")
-        depth = 3 if part == "jacobian" else 2
-        shown = {"own": self._names[part], "turned_row": indent(lines, depth)}
-        return fill(f"turned_{part}.c", self._common | shown)
+        shown: dict[str, object] = {
+            "part": part,
+            "own": self._names[part],
+            "turned_row": indent(lines, 2),
+            "about": "Joint rates by the platform's twist",
+            "given": "",
+            "rates": "",
+            "found": "rates",
+            "count": self._common["nq"],
+        }
+        if part == "twist":
+            shown |= {
+                "about": "The twist of joint rates",
+                "given": f"const {self.real.type} rates[{shown['count']}], ",
+                "rates": "rates, ",
+                "found": "twist",
+                "count": 1,
+            }
+        return fill("turned.c", self._common | shown)
 
     @property
     def _passive_checks(self) -> dict[str, str]:
