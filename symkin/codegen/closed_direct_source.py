@@ -111,7 +111,7 @@ class ClosedDirectSource(DirectValues):
         return (
             [
                 f"for (int k = 0; (k < {count}) && (status == {p}_OK); ++k) {{",
-                f"    status = (again.sign[k] * w->sign[k] > {self.real.literal(0.0)}) ? {p}_OK : "
+                f"    status = (again.sign[k] * w->sign[k] > {self.real.zero}) ? {p}_OK : "
                 f"{p}_WRONG_BRANCH;",
                 "}",
             ]
@@ -145,8 +145,8 @@ class ClosedDirectSource(DirectValues):
         inputs = [(self.u, "w->u"), (formulas.roots, [f"r{k + 1}" for k in range(count)])]
         emitter, zero, one = (
             Emitter.of(real, inputs, *outputs),
-            real.literal(0.0),
-            real.literal(1.0),
+            real.zero,
+            real.one,
         )
         self.store_guards(emitter, 2, "guard", of_divisors=True)
         begun, lines = emitter.take(), emitter.lines

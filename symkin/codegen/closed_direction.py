@@ -395,7 +395,7 @@ class ClosedDirection:
         inputs = [self.known, self.state, self.signs, self.roots]
         divisors = [one.value for one in self.conditions if one.root is None]
         expressions = [snapped_expression(stacked(part), inputs) for part in (told, divisors)]
-        literal, fabs, one = self.real.literal, self.real.call("fabs"), self.real.literal(1.0)
+        literal, fabs, one = self.real.literal, self.real.call("fabs"), self.real.one
         names = ("k", "x", "sign", [f"r{k + 1}" for k in range(len(told))])
         emitter = Emitter.of(self.real, list(zip(inputs, names, strict=True)), *expressions)
         lines = emitter.lines

@@ -128,7 +128,7 @@ class LimbFormulas:
         ]
         inputs = [(known, "c"), (roots, [f"r{k + 1}" for k in range(count)])]
         emitter = Emitter.of(real, inputs, *outputs)
-        zeros = [f"{array}[{i}] = {real.literal(0.0)};" for i in range(results.numel())]
+        zeros = [f"{array}[{i}] = {real.zero};" for i in range(results.numel())]
         status = [f"{self.made.name}_status status = {name}_{refused};"]
         written, closings, tests = list(status if free else []), list[list[str]](), list[str]()
         for k in range(count + 1):
@@ -145,7 +145,7 @@ class LimbFormulas:
             if k < count:
                 limit = real.literal(rounded((least * self.usual_roots[k]) ** 2))
                 about, square = self.formulas.names[k], emitter.value(0, k)
-                tests.append(emitter.root(k + 1, square, limit, real.literal(1.0), about=about))
+                tests.append(emitter.root(k + 1, square, limit, real.one, about=about))
         written += emitter.take()
         if tests:
             # only where the roots are there: then nothing that is divided by vanishes with them

@@ -136,7 +136,7 @@ class AnswerText(DirectValues):
     @property
     def half_lines(self) -> list[str]:
         """Statements of cosine and sine of half the pose's turn, by the larger one."""
-        kind, half, zero = self.real.type, self.real.literal(0.5), self.real.literal(0.0)
+        kind, half, zero = self.real.type, self.real.literal(0.5), self.real.zero
         sqrt, fabs = self.real.call("sqrt"), self.real.call("fabs")
         lines = list[str]()
         for c in self._turns:

@@ -95,7 +95,7 @@ class GuessText(DirectValues):
         real, name = self.real, self.made.name.upper()
         outputs = gathered(parts, [x, roots], [])
         inputs = [(x, "x"), (roots, [f"r{k + 1}" for k in range(roots.numel())])]
-        emitter, one = Emitter.of(real, inputs, *outputs), real.literal(1.0)
+        emitter, one = Emitter.of(real, inputs, *outputs), real.one
         tests = [
             emitter.root(k + 1, emitter.value(0, k), real.literal(rounded(limit)), one)
             for k, limit in enumerate(limits)
@@ -107,7 +107,7 @@ class GuessText(DirectValues):
         middle += emitter.take()
         for k in range(parts[2].numel()):
             text = emitter.value(2, k)
-            emitter.lines.append(f"w->sign[{k}] = ({text} < {real.literal(0.0)}) ? -{one} : {one};")
+            emitter.lines.append(f"w->sign[{k}] = ({text} < {real.zero}) ? -{one} : {one};")
         self.store_guards(emitter, 3, "left", of_divisors=False)
         last, near = emitter.take(), self.above("left", of_divisors=False)
         if near:

@@ -6,8 +6,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-
 from symkin.codegen.guard_text import Watched
 from symkin.codegen.joint_map_rates import LARGEST, rates_text
 from symkin.codegen.joint_map_values import MapValues
@@ -50,10 +48,6 @@ class JointMapSource(MapValues):
             "nq": n,
             "nj": n * n,
             "ny": sum(number_counts(made.coordinates)),
-            "turn": literal(2 * np.pi),
-            "per_turn": literal(0.5 / np.pi),
-            "minus_half": literal(-0.5),
-            "half_turn": literal(np.pi),
             "farthest": literal(farthest(made.size, (0.0, 0.0, 0.0))),
             "largest": literal(LARGEST),
         }

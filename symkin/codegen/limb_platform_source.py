@@ -167,10 +167,7 @@ class LimbPlatformSource:
             "farthest": literal(
                 farthest(made.closure.characteristic_length, made.mechanism.platform_position)
             ),
-            "turn": literal(2 * np.pi),
-            "per_turn": literal(0.5 / np.pi),
             "many": literal(1e4),
-            "minus_half": literal(-0.5),
             **self._passive_checks,
             "within": f", {self.real.type} within" if self._checks_rows else "",
             **self._names,
@@ -318,13 +315,13 @@ class LimbPlatformSource:
             f"if (status == {p.upper()}_WRONG_BRANCH) {{",
             "    /* a guess whose own rows vanish is the answer: nothing moves */",
             f"    (void){p}_read_guess({ga}&w, joints, guess);",
-            f"    {p}_direct_set_target({ga}&w, given, {self.real.literal(1.0)});",
+            f"    {p}_direct_set_target({ga}&w, given, {self.real.one});",
             f"    {p}_direct_rows({ga}&w);",
             f"    const {self.real.type} residual = {p}_direct_residual(&w);",
             f"    const {self.real.type} allowed = (config != NULL) ? config->tolerance : "
             f"{p.upper()}_TOLERANCE;",
             f"    if (residual <= allowed + {stands}) {{",
-            f"        {p}_write_info(info, 0U, residual, {self.real.literal(0.0)}, w.spread);",
+            f"        {p}_write_info(info, 0U, residual, {self.real.zero}, w.spread);",
             f"        status = {self._ok};",
             "    }",
             *("    " + line for line in branch),
@@ -336,7 +333,7 @@ class LimbPlatformSource:
         p, real, nc = self.name, self.real, int(str(self._common["nc"]))
         return [
             f"{real.type} c[{nc}];",
-            f"{real.type} passive[{self._common['np']}] = {{ {real.literal(0.0)} }};",
+            f"{real.type} passive[{self._common['np']}] = {{ {real.zero} }};",
             f"status = {p}_pose_coordinates({self._ga}guess, c);",
             f"if (status == {self._ok}) {{",
             f"    status = {p}_solve_limbs({self._ga}c, w->at, "

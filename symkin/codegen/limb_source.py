@@ -300,7 +300,7 @@ class LimbSource:
         first, length = emitter.divisions[0]
         return [
             *lines[:first],
-            f"if ({length} > {self.real.literal(0.0)}) {{",
+            f"if ({length} > {self.real.zero}) {{",
             *("    " + line for line in lines[first:]),
             "} else {",
             f"    status = {self.made.name.upper()}_SINGULAR;",

@@ -88,7 +88,7 @@ class LineParts:
         """The next part, where parts are bounded: `fits` says of half of it that the whole does."""
         if not self.measured:
             return f"(quick && ({fits})) ? ({two} * part) : part"
-        return f"((stretch < {self.real.literal(1.0)}) || ({fits})) ? (stretch * part) : part"
+        return f"((stretch < {self.real.one}) || ({fits})) ? (stretch * part) : part"
 
     @property
     def _stretching(self) -> dict[str, str]:
@@ -169,20 +169,17 @@ def line_target(real: Real, count: int, quaternion: int | None) -> list[str]:
     if quaternion is not None:
         lines.append("/* of q and -q, one rotation, the one on the guess's side */")
         lines.append(
-            f"if ({' + '.join(f'{a} * {b}' for a, b in zip(at, to, strict=True))} < "
-            f"{real.literal(0.0)}) {{"
+            f"if ({' + '.join(f'{a} * {b}' for a, b in zip(at, to, strict=True))} < {real.zero}) {{"
         )
         lines += [*(f"    {v} = -{v};" for v in k), "}"]
     lines += [
-        f"if (part < {real.literal(1.0)}) {{",
+        f"if (part < {real.one}) {{",
         f"    {loop}",
         "        w->k[i] = w->at[i] + part * (w->k[i] - w->at[i]);",
         "    }",
     ]
     if quaternion is not None:
         square = " + ".join(f"{v} * {v}" for v in k)
-        lines.append(
-            f"    const {real.type} inverse = {real.literal(1.0)} / {real.call('sqrt')}({square});"
-        )
+        lines.append(f"    const {real.type} inverse = {real.one} / {real.call('sqrt')}({square});")
         lines += [f"    {v} *= inverse;" for v in k]
     return [*lines, "}"]

@@ -172,7 +172,7 @@ class DirectionSource(MapValues):
     @property
     def _target_lines(self) -> list[str]:
         """Statements that set w->k, the known values, on the line from w->at to `to`."""
-        one = self.real.literal(1.0)
+        one = self.real.one
         return self._known_lines(
             [
                 f"(part < {one}) ? (w->at[{i}] + part * (to[{i}] - w->at[{i}])) : to[{i}]"
@@ -465,9 +465,7 @@ class DirectionSource(MapValues):
         texts = {c.name: text for c, text in zip(self.unknown, found, strict=True)}
         texts |= {c.name: f"{self.words[0]}[{i}]" for i, c in enumerate(self.known)}
         variables = [
-            texts.get(c.name, self.real.literal(0.0))
-            for c in closure.coordinates
-            for _ in range(c.width)
+            texts.get(c.name, self.real.zero) for c in closure.coordinates for _ in range(c.width)
         ]
         beyond = f"{self.name.upper()}_OUT_OF_RANGE"
         fixed = Geometry(closure, at_run_time=False)

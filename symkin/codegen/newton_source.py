@@ -20,7 +20,7 @@ from symkin.codegen.linear_solver import (
     linear_solver,
 )
 from symkin.codegen.newton_kernel import Kernel, rounded
-from symkin.codegen.text.c import Emitter, Real, indent, indexed
+from symkin.codegen.text.c import Emitter, Real, indent
 from symkin.codegen.text.templates import common_values, copy, copy_loop, fill
 from symkin.computed_once import cached_property
 from symkin.text import c_comment
@@ -147,9 +147,8 @@ class NewtonCode:
     @cached_property
     def linear(self) -> LinearSolver:
         """The linear solver."""
-        inputs = [*self._inputs, indexed("w->d", self.kernel.shared_symbols.numel())]
-        if self.keeps_known:
-            inputs[1] = indexed("w->k0", self.kernel.known.numel())
+        known = "w->k0" if self.keeps_known else "w->k"
+        inputs = ["w->x", known, self.geometry, "w->d"]
         return linear_solver(
             self.kernel,
             self.real,
@@ -215,23 +214,14 @@ class NewtonCode:
 
     # --- statements -------------------------------------------------------------------------------
 
-    @property
-    def _inputs(self) -> list[list[str]]:
-        """C text of state, known values and geometry."""
-        kernel = self.kernel
-        return [
-            indexed("w->x", kernel.state.numel()),
-            indexed("w->k", kernel.known.numel()),
-            list(self.geometry),
-        ]
-
     @cached_property
     def _rows(self) -> Emitter:
         """Each row made and stored in turn, and what the matrix shares with it as soon as the row
         has been made.
         """
         kernel = self.kernel
-        emitter = Emitter(kernel.row_function(), self._inputs, self.real)
+        inputs = ["w->x", "w->k", self.geometry]
+        emitter = Emitter(kernel.row_function(), inputs, self.real)
         count = kernel.shared_symbols.numel()
         for row in range(kernel.m):
             if kernel.m > 1:
@@ -247,14 +237,9 @@ class NewtonCode:
     @cached_property
     def _move(self) -> tuple[Emitter, list[str]]:
         """Statements that add the step in w->f to the state and return its squared length."""
-        kernel = self.kernel
-        emitter = Emitter(
-            kernel.move_function(),
-            [self._inputs[0], indexed("w->f", kernel.n), list(self.geometry)],
-            self.real,
-        )
-        moved = [emitter.value(0, i) for i in range(kernel.state.numel())]
-        squared = emitter.value(1, 0)
+        inputs = ["w->x", "w->f", self.geometry]
+        emitter = Emitter(self.kernel.move_function(), inputs, self.real)
+        moved, squared = emitter.values(0), emitter.value(1, 0)
         return emitter, [
             *emitter.lines,
             *(f"w->x[{i}] = {text};" for i, text in enumerate(moved)),
@@ -453,7 +438,7 @@ class NewtonCode:
         begin, back = list[str](), [done, *keep]
         if self.measured:
             begin = [
-                f"{self.k}_set_target({self._ga}w, to, {self.real.literal(0.0)});",
+                f"{self.k}_set_target({self._ga}w, to, {self.real.zero});",
                 *keep,
                 f"{self.k}_set_target({self._ga}w, to, aim);",
             ]

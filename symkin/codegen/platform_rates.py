@@ -71,9 +71,7 @@ def square_twist(mechanism: Mechanism, real: Real, values: Mapping[str, object])
         "row_scales": ", ".join(scales),
         "columns": ", ".join(f"{c}U" for c in columns),
         "column_scales": ", ".join(real.literal(1.0 / size if c > 2 else 1.0) for c in columns),
-        "others": indent(
-            [f"twist[{c}] = {real.literal(0.0)};" for c in range(6) if c not in columns], 2
-        ),
+        "others": indent([f"twist[{c}] = {real.zero};" for c in range(6) if c not in columns], 2),
         "least_pivots": ", ".join([real.literal(SINGULAR * real.epsilon)] * len(columns)),
     }
     return fill("square_twist.c", {**values, **shown})
@@ -102,7 +100,7 @@ def closure_twist(made: LimbPlatform, values: Mapping[str, object], driver: Kern
     else:
         joints, target, into = core.joints, core.target, "w->at"
         store = _of_state(kernel, core.twist, kernel.step, "w->f", made).stored("twist")
-        aim = [f"{k}_set_target(w, w->at, {real.literal(1.0)});", f"{k}_rows(w);"]
+        aim = [f"{k}_set_target(w, w->at, {real.one});", f"{k}_rows(w);"]
         if driver is kernel and kernel.reads_known:
             aim += copy("w->k0", "w->k", kernel.known.numel())
     rates = ca.SX.sym("v", nq)

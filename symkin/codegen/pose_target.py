@@ -17,8 +17,7 @@ def core_target(made: PoseKernel, real: Real) -> list[str]:
     return [
         f"{real.type} q[{count}];",
         f"for (int i = 0; i < {count}; ++i) {{",
-        f"    q[i] = (part < {real.literal(1.0)}) ? (w->at[i] + part * (to[i] - w->at[i])) : "
-        f"to[i];",
+        f"    q[i] = (part < {real.one}) ? (w->at[i] + part * (to[i] - w->at[i])) : to[i];",
         "}",
         *emitter.stored("w->k"),
     ]

@@ -185,7 +185,7 @@ class RodSource:
                 for i, length in enumerate(rods.home_lengths)
             ]
         return [
-            *(f"w->k[{i}] = {self.real.literal(0.0)};" for i in range(6)),
+            *(f"w->k[{i}] = {self.real.zero};" for i in range(6)),
             f"{self.name}_direct_rows({self._common['ga']}w);",
             *self._rolled([(f, "w->f")], joints),
         ]
@@ -285,7 +285,7 @@ def _matrix_lines(platform: RodPlatform) -> list[str]:
         text = (
             f"{plus} - {minus}"
             if plus and minus
-            else plus or (f"-({minus})" if minus else real.literal(0.0))
+            else plus or (f"-({minus})" if minus else real.zero)
         )
         entries.append(f"row[{3 + k}] = {text};")
     return [

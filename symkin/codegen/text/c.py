@@ -31,6 +31,14 @@ class Real:
         """Half a unit in the last place of 1."""
         return 2.0**-24 if self.name == "float" else 2.0**-53
 
+    @property
+    def zero(self) -> str:
+        return self.literal(0.0)
+
+    @property
+    def one(self) -> str:
+        return self.literal(1.0)
+
     def call(self, function: str) -> str:
         return function + self.suffix
 
@@ -63,7 +71,7 @@ class Real:
 
 def c_language(real: Real, prefix: str) -> Language:
     """C99 with numbers of a type, an operation a statement."""
-    inverse = {ca.OP_INV: Form(f"{real.literal(1.0)} / {{}}", PRODUCT, (POWER,))}
+    inverse = {ca.OP_INV: Form(f"{real.one} / {{}}", PRODUCT, (POWER,))}
     return Language(
         ARITHMETIC | inverse | calls("{}" + real.suffix, {}),
         real.literal,
