@@ -181,9 +181,20 @@ class _Guarding:
         )
         if ca.depends_on(found.divisors, found.roots):
             return None
-        guards: list[Guard] = []
-        for name, place, value in self._values_above_zero(discriminants):
-            guard = self._condition(name, place, value, discriminants, guards)
+        guards, choices = list[Guard](), self.whole.pose_choices
+        above = [
+            (Guard(name, k, None, (), 1.0, "proved", ()), discriminants[k])
+            for k, name in enumerate(found.names[:choices])
+        ]
+        for j, reach in enumerate(self.whole.reaches):
+            value = ca.substitute(reach.of_known, found.signs, ca.SX.ones(*found.signs.shape))
+            made = Guard(f"reach of {reach.name}", None, j, (), 1.0, "proved", ())
+            above.append((made, self._without_squares(value, discriminants[:choices])))
+        # the least powers of divisors that make a value a polynomial P, or P + Q root
+        sets = sorted(product(range(_POWERS), repeat=count), key=sum)
+        roots = {j: (found.roots[j], discriminants[j]) for j in range(discriminants.numel())}
+        for made, value in above:
+            guard = self._line.proved(made, value, roots, guards, found.divisors, sets)
             if guard is None:
                 return None
             guards.append(guard)
@@ -200,40 +211,6 @@ class _Guarding:
             sign = float(np.sign(np.median(self._at_samples(divisor))))
             guards.append(Guard(f"divisor {j + 1}", None, None, powers, sign, "proved", bounds))
         return tuple(guards)
-
-    def _values_above_zero(
-        self, discriminants: ca.SX
-    ) -> list[tuple[str, tuple[int | None, int | None], ca.SX]]:
-        """Name, (choice, reach) and value of the pose's discriminants and of the limbs' bounds."""
-        found, count = self.found, self.whole.pose_choices
-        values: list[tuple[str, tuple[int | None, int | None], ca.SX]] = []
-        values += [(found.names[k], (k, None), discriminants[k]) for k in range(count)]
-        for j, reach in enumerate(self.whole.reaches):
-            value = ca.substitute(reach.of_known, found.signs, ca.SX.ones(*found.signs.shape))
-            values.append(
-                (
-                    f"reach of {reach.name}",
-                    (None, j),
-                    self._without_squares(value, discriminants[:count]),
-                )
-            )
-        return values
-
-    def _condition(
-        self,
-        name: str,
-        place: tuple[int | None, int | None],
-        value: ca.SX,
-        discriminants: ca.SX,
-        before: Sequence[Guard],
-    ) -> Guard | None:
-        """The guard of a discriminant or a limb's bound, (choice, reach), by the least powers of
-        divisors that make its value a polynomial P, or P + Q root.
-        """
-        divisors, made = self.found.divisors, Guard(name, *place, (), 1.0, "proved", ())
-        powers = sorted(product(range(_POWERS), repeat=divisors.numel()), key=sum)
-        roots = {j: (self.found.roots[j], discriminants[j]) for j in range(discriminants.numel())}
-        return self._line.proved(made, value, roots, before, divisors, powers)
 
     def _without_squares(self, value: ca.SX, discriminants: ca.SX) -> ca.SX:
         """A value in which roots that it holds by their squares alone are put in."""

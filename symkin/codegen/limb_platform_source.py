@@ -17,7 +17,7 @@ from symkin.codegen.guards import DETERMINANT
 from symkin.codegen.joint_ranges import range_functions, ranges_of
 from symkin.codegen.limb_platform import LimbPlatform
 from symkin.codegen.limb_source import LimbSource
-from symkin.codegen.line_parts import FIRST_TURN, line_target
+from symkin.codegen.line_parts import FIRST_TURN, core_target, line_target
 from symkin.codegen.linear_solver import singular_condition
 from symkin.codegen.newton_kernel import rounded, sampled
 from symkin.codegen.newton_source import NewtonCode, tracked_error
@@ -29,7 +29,6 @@ from symkin.codegen.platform_rates import (
     square_twist,
 )
 from symkin.codegen.pose_coordinates import COLUMNS, pose_coordinates_text, pose_text
-from symkin.codegen.pose_target import core_target
 from symkin.codegen.text.c import Emitter, Real, indent, indexed
 from symkin.codegen.text.templates import common_values, copy, farthest, fill, normalise_pose
 from symkin.computed_once import cached_property

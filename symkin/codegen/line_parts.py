@@ -7,7 +7,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from symkin.codegen.newton_kernel import Kernel
-from symkin.codegen.text.c import Real, indent, indexed
+from symkin.codegen.pose_kernel import PoseKernel
+from symkin.codegen.text.c import Emitter, Real, indent, indexed
 
 FIRST_TURN = 0.5
 """Turn of the known values that is tried first (rad): most longer ones are refused."""
@@ -183,3 +184,17 @@ def line_target(real: Real, count: int, quaternion: int | None) -> list[str]:
         lines.append(f"    const {real.type} inverse = {real.one} / {real.call('sqrt')}({square});")
         lines += [f"    {v} *= inverse;" for v in k]
     return [*lines, "}"]
+
+
+def core_target(made: PoseKernel, real: Real) -> list[str]:
+    """Statements that set w->k, known values of joint values, at a part of the joints' line from
+    w->at to `to`: sin and cos of each joint once.
+    """
+    count = made.joints.numel()
+    return [
+        f"{real.type} q[{count}];",
+        f"for (int i = 0; i < {count}; ++i) {{",
+        f"    q[i] = (part < {real.one}) ? (w->at[i] + part * (to[i] - w->at[i])) : to[i];",
+        "}",
+        *Emitter.of(real, [(made.joints, "q")], made.target).stored("w->k"),
+    ]

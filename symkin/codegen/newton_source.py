@@ -395,63 +395,43 @@ class NewtonCode:
 
     @property
     def _aiming(self) -> dict[str, object]:
-        """Calls that aim at parts of the line: by known values kept at the guess, or by
-        `retarget`.
+        """Calls that aim at parts of the line: by known values kept at the guess, or by `retarget`;
+        where those at the part that is done are kept, new factors on the way to the aim are those
+        of the aim.
         """
-        aim, done = (f"{self.k}_set_target({self._ga}w, to, {part});" for part in ("aim", "done"))
+        k, ga = self.k, self._ga
+        aim, done = (f"{k}_set_target({ga}w, to, {part});" for part in ("aim", "done"))
+        state, by_call = self.kernel.state.numel(), bool(self.retarget)
+        kept, save0 = self.keeps_known, copy("w->x0", "w->x", state)
+        keep = copy("w->k0", "w->k", self.kernel.known.numel()) if kept else []
+        back, begin_target = [done, *keep] if kept else [], [aim]
+        if by_call:
+            begin_target, save0 = [f"{k}_set_target({ga}w, to);"], []
+        elif kept and self.measured:
+            # the caller has set the kept values, or they are made here
+            begin_target, back = [], ["if (!kept) {", *("    " + line for line in back), "}"]
+            save0 += [f"{k}_set_target({ga}w, to, {self.real.zero});", *keep, aim]
         # the matrix reads known values: it is made at the part of the line that is done. Of wide
         # systems it is made at the part aimed at, because shortest steps follow the path more
         # closely by that one
-        reads_known = self.kernel.reads_known and not self.kernel.is_wide
-        by_call = bool(self.retarget)
-        if self.keeps_known:
-            return self._aiming_by_kept(aim, done)
+        reads_known = self.kernel.reads_known and not self.kernel.is_wide and not kept
+
+        def first(call: str) -> str:
+            return indent(["if (taken == 0U) {", f"    {call}", "}"], 3) if reads_known else ""
+
+        keeping = indent(["if (taken > 0U) {", *("    " + line for line in keep), "}"], 3)
         return {
-            "begin_target": indent([f"{self.k}_set_target({self._ga}w, to);" if by_call else aim]),
+            "begin_target": indent(begin_target),
             "part": "" if by_call else f", {self.real.type} part",
             "aimed": "" if by_call else ": a part of the line from the guess's to `to`",
-            "at_done": indent(["if (taken == 0U) {", f"    {done}", "}"], 3) if reads_known else "",
-            "at_aim": indent(["if (taken == 0U) {", f"    {aim}", "}"], 3) if reads_known else "",
-            "save0": "" if by_call else indent(copy("w->x0", "w->x", self.kernel.state.numel())),
-            "advance": indent(
-                [
-                    *copy_loop("w->x0", "w->x", self.kernel.state.numel()),
-                    self.retarget or aim,
-                ],
-                4,
-            ),
+            "at_done": keeping if kept else first(done),
+            "at_aim": first(aim),
+            "save0": indent(save0),
+            "advance": indent([*copy_loop("w->x0", "w->x", state), *keep, self.retarget or aim], 4),
             "retreat": indent(
-                [self.retarget]
-                if by_call
-                else [*copy_loop("w->x", "w->x0", self.kernel.state.numel()), aim],
+                [self.retarget] if by_call else [*copy_loop("w->x", "w->x0", state), *back, aim],
                 3,
             ),
-        }
-
-    def _aiming_by_kept(self, aim: str, done: str) -> dict[str, object]:
-        """The same where the known values at the part that is done are kept: new factors on the way
-        to the aim are those of the aim.
-        """
-        state, nk = self.kernel.state.numel(), self.kernel.known.numel()
-        keep = copy("w->k0", "w->k", nk)
-        # the caller has set the kept values, or they are made here, where the line is `measured`
-        begin, back = list[str](), [done, *keep]
-        if self.measured:
-            begin = [
-                f"{self.k}_set_target({self._ga}w, to, {self.real.zero});",
-                *keep,
-                f"{self.k}_set_target({self._ga}w, to, aim);",
-            ]
-            back = ["if (!kept) {", *("    " + line for line in back), "}"]
-        return {
-            "begin_target": "" if self.measured else indent([aim]),
-            "part": f", {self.real.type} part",
-            "aimed": ": a part of the line from the guess's to `to`",
-            "at_done": indent(["if (taken > 0U) {", *("    " + line for line in keep), "}"], 3),
-            "at_aim": "",
-            "save0": indent([*copy("w->x0", "w->x", state), *begin]),
-            "advance": indent([*copy_loop("w->x0", "w->x", state), *keep, aim], 4),
-            "retreat": indent([*copy_loop("w->x", "w->x0", state), *back, aim], 3),
         }
 
     @property

@@ -11,13 +11,12 @@ import numpy as np
 
 from symkin.closure.snapping import snapped_expression
 from symkin.codegen.limb_platform import LimbPlatform
-from symkin.codegen.line_parts import line_target
+from symkin.codegen.line_parts import core_target, line_target
 from symkin.codegen.linear_solver import SINGULAR, singular_condition
 from symkin.codegen.newton_kernel import Kernel, system_kernel
 from symkin.codegen.newton_source import NewtonCode
 from symkin.codegen.pose_coordinates import COLUMNS
 from symkin.codegen.pose_kernel import PoseKernel
-from symkin.codegen.pose_target import core_target
 from symkin.codegen.text.c import Emitter, Real, indent
 from symkin.codegen.text.templates import copy, fill, substitute
 from symkin.model.mechanism import Mechanism
