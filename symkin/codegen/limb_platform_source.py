@@ -17,7 +17,7 @@ from symkin.codegen.guards import DETERMINANT
 from symkin.codegen.joint_ranges import range_functions, ranges_of
 from symkin.codegen.limb_platform import LimbPlatform
 from symkin.codegen.limb_source import LimbSource
-from symkin.codegen.line_parts import FIRST_TURN, core_target, line_target
+from symkin.codegen.line_parts import FIRST_TURN
 from symkin.codegen.linear_solver import singular_condition
 from symkin.codegen.newton_kernel import rounded, sampled
 from symkin.codegen.newton_source import NewtonCode, tracked_error
@@ -25,6 +25,7 @@ from symkin.codegen.passive_limits import limit_lines
 from symkin.codegen.platform_rates import (
     closure_twist,
     decides_twist,
+    direct_target,
     speeds_text,
     square_twist,
 )
@@ -137,9 +138,7 @@ class LimbPlatformSource:
             geometry=made.geometry.names,
             matrices=matrices,
             kappa=kappa,
-            target_lines=line_target(self.real, nq, None)
-            if made.core is None
-            else core_target(made.core.direct, self.real),
+            target_lines=direct_target(made),
             known_count=nq,
             first_turn=FIRST_TURN,
             measured=made.core is not None,
@@ -193,25 +192,14 @@ class LimbPlatformSource:
             own = [(c, float(rotation[c % 3, k % 3])) for c in columns if c // 3 == k // 3]
             terms = [f"{literal(v)} * a[{c}]" for c, v in own if v != 0.0]
             lines.append(f"b[{k}] = {' + '.join(terms) or literal(0.0)};")
-        shown: dict[str, object] = {
-            "part": part,
-            "own": self._names[part],
-            "turned_row": indent(lines, 2),
-            "about": "Joint rates by the platform's twist",
-            "given": "",
-            "rates": "",
-            "found": "rates",
-            "count": self._common["nq"],
-        }
+        rates, count = f"const {self.real.type} rates[{self._common['nq']}], ", self._common["nq"]
+        about, given, passed, found = "Joint rates by the platform's twist", "", "", "rates"
         if part == "twist":
-            shown |= {
-                "about": "The twist of joint rates",
-                "given": f"const {self.real.type} rates[{shown['count']}], ",
-                "rates": "rates, ",
-                "found": "twist",
-                "count": 1,
-            }
-        return fill("turned.c", self._common | shown)
+            about, given, passed, found = "The twist of joint rates", rates, "rates, ", "twist"
+            count = 1
+        shown = {"part": part, "own": self._names[part], "turned_row": indent(lines, 2)}
+        said = {"about": about, "given": given, "rates": passed, "found": found, "count": count}
+        return fill("turned.c", self._common | shown | said)
 
     @property
     def _passive_checks(self) -> dict[str, str]:
@@ -219,35 +207,22 @@ class LimbPlatformSource:
         they exist: of an inverse, of Newton's method, of formulas.
         """
         ga = "geometry, " if self.made.geometry.at_run_time else ""
-        ok, count = f"status == {self._ok}", sum(c.width for c in self.made.passive)
-        names = ("inverse_passive", "direct_passive", "write_tracked", "check_answer")
+        write, check = f"{self.name}_write_pose({ga}&w, pose);", f"{self.name}_check_passive({ga}"
         if not self.made.passive_checks:
-            return dict.fromkeys(names, "") | {
-                "write_tracked": indent([f"{self.name}_write_pose({ga}&w, pose);"], 4),
-            }
-        of_state = f"{self.name}_check_passive({ga}&w.x[{count}], given, w.x)"
-        parts = (
-            indent(
-                [
-                    f"if ({ok}) {{",
-                    f"    status = {self.name}_check_passive({ga}c, q, passive);",
-                    "}",
-                ],
-                2,
-            ),
-            indent([f"if ({ok}) {{", f"    status = {of_state};", "}"], 2),
-            indent(
-                [
-                    f"status = {of_state};",
-                    f"if ({ok}) {{",
-                    f"    {self.name}_write_pose({ga}&w, pose);",
-                    "}",
-                ],
-                4,
-            ),
-            indent([f"if ({ok}) {{", f"    status = {self.name}_check_answer(&answer);", "}"], 2),
-        )
-        return dict(zip(names, parts, strict=True))
+            names = ("inverse_passive", "direct_passive", "check_answer")
+            return dict.fromkeys(names, "") | {"write_tracked": indent([write], 4)}
+
+        def if_ok(statement: str) -> list[str]:
+            return [f"if (status == {self._ok}) {{", f"    {statement}", "}"]
+
+        count = sum(c.width for c in self.made.passive)
+        of_state = f"status = {check}&w.x[{count}], given, w.x);"
+        return {
+            "inverse_passive": indent(if_ok(f"status = {check}c, q, passive);"), 2),
+            "direct_passive": indent(if_ok(of_state), 2),
+            "write_tracked": indent([of_state, *if_ok(write)], 4),
+            "check_answer": indent(if_ok(f"status = {self.name}_check_answer(&answer);"), 2),
+        }
 
     @property
     def _checks_rows(self) -> bool:

@@ -112,8 +112,8 @@ def passive_system(problem: Problem, limb: System) -> System:
     made = replace(
         limb,
         unknowns=unknowns,
-        unknown=_symbols(problem, unknowns),
-        known=_symbols(problem, given),
+        unknown=problem.closure.symbols(unknowns),
+        known=problem.closure.symbols(given),
     )
     return _of_whole_angles(made, problem, (*limb.unknowns, *problem.closure.role("pose")))
 
@@ -125,15 +125,10 @@ def _of_whole_angles(system: System, problem: Problem, coordinates: Sequence[Coo
     if any(c.width != 1 for c in coordinates):
         return system
     rows, errors = (
-        plain(part, _symbols(problem, coordinates), coordinates, system.characteristic_length)
+        plain(part, problem.closure.symbols(coordinates), coordinates, system.characteristic_length)
         for part in (system.rows, system.errors)
     )
     return replace(system, rows=rows, errors=errors)
-
-
-def _symbols(problem: Problem, coordinates: Sequence[Coordinate]) -> ca.SX:
-    closure = problem.closure
-    return closure.symbols(coordinates)
 
 
 @dataclass(frozen=True, eq=False)
@@ -191,7 +186,7 @@ class _Limbwise:
         """The numbers of the known coordinates, over their values."""
         known = self.problem.known_coordinates
         found = dict[str, list[Numbers]]()
-        for c, value in zip(known, _symbols(self.problem, known).elements(), strict=True):
+        for c, value in zip(known, self.problem.closure.symbols(known).elements(), strict=True):
             circle = (ca.cos(value), ca.sin(value)) if c.is_angular else ()
             found[c.name] = [Numbers(value, *circle)]
         return found
@@ -199,7 +194,7 @@ class _Limbwise:
     def _of_known(self, whole: Composed, expression: ca.SX) -> ca.SX:
         """An expression of coordinates over the known values."""
         every = tuple(c for c in self.problem.closure.coordinates if c.name in whole.numbers)
-        return whole.written(expression, [(_symbols(self.problem, every), every)])
+        return whole.written(expression, [(self.problem.closure.symbols(every), every)])
 
     def _whole_form(self, whole: Composed, divisors: Sequence[ca.SX]) -> ClosedForm:
         """The composed formulas as one closed form with these divisors."""
@@ -251,7 +246,7 @@ class _Limbwise:
         assert form is not None  # noqa: S101 - the caller has found it
         known = self._values(part.problem.known_coordinates)
         signs = form.signs_at(self._values(form.system.unknowns)[0], known[0])
-        length = ca.Function("length", [_symbols(self.problem, self._pose)], [square])
+        length = ca.Function("length", [self.problem.closure.symbols(self._pose)], [square])
         lengths = np.array([float(length(v)) for v in poses])
         values = np.hstack([form.discriminants_at(known, signs), form.divisors_at(known, signs)])
         alone = [
@@ -260,7 +255,7 @@ class _Limbwise:
             if not _is_multiple_of_any(values[:, k], lengths[:, None])
         ]
         count = form.discriminants.numel()
-        others = ca.vertcat(form.roots, form.signs, _symbols(self.problem, self._pose))
+        others = ca.vertcat(form.roots, form.signs, self.problem.closure.symbols(self._pose))
         for k in alone:
             if k < count or ca.depends_on(form.divisors[k - count], others):
                 return None

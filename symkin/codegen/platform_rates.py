@@ -16,7 +16,6 @@ from symkin.codegen.linear_solver import SINGULAR, singular_condition
 from symkin.codegen.newton_kernel import Kernel, system_kernel
 from symkin.codegen.newton_source import NewtonCode
 from symkin.codegen.pose_coordinates import COLUMNS
-from symkin.codegen.pose_kernel import PoseKernel
 from symkin.codegen.text.c import Emitter, Real, indent
 from symkin.codegen.text.templates import copy, fill, substitute
 from symkin.model.mechanism import Mechanism
@@ -76,6 +75,13 @@ def square_twist(mechanism: Mechanism, real: Real, values: Mapping[str, object])
     return fill("square_twist.c", {**values, **shown})
 
 
+def direct_target(made: LimbPlatform) -> list[str]:
+    """Statements that aim the direct problem at a point of the joints' line."""
+    if made.core is None:
+        return line_target(made.real, len(made.actuated), None)
+    return core_target(made.core.direct, made.real)
+
+
 def closure_twist(made: LimbPlatform, values: Mapping[str, object], driver: Kernel | None) -> str:
     """NAME_twist by the rows of the direct problem, over the pose alone or of the whole closure: by
     the driver's kernel where it is that of these rows, else by one of its own (None: no driver).
@@ -88,7 +94,7 @@ def closure_twist(made: LimbPlatform, values: Mapping[str, object], driver: Kern
             known, symbols = made.direct.known_coordinates, made.geometry.symbols
             system = made.geometry.system(made.direct)
             kernel = system_kernel("velocity", system, known, symbols)
-        code = _newton_code(made, kernel, core)
+        code = _newton_code(made, kernel)
         own = "" if core is None else code.functions + code.target
         text = code.work + own + code.linear.text
     k, ga, passive = f"{made.name}_{kernel.name}", str(values["ga"]), 0
@@ -123,16 +129,20 @@ def closure_twist(made: LimbPlatform, values: Mapping[str, object], driver: Kern
     return text + fill("closure_twist.c", {**values, **shown})
 
 
-def _newton_code(made: LimbPlatform, kernel: Kernel, core: PoseKernel | None) -> NewtonCode:
-    values, nq = made.geometry.values, len(made.actuated)
-    states = [
-        (s.unknown, s.known) if core is None else made.direct_state(s.values) for s in made.samples
-    ]
-    matrices = np.array([kernel.matrix(*at, values) for at in states])
-    lines = line_target(made.real, nq, None) if core is None else core_target(core, made.real)
-    names = made.geometry.names
+def _newton_code(made: LimbPlatform, kernel: Kernel) -> NewtonCode:
+    """Of rows that are written for the twist alone."""
+    states = (made.direct_state(s.values) for s in made.samples)
+    matrices = np.array([kernel.matrix(*at, made.geometry.values) for at in states])
     return NewtonCode(
-        kernel, made.name, made.real, names, matrices, 1.0, lines, nq, compact=made.options.compact
+        kernel,
+        made.name,
+        made.real,
+        made.geometry.names,
+        matrices,
+        1.0,
+        direct_target(made),
+        len(made.actuated),
+        compact=made.options.compact,
     )
 
 
