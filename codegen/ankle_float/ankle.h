@@ -31,6 +31,20 @@
  *   inertia: 197 add, 273 mul, 4 div, 1 sqrt
  *   torque_limits: 156 add, 223 mul, 8 div, 1 sqrt
  *   rate_limits: 187 add, 261 mul, 8 div, 1 sqrt
+ *   measured (Cortex-M4F, GCC 12.2.1 -O2, 18886 inputs, seed 1): instructions, bytes of stack with
+ *     callees, bytes of code with callees but without those of libm:
+ *   direct: 77400 instructions, 648 stack, 7888 code
+ *   track: 1120 instructions, 196 stack, 3364 code
+ *   inverse: 88855 instructions, 696 stack, 10836 code
+ *   track_inverse: 1040 instructions, 220 stack, 4732 code
+ *   jacobian: 800 instructions, 220 stack, 2924 code
+ *   inverse_jacobian: 815 instructions, 236 stack, 3020 code
+ *   second: 1220 instructions, 364 stack, 4088 code
+ *   rates: 930 instructions, 268 stack, 3168 code
+ *   torques: 930 instructions, 268 stack, 3168 code
+ *   inertia: 1055 instructions, 292 stack, 3292 code
+ *   torque_limits: 960 instructions, 268 stack, 3208 code
+ *   rate_limits: 980 instructions, 284 stack, 3304 code
  *
  * Model SHA-256 04deed2052383811e7f0981a7545d222c99685967960c3c2ac2c816691947d5b
  */

@@ -28,6 +28,15 @@
  *   rates: 144 add, 228 mul, 10 div, 4 sqrt
  *   feed: 147 add, 231 mul, 13 div, 4 sqrt
  *   twist: 134 add, 251 mul, 13 div, 4 sqrt
+ *   measured (Cortex-M7, GCC 12.2.1 -O2, 40000 inputs, seed 1): instructions, bytes of stack with
+ *     callees, bytes of code with callees but without those of libm:
+ *   direct: 99545 instructions, 1608 stack, 5324 code
+ *   track: 1995 instructions, 1624 stack, 5364 code
+ *   inverse: 690 instructions, 232 stack, 1272 code
+ *   jacobian: 855 instructions, 400 stack, 2204 code
+ *   rates: 1135 instructions, 592 stack, 2384 code
+ *   feed: 1230 instructions, 632 stack, 2484 code
+ *   twist: 1440 instructions, 664 stack, 2908 code
  *
  * Model SHA-256 02adadf425a6ae7a2396292ae800ae8459d654306b9b963b3a67ae566d228315
  */

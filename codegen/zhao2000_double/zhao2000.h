@@ -29,6 +29,15 @@
  *   rates: 162 add, 242 mul, 14 div, 5 sqrt, 3 sin, 3 cos, 1 atan2
  *   feed: 166 add, 246 mul, 18 div, 5 sqrt, 3 sin, 3 cos, 1 atan2
  *   twist: 162 add, 294 mul, 18 div, 5 sqrt, 3 sin, 3 cos, 1 atan2
+ *   measured (Cortex-M7, GCC 12.2.1 -O2, 40000 inputs, seed 1): instructions, bytes of stack with
+ *     callees, bytes of code with callees but without those of libm:
+ *   direct: 115780 instructions, 1920 stack, 6216 code
+ *   track: 2185 instructions, 1936 stack, 6256 code
+ *   inverse: 1715 instructions, 960 stack, 2060 code
+ *   jacobian: 1285 instructions, 1096 stack, 2212 code
+ *   rates: 1605 instructions, 1344 stack, 2392 code
+ *   feed: 1725 instructions, 1392 stack, 2492 code
+ *   twist: 2385 instructions, 1504 stack, 3012 code
  *
  * Model SHA-256 412298150d5f8895f2b466eaca32bb8d9ac2dc4c595fd9ee23f23250d7133d68
  */
