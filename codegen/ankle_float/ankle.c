@@ -207,35 +207,49 @@ static ANKLE_SHARED ankle_real ankle_turned(ankle_real angle, ankle_real near, a
     return moved;
 }
 
-/* Least and largest values: limits, and bounds of what is guessed, which need not keep to
- * limits. */
-static const ankle_real ankle_limits_joints[2][2] = { { -1000.0f, -1000.0f }, { 1000.0f,
-    1000.0f } };
-static const ankle_real ankle_bounds_joints[2][2] = { { -1000.0f, -1000.0f }, { 1000.0f,
-    1000.0f } };
-static const ankle_real ankle_limits_found[2][2] = { { -1000.0f, -1000.0f }, { 1000.0f, 1000.0f } };
-static const ankle_real ankle_bounds_found[2][2] = { { -1000.0f, -1000.0f }, { 1000.0f, 1000.0f } };
-
-/* The first value, from 0, that is outside its range or not finite; the count of values where none
- * is. */
-static ANKLE_SHARED uint8_t ankle_first_beyond(const ankle_real values[2],
-    const ankle_real range[2][2])
-{
-    uint8_t place = 0U;
-    while ((place < 2U) && (values[place] >= range[0][place])
-        && (values[place] <= range[1][place])) {
-        ++place;
-    }
-    return place;
-}
-
-/* Whether values are finite and within their range: NONFINITE comes before what was found so far,
+/* Whether joints are finite and within their limits: NONFINITE comes before what was found so far,
  * OUT_OF_RANGE after. */
-static ankle_status ankle_within(ankle_status before, const ankle_real values[2],
-    const ankle_real range[2][2])
+static ankle_status ankle_limit_joints(ankle_status before, const ankle_real values[2])
 {
     ankle_status status = before;
-    if (ankle_first_beyond(values, range) < 2U) {
+    if (!((values[0] >= -1000.0f) && (values[0] <= 1000.0f)
+        && (values[1] >= -1000.0f) && (values[1] <= 1000.0f))) {
+        status = ankle_check_finite(values, 2, (before == ANKLE_OK) ? ANKLE_OUT_OF_RANGE : before);
+    }
+    return status;
+}
+
+/* Whether joints of a guess are finite and within their bounds: NONFINITE comes before what was
+ * found so far, OUT_OF_RANGE after. */
+static ankle_status ankle_bound_joints(ankle_status before, const ankle_real values[2])
+{
+    ankle_status status = before;
+    if (!((values[0] >= -1000.0f) && (values[0] <= 1000.0f)
+        && (values[1] >= -1000.0f) && (values[1] <= 1000.0f))) {
+        status = ankle_check_finite(values, 2, (before == ANKLE_OK) ? ANKLE_OUT_OF_RANGE : before);
+    }
+    return status;
+}
+
+/* Whether found are finite and within their limits: NONFINITE comes before what was found so far,
+ * OUT_OF_RANGE after. */
+static ankle_status ankle_limit_found(ankle_status before, const ankle_real values[2])
+{
+    ankle_status status = before;
+    if (!((values[0] >= -1000.0f) && (values[0] <= 1000.0f)
+        && (values[1] >= -1000.0f) && (values[1] <= 1000.0f))) {
+        status = ankle_check_finite(values, 2, (before == ANKLE_OK) ? ANKLE_OUT_OF_RANGE : before);
+    }
+    return status;
+}
+
+/* Whether found of a guess are finite and within their bounds: NONFINITE comes before what was
+ * found so far, OUT_OF_RANGE after. */
+static ankle_status ankle_bound_found(ankle_status before, const ankle_real values[2])
+{
+    ankle_status status = before;
+    if (!((values[0] >= -1000.0f) && (values[0] <= 1000.0f)
+        && (values[1] >= -1000.0f) && (values[1] <= 1000.0f))) {
         status = ankle_check_finite(values, 2, (before == ANKLE_OK) ? ANKLE_OUT_OF_RANGE : before);
     }
     return status;
@@ -245,8 +259,14 @@ static ankle_status ankle_within(ankle_status before, const ankle_real values[2]
  * where none is. */
 static ANKLE_COLD void ankle_blame(ankle_info *info, const ankle_real joints[2])
 {
+    static const ankle_real low[2] = { -1000.0f, -1000.0f };
+    static const ankle_real high[2] = { 1000.0f, 1000.0f };
     if (info != NULL) {
-        info->joint = ankle_first_beyond(joints, ankle_limits_joints);
+        uint8_t joint = 0U;
+        while ((joint < 2U) && (joints[joint] >= low[joint]) && (joints[joint] <= high[joint])) {
+            ++joint;
+        }
+        info->joint = joint;
     }
 }
 
@@ -1321,8 +1341,8 @@ static ANKLE_SHARED void ankle_inverse_formulas(const ankle_real k[4], const ank
     const ankle_real t41 = t40 * t40;
     const ankle_real t42 = t30 - t41;
     const ankle_real d1 = t42; /* above 0 where upper_motor has two values */
-    const ankle_real r1 = (d1 > 1.55e-09f) ? sqrtf(d1) : 0.0f;
     d[0] = d1 * 0.000645f;
+    const ankle_real r1 = (d1 > 1.55e-09f) ? sqrtf(d1) : 0.0f;
     const ankle_real t46 = t0 + 3.4349644f;
     const ankle_real t47 = -6.0111876f * t2;
     const ankle_real t48 = t46 + t47;
@@ -1354,8 +1374,8 @@ static ANKLE_SHARED void ankle_inverse_formulas(const ankle_real k[4], const ank
     const ankle_real t74 = t73 * t73;
     const ankle_real t75 = t64 - t74;
     const ankle_real d2 = t75; /* above 0 where lower_motor has two values */
-    const ankle_real r2 = (d2 > 7.84e-10f) ? sqrtf(d2) : 0.0f;
     d[1] = d2 * 0.00128f;
+    const ankle_real r2 = (d2 > 7.84e-10f) ? sqrtf(d2) : 0.0f;
     const ankle_real t79 = t15 * t40;
     const ankle_real t80 = sign[0] * r1;
     const ankle_real t81 = t28 * t80;
@@ -1765,8 +1785,8 @@ ankle_status ankle_direct(const ankle_config *config, const ankle_real joints[2]
     ankle_real at[2];
     ankle_real result[2];
     ankle_real other[2];
-    ankle_status status = ankle_within(ANKLE_OK, joints, ankle_limits_joints);
-    status = ankle_within(status, guess, ankle_bounds_found);
+    ankle_status status = ankle_limit_joints(ANKLE_OK, joints);
+    status = ankle_bound_found(status, guess);
     if (config != NULL) {
         status = ankle_check_config(config, status);
     }
@@ -1803,7 +1823,7 @@ ankle_status ankle_direct(const ankle_config *config, const ankle_real joints[2]
         }
     }
     if (status == ANKLE_OK) {
-        status = ankle_within(status, result, ankle_limits_found);
+        status = ankle_limit_found(status, result);
         if (status == ANKLE_OK) {
             found[0] = result[0];
             found[1] = result[1];
@@ -1816,8 +1836,8 @@ ankle_status ankle_direct(const ankle_config *config, const ankle_real joints[2]
 ankle_status ankle_track(const ankle_real joints[2], ankle_real found[2], ankle_info *info)
 {
     ankle_direct_work w;
-    ankle_status status = ankle_within(ANKLE_OK, joints, ankle_limits_joints);
-    status = ankle_within(status, found, ankle_bounds_found);
+    ankle_status status = ankle_limit_joints(ANKLE_OK, joints);
+    status = ankle_bound_found(status, found);
     if (status == ANKLE_OK) {
         ankle_direct_place(&w, joints, found);
         ankle_direct_rows(&w);
@@ -1841,7 +1861,7 @@ ankle_status ankle_track(const ankle_real joints[2], ankle_real found[2], ankle_
         change2 += 68650.0f * (result[1] - found[1]) * (result[1] - found[1]);
         /* beyond a small step the branch is not assured */
         status = (change2 <= 119.18403f) ? ANKLE_OK : ANKLE_WRONG_BRANCH;
-        status = ankle_within(status, result, ankle_limits_found);
+        status = ankle_limit_found(status, result);
         if (status == ANKLE_OK) {
             found[0] = result[0];
             found[1] = result[1];
@@ -1934,8 +1954,8 @@ ankle_status ankle_inverse(const ankle_config *config, const ankle_real found[2]
     ankle_real at[2];
     ankle_real result[2];
     ankle_real other[2];
-    ankle_status status = ankle_within(ANKLE_OK, found, ankle_limits_found);
-    status = ankle_within(status, guess, ankle_bounds_joints);
+    ankle_status status = ankle_limit_found(ANKLE_OK, found);
+    status = ankle_bound_joints(status, guess);
     if (config != NULL) {
         status = ankle_check_config(config, status);
     }
@@ -1971,7 +1991,7 @@ ankle_status ankle_inverse(const ankle_config *config, const ankle_real found[2]
         }
     }
     if (status == ANKLE_OK) {
-        status = ankle_within(status, result, ankle_limits_joints);
+        status = ankle_limit_joints(status, result);
         if (status == ANKLE_OK) {
             joints[0] = result[0];
             joints[1] = result[1];
@@ -1987,8 +2007,8 @@ ankle_status ankle_inverse(const ankle_config *config, const ankle_real found[2]
 ankle_status ankle_track_inverse(const ankle_real found[2], ankle_real joints[2], ankle_info *info)
 {
     ankle_inverse_work w;
-    ankle_status status = ankle_within(ANKLE_OK, found, ankle_limits_found);
-    status = ankle_within(status, joints, ankle_bounds_joints);
+    ankle_status status = ankle_limit_found(ANKLE_OK, found);
+    status = ankle_bound_joints(status, joints);
     if (status == ANKLE_OK) {
         static const ankle_config usual = { ANKLE_TOLERANCE, ANKLE_MAX_STEPS, ANKLE_MAX_STEP };
         ankle_real sign[2];
@@ -2014,7 +2034,7 @@ ankle_status ankle_track_inverse(const ankle_real found[2], ankle_real joints[2]
         change2 += 68650.0f * (result[1] - joints[1]) * (result[1] - joints[1]);
         /* beyond a small step the branch is not assured */
         status = (change2 <= 119.18403f) ? ANKLE_OK : ANKLE_WRONG_BRANCH;
-        status = ankle_within(status, result, ankle_limits_joints);
+        status = ankle_limit_joints(status, result);
         if (status == ANKLE_OK) {
             joints[0] = result[0];
             joints[1] = result[1];
@@ -2099,8 +2119,8 @@ ankle_status ankle_jacobian(const ankle_real joints[2], const ankle_real found[2
     ankle_direct_work w;
     ankle_real sides[4];
     ankle_real rates[4];
-    ankle_status status = ankle_within(ANKLE_OK, joints, ankle_limits_joints);
-    status = ankle_within(status, found, ankle_limits_found);
+    ankle_status status = ankle_limit_joints(ANKLE_OK, joints);
+    status = ankle_limit_found(status, found);
     if (status == ANKLE_OK) {
         ankle_direct_place(&w, joints, found);
         ankle_direct_rows(&w);
@@ -2256,8 +2276,8 @@ ankle_status ankle_inverse_jacobian(const ankle_real joints[2], const ankle_real
     ankle_inverse_work w;
     ankle_real sides[4];
     ankle_real rates[4];
-    ankle_status status = ankle_within(ANKLE_OK, joints, ankle_limits_joints);
-    status = ankle_within(status, found, ankle_limits_found);
+    ankle_status status = ankle_limit_joints(ANKLE_OK, joints);
+    status = ankle_limit_found(status, found);
     if (status == ANKLE_OK) {
         ankle_inverse_place(&w, found, joints);
         ankle_inverse_rows(&w);
@@ -2531,8 +2551,8 @@ ankle_status ankle_second(const ankle_real joints[2], const ankle_real found[2],
     ankle_real sides[6];
     ankle_real rates[10];
     ankle_real steps[4];
-    ankle_status status = ankle_within(ANKLE_OK, joints, ankle_limits_joints);
-    status = ankle_within(status, found, ankle_limits_found);
+    ankle_status status = ankle_limit_joints(ANKLE_OK, joints);
+    status = ankle_limit_found(status, found);
     if (status == ANKLE_OK) {
         ankle_direct_place(&w, joints, found);
         ankle_direct_rows(&w);

@@ -31,20 +31,20 @@
  *   inertia: 197 add, 273 mul, 4 div, 1 sqrt
  *   torque_limits: 156 add, 223 mul, 8 div, 1 sqrt
  *   rate_limits: 187 add, 261 mul, 8 div, 1 sqrt
- *   measured (Cortex-M4F, GCC 12.2.1 -O2, 18886 inputs, seed 1): instructions, bytes of stack with
+ *   measured (Cortex-M4F, GCC 12.2.1 -O2, 18749 inputs, seed 1): instructions, bytes of stack with
  *     callees, bytes of code with callees but without those of libm:
- *   direct: 77400 instructions, 648 stack, 7888 code
- *   track: 1120 instructions, 196 stack, 3364 code
- *   inverse: 88855 instructions, 696 stack, 10836 code
- *   track_inverse: 1040 instructions, 220 stack, 4732 code
- *   jacobian: 800 instructions, 220 stack, 2924 code
- *   inverse_jacobian: 815 instructions, 236 stack, 3020 code
- *   second: 1220 instructions, 364 stack, 4088 code
- *   rates: 930 instructions, 268 stack, 3168 code
- *   torques: 930 instructions, 268 stack, 3168 code
- *   inertia: 1055 instructions, 292 stack, 3292 code
- *   torque_limits: 960 instructions, 268 stack, 3208 code
- *   rate_limits: 980 instructions, 284 stack, 3304 code
+ *   direct: 77170 instructions, 648 stack, 7996 code
+ *   track: 1085 instructions, 188 stack, 3496 code
+ *   inverse: 87885 instructions, 696 stack, 10952 code
+ *   track_inverse: 1005 instructions, 220 stack, 4864 code
+ *   jacobian: 780 instructions, 220 stack, 2944 code
+ *   inverse_jacobian: 795 instructions, 236 stack, 3044 code
+ *   second: 1200 instructions, 364 stack, 4124 code
+ *   rates: 910 instructions, 268 stack, 3188 code
+ *   torques: 910 instructions, 268 stack, 3188 code
+ *   inertia: 1035 instructions, 292 stack, 3316 code
+ *   torque_limits: 940 instructions, 268 stack, 3228 code
+ *   rate_limits: 960 instructions, 284 stack, 3328 code
  *
  * Model SHA-256 04deed2052383811e7f0981a7545d222c99685967960c3c2ac2c816691947d5b
  */

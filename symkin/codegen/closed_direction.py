@@ -374,7 +374,7 @@ class ClosedDirection:
             number += 1
             least = literal(rounded(_ROOT * float(self.usual[j])))
             emitter.root(number, text, least, literal(0.0), about=one.name)
-            emitter.lines.append(f"d[{j}] = d{number} * {self._per_usual(j)};")
+            emitter.lines.insert(-1, f"d[{j}] = d{number} * {self._per_usual(j)};")
         if not self.conditions:
             emitter.lines.append(f"d[0] = {literal(1.0)};")
         return emitter.stored("x", 1)

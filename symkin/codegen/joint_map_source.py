@@ -79,25 +79,35 @@ class JointMapSource(MapValues):
 
     def _tools(self, text: str) -> str:
         """The functions of angles that a text calls, and the checks of values."""
-        common = self._common
+        literal, common = self.real.literal, self._common
         tools = {
             "angle": angle_of_direction(self.real, common),
             "cosine_and_sine": cosine_and_sine(self.real, common),
             "turned": fill("map_turned.c", common),
         }
         written = [tool for name, tool in tools.items() if f"{self.name}_{name}(" in text]
-        return "".join([*written, self._checks])
+        ends = zip(*self.limits(self.made.given), strict=True)
+        low, high = (", ".join(map(literal, part)) for part in ends)
+        blame = fill("map_blame.c", self._common | {"low": low, "high": high})
+        return "".join([*written, self._checks, blame])
 
     @property
     def _checks(self) -> str:
         """Checks of joints and of found values: against limits, and of guesses, which need not keep
         to them.
         """
-        real, lines = self.real, list[str]()
+        literal, found = self.real.literal, list[str]()
         for what, coordinates in (("joints", self.made.given), ("found", self.made.found)):
-            for ranges in ("limits", "bounds"):
-                ends = zip(*self.limits(coordinates, bounded=ranges == "limits"), strict=True)
-                rows = (f"{{ {', '.join(map(real.literal, end))} }}" for end in ends)
-                table = f"{self.name}_{ranges}_{what}[2][{len(coordinates)}]"
-                lines.append(f"static const {real.type} {table} = {{ {', '.join(rows)} }};")
-        return fill("map_check.c", self._common | {"tables": "\n".join(lines)})
+            for bounded in (True, False):
+                within = [
+                    f"(values[{i}] >= {literal(low)}) && (values[{i}] <= {literal(high)})"
+                    for i, (low, high) in enumerate(self.limits(coordinates, bounded=bounded))
+                ]
+                own = {
+                    "what": what if bounded else f"{what} of a guess",
+                    "ranges_word": "limits" if bounded else "bounds",
+                    "function": f"{'limit' if bounded else 'bound'}_{what}",
+                    "within": "\n        && ".join(within),
+                }
+                found.append(fill("map_check.c", self._common | own))
+        return "".join(found)

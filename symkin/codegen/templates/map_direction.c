@@ -59,8 +59,8 @@ static @{SHARED} bool @{f}_holds(@{k}_work *w, const @{real} @{values}[@{nto}], 
     @{real} at[@{nto}];
     @{real} result[@{nout}];
     @{real} other[@{nout}];
-    @{p}_status status = @{p}_within(@{P}_OK, @{values}, @{p}_limits_@{values});
-    status = @{p}_within(status, guess, @{p}_bounds_@{out});
+    @{p}_status status = @{p}_limit_@{values}(@{P}_OK, @{values});
+    status = @{p}_bound_@{out}(status, guess);
     if (config != NULL) {
         status = @{p}_check_config(config, status);
     }
@@ -97,7 +97,7 @@ static @{SHARED} bool @{f}_holds(@{k}_work *w, const @{real} @{values}[@{nto}], 
         }
     }
     if (status == @{P}_OK) {
-        status = @{p}_within(status, result, @{p}_limits_@{out});
+        status = @{p}_limit_@{out}(status, result);
 @{passive}
         if (status == @{P}_OK) {
 @{store}
@@ -112,8 +112,8 @@ static @{SHARED} bool @{f}_holds(@{k}_work *w, const @{real} @{values}[@{nto}], 
 {
     @{k}_work w;
 @{y}
-    @{p}_status status = @{p}_within(@{P}_OK, @{values}, @{p}_limits_@{values});
-    status = @{p}_within(status, @{out}, @{p}_bounds_@{out});
+    @{p}_status status = @{p}_limit_@{values}(@{P}_OK, @{values});
+    status = @{p}_bound_@{out}(status, @{out});
 @{last}
     if (status == @{P}_OK) {
 @{step}
@@ -127,7 +127,7 @@ static @{SHARED} bool @{f}_holds(@{k}_work *w, const @{real} @{values}[@{nto}], 
 @{change}
         /* beyond a small step the branch is not assured */
         status = (change2 <= @{track2}) ? @{P}_OK : @{P}_WRONG_BRANCH;
-        status = @{p}_within(status, result, @{p}_limits_@{out});
+        status = @{p}_limit_@{out}(status, result);
 @{passive}
         if (status == @{P}_OK) {
 @{store}

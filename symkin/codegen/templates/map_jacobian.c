@@ -6,8 +6,8 @@
     @{real} rates[@{nrates}];
 @{y}
 @{kept}
-    @{p}_status status = @{p}_within(@{P}_OK, joints, @{p}_limits_joints);
-    status = @{p}_within(status, found, @{p}_limits_found);
+    @{p}_status status = @{p}_limit_joints(@{P}_OK, joints);
+    status = @{p}_limit_found(status, found);
 @{state}
     if (status == @{P}_OK) {
 @{set}
