@@ -142,7 +142,7 @@ class ClosedCode:
     def _emitter(self) -> Emitter:
         signs = [f"sign{i}" for i in range(len(self.plan.branches))]
         inputs = [
-            (self._pose, indexed("x", 7)),
+            (self._pose, "x"),
             (self._signs, signs),
             (self._near, indexed("near", 2 * len(signs))),
         ]
@@ -210,7 +210,7 @@ class ClosedCode:
 
     def _open_choice(self, number: int, lean: str) -> None:
         """The loop over the solutions of one choice."""
-        zero, one = self.real.literal(0.0), self.real.literal(1.0)
+        zero, one = self.real.zero, self.real.one
         self._raw(f"const unsigned int bits{number} = (wanted >> {2 * number}U) & 3U;")
         self._raw(f"const unsigned int side{number} = ({lean} < {zero}) ? 2U : 1U;")
         self._raw(f"for (unsigned int k{number} = 1U; k{number} <= 2U; ++k{number}) {{")
@@ -262,16 +262,8 @@ class ClosedCode:
             "nn": len(self.plan.arm),
             "angular": ", ".join("true" if c.is_angular else "false" for c in self.coordinates),
             "middles": ", ".join(literal(m) for m in middles),
-            "turn": literal(2 * np.pi),
-            "per_turn": literal(0.5 / np.pi),
-            "half": literal(0.5),
-            "minus_half": literal(-0.5),
             "many": literal(_MOST_TURNS),
             "sine": rough_sine(self.real),
-            "quarter": literal(0.5 * np.pi),
-            "half_turn": literal(np.pi),
-            "zero": literal(0.0),
-            "fabs": self.real.call("fabs"),
             "named": indent(named, 2),
         }
 

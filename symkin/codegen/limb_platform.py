@@ -289,7 +289,7 @@ class LimbPlatform:
         if (
             len(system.unknowns) == 1
             and system.unknowns[0].least is not None
-            and int(system.errors.shape[0]) == 1
+            and system.errors.numel() == 1
         ):
             # the error of a rod is its length by the pose less its coordinate
             rod = snapped_expression(
