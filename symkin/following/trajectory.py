@@ -38,6 +38,7 @@ from symkin.position.given import (
 )
 from symkin.position.pose_coordinates import ON_MOTION, pose_coordinates
 from symkin.position.problem import Kind, Problem
+from symkin.position.readings import left_out
 from symkin.spatial.backend import Array, cos, sin
 from symkin.spatial.pose import Pose
 from symkin.verb_options import takes
@@ -169,15 +170,19 @@ def _rows(
 
 
 def _problem(mechanism: Mechanism, names: tuple[str, ...], limits: bool) -> Problem:
-    """The problem of known coordinates; one of coordinates by name holds those that have limits, so
-    that these are seen.
+    """The problem of known coordinates; its closure holds joints that have limits, so that these
+    are seen: of the problems of limbs where some would be left out.
     """
-    limited = (
+    limited = tuple(
         c.name
         for c in mechanism.coordinates
         if limits and c.limits is not None and c.name not in names
     )
-    return problem_of_names(mechanism, names, tuple(limited))
+    if plain_kind(mechanism, names) is not None:
+        plain = problem_of_names(mechanism, names)
+        if not {c.name for c in left_out(plain.closure)} & set(limited):
+            return plain
+    return problem_of_names(mechanism, names, limited)
 
 
 def _named_rows(given: Columns) -> list[dict[str, Any]]:

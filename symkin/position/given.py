@@ -244,15 +244,11 @@ def plain_kind(mechanism: Mechanism, names: tuple[str, ...]) -> Kind | None:
 def problem_of_names(
     mechanism: Mechanism, names: tuple[str, ...], held: tuple[str, ...] | None = None
 ) -> Problem:
-    """The problem whose known coordinates have these names; `held` are others that a closure of
-    names must hold.
+    """The problem whose known coordinates have these names; `held` are others that its closure must
+    hold.
     """
     kind = plain_kind(mechanism, names)
-    return (
-        build_problem(mechanism, "given", names, held)
-        if kind is None
-        else build_problem(mechanism, kind)
-    )
+    return build_problem(mechanism, kind or "given", () if kind else names, held)
 
 
 def in_order(mechanism: Mechanism, given: Given) -> Given:

@@ -14,7 +14,7 @@ import casadi as ca
 import numpy as np
 
 from symkin.closure.closure import Closure, build_closure, numbered_rows, random_values
-from symkin.closure.partition import ALL_JOINTS, POSE_COORDINATES, Partition
+from symkin.closure.partition import POSE_COORDINATES, Partition
 from symkin.computed_once import cached_property, lru_cache
 from symkin.model.joint import POSE_CONDITIONS, Coordinate
 from symkin.model.mechanism import Mechanism
@@ -207,7 +207,8 @@ class Problem:
     def __reduce__(self) -> tuple[Callable[..., Any], tuple[Any, ...]]:
         """Pickle as the mechanism and the kind, from which the symbols are built anew."""
         if not self.by_name:
-            return build_problem, (self.mechanism, self.kind)
+            held = tuple(sorted(self.closure.partition.kept))
+            return build_problem, (self.mechanism, self.kind, (), held)
         names = tuple(c.name for c in self.known_coordinates if c.role != "geometry")
         return build_problem, (self.mechanism, self.kind, names, self._held(names))
 
@@ -242,8 +243,8 @@ def build_problem(
     closure share its symbols.
 
     `names` are the known coordinates of a "given" one, in the order of their values; `held` are
-    others that the closure must hold, where they tell a start. Without `names` and `held` the
-    geometry is what is known.
+    others that the closure must hold, where they tell a start or have limits. Without `names` and
+    `held` the geometry is what is known.
     """
     return _problem(build_closure(mechanism, _partition(mechanism, kind, names, held)), kind, names)
 
@@ -275,10 +276,10 @@ def _partition(
     mechanism: Mechanism, kind: Kind, names: tuple[str, ...], held: tuple[str, ...] | None
 ) -> Partition:
     """What the closure must hold for the known coordinates and those that are held beside them."""
-    if kind in KNOWN:
-        return ALL_JOINTS
-    wanted = (*names, *(held or ()))
     joints = frozenset(c.name for joint in mechanism.all_joints for c in joint.coordinates)
+    if kind in KNOWN:
+        return Partition(frozenset(held or ()) & joints)
+    wanted = (*names, *(held or ()))
     conditions = tuple(name for name in POSE_CONDITIONS if name in wanted and name not in joints)
     whole = any(name.startswith("pose.") for name in wanted)
     geometry = not names and held is None
