@@ -18,7 +18,6 @@ from symkin.elimination.eliminating import (
     combine_lengths,
     cut_by_line,
     defer_defined,
-    leave_alone,
     subtract_quadratics,
     turn_angle,
 )
@@ -299,7 +298,6 @@ def _run(work: Workspace) -> bool:
         turn_angle,
         subtract_quadratics,
         cut_by_line,
-        leave_alone,
     )
     for _ in range(_MOST_STEPS):
         work.without_repeats()
