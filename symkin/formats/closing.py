@@ -204,7 +204,7 @@ def generic_rank(closed: Closed, seed: int) -> GenericRank | None:
             return GenericRank(max(ranks), False)
     # joints of one coordinate are moved alone: what a rounded file leaves to others is not their
     # motion
-    names = {entry.joint.name for entry in tree.robot.joints}
+    names = {entry.joint.name for entry in tree.robot.tree}
     single = np.array(
         [c.name in names and c.freedom == 1 for c in tree.coordinates for _ in range(c.freedom)]
     )

@@ -7,18 +7,16 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING
 
 from symkin.errors import InputError
-from symkin.model.graph import LinkJoint
 from symkin.model.joint import BASE
 from symkin.text import first_of, meant, shown
 
 if TYPE_CHECKING:
-    from symkin.formats.robot import Closure, Robot
+    from symkin.formats.robot import Robot, RobotJoint
     from symkin.model.joint_forms import JointType
 
-Entry = TypeVar("Entry", bound=LinkJoint)
 _AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 _DRIVEN = ("R", "P", "H", "C", "U")
 """Joints that may be actuated."""
@@ -128,7 +126,7 @@ def _with_kinds(robot: Robot, told: Mapping[str, str]) -> Robot:
     for name in told:
         if name in names:
             continue
-        if any(entry.joint.name == name for entry in robot.joints):
+        if any(entry.joint.name == name for entry in robot.tree):
             raise InputError(
                 f"loop: {name!r} is a joint of the tree and closes no loop; closures: "
                 f"{first_of(names) or 'none'}"
@@ -137,19 +135,19 @@ def _with_kinds(robot: Robot, told: Mapping[str, str]) -> Robot:
             f"loop: no closure is named {shown(name)}{meant(name, names)}; closures: "
             f"{first_of(names, 20) or 'none'}"
         )
-    closures = [
-        _of_kind(c, *_closure_kind(c.joint.name, told[c.joint.name])) if c.joint.name in told else c
-        for c in robot.closures
-    ]
-    notes = [
-        f"the closure {c.joint.name!r} is of type {c.joint.type}, as told"
-        for c in closures
-        if c.joint.name in told
-    ]
-    return replace(robot, closures=tuple(closures), notes=(*robot.notes, *notes))
+    joints = tuple(
+        _of_kind(e, *_closure_kind(e.joint.name, told[e.joint.name])) if e.joint.name in told else e
+        for e in robot.joints
+    )
+    notes = (
+        f"the closure {e.joint.name!r} is of type {e.joint.type}, as told"
+        for e in joints
+        if e.joint.name in told
+    )
+    return replace(robot, joints=joints, notes=(*robot.notes, *notes))
 
 
-def _of_kind(closure: Closure, kind: JointType, axis: str) -> Closure:
+def _of_kind(closure: RobotJoint, kind: JointType, axis: str) -> RobotJoint:
     """The closure as one of another kind, about or along an axis of its frames; ranges and motors
     were those of the other kind.
     """
@@ -159,9 +157,8 @@ def _of_kind(closure: Closure, kind: JointType, axis: str) -> Closure:
     turn, joint = frame_along(_AXES[axis]), closure.joint
     keys = ("pitch", "limits", "actuated", "motor") if kind == joint.type else ()
     told = {key: getattr(joint, key) for key in keys}
-    first, second = closure.first @ turn, closure.second @ turn
-    made = joint_at(first, joint.name, kind, **told)
-    return replace(closure, joint=made, first=first, second=second)
+    first, second = (frame @ turn for frame in closure.frames or ())
+    return replace(closure, joint=joint_at(first, joint.name, kind, **told), frames=(first, second))
 
 
 def _with_platform(robot: Robot, name: str) -> Robot:
@@ -184,8 +181,7 @@ def _with_platform(robot: Robot, name: str) -> Robot:
 
 
 def _with_motors(robot: Robot, names: Sequence[str]) -> Robot:
-    entries = (*robot.joints, *robot.closures)
-    kinds = {entry.joint.name: entry.joint.type for entry in entries}
+    kinds = {entry.joint.name: entry.joint.type for entry in robot.joints}
     able = [name for name, kind in kinds.items() if kind in _DRIVEN]
     for name in names:
         if name not in kinds:
@@ -200,14 +196,11 @@ def _with_motors(robot: Robot, names: Sequence[str]) -> Robot:
             )
         if names.count(name) > 1:
             raise InputError(f"actuated: {name!r} is given twice")
+    driven = (replace(entry.joint, actuated=entry.joint.name in names) for entry in robot.joints)
     return replace(
         robot,
-        joints=tuple(_driven(entry, names) for entry in robot.joints),
-        closures=tuple(_driven(entry, names) for entry in robot.closures),
+        joints=tuple(
+            replace(entry, joint=joint) for entry, joint in zip(robot.joints, driven, strict=True)
+        ),
         parts=replace(robot.parts, actuated=None),
     )
-
-
-def _driven(entry: Entry, names: Sequence[str]) -> Entry:
-    """The joint, actuated where it is named."""
-    return replace(entry, joint=replace(entry.joint, actuated=entry.joint.name in names))

@@ -34,10 +34,10 @@ from symkin.formats.sdf_joint import (
     sdf_type,
 )
 from symkin.formats.sdf_world import robot_model
-from symkin.formats.urdf_parts import parts_within, unit
+from symkin.formats.urdf_parts import parts_within, refuse_itself, unit
 from symkin.formats.xml_text import Element, read_xml
 from symkin.model.graph import Coupling
-from symkin.model.joined import way
+from symkin.model.joined import along, way
 from symkin.spatial.pose import Pose
 from symkin.text import first_of
 
@@ -83,11 +83,7 @@ class _Reader(GraphReader):
             for entry in self.frames.joints
             if entry[0].attributes.get("type") != "gearbox"
         ]
-        couplings = CouplingSet()
-        for coupling, where in self._mimics(joints):
-            couplings.add(coupling, where)
-        for equation in self._gears(joints):
-            couplings.add_linear(equation)
+        couplings = CouplingSet.of(self._mimics(joints), self._gears(joints))
         self.notes += couplings.notes
         on_world = any(WORLD in joint.links for joint in joints)
         links = [WORLD, *self.frames.links] if on_world else list(self.frames.links)
@@ -138,10 +134,7 @@ class _Reader(GraphReader):
         parent, child = (self._body(element, tag, scope) for tag in ("parent", "child"))
         if child == WORLD:
             raise element.error("the child is the world, which does not move; make it the parent")
-        if parent == child:
-            raise element.error(
-                f"joins the link {_plain(parent)!r} to itself; two links are needed"
-            )
+        refuse_itself(_plain(parent), _plain(child), element)
         at = self._joint_pose(element, scope)
         self._note_parent_frame(element, scope, at)
         frames = (self.poses[parent].inverse() @ at, self.poses[child].inverse() @ at)
@@ -316,14 +309,8 @@ class _Reader(GraphReader):
             raise element.error(
                 f"no revolute joints about its axis lead from the reference body to {_plain(end)!r}"
             )
-        found: dict[str, float] = {}
-        for joint in path:
-            forward = joint.links[0] == start
-            start = joint.links[1 if forward else 0]
-            sense = senses[joint.name]
-            if sense:
-                found[joint.name] = sense if forward else -sense
-        return found
+        turns = ((j.name, senses[j.name] or 0.0, forward) for j, forward in along(path, start))
+        return {name: sense if forward else -sense for name, sense, forward in turns if sense}
 
     def _sense(self, joint: GraphJoint, about: np.ndarray) -> float | None:
         """1 or -1 for a joint that turns about a direction, 0 for a weld; None for others."""
