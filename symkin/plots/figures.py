@@ -25,7 +25,7 @@ from symkin.plots.painter import Painter
 from symkin.plots.picture_file import check_picture_path, write_picture
 from symkin.plots.picture_options import Names, names_from
 from symkin.plots.raised import circle_notes, raised
-from symkin.plots.sheet import SHEET_DPI, make_sheet, sheet_axes, symbol_size, text_extent
+from symkin.plots.sheet import make_sheet, symbol_size, text_extent
 from symkin.plots.style import drawing
 from symkin.quiet import warnings_ignored
 from symkin.singularities.named_screw import NamedScrew
@@ -139,7 +139,7 @@ def figure_of_sketch(mechanism: Mechanism, names: str = "all") -> Figure:
             *circle_notes(layout),
             *([f"{unnamed} names find no room"] if unnamed else []),
         ]
-        _heading(ax, mechanism, ["; ".join(facts)], _WIDTH, _HEIGHT)
+        heading(ax, mechanism, ["; ".join(facts)], _WIDTH, _HEIGHT)
         draw_legend(ax, [layout], camera, scale, _WIDTH, 0.0, named=named)
     return figure
 
@@ -173,13 +173,13 @@ def figure_of_panels(
     """
     block = Block.of(mechanism, panels, names, views)
     width = max(block.pixels[0] + _PANEL_GAP, _NARROWEST)
-    head = _HEAD + _PANEL_LINE * max(0, sum(len(_facts_lines(fact, width)) for fact in facts) - 2)
+    head = head_of(facts, width)
     whole = width, head + block.pixels[1] + _FOOT
     with drawing():
         figure, ax = make_sheet(*whole)
         unnamed = block.paint(figure, ax, 0.5 * whole[0], whole[1] - head)
         more = [f"{unnamed} names find no room; choose fewer modes or names"] if unnamed else []
-        _heading(ax, mechanism, [*facts, *more], *whole, part)
+        heading(ax, mechanism, [*facts, *more], *whole, part)
         block.paint_legend(ax, whole[0], 0.0)
     return figure
 
@@ -237,19 +237,6 @@ class Block:
         """Width and height."""
         rows = math.ceil(len(self.panels) * len(self.sides) / self.columns)
         return self.columns * self.cell[0], rows * self.cell[1]
-
-    @property
-    def size(self) -> tuple[float, float]:
-        """Width and height in inches."""
-        return self.pixels[0] / SHEET_DPI, self.pixels[1] / SHEET_DPI
-
-    def draw(self, figure: Figure, middle: float, top: float, legend: float) -> None:
-        """Draw the panels below `top` about `middle`, and the legend above `legend`, in inches from
-        the lower left corner of a figure that is no sheet yet.
-        """
-        ax = sheet_axes(figure)
-        self.paint(figure, ax, SHEET_DPI * middle, SHEET_DPI * top)
-        self.paint_legend(ax, SHEET_DPI * figure.get_figwidth(), SHEET_DPI * legend)
 
     def paint(self, figure: Any, ax: Any, middle: float, top: float) -> int:
         """Draw on a sheet, in pixels. How many names find no room."""
@@ -366,9 +353,10 @@ def _symbol_size(layout: Layout, camera: Camera, scale: float, most: float, leas
 # --- texts ----------------------------------------------------------------------------------------
 
 
-def _heading(
+def heading(
     ax: Any, mechanism: Mechanism, facts: Sequence[str], width: float, height: float, part: str = ""
 ) -> None:
+    """Write the mechanism's title, then `part`, at the top of a sheet, and facts below it."""
     title = mechanism.name + (f": {mechanism.title}" if mechanism.title else "")
     room = int(width / 17)
     shortened = (
@@ -384,6 +372,11 @@ def _heading(
     lines = "\n".join(line for fact in facts for line in _facts_lines(fact, width))
     look = {"fontsize": 9.0, "color": COLOURS["quiet"], "linespacing": 1.35}
     _write(ax, 0.5 * width, height - 62.0, lines, **look)
+
+
+def head_of(facts: Sequence[str], width: float) -> float:
+    """Pixels of the heading of a sheet of panels."""
+    return _HEAD + _PANEL_LINE * max(0, sum(len(_facts_lines(fact, width)) for fact in facts) - 2)
 
 
 def _facts_lines(fact: str, width: float) -> list[str]:

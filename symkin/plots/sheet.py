@@ -28,9 +28,9 @@ def blank_figure(width: float, height: float, **look: Any) -> Figure:
     return figure
 
 
-def new_figure(width: float, height: float) -> Figure:
+def new_figure(width: float, height: float, **look: Any) -> Figure:
     """A figure of some inches whose axes lay themselves out."""
-    return blank_figure(width, height, layout="constrained")
+    return blank_figure(width, height, layout="constrained", **look)
 
 
 def foot_legend(figure: Figure, entries: Mapping[str, Any], columns: int) -> None:
