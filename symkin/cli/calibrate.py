@@ -18,8 +18,9 @@ from symkin.cli.calibrate_options import (
 )
 from symkin.cli.options import MechArgument
 from symkin.cli.quantities import distance_points, joint_quantities, quantity, tolerances
-from symkin.cli.reading import RobotFile, loaded
+from symkin.cli.reading import loaded
 from symkin.cli.streams import print_text
+from symkin.formats.read_options import ReadOptions
 from symkin.verb_options import OUTPUT, Option
 
 if TYPE_CHECKING:
@@ -28,7 +29,7 @@ if TYPE_CHECKING:
 
 def fit(
     mech: MechArgument,
-    read: RobotFile,
+    read: ReadOptions,
     data: DataArgument,
     output: Annotated[
         Path,

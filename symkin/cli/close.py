@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Annotated
 
 from symkin.cli.options import JsonOption, MechArgument, print_result
 from symkin.cli.pictures import Drawing, NamedPicture
-from symkin.cli.reading import RobotFile, read_options
 from symkin.errors import InputError
+from symkin.formats.read_options import ReadOptions
 from symkin.verb_options import OUTPUT, Option
 
 if TYPE_CHECKING:
@@ -20,7 +20,7 @@ _SUFFIXES = (".toml", ".json", ".xml")
 
 def close(
     mech: MechArgument,
-    read: RobotFile,
+    read: ReadOptions,
     picture: NamedPicture,
     output: Annotated[
         Path | None,
@@ -42,7 +42,7 @@ def close(
 
     _check_output(output, mech)
     drawing = Drawing.checked(picture)
-    found = close_one(mech, read_options(read))
+    found = close_one(mech, read)
     written = ""
     if output is not None and found.closed:
         write_output(output, _content(mech, found, output))

@@ -6,15 +6,15 @@ from typing import Annotated
 
 from symkin.cli.options import JsonOption, MechArgument, print_result
 from symkin.cli.pictures import NamedPicture
-from symkin.cli.reading import RobotFile
 from symkin.cli.values import Asked
 from symkin.errors import InputError
+from symkin.formats.read_options import ReadOptions
 from symkin.verb_options import OUTPUT, Option
 
 
 def show(
     mech: MechArgument,
-    read: RobotFile,
+    read: ReadOptions,
     picture: NamedPicture,
     latex: Annotated[
         bool,

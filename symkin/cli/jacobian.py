@@ -6,15 +6,16 @@ from pathlib import Path
 from typing import Annotated, Literal
 
 from symkin.cli.options import MechArgument, check_output
-from symkin.cli.reading import RobotFile, say_left_out
+from symkin.cli.reading import say_left_out
 from symkin.cli.values import Asked
+from symkin.formats.read_options import ReadOptions
 from symkin.velocity.options import JacobianOptions
 from symkin.verb_options import ASKED, OUTPUT, Option
 
 
 def jacobian(
     mech: MechArgument,
-    read: RobotFile,
+    read: ReadOptions,
     *,
     language: Annotated[
         Literal["casadi", "c", "numpy", "sympy", "latex"],

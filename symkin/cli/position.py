@@ -9,8 +9,8 @@ from symkin.cli.options import AllOption, JsonOption, MechArgument, print_result
 from symkin.cli.pictures import Drawing, PictureOfSides
 from symkin.cli.poses import PoseForm
 from symkin.cli.progress import progress_bar
-from symkin.cli.reading import RobotFile
 from symkin.cli.values import Asked
+from symkin.formats.read_options import ReadOptions
 from symkin.position.options import Given, SolveOptions
 from symkin.verb_options import OUTPUT, Option
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 def modes(
     mech: MechArgument,
-    read: RobotFile,
+    read: ReadOptions,
     inputs: Given,
     form: PoseForm,
     options: ModesOptions,
@@ -68,7 +68,7 @@ def _drawn(found: Modes, drawing: Drawing) -> str:
 
 def solve(
     mech: MechArgument,
-    read: RobotFile,
+    read: ReadOptions,
     options: SolveOptions,
     form: PoseForm,
     picture: PictureOfSides,

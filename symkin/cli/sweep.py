@@ -19,9 +19,9 @@ from symkin.cli.options import (
 )
 from symkin.cli.poses import PoseForm
 from symkin.cli.progress import progress_bar
-from symkin.cli.reading import RobotFile
 from symkin.cli.values import Asked
 from symkin.errors import InputError
+from symkin.formats.read_options import ReadOptions
 from symkin.model.mechanism import Mechanism
 from symkin.sweeps.options import SweepOptions
 from symkin.verb_options import GIVEN, OUTPUT, Option
@@ -29,7 +29,7 @@ from symkin.verb_options import GIVEN, OUTPUT, Option
 
 def sweep(
     mech: MechArgument,
-    read: RobotFile,
+    read: ReadOptions,
     output: Annotated[
         Path,
         Option(

@@ -16,9 +16,10 @@ from symkin.cli.options import (
 from symkin.cli.pictures import Drawing, PictureOfSides
 from symkin.cli.poses import EULER, PoseReader
 from symkin.cli.progress import progress_bar
-from symkin.cli.reading import RobotFile, loaded
+from symkin.cli.reading import loaded
 from symkin.errors import InputError
 from symkin.following.options import TrackOptions
+from symkin.formats.read_options import ReadOptions
 from symkin.text import shown
 from symkin.verb_options import GIVEN, OUTPUT, Option
 
@@ -28,7 +29,7 @@ _PATH = "NAME=FROM:TO,..., such as crank=0:360,"
 
 def track(
     mech: MechArgument,
-    read: RobotFile,
+    read: ReadOptions,
     picture: PictureOfSides,
     *,
     begin: Annotated[

@@ -14,10 +14,10 @@ from symkin.cli.options import (
     numbers_from,
     print_result,
 )
-from symkin.cli.reading import RobotFile
 from symkin.cli.streams import say
 from symkin.cli.values import Asked
 from symkin.errors import InputError, NoConfigurationError
+from symkin.formats.read_options import ReadOptions
 from symkin.transmissions.options import TransmissionOptions
 from symkin.verb_options import ASKED, GIVEN, OUTPUT, Option
 
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 def transmission(
     mech: MechArgument,
-    read: RobotFile,
+    read: ReadOptions,
     options: TransmissionOptions,
     motors: Annotated[
         str | None,

@@ -109,9 +109,11 @@ def read_robot(path: Path, read: ReadOptions = AS_IT_IS) -> Robot:
     """The robot that a file of another format describes, its loops open as they are there."""
     form, allowed, because = _READERS[path.suffix.lower()]
     read.refuse_but(allowed, str(path), because)
+    from symkin.formats.told import as_told
+
     reader = getattr(import_module(f"symkin.formats.{form}"), f"read_{form}")
     with _naming(path):
-        return read.told(reader(path, read))
+        return as_told(reader(path, read), read)
 
 
 @contextmanager

@@ -119,15 +119,11 @@ def figure_of_sketch(mechanism: Mechanism, names: str = "all") -> Figure:
     with drawing():
         figure, ax = make_sheet(_WIDTH, _HEIGHT)
         room = np.array([_WIDTH - 2 * _SIDE, _HEIGHT - _TOP - _BOTTOM - 0.6 * _SIDE])
-        low, high = _extent([layout], camera)
-        scale = float(np.min(room / (high - low)))
+        side = _Side.of([layout], camera)
+        scale = float(np.min(room / side.extent))
         centre = np.array([0.5 * _WIDTH, _BOTTOM + 0.5 * (_HEIGHT - _TOP - _BOTTOM)])
-        shift = centre - 0.5 * scale * (low + high)
         symbol = _symbol_size(layout, camera, scale, _SYMBOL, _LEAST_SYMBOL)
-        drawn = _spread(layout, camera, symbol / scale)
-        origin = shows_origin([layout], camera)
-        painter = Painter(ax, drawn, camera, scale, shift, symbol, origin=origin, large=True)
-        painter.draw()
+        painter = side.painted(ax, layout, scale, centre, symbol, large=True)
         named = chosen not in ("none", "loops")
         page, lengths = Page(_WIDTH, _HEIGHT - _TOP), lengths_of(layout) if named else {}
         unnamed = draw_labels(figure, painter, page, chosen, lengths=lengths)
@@ -186,11 +182,40 @@ def figure_of_panels(
 
 @dataclass(frozen=True, eq=False)
 class _Side:
-    """One side from which panels are seen, and lower and upper bounds (2,) of what is seen."""
+    """One side from which configurations are seen, lower and upper bounds (2,) of what is seen, and
+    whether the base frame's origin is near enough to be in the picture.
+    """
 
     camera: Camera
     low: np.ndarray
     high: np.ndarray
+    origin: bool
+
+    @staticmethod
+    def of(layouts: Sequence[Layout], camera: Camera) -> _Side:
+        return _Side(camera, *_extent(layouts, camera), shows_origin(layouts, camera))
+
+    @property
+    def extent(self) -> np.ndarray:
+        return np.asarray(self.high - self.low)
+
+    def painted(
+        self,
+        ax: Any,
+        layout: Layout,
+        scale: float,
+        centre: np.ndarray,
+        symbol: float,
+        **look: Any,
+    ) -> Painter:
+        """Draw a configuration about a place of a sheet; joints that share a point stand apart, but
+        along axes that point to the eye.
+        """
+        drawn = layout if self.camera.planar else layout.spread(_STEP * (symbol / scale))
+        shift = centre - 0.5 * scale * (self.low + self.high)
+        made = Painter(ax, drawn, self.camera, scale, shift, symbol, origin=self.origin, **look)
+        made.draw()
+        return made
 
 
 @dataclass(frozen=True, eq=False)
@@ -217,13 +242,11 @@ class Block:
         columns: int | None = None,
     ) -> Block:
         main, layouts = Camera.of(layout_of(mechanism)), [panel.layout for panel in panels]
-        cameras = [main.seen_from(view) for view in views]
-        sides = tuple(_Side(camera, *_extent(layouts, camera)) for camera in cameras)
+        sides = tuple(_Side.of(layouts, main.seen_from(view)) for view in views)
         room = _PANEL * _LARGER.get(len(panels) * len(sides), 1.0)
-        scale = room / float(max(np.max(side.high - side.low) for side in sides))
-        width, height = (
-            scale * max(float((side.high - side.low)[k]) for side in sides) for k in range(2)
-        )
+        largest = np.max([side.extent for side in sides], axis=0)
+        scale = room / float(largest.max())
+        width, height = map(float, scale * largest)
         cell_wide = max(width, _LEAST_CELL) + _PANEL_GAP
         across = columns or _columns(len(panels), len(sides), cell_wide)
         text = _PANEL_TITLE + _PANEL_LINE * max(
@@ -257,12 +280,8 @@ class Block:
 
     def _panel(self, figure: Any, ax: Any, panel: Panel, side: _Side, x: float, top: float) -> int:
         centre = np.array([x, top - self.text - 0.5 * (self.cell[1] - self.text - _PANEL_GAP)])
-        shift = centre - 0.5 * self.scale * (side.low + side.high)
         symbol = self._symbol(side)
-        origin = shows_origin([panel.layout for panel in self.panels], side.camera)
-        drawn = _spread(panel.layout, side.camera, symbol / self.scale)
-        painter = Painter(ax, drawn, side.camera, self.scale, shift, symbol, 0.8, origin)
-        painter.draw()
+        painter = side.painted(ax, panel.layout, self.scale, centre, symbol, width=0.8)
         for twist in panel.twists:
             painter.draw_twist(twist)
         seen = _SIDE_TITLES[side.camera.name] if len(self.sides) > 1 else ""
@@ -271,19 +290,13 @@ class Block:
         if side is self.sides[0]:
             text = "\n".join(_wrapped(panel.text, self.cell[0]))
             _write(ax, x, top - 26.0, text, fontsize=8.0, color=COLOURS["quiet"])
-        page = Page(
-            self.cell[0],
-            self.cell[1] - self.text,
-            left=x - 0.5 * self.cell[0],
-            foot=top - self.cell[1],
-        )
+        wide, high = self.cell
+        page = Page(wide, high - self.text, left=x - 0.5 * wide, foot=top - high)
         return draw_labels(figure, painter, page, self.names, _PANEL_NAMES)
 
     def paint_legend(self, ax: Any, width: float, foot: float) -> None:
-        layouts, named = (
-            [panel.layout for panel in self.panels],
-            self.names not in ("none", "loops"),
-        )
+        layouts = [panel.layout for panel in self.panels]
+        named = self.names not in ("none", "loops")
         twists = any(panel.twists for panel in self.panels)
         side = self.sides[0].camera
         draw_legend(ax, layouts, side, self.scale, width, foot, named=named, twists=twists)
@@ -334,11 +347,6 @@ def shows_origin(layouts: Sequence[Layout], camera: Camera) -> bool:
     flat = camera.flat(np.vstack([layout.all_points for layout in layouts]))
     away = np.maximum(np.maximum(flat.min(axis=0), -flat.max(axis=0)), 0.0)
     return float(np.linalg.norm(away)) < _FAR * layouts[0].size
-
-
-def _spread(layout: Layout, camera: Camera, symbol: float) -> Layout:
-    """Joints that share a point stand apart, but along axes that point to the eye."""
-    return layout if camera.planar else layout.spread(_STEP * symbol)
 
 
 def _symbol_size(layout: Layout, camera: Camera, scale: float, most: float, least: float) -> float:

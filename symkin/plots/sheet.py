@@ -62,6 +62,11 @@ def name_axes(ax: Any, x: str, y: str | None = None, colour: str = COLOURS["quie
         ax.set_ylabel(y, color=colour, parse_math=False)
 
 
+def subtitle(ax: Any, text: str, size: float = 9.0, **look: Any) -> None:
+    """Write what one of several axes shows, or what is held, above it."""
+    ax.set_title(text, fontsize=size, color=COLOURS["quiet"], parse_math=False, **look)
+
+
 def colour_bar(ax: Any, drawn: Any, what: str, **look: Any) -> Any:
     """What the colours of a map mean, beside it."""
     bar = ax.figure.colorbar(drawn, ax=ax, pad=0.02, **look)

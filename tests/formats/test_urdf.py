@@ -426,7 +426,7 @@ def test_frames_beside_the_file_may_be_named_by_their_joints(tmp_path: Path) -> 
     by_joint = read(tmp_path, TREE + PAIR)
     ((one,), (other,)) = (by_link.closures, by_joint.closures)
     assert one.links == other.links
-    np.testing.assert_array_equal(one.first.position, other.first.position)
+    np.testing.assert_array_equal(one.frames[0].position, other.frames[0].position)
 
 
 @pytest.mark.parametrize(
