@@ -22,6 +22,7 @@ from symkin.plots.style import drawing
 from symkin.plots.sweep_text import axis_text, write_title
 from symkin.sweeps.drawable import check_drawable
 from symkin.sweeps.layout import labels
+from symkin.sweeps.map_slice import cut_at
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -104,22 +105,10 @@ def _modes(
     names = list(attributes["axes"])
     sampled = attributes["sample"] is not None
     by_label = dict(zip(names, labels(names), strict=True))
-    cuts = dict(slices)
-    free = [n for n in names if n not in cuts]
+    free = [n for n in names if n not in slices]
     first = max(free, key=lambda n: data[by_label[n]].size)
-    if not sampled and not points:
-        middle = {
-            n: float(data[by_label[n]].values[(data[by_label[n]].size - 1) // 2])
-            for n in free
-            if n != first
-        }
-        cuts |= middle
-    fixed = []
-    for n, value in cuts.items():
-        place = int(np.argmin(np.abs(data[by_label[n]].values - value)))
-        data = data.isel({by_label[n]: place})
-        fixed.append(f"{n} = {float(data[by_label[n]]):.5g} {data[by_label[n]].attrs['units']}")
-    swept = [n for n in free if n not in cuts]
+    swept = free if sampled or points else [first]
+    data, _, fixed = cut_at(attributes, data, [n for n in names if n not in swept], slices)
     order = data["count"].dims
     data = data.transpose(*order, "mode", ...)
     values = data[by_label[first]].broadcast_like(data["count"]).transpose(*order).values.ravel()
@@ -128,9 +117,7 @@ def _modes(
     line = np.full(len(count), -1)
     if not sampled and len(swept) == 1:
         line = _line(mechanism, data, there, _nearest_sample(mechanism, first, values))
-    return _Modes(
-        data, there, (first, data[by_label[first]].attrs["units"], values), line, tuple(fixed)
-    )
+    return _Modes(data, there, (first, data[by_label[first]].attrs["units"], values), line, fixed)
 
 
 def _numbers(modes: _Modes, name: str, width: int) -> np.ndarray:
