@@ -15,7 +15,6 @@ from symkin.formats.joint_graph import (
     Direction,
     GraphJoint,
     JointGraph,
-    place,
     robot_of,
     spanning_tree,
 )
@@ -37,7 +36,7 @@ from symkin.formats.sdf_world import robot_model
 from symkin.formats.urdf_parts import parts_within, refuse_itself, unit
 from symkin.formats.xml_text import Element, read_xml
 from symkin.model.graph import Coupling
-from symkin.model.joined import along, way
+from symkin.model.joined import along, joined_to, way
 from symkin.spatial.pose import Pose
 from symkin.text import first_of
 
@@ -74,7 +73,7 @@ class _Reader(GraphReader):
             len(elements),
             sum(e.attributes.get("type") != "fixed" for e in elements),
         )
-        self.poses = {link: self.frames.pose(link) for link in self.frames.links}
+        self.poses = {_plain(link): self.frames.pose(link) for link in self.frames.links}
         self.poses[WORLD] = Pose.identity()
 
     def graph(self) -> JointGraph:
@@ -86,18 +85,15 @@ class _Reader(GraphReader):
         couplings = CouplingSet.of(self._mimics(joints), self._gears(joints))
         self.notes += couplings.notes
         on_world = any(WORLD in joint.links for joint in joints)
-        links = [WORLD, *self.frames.links] if on_world else list(self.frames.links)
+        links = [WORLD] * on_world + [_plain(link) for link in self.frames.links]
         if not links:
             raise self.model.error("no <link> is found; a robot has links and joints")
         root = WORLD if on_world else self._root(links, joints)
         graph = JointGraph(
             name=robot_name(self.model.attributes.get("name"), self.path),
-            links=[_plain(link) for link in links],
-            root=_plain(root),
-            joints=[
-                replace(j, name=_plain(j.name), links=(_plain(j.links[0]), _plain(j.links[1])))
-                for j in joints
-            ],
+            links=links,
+            root=root,
+            joints=joints,
             couplings=tuple(couplings.found.values()),
             source=str(self.path),
             meshes={
@@ -118,23 +114,20 @@ class _Reader(GraphReader):
         """The model's canonical link, or the first link of the part that has most joints where
         nothing joins to that one.
         """
-        canonical = self.frames.link_of(self.frames.frames["__model__"].attached)
+        canonical = _plain(self.frames.link_of(self.frames.frames["__model__"].attached))
         canonical = links[0] if canonical == WORLD else canonical
-        if any(canonical in joint.links for joint in joints):
+        if not joints or any(canonical in joint.links for joint in joints):
             return canonical
-        if not joints:
-            return canonical
-        tree = spanning_tree(joints)
-        return max(links, key=lambda link: len(place(tree, link)))
+        return max(links, key=lambda link: len(joined_to(joints, link)))
 
     # --- joints -----------------------------------------------------------------------------------
 
     def _joint(self, element: Element, scope: Scope) -> GraphJoint:
-        name = scope.prefix + element.attribute("name")
+        name = _plain(scope.prefix + element.attribute("name"))
         parent, child = (self._body(element, tag, scope) for tag in ("parent", "child"))
         if child == WORLD:
             raise element.error("the child is the world, which does not move; make it the parent")
-        refuse_itself(_plain(parent), _plain(child), element)
+        refuse_itself(parent, child, element)
         at = self._joint_pose(element, scope)
         self._note_parent_frame(element, scope, at)
         frames = (self.poses[parent].inverse() @ at, self.poses[child].inverse() @ at)
@@ -193,7 +186,7 @@ class _Reader(GraphReader):
         name = end.text.strip()
         if not name:
             raise end.error("is empty; the name of a link is needed")
-        link = self.frames.link_of(self.frames.find(name, scope, end))
+        link = _plain(self.frames.link_of(self.frames.find(name, scope, end)))
         if link not in self.poses:
             raise end.error(f"the frame {name!r} is carried by no link")
         return link
@@ -261,12 +254,12 @@ class _Reader(GraphReader):
     def _coordinate(
         self, made: dict[str, GraphJoint], name: str, axis: int, element: Element
     ) -> str:
+        name = _plain(name)
         if name not in made or made[name].type not in (*ONE_COORDINATE, "U"):
             raise element.error(
-                f"the joint {_plain(name)!r} is "
-                f"{'unknown' if name not in made else 'without an axis'}"
+                f"the joint {name!r} is {'unknown' if name not in made else 'without an axis'}"
             )
-        return _plain(name) + (f".{axis}" if made[name].type == "U" else "")
+        return name + (f".{axis}" if made[name].type == "U" else "")
 
     def _gears(self, joints: Sequence[GraphJoint]) -> Iterator[LinearEquation]:
         """theta_2 = -ratio theta_1: the angles of parent and child against the reference body,
@@ -289,8 +282,7 @@ class _Reader(GraphReader):
             if sum(factor != 0.0 for factor in factors.values()) < 2:
                 raise element.error("the gearbox couples no two joints")
             # what follows is the joint before the child
-            terms = {_plain(name): factor for name, factor in reversed(factors.items())}
-            yield LinearEquation(terms, 0.0, element.where)
+            yield LinearEquation(dict(reversed(factors.items())), 0.0, element.where)
 
     def _turns(
         self,
@@ -307,7 +299,7 @@ class _Reader(GraphReader):
         path = way([joint for joint in joints if senses[joint.name] is not None], start, end)
         if path is None:
             raise element.error(
-                f"no revolute joints about its axis lead from the reference body to {_plain(end)!r}"
+                f"no revolute joints about its axis lead from the reference body to {end!r}"
             )
         turns = ((j.name, senses[j.name] or 0.0, forward) for j, forward in along(path, start))
         return {name: sense if forward else -sense for name, sense, forward in turns if sense}
@@ -344,7 +336,7 @@ class _Reader(GraphReader):
         pose, told_in = self.frames.relative(visual, scope, link)
         scale = mesh.one("scale")
         numbers = (1.0, 1.0, 1.0) if scale is None else scale.text_numbers(3)
-        at = self.poses[link].inverse() @ self.frames.pose(told_in) @ pose
+        at = self.poses[_plain(link)].inverse() @ self.frames.pose(told_in) @ pose
         return self.mesh(mesh, mesh.needed("uri").text.strip(), at, numbers)
 
     def _left_out(self) -> list[str]:

@@ -20,7 +20,6 @@ from symkin.formats.joint_graph import (
     frame_along,
     place,
     robot_of,
-    spanning_tree,
 )
 from symkin.formats.naming import robot_name
 from symkin.formats.packages import Packages
@@ -39,6 +38,7 @@ from symkin.formats.urdf_parts import (
 )
 from symkin.formats.xacro_text import expanded, is_xacro, macros
 from symkin.formats.xml_text import Element, read_xml
+from symkin.model.joined import joined_to
 from symkin.model.joint_forms import JointType
 from symkin.spatial.pose import Pose
 from symkin.text import first_of, meant, not_among
@@ -140,14 +140,11 @@ class _Reader(GraphReader):
             mimics(self.elements, joints), gears_within(self.root, self.links, joints)
         )
         joints, of_motors = self._with_motors(joints)
-        links = [
-            *self.links,
-            *(link for joint in joints for link in joint.links if link not in self.links),
-        ]
+        links = dict.fromkeys([*self.links, *(link for joint in joints for link in joint.links)])
         self._refuse_lost(root, joints)
         return JointGraph(
             name=robot_name(self.root.attributes.get("name"), self.path),
-            links=tuple(dict.fromkeys(links)),
+            links=tuple(links),
             root=root,
             joints=joints,
             couplings=tuple(couplings.found.values()),
@@ -217,7 +214,7 @@ class _Reader(GraphReader):
         return roots[0]
 
     def _refuse_lost(self, root: str, joints: Sequence[GraphJoint]) -> None:
-        reached = place(spanning_tree(joints), root)
+        reached = joined_to(joints, root)
         lost = [link for link in self.links if link not in reached]
         if lost:
             raise self.links[lost[0]].error(
