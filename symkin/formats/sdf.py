@@ -246,7 +246,7 @@ class _Reader(GraphReader):
                 if leader == follower:
                     raise mimic.error("the joint mimics itself; name another joint")
                 factor, offset, reference = (
-                    _value(mimic, word, default)
+                    mimic.child_number(word, default)
                     for word, default in (("multiplier", 1.0), ("offset", 0.0), ("reference", 0.0))
                 )
                 yield Coupling(follower, {leader: factor}, offset - factor * reference), mimic.where
@@ -381,11 +381,6 @@ _KNOWN = frozenset(
         "static",
     ]
 )
-
-
-def _value(element: Element, word: str, default: float) -> float:
-    found = element.one(word)
-    return default if found is None else found.text_number()
 
 
 def _plain(name: str) -> str:
