@@ -126,7 +126,7 @@ def figure_of_sketch(mechanism: Mechanism, names: str = "all") -> Figure:
         painter = side.painted(ax, layout, scale, centre, symbol, large=True)
         named = chosen not in ("none", "loops")
         page, lengths = Page(_WIDTH, _HEIGHT - _TOP), lengths_of(layout) if named else {}
-        unnamed = draw_labels(figure, painter, page, chosen, lengths=lengths)
+        unnamed = draw_labels(painter, page, chosen, lengths=lengths)
         facts = [
             "kinematic sketch at the reference configuration",
             f"lengths in {unit}",
@@ -173,7 +173,7 @@ def figure_of_panels(
     whole = width, head + block.pixels[1] + _FOOT
     with drawing():
         figure, ax = make_sheet(*whole)
-        unnamed = block.paint(figure, ax, 0.5 * whole[0], whole[1] - head)
+        unnamed = block.paint(ax, 0.5 * whole[0], whole[1] - head)
         more = [f"{unnamed} names find no room; choose fewer modes or names"] if unnamed else []
         heading(ax, mechanism, [*facts, *more], *whole, part)
         block.paint_legend(ax, whole[0], 0.0)
@@ -261,14 +261,14 @@ class Block:
         rows = math.ceil(len(self.panels) * len(self.sides) / self.columns)
         return self.columns * self.cell[0], rows * self.cell[1]
 
-    def paint(self, figure: Any, ax: Any, middle: float, top: float) -> int:
+    def paint(self, ax: Any, middle: float, top: float) -> int:
         """Draw on a sheet, in pixels. How many names find no room."""
         cells = [(panel, side) for panel in self.panels for side in self.sides]
         unnamed = 0
         for k, (panel, side) in enumerate(cells):
             row, column = divmod(k, self.columns)
             x = middle + (column + 0.5 - 0.5 * self.columns) * self.cell[0]
-            unnamed += self._panel(figure, ax, panel, side, x, top - row * self.cell[1])
+            unnamed += self._panel(ax, panel, side, x, top - row * self.cell[1])
         return unnamed
 
     def _symbol(self, side: _Side) -> float:
@@ -278,7 +278,7 @@ class Block:
         sizes = [_symbol_size(layout, side.camera, self.scale, *bounds) for layout in layouts]
         return float(np.median(sizes))
 
-    def _panel(self, figure: Any, ax: Any, panel: Panel, side: _Side, x: float, top: float) -> int:
+    def _panel(self, ax: Any, panel: Panel, side: _Side, x: float, top: float) -> int:
         centre = np.array([x, top - self.text - 0.5 * (self.cell[1] - self.text - _PANEL_GAP)])
         symbol = self._symbol(side)
         painter = side.painted(ax, panel.layout, self.scale, centre, symbol, width=0.8)
@@ -292,7 +292,7 @@ class Block:
             _write(ax, x, top - 26.0, text, fontsize=8.0, color=COLOURS["quiet"])
         wide, high = self.cell
         page = Page(wide, high - self.text, left=x - 0.5 * wide, foot=top - high)
-        return draw_labels(figure, painter, page, self.names, _PANEL_NAMES)
+        return draw_labels(painter, page, self.names, _PANEL_NAMES)
 
     def paint_legend(self, ax: Any, width: float, foot: float) -> None:
         layouts = [panel.layout for panel in self.panels]
@@ -374,7 +374,7 @@ def heading(
     )
     text, bold = shortened + part, {"fontweight": "bold"}
     with warnings_ignored("Glyph .* missing"):
-        wide = text_extent(ax.figure, ax, text, _TITLE, **bold)[0]
+        wide = text_extent(ax, text, _TITLE, **bold)[0]
     font = _TITLE * min(1.0, 0.94 * width / wide)
     _write(ax, 0.5 * width, height - 22.0, text, fontsize=font, **bold)
     lines = "\n".join(line for fact in facts for line in _facts_lines(fact, width))

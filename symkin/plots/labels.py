@@ -37,7 +37,6 @@ _SHORT, _SAME = 0.01, 1e-6
 
 
 def draw_labels(
-    figure: Any,
     painter: Painter,
     page: Page,
     names: Names = "all",
@@ -56,7 +55,7 @@ def draw_labels(
     numbers = list(_lengths(painter, lengths or {}))
     for name in [*wanted, *numbers]:
         font = scale * name.font
-        wide, high = text_extent(figure, painter.ax, name.text, font, **name.look)
+        wide, high = text_extent(painter.ax, name.text, font, **name.look)
         wish = direction(name.anchor - middle) if name.wish is None else name.wish
         label = replace(name, font=font, wish=wish, width=wide, height=high)
         box = page.find(label, _FARTHEST, _MOST_COST) if crowded else page.place(label)

@@ -98,10 +98,10 @@ def sheet_axes(figure: Figure) -> Any:
     return ax
 
 
-def text_extent(figure: Any, ax: Any, text: str, font: float, **look: Any) -> tuple[float, float]:
+def text_extent(ax: Any, text: str, font: float, **look: Any) -> tuple[float, float]:
     """Width and height of a text in pixels."""
     drawn = ax.text(0, 0, text, fontsize=font, parse_math=False, **look)
-    box = drawn.get_window_extent(figure.canvas.get_renderer())
+    box = drawn.get_window_extent(ax.figure.canvas.get_renderer())
     drawn.remove()
     return float(box.width), float(box.height)
 

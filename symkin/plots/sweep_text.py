@@ -19,14 +19,12 @@ from symkin.position.varied_pose import axis_title, turn_text
 from symkin.spatial.rotation import conjugate, multiply
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+    pass
 
 
-def write_title(
-    figure: Figure, ax: Any, what: str, attributes: Mapping[str, Any], fixed: Sequence[str]
-) -> None:
+def write_title(ax: Any, what: str, attributes: Mapping[str, Any], fixed: Sequence[str]) -> None:
     """The title, and below it what is fixed besides what the sweep holds."""
-    head(figure, f"{what}: {attributes['mechanism']}, {_problem(attributes)}")
+    head(ax.figure, f"{what}: {attributes['mechanism']}, {_problem(attributes)}")
     lines = ", ".join([*fixed, *held_texts(attributes)])
     subtitle(ax, f"at {lines}" if lines else "", 9.5, wrap=True)
     ax.tick_params(colors=COLOURS["quiet"])

@@ -78,9 +78,7 @@ def figure_of_values(
             _paths(ax, modes, attributes, names)
         else:
             _curves(ax, modes, attributes, names)
-        write_title(
-            figure, ax, f"{_kind(modes, points)} of {', '.join(names)}", attributes, modes.fixed
-        )
+        write_title(ax, f"{_kind(modes, points)} of {', '.join(names)}", attributes, modes.fixed)
     return figure
 
 

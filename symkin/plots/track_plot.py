@@ -104,7 +104,7 @@ def _figure(track: Track, block: Block) -> Figure:
     figure = new_figure(width / SHEET_DPI, height / SHEET_DPI, dpi=SHEET_DPI)
     sheet = sheet_axes(figure)
     heading(sheet, block.mechanism, facts, width, height, f" \N{EM DASH} {_what(track)}")
-    block.paint(figure, sheet, 0.5 * width, top)
+    block.paint(sheet, 0.5 * width, top)
     block.paint_legend(sheet, width, curves + _BELOW)
     layout: Any = figure.get_layout_engine()
     layout.set(rect=(0.01, 0.0, 0.98, curves / height))
