@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -17,9 +17,6 @@ from symkin.plots.sheet import head, subtitle
 from symkin.position.given import given_coordinates
 from symkin.position.varied_pose import axis_title, turn_text
 from symkin.spatial.rotation import conjugate, multiply
-
-if TYPE_CHECKING:
-    pass
 
 
 def write_title(ax: Any, what: str, attributes: Mapping[str, Any], fixed: Sequence[str]) -> None:
