@@ -48,7 +48,7 @@ def close(
         write_output(output, _content(mech, found, output))
         written = f"\nwritten: {output}"
     written += drawing.of(found if found.closed else None)
-    print_result(as_json, found.to_dict, lambda: str(found) + written)
+    print_result(as_json, found, written)
     return 0 if found.closed else 3
 
 

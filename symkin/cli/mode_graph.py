@@ -45,5 +45,4 @@ def mode_graph(
             **asked.values(GraphOptions, options),
             progress=progress,
         )
-    drawn = asked.drawing.of(found)
-    print_result(as_json, found.to_dict, lambda: str(found) + drawn)
+    print_result(as_json, found, asked.drawing.of(found))

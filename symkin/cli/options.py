@@ -14,6 +14,7 @@ from symkin.cli.completion import mechanism_names
 from symkin.cli.streams import print_text
 from symkin.errors import InputError
 from symkin.model.written_number import whole, written_number
+from symkin.result import Result
 from symkin.text import shown
 from symkin.verb_options import OUTPUT, Argument, Option
 
@@ -212,7 +213,12 @@ def check_output(output: Path | None, *inputs: Path | str | None) -> None:
         )
 
 
-def print_result(
+def print_result(as_json: bool, found: Result, more: str = "", **shown: Any) -> None:
+    """A result as JSON, or its summary of what is to be shown, with lines below it."""
+    print_either(as_json, found.to_dict, lambda: found.summary(**shown).text() + more)
+
+
+def print_either(
     as_json: bool, to_dict: Callable[[], dict[str, Any]], to_text: Callable[[], str]
 ) -> None:
     """One JSON object, or the text for people."""

@@ -48,10 +48,7 @@ def modes(
             **asked.values(ModesOptions, options),
             progress=progress,
         )
-    drawn = _drawn(found, asked.drawing)
-    print_result(
-        as_json, found.to_dict, lambda: found.summary(everything=everything).text() + drawn
-    )
+    print_result(as_json, found, _drawn(found, asked.drawing), everything=everything)
     return 0 if found.modes or found.positive_dimensional else 3
 
 
@@ -82,7 +79,5 @@ def solve(
     values = asked.values(SolveOptions, options, "pose", "given", "start")
     result = solve_one(asked.mechanism, **values, check=False)
     drawn = asked.drawing.of(None if result.solution is None else result)
-    print_result(
-        as_json, result.to_dict, lambda: result.summary(everything=everything).text() + drawn
-    )
+    print_result(as_json, result, drawn, everything=everything)
     return 0 if result.solution is not None else 3

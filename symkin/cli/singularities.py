@@ -90,6 +90,5 @@ def singularities(
 
         with progress_bar("singularity loci"):
             found = singular_loci(solution, names_from(plane), given=driven, **curves)
-    drawn = asked.drawing.of(found)
-    print_result(as_json, found.to_dict, lambda: str(found) + drawn)
+    print_result(as_json, found, asked.drawing.of(found))
     return 0

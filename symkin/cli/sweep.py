@@ -147,14 +147,14 @@ def sweep(
             progress=progress,
             **asked.values(SweepOptions, options),
         )
-    lines = [str(swept)]
+    more = ""
     if table is not None:
-        lines.append(f"written: {table}, {swept.write_csv(table)} rows")
+        more += f"\nwritten: {table}, {swept.write_csv(table)} rows"
     if plot is not None:
         with progress_bar("singularity loci") if loci else nullcontext():
             swept.plot(plot, slices=cuts, of=drawn, loci=loci)
-        lines.append(f"picture: {plot}")
-    print_result(as_json, swept.to_dict, lambda: "\n".join(lines))
+        more += f"\npicture: {plot}"
+    print_result(as_json, swept, more)
 
 
 def _drawn(of: str | None, slices: str | None, plot: Path | None, *, loci: bool) -> list[str]:

@@ -118,7 +118,7 @@ def track(
         write_track(found, output)
     files = "" if output is None else f"\nconfigurations: {output}"
     files += drawing.of(found if found.samples else None)
-    print_result(as_json, found.to_dict, lambda: str(found) + files)
+    print_result(as_json, found, files)
     return 0 if found.reached else 3
 
 

@@ -12,7 +12,7 @@ from symkin.cli.options import (
     MechArgument,
     names_from,
     numbers_from,
-    print_result,
+    print_either,
 )
 from symkin.cli.streams import say
 from symkin.cli.values import Asked
@@ -107,7 +107,7 @@ def transmission(
         files.append(serial)
     drawn = asked.drawing.of(found)
     lines = "".join(f"\n{file}" for file in files) + drawn
-    print_result(as_json, to_dict, lambda: text() + lines)
+    print_either(as_json, to_dict, lambda: text() + lines)
 
 
 _TOLD = (
