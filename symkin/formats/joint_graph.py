@@ -34,7 +34,8 @@ from symkin.spatial.pose import Pose
 from symkin.text import first_of
 
 Direction = tuple[float, float, float]
-Z: Direction = (0.0, 0.0, 1.0)
+AXES: dict[str, Direction] = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
+Z = AXES["z"]
 _COINCIDE = 1e-6
 """Metres and radians: frames that are this near are one to the digits that files hold."""
 _NO_DIRECTION = 1e-9

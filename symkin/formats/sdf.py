@@ -31,6 +31,7 @@ from symkin.formats.sdf_joint import (
     sdf_motor,
     sdf_pitch,
     sdf_type,
+    unit_from,
 )
 from symkin.formats.sdf_world import robot_model
 from symkin.formats.urdf_parts import parts_within, refuse_itself, unit
@@ -206,13 +207,13 @@ class _Reader(GraphReader):
             return sdf_axis(element, tag, model.inverse() @ at, scope.version)
         axis = element.needed(tag)
         xyz = axis.needed("xyz")
-        vector, name = xyz.text_numbers(3), xyz.attributes.get("expressed_in", "").strip()
+        name = xyz.attributes.get("expressed_in", "").strip()
         if not name:
+            vector = xyz.text_numbers(3)
             refuse_model_frame(axis, vector, model.inverse() @ at)
             return unit(xyz, vector)
         told_in = self.frames.pose(self.frames.find(name, scope, xyz))
-        turned = np.asarray((at.inverse() @ told_in).turn(np.asarray(vector)))
-        return unit(xyz, tuple(float(c) for c in turned))
+        return unit_from(xyz, at.inverse() @ told_in)
 
     def _second(self, element: Element, scope: Scope, at: Pose) -> Direction:
         first, second = (

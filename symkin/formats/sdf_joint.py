@@ -52,13 +52,14 @@ def sdf_axis(
     """
     axis = element.needed(tag)
     xyz = axis.needed("xyz")
-    vector = xyz.text_numbers(3)
-    in_model = version < (1, 5) or _model_frame(axis) is not None
-    turned = (
-        np.asarray(joint_pose.inverse().turn(np.asarray(vector)))
-        if in_model
-        else np.asarray(vector)
-    )
+    if version < (1, 5) or _model_frame(axis) is not None:
+        return unit_from(xyz, joint_pose.inverse())
+    return unit(xyz, xyz.text_numbers(3))
+
+
+def unit_from(xyz: Element, frame: Pose) -> Direction:
+    """The direction that an element tells in a frame, in what the frame is told in."""
+    turned = np.asarray(frame.turn(np.asarray(xyz.text_numbers(3))))
     return unit(xyz, tuple(float(c) for c in turned))
 
 

@@ -6,14 +6,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from symkin.errors import InputError
-from symkin.formats.joint_graph import frame_along
+from symkin.formats.joint_graph import AXES, frame_along
 from symkin.formats.read_options import ReadOptions, closure_kind
 from symkin.formats.robot import Robot, RobotJoint, joint_at
 from symkin.model.joint import BASE
 from symkin.model.joint_forms import JointType
 from symkin.text import first_of, meant, shown
 
-_AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 _DRIVEN = ("R", "P", "H", "C", "U")
 """Joints that may be actuated."""
 
@@ -59,7 +58,7 @@ def _of_kind(closure: RobotJoint, kind: JointType, axis: str) -> RobotJoint:
     """The closure as one of another kind, about or along an axis of its frames; ranges and motors
     were those of the other kind.
     """
-    turn, joint = frame_along(_AXES[axis]), closure.joint
+    turn, joint = frame_along(AXES[axis]), closure.joint
     keys = ("pitch", "limits", "actuated", "motor") if kind == joint.type else ()
     told = {key: getattr(joint, key) for key in keys}
     first, second = (frame @ turn for frame in closure.frames or ())
