@@ -16,12 +16,11 @@ from symkin.cli.calibrate_options import (
     PicturesOption,
     Sigmas,
 )
-from symkin.cli.options import MechArgument
+from symkin.cli.options import MechArgument, output_option
 from symkin.cli.quantities import distance_points, joint_quantities, quantity, tolerances
 from symkin.cli.reading import loaded
 from symkin.cli.streams import print_text
 from symkin.formats.read_options import ReadOptions
-from symkin.verb_options import OUTPUT, Option
 
 if TYPE_CHECKING:
     from symkin.model.mechanism import Mechanism
@@ -33,9 +32,7 @@ def fit(
     data: DataArgument,
     output: Annotated[
         Path,
-        Option(
-            "Folder for the mechanism file and the report.", "DIR", OUTPUT, flags=("-o", "--output")
-        ),
+        output_option("Folder for the mechanism file and the report.", "DIR"),
     ],
     options: FileOptions,
     sigmas: Sigmas,

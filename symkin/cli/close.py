@@ -6,11 +6,10 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-from symkin.cli.options import JsonOption, MechArgument, print_result
+from symkin.cli.options import JsonOption, MechArgument, output_option, print_result
 from symkin.cli.pictures import Drawing, NamedPicture
 from symkin.errors import InputError
 from symkin.formats.read_options import ReadOptions
-from symkin.verb_options import OUTPUT, Option
 
 if TYPE_CHECKING:
     from symkin.position.close_result import ClosedConfiguration
@@ -24,12 +23,10 @@ def close(
     picture: NamedPicture,
     output: Annotated[
         Path | None,
-        Option(
+        output_option(
             "Write the mechanism with the closed configuration as its reference (.toml), "
             "its JSON (.json), or an MJCF file with it as a keyframe (.xml).",
             "FILE",
-            OUTPUT,
-            flags=("-o", "--output"),
         ),
     ] = None,
     as_json: JsonOption = False,

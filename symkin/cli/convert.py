@@ -5,10 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated
 
-from symkin.cli.options import MechArgument
+from symkin.cli.options import MechArgument, output_option
 from symkin.formats.read_options import ReadOptions
 from symkin.position.options import ConvertOptions
-from symkin.verb_options import OUTPUT, Option
 
 
 def convert(
@@ -16,12 +15,7 @@ def convert(
     read: ReadOptions,
     output: Annotated[
         Path,
-        Option(
-            "The file to write: .toml, .xml (MJCF), .urdf or .sdf.",
-            "FILE",
-            OUTPUT,
-            flags=("-o", "--output"),
-        ),
+        output_option("The file to write: .toml, .xml (MJCF), .urdf or .sdf.", "FILE"),
     ],
     options: ConvertOptions,
 ) -> None:

@@ -29,6 +29,11 @@ def whole_numbers(text: str, option: str) -> list[int]:
     return [number for number in numbers if number is not None]
 
 
+def output_option(text: str, metavar: str) -> Option:
+    """The option of what a command writes."""
+    return Option(text, metavar, OUTPUT, flags=("-o", "--output"))
+
+
 MechArgument = Annotated[
     str,
     Argument(
@@ -39,7 +44,7 @@ MechArgument = Annotated[
         complete=mechanism_names,
     ),
 ]
-FolderOption = Annotated[Path, Option("Folder to write.", "DIR", OUTPUT, flags=("-o", "--output"))]
+FolderOption = Annotated[Path, output_option("Folder to write.", "DIR")]
 JsonOption = Annotated[
     bool,
     Option("Write one JSON object to stdout and nothing else.", group=OUTPUT, flags=("--json",)),

@@ -14,6 +14,7 @@ from symkin.cli.options import (
     check_output,
     joints_from,
     names_from,
+    output_option,
     print_result,
     slices_from,
 )
@@ -32,12 +33,7 @@ def sweep(
     read: ReadOptions,
     output: Annotated[
         Path,
-        Option(
-            "Folder of the arrays (Zarr); a begun sweep goes on.",
-            "DIR",
-            OUTPUT,
-            flags=("-o", "--output"),
-        ),
+        output_option("Folder of the arrays (Zarr); a begun sweep goes on.", "DIR"),
     ],
     options: SweepOptions,
     form: PoseForm,

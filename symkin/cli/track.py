@@ -10,6 +10,7 @@ from symkin.cli.options import (
     MechArgument,
     check_output,
     joints_from,
+    output_option,
     print_result,
     ranges_from,
 )
@@ -21,7 +22,7 @@ from symkin.errors import InputError
 from symkin.following.options import TrackOptions
 from symkin.formats.read_options import ReadOptions
 from symkin.text import shown
-from symkin.verb_options import GIVEN, OUTPUT, Option
+from symkin.verb_options import GIVEN, Option
 
 _PATH = "NAME=FROM:TO,..., such as crank=0:360,"
 """How a path by names is written."""
@@ -71,9 +72,7 @@ def track(
     ] = False,
     output: Annotated[
         Path | None,
-        Option(
-            "Write the configurations into a file.", "FILE.csv", OUTPUT, flags=("-o", "--output")
-        ),
+        output_option("Write the configurations into a file.", "FILE.csv"),
     ] = None,
     as_json: JsonOption = False,
 ) -> int:

@@ -12,6 +12,7 @@ from symkin.cli.options import (
     MechArgument,
     names_from,
     numbers_from,
+    output_option,
     print_either,
 )
 from symkin.cli.streams import say
@@ -56,9 +57,7 @@ def transmission(
             flags=("--format",),
         ),
     ] = "array",
-    output: Annotated[
-        Path | None, Option("Folder to write into.", "DIR", OUTPUT, flags=("-o", "--output"))
-    ] = None,
+    output: Annotated[Path | None, output_option("Folder to write into.", "DIR")] = None,
     serial: Annotated[
         Path | None,
         Option(
