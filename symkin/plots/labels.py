@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from symkin.drawing.layout import HAND, Layout
+from symkin.drawing.outline import grouped
 from symkin.drawing.palette import COLOURS, FRAME_COLOURS
 from symkin.model.joint import BASE
 from symkin.plots.label_placement import Box, Label, Page
@@ -32,6 +33,8 @@ _FARTHEST, _MOST_COST = 70.0, 75.0
 """Pixels between a name and what it names, and what its place may cost, in a crowded picture."""
 _MOST_LENGTHS = 12
 """Lengths that are written; of more, none is."""
+_ONE_PLACE = 3.0
+"""Pixels below which joints stand at one place."""
 _SHORT, _SAME = 0.01, 1e-6
 """Lengths over the size: below which one is not written, and below which two points are one."""
 
@@ -184,7 +187,8 @@ def _joints(painter: Painter, names: Names) -> Iterator[Label]:
     """
     closing = painter.layout.closing
     driven = {joint.name for joint in painter.layout.joints if joint.actuated}
-    places = _places(painter)
+    drawn = ((joint.name, painter.at(joint.centre)) for joint in painter.layout.joints)
+    places = grouped(drawn, _ONE_PLACE)
     places.sort(key=lambda entry: (not closing & set(entry[0]), not driven & set(entry[0])))
     for here, place in places:
         loops = [name for name in here if name in closing]
@@ -193,19 +197,6 @@ def _joints(painter: Painter, names: Names) -> Iterator[Label]:
         for group, colour in ((loops, "loop"), (others, "text")):
             if group and (names != "loops" or group is loops):
                 yield Label(_joined(group), place, reach, 9.5, {"color": COLOURS[colour]})
-
-
-def _places(painter: Painter) -> list[tuple[list[str], np.ndarray]]:
-    """Places of joints in the picture, with the names of those that share one."""
-    found: list[tuple[list[str], np.ndarray]] = []
-    for joint in painter.layout.joints:
-        place = painter.at(joint.centre)
-        names = next((names for names, other in found if np.linalg.norm(place - other) < 3.0), None)
-        if names is None:
-            found.append(([joint.name], place))
-        else:
-            names.append(joint.name)
-    return found
 
 
 def _joined(names: list[str]) -> str:
