@@ -203,24 +203,15 @@ def _polygon(corners: Sequence[np.ndarray], fill: str) -> Any:
     )
 
 
-def _disc(centre: np.ndarray, radius: float, fill: str) -> Any:
+def _disc(centre: np.ndarray, radius: float, fill: str, edge: str = COLOURS["link"]) -> Any:
     from matplotlib.patches import Circle
 
-    return Circle(
-        (float(centre[0]), float(centre[1])),
-        radius,
-        facecolor=fill,
-        edgecolor=COLOURS["link"],
-        linewidth=_EDGE,
-    )
+    place = float(centre[0]), float(centre[1])
+    return Circle(place, radius, facecolor=fill, edgecolor=edge, linewidth=_EDGE)
 
 
 def _dot(centre: np.ndarray, radius: float) -> Any:
-    from matplotlib.patches import Circle
-
-    return Circle(
-        (float(centre[0]), float(centre[1])), radius, facecolor=COLOURS["link"], edgecolor="none"
-    )
+    return _disc(centre, radius, COLOURS["link"], "none")
 
 
 def _line(points: Sequence[np.ndarray], width: float) -> Any:
