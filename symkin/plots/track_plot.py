@@ -4,7 +4,6 @@ end, and below it, over the inputs, what moves and how near singularities and li
 
 from __future__ import annotations
 
-import textwrap
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -33,8 +32,6 @@ rest there.
 """
 _LEGEND, _BELOW = 112.0, 30.0
 """Pixels of the robots' legend, and of it what is below its last row."""
-_SAID = 60
-"""Characters of the coordinates that are given, in the title."""
 _TICKS_APART = 0.09
 """Share of the axis between the tick at a stop and others."""
 _MOST_NAMED, _MOST_STANDING, _MOST_INPUTS = 8, 3, 7
@@ -97,13 +94,13 @@ def _figure(track: Track, block: Block) -> Figure:
     """Robots above curves, on one sheet."""
     panels, path = list(panels_of(track)), _Path.of(track)
     width = max(_LEAST_WIDTH, block.pixels[0] + _MARGIN)
-    facts = [track.statement[0].upper() + track.statement[1:]]
+    facts = [_what(track), track.statement[0].upper() + track.statement[1:]]
     curves = len(panels) * _PANEL + _FOOT + _ROW * len(path.inputs)
     top = curves + _LEGEND + block.pixels[1]
     height = top + head_of(facts, width)
     figure = new_figure(width / SHEET_DPI, height / SHEET_DPI, dpi=SHEET_DPI)
     sheet = sheet_axes(figure)
-    heading(sheet, block.mechanism, facts, width, height, f" \N{EM DASH} {_what(track)}")
+    heading(sheet, block.mechanism, facts, width, height)
     block.paint(sheet, 0.5 * width, top)
     block.paint_legend(sheet, width, curves + _BELOW)
     layout: Any = figure.get_layout_engine()
@@ -117,11 +114,10 @@ def _figure(track: Track, block: Block) -> Figure:
 
 
 def _what(track: Track) -> str:
-    """What is followed, for the title."""
+    """What is followed, for the heading."""
     if track.trajectory.kind != "given":
         return f"one mode of the {track.trajectory.kind} problem"
-    told = ", ".join(c.name for c in track.problem.known_coordinates)
-    return textwrap.shorten(f"one mode given {told}", _SAID, placeholder=" ...")
+    return f"one mode given {', '.join(c.name for c in track.problem.known_coordinates)}"
 
 
 @dataclass(frozen=True, eq=False)
