@@ -130,7 +130,7 @@ NAMES = {
     "renamed": "symkin.formats.naming",
     "robot_name": "symkin.formats.naming",
     "Robot": "symkin.formats.robot",
-    "RobotClosure": "symkin.formats.robot:Closure",
+    "RobotJoint": "symkin.formats.robot",
     "joint_at": "symkin.formats.robot",
     "way_between": "symkin.formats.closing",
     "read_sdf": "symkin.formats.sdf",
