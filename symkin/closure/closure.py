@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -138,7 +138,8 @@ def algebraic_rows(
     unknown.
     """
     bound, platform = not closure.partition.geometry, closure.mechanism.platform_link or ""
-    by_link = {platform if name == "pose" else name: form for name, form in forms}
+    links = {name: platform if name == "pose" else name for name, _ in forms}
+    by_link = {links[name]: form for name, form in forms}
     builder = RowBuilder(
         closure.mechanism,
         bound=bound,
@@ -147,9 +148,7 @@ def algebraic_rows(
         eliminate=eliminate,
     )
     builder.build_rows()
-    symbols = {
-        name: builder.body_symbols[platform if name == "pose" else name] for name, _ in forms
-    }
+    symbols = {name: builder.body_symbols[link] for name, link in links.items()}
     names = [c.name for c in closure.coordinates if c.name in builder.coordinates]
     ours = [builder.coordinates[name][1] for name in names]
     theirs = [closure.variables[closure.slices[name]] for name in names]
