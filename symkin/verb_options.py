@@ -9,7 +9,7 @@ import functools
 import inspect
 import re
 from collections.abc import Callable, Sequence
-from dataclasses import KW_ONLY, dataclass
+from dataclasses import KW_ONLY, dataclass, fields, is_dataclass
 from types import NoneType
 from typing import Any, ForwardRef, Literal, TypeVar, get_args, get_origin
 
@@ -54,6 +54,8 @@ class Argument(Option):
 
 def options_of(record: type) -> dict[str, tuple[Any, Option]]:
     """List the options of a record by name, with their types."""
+    if is_dataclass(record):
+        return {field.name: field.metadata["option"] for field in fields(record)}
     hints = record.__annotations__
     return {name: (hint.__origin__, hint.__metadata__[0]) for name, hint in hints.items()}
 

@@ -1,91 +1,78 @@
-/* How a loop of 1 kHz uses ankle: the joints' values come from the found ones that are wanted, and
- * what the joints have reached tells the found values.
+/* A control loop with ankle: joints of found values that are wanted, and what they must hold, cycle
+ * after cycle, and what to do when there is none.
  * SPDX-License-Identifier: MIT */
 #include "ankle.h"
 #include "ankle_vectors.h"
 
+#include <math.h>
 #include <stdio.h>
 
-#define N ANKLE_JOINTS
-#define CYCLES 1000
-#define PART ((ankle_real)CYCLES)
+#define CYCLES (100)
 
-/* Says on stderr why the example ends: the status by its name. */
-static int stopped(const char *call, ankle_status status)
-{
-    static const char *const names[] = {
-        "ANKLE_OK", "ANKLE_MAX_ITERATIONS", "ANKLE_SINGULAR", "ANKLE_NONFINITE",
-            "ANKLE_OUT_OF_RANGE", "ANKLE_WRONG_BRANCH"
-    };
-    (void)fprintf(stderr, "%s: %s; the machine must not move\n", call, names[status]);
-    return 1;
-}
+/* What the loop keeps from one cycle to the next. */
+typedef struct {
+    ankle_real joints[ANKLE_JOINTS]; /* the last that was known */
+    int tracked; /* cycles answered by one step */
+    int recovered; /* cycles answered by the whole line from the last answer */
+    int held; /* cycles without an answer: the machine must not move */
+} loop_state;
 
-/* The found values of the joints that were read: one step from the last ones, and the whole line
- * where that is not enough. */
-static ankle_status read_found(const ankle_real joints[N], ankle_real found[N])
+/* One cycle. */
+static void cycle(loop_state *state, const ankle_real values[ANKLE_JOINTS])
 {
+    loop_state next = *state;
     ankle_info info;
-    ankle_status status = ankle_track(joints, found, &info);
-    if ((status != ANKLE_OK) || (info.residual > ANKLE_TRACK_LIMIT)) {
-        status = ankle_direct(NULL, joints, found, found, &info);
+    if ((ankle_track_inverse(values, next.joints, &info) == ANKLE_OK)
+        && (info.residual <= ANKLE_TRACK_LIMIT)) {
+        ++next.tracked;
+    } else {
+        /* too long a step, as after a gap */
+        next = *state;
+        if (ankle_inverse(NULL, values, state->joints, next.joints, &info) == ANKLE_OK) {
+            ++next.recovered;
+        } else {
+            /* joint info.joint is to blame, if it is below ANKLE_JOINTS; the answer stays the last
+             * good one */
+            ++next.held;
+        }
     }
-    return status;
-}
-
-/* The joints of the found values that are wanted, in the same way. */
-static ankle_status command_joints(const ankle_real wanted[N], ankle_real joints[N])
-{
-    ankle_info info;
-    ankle_status status = ankle_track_inverse(wanted, joints, &info);
-    if ((status != ANKLE_OK) || (info.residual > ANKLE_TRACK_LIMIT)) {
-        status = ankle_inverse(NULL, wanted, joints, joints, &info);
-    }
-    return status;
+    *state = next;
 }
 
 int main(void)
 {
-    const ankle_real *const home = ankle_vector_home_found;
-    const ankle_real *const goal = ankle_vector_found[0];
-    ankle_real joints[N];
-    ankle_real found[N];
-    ankle_real wanted[N];
-    ankle_real torques[N];
-    ankle_real load[N];
-    ankle_status status;
-    for (int i = 0; i < N; ++i) {
-        joints[i] = ankle_vector_home_joints[i];
-        found[i] = home[i];
+    const ankle_real *const home = ankle_vector_home_joints;
+    loop_state state = { { home[0], home[1] }, 0, 0, 0 };
+    const ankle_real *const begin = ankle_vector_home_found;
+    /* the found values move from home in a straight line; values 40 to 69 are lost, of value 80 a
+     * number is none */
+    for (int k = 1; k <= CYCLES; ++k) {
+        const ankle_real part = (ankle_real)k / (ankle_real)CYCLES;
+        ankle_real values[ANKLE_JOINTS];
+        for (int i = 0; i < ANKLE_JOINTS; ++i) {
+            values[i] = begin[i] + part * (ankle_vector_found[0][i] - begin[i]);
+        }
+        if (k == 80) {
+            values[0] = (ankle_real)NAN;
+        }
+        if ((k < 40) || (k >= 70)) {
+            cycle(&state, values);
+        }
+    }
+    /* where they have come to, and what the joints hold of one unit at each found coordinate */
+    ankle_real found[ANKLE_FOUND];
+    ankle_real load[ANKLE_FOUND];
+    ankle_real torques[ANKLE_JOINTS];
+    for (int i = 0; i < ANKLE_JOINTS; ++i) {
         load[i] = (ankle_real)1;
     }
-    /* Power-up: the joints as they are read, home as the guess. Anything but OK: do not move. */
-    status = ankle_direct(NULL, joints, found, found, NULL);
-    if (status != ANKLE_OK) {
-        return stopped("ankle_direct", status);
+    if ((ankle_direct(NULL, state.joints, begin, found, NULL) != ANKLE_OK)
+        || (ankle_torques(state.joints, found, load, torques) != ANKLE_OK)) {
+        (void)fprintf(stderr, "no answer; the machine must not move\n");
+        return 1;
     }
-    for (int cycle = 1; cycle <= CYCLES; ++cycle) {
-        for (int i = 0; i < N; ++i) {
-            wanted[i] = home[i] + ((ankle_real)cycle / PART) * (goal[i] - home[i]);
-        }
-        status = command_joints(wanted, joints);
-        if (status != ANKLE_OK) {
-            return stopped("command_joints", status);
-        }
-        /* here the motors move, and `joints` are what their encoders say */
-        status = read_found(joints, found);
-        if (status != ANKLE_OK) {
-            return stopped("read_found", status);
-        }
-        /* what the motors must hold where the found coordinates bear one unit of torque each */
-        status = ankle_torques(joints, found, load, torques);
-        if (status != ANKLE_OK) {
-            return stopped("ankle_torques", status);
-        }
-    }
-    for (int i = 0; i < N; ++i) {
-        (void)printf("joint %.6f found %.6f torque %.6f\n", (double)joints[i], (double)found[i],
-            (double)torques[i]);
-    }
+    (void)printf("joint %.6f found %.6f torque %.6f: %d tracked, %d recovered, %d held\n",
+        (double)state.joints[0], (double)found[0], (double)torques[0], state.tracked,
+        state.recovered, state.held);
     return 0;
 }

@@ -1045,7 +1045,7 @@ static void delta_direct_formulas(delta_direct_work *w)
         const delta_real t108 = t107 * t86;
         const delta_real t109 = t88 - t108;
         const delta_real d1 = t109; /* above 0 where pose.x_pose.y_pose.z has two values */
-        const delta_real r1 = w->sign[0] * sqrt((d1 > 0.0) ? d1 : 0.0);
+        const delta_real r1 = w->sign[0] * ((d1 > 0.0) ? sqrt(d1) : 0.0);
         const delta_real t112 = t33 * t33;
         const delta_real t113 = t112 * t109;
         w->guard[0] = t113;

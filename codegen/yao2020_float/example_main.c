@@ -1,95 +1,67 @@
-/* A control loop with yao2020: joint values of poses, cycle after cycle, and what to do when there
- * are none.
+/* A control loop with yao2020: joint values of tool poses, cycle after cycle, and what to do when
+ * there is none.
  * SPDX-License-Identifier: MIT */
 #include "yao2020.h"
 #include "yao2020_vectors.h"
 
 #include <math.h>
-#include <stdbool.h>
 #include <stdio.h>
 
 #define CYCLES (100)
 
 /* What the loop keeps from one cycle to the next. */
 typedef struct {
-    yao2020_real joints[YAO2020_JOINTS]; /* the last ones that were answered */
+    yao2020_real joints[YAO2020_JOINTS]; /* the last that was known */
     int tracked; /* cycles answered by one step */
-    int recovered; /* cycles answered by the whole line from the last pose */
-    int held; /* cycles without one: the arm must not move */
+    int recovered; /* cycles answered by the whole line from the last answer */
+    int held; /* cycles without an answer: the machine must not move */
 } loop_state;
 
-/* One cycle: the joint values of the pose that is wanted, from the last ones. */
-static void cycle(loop_state *state, const yao2020_pose *pose)
+/* One cycle. */
+static void cycle(loop_state *state, const yao2020_real values[YAO2020_JOINTS])
 {
+    loop_state next = *state;
     yao2020_info info;
-    yao2020_real joints[YAO2020_JOINTS];
-    bool known = false;
-    for (int i = 0; i < YAO2020_JOINTS; ++i) {
-        joints[i] = state->joints[i];
-    }
-    if ((yao2020_track(pose, joints, &info) == YAO2020_OK)
+    /* the pose that is wanted: that of joint values here */
+    yao2020_pose pose = { { (yao2020_real)NAN }, { (yao2020_real)NAN } };
+    (void)yao2020_direct(values, &pose);
+    if ((yao2020_track(&pose, next.joints, &info) == YAO2020_OK)
         && (info.residual <= YAO2020_TRACK_LIMIT)) {
-        ++state->tracked;
-        known = true;
-    } else if (yao2020_inverse(NULL, pose, state->joints, joints, &info) == YAO2020_OK) {
-        /* too long a step, as after a gap between poses */
-        ++state->recovered;
-        known = true;
+        ++next.tracked;
     } else {
-        /* joint info.joint is to blame, if it is below YAO2020_JOINTS; the joint values stay the
-         * last good ones */
-        ++state->held;
+        /* too long a step, as after a gap */
+        next = *state;
+        if (yao2020_inverse(NULL, &pose, state->joints, next.joints, &info) == YAO2020_OK) {
+            ++next.recovered;
+        } else {
+            /* joint info.joint is to blame, if it is below YAO2020_JOINTS; the answer stays the
+             * last good one */
+            ++next.held;
+        }
     }
-    for (int i = 0; known && (i < YAO2020_JOINTS); ++i) {
-        state->joints[i] = joints[i];
-    }
+    *state = next;
 }
 
 int main(void)
 {
-    loop_state state = { { 0.0f }, 0, 0, 0 };
-    yao2020_pose from;
-    yao2020_pose to;
-    for (int i = 0; i < YAO2020_JOINTS; ++i) {
-        state.joints[i] = yao2020_vector_guesses[0][i];
-    }
-    if ((yao2020_direct(state.joints, &from) != YAO2020_OK)
-        || (yao2020_direct(yao2020_vector_joints[0], &to) != YAO2020_OK)) {
-        (void)fprintf(stderr, "no pose to begin with; the arm must not move\n");
-        return 1;
-    }
-    /* the tool moves in a straight line; poses 40 to 69 are lost, pose 80 is not a number */
+    const yao2020_real *const home = yao2020_vector_guesses[0];
+    loop_state state = { { home[0], home[1], home[2], home[3], home[4], home[5] }, 0, 0, 0 };
+    const yao2020_real *const begin = home;
+    /* the tool moves to another pose; values 40 to 69 are lost, of value 80 a number is none */
     for (int k = 1; k <= CYCLES; ++k) {
-        const double part = (double)k / CYCLES;
-        double cosine = 0.0;
-        double squared = 0.0;
-        yao2020_pose pose;
-        for (int i = 0; i < 4; ++i) {
-            cosine += (double)from.quaternion[i] * (double)to.quaternion[i];
-        }
-        for (int i = 0; i < 4; ++i) {
-            const double other = (cosine < 0.0) ? -(double)to.quaternion[i]
-                : (double)to.quaternion[i];
-            const double q = (1.0 - part) * (double)from.quaternion[i] + part * other;
-            pose.quaternion[i] = (yao2020_real)q;
-            squared += q * q;
-        }
-        for (int i = 0; i < 4; ++i) {
-            pose.quaternion[i] = (yao2020_real)((double)pose.quaternion[i] / sqrt(squared));
-        }
-        for (int i = 0; i < 3; ++i) {
-            pose.position[i] = (yao2020_real)((1.0 - part) * (double)from.position[i]
-                + part * (double)to.position[i]);
+        const yao2020_real part = (yao2020_real)k / (yao2020_real)CYCLES;
+        yao2020_real values[YAO2020_JOINTS];
+        for (int i = 0; i < YAO2020_JOINTS; ++i) {
+            values[i] = begin[i] + part * (yao2020_vector_joints[0][i] - begin[i]);
         }
         if (k == 80) {
-            pose.position[0] = (yao2020_real)NAN;
+            values[0] = (yao2020_real)NAN;
         }
         if ((k < 40) || (k >= 70)) {
-            cycle(&state, &pose);
+            cycle(&state, values);
         }
     }
     (void)printf("first joint %.6f: %d tracked, %d recovered, %d held\n", (double)state.joints[0],
-        state.tracked,
-        state.recovered, state.held);
+        state.tracked, state.recovered, state.held);
     return 0;
 }

@@ -1,5 +1,5 @@
-/* A control loop with zhao2000: where the platform is, cycle after cycle, and what to do when that
- * is not known.
+/* A control loop with zhao2000: where the platform is, cycle after cycle, and what to do when there
+ * is none.
  * SPDX-License-Identifier: MIT */
 #include "zhao2000.h"
 #include "zhao2000_vectors.h"
@@ -11,64 +11,61 @@
 
 /* What the loop keeps from one cycle to the next. */
 typedef struct {
-    zhao2000_pose pose; /* the last one that was known */
+    zhao2000_pose pose; /* the last that was known */
     int tracked; /* cycles answered by one step */
-    int recovered; /* cycles answered by the whole line from the last pose */
+    int recovered; /* cycles answered by the whole line from the last answer */
     int held; /* cycles without an answer: the machine must not move */
 } loop_state;
 
-/* One cycle: the pose at the joint values that were read. */
-static void cycle(loop_state *state, const zhao2000_real joints[ZHAO2000_JOINTS])
+/* One cycle. */
+static void cycle(loop_state *state, const zhao2000_real values[ZHAO2000_JOINTS])
 {
-    zhao2000_pose pose = state->pose;
+    loop_state next = *state;
     zhao2000_info info;
-    if ((zhao2000_track(joints, &pose, &info) == ZHAO2000_OK)
+    if ((zhao2000_track(values, &next.pose, &info) == ZHAO2000_OK)
         && (info.residual <= ZHAO2000_TRACK_LIMIT)) {
-        ++state->tracked;
-        state->pose = pose;
-    } else if (zhao2000_direct(NULL, joints, &state->pose, &pose, &info) == ZHAO2000_OK) {
-        /* too long a step, as after a gap in the readings */
-        ++state->recovered;
-        state->pose = pose;
+        ++next.tracked;
     } else {
-        /* joint info.joint is to blame, if it is below ZHAO2000_JOINTS; the pose stays the last
-         * good one */
-        ++state->held;
+        /* too long a step, as after a gap */
+        next = *state;
+        if (zhao2000_direct(NULL, values, &state->pose, &next.pose, &info) == ZHAO2000_OK) {
+            ++next.recovered;
+        } else {
+            /* joint info.joint is to blame, if it is below ZHAO2000_JOINTS; the answer stays the
+             * last good one */
+            ++next.held;
+        }
     }
+    *state = next;
 }
 
 int main(void)
 {
-    loop_state state = { { { 0.0 }, { 0.0 } }, 0, 0, 0 };
+    const zhao2000_real *const home = zhao2000_vector_home;
+    loop_state state = { { { home[0], home[1], home[2] }, { home[3], home[4], home[5], home[6] } },
+        0, 0, 0 };
     zhao2000_real begin[ZHAO2000_JOINTS];
-    for (int i = 0; i < 3; ++i) {
-        state.pose.position[i] = zhao2000_vector_home[i];
-    }
-    for (int i = 0; i < 4; ++i) {
-        state.pose.quaternion[i] = zhao2000_vector_home[3 + i];
-    }
     if (zhao2000_inverse(&state.pose, begin) != ZHAO2000_OK) {
         (void)fprintf(stderr, "home cannot be taken; the machine must not move\n");
         return 1;
     }
-    /* the joints move from home in a straight line; readings 40 to 69 are lost, reading 80 is not a
-     * number */
+    /* the joints move from home in a straight line; values 40 to 69 are lost, of value 80 a number
+     * is none */
     for (int k = 1; k <= CYCLES; ++k) {
         const zhao2000_real part = (zhao2000_real)k / (zhao2000_real)CYCLES;
-        zhao2000_real joints[ZHAO2000_JOINTS];
+        zhao2000_real values[ZHAO2000_JOINTS];
         for (int i = 0; i < ZHAO2000_JOINTS; ++i) {
-            joints[i] = begin[i] + part * (zhao2000_vector_joints[0][i] - begin[i]);
+            values[i] = begin[i] + part * (zhao2000_vector_joints[0][i] - begin[i]);
         }
         if (k == 80) {
-            joints[0] = (zhao2000_real)NAN;
+            values[0] = (zhao2000_real)NAN;
         }
         if ((k < 40) || (k >= 70)) {
-            cycle(&state, joints);
+            cycle(&state, values);
         }
     }
     (void)printf("position %.6f %.6f %.6f: %d tracked, %d recovered, %d held\n",
-        (double)state.pose.position[0],
-        (double)state.pose.position[1], (double)state.pose.position[2], state.tracked,
-            state.recovered, state.held);
+        (double)state.pose.position[0], (double)state.pose.position[1],
+        (double)state.pose.position[2], state.tracked, state.recovered, state.held);
     return 0;
 }

@@ -1245,7 +1245,7 @@ static void zhao2000_direct_formulas(zhao2000_direct_work *w)
         const zhao2000_real t70 = t69 * t69;
         const zhao2000_real t71 = t35 - t70;
         const zhao2000_real d1 = t71; /* above 0 where pose.gamma has two values */
-        const zhao2000_real r1 = w->sign[0] * sqrt((d1 > 0.0) ? d1 : 0.0);
+        const zhao2000_real r1 = w->sign[0] * ((d1 > 0.0) ? sqrt(d1) : 0.0);
         const zhao2000_real t74 = t20 * t69;
         const zhao2000_real t75 = t33 * r1;
         const zhao2000_real t76 = t74 + t75;
@@ -1293,7 +1293,7 @@ static void zhao2000_direct_formulas(zhao2000_direct_work *w)
         const zhao2000_real t118 = t116 - t117;
         const zhao2000_real t119 = -t118;
         const zhao2000_real d2 = t119; /* above 0 where pose.z has two values */
-        const zhao2000_real r2 = w->sign[1] * sqrt((d2 > 0.0) ? d2 : 0.0);
+        const zhao2000_real r2 = w->sign[1] * ((d2 > 0.0) ? sqrt(d2) : 0.0);
         w->guard[0] = t71;
         const zhao2000_real t123 = t35 * t35;
         const zhao2000_real t124 = t123 * t118;

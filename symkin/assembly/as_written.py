@@ -25,15 +25,17 @@ COMPLETE = ("proved", "probability one")
 
 
 def machine_of(mechanism: Mechanism, given: Given) -> Lowered | None:
-    """The machine for known values of joints, or of the platform's pose as a whole; None where it
-    is the mechanism itself, and where parts of the pose are given.
+    """The machine for known values of joints, or of the platform's pose; None where it is the
+    mechanism itself, and where parts of a pose are given that it has in another frame.
     """
-    names, is_pose = frozenset(given.names), _is_pose(mechanism, given)
-    if not is_pose and not names <= {c.name for c in mechanism.coordinates}:
-        return None
-    if is_pose or plain_kind(mechanism, given.names) is not None:
+    if _is_pose(mechanism, given) or plain_kind(mechanism, given.names) is not None:
         return lowered(mechanism)
-    return lowered(mechanism, names, pose=not mechanism.is_graph)
+    joints = frozenset(given.names) & {c.name for c in mechanism.coordinates}
+    is_of_pose = len(joints) < len(given.names)
+    if is_of_pose and mechanism.is_graph:
+        return None
+    low = lowered(mechanism, joints, pose=not mechanism.is_graph)
+    return None if low is not None and is_of_pose and low.frames is not None else low
 
 
 def is_complete(found: Modes) -> bool:

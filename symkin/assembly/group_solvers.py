@@ -184,8 +184,7 @@ def _are_followed_together(group: Problem, parts: Sequence[Problem]) -> bool:
     count = most_of_parts(parts)
     if count is None or count > _FEW_ROOTS:
         return count is None
-    paths = group_paths(group)
-    return paths is not None and paths.most_roots >= count
+    return group_paths(group) is not None
 
 
 def solved_at_once(group: Problem) -> bool:

@@ -16,11 +16,11 @@ from symkin.cli.calibrate_options import (
     PicturesOption,
     Sigmas,
 )
-from symkin.cli.options import MechArgument
+from symkin.cli.options import MechArgument, output_option
 from symkin.cli.quantities import distance_points, joint_quantities, quantity, tolerances
-from symkin.cli.reading import RobotFile, loaded
+from symkin.cli.reading import loaded
 from symkin.cli.streams import print_text
-from symkin.verb_options import OUTPUT, Option
+from symkin.formats.read_options import ReadOptions
 
 if TYPE_CHECKING:
     from symkin.model.mechanism import Mechanism
@@ -28,13 +28,11 @@ if TYPE_CHECKING:
 
 def fit(
     mech: MechArgument,
-    read: RobotFile,
+    read: ReadOptions,
     data: DataArgument,
     output: Annotated[
         Path,
-        Option(
-            "Folder for the mechanism file and the report.", "DIR", OUTPUT, flags=("-o", "--output")
-        ),
+        output_option("Folder for the mechanism file and the report.", "DIR"),
     ],
     options: FileOptions,
     sigmas: Sigmas,

@@ -31,10 +31,11 @@ from symkin.cli.quantities import (
     noise_quantity,
     quantity,
 )
-from symkin.cli.reading import RobotFile, loaded
+from symkin.cli.reading import loaded
 from symkin.cli.values import Asked
 from symkin.errors import InputError
 from symkin.files.written_files import check_own_file, write_own_file
+from symkin.formats.read_options import ReadOptions
 from symkin.ignored_options import refuse_ignored
 from symkin.verb_options import OUTPUT, POSTURES, READINGS, Option
 
@@ -59,7 +60,7 @@ _DEFAULT_RANGE = "20deg"
 
 def simulate(
     mech: MechArgument,
-    read: RobotFile,
+    read: ReadOptions,
     output: CsvOption,
     noise: AllNoise,
     space: Space,
@@ -150,7 +151,7 @@ def simulate(
 
 def plan(
     mech: MechArgument,
-    read: RobotFile,
+    read: ReadOptions,
     output: CsvOption,
     noise: Noise,
     space: Space,

@@ -4,12 +4,13 @@ from pathlib import Path
 from typing import Annotated, Any, TypedDict
 
 from symkin.calibration.options import READ_BESIDE
+from symkin.cli.options import output_option
 from symkin.verb_options import OUTPUT, POSTURES, READINGS, Argument, Option
 
 DataArgument = Annotated[Path, Argument("Measurements, one row a posture.", "DATA.csv")]
 CsvOption = Annotated[
     Path,
-    Option("File to write.", "FILE.csv", OUTPUT, flags=("-o", "--output")),
+    output_option("File to write.", "FILE.csv"),
 ]
 PosturesOption = Annotated[
     int,
@@ -38,7 +39,6 @@ DistanceOption = Annotated[
         "its own. May be repeated.",
         "NAME=X,Y,Z:BX,BY,BZ",
         READINGS,
-        flags=("--distance",),
     ),
 ]
 PicturesOption = Annotated[
@@ -46,7 +46,6 @@ PicturesOption = Annotated[
     Option(
         "Draw residuals, changes of parameters and the pose's accuracy (PNG) beside the report.",
         group=OUTPUT,
-        flags=("--pictures",),
     ),
 ]
 ForceOption = Annotated[
@@ -54,7 +53,6 @@ ForceOption = Annotated[
     Option(
         "Replace files in the way that symkin has not written, or that were edited since.",
         group=OUTPUT,
-        flags=("--force",),
     ),
 ]
 

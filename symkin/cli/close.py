@@ -6,11 +6,10 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-from symkin.cli.options import JsonOption, MechArgument, print_result
+from symkin.cli.options import JsonOption, MechArgument, output_option, print_result
 from symkin.cli.pictures import Drawing, NamedPicture
-from symkin.cli.reading import RobotFile, read_options
 from symkin.errors import InputError
-from symkin.verb_options import OUTPUT, Option
+from symkin.formats.read_options import ReadOptions
 
 if TYPE_CHECKING:
     from symkin.position.close_result import ClosedConfiguration
@@ -20,16 +19,14 @@ _SUFFIXES = (".toml", ".json", ".xml")
 
 def close(
     mech: MechArgument,
-    read: RobotFile,
+    read: ReadOptions,
     picture: NamedPicture,
     output: Annotated[
         Path | None,
-        Option(
+        output_option(
             "Write the mechanism with the closed configuration as its reference (.toml), "
             "its JSON (.json), or an MJCF file with it as a keyframe (.xml).",
             "FILE",
-            OUTPUT,
-            flags=("-o", "--output"),
         ),
     ] = None,
     as_json: JsonOption = False,
@@ -42,13 +39,13 @@ def close(
 
     _check_output(output, mech)
     drawing = Drawing.checked(picture)
-    found = close_one(mech, read_options(read))
+    found = close_one(mech, read)
     written = ""
     if output is not None and found.closed:
         write_output(output, _content(mech, found, output))
         written = f"\nwritten: {output}"
     written += drawing.of(found if found.closed else None)
-    print_result(as_json, found.to_dict, lambda: str(found) + written)
+    print_result(as_json, found, written)
     return 0 if found.closed else 3
 
 

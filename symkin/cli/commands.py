@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, is_dataclass
 from importlib import import_module
 from pathlib import Path
 from types import NoneType
@@ -15,6 +15,7 @@ from typing import Any, get_args, get_origin, get_type_hints, is_typeddict
 import click
 
 from symkin.cli.mistakes import refuse_empty_files, sentence, unknown_command
+from symkin.cli.reading import record_of
 from symkin.errors import InputError
 from symkin.model.shipped import shipped_examples
 from symkin.model.written_number import whole
@@ -123,7 +124,7 @@ def command_of(function: Callable[..., Any], name: str, **options: Any) -> Comma
     records: dict[str, dict[str, Option]] = {}
     for key, own in inspect.signature(function).parameters.items():
         hint = hints[key]
-        if is_typeddict(hint):
+        if is_typeddict(hint) or is_dataclass(hint):
             offered = {n: (k, o) for n, (k, o) in options_of(hint).items() if o.help}
             records[key] = {n: option for n, (_, option) in offered.items()}
             parameters += [
@@ -134,7 +135,8 @@ def command_of(function: Callable[..., Any], name: str, **options: Any) -> Comma
 
     def call(**values: Any) -> Any:
         for key, record in records.items():
-            values[key] = {n: values.pop(n) for n in record}
+            told = {n: values.pop(n) for n in record}
+            values[key] = record_of(hints[key], told) if is_dataclass(hints[key]) else told
         return function(**values)
 
     return Command(

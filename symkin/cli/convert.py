@@ -5,23 +5,17 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated
 
-from symkin.cli.options import MechArgument
-from symkin.cli.reading import RobotFile, read_options
+from symkin.cli.options import MechArgument, output_option
+from symkin.formats.read_options import ReadOptions
 from symkin.position.options import ConvertOptions
-from symkin.verb_options import OUTPUT, Option
 
 
 def convert(
     mech: MechArgument,
-    read: RobotFile,
+    read: ReadOptions,
     output: Annotated[
         Path,
-        Option(
-            "The file to write: .toml, .xml (MJCF), .urdf or .sdf.",
-            "FILE",
-            OUTPUT,
-            flags=("-o", "--output"),
-        ),
+        output_option("The file to write: .toml, .xml (MJCF), .urdf or .sdf.", "FILE"),
     ],
     options: ConvertOptions,
 ) -> None:
@@ -30,7 +24,7 @@ def convert(
     """
     from symkin.position.convert import convert as convert_one
 
-    written = convert_one(mech, output, read_options(read), **options)
+    written = convert_one(mech, output, read, **options)
     print(f"written: {written}")
     if options["loops"] == "yaml":
         print(f"written: {written.with_suffix('.yaml')}")

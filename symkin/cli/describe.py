@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from symkin.cli.options import JsonOption, MechArgument, print_result
+from symkin.cli.options import JsonOption, MechArgument, print_either
 from symkin.cli.pictures import NamedPicture
-from symkin.cli.reading import RobotFile
 from symkin.cli.values import Asked
 from symkin.errors import InputError
+from symkin.formats.read_options import ReadOptions
 from symkin.verb_options import OUTPUT, Option
 
 
 def show(
     mech: MechArgument,
-    read: RobotFile,
+    read: ReadOptions,
     picture: NamedPicture,
     latex: Annotated[
         bool,
@@ -44,6 +44,6 @@ def show(
     from symkin.position.mobility import mobility
 
     drawn = "" if drawing.path is None else f"\n\npicture: {drawing.path}"
-    print_result(
+    print_either(
         as_json, lambda: mobility(mechanism).to_dict(), lambda: describe(mechanism) + drawn
     )

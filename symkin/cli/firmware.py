@@ -6,16 +6,17 @@ from typing import Annotated
 
 from symkin.cli.options import FolderOption, MechArgument
 from symkin.cli.poses import PoseForm
-from symkin.cli.reading import RobotFile, say_left_out
+from symkin.cli.reading import say_left_out
 from symkin.cli.streams import say
 from symkin.cli.values import Asked
 from symkin.codegen.firmware_options import FirmwareOptions
+from symkin.formats.read_options import ReadOptions
 from symkin.verb_options import OUTPUT, Option
 
 
 def firmware(
     mech: MechArgument,
-    read: RobotFile,
+    read: ReadOptions,
     output: FolderOption,
     options: FirmwareOptions,
     form: PoseForm,

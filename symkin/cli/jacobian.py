@@ -5,16 +5,17 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated, Literal
 
-from symkin.cli.options import MechArgument, check_output
-from symkin.cli.reading import RobotFile, say_left_out
+from symkin.cli.options import MechArgument, check_output, output_option
+from symkin.cli.reading import say_left_out
 from symkin.cli.values import Asked
+from symkin.formats.read_options import ReadOptions
 from symkin.velocity.options import JacobianOptions
-from symkin.verb_options import ASKED, OUTPUT, Option
+from symkin.verb_options import ASKED, Option
 
 
 def jacobian(
     mech: MechArgument,
-    read: RobotFile,
+    read: ReadOptions,
     *,
     language: Annotated[
         Literal["casadi", "c", "numpy", "sympy", "latex"],
@@ -31,7 +32,7 @@ def jacobian(
     options: JacobianOptions,
     output: Annotated[
         Path | None,
-        Option("File to write; default: stdout.", "FILE", OUTPUT, flags=("-o", "--output")),
+        output_option("File to write; default: stdout.", "FILE"),
     ] = None,
 ) -> None:
     """Write a symbolic Jacobian in another language: CasADi, C99, NumPy, SymPy or LaTeX."""

@@ -5,15 +5,15 @@ from typing import Annotated
 from symkin.cli.options import JsonOption, MechArgument, print_result, ranges_from
 from symkin.cli.pictures import Picture
 from symkin.cli.progress import progress_bar
-from symkin.cli.reading import RobotFile
 from symkin.cli.values import Asked
 from symkin.following.options import GraphOptions
+from symkin.formats.read_options import ReadOptions
 from symkin.verb_options import ASKED, Option
 
 
 def mode_graph(
     mech: MechArgument,
-    read: RobotFile,
+    read: ReadOptions,
     options: GraphOptions,
     picture: Picture,
     over: Annotated[
@@ -45,5 +45,4 @@ def mode_graph(
             **asked.values(GraphOptions, options),
             progress=progress,
         )
-    drawn = asked.drawing.of(found)
-    print_result(as_json, found.to_dict, lambda: str(found) + drawn)
+    print_result(as_json, found, asked.drawing.of(found))

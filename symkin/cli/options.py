@@ -14,6 +14,7 @@ from symkin.cli.completion import mechanism_names
 from symkin.cli.streams import print_text
 from symkin.errors import InputError
 from symkin.model.written_number import whole, written_number
+from symkin.result import Result
 from symkin.text import shown
 from symkin.verb_options import OUTPUT, Argument, Option
 
@@ -28,6 +29,11 @@ def whole_numbers(text: str, option: str) -> list[int]:
     return [number for number in numbers if number is not None]
 
 
+def output_option(text: str, metavar: str) -> Option:
+    """The option of what a command writes."""
+    return Option(text, metavar, OUTPUT, flags=("-o", "--output"))
+
+
 MechArgument = Annotated[
     str,
     Argument(
@@ -38,7 +44,7 @@ MechArgument = Annotated[
         complete=mechanism_names,
     ),
 ]
-FolderOption = Annotated[Path, Option("Folder to write.", "DIR", OUTPUT, flags=("-o", "--output"))]
+FolderOption = Annotated[Path, output_option("Folder to write.", "DIR")]
 JsonOption = Annotated[
     bool,
     Option("Write one JSON object to stdout and nothing else.", group=OUTPUT, flags=("--json",)),
@@ -212,7 +218,12 @@ def check_output(output: Path | None, *inputs: Path | str | None) -> None:
         )
 
 
-def print_result(
+def print_result(as_json: bool, found: Result, more: str = "", **shown: Any) -> None:
+    """A result as JSON, or its summary of what is to be shown, with lines below it."""
+    print_either(as_json, found.to_dict, lambda: found.summary(**shown).text() + more)
+
+
+def print_either(
     as_json: bool, to_dict: Callable[[], dict[str, Any]], to_text: Callable[[], str]
 ) -> None:
     """One JSON object, or the text for people."""

@@ -9,8 +9,8 @@ from symkin.cli.options import AllOption, JsonOption, MechArgument, print_result
 from symkin.cli.pictures import Drawing, PictureOfSides
 from symkin.cli.poses import PoseForm
 from symkin.cli.progress import progress_bar
-from symkin.cli.reading import RobotFile
 from symkin.cli.values import Asked
+from symkin.formats.read_options import ReadOptions
 from symkin.position.options import Given, SolveOptions
 from symkin.verb_options import OUTPUT, Option
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 def modes(
     mech: MechArgument,
-    read: RobotFile,
+    read: ReadOptions,
     inputs: Given,
     form: PoseForm,
     options: ModesOptions,
@@ -48,10 +48,7 @@ def modes(
             **asked.values(ModesOptions, options),
             progress=progress,
         )
-    drawn = _drawn(found, asked.drawing)
-    print_result(
-        as_json, found.to_dict, lambda: found.summary(everything=everything).text() + drawn
-    )
+    print_result(as_json, found, _drawn(found, asked.drawing), everything=everything)
     return 0 if found.modes or found.positive_dimensional else 3
 
 
@@ -68,7 +65,7 @@ def _drawn(found: Modes, drawing: Drawing) -> str:
 
 def solve(
     mech: MechArgument,
-    read: RobotFile,
+    read: ReadOptions,
     options: SolveOptions,
     form: PoseForm,
     picture: PictureOfSides,
@@ -82,7 +79,5 @@ def solve(
     values = asked.values(SolveOptions, options, "pose", "given", "start")
     result = solve_one(asked.mechanism, **values, check=False)
     drawn = asked.drawing.of(None if result.solution is None else result)
-    print_result(
-        as_json, result.to_dict, lambda: result.summary(everything=everything).text() + drawn
-    )
+    print_result(as_json, result, drawn, everything=everything)
     return 0 if result.solution is not None else 3

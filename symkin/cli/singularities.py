@@ -14,10 +14,10 @@ from symkin.cli.options import (
 from symkin.cli.pictures import PictureOfSides
 from symkin.cli.poses import PoseForm
 from symkin.cli.progress import progress_bar
-from symkin.cli.reading import RobotFile
 from symkin.cli.streams import say
 from symkin.cli.values import Asked
 from symkin.errors import InputError
+from symkin.formats.read_options import ReadOptions
 from symkin.ignored_options import refuse_ignored
 from symkin.position.solve_result import SolveError
 from symkin.result import Result
@@ -27,7 +27,7 @@ from symkin.verb_options import ASKED, Option
 
 def singularities(
     mech: MechArgument,
-    read: RobotFile,
+    read: ReadOptions,
     *,
     options: SingularityOptions,
     form: PoseForm,
@@ -90,6 +90,5 @@ def singularities(
 
         with progress_bar("singularity loci"):
             found = singular_loci(solution, names_from(plane), given=driven, **curves)
-    drawn = asked.drawing.of(found)
-    print_result(as_json, found.to_dict, lambda: str(found) + drawn)
+    print_result(as_json, found, asked.drawing.of(found))
     return 0

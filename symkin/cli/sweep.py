@@ -14,14 +14,15 @@ from symkin.cli.options import (
     check_output,
     joints_from,
     names_from,
+    output_option,
     print_result,
     slices_from,
 )
 from symkin.cli.poses import PoseForm
 from symkin.cli.progress import progress_bar
-from symkin.cli.reading import RobotFile
 from symkin.cli.values import Asked
 from symkin.errors import InputError
+from symkin.formats.read_options import ReadOptions
 from symkin.model.mechanism import Mechanism
 from symkin.sweeps.options import SweepOptions
 from symkin.verb_options import GIVEN, OUTPUT, Option
@@ -29,15 +30,10 @@ from symkin.verb_options import GIVEN, OUTPUT, Option
 
 def sweep(
     mech: MechArgument,
-    read: RobotFile,
+    read: ReadOptions,
     output: Annotated[
         Path,
-        Option(
-            "Folder of the arrays (Zarr); a begun sweep goes on.",
-            "DIR",
-            OUTPUT,
-            flags=("-o", "--output"),
-        ),
+        output_option("Folder of the arrays (Zarr); a begun sweep goes on.", "DIR"),
     ],
     options: SweepOptions,
     form: PoseForm,
@@ -147,14 +143,14 @@ def sweep(
             progress=progress,
             **asked.values(SweepOptions, options),
         )
-    lines = [str(swept)]
+    more = ""
     if table is not None:
-        lines.append(f"written: {table}, {swept.write_csv(table)} rows")
+        more += f"\nwritten: {table}, {swept.write_csv(table)} rows"
     if plot is not None:
         with progress_bar("singularity loci") if loci else nullcontext():
             swept.plot(plot, slices=cuts, of=drawn, loci=loci)
-        lines.append(f"picture: {plot}")
-    print_result(as_json, swept.to_dict, lambda: "\n".join(lines))
+        more += f"\npicture: {plot}"
+    print_result(as_json, swept, more)
 
 
 def _drawn(of: str | None, slices: str | None, plot: Path | None, *, loci: bool) -> list[str]:

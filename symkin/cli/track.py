@@ -10,17 +10,19 @@ from symkin.cli.options import (
     MechArgument,
     check_output,
     joints_from,
+    output_option,
     print_result,
     ranges_from,
 )
 from symkin.cli.pictures import Drawing, PictureOfSides
 from symkin.cli.poses import EULER, PoseReader
 from symkin.cli.progress import progress_bar
-from symkin.cli.reading import RobotFile, loaded
+from symkin.cli.reading import loaded
 from symkin.errors import InputError
 from symkin.following.options import TrackOptions
+from symkin.formats.read_options import ReadOptions
 from symkin.text import shown
-from symkin.verb_options import GIVEN, OUTPUT, Option
+from symkin.verb_options import GIVEN, Option
 
 _PATH = "NAME=FROM:TO,..., such as crank=0:360,"
 """How a path by names is written."""
@@ -28,7 +30,7 @@ _PATH = "NAME=FROM:TO,..., such as crank=0:360,"
 
 def track(
     mech: MechArgument,
-    read: RobotFile,
+    read: ReadOptions,
     picture: PictureOfSides,
     *,
     begin: Annotated[
@@ -70,9 +72,7 @@ def track(
     ] = False,
     output: Annotated[
         Path | None,
-        Option(
-            "Write the configurations into a file.", "FILE.csv", OUTPUT, flags=("-o", "--output")
-        ),
+        output_option("Write the configurations into a file.", "FILE.csv"),
     ] = None,
     as_json: JsonOption = False,
 ) -> int:
@@ -117,7 +117,7 @@ def track(
         write_track(found, output)
     files = "" if output is None else f"\nconfigurations: {output}"
     files += drawing.of(found if found.samples else None)
-    print_result(as_json, found.to_dict, lambda: str(found) + files)
+    print_result(as_json, found, files)
     return 0 if found.reached else 3
 
 

@@ -12,12 +12,13 @@ from symkin.cli.options import (
     MechArgument,
     names_from,
     numbers_from,
-    print_result,
+    output_option,
+    print_either,
 )
-from symkin.cli.reading import RobotFile
 from symkin.cli.streams import say
 from symkin.cli.values import Asked
 from symkin.errors import InputError, NoConfigurationError
+from symkin.formats.read_options import ReadOptions
 from symkin.transmissions.options import TransmissionOptions
 from symkin.verb_options import ASKED, GIVEN, OUTPUT, Option
 
@@ -27,7 +28,7 @@ if TYPE_CHECKING:
 
 def transmission(
     mech: MechArgument,
-    read: RobotFile,
+    read: ReadOptions,
     options: TransmissionOptions,
     motors: Annotated[
         str | None,
@@ -56,9 +57,7 @@ def transmission(
             flags=("--format",),
         ),
     ] = "array",
-    output: Annotated[
-        Path | None, Option("Folder to write into.", "DIR", OUTPUT, flags=("-o", "--output"))
-    ] = None,
+    output: Annotated[Path | None, output_option("Folder to write into.", "DIR")] = None,
     serial: Annotated[
         Path | None,
         Option(
@@ -107,7 +106,7 @@ def transmission(
         files.append(serial)
     drawn = asked.drawing.of(found)
     lines = "".join(f"\n{file}" for file in files) + drawn
-    print_result(as_json, to_dict, lambda: text() + lines)
+    print_either(as_json, to_dict, lambda: text() + lines)
 
 
 _TOLD = (

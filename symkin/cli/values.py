@@ -19,7 +19,8 @@ from symkin.cli.options import (
 )
 from symkin.cli.pictures import Drawing
 from symkin.cli.poses import UNTOLD, PoseForm, PoseReader
-from symkin.cli.reading import RobotFile, loaded
+from symkin.cli.reading import loaded
+from symkin.formats.read_options import ReadOptions
 from symkin.verb_options import options_of
 
 if TYPE_CHECKING:
@@ -63,7 +64,7 @@ class Asked:
     def of(
         cls,
         mech: str,
-        read: RobotFile,
+        read: ReadOptions,
         form: PoseForm = UNTOLD,
         picture: Mapping[str, Any] | None = None,
     ) -> Asked:

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Annotated
 from symkin.cli.options import MechArgument
 from symkin.cli.poses import PoseForm
 from symkin.cli.progress import progress_bar
-from symkin.cli.reading import RobotFile
 from symkin.cli.values import Asked
 from symkin.errors import InputError
+from symkin.formats.read_options import ReadOptions
 from symkin.page.options import ViewOptions
 from symkin.verb_options import GIVEN, OUTPUT, Option
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 def view(
     mech: MechArgument,
-    read: RobotFile,
+    read: ReadOptions,
     options: ViewOptions,
     form: PoseForm,
     swept: Annotated[

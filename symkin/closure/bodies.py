@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Literal
 
 import casadi as ca
@@ -10,6 +11,7 @@ import numpy as np
 
 from symkin.closure.branches import Branch, Element, layout_of
 from symkin.closure.chain import Chain, JointSymbols, PlatformSide, Side, Step
+from symkin.closure.laid import laid_limbs
 from symkin.closure.parameters import ParameterTable
 from symkin.closure.partition import ALL_JOINTS, POSE_COORDINATES, Partition
 from symkin.closure.pose_forms import HomogeneousPose, PlatformPose, StudyPose, UnitPose
@@ -47,7 +49,11 @@ class BodyBuilder:
         self.kept = partition.kept | {n for c in mechanism.couplings for n in (c.joint, *c.names)}
         self.layout = layout_of(mechanism, self.kept, pose=partition.pose)
         self.table = ParameterTable(bound=bound)
-        self.kinds = {c.name: c for c in mechanism.coordinates}
+        self.laid = laid_limbs(mechanism, self.layout.branches, self.kept)
+        self.kinds = {
+            c.name: replace(c, reference=self.laid.values.get(c.name, c.reference))
+            for c in mechanism.coordinates
+        }
         self.coordinates: dict[str, tuple[Coordinate, ca.SX]] = {}
         self.bodies: dict[str, Side] = {BASE: Chain(())}
         self.links: dict[str, Side] = {}
@@ -97,7 +103,7 @@ class BodyBuilder:
             for element in branch.elements
         }
         joints = {
-            j.name: JointSymbols.declare(j, paths[j.name], table)
+            j.name: JointSymbols.declare(self.laid.joints.get(j.name, j), paths[j.name], table)
             for j in m.all_joints
             if j.type != "weld"
         }
@@ -109,6 +115,8 @@ class BodyBuilder:
         """How far along its axis a joint's point is moved from where it is described; the joint is
         the same for any geometry.
         """
+        if joint.name in self.laid.joints:
+            return 0.0
         away = self.mechanism.places[joint.name] - np.array(joint.point)
         return float(away @ np.array(joint.axis)) if away.any() else 0.0
 
@@ -181,8 +189,10 @@ class BodyBuilder:
         for name, kind in POSE_COORDINATES[m.motion]:
             if name == "quaternion":
                 start = m.platform_quaternion
+            elif name in nominal:
+                start = (m.platform_position[nominal[name]],)
             else:
-                start = (m.platform_position[nominal[name]],) if name in nominal else (0.0,)
+                start = (m.turn_about_z,)
             coordinate = Coordinate(f"pose.{name}", kind, "pose", tuple(start))  # type: ignore[arg-type]
             values[name] = self._symbol(coordinate)
         position = ca.vertcat(
@@ -191,11 +201,10 @@ class BodyBuilder:
         if "quaternion" in values:
             quaternion = values["quaternion"]
         else:
-            # a turn about the base frame's z axis, after the reference orientation
+            # a turn about the base frame's z axis, after the orientation from which it is told
             half = 0.5 * values.get("gamma", ca.SX(0))
-            quaternion = multiply(
-                ca.vertcat(ca.cos(half), 0, 0, ca.sin(half)), reference.quaternion
-            )
+            home = ca.SX(ca.DM(m.untwisted)) if m.turn_about_z else reference.quaternion
+            quaternion = multiply(ca.vertcat(ca.cos(half), 0, 0, ca.sin(half)), home)
         self.pose = Pose(position, quaternion)
         self.platform_pose: PlatformPose = UnitPose(position, quaternion)
 
@@ -255,11 +264,19 @@ class BodyBuilder:
                 self.links[branch.links[k]] = side
         return side
 
+    def _last_body(self, branch: Branch) -> Side:
+        """Where a branch's last body is, seen from where the branch is laid."""
+        side, laid = self.bodies[branch.ends[1]], self.laid.platforms.get(branch.name)
+        if laid is None or not isinstance(side, PlatformSide):
+            return side
+        place, turn = (ca.SX(ca.DM(part)) for part in (laid.position, laid.quaternion))
+        return replace(side, reference=Pose(place, turn))
+
     def _from_last(self, branch: Branch, first: int) -> Side:
         """Where the link before the element `first` is, from the branch's last body; all links
         behind it are noted.
         """
-        side, elements = self.bodies[branch.ends[1]], branch.elements
+        side, elements = self._last_body(branch), branch.elements
         # coordinates are declared from the base outward
         self._steps(elements[first:])
         for k in reversed(range(first, len(elements))):

@@ -61,12 +61,18 @@ class LinkFrames:
 
 @lru_cache(maxsize=128)
 def link_frames(closure: Closure) -> LinkFrames:
-    """The frames of all links, those within limbs ("leg1.1", from the base on) included."""
+    """The frames of all links, those within limbs ("leg1.1", from the base on) included; limbs that
+    are laid are left out.
+    """
     builder = built_rows(closure.mechanism, closure.partition)
-    sides: dict[str, Side] = {**builder.bodies, **builder.links}
+    branches, laid = builder.layout.branches, builder.laid.links(builder.layout.branches)
+    sides: dict[str, Side] = {
+        link: side for link, side in {**builder.bodies, **builder.links}.items() if link not in laid
+    }
     chains = [
         (branch, (branch.ends[0], *branch.links, branch.ends[1]))
-        for branch in builder.layout.branches
+        for branch in branches
+        if not laid & {branch.ends[0], branch.ends[1], *branch.links}
     ]
     bridges = []
     for branch, links in chains:

@@ -249,7 +249,10 @@ class RowBuilder(BodyBuilder):
         sides = relative_sides(self._from_first(branch, k), self._from_last(branch, k + 1))
         points = tuple(
             _Point(
-                side, self.table.vector(end.path, end.point), end.in_platform_frame, self.reference
+                side,
+                self.table.vector(end.path, self.laid.starts.get(end.path, end.point)),
+                end.in_platform_frame,
+                self.reference,
             )
             for side, end in zip(sides, (first, last), strict=True)
         )

@@ -21,7 +21,7 @@ from symkin.elimination.polynomial import Monomial, Polynomial, Ring
 from symkin.elimination.rows import NotPolynomialError, polynomial_rows
 from symkin.model.joint import Coordinate
 from symkin.numeric.system import System
-from symkin.spatial.backend import dot
+from symkin.spatial.backend import dot, stacked
 
 _MOST_ANGLES = 6
 """Coordinates of rows that are written as polynomials: terms double with each angle."""
@@ -167,7 +167,7 @@ def shortened(system: System, known: Sequence[Coordinate]) -> System:
     for coordinates, values in ((system.unknowns, system.unknown), (known, system.known)):
         for k, c in enumerate(coordinates):
             generators += [ca.cos(values[k]), ca.sin(values[k])] if c.is_angular else [values[k]]
-    rows = ca.vertcat(ca.SX(0, 1), *(_value(row, ca.vertcat(*generators)) for row in found[1]))
+    rows = stacked(_value(row, ca.vertcat(*generators)) for row in found[1])
     return replace(system, rows=rows)
 
 
@@ -190,7 +190,7 @@ def _polynomials(
     if found is None:
         return None
     ring, rows = found[0], [row.times(-1.0) for row in found[1]]
-    count, size = int(state.shape[0]), system.characteristic_length
+    count, size = state.numel(), system.characteristic_length
     generators = ca.vertcat(state, numbers)
     coefficients: list[ca.SX] = []
     written, jacobian = [], ca.SX(len(rows), system.freedom)
@@ -211,8 +211,8 @@ def _polynomials(
     whole = [ca.vertcat(*written), jacobian]
     if not collected:
         return whole[0], whole[1], numbers, numbers
-    symbol = ca.vertcat(ca.SX(0, 1), *(s for s, _ in coefficients))
-    return whole[0], whole[1], symbol, ca.vertcat(ca.SX(0, 1), *(v for _, v in coefficients))
+    symbol = stacked(s for s, _ in coefficients)
+    return whole[0], whole[1], symbol, stacked(v for _, v in coefficients)
 
 
 def _sum(factors: Sequence[ca.SX], values: Sequence[ca.SX]) -> ca.SX:

@@ -14,52 +14,46 @@ import casadi as ca
 import numpy as np
 
 from symkin.codegen.direct_answer import AnswerText
-from symkin.codegen.direct_formulas import DirectFormulas
 from symkin.codegen.direct_guess import GuessText
-from symkin.codegen.direct_line import LineText
 from symkin.codegen.direct_values import DirectValues
-from symkin.codegen.limb_platform import LimbPlatform
 from symkin.codegen.newton_kernel import rounded
 from symkin.codegen.text.angles import lifted
-from symkin.codegen.text.c import Emitter, Real, indent, indexed
+from symkin.codegen.text.c import Emitter, indent
 from symkin.codegen.text.gathered import gathered
 from symkin.codegen.text.templates import fill
 from symkin.codegen.text.turns import angle_of_direction, cosine_and_sine
 from symkin.computed_once import cached_property
-from symkin.text import c_comment
+from symkin.spatial.backend import stacked
 
 _WIDE = 1.5 * np.pi
 """Range of a limited angle (rad) from which the way between two of its values may be longer than
 half a turn and ends within a right angle all the same.
 """
+_ARC = 0.117
+"""An angle up to a right one squared is its chord squared, c, and less than this times c^2: (pi^2 /
+8 - 1) / 2.
+"""
+_ROUNDED = 256.0
+"""Roundings by which a guess's slide, read from its pose, may be beyond its range: the given value
+is held against its limits apart.
+"""
 
 
 @dataclass(frozen=True, eq=False)
-class ClosedDirectSource:
+class ClosedDirectSource(DirectValues):
     """The direct problem of one platform; `common` are the values of the names that templates of
     limbs need.
     """
 
-    made: LimbPlatform
-    found: DirectFormulas
     common: Mapping[str, object]
 
     @cached_property
-    def values(self) -> DirectValues:
-        return DirectValues(self.made, self.found)
-
-    @property
-    def real(self) -> Real:
-        return self.made.real
-
-    @cached_property
     def _answer(self) -> AnswerText:
-        return AnswerText(self.values)
+        return AnswerText(self.made, self.found)
 
     @property
     def text(self) -> str:
         """All functions of the direct problem."""
-        line = LineText(self.values)
         real, made, literal = self.real, self.made, self.real.literal
         angular = any(c.is_angular for c in made.actuated)
         polynomial = real.name == "float" and angular
@@ -70,20 +64,20 @@ class ClosedDirectSource:
             for c in made.actuated
         ]
         values = dict(self.common) | {
-            "nu": self.values.count,
+            "nu": self.count,
             "nk": max(1, len(self.found.formulas.names)),
             "nto": len(made.actuated),
             "k": f"{made.name}_direct",
-            "ny": int(self.values.y.shape[0]),
-            "guess_lines": indent(GuessText(self.values).lines, 2),
+            "ny": self.y.numel(),
+            "guess_lines": indent(GuessText(self.made, self.found).lines, 2),
             "formula_lines": indent(self._formula_lines),
             "set_lines": indent(self._set_lines),
-            "guard_members": indent(self.values.guards.members),
+            "guard_members": indent(self.guards.members),
             "aimed": f"const {real.type} joints[{len(made.actuated)}], ",
             "walk_members": f"    {real.type} at_end[{len(made.actuated)}];",
-            "at_lines": indent(line.at_lines, 3),
-            "span_lines": indent(line.span_lines),
-            "change_lines": indent(line.change_lines, 3),
+            "at_lines": indent(self._at_lines, 3),
+            "span_lines": indent(self._span_lines),
+            "change_lines": indent(self._change_lines, 3),
             "same_signs": indent(self._same_signs),
             "near": "false" if any(wide) else "true",
             # limits of more than half a turn: the line within them need not be the nearer way
@@ -104,7 +98,7 @@ class ClosedDirectSource:
             f"{made.name}_direct_set(w, at_end);",
             f"{made.name}_direct_formulas(w);",
         ]
-        walk = self.values.guards.text(values, aim, 1.0 if any(wide) else 0.5)
+        walk = self.guards.text(values, aim, 1.0 if any(wide) else 0.5)
         whole = fill("closed_direct.c", values | {"walk": angle + walk})
         answer = fill("closed_direct_answer.c", values)
         begin = whole.index("/* The answer at joint values")
@@ -113,11 +107,11 @@ class ClosedDirectSource:
     @property
     def _same_signs(self) -> list[str]:
         """Statements that compare the signs of a guess read again."""
-        count, p = int(self.found.formulas.roots.shape[0]), self.made.name.upper()
+        count, p = self.found.formulas.roots.numel(), self.made.name.upper()
         return (
             [
                 f"for (int k = 0; (k < {count}) && (status == {p}_OK); ++k) {{",
-                f"    status = (again.sign[k] * w->sign[k] > {self.real.literal(0.0)}) ? {p}_OK : "
+                f"    status = (again.sign[k] * w->sign[k] > {self.real.zero}) ? {p}_OK : "
                 f"{p}_WRONG_BRANCH;",
                 "}",
             ]
@@ -128,50 +122,41 @@ class ClosedDirectSource:
     @property
     def _formula_lines(self) -> list[str]:
         """Statements of roots, unknowns and guards."""
-        formulas, real = self.found.formulas, self.real
-        places = self.values.places(formulas.system)
-        parts = [
-            self.values.signed(e)
-            for e in (formulas.discriminants, formulas.first, formulas.second, formulas.divisors)
-        ]
-        discriminants, first, second, divisors = (
-            lifted(e, places, self.values.generators, formulas.roots) for e in parts
+        formulas, real, count = self.found.formulas, self.real, self.found.formulas.roots.numel()
+        places = self.places(formulas.system)
+        discriminants, first, second, divisors, reaches = (
+            lifted(self.signed(e), places, self.generators, formulas.roots)
+            for e in (
+                formulas.discriminants,
+                formulas.first,
+                formulas.second,
+                formulas.divisors,
+                stacked(reach.of_known for reach in self.found.whole.reaches),
+            )
         )
         unknowns = [
             part
-            for k, c in enumerate(self.values.unknowns)
+            for k, c in enumerate(self.unknowns)
             for part in ((first[k], second[k]) if c.is_angular else (first[k],))
         ]
-        reaches = ca.vertcat(
-            ca.SX(0, 1), *(self.values.signed(reach.of_known) for reach in self.found.whole.reaches)
-        )
-        reaches = lifted(reaches, places, self.values.generators, formulas.roots)
         guards = [guard.of(discriminants, reaches, divisors) for guard in self.found.guards]
         outputs = [discriminants, ca.vertcat(*unknowns), ca.vertcat(*guards)]
-        outputs = gathered(outputs, [self.values.u, formulas.roots], self.values.turns)
-        count = int(formulas.roots.shape[0])
-        inputs = [
-            (self.values.u, indexed("w->u", self.values.count)),
-            (formulas.roots, [f"r{k + 1}" for k in range(count)]),
-        ]
-        emitter = Emitter.of(real, inputs, *outputs)
-        self.values.store_guards(emitter, 2, "guard", of_divisors=True)
-        lines, zero, begun = emitter.lines, real.literal(0.0), len(emitter.lines)
-        for k in range(count):
-            text = emitter.value(0, k)
-            lines.append(
-                f"const {real.type} d{k + 1} = {text}; /* above 0 where "
-                f"{c_comment(formulas.names[k])} has two values */"
-            )
-            lines.append(
-                f"const {real.type} r{k + 1} = w->sign[{k}] * {real.call('sqrt')}((d{k + 1} > "
-                f"{zero}) ? d{k + 1} : {zero});"
-            )
-        self.values.store_guards(emitter, 2, "guard", of_divisors=False)
-        for i in range(len(unknowns)):
-            if i in self._answer.needed:
-                lines.append(f"w->y[{i}] = {emitter.value(1, i)};")
-        one = real.literal(1.0)
+        outputs = gathered(outputs, [self.u, formulas.roots], self.turns)
+        inputs = [(self.u, "w->u"), (formulas.roots, [f"r{k + 1}" for k in range(count)])]
+        emitter, zero, one = (
+            Emitter.of(real, inputs, *outputs),
+            real.zero,
+            real.one,
+        )
+        self.store_guards(emitter, 2, "guard", of_divisors=True)
+        begun, lines = emitter.take(), emitter.lines
+        for k, name in enumerate(formulas.names):
+            square, sign = emitter.value(0, k), f"w->sign[{k}]"
+            emitter.root(k + 1, square, zero, zero, about=name, sign=sign)
+        self.store_guards(emitter, 2, "guard", of_divisors=False)
+        for i in sorted(self._answer.needed):
+            text = emitter.value(1, i)
+            lines.append(f"w->y[{i}] = {text};")
         shares = [
             f"{real.call('fabs')}(r{k + 1}) * {real.literal(1.0 / float(root))}"
             for k, root in enumerate(self.found.usual_roots)
@@ -180,23 +165,23 @@ class ClosedDirectSource:
         for k, share in enumerate(shares[1:], start=2):
             lines.append(f"const {real.type} share{k} = {share};")
             lines.append(f"w->share = (share{k} < w->share) ? share{k} : w->share;")
+        if not self.found.guards:
+            lines.append(f"w->guard[0] = {one}; /* nothing can vanish */")
+        condition = self.above("guard", of_divisors=True)
+        if not condition:
+            return [*begun, *emitter.take()]
         none = [
-            f"w->guard[{j}] = {zero};"
+            f"    w->guard[{j}] = {zero};"
             for j, guard in enumerate(self.found.guards)
             if not guard.is_divisor
         ]
-        condition = self.values.above("guard", of_divisors=True)
-        if not self.found.guards:
-            lines.append(f"w->guard[0] = {one}; /* nothing can vanish */")
-        if not condition:
-            return lines
         return [
-            *lines[:begun],
+            *begun,
             f"if ({condition}) {{",
-            *("    " + line for line in lines[begun:]),
+            *("    " + line for line in emitter.take()),
             "} else {",
             "    /* what formulas divide by vanishes: no guard is above zero */",
-            *("    " + line for line in none),
+            *none,
             f"    w->share = {zero};",
             "}",
         ]
@@ -205,7 +190,7 @@ class ClosedDirectSource:
     def _set_lines(self) -> list[str]:
         lines, call = [], f"{self.made.name}_cosine_and_sine"
         for i, c in enumerate(self.made.actuated):
-            place = self.values.joint_places[c.name][0]
+            place = self.joint_places[c.name][0]
             if not c.is_angular:
                 lines.append(f"w->u[{place}] = joints[{i}];")
             elif self.real.name == "float":
@@ -216,3 +201,61 @@ class ClosedDirectSource:
                     f"w->u[{place + 1}] = sin(joints[{i}]);",
                 ]
         return lines
+
+    # --- the line ---------------------------------------------------------------------------------
+
+    @property
+    def _change_lines(self) -> list[str]:
+        """Statements of the squares of changes, of an angle by its chord's."""
+        lines, real = list[str](), self.real
+        for i, c in enumerate(self.made.actuated):
+            places = self.joint_places[c.name]
+            lines += [f"const {real.type} move{n} = w->u[{n}] - w->at[{n}];" for n in places]
+            square = " + ".join(f"move{n} * move{n}" for n in places)
+            if not c.is_angular:
+                lines += [f"change[{i}] = {square};"]
+                continue
+            lines += [
+                f"const {real.type} chord{i} = {square};",
+                f"kept = kept && (chord{i} <= {real.literal(2.0)});",
+                f"change[{i}] = chord{i} + {real.literal(_ARC)} * chord{i} * chord{i};",
+            ]
+        return lines
+
+    @property
+    def _span_lines(self) -> list[str]:
+        """Statements that choose the part of the slides' ranges that holds the line, and refuse
+        what is outside.
+        """
+        real, slides, tests = self.real, list[tuple[str, float, float]](), list[str]()
+        joints = zip(self.made.actuated, self.found.spans, strict=True)
+        for i, (c, span) in enumerate(joints):
+            if not span.angular:
+                guess = f"w->at[{self.joint_places[c.name][0]}]"
+                for text, room in ((guess, 1.0 + _ROUNDED * real.epsilon), (f"joints[{i}]", 1.0)):
+                    tests.append(f"(away{len(slides)} <= {real.literal(room * span.half)})")
+                    slides.append((text, span.middle, span.half))
+        if not slides:
+            return []
+        return [
+            "/* which part of the slides' ranges holds both ends of the line */",
+            *self.guards.reach_lines(slides),
+            f"if (!({' && '.join(tests)})) {{",
+            f"    status = {self.made.name.upper()}_WRONG_BRANCH;",
+            "}",
+        ]
+
+    @property
+    def _at_lines(self) -> list[str]:
+        """Statements of the joints' values at the guess and the given ones that are meant."""
+        made, p, lines = self.made, self.made.name, list[str]()
+        angle = f"{p}_angle" if self.real.name == "float" else "atan2"
+        for i, c in enumerate(made.actuated):
+            places = self.joint_places[c.name]
+            if c.is_angular:
+                lines.append(f"at[{i}] = {angle}(w->at[{places[1]}], w->at[{places[0]}]);")
+            else:
+                lines.append(f"at[{i}] = w->at[{places[0]}];")
+        if any(made.limited_angles):
+            lines.append(f"{p}_turn_into_limits(at, joints);")
+        return [*lines, f"{p}_unwrap_joints(at, joints, given);"]

@@ -29,10 +29,11 @@ from symkin.codegen.joint_map import Direction, JointMap
 from symkin.codegen.line_bounds import Span
 from symkin.codegen.newton_kernel import rounded
 from symkin.codegen.text.angles import Numbers, number_counts, numbers_by_name
-from symkin.codegen.text.c import Emitter, Real, indent, indexed
+from symkin.codegen.text.c import Emitter, Real, indent
 from symkin.codegen.text.templates import fill
 from symkin.computed_once import cached_property
 from symkin.model.joint import units_of
+from symkin.spatial.backend import stacked
 from symkin.text import c_comment
 
 _RESOLVED = 64.0
@@ -83,14 +84,11 @@ class ClosedDirection:
     @cached_property
     def _outputs(self) -> ca.SX:
         """The state's numbers."""
-        found: list[ca.SX] = []
-        for c in self.direction.unknown:
-            for n in self.numbers[c.name]:
-                found += (
-                    _unit(n.cosine, n.sine)
-                    if c.kind == "angle" and n.cosine is not None
-                    else [n.value]
-                )
+        found = [
+            _unit(n.cosine, n.sine) if c.kind == "angle" and n.cosine is not None else n.value
+            for c in self.direction.unknown
+            for n in self.numbers[c.name]
+        ]
         return snapped_expression(ca.vertcat(*found), [self.known, self.signs, self.roots])
 
     @property
@@ -179,7 +177,7 @@ class ClosedDirection:
     @cached_property
     def usual(self) -> np.ndarray:
         """The usual size of each condition, with the sign that it has at the reference."""
-        whole = ca.vertcat(ca.SX(0, 1), *(c.value for c in self.conditions))
+        whole = stacked(c.value for c in self.conditions)
         known = self._known_values
         function = ca.Function("f", [known], [self._put_in(whole, known)])
         places = self.direction.problem.known_places
@@ -306,10 +304,10 @@ class ClosedDirection:
         return dict(self.names) | {
             "which": self.direction.name,
             "k": f"{self.made.name}_{self.direction.name}",
-            "nk": int(self.known.shape[0]),
-            "ns": int(self.state.shape[0]),
+            "nk": self.known.numel(),
+            "ns": self.state.numel(),
             "nto": len(self.direction.known),
-            "signs": max(1, int(self.signs.shape[0]) + len(self.divisors)),
+            "signs": max(1, self.signs.numel() + len(self.divisors)),
             "conditions": count,
             "resolved": literal(_RESOLVED * self.real.epsilon),
             "home_signs": ", ".join(
@@ -344,65 +342,42 @@ class ClosedDirection:
 
     @property
     def text(self) -> str:
-        told = fill("map_told.c", self.values | {"lines": indent(self._told_lines)})
         k = self.values["k"]
         aim = [
             f"{k}_set_target(w, to, end);",
             f"{k}_formulas(w->k, w->sign, w->x, w->guard);",
         ]
-        walk = self.guard_text.text(self.values, aim, 1.0)
-        return fill(
-            "map_closed.c",
-            self.values
-            | {
-                "reach": indent(self._reach_lines),
-                "formulas": indent(self._formula_lines),
-                "told": told,
-                "walk": walk,
-            },
-        )
+        own = {
+            "reach": indent(self._reach_lines),
+            "formulas": indent(self._formula_lines),
+            "told": indent(self._told_lines),
+            "walk": self.guard_text.text(self.values, aim, 1.0),
+        }
+        return fill("map_closed.c", self.values | own)
 
     @property
     def _formula_lines(self) -> list[str]:
         """Statements of the conditions, the roots and the state."""
-        literal, kind = self.real.literal, self.real.type
-        symbols = [self.known, self.signs, self.roots]
-        conditions = snapped_expression(
-            ca.vertcat(ca.SX(0, 1), *(c.value for c in self.conditions)), symbols
-        )
-        roots = [f"r{k + 1}" for k in range(int(self.roots.shape[0]))]
-        names = [
-            indexed("k", int(self.known.shape[0])),
-            indexed("sign", int(self.signs.shape[0])),
-            roots,
-        ]
+        literal, symbols = self.real.literal, [self.known, self.signs, self.roots]
+        conditions = snapped_expression(stacked(c.value for c in self.conditions), symbols)
+        names = ("k", "sign", [f"r{k + 1}" for k in range(self.roots.numel())])
         inputs = list(zip(symbols, names, strict=True))
         emitter = Emitter.of(self.real, inputs, conditions, self._outputs)
-        number, side = 0, int(self.signs.shape[0])
+        number, side = 0, self.signs.numel()
         for j, one in enumerate(self.conditions):
             text = emitter.value(0, j)
             if one.root is None:
-                emitter.lines.append(
-                    f"d[{j}] = sign[{side}] * {text}; /* {c_comment(one.name)}: what is divided "
-                    f"by */"
-                )
+                about = f"/* {c_comment(one.name)}: what is divided by */"
+                emitter.lines.append(f"d[{j}] = sign[{side}] * {text}; {about}")
                 side += 1
                 continue
             number += 1
-            emitter.lines.append(
-                f"const {kind} d{number} = {text}; /* above 0 where {c_comment(one.name)} has two "
-                f"values */"
-            )
-            emitter.lines.append(f"d[{j}] = d{number} * {self._per_usual(j)};")
             least = literal(rounded(_ROOT * float(self.usual[j])))
-            emitter.lines.append(
-                f"const {kind} r{number} = (d{number} > {least}) ? "
-                f"{self.real.call('sqrt')}(d{number}) : {literal(0.0)};"
-            )
-        count = int(self._outputs.shape[0])
-        lines = emitter.stored(indexed("x", count), 1)
-        ones = [] if self.conditions else [f"d[0] = {literal(1.0)};"]
-        return [*lines[: len(lines) - count], *ones, *lines[len(lines) - count :]]
+            emitter.root(number, text, least, literal(0.0), about=one.name)
+            emitter.lines.insert(-1, f"d[{j}] = d{number} * {self._per_usual(j)};")
+        if not self.conditions:
+            emitter.lines.append(f"d[0] = {literal(1.0)};")
+        return emitter.stored("x", 1)
 
     @property
     def _told_lines(self) -> list[str]:
@@ -415,59 +390,31 @@ class ClosedDirection:
         for part in self.direction.parts:
             if part.form is not None:
                 system, own = part.form.system, part.problem
-                inputs = [(system.known, own.known_coordinates), (system.unknown, system.unknowns)]
-                told += there.written(part.form.told, inputs, part.form).elements()
+                read = [(system.known, own.known_coordinates), (system.unknown, system.unknowns)]
+                told += there.written(part.form.told, read, part.form).elements()
         inputs = [self.known, self.state, self.signs, self.roots]
         divisors = [one.value for one in self.conditions if one.root is None]
-        expressions = [
-            snapped_expression(ca.vertcat(ca.SX(0, 1), *part), inputs) for part in (told, divisors)
-        ]
-        literal, count = self.real.literal, len(told)
-        names = [
-            indexed("k", int(self.known.shape[0])),
-            indexed("x", int(self.state.shape[0])),
-            indexed("sign", count),
-        ]
-        names.append([f"r{k + 1}" for k in range(count)])
+        expressions = [snapped_expression(stacked(part), inputs) for part in (told, divisors)]
+        literal, fabs, one = self.real.literal, self.real.call("fabs"), self.real.one
+        names = ("k", "x", "sign", [f"r{k + 1}" for k in range(len(told))])
         emitter = Emitter.of(self.real, list(zip(inputs, names, strict=True)), *expressions)
-        for k in range(count):
+        lines = emitter.lines
+        for k, j in enumerate(j for j, c in enumerate(self.conditions) if c.root is not None):
             text = emitter.value(0, k)
-            emitter.lines.append(
-                f"sign[{k}] = ({text} < {literal(0.0)}) ? -{literal(1.0)} : {literal(1.0)};"
-            )
-            if self._read_later(k, [*told[k + 1 :], *divisors]):
-                emitter.lines.append(
-                    f"const {self.real.type} r{k + 1} = {self.real.call('fabs')}({text});"
-                )
-            j = next(
-                (
-                    i
-                    for i, one in enumerate(self.conditions)
-                    if one.root is not None and ca.is_equal(one.root, self.roots[k])
-                ),
-                None,
-            )
-            if j is not None:
-                emitter.lines.append(f"d[{j}] = {text} * {text} * {self._per_usual(j)};")
+            lines.append(f"sign[{k}] = ({text} < {literal(0.0)}) ? -{one} : {one};")
+            if ca.depends_on(stacked([*told[k + 1 :], *divisors]), self.roots[k]):
+                lines.append(f"const {self.real.type} r{k + 1} = {fabs}({text});")
+            lines.append(f"d[{j}] = {text} * {text} * {self._per_usual(j)};")
         for place, j in enumerate(self.divisors):
             # on which side of zero it has to stay, over its usual size
-            text, side = emitter.value(1, place), f"sign[{count + place}]"
+            text, side = emitter.value(1, place), f"sign[{len(told) + place}]"
             per = literal(abs(self._factors[j]))
-            emitter.lines += [
+            lines += [
                 f"{side} = ({text} < {literal(0.0)}) ? -{per} : {per};",
                 f"d[{j}] = {side} * {text};",
             ]
-        return [
-            *emitter.lines,
-            *([] if told or divisors else [f"sign[0] = {literal(1.0)};"]),
-            *([] if self.conditions else [f"d[0] = {literal(1.0)};"]),
-        ]
-
-    def _read_later(self, k: int, expressions: list[ca.SX]) -> bool:
-        """Whether expressions hold the root of a choice."""
-        return bool(expressions) and bool(
-            ca.which_depends(ca.vertcat(*expressions), self.roots[k], 1, True).count(True)
-        )
+        lines += [] if told or divisors else [f"sign[0] = {one};"]
+        return [*lines, *([] if self.conditions else [f"d[0] = {one};"])]
 
     @cached_property
     def _factors(self) -> list[float]:
@@ -480,10 +427,10 @@ class ClosedDirection:
         return self.real.literal(self._factors[j])
 
 
-def _unit(cosine: ca.SX, sine: ca.SX | None) -> list[ca.SX]:
+def _unit(cosine: ca.SX, sine: ca.SX | None) -> ca.SX:
     """Cosine and sine of length 1: rounding takes formulas off the circle, where Newton's method
     could not bring them back.
     """
     assert sine is not None  # noqa: S101 - an angle has both
     inverse = 1 / ca.sqrt(cosine * cosine + sine * sine)
-    return [cosine * inverse, sine * inverse]
+    return ca.vertcat(cosine * inverse, sine * inverse)

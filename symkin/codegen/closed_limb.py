@@ -22,6 +22,7 @@ from symkin.codegen.text.c import Emitter, Real, indent, indented_by_braces, ind
 from symkin.codegen.text.templates import fill
 from symkin.computed_once import cached_property
 from symkin.elimination.closed_form import ClosedForm
+from symkin.spatial.backend import stacked
 from symkin.text import c_comment
 
 BESIDE = 4.0
@@ -99,14 +100,14 @@ class LimbFormulas:
         """
         values, roots = self._values[actuated_places(self.block), 0], self.formulas.roots
         found, of_roots = self._by_twist(values), ca.SX(0, int(self.block.sides.shape[1]))
-        for k in range(int(roots.shape[0])):
+        for k in range(roots.numel()):
             change = self._by_twist(self._discriminants[k])
             if k:
                 change = change + ca.mtimes(
                     ca.jacobian(self._discriminants[k], roots[:k]), of_roots
                 )
             of_roots = ca.vertcat(of_roots, change / (2 * roots[k]))
-        if int(roots.shape[0]):
+        if roots.numel():
             found = found + ca.mtimes(ca.jacobian(values, roots), of_roots)
         return self._lines(ca.vec(found.T), _SINGULAR, "rates", "SINGULAR")
 
@@ -117,89 +118,55 @@ class LimbFormulas:
         """Statements of discriminants, their roots, the results and the status: refused where a
         root is below the `least` share of its usual size, SINGULAR where a divisor is.
         """
-        limits = [self.real.literal(rounded((least * root) ** 2)) for root in self.usual_roots]
-        known, roots, free = (
-            self.formulas.system.known,
-            self.formulas.roots,
-            self.block.free_divisors,
-        )
-        divisors = self.signed(ca.vertcat(ca.SX(0, 1), *(self.formulas.divisors[j] for j in free)))
+        real, name = self.real, self.made.name.upper()
+        known, roots = self.formulas.system.known, self.formulas.roots
+        free, count = self.block.free_divisors, roots.numel()
+        divisors = self.signed(stacked(self.formulas.divisors[j] for j in free))
         outputs = [
             snapped_expression(ca.densify(part), [known, roots])
             for part in (self._discriminants, results, divisors)
         ]
-        count = int(roots.shape[0])
-        inputs = [
-            (known, indexed("c", int(known.shape[0]))),
-            (roots, [f"r{k + 1}" for k in range(count)]),
-        ]
-        emitter = Emitter.of(self.real, inputs, *outputs)
-        name, zeros = (
-            self.made.name.upper(),
-            [f"{array}[{i}] = {self.real.literal(0.0)};" for i in range(int(results.shape[0]))],
-        )
+        inputs = [(known, "c"), (roots, [f"r{k + 1}" for k in range(count)])]
+        emitter = Emitter.of(real, inputs, *outputs)
+        zeros = [f"{array}[{i}] = {real.zero};" for i in range(results.numel())]
         status = [f"{self.made.name}_status status = {name}_{refused};"]
-        written, closings, tests = list(status if free else []), list[list[str]](), []
+        written, closings, tests = list(status if free else []), list[list[str]](), list[str]()
         for k in range(count + 1):
             # a divisor is asked before anything is divided by it
-            own = [j for j in range(len(free)) if self._last_root(divisors[j]) == k]
-            if own:
-                conditions = [
-                    self._above(emitter.value(2, j), least * float(self._usual_divisors[j]))
-                    for j in own
-                ]
+            conditions = [
+                self._above(emitter.value(2, j), least * float(self._usual_divisors[j]))
+                for j in range(len(free))
+                if self._last_root(divisors[j]) == k
+            ]
+            if conditions:
                 written += [*emitter.take(), f"if ({' && '.join(conditions)}) {{"]
-                closings.append(
-                    [
-                        "} else {",
-                        "/* what is divided by vanishes */",
-                        f"status = {name}_SINGULAR;",
-                        *zeros,
-                        "}",
-                    ]
-                )
-            if k == count:
-                break
-            text, real, sqrt = emitter.value(0, k), self.real.type, self.real.call("sqrt")
-            emitter.lines.append(
-                f"const {real} d{k + 1} = {text}; /* above 0 where "
-                f"{c_comment(self.formulas.names[k])} has two values */"
-            )
-            emitter.lines.append(
-                f"const {real} r{k + 1} = (d{k + 1} > {limits[k]}) ? {sqrt}(d{k + 1}) : "
-                f"{self.real.literal(1.0)};"
-            )
-            tests.append(f"(d{k + 1} > {limits[k]})")
+                vanishes = ["/* what is divided by vanishes */", f"status = {name}_SINGULAR;"]
+                closings.append(["} else {", *vanishes, *zeros, "}"])
+            if k < count:
+                limit = real.literal(rounded((least * self.usual_roots[k]) ** 2))
+                about, square = self.formulas.names[k], emitter.value(0, k)
+                tests.append(emitter.root(k + 1, square, limit, real.one, about=about))
         written += emitter.take()
         if tests:
             # only where the roots are there: then nothing that is divided by vanishes with them
-            written += [
-                *([] if free else status),
-                f"if {tests[0] if len(tests) == 1 else '(' + ' && '.join(tests) + ')'} {{",
-            ]
+            whole = tests[0] if len(tests) == 1 else f"({' && '.join(tests)})"
+            written += [*([] if free else status), f"if {whole} {{"]
             closings.append(["} else {", *zeros, "}"])
-        stores = [f"{array}[{i}] = {emitter.value(1, i)};" for i in range(int(results.shape[0]))]
-        written += [*emitter.take(), *stores]
+        written += emitter.stored(array, 1)
         checks, result = (
             self._row_checks if array == "x" and self.block.is_checked else ([], f"{name}_OK")
         )
-        ending = [
-            f"status = {result};",
-            *(line for lines in reversed(closings) for line in lines),
-            "return status;",
-        ]
-        return indented_by_braces(
-            [*written, *checks, *(ending if closings else [f"return {result};"])]
-        )
+        ending = [f"return {result};"]
+        if closings:
+            closed = (line for lines in reversed(closings) for line in lines)
+            ending = [f"status = {result};", *closed, "return status;"]
+        return indented_by_braces([*written, *checks, *ending])
 
     def _last_root(self, expression: ca.SX) -> int:
         """Number, from 1, of the last root that an expression reads; 0 for none."""
-        reads = (
-            ca.which_depends(expression, self.formulas.roots, 1, False)
-            if int(self.formulas.roots.shape[0])
-            else []
-        )
-        return max((k + 1 for k, is_read in enumerate(reads) if is_read), default=0)
+        roots = self.formulas.roots
+        reads = (k + 1 for k in range(roots.numel()) if ca.depends_on(expression, roots[k]))
+        return max(reads, default=0)
 
     def _above(self, text: str, least: float) -> str:
         return f"({self.real.call('fabs')}({text}) > {self.real.literal(rounded(least))})"
@@ -211,12 +178,9 @@ class LimbFormulas:
         """
         system, capital = self.block.system, self.made.name.upper()
         errors = snapped_expression(ca.densify(system.errors), [system.unknown, system.known])
-        inputs = [
-            (system.unknown, indexed("x", system.width)),
-            (system.known, indexed("c", int(system.known.shape[0]))),
-        ]
+        inputs = [(system.unknown, "x"), (system.known, "c")]
         emitter = Emitter.of(self.real, inputs, errors, prefix="e")
-        texts = [emitter.value(0, i) for i in range(int(errors.shape[0]))]
+        texts = emitter.values(0)
         closes = " && ".join(f"({self.real.call('fabs')}({text}) <= within)" for text in texts)
         return [
             "/* the rows that the formulas leave over */",

@@ -19,6 +19,7 @@ from symkin.elimination.closed_form import ClosedForm
 from symkin.model.joint import Coordinate
 from symkin.position.groups import implied_parts, structure_groups
 from symkin.position.problem import Problem
+from symkin.spatial.backend import stacked
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,11 +84,11 @@ class Composed:
     @property
     def signs(self) -> ca.SX:
         """Symbols of all choices."""
-        return ca.vertcat(ca.SX(0, 1), *(form.signs for form in self.forms))
+        return stacked(form.signs for form in self.forms)
 
     @property
     def roots(self) -> ca.SX:
-        return ca.vertcat(ca.SX(0, 1), *(form.roots for form in self.forms))
+        return stacked(form.roots for form in self.forms)
 
     def written(
         self,
@@ -100,7 +101,7 @@ class Composed:
         """
         symbols = [(s, [n for c in own for n in self.numbers[c.name]]) for s, own in inputs]
         for s in (form.signs, form.roots) if form is not None else ():
-            symbols.append((s, [Numbers(s[i]) for i in range(int(s.shape[0]))]))
+            symbols.append((s, [Numbers(s[i]) for i in range(s.numel())]))
         return by_numbers(expression, symbols)
 
     def add(self, part: Part) -> None:
@@ -137,9 +138,7 @@ class Composed:
         value = self.written(ca.solve(slope, -at_zero), known)
         # at its zeros the unknowns are infinite
         determinant = self.written(ca.det(slope), known)
-        determinant = snapped_expression(
-            determinant, [ca.vertcat(ca.SX(0, 1), *ca.symvar(determinant))]
-        )
+        determinant = snapped_expression(determinant, [stacked(ca.symvar(determinant))])
         if not determinant.is_constant():
             self.conditions.append(Condition(part.names, determinant, None, part))
         for k, c in enumerate(system.unknowns):

@@ -4,18 +4,19 @@ pose.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import casadi as ca
 import numpy as np
 
 from symkin.codegen.closed_limb import BESIDE, READ_AGAIN, LimbFormulas, side_lines
 from symkin.codegen.direct_values import DirectValues
-from symkin.codegen.newton_source import tuning_of
+from symkin.codegen.newton_source import tolerance_of
+from symkin.codegen.pose_coordinates import POSE
 from symkin.codegen.text.angles import NotLiftedError, Numbers, lifted
-from symkin.codegen.text.c import Emitter, indent, indexed
+from symkin.codegen.text.c import Emitter, indent
 from symkin.codegen.text.gathered import gathered
 from symkin.computed_once import cached_property
+from symkin.model.joint import Coordinate
+from symkin.spatial.backend import stacked
 
 _SMALL_SHARE = 1.0 / 64
 """Share of its usual size below which a root multiplies rounding so much that an answer is read
@@ -27,53 +28,45 @@ again.
 """
 
 
-@dataclass(frozen=True, eq=False)
-class AnswerText:
+class AnswerText(DirectValues):
     """How the answer of one platform is checked and written."""
 
-    values: DirectValues
+    @property
+    def _turns(self) -> list[Coordinate]:
+        """The turn of the pose, if it has one."""
+        return [c for c in self.made.closure.role("pose") if c.is_angular]
+
+    @cached_property
+    def _limbs(self) -> list[LimbFormulas]:
+        """The limbs that have choices."""
+        blocks = [(b, b.formulas) for b in self.made.blocks]
+        return [LimbFormulas(self.made, b, found) for b, found in blocks if found is not None]
 
     @cached_property
     def _answer(self) -> tuple[ca.SX, ca.SX, ca.SX]:
         """Rows, sides of the limbs' choices and numbers of the pose, over u, y and the half
         turn.
         """
-        made, formulas = self.values.made, self.values.found.formulas
-        generators = dict(self.values.generators)
-        for c in made.closure.role("pose"):
-            if c.is_angular:
-                generators[c.name] = Numbers.of(
-                    (self.values.half[0], self.values.half[1]), is_half=True
-                )
-        none = ca.SX(0, 1)
-        places = self.values.places(formulas.system)
+        made, system, none = self.made, self.found.formulas.system, ca.SX(0, 1)
+        half = Numbers.of((self.half[0], self.half[1]), is_half=True)
+        generators = self.generators | {c.name: half for c in self._turns}
         try:
-            rows = lifted(formulas.system.rows, places, generators, none)
+            rows = lifted(system.rows, self.places(system), generators, none)
         except NotLiftedError:
             # these hold whole angles only
-            rows = lifted(formulas.system.errors, places, generators, none)
-        sides = [none]
-        for block in made.blocks:
-            if block.formulas is None:
-                continue
-            limb = LimbFormulas(made, block, block.formulas)
-            sides.append(
-                lifted(
-                    block.formulas.sides(limb.signs),
-                    self.values.places(block.system),
-                    generators,
-                    none,
-                )
+            rows = lifted(system.errors, self.places(system), generators, none)
+        sides = [
+            lifted(
+                limb.formulas.sides(limb.signs), self.places(limb.block.system), generators, none
             )
-        pose_symbols = [
-            (made.closure.variables[made.closure.slices[c.name]], c.name)
-            for c in made.closure.role("pose")
+            for limb in self._limbs
         ]
-        pose = made.geometry.pose
+        pose = made.closure.role("pose")
+        symbols = [(made.closure.symbols([c]), c.name) for c in pose]
         return (
             self._distinct(rows),
-            ca.vertcat(*sides),
-            lifted(pose, pose_symbols, generators, none),
+            stacked(sides),
+            lifted(made.geometry.pose, symbols, generators, none),
         )
 
     def _distinct(self, rows: ca.SX) -> ca.SX:
@@ -81,11 +74,11 @@ class AnswerText:
         the first the squares of a tiny machine's lengths are nothing, beside the second its cosines
         are.
         """
-        symbols = ca.vertcat(self.values.u, self.values.y, self.values.half)
+        symbols = ca.vertcat(self.u, self.y, self.half)
         function = ca.Function("rows", [symbols], [rows])
         rng = np.random.default_rng(2)
-        sizes = [1.0, 1.0, 1.0, *[self.values.made.closure.characteristic_length] * 3]
-        drawn = [s * rng.normal(size=int(symbols.shape[0])) for s in sizes]
+        sizes = [1.0, 1.0, 1.0, *[self.made.closure.characteristic_length] * 3]
+        drawn = [s * rng.normal(size=symbols.numel()) for s in sizes]
         values = np.array([np.asarray(function(one)).ravel() for one in drawn])
         values /= np.maximum(np.max(np.abs(values), axis=1, keepdims=True), np.finfo(float).tiny)
         kept: list[int] = []
@@ -96,76 +89,36 @@ class AnswerText:
                 for s in (1, -1)
             ):
                 kept.append(k)
-        return ca.vertcat(ca.SX(0, 1), *(rows[k] for k in kept))
+        return stacked(rows[k] for k in kept)
 
     @cached_property
     def needed(self) -> set[int]:
         """Places of `y` that the answer reads."""
-        function = ca.Function(
-            "answer", [self.values.y, self.values.u, self.values.half], [ca.vertcat(*self._answer)]
-        )
-        turns = {
-            i
-            for c in self.values.made.closure.role("pose")
-            if c.is_angular
-            for i in self.values.unknown_places[c.name]
-        }
-        return turns | {
-            i
-            for i, reads in enumerate(
-                ca.which_depends(
-                    function(self.values.y, self.values.u, self.values.half),
-                    self.values.y,
-                    1,
-                    False,
-                )
-            )
-            if reads
-        }
+        reads = ca.which_depends(stacked(self._answer), self.y, 1, False)
+        turns = {i for c in self._turns for i in self.unknown_places[c.name]}
+        return turns | {i for i, is_read in enumerate(reads) if is_read}
 
     @property
     def lines(self) -> dict[str, str]:
-        real, name = self.values.real, self.values.made.name.upper()
-        rows, sides, pose = self._answer
-        symbols = [self.values.u, self.values.y, self.values.half]
-        outputs = gathered([rows, sides, pose], symbols, self.values.turns)
-        function = ca.Function("answer", symbols, outputs, {"cse": True})
-        names = [
-            indexed("w->u", self.values.count),
-            indexed("w->y", int(self.values.y.shape[0])),
-            indexed("h", 2),
-        ]
-        emitter = Emitter(function, names, real)
-        texts = [emitter.value(0, k) for k in range(int(rows.shape[0]))]
-        squares = " + ".join(f"{t} * {t}" for t in texts)
+        """Statements of the residual, the sides, what is firm, and the pose."""
+        real, symbols = self.real, [self.u, self.y, self.half]
+        outputs = gathered(list(self._answer), symbols, self.turns)
+        names = zip(symbols, ("w->u", "w->y", "h"), strict=True)
+        emitter = Emitter.of(real, list(names), *outputs)
+        squares = " + ".join(f"{t} * {t}" for t in emitter.values(0))
         emitter.lines.append(f"*residual = {real.call('sqrt')}({squares});")
-        residual = list(emitter.lines)
-        tests, k = [], 0
-        for block in self.values.made.blocks:
-            if block.formulas is None:
-                continue
-            limb = LimbFormulas(self.values.made, block, block.formulas)
-            for root, what in zip(limb.usual_roots, block.formulas.names, strict=True):
-                near = (
-                    READ_AGAIN
-                    * BESIDE
-                    * np.sqrt(self._tolerance / block.system.characteristic_length)
-                )
-                tests += side_lines(
-                    emitter.value(1, k), what, (0.0, float(near * root)), real, name
-                )
+        residual, tests, k = emitter.take(), list[str](), 0
+        for limb in self._limbs:
+            size = limb.block.system.characteristic_length
+            near = READ_AGAIN * BESIDE * np.sqrt(tolerance_of(real, size) / size)
+            for root, what in zip(limb.usual_roots, limb.formulas.names, strict=True):
+                bounds = (0.0, float(near * root))
+                tests += side_lines(emitter.value(1, k), what, bounds, real, self.made.name.upper())
                 k += 1
-        side = [*emitter.lines[len(residual) :], *tests]
-        begin = len(emitter.lines)
-        targets = indexed("pose->position", 3) + indexed("pose->quaternion", 4)
-        values = [emitter.value(2, i) for i in range(7)]
-        stores = [
-            *emitter.lines[begin:],
-            *(f"{target} = {text};" for target, text in zip(targets, values, strict=True)),
-        ]
-        parts = {"residual": residual, "side": side, "firm": self._firm_lines}
+        sides = [*emitter.take(), *tests]
+        parts = {"residual": residual, "side": sides, "firm": self._firm_lines}
         return {f"{part}_lines": indent(lines) for part, lines in parts.items()} | {
-            "pose_lines": indent(stores, 2)
+            "pose_lines": indent(emitter.stored(POSE, 2), 2)
         }
 
     @property
@@ -173,40 +126,32 @@ class AnswerText:
         """Statements on what is near a fold: there the pose's error is large beside the
         distance.
         """
-        real, values = self.values.real, self.values
-        tests = (
-            [f"(w->share > {real.literal(_SMALL_SHARE)})"] if values.found.usual_roots.size else []
-        )
-        lines = list[str]()
-        for j, guard in enumerate(values.found.guards):
-            firm = values.guards.by_reach(f"firm{j}", values.guards.roundings(guard, _FIRM), lines)
+        found, lines = self.found, list[str]()
+        tests = [f"(w->share > {self.real.literal(_SMALL_SHARE)})"] * bool(found.usual_roots.size)
+        for j, guard in enumerate(found.guards):
+            firm = self.guards.by_reach(f"firm{j}", self.guards.roundings(guard, _FIRM), lines)
             tests.append(f"(w->guard[{j}] > {firm})")
         return [*lines, f"bool firm = {' && '.join(tests) or 'true'};"]
 
     @property
     def half_lines(self) -> list[str]:
         """Statements of cosine and sine of half the pose's turn, by the larger one."""
-        real = self.values.real
-        for c in self.values.made.closure.role("pose"):
-            if c.is_angular:
-                cosine, sine = (f"w->y[{i}]" for i in self.values.unknown_places[c.name])
-                half, zero, sqrt = real.literal(0.5), real.literal(0.0), real.call("sqrt")
-                return [
-                    f"{real.type} h[2];",
-                    "/* half the turn, by the larger of its cosine and sine */",
-                    f"const {real.type} larger = {sqrt}({half} + {half} * "
-                    f"{real.call('fabs')}({cosine}));",
-                    f"const {real.type} lesser = {half} * {sine} / larger;",
-                    f"if ({cosine} >= {zero}) {{",
-                    "    h[0] = larger;",
-                    "    h[1] = lesser;",
-                    "} else {",
-                    f"    h[0] = {real.call('fabs')}(lesser);",
-                    f"    h[1] = (lesser < {zero}) ? -larger : larger;",
-                    "}",
-                ]
-        return []
-
-    @property
-    def _tolerance(self) -> float:
-        return tuning_of(self.values.made.direct_kernel, self.values.real, 1.0).tolerance
+        kind, half, zero = self.real.type, self.real.literal(0.5), self.real.zero
+        sqrt, fabs = self.real.call("sqrt"), self.real.call("fabs")
+        lines = list[str]()
+        for c in self._turns:
+            cosine, sine = (f"w->y[{i}]" for i in self.unknown_places[c.name])
+            lines += [
+                f"{kind} h[2];",
+                "/* half the turn, by the larger of its cosine and sine */",
+                f"const {kind} larger = {sqrt}({half} + {half} * {fabs}({cosine}));",
+                f"const {kind} lesser = {half} * {sine} / larger;",
+                f"if ({cosine} >= {zero}) {{",
+                "    h[0] = larger;",
+                "    h[1] = lesser;",
+                "} else {",
+                f"    h[0] = {fabs}(lesser);",
+                f"    h[1] = (lesser < {zero}) ? -larger : larger;",
+                "}",
+            ]
+        return lines

@@ -115,7 +115,7 @@ def direct_formulas(
     whole = (
         limbwise_form(problem, limbs, samples, held)
         if form is None
-        else LimbwiseForm(form, int(form.signs.shape[0]), ())
+        else LimbwiseForm(form, form.signs.numel(), ())
     )
     if whole is None:
         return None
@@ -175,15 +175,26 @@ class _Guarding:
         """A guard for each discriminant of the pose, for each bound of a limb, and for each divisor
         that is no multiple of another; None where one has no bounds.
         """
-        found, count = self.found, int(self.found.divisors.shape[0])
+        found, count = self.found, self.found.divisors.numel()
         discriminants = ca.substitute(
             found.discriminants, found.signs, ca.SX.ones(*found.signs.shape)
         )
         if ca.depends_on(found.divisors, found.roots):
             return None
-        guards: list[Guard] = []
-        for name, place, value in self._values_above_zero(discriminants):
-            guard = self._condition(name, place, value, discriminants, guards)
+        guards, choices = list[Guard](), self.whole.pose_choices
+        above = [
+            (Guard(name, k, None, (), 1.0, "proved", ()), discriminants[k])
+            for k, name in enumerate(found.names[:choices])
+        ]
+        for j, reach in enumerate(self.whole.reaches):
+            value = ca.substitute(reach.of_known, found.signs, ca.SX.ones(*found.signs.shape))
+            made = Guard(f"reach of {reach.name}", None, j, (), 1.0, "proved", ())
+            above.append((made, self._without_squares(value, discriminants[:choices])))
+        # the least powers of divisors that make a value a polynomial P, or P + Q root
+        sets = sorted(product(range(_POWERS), repeat=count), key=sum)
+        roots = {j: (found.roots[j], discriminants[j]) for j in range(discriminants.numel())}
+        for made, value in above:
+            guard = self._line.proved(made, value, roots, guards, found.divisors, sets)
             if guard is None:
                 return None
             guards.append(guard)
@@ -201,45 +212,9 @@ class _Guarding:
             guards.append(Guard(f"divisor {j + 1}", None, None, powers, sign, "proved", bounds))
         return tuple(guards)
 
-    def _values_above_zero(
-        self, discriminants: ca.SX
-    ) -> list[tuple[str, tuple[int | None, int | None], ca.SX]]:
-        """Name, (choice, reach) and value of the pose's discriminants and of the limbs' bounds."""
-        found, count = self.found, self.whole.pose_choices
-        values: list[tuple[str, tuple[int | None, int | None], ca.SX]] = []
-        values += [(found.names[k], (k, None), discriminants[k]) for k in range(count)]
-        for j, reach in enumerate(self.whole.reaches):
-            value = ca.substitute(reach.of_known, found.signs, ca.SX.ones(*found.signs.shape))
-            values.append(
-                (
-                    f"reach of {reach.name}",
-                    (None, j),
-                    self._without_squares(value, discriminants[:count]),
-                )
-            )
-        return values
-
-    def _condition(
-        self,
-        name: str,
-        place: tuple[int | None, int | None],
-        value: ca.SX,
-        discriminants: ca.SX,
-        before: Sequence[Guard],
-    ) -> Guard | None:
-        """The guard of a discriminant or a limb's bound, (choice, reach), by the least powers of
-        divisors that make its value a polynomial P, or P + Q root.
-        """
-        divisors, made = self.found.divisors, Guard(name, *place, (), 1.0, "proved", ())
-        powers = sorted(product(range(_POWERS), repeat=int(divisors.shape[0])), key=sum)
-        roots = {
-            j: (self.found.roots[j], discriminants[j]) for j in range(int(discriminants.shape[0]))
-        }
-        return self._line.proved(made, value, roots, before, divisors, powers)
-
     def _without_squares(self, value: ca.SX, discriminants: ca.SX) -> ca.SX:
         """A value in which roots that it holds by their squares alone are put in."""
-        for j in reversed(range(int(discriminants.shape[0]))):
+        for j in reversed(range(discriminants.numel())):
             root = self.found.roots[j]
             if ca.depends_on(value, root):
                 parts = by_root(value, root, discriminants[j])

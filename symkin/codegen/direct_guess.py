@@ -4,163 +4,125 @@ and guards.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 
 import casadi as ca
 
 from symkin.codegen.closed_limb import LimbFormulas
 from symkin.codegen.direct_values import DirectValues
 from symkin.codegen.formula_guards import RESOLVED
+from symkin.codegen.limb_platform import LimbBlock
 from symkin.codegen.newton_kernel import rounded
 from symkin.codegen.pose_coordinates import off_motion, restricted
 from symkin.codegen.text.angles import Numbers, lifted
-from symkin.codegen.text.c import Emitter, indexed
+from symkin.codegen.text.c import Emitter
 from symkin.codegen.text.gathered import gathered
-from symkin.computed_once import cached_property
-from symkin.model.joint import Coordinate
+from symkin.spatial.backend import stacked
 
 
-@dataclass(frozen=True, eq=False)
-class GuessText:
+class GuessText(DirectValues):
     """How a guess of one platform is read."""
 
-    values: DirectValues
-
-    @cached_property
+    @property
     def lines(self) -> list[str]:
         """Statements that read a guess: joints by the limbs, signs and guards of the direct
         problem.
         """
-        made, formulas, real = self.values.made, self.values.found.formulas, self.values.real
-        x = ca.SX.sym("x", 7)
-        taken = restricted(made.geometry, x)
-        generators = self._pose_generators(taken.lengths, taken.half_turn)
-        roots: list[ca.SX] = []
-        discriminants: list[ca.SX] = []
-        limits: list[float] = []
+        made, found, formulas = self.made, self.found, self.found.formulas
+        x, roots, limits = ca.SX.sym("x", 7), list[ca.SX](), list[float]()
+        taken, discriminants = restricted(made.geometry, x), list[ca.SX]()
+        generators, lengths = dict[str, Numbers](), iter(taken.lengths)
+        for c in made.closure.role("pose"):
+            turn = taken.half_turn if c.is_angular else None
+            generators[c.name] = Numbers.of(
+                (next(lengths),) if turn is None else turn, is_half=turn is not None
+            )
         for block in made.blocks:
-            places = self.values.places(block.system)
-            if block.rod is not None:
-                rod = lifted(
-                    block.rod, places, self._all(generators, block.system.unknowns), ca.SX(0, 1)
-                )
-                generators[block.system.unknowns[0].name] = Numbers.of((rod[0],))
-                continue
-            assert block.formulas is not None  # noqa: S101 - the caller has looked
-            limb, own = LimbFormulas(made, block, block.formulas), block.formulas
-            symbols = ca.SX.sym(f"{block.name}_r", int(own.roots.shape[0]))
-            with_roots = [
-                ca.substitute(limb.signed(e), own.roots, symbols)
-                for e in (own.discriminants, own.first, own.second)
-            ]
-            found = [
-                lifted(e, places, self._all(generators, block.system.unknowns), symbols)
-                for e in with_roots
-            ]
-            for k in range(int(symbols.shape[0])):
-                roots.append(symbols[k])
-                discriminants.append(found[0][k])
-                limits.append(float((RESOLVED * real.epsilon * limb.usual_roots[k]) ** 2))
-            for k, c in enumerate(block.system.unknowns):
-                generators[c.name] = Numbers.of(
-                    (found[1][k], found[2][k]) if c.is_angular else (found[1][k],)
-                )
-        places = self.values.places(formulas.system)
-        told = self._told(
-            lifted(self.values.signed(formulas.told), places, generators, formulas.roots)
+            own = self._joints(block, generators)
+            if own is not None:
+                roots.append(own[0])
+                discriminants.append(own[1])
+                limits += own[2]
+        places = self.places(formulas.system)
+        told = self._told(lifted(self.signed(formulas.told), places, generators, formulas.roots))
+        divisors, reaches = (
+            lifted(part, places, generators, formulas.roots)
+            for part in (
+                formulas.divisors,
+                stacked(reach.of_configuration for reach in found.whole.reaches),
+            )
         )
-        divisors = lifted(formulas.divisors, places, generators, formulas.roots)
-        reaches = ca.vertcat(
-            ca.SX(0, 1), *(reach.of_configuration for reach in self.values.found.whole.reaches)
-        )
-        reaches = lifted(reaches, places, generators, formulas.roots)
-        guards = ca.vertcat(
-            *(guard.of(told**2, reaches, divisors) for guard in self.values.found.guards)
-        )
+        guards = ca.vertcat(*(guard.of(told**2, reaches, divisors) for guard in found.guards))
         at = ca.vertcat(*(part for c in made.actuated for part in generators[c.name].parts))
-        off = ca.vertcat(ca.SX(0, 1), *taken.off)
-        return self._read(
-            x,
-            ca.vertcat(ca.SX(0, 1), *roots),
-            [ca.vertcat(ca.SX(0, 1), *discriminants), at, told, guards, off],
-            limits,
+        outputs = [stacked(discriminants), at, told, guards, stacked(taken.off)]
+        return self._read(x, stacked(roots), outputs, limits)
+
+    def _joints(
+        self, block: LimbBlock, generators: dict[str, Numbers]
+    ) -> tuple[ca.SX, ca.SX, list[float]] | None:
+        """Add the generators of a limb's joints; its roots, what stands under them, and below which
+        that is nothing; None of a rod.
+        """
+        unknowns, places = block.system.unknowns, self.places(block.system)
+        # symbols for unknowns that no formula reads
+        unread = {
+            c.name: Numbers.of(tuple(map(ca.SX.sym, "cs"[: 1 + c.is_angular]))) for c in unknowns
+        }
+        if block.rod is not None:
+            rod = lifted(block.rod, places, unread | generators, ca.SX(0, 1))
+            generators[unknowns[0].name] = Numbers.of((rod[0],))
+            return None
+        assert block.formulas is not None  # noqa: S101 - the caller has looked
+        limb, own = LimbFormulas(self.made, block, block.formulas), block.formulas
+        symbols = ca.SX.sym(f"{block.name}_r", own.roots.numel())
+        discriminants, first, second = (
+            lifted(
+                ca.substitute(limb.signed(e), own.roots, symbols),
+                places,
+                unread | generators,
+                symbols,
+            )
+            for e in (own.discriminants, own.first, own.second)
         )
+        for k, c in enumerate(unknowns):
+            generators[c.name] = Numbers.of((first[k], second[k])[: 1 + c.is_angular])
+        least = RESOLVED * self.real.epsilon * limb.usual_roots
+        return symbols, discriminants, (least**2).tolist()
 
     def _read(
         self, x: ca.SX, roots: ca.SX, parts: Sequence[ca.SX], limits: Sequence[float]
     ) -> list[str]:
-        real, name = self.values.real, self.values.made.name.upper()
+        real, name = self.real, self.made.name.upper()
         outputs = gathered(parts, [x, roots], [])
-        count = int(roots.shape[0])
-        inputs = [(x, indexed("x", 7)), (roots, [f"r{k + 1}" for k in range(count)])]
-        emitter = Emitter.of(real, inputs, *outputs)
-        tests = []
-        for k in range(count):
-            text, limit = emitter.value(0, k), real.literal(rounded(limits[k]))
-            emitter.lines.append(f"const {real.type} d{k + 1} = {text};")
-            emitter.lines.append(
-                f"const {real.type} r{k + 1} = (d{k + 1} > {limit}) ? "
-                f"{real.call('sqrt')}(d{k + 1}) : {real.literal(1.0)};"
-            )
-            tests.append(f"(d{k + 1} > {limit})")
-        limit = real.literal(off_motion(self.values.made.geometry, real))
-        tests += [
-            f"({real.call('fabs')}({emitter.value(4, i)}) <= {limit})"
-            for i in range(int(parts[4].shape[0]))
+        inputs = [(x, "x"), (roots, [f"r{k + 1}" for k in range(roots.numel())])]
+        emitter, one = Emitter.of(real, inputs, *outputs), real.one
+        tests = [
+            emitter.root(k + 1, emitter.value(0, k), real.literal(rounded(limit)), one)
+            for k, limit in enumerate(limits)
         ]
-        begun, lines = len(emitter.lines), emitter.lines
-        lines += [f"w->at[{i}] = {emitter.value(1, i)};" for i in range(int(parts[1].shape[0]))]
-        self.values.store_guards(emitter, 3, "left", of_divisors=True)
-        middle, zero, one = len(lines), real.literal(0.0), real.literal(1.0)
-        for k in range(int(parts[2].shape[0])):
-            lines.append(f"w->sign[{k}] = ({emitter.value(2, k)} < {zero}) ? -{one} : {one};")
-        self.values.store_guards(emitter, 3, "left", of_divisors=False)
-        near = self.values.above("left", of_divisors=False)
-        last = [
-            *lines[middle:],
-            *([f"if (!({near})) {{", f"    status = {name}_SINGULAR;", "}"] if near else []),
-        ]
-        rest = [
-            *lines[begun:middle],
-            *_refused(self.values.above("left", of_divisors=True), last, f"{name}_SINGULAR"),
-        ]
-        return [*lines[:begun], *_refused(" && ".join(tests), rest, f"{name}_OUT_OF_RANGE")]
-
-    def _pose_generators(
-        self, lengths: Sequence[ca.SX], half: tuple[ca.SX, ca.SX] | None
-    ) -> dict[str, Numbers]:
-        pose, found, left = self.values.made.closure.role("pose"), {}, list(lengths)
-        for c in pose:
-            if c.is_angular:
-                assert half is not None  # noqa: S101 - a pose with a turn has half of it
-                found[c.name] = Numbers.of(half, is_half=True)
-            else:
-                found[c.name] = Numbers.of((left.pop(0),))
-        return found
-
-    @staticmethod
-    def _all(
-        generators: Mapping[str, Numbers], unknowns: Sequence[Coordinate]
-    ) -> dict[str, Numbers]:
-        """Generators, with symbols for unknowns that no formula reads."""
-        own = {
-            c.name: Numbers.of(
-                (ca.SX.sym("c"), ca.SX.sym("s")) if c.is_angular else (ca.SX.sym("v"),)
-            )
-            for c in unknowns
-        }
-        return own | dict(generators)
+        limit = real.literal(off_motion(self.made.geometry, real))
+        tests += [f"({real.call('fabs')}({text}) <= {limit})" for text in emitter.values(4)]
+        begun, middle = emitter.take(), emitter.stored("w->at", 1)
+        self.store_guards(emitter, 3, "left", of_divisors=True)
+        middle += emitter.take()
+        for k in range(parts[2].numel()):
+            text = emitter.value(2, k)
+            emitter.lines.append(f"w->sign[{k}] = ({text} < {real.zero}) ? -{one} : {one};")
+        self.store_guards(emitter, 3, "left", of_divisors=False)
+        last, near = emitter.take(), self.above("left", of_divisors=False)
+        if near:
+            last += [f"if (!({near})) {{", f"    status = {name}_SINGULAR;", "}"]
+        below = _refused(self.above("left", of_divisors=True), last, f"{name}_SINGULAR")
+        return [*begun, *_refused(" && ".join(tests), [*middle, *below], f"{name}_OUT_OF_RANGE")]
 
     def _told(self, told: ca.SX) -> ca.SX:
         """What tells each sign, with those before put in: sign times root."""
-        roots, parts = self.values.found.formulas.roots, list[ca.SX]()
-        for k in range(int(told.shape[0])):
-            part = told[k]
+        roots, parts = self.found.formulas.roots, list[ca.SX]()
+        for part in told.elements():
             for j, before in enumerate(parts):
                 part = ca.substitute(part, roots[j], before)
             parts.append(part)
-        return ca.vertcat(ca.SX(0, 1), *parts)
+        return stacked(parts)
 
 
 def _refused(condition: str, lines: Sequence[str], status: str) -> list[str]:

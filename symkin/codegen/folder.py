@@ -15,6 +15,7 @@ import casadi as ca
 from symkin._version import __version__
 from symkin.codegen.cpp_header import cpp_text
 from symkin.codegen.described import check_description
+from symkin.codegen.example import example_text
 from symkin.codegen.firmware_options import FirmwareOptions
 from symkin.codegen.joint_map import JointMap
 from symkin.codegen.linuxcnc import linuxcnc_text
@@ -141,13 +142,12 @@ def folder_files(
     check_description(program, vectors)
     name = program.mechanism.name
     values = program.values | _folder_values(program)
-    templates = program.kind.templates
     files = {
         f"{name}.h": program.header,
         f"{name}.c": program.source,
         f"{name}_test.c": own_test_text(program, vectors),
         f"{name}_vectors.h": vectors_text(program, vectors),
-        "example_main.c": fill(f"{templates}_example.c", values),
+        "example_main.c": example_text(kind.templates, values),
         "CMakeLists.txt": fill("CMakeLists.txt", values),
         "Makefile": fill("Makefile", values),
         "README.md": readme(program),

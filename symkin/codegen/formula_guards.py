@@ -54,7 +54,7 @@ def feasible_error(epsilon: float, size: float) -> float:
 
 def free_divisors(form: ClosedForm) -> list[int]:
     """Numbers of the divisors that may vanish while all discriminants are above zero."""
-    return [j for j in range(int(form.divisors.shape[0])) if j not in form.implied]
+    return [j for j in range(form.divisors.numel()) if j not in form.implied]
 
 
 def is_firm(form: ClosedForm, home: np.ndarray, near: np.ndarray, signs: np.ndarray) -> bool:

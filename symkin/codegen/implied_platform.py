@@ -88,7 +88,7 @@ def held_motion(made: LimbPlatform) -> Held | None:
         return None
     size, symbols = (
         made.closure.characteristic_length,
-        ca.vertcat(*(made.closure.variables[made.closure.slices[c.name]] for c in pose)),
+        made.closure.symbols(pose),
     )
     places = (
         np.array(

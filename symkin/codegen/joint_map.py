@@ -135,14 +135,14 @@ def _part(group: Problem) -> Part:
     system = group.system
     (known, unknown) = (group.known_coordinates, system.unknowns)
     periodic = any(c.kind == "angle" for c in (*unknown, *known))
-    if len(unknown) == 1 and unknown[0].is_angular and int(system.rows.shape[0]) == 1:
+    if len(unknown) == 1 and unknown[0].is_angular and system.rows.numel() == 1:
         angular = [
             [c.is_angular for c in part for _ in range(c.width)] for part in (unknown, known)
         ]
         total = sum_of_angles(system.rows, [system.unknown, system.known], angular)
         if total is not None and (0, 0) in total.factors:
             return Part(group, total=total)
-    if is_linear(group) and int(system.rows.shape[0]) == system.freedom:
+    if is_linear(group) and system.rows.numel() == system.freedom:
         return Part(group, is_linear=True)
     sources = [group.closure.row_sources[place].relation for place in group.places_of_rows]
     if periodic and "coupling" in sources:
@@ -219,7 +219,7 @@ class JointMap:
     def passive_limits(self) -> list[PassiveLimit]:
         """Limits of joints that are neither given nor found and that move with them."""
         closure = self._whole.closure
-        moving = ca.vertcat(*(closure.variables[closure.slices[c.name]] for c in self.coordinates))
+        moving = closure.symbols(self.coordinates)
         return passive_limits(closure, (*self.given, *self.found), self.real, moving)
 
     @property
@@ -377,10 +377,7 @@ def _partitioned(
 ) -> Problem:
     """The same rows with other coordinates known."""
     closure, system = problem.closure, problem.system
-    stacked = [
-        ca.vertcat(ca.SX(0, 1), *(closure.variables[closure.slices[c.name]] for c in part))
-        for part in (unknown, known)
-    ]
+    stacked = [closure.symbols(part) for part in (unknown, known)]
     made = System(
         unknown, stacked[0], stacked[1], system.rows, system.errors, system.characteristic_length
     )
@@ -407,7 +404,7 @@ def _connected(problem: Problem, names: set[str]) -> Problem:
         if any(line[closure.slices[name]].any() for name in reached)
     ]
     unknown = tuple(c for c in system.unknowns if c.name in reached)
-    stacked = ca.vertcat(ca.SX(0, 1), *(closure.variables[closure.slices[c.name]] for c in unknown))
+    stacked = closure.symbols(unknown)
     made = System(
         unknown,
         stacked,

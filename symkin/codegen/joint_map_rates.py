@@ -12,7 +12,7 @@ import casadi as ca
 from symkin.codegen.linear_solver import singular_condition
 from symkin.codegen.map_direction import DirectionSource
 from symkin.codegen.rates import row_bends, row_derivatives, step_columns, step_text
-from symkin.codegen.text.c import Emitter, indent, indexed
+from symkin.codegen.text.c import Emitter, indent
 from symkin.codegen.text.templates import fill, substitute
 from symkin.model.joint import Coordinate
 
@@ -147,13 +147,7 @@ def rates_text(direct: DirectionSource, inverse: DirectionSource) -> str:
 
 def _emitted(way: DirectionSource, function: ca.Function, *more: list[str]) -> list[str]:
     """Statements that set `sides` to what a function gives, row by row."""
-    known = way.numbers_of_known
-    inputs = [
-        indexed("w->x", int(way.kernel.state.shape[0])),
-        indexed(known, int(way.circles.numbers.shape[0])),
-        *more,
-    ]
-    emitter = Emitter(function, inputs, way.real)
+    emitter = Emitter(function, ["w->x", way.numbers_of_known, *more], way.real)
     rows, columns = function.size_out(0)
     stores = [
         f"sides[{columns * i + j}] = {emitter.entry(i, j)};"
@@ -190,8 +184,8 @@ def _jacobian(
     set_ = [way.placed]
     if made.passive and way.direction.name == "inverse":
         # the state has the joints that are given, not those that the found values lead to
-        places = way.numbers.places(made.given)
-        set_ = [*way.numbers.circles("joints", made.given, "y", places), *set_]
+        places = way.places(made.given)
+        set_ = [*way.circles("joints", made.given, "y", places), *set_]
     rates = _stores(way, way.wanted, "rates", n)
     nj, values = n * n, _names(way)
     shown = {

@@ -6,35 +6,20 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-
 from symkin.codegen.guard_text import Watched
-from symkin.codegen.joint_map import JointMap
 from symkin.codegen.joint_map_rates import LARGEST, rates_text
 from symkin.codegen.joint_map_values import MapValues
 from symkin.codegen.map_direction import DirectionSource
 from symkin.codegen.newton_source import NewtonCode
 from symkin.codegen.text.angles import number_counts
-from symkin.codegen.text.c import Real
 from symkin.codegen.text.templates import common_values, farthest, fill
 from symkin.codegen.text.turns import angle_of_direction, cosine_and_sine
 from symkin.computed_once import cached_property
-from symkin.text import c_comment
 
 
 @dataclass(frozen=True, eq=False)
-class JointMapSource:
+class JointMapSource(MapValues):
     """The C of one map, function by function."""
-
-    made: JointMap
-
-    @property
-    def real(self) -> Real:
-        return self.made.real
-
-    @property
-    def name(self) -> str:
-        return self.made.name
 
     @cached_property
     def ways(self) -> tuple[DirectionSource, DirectionSource]:
@@ -63,10 +48,6 @@ class JointMapSource:
             "nq": n,
             "nj": n * n,
             "ny": sum(number_counts(made.coordinates)),
-            "turn": literal(2 * np.pi),
-            "per_turn": literal(0.5 / np.pi),
-            "minus_half": literal(-0.5),
-            "half_turn": literal(np.pi),
             "farthest": literal(farthest(made.size, (0.0, 0.0, 0.0))),
             "largest": literal(LARGEST),
         }
@@ -74,13 +55,8 @@ class JointMapSource:
     @cached_property
     def values(self) -> dict[str, object]:
         """Values of the names in the templates of this kind, the tests and the header."""
-        passive = ", ".join(c_comment(c.name) for c in self.made.passive)
-        note = (
-            ""
-            if not passive
-            else "What the values leave to other joints is as at the reference configuration."
-        )
-        return self._common | {"passive_note": note}
+        note = "What the values leave to other joints is as at the reference configuration."
+        return self._common | {"passive_note": note if self.made.passive else ""}
 
     @property
     def text(self) -> str:
@@ -103,46 +79,35 @@ class JointMapSource:
 
     def _tools(self, text: str) -> str:
         """The functions of angles that a text calls, and the checks of values."""
-        literal, written = self.real.literal, list[str]()
-        if f"{self.name}_angle(" in text:
-            written.append(angle_of_direction(self.real, self._common))
-        if f"{self.name}_cosine_and_sine(" in text:
-            written.append(cosine_and_sine(self.real, self._common))
-        if f"{self.name}_turned(" in text:
-            written.append(fill("map_turned.c", self._common))
-        low, high = (
-            ", ".join(literal(v) for v in part)
-            for part in zip(*MapValues(self.made).limits(self.made.given), strict=True)
-        )
-        return "".join(
-            [*written, self._checks, fill("map_blame.c", self._common | {"low": low, "high": high})]
-        )
+        literal, common = self.real.literal, self._common
+        tools = {
+            "angle": angle_of_direction(self.real, common),
+            "cosine_and_sine": cosine_and_sine(self.real, common),
+            "turned": fill("map_turned.c", common),
+        }
+        written = [tool for name, tool in tools.items() if f"{self.name}_{name}(" in text]
+        ends = zip(*self.limits(self.made.given), strict=True)
+        low, high = (", ".join(map(literal, part)) for part in ends)
+        blame = fill("map_blame.c", self._common | {"low": low, "high": high})
+        return "".join([*written, self._checks, blame])
 
     @property
     def _checks(self) -> str:
         """Checks of joints and of found values: against limits, and of guesses, which need not keep
         to them.
         """
-        found = []
+        literal, found = self.real.literal, list[str]()
         for what, coordinates in (("joints", self.made.given), ("found", self.made.found)):
-            for bounded, function in ((True, f"limit_{what}"), (False, f"bound_{what}")):
-                literal = self.real.literal
+            for bounded in (True, False):
                 within = [
                     f"(values[{i}] >= {literal(low)}) && (values[{i}] <= {literal(high)})"
-                    for i, (low, high) in enumerate(
-                        MapValues(self.made).limits(coordinates, bounded=bounded)
-                    )
+                    for i, (low, high) in enumerate(self.limits(coordinates, bounded=bounded))
                 ]
-                found.append(
-                    fill(
-                        "map_check.c",
-                        self._common
-                        | {
-                            "what": what if bounded else f"{what} of a guess",
-                            "ranges_word": "limits" if bounded else "bounds",
-                            "function": function,
-                            "within": "\n        && ".join(within),
-                        },
-                    )
-                )
+                own = {
+                    "what": what if bounded else f"{what} of a guess",
+                    "ranges_word": "limits" if bounded else "bounds",
+                    "function": f"{'limit' if bounded else 'bound'}_{what}",
+                    "within": "\n        && ".join(within),
+                }
+                found.append(fill("map_check.c", self._common | own))
         return "".join(found)

@@ -7,12 +7,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from symkin.codegen.joint_map import JointMap
 from symkin.codegen.joint_ranges import range_of
 from symkin.codegen.text.angles import number_counts
-from symkin.codegen.text.c import indexed
+from symkin.codegen.text.c import Real, indexed
 from symkin.codegen.text.templates import FARTHEST
-from symkin.model.joint import Coordinate
+from symkin.model.joint import Coordinate, units_of
 
 
 def places_among(coordinates: Sequence[Coordinate], wanted: Sequence[Coordinate]) -> list[int]:
@@ -32,17 +34,25 @@ class MapValues:
 
     made: JointMap
 
+    @property
+    def real(self) -> Real:
+        return self.made.real
+
+    @property
+    def name(self) -> str:
+        return self.made.name
+
     def limits(
         self, coordinates: Sequence[Coordinate], *, bounded: bool = True
     ) -> list[tuple[float, float]]:
         """Least and largest value of each coordinate: its limits with slack if `bounded`, else how
         far it may be.
         """
-        size, found = self.made.size, []
-        for c in coordinates:
-            far = FARTHEST * (1.0 if c.is_angular else size)
-            found.append(range_of(c, self.made.real, size) if bounded and c.limits else (-far, far))
-        return found
+        size, far = self.made.size, np.array(units_of(coordinates, self.made.size)) * FARTHEST
+        return [
+            range_of(c, self.real, size) if bounded and c.limits else (-most, most)
+            for c, most in zip(coordinates, far.tolist(), strict=True)
+        ]
 
     def places(self, coordinates: Sequence[Coordinate]) -> list[int]:
         """Where the numbers of coordinates stand in y."""
@@ -70,48 +80,43 @@ class MapValues:
         places: Sequence[int],
     ) -> list[str]:
         """Statements that set the numbers of coordinates by C text of their values."""
-        lines, k = [], 0
-        for i, c in enumerate(coordinates):
+        lines, place = [], iter(places)
+        for c, value in zip(coordinates, values, strict=True):
+            entry = f"{target}[{next(place)}]"
             if c.kind == "angle":
-                lines.append(
-                    f"{self.made.name}_cosine_and_sine({values[i]}, &{target}[{places[k]}]);"
-                )
-                k += 2
+                lines.append(f"{self.name}_cosine_and_sine({value}, &{entry});")
+                next(place)
             else:
-                lines.append(f"{target}[{places[k]}] = {values[i]};")
-                k += 1
+                lines.append(f"{entry} = {value};")
         return lines
 
     def turned(self, c: Coordinate, angle: str, near: str) -> str:
         """C text of an angle moved by whole turns next to another, within its limits."""
         ((low, high),) = self.limits([c])
-        return (
-            f"{self.made.name}_turned({angle}, {near}, {self.made.real.literal(low)}, "
-            f"{self.made.real.literal(high)})"
-        )
+        literal = self.real.literal
+        return f"{self.name}_turned({angle}, {near}, {literal(low)}, {literal(high)})"
+
+    def nearest(self, c: Coordinate, value: str, near: str) -> str:
+        """C text of a value; of an angle's, the one of its whole turns that is nearest to another
+        value.
+        """
+        return self.turned(c, value, near) if c.kind == "angle" else value
 
     def plain_values(self, coordinates: Sequence[Coordinate], numbers: Sequence[str]) -> list[str]:
         """C text of the values of coordinates by their numbers, angles within half a turn of 0."""
-        found, k = [], 0
-        angle = (
-            f"{self.made.name}_angle"
-            if self.made.real.name == "float"
-            else self.made.real.call("atan2")
-        )
+        angle = f"{self.name}_angle" if self.real.name == "float" else "atan2"
+        entry, found = iter(numbers), list[str]()
         for c in coordinates:
-            found.append(
-                f"{angle}({numbers[k + 1]}, {numbers[k]})" if c.kind == "angle" else numbers[k]
-            )
-            k += 2 if c.kind == "angle" else 1
+            first = next(entry)
+            found.append(f"{angle}({next(entry)}, {first})" if c.kind == "angle" else first)
         return found
 
     def values_of(
         self, coordinates: Sequence[Coordinate], numbers: Sequence[str], near: str
     ) -> list[str]:
         """C text of the values of coordinates by their numbers, angles next to `near`."""
-        found = []
-        for i, (c, value) in enumerate(
-            zip(coordinates, self.plain_values(coordinates, numbers), strict=True)
-        ):
-            found.append(self.turned(c, value, f"{near}[{i}]") if c.kind == "angle" else value)
-        return found
+        plain = self.plain_values(coordinates, numbers)
+        return [
+            self.nearest(c, value, f"{near}[{i}]")
+            for i, (c, value) in enumerate(zip(coordinates, plain, strict=True))
+        ]

@@ -37,7 +37,7 @@ from symkin.elimination.implied_rows import unit_of
 from symkin.errors import InputError
 from symkin.machine.frame import Frames
 from symkin.model.changed import scaled
-from symkin.model.joint import Coordinate
+from symkin.model.joint import Coordinate, units_of
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.rank import Rank
 from symkin.numeric.system import System, constant_rows, split_blocks
@@ -52,10 +52,12 @@ form.
 """
 _CHECKED = 5
 """Configurations at which it is checked that a solver can work."""
-_LARGE = 2.0**12
-"""Size, and one over it, from which on direct formulas are those of a machine of a size next to 1:
-they hold up to the eighth power of lengths.
+_LARGE = {"float": 2.0**12, "double": 2.0**60}
+"""Size, and one over it, from which on direct formulas in a type of numbers are those of a machine
+of a size next to 1: they hold up to the eighth power of lengths, their guards products of two.
 """
+_ROUNDING = 1e-14
+"""Known values, over the size or 1, of samples that are zero."""
 _TINY = float(np.finfo(float).tiny)
 _SINGULAR = 1e-9
 """Smallest singular value, over the largest, below which a solver's matrix is singular."""
@@ -139,9 +141,13 @@ class LimbPlatform:
 
     @cached_property
     def sampled_poses(self) -> np.ndarray:
-        """Known values (n, known) of the inverse problem at the samples."""
+        """Known values (n, known) of the inverse problem at the samples, those that are zero to
+        rounding so: coefficients that consist of them vanish.
+        """
         known = self.inverse.known_coordinates
-        return np.array([self.inverse.select_values(s.values, known) for s in self.samples])
+        poses = np.array([self.inverse.select_values(s.values, known) for s in self.samples])
+        units = np.array(units_of(known, self.closure.characteristic_length))
+        return np.where(np.abs(poses) <= _ROUNDING * units, 0.0, poses)
 
     @cached_property
     def core(self) -> PoseCore | None:
@@ -211,8 +217,8 @@ class LimbPlatform:
         """
         if self.geometry.at_run_time or not _tells_branch(self._closure_blocks):
             return None
-        size = self.closure.characteristic_length
-        if 1.0 / _LARGE <= size <= _LARGE:
+        size, large = self.closure.characteristic_length, _LARGE[self.real.name]
+        if 1.0 / large <= size <= large:
             limbs = [block.system for block in self._closure_blocks]
             return direct_formulas(self.direct, limbs, self.samples, self.held)
         unit = unit_of(size)
@@ -283,7 +289,7 @@ class LimbPlatform:
         if (
             len(system.unknowns) == 1
             and system.unknowns[0].least is not None
-            and int(system.errors.shape[0]) == 1
+            and system.errors.numel() == 1
         ):
             # the error of a rod is its length by the pose less its coordinate
             rod = snapped_expression(

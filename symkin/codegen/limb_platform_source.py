@@ -17,7 +17,7 @@ from symkin.codegen.guards import DETERMINANT
 from symkin.codegen.joint_ranges import range_functions, ranges_of
 from symkin.codegen.limb_platform import LimbPlatform
 from symkin.codegen.limb_source import LimbSource
-from symkin.codegen.line_parts import FIRST_TURN, line_target
+from symkin.codegen.line_parts import FIRST_TURN
 from symkin.codegen.linear_solver import singular_condition
 from symkin.codegen.newton_kernel import rounded, sampled
 from symkin.codegen.newton_source import NewtonCode, tracked_error
@@ -25,11 +25,11 @@ from symkin.codegen.passive_limits import limit_lines
 from symkin.codegen.platform_rates import (
     closure_twist,
     decides_twist,
+    direct_target,
     speeds_text,
     square_twist,
 )
 from symkin.codegen.pose_coordinates import COLUMNS, pose_coordinates_text, pose_text
-from symkin.codegen.pose_target import core_target
 from symkin.codegen.text.c import Emitter, Real, indent, indexed
 from symkin.codegen.text.templates import common_values, copy, farthest, fill, normalise_pose
 from symkin.computed_once import cached_property
@@ -138,9 +138,7 @@ class LimbPlatformSource:
             geometry=made.geometry.names,
             matrices=matrices,
             kappa=kappa,
-            target_lines=line_target(self.real, nq, None)
-            if made.core is None
-            else core_target(made.core.direct, self.real),
+            target_lines=direct_target(made),
             known_count=nq,
             first_turn=FIRST_TURN,
             measured=made.core is not None,
@@ -167,10 +165,7 @@ class LimbPlatformSource:
             "farthest": literal(
                 farthest(made.closure.characteristic_length, made.mechanism.platform_position)
             ),
-            "turn": literal(2 * np.pi),
-            "per_turn": literal(0.5 / np.pi),
             "many": literal(1e4),
-            "minus_half": literal(-0.5),
             **self._passive_checks,
             "within": f", {self.real.type} within" if self._checks_rows else "",
             **self._names,
@@ -197,9 +192,14 @@ class LimbPlatformSource:
             own = [(c, float(rotation[c % 3, k % 3])) for c in columns if c // 3 == k // 3]
             terms = [f"{literal(v)} * a[{c}]" for c, v in own if v != 0.0]
             lines.append(f"b[{k}] = {' + '.join(terms) or literal(0.0)};")
-        depth = 3 if part == "jacobian" else 2
-        shown = {"own": self._names[part], "turned_row": indent(lines, depth)}
-        return fill(f"turned_{part}.c", self._common | shown)
+        rates, count = f"const {self.real.type} rates[{self._common['nq']}], ", self._common["nq"]
+        about, given, passed, found = "Joint rates by the platform's twist", "", "", "rates"
+        if part == "twist":
+            about, given, passed, found = "The twist of joint rates", rates, "rates, ", "twist"
+            count = 1
+        shown = {"part": part, "own": self._names[part], "turned_row": indent(lines, 2)}
+        said = {"about": about, "given": given, "rates": passed, "found": found, "count": count}
+        return fill("turned.c", self._common | shown | said)
 
     @property
     def _passive_checks(self) -> dict[str, str]:
@@ -207,35 +207,22 @@ class LimbPlatformSource:
         they exist: of an inverse, of Newton's method, of formulas.
         """
         ga = "geometry, " if self.made.geometry.at_run_time else ""
-        ok, count = f"status == {self._ok}", sum(c.width for c in self.made.passive)
-        names = ("inverse_passive", "direct_passive", "write_tracked", "check_answer")
+        write, check = f"{self.name}_write_pose({ga}&w, pose);", f"{self.name}_check_passive({ga}"
         if not self.made.passive_checks:
-            return dict.fromkeys(names, "") | {
-                "write_tracked": indent([f"{self.name}_write_pose({ga}&w, pose);"], 4),
-            }
-        of_state = f"{self.name}_check_passive({ga}&w.x[{count}], given, w.x)"
-        parts = (
-            indent(
-                [
-                    f"if ({ok}) {{",
-                    f"    status = {self.name}_check_passive({ga}c, q, passive);",
-                    "}",
-                ],
-                2,
-            ),
-            indent([f"if ({ok}) {{", f"    status = {of_state};", "}"], 2),
-            indent(
-                [
-                    f"status = {of_state};",
-                    f"if ({ok}) {{",
-                    f"    {self.name}_write_pose({ga}&w, pose);",
-                    "}",
-                ],
-                4,
-            ),
-            indent([f"if ({ok}) {{", f"    status = {self.name}_check_answer(&answer);", "}"], 2),
-        )
-        return dict(zip(names, parts, strict=True))
+            names = ("inverse_passive", "direct_passive", "check_answer")
+            return dict.fromkeys(names, "") | {"write_tracked": indent([write], 4)}
+
+        def if_ok(statement: str) -> list[str]:
+            return [f"if (status == {self._ok}) {{", f"    {statement}", "}"]
+
+        count = sum(c.width for c in self.made.passive)
+        of_state = f"status = {check}&w.x[{count}], given, w.x);"
+        return {
+            "inverse_passive": indent(if_ok(f"status = {check}c, q, passive);"), 2),
+            "direct_passive": indent(if_ok(of_state), 2),
+            "write_tracked": indent([of_state, *if_ok(write)], 4),
+            "check_answer": indent(if_ok(f"status = {self.name}_check_answer(&answer);"), 2),
+        }
 
     @property
     def _checks_rows(self) -> bool:
@@ -280,7 +267,7 @@ class LimbPlatformSource:
             "unwrap": indent(unwrap, 2),
             "enter": indent(self._enter_lines(passive)),
             "leave": indent([f"{p}_pose_from_coordinates({ga}&w->x[{passive}], pose);"]),
-            "keep_known": indent(copy("w.k0", "w.k", int(kernel.known.shape[0])), 2)
+            "keep_known": indent(copy("w.k0", "w.k", kernel.known.numel()), 2)
             if self._keeps_known
             else "",
             "to": "given",
@@ -302,13 +289,13 @@ class LimbPlatformSource:
             f"if (status == {p.upper()}_WRONG_BRANCH) {{",
             "    /* a guess whose own rows vanish is the answer: nothing moves */",
             f"    (void){p}_read_guess({ga}&w, joints, guess);",
-            f"    {p}_direct_set_target({ga}&w, given, {self.real.literal(1.0)});",
+            f"    {p}_direct_set_target({ga}&w, given, {self.real.one});",
             f"    {p}_direct_rows({ga}&w);",
             f"    const {self.real.type} residual = {p}_direct_residual(&w);",
             f"    const {self.real.type} allowed = (config != NULL) ? config->tolerance : "
             f"{p.upper()}_TOLERANCE;",
             f"    if (residual <= allowed + {stands}) {{",
-            f"        {p}_write_info(info, 0U, residual, {self.real.literal(0.0)}, w.spread);",
+            f"        {p}_write_info(info, 0U, residual, {self.real.zero}, w.spread);",
             f"        status = {self._ok};",
             "    }",
             *("    " + line for line in branch),
@@ -320,7 +307,7 @@ class LimbPlatformSource:
         p, real, nc = self.name, self.real, int(str(self._common["nc"]))
         return [
             f"{real.type} c[{nc}];",
-            f"{real.type} passive[{self._common['np']}] = {{ {real.literal(0.0)} }};",
+            f"{real.type} passive[{self._common['np']}] = {{ {real.zero} }};",
             f"status = {p}_pose_coordinates({self._ga}guess, c);",
             f"if (status == {self._ok}) {{",
             f"    status = {p}_solve_limbs({self._ga}c, w->at, "
@@ -342,7 +329,7 @@ class LimbPlatformSource:
     def _solve_limbs(self) -> str:
         """NAME_solve_limbs: all limbs for a pose, on the reference's branches."""
         lines = [line for limb in self._limbs for line in limb.joint_lines]
-        if int(self.made.conditions.rows.shape[0]):
+        if self.made.conditions.rows.numel():
             lines += self._condition_lines(self.made.conditions)
         return fill("solve_limbs.c", self._common | {"limbs": indent(lines)})
 
@@ -350,14 +337,14 @@ class LimbPlatformSource:
         """Statements that refuse a pose which violates rows that no joint enters."""
         real, geometry = self.real, self.made.geometry
         inputs = [
-            (conditions.known, indexed("c", int(conditions.known.shape[0]))),
+            (conditions.known, "c"),
             (geometry.symbols, geometry.names),
         ]
         emitter = Emitter.of(real, inputs, conditions.rows, prefix="v")
         limit = real.literal(feasible_error(real.epsilon, conditions.characteristic_length))
         tests = [
             f"({real.call('fabs')}({emitter.value(0, i)}) <= {limit})"
-            for i in range(int(conditions.rows.shape[0]))
+            for i in range(conditions.rows.numel())
         ]
         return [
             "/* what the pose alone must satisfy */",

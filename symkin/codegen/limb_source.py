@@ -55,7 +55,7 @@ class LimbSource:
 
     @property
     def _pose(self) -> list[str]:
-        return indexed("c", int(self.block.system.known.shape[0]))
+        return indexed("c", self.block.system.known.numel())
 
     @property
     def _comment(self) -> str:
@@ -135,13 +135,13 @@ class LimbSource:
     def _twist_columns(self, kernel: Kernel) -> str:
         """The function of the right-hand sides of the joint rates, row by row."""
         inputs = [
-            (kernel.state, indexed("w->x", int(kernel.state.shape[0]))),
-            (kernel.known, indexed("w->k", int(kernel.known.shape[0]))),
+            (kernel.state, "w->x"),
+            (kernel.known, "w->k"),
             (kernel.geometry, self.made.geometry.names),
         ]
         sides = ca.vec(self.block.sides.T)
-        count = int(sides.shape[0])
-        lines = Emitter.of(self.real, inputs, sides).stored(indexed("sides", count))
+        count = sides.numel()
+        lines = Emitter.of(self.real, inputs, sides).stored("sides")
         unread = [] if any("w->" in line for line in lines) else ["(void)w;"]
         lines = [*lines[:-count], *unread, *lines[-count:]]
         own = {"k": self.k, "sides": indent(lines), "count": count}
@@ -160,7 +160,7 @@ class LimbSource:
             geometry=made.geometry.names,
             matrices=matrices,
             kappa=kappa,
-            target_lines=line_target(self.real, int(kernel.known.shape[0]), kernel.quaternion),
+            target_lines=line_target(self.real, kernel.known.numel(), kernel.quaternion),
             on_the_way=kernel.is_square or self._closes_on_the_way(states, poses),
             compact=made.options.compact,
         )
@@ -232,7 +232,7 @@ class LimbSource:
         size = made.closure.characteristic_length
         steps = step_columns(system.unknowns, wanted, size)
         error = rounded(feasible_error(self.real.epsilon, size))
-        known = int(system.known.shape[0]) if self.block.formulas is not None else 0
+        known = system.known.numel() if self.block.formulas is not None else 0
         singular = singular_condition(kernel, k, "&w", self._ga, compact=made.options.compact)
         count = len(self._columns)
         body = [
@@ -300,7 +300,7 @@ class LimbSource:
         first, length = emitter.divisions[0]
         return [
             *lines[:first],
-            f"if ({length} > {self.real.literal(0.0)}) {{",
+            f"if ({length} > {self.real.zero}) {{",
             *("    " + line for line in lines[first:]),
             "} else {",
             f"    status = {self.made.name.upper()}_SINGULAR;",

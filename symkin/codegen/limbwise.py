@@ -26,6 +26,7 @@ from symkin.elimination.implied_rows import plain
 from symkin.model.joint import Coordinate, units_of
 from symkin.numeric.system import System
 from symkin.position.problem import Problem
+from symkin.spatial.backend import stacked
 
 _COMPARED = 4
 """Configurations at which the coefficients of rows are compared."""
@@ -111,8 +112,8 @@ def passive_system(problem: Problem, limb: System) -> System:
     made = replace(
         limb,
         unknowns=unknowns,
-        unknown=_symbols(problem, unknowns),
-        known=_symbols(problem, given),
+        unknown=problem.closure.symbols(unknowns),
+        known=problem.closure.symbols(given),
     )
     return _of_whole_angles(made, problem, (*limb.unknowns, *problem.closure.role("pose")))
 
@@ -124,17 +125,10 @@ def _of_whole_angles(system: System, problem: Problem, coordinates: Sequence[Coo
     if any(c.width != 1 for c in coordinates):
         return system
     rows, errors = (
-        plain(part, _symbols(problem, coordinates), coordinates, system.characteristic_length)
+        plain(part, problem.closure.symbols(coordinates), coordinates, system.characteristic_length)
         for part in (system.rows, system.errors)
     )
     return replace(system, rows=rows, errors=errors)
-
-
-def _symbols(problem: Problem, coordinates: Sequence[Coordinate]) -> ca.SX:
-    closure = problem.closure
-    return ca.vertcat(
-        ca.SX(0, 1), *(closure.variables[closure.slices[c.name]] for c in coordinates)
-    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -177,7 +171,7 @@ class _Limbwise:
             reaches.append(Reach("the motion's wrenches", volume, self._of_known(whole, volume)))
         made = self._whole_form(whole, divisors)
         return (
-            LimbwiseForm(made, int(whole.forms[0].signs.shape[0]), tuple(reaches))
+            LimbwiseForm(made, whole.forms[0].signs.numel(), tuple(reaches))
             if made.closes(self._values(known))
             else None
         )
@@ -192,7 +186,7 @@ class _Limbwise:
         """The numbers of the known coordinates, over their values."""
         known = self.problem.known_coordinates
         found = dict[str, list[Numbers]]()
-        for c, value in zip(known, _symbols(self.problem, known).elements(), strict=True):
+        for c, value in zip(known, self.problem.closure.symbols(known).elements(), strict=True):
             circle = (ca.cos(value), ca.sin(value)) if c.is_angular else ()
             found[c.name] = [Numbers(value, *circle)]
         return found
@@ -200,7 +194,7 @@ class _Limbwise:
     def _of_known(self, whole: Composed, expression: ca.SX) -> ca.SX:
         """An expression of coordinates over the known values."""
         every = tuple(c for c in self.problem.closure.coordinates if c.name in whole.numbers)
-        return whole.written(expression, [(_symbols(self.problem, every), every)])
+        return whole.written(expression, [(self.problem.closure.symbols(every), every)])
 
     def _whole_form(self, whole: Composed, divisors: Sequence[ca.SX]) -> ClosedForm:
         """The composed formulas as one closed form with these divisors."""
@@ -215,7 +209,7 @@ class _Limbwise:
             discriminants=ca.vertcat(
                 none, *(c.value for c in whole.conditions if c.root is not None)
             ),
-            divisors=ca.vertcat(none, *divisors),
+            divisors=stacked(divisors),
             implied=frozenset(),
             squares=frozenset(),
             told=ca.vertcat(none, *(f.told for f in forms)),
@@ -252,7 +246,7 @@ class _Limbwise:
         assert form is not None  # noqa: S101 - the caller has found it
         known = self._values(part.problem.known_coordinates)
         signs = form.signs_at(self._values(form.system.unknowns)[0], known[0])
-        length = ca.Function("length", [_symbols(self.problem, self._pose)], [square])
+        length = ca.Function("length", [self.problem.closure.symbols(self._pose)], [square])
         lengths = np.array([float(length(v)) for v in poses])
         values = np.hstack([form.discriminants_at(known, signs), form.divisors_at(known, signs)])
         alone = [
@@ -260,8 +254,8 @@ class _Limbwise:
             for k in range(values.shape[1])
             if not _is_multiple_of_any(values[:, k], lengths[:, None])
         ]
-        count = int(form.discriminants.shape[0])
-        others = ca.vertcat(form.roots, form.signs, _symbols(self.problem, self._pose))
+        count = form.discriminants.numel()
+        others = ca.vertcat(form.roots, form.signs, self.problem.closure.symbols(self._pose))
         for k in alone:
             if k < count or ca.depends_on(form.divisors[k - count], others):
                 return None

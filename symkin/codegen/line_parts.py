@@ -7,7 +7,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from symkin.codegen.newton_kernel import Kernel
-from symkin.codegen.text.c import Real, indent, indexed
+from symkin.codegen.pose_kernel import PoseKernel
+from symkin.codegen.text.c import Emitter, Real, indent, indexed
 
 FIRST_TURN = 0.5
 """Turn of the known values that is tried first (rad): most longer ones are refused."""
@@ -88,7 +89,7 @@ class LineParts:
         """The next part, where parts are bounded: `fits` says of half of it that the whole does."""
         if not self.measured:
             return f"(quick && ({fits})) ? ({two} * part) : part"
-        return f"((stretch < {self.real.literal(1.0)}) || ({fits})) ? (stretch * part) : part"
+        return f"((stretch < {self.real.one}) || ({fits})) ? (stretch * part) : part"
 
     @property
     def _stretching(self) -> dict[str, str]:
@@ -169,20 +170,31 @@ def line_target(real: Real, count: int, quaternion: int | None) -> list[str]:
     if quaternion is not None:
         lines.append("/* of q and -q, one rotation, the one on the guess's side */")
         lines.append(
-            f"if ({' + '.join(f'{a} * {b}' for a, b in zip(at, to, strict=True))} < "
-            f"{real.literal(0.0)}) {{"
+            f"if ({' + '.join(f'{a} * {b}' for a, b in zip(at, to, strict=True))} < {real.zero}) {{"
         )
         lines += [*(f"    {v} = -{v};" for v in k), "}"]
     lines += [
-        f"if (part < {real.literal(1.0)}) {{",
+        f"if (part < {real.one}) {{",
         f"    {loop}",
         "        w->k[i] = w->at[i] + part * (w->k[i] - w->at[i]);",
         "    }",
     ]
     if quaternion is not None:
         square = " + ".join(f"{v} * {v}" for v in k)
-        lines.append(
-            f"    const {real.type} inverse = {real.literal(1.0)} / {real.call('sqrt')}({square});"
-        )
+        lines.append(f"    const {real.type} inverse = {real.one} / {real.call('sqrt')}({square});")
         lines += [f"    {v} *= inverse;" for v in k]
     return [*lines, "}"]
+
+
+def core_target(made: PoseKernel, real: Real) -> list[str]:
+    """Statements that set w->k, known values of joint values, at a part of the joints' line from
+    w->at to `to`: sin and cos of each joint once.
+    """
+    count = made.joints.numel()
+    return [
+        f"{real.type} q[{count}];",
+        f"for (int i = 0; i < {count}; ++i) {{",
+        f"    q[i] = (part < {real.one}) ? (w->at[i] + part * (to[i] - w->at[i])) : to[i];",
+        "}",
+        *Emitter.of(real, [(made.joints, "q")], made.target).stored("w->k"),
+    ]

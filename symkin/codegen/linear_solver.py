@@ -167,7 +167,7 @@ class UnrolledLU:
 
     def _eliminate_row(self, i: int) -> str:
         """Make row i and reduce it by the rows before; the text of its pivot."""
-        emitter, zero = self.emitter, self.emitter.real.literal(0.0)
+        emitter, zero = self.emitter, self.emitter.real.zero
         emitter.comment(
             f"pivot {i + 1}: row {self.pivots.rows[i] + 1}, unknown {self.pivots.columns[i] + 1}"
         )
@@ -188,7 +188,7 @@ class UnrolledLU:
         emitter.operations["additions"] += 1
         self.inverses.append(
             emitter.assign(
-                f"{emitter.real.literal(1.0)} / ({pivot} + {emitter.real.literal(self._least(i))})"
+                f"{emitter.real.one} / ({pivot} + {emitter.real.literal(self._least(i))})"
             )
         )
         self._store({i: self.inverses[i]}, i)
@@ -259,7 +259,7 @@ class LinearSolver:
 def linear_solver(
     kernel: Kernel,
     real: Real,
-    inputs: Sequence[Sequence[str]],
+    inputs: Sequence[Sequence[str] | str],
     matrices: np.ndarray,
     values: Mapping[str, object],
     given: Sequence[str] = (),
@@ -332,7 +332,7 @@ def _loops_over_columns(n: int, m: int, real: Real) -> dict[str, str]:
         return {"others": "", "above": ""}
     others = [
         f"for (int j = c + 1; j < {n}; ++j) {{",
-        f"    {real.type} r = {real.literal(0.0)};",
+        f"    {real.type} r = {real.zero};",
         f"    for (int i = 0; i < {m}; ++i) {{",
         f"        r += w->a[{n} * i + c] * w->a[{n} * i + j];",
         "    }",

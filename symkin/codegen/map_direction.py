@@ -4,6 +4,7 @@ the function of the direction and its one step.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,7 +15,7 @@ from symkin.codegen.geometry import Geometry
 from symkin.codegen.guard_text import Watched
 from symkin.codegen.guards import DETERMINANT
 from symkin.codegen.home_sheet import HomeSheet, home_sheet
-from symkin.codegen.joint_map import Direction, JointMap
+from symkin.codegen.joint_map import Direction
 from symkin.codegen.joint_map_values import MapValues, places_among
 from symkin.codegen.line_parts import FIRST_TURN
 from symkin.codegen.linear_solver import singular_condition
@@ -23,7 +24,7 @@ from symkin.codegen.newton_source import NewtonCode, tolerance_of
 from symkin.codegen.passive_limits import limit_lines
 from symkin.codegen.rates import step_columns, step_text
 from symkin.codegen.text.angles import number_counts, numbers_at
-from symkin.codegen.text.c import Emitter, Real, indent, indexed
+from symkin.codegen.text.c import Emitter, indent, indexed
 from symkin.codegen.text.templates import copy, fill
 from symkin.computed_once import cached_property
 from symkin.model.joint import Coordinate
@@ -52,20 +53,11 @@ _NOT_DECIDED = 1e-4
 
 
 @dataclass(frozen=True, eq=False)
-class DirectionSource:
+class DirectionSource(MapValues):
     """The C of one direction; `common` are values of the names in all templates of the map."""
 
-    made: JointMap
     direction: Direction
     common: dict[str, object]
-
-    @property
-    def real(self) -> Real:
-        return self.made.real
-
-    @property
-    def name(self) -> str:
-        return self.made.name
 
     @property
     def k(self) -> str:
@@ -99,7 +91,7 @@ class DirectionSource:
         return len(self.known)
 
     @property
-    def circles(self) -> CircleKernel:
+    def iteration(self) -> CircleKernel:
         return self.direction.circles
 
     @property
@@ -109,23 +101,23 @@ class DirectionSource:
     @property
     def numbers_of_known(self) -> str:
         """The array of the numbers of what is aimed at: the matrix reads them, or coefficients."""
-        return "w->k" if self.circles.is_plain else "w->numbers"
-
-    @cached_property
-    def numbers(self) -> MapValues:
-        """Statements of values and their numbers."""
-        return MapValues(self.made)
+        return "w->k" if self.iteration.is_plain else "w->numbers"
 
     @cached_property
     def names(self) -> dict[str, object]:
-        """Values of the names in all templates of the direction."""
+        """Values of the names in all templates of the direction; without passive joints the wanted
+        values are all of a configuration.
+        """
         values, out = self.words
+        whole = bool(self.made.passive)
         return self.common | {
             "k": self.k,
             "values": values,
             "out": out,
             "nto": self.n,
-            "nout": len(self.wanted),
+            "nout": self.n,
+            "from": "y" if whole else out,
+            "nfrom": self.common["ny"] if whole else self.n,
         }
 
     @cached_property
@@ -157,6 +149,12 @@ class DirectionSource:
             *(self.made.numbers(self.direction, s) for s in self.made.samples), strict=True
         )
         matrices, kappa = sampled(self.kernel, states, known, np.zeros(0))
+        members = [] if self.closed is None else self.closed.members
+        if self.closed is None and not self.iteration.is_plain:
+            members = [
+                f"{self.real.type} numbers[{self.iteration.numbers.numel()}]; /* numbers of what "
+                "is aimed at: of angles cosine and sine */"
+            ]
         return NewtonCode(
             kernel=self.kernel,
             name=self.name,
@@ -168,70 +166,57 @@ class DirectionSource:
             known_count=self.n,
             first_turn=FIRST_TURN,
             keeps_known=self.closed is None,
-            members=self._members,
+            members=members,
         )
 
     @property
     def _target_lines(self) -> list[str]:
         """Statements that set w->k, the known values, on the line from w->at to `to`."""
-        one = self.real.literal(1.0)
-        aims = [
-            f"(part < {one}) ? (w->at[{i}] + part * (to[{i}] - w->at[{i}])) : to[{i}]"
-            for i in range(self.n)
-        ]
-        target = self.numbers_of_known
-        places = range(sum(number_counts(self.known)))
-        lines = self.numbers.circles_of(aims, self.known, target, places)
-        return [*lines, *self._coefficients(target, "w->k")]
+        one = self.real.one
+        return self._known_lines(
+            [
+                f"(part < {one}) ? (w->at[{i}] + part * (to[{i}] - w->at[{i}])) : to[{i}]"
+                for i in range(self.n)
+            ]
+        )
 
-    @property
-    def _members(self) -> list[str]:
-        """Members of the work space beside those of every method."""
-        if self.closed is not None:
-            return self.closed.members
-        if self.circles.is_plain:
-            return []
-        return [
-            f"{self.real.type} numbers[{int(self.circles.numbers.shape[0])}]; /* numbers of "
-            f"what is aimed at: of angles cosine and sine */"
-        ]
+    def _known_lines(self, values: Sequence[str]) -> list[str]:
+        """Statements that set w->k by C text of the known values."""
+        target, places = self.numbers_of_known, range(sum(number_counts(self.known)))
+        lines = self.circles_of(values, self.known, target, places)
+        return [*lines, *self._coefficients(target, "w->k")]
 
     def _coefficients(self, source: str, target: str) -> list[str]:
         """The statement that sets the kernel's known values by numbers of the known coordinates,
         where these are others.
         """
-        return [] if self.circles.is_plain else [f"{self.k}_coefficients({source}, {target});"]
+        return [] if self.iteration.is_plain else [f"{self.k}_coefficients({source}, {target});"]
 
     @property
     def _coefficients_text(self) -> str:
         """The function of the rows' coefficients, where known values are these."""
-        circles = self.circles
+        circles = self.iteration
         if circles.is_plain:
             return ""
-        count, place = int(circles.numbers.shape[0]), int(circles.coefficients.shape[0])
-        inputs = [(circles.numbers, indexed("numbers", count))]
-        lines = Emitter.of(self.real, inputs, circles.coefficients).stored(indexed("k", place))
-        own = {"numbers": count, "nk": place, "lines": indent(lines)}
-        return fill("map_coefficients.c", self.names | own)
+        inputs = [(circles.numbers, "numbers")]
+        lines = Emitter.of(self.real, inputs, circles.coefficients).stored("k")
+        own = {"numbers": circles.numbers.numel(), "nk": circles.coefficients.numel()}
+        return fill("map_coefficients.c", self.names | own | {"lines": indent(lines)})
 
     @property
     def solver_text(self) -> str:
         """Newton's method, or formulas with the parts of Newton's method that finish and give
         rates; the function that sets the state, and polynomials near the reference.
         """
-        code, closed = self.code, self.closed
+        code, closed, literal = self.code, self.closed, self.real.literal
         if closed is None:
             return self._coefficients_text + code.text + self._place_text + self._sheet_text
-        finish = fill(
-            "map_finish.c",
-            code.factoring
-            | closed.values
-            | {
-                "singular": singular_condition(code.kernel, code.k, "w"),
-                "rounding": self.real.literal(code.tuning.rounding),
-                "noise": self.real.literal(_NOISE * self.real.epsilon * self.made.size),
-            },
-        )
+        own = {
+            "singular": singular_condition(code.kernel, code.k, "w"),
+            "rounding": literal(code.tuning.rounding),
+            "noise": literal(_NOISE * self.real.epsilon * self.made.size),
+        }
+        finish = fill("map_finish.c", code.factoring | closed.values | own)
         text = closed.text
         if self.real.name == "float":
             text = text.replace("atan2f(", f"{self.name}_angle(")
@@ -245,26 +230,17 @@ class DirectionSource:
         values where these are all of it.
         """
         values, out = self.words
-        count, target = sum(number_counts(self.known)), self.numbers_of_known
-        lines = self.numbers.circles(values, self.known, target, range(count))
-        lines += self._coefficients(target, "w->k")
+        lines = self._known_lines(indexed(values, self.n))
+        source = "the rest as in the configuration y"
         if self.closed is None:
-            lines += copy("w->k0", "w->k", int(self.kernel.known.shape[0]))
+            lines += copy("w->k0", "w->k", self.kernel.known.numel())
         if self.made.passive:
-            lines += self.numbers.copies("w->x", self.unknown)
+            lines += self.copies("w->x", self.unknown)
         else:
             places = places_among(self.unknown, self.wanted)
-            lines += self.numbers.circles(out, self.wanted, "w->x", places)
-        own = {
-            "from": "y" if self.made.passive else out,
-            "nfrom": self.common["ny"] if self.made.passive else self.n,
-            "lines": indent(lines),
-            "known": values,
-            "source": "the rest as in the configuration y"
-            if self.made.passive
-            else f"the {out} as they were last",
-        }
-        return fill("map_place.c", self.names | own)
+            lines += self.circles(out, self.wanted, "w->x", places)
+            source = f"the {out} as they were last"
+        return fill("map_place.c", self.names | {"lines": indent(lines), "source": source})
 
     # --- configurations ---------------------------------------------------------------------------
 
@@ -274,31 +250,25 @@ class DirectionSource:
         kind, closed = self.real.type, self.closed
         if closed is not None:
             names = closed.values
-            lines = [
+            solve = [
                 f"static const {kind} sign[{names['signs']}] = {{ {names['home_signs']} }};",
                 f"{kind} k[{names['nk']}];",
                 f"{kind} x[{names['ns']}];",
                 f"{kind} d[{names['conditions']}];",
-                *self.numbers.circles("values", self.known, "k", range(int(str(names["nk"])))),
+                *self.circles("values", self.known, "k", range(int(str(names["nk"])))),
                 f"{self.k}_formulas(k, sign, x, d);",
                 f"for (int i = 0; i < {names['conditions']}; ++i) {{",
                 f"    if (!(d[i] > {names['resolved']})) {{",
                 f"        status = {self.name.upper()}_OUT_OF_RANGE;",
                 "    }",
                 "}",
-                *self.numbers.into_y("k", self.known),
-                *self.numbers.into_y("x", self.unknown),
-                *self._other_lines("x"),
             ]
+            known, state, other = "k", "x", self._other_lines("x")
         else:
-            known = self.numbers_of_known.replace("->", ".")
-            lines = [
-                f"{self.k}_work w;",
-                *self._followed_lines,
-                *self.numbers.into_y(known, self.known),
-                *self.numbers.into_y("w.x", self.unknown),
-            ]
-        return fill("map_state.c", self.names | {"lines": indent(lines)})
+            solve = [f"{self.k}_work w;", *self._followed_lines]
+            known, state, other = self.numbers_of_known.replace("->", "."), "w.x", list[str]()
+        copies = [*self.into_y(known, self.known), *self.into_y(state, self.unknown)]
+        return fill("map_state.c", self.names | {"lines": indent([*solve, *copies, *other])})
 
     @property
     def _followed_lines(self) -> list[str]:
@@ -306,18 +276,19 @@ class DirectionSource:
         near it by one step from polynomials, else along the line.
         """
         _, out = self.words
-        k, kind, made, prefix = self.k, self.real.type, self.made, self.name.upper()
-        literal = self.real.literal
+        k, made, prefix, literal = self.k, self.made, self.name.upper(), self.real.literal
         at = made.reference_of(self.known)
         starts = {
             "at": at,
             "x": numbers_at(self.unknown, made.reference_of(self.unknown)),
-            "k0": self.circles.known_at(numbers_at(self.known, at)),
+            "k0": self.iteration.known_at(numbers_at(self.known, at)),
         }
+        # passive joints go on from a guess's own configuration, which is then as an answer's
+        near = f"{prefix}_TOLERANCE" if made.passive else literal(_GUESSED * made.size)
         line = [
-            f"static const {self.name}_config near = {{ {self._near_enough}, {prefix}_MAX_STEPS, "
+            f"static const {self.name}_config near = {{ {near}, {prefix}_MAX_STEPS, "
             f"{prefix}_MAX_STEP }};",
-            f"{kind} to[{self.n}];",
+            f"{self.real.type} to[{self.n}];",
             "/* along the line from the reference configuration; an error of a guess moves the "
             "beginning of the line by as much */",
             *(
@@ -326,21 +297,22 @@ class DirectionSource:
                 for i, v in enumerate(values)
             ),
             *(
-                f"to[{i}] = {self.numbers.turned(c, f'values[{i}]', f'w.at[{i}]')};"
+                f"to[{i}] = {self.turned(c, f'values[{i}]', f'w.at[{i}]')};"
                 if c.kind == "angle" and c.limits is None
                 else f"to[{i}] = values[{i}];"
                 for i, c in enumerate(self.known)
             ),
             f"status = {k}_newton(&w, to, &near, NULL);",
+            *self._other_lines("w.x"),
         ]
-        sheet = self.sheet
-        if sheet is None:
-            return [*line, *self._other_lines("w.x")]
-        columns = step_columns(self.unknown, self.wanted, self.made.size)
+        if self.sheet is None:
+            return line
+        columns = step_columns(self.unknown, self.wanted, made.size)
+        longest = literal((_ROUGH * self.sheet.error * made.size) ** 2)
         return [
             "/* near the reference configuration by one step of Newton's method from polynomials "
             "*/",
-            f"{kind} {out}[{len(columns)}];",
+            f"{self.real.type} {out}[{len(columns)}];",
             f"bool near_home = {k}_near_home(values, {out});",
             "if (near_home) {",
             f"    {k}_place(&w, values, {out});",
@@ -352,12 +324,11 @@ class DirectionSource:
                 f"        other[{i}] = {out}[{i}] + {step_text(self.real, *place)};"
                 for i, place in enumerate(columns)
             ),
-            f"        near_home = ({k}_apply_step(&w) <= "
-            f"{literal((_ROUGH * sheet.error * made.size) ** 2)});",
+            f"        near_home = ({k}_apply_step(&w) <= {longest});",
             "    }",
             "}",
             "if (!near_home) {",
-            *("    " + text for text in [*line, *self._other_lines("w.x")]),
+            *("    " + text for text in line),
             "}",
         ]
 
@@ -367,88 +338,65 @@ class DirectionSource:
         sheet, literal = self.sheet, self.real.literal
         if sheet is None:
             return ""
-        count = int(sheet.values.shape[0])
         inputs = [(sheet.known, [f"u{i}" for i in range(self.n)])]
-        lines = [
+        begin = [
             f"const {self.real.type} u{i} = values[{i}] - {literal(float(v))};"
             for i, v in enumerate(self.made.reference_of(self.known))
         ]
-        lines += Emitter.of(self.real, inputs, sheet.values).stored(indexed("wanted", count))
+        lines = [*begin, *Emitter.of(self.real, inputs, sheet.values).stored("wanted")]
         within = [
             f"({self.real.call('fabs')}(u{i}) <= {literal(float(v))})"
             for i, v in enumerate(sheet.reach)
         ]
-        own = {"count": count, "lines": indent(lines), "within": " && ".join(within)}
+        own = {"count": self.n, "lines": indent(lines), "within": " && ".join(within)}
         return fill("map_sheet.c", self.names | own)
 
     def _other_lines(self, state: str) -> list[str]:
         """Statements that set `other` by the numbers of a state."""
         numbers = [f"{state}[{i}]" for i in places_among(self.unknown, self.wanted)]
-        texts = self.numbers.plain_values(self.wanted, numbers)
+        texts = self.plain_values(self.wanted, numbers)
         return [f"other[{i}] = {text};" for i, text in enumerate(texts)]
-
-    @property
-    def _near_enough(self) -> str:
-        """Tolerance of a guess's own configuration: that of an answer where passive joints go on
-        from there.
-        """
-        return (
-            f"{self.name.upper()}_TOLERANCE"
-            if self.made.passive
-            else self.real.literal(_GUESSED * self.made.size)
-        )
 
     # --- the function of the direction ------------------------------------------------------------
 
     @property
     def text(self) -> str:
         """The function of the direction, and its one step."""
-        values, out = self.words
-        kind, name, known, wanted = self.real.type, self.name, self.known, self.wanted
-        n, literal, closed = self.n, self.real.literal, self.closed
+        (values, out), name, known, wanted = self.words, self.name, self.known, self.wanted
+        n, kind, literal, size = self.n, self.real.type, self.real.literal, self.made.size
         begin = [
-            f"w->at[{i}] = {self._nearest(c, f'at[{i}]', f'{values}[{i}]')};"
+            f"w->at[{i}] = {self.nearest(c, f'at[{i}]', f'{values}[{i}]')};"
             for i, c in enumerate(known)
         ]
-        if closed is not None:
-            of_known = self.numbers.copies("w->k", known)
-        elif self.circles.is_plain:
-            of_known = self.numbers.copies("w->k0", known)
-        else:
-            of_known = self._coefficients(f"&y[{self.numbers.places(known)[0]}]", "w->k0")
-        solve = "newton" if closed is None else "follow"
-        follow = [
-            *self.numbers.copies("w->x", self.unknown),
-            *of_known,
-            f"status = {self.k}_{solve}(w, {values}, config, info);",
-        ]
-        places = places_among(self.unknown, wanted)
-
-        def results(state: str, near: str) -> list[str]:
-            texts = self.numbers.values_of(wanted, [f"{state}[{i}]" for i in places], near)
-            return [f"result[{i}] = {t};" for i, t in enumerate(texts)]
-
-        weights = [1.0 * self.made.size if c.is_angular else 1.0 for c in wanted]
-        change = [
-            f"change2 += {literal(w * w)} * (result[{i}] - {out}[{i}]) * (result[{i}] - "
-            f"{out}[{i}]);"
-            for i, w in enumerate(weights)
-        ]
-        stand_at = [
-            f"for (int i = 0; i < {n}; ++i) {{",
-            f"    at[i] = {values if closed is None else 'home'}[i];",
-            "}",
-        ]
-        if closed is not None:
+        solve, begun, of_known = "newton", values, self.copies("w->k0", known)
+        stand_at = list[str]()
+        if self.closed is not None:
             # formulas tell an answer anywhere, so that the line to it begins at the reference
+            solve, begun, of_known = "follow", "home", self.copies("w->k", known)
             home = ", ".join(literal(float(v)) for v in self.made.reference_of(known))
             stand_at = [
                 f"static const {kind} home[{n}] = {{ {home} }};",
-                *stand_at,
                 f"{kind} there[{n}];",
                 f"(void){name}_state_of_{values}(home, y, there);",
             ]
+        elif not self.iteration.is_plain:
+            of_known = self._coefficients(f"&y[{self.places(known)[0]}]", "w->k0")
+        stand_at[1:1] = [f"for (int i = 0; i < {n}; ++i) {{", f"    at[i] = {begun}[i];", "}"]
+        follow = [
+            *self.copies("w->x", self.unknown),
+            *of_known,
+            f"status = {self.k}_{solve}(w, {values}, config, info);",
+        ]
+        weights = [literal((size if c.is_angular else 1.0) ** 2) for c in wanted]
+        change = [
+            f"change2 += {w} * (result[{i}] - {out}[{i}]) * (result[{i}] - {out}[{i}]);"
+            for i, w in enumerate(weights)
+        ]
         unused = [] if any(c.kind == "angle" for c in wanted) else ["(void)guess;"]
+        outside = f"{name.upper()}_OUT_OF_RANGE"
+        blame = [f"if (status == {outside}) {{", f"    {name}_blame(info, result);", "}"]
+        stands = max(_GUESSED, _GUESS_ROUNDINGS * self.real.epsilon) * size
+        tolerance = tolerance_of(self.real, size)
         own = {
             "passive": self._passive_call,
             "about": (
@@ -460,45 +408,30 @@ class DirectionSource:
             "track": f"{name}_track" if self._is_direct else f"{name}_track_inverse",
             "begin": indent(begin),
             "follow": indent(follow),
-            "line_results": indent([*unused, *results("w->x", "guess")], 2),
-            "track_results": indent([f"{kind} result[{n}];", *results("w.x", out)], 2),
+            "line_results": indent([*unused, *self._results("w->x", "guess")], 2),
+            "track_results": indent([f"{kind} result[{n}];", *self._results("w.x", out)], 2),
             "store": indent([f"{out}[{i}] = result[{i}];" for i in range(n)], 3),
             "blame_values": f"        {name}_blame(info, joints);" if self._is_direct else "",
-            "blame_result": ""
-            if self._is_direct
-            else indent(
-                [
-                    f"if (status == {name.upper()}_OUT_OF_RANGE) {{",
-                    f"    {name}_blame(info, result);",
-                    "}",
-                ],
-                2,
-            ),
+            "blame_result": "" if self._is_direct else indent(blame, 2),
             "change": indent(change, 2),
             "stand_at": indent(stand_at),
-            **self._held,
-            "track2": literal((self.made.size / _TRACKED) ** 2),
+            # of the checks that a guess, or an answer, stands where the known values are
+            "stands2": literal(stands**2),
+            "held2": literal(self.real.epsilon * size**2),
+            "reading": literal(_READING * tolerance),
+            "same2": literal((_SAME * tolerance) ** 2),
+            "guess_from": "y" if self.made.passive else "guess",
+            "answer_from": "y" if self.made.passive else "answer",
+            "track2": literal((size / _TRACKED) ** 2),
             **self._step,
         }
         return self._passive_text + fill("map_direction.c", self.names | own)
 
-    @property
-    def _held(self) -> dict[str, object]:
-        """Values of the checks that a guess, or an answer, stands where the known values are."""
-        size, literal, passive = self.made.size, self.real.literal, bool(self.made.passive)
-        stands = max(_GUESSED, _GUESS_ROUNDINGS * self.real.epsilon) * size
-        reading = _READING * tolerance_of(self.real, size)
-        return {
-            "stands2": literal(stands**2),
-            "held2": literal(self.real.epsilon * size**2),
-            "reading": literal(reading),
-            "same2": literal((_SAME * tolerance_of(self.real, size)) ** 2),
-            # without passive joints the two sides' values are the whole configuration
-            "from": "y" if passive else self.words[1],
-            "nfrom": self.common["ny"] if passive else self.n,
-            "guess_from": "y" if passive else "guess",
-            "answer_from": "y" if passive else "answer",
-        }
+    def _results(self, state: str, near: str) -> list[str]:
+        """Statements of the wanted values by the numbers of a state."""
+        numbers = [f"{state}[{i}]" for i in places_among(self.unknown, self.wanted)]
+        texts = self.values_of(self.wanted, numbers, near)
+        return [f"result[{i}] = {text};" for i, text in enumerate(texts)]
 
     @property
     def away_text(self) -> str:
@@ -506,18 +439,12 @@ class DirectionSource:
         kind, lines = self.real.type, list[str]()
         for i, c in enumerate(self.wanted):
             weight = self.real.literal(self.made.size if c.is_angular else 1.0)
+            other = self.nearest(c, f"other[{i}]", f"guess[{i}]")
             lines += [
-                f"const {kind} way{i} = {weight} * "
-                f"({self._nearest(c, f'other[{i}]', f'guess[{i}]')} - guess[{i}]);",
+                f"const {kind} way{i} = {weight} * ({other} - guess[{i}]);",
                 f"away2 += way{i} * way{i};",
             ]
         return fill("map_away.c", self.names | {"away": indent(lines)})
-
-    def _nearest(self, c: Coordinate, value: str, near: str) -> str:
-        """C of a value; of an angle's, the one of its whole turns that is nearest to another
-        value.
-        """
-        return self.numbers.turned(c, value, near) if c.kind == "angle" else value
 
     @property
     def _passive_call(self) -> str:
@@ -534,13 +461,11 @@ class DirectionSource:
         if not limits:
             return ""
         numbers = indexed("w->x", sum(number_counts(self.unknown)))
-        found = self.numbers.plain_values(self.unknown, numbers)
+        found = self.plain_values(self.unknown, numbers)
         texts = {c.name: text for c, text in zip(self.unknown, found, strict=True)}
         texts |= {c.name: f"{self.words[0]}[{i}]" for i, c in enumerate(self.known)}
         variables = [
-            texts.get(c.name, self.real.literal(0.0))
-            for c in closure.coordinates
-            for _ in range(c.width)
+            texts.get(c.name, self.real.zero) for c in closure.coordinates for _ in range(c.width)
         ]
         beyond = f"{self.name.upper()}_OUT_OF_RANGE"
         fixed = Geometry(closure, at_run_time=False)
@@ -563,8 +488,7 @@ class DirectionSource:
     @property
     def placed(self) -> str:
         """The statement that sets the work space to a configuration."""
-        values, out = self.words
-        return f"{self.k}_place(&w, {values}, {'y' if self.made.passive else out});"
+        return f"{self.k}_place(&w, {self.words[0]}, {self.names['from']});"
 
     @property
     def _step(self) -> dict[str, str]:
@@ -575,6 +499,7 @@ class DirectionSource:
         code, closed = self.code, self.closed
         y, last = self.state_of(self.words[1])
         if closed is None:
+            kappa = literal(float(np.sqrt(code.tuning.kappa2)))
             step = [
                 self.placed,
                 f"{k}_rows(&w);",
@@ -583,8 +508,7 @@ class DirectionSource:
                 "} else {",
                 f"    {k}_solve(&w);",
                 f"    const {kind} size = {k}_apply_step(&w);",
-                f"    {self.name}_write_info(info, 1U, "
-                f"{literal(float(np.sqrt(code.tuning.kappa2)))} * size, size, w.spread);",
+                f"    {self.name}_write_info(info, 1U, {kappa} * size, size, w.spread);",
                 "}",
             ]
         else:

@@ -21,6 +21,8 @@ from symkin.numeric.system import System, incidence_of
 from symkin.spatial.backend import dot
 from symkin.spatial.rotation import multiply
 
+_SEED = 5
+"""Of the directions in which curvatures are asked."""
 _OWN_ROUNDING = 1e-12
 """Relative rounding of a bound's own computation, which differs from processor to processor."""
 
@@ -72,12 +74,12 @@ class Kernel:
     @property
     def m(self) -> int:
         """Count of rows."""
-        return int(self.rows.shape[0])
+        return int(self.rows.numel())
 
     @property
     def n(self) -> int:
         """Count of unknowns: entries of a step."""
-        return int(self.step.shape[0])
+        return int(self.step.numel())
 
     @property
     def is_square(self) -> bool:
@@ -172,7 +174,7 @@ def moves(
     times the size. Quaternions, and angles where they are `circles`, cosine and sine, are moved by
     the arc whose tangent is the step.
     """
-    tangent, moved, place, column = ca.SX(int(state.shape[0]), int(step.shape[0])), [], 0, 0
+    tangent, moved, place, column = ca.SX(state.numel(), step.numel()), [], 0, 0
     for c in coordinates:
         if c.kind == "angle" and circles:
             cosine, sine, turn = state[place], state[place + 1], (1 / size) * step[column]
@@ -208,14 +210,13 @@ def curvature(
     states: Sequence[np.ndarray],
     known: Sequence[np.ndarray],
     geometry: np.ndarray,
-    seed: int = 5,
 ) -> float:
     """Estimate kappa of a typical pose: a Newton step s leaves an error of kappa |s|^2.
 
     kappa = |J^-1 (J(x + s) - J(x)) s| / (2 |s|^2), the ninth decile over states and random
     directions s.
     """
-    rng = np.random.default_rng(seed)
+    rng = np.random.default_rng(_SEED)
     move = kernel.move_function()
     found = []
     for state, k in zip(states, known, strict=True):

@@ -20,7 +20,7 @@ from symkin.codegen.linear_solver import (
     linear_solver,
 )
 from symkin.codegen.newton_kernel import Kernel, rounded
-from symkin.codegen.text.c import Emitter, Real, indent, indexed
+from symkin.codegen.text.c import Emitter, Real, indent
 from symkin.codegen.text.templates import common_values, copy, copy_loop, fill
 from symkin.computed_once import cached_property
 from symkin.text import c_comment
@@ -147,9 +147,8 @@ class NewtonCode:
     @cached_property
     def linear(self) -> LinearSolver:
         """The linear solver."""
-        inputs = [*self._inputs, indexed("w->d", int(self.kernel.shared_symbols.shape[0]))]
-        if self.keeps_known:
-            inputs[1] = indexed("w->k0", int(self.kernel.known.shape[0]))
+        known = "w->k0" if self.keeps_known else "w->k"
+        inputs = ["w->x", known, self.geometry, "w->d"]
         return linear_solver(
             self.kernel,
             self.real,
@@ -168,14 +167,14 @@ class NewtonCode:
     @property
     def middle(self) -> str:
         """The function that looks at the middle of a part, where known values turn."""
-        count = int(self.kernel.state.shape[0])
+        count = self.kernel.state.numel()
         copies = {
             "to_begin": indent(copy_loop("end", "w->x", count) + copy_loop("w->x", "w->x0", count)),
             "to_end": indent(copy_loop("w->x", "end", count)),
             "aimed_at": "",
         }
         if self.keeps_known:
-            nk = int(self.kernel.known.shape[0])
+            nk = self.kernel.known.numel()
             copies["aimed_at"] = f"    {self.real.type} aimed[{nk}];"
             copies["to_begin"] += "\n" + indent(copy_loop("aimed", "w->k", nk))
             copies["to_end"] += "\n" + indent(copy_loop("w->k", "aimed", nk))
@@ -215,24 +214,15 @@ class NewtonCode:
 
     # --- statements -------------------------------------------------------------------------------
 
-    @property
-    def _inputs(self) -> list[list[str]]:
-        """C text of state, known values and geometry."""
-        kernel = self.kernel
-        return [
-            indexed("w->x", int(kernel.state.shape[0])),
-            indexed("w->k", int(kernel.known.shape[0])),
-            list(self.geometry),
-        ]
-
     @cached_property
     def _rows(self) -> Emitter:
         """Each row made and stored in turn, and what the matrix shares with it as soon as the row
         has been made.
         """
         kernel = self.kernel
-        emitter = Emitter(kernel.row_function(), self._inputs, self.real)
-        count = int(kernel.shared_symbols.shape[0])
+        inputs = ["w->x", "w->k", self.geometry]
+        emitter = Emitter(kernel.row_function(), inputs, self.real)
+        count = kernel.shared_symbols.numel()
         for row in range(kernel.m):
             if kernel.m > 1:
                 about = kernel.meaning.each_row[row] if kernel.meaning.each_row else ""
@@ -247,14 +237,9 @@ class NewtonCode:
     @cached_property
     def _move(self) -> tuple[Emitter, list[str]]:
         """Statements that add the step in w->f to the state and return its squared length."""
-        kernel = self.kernel
-        emitter = Emitter(
-            kernel.move_function(),
-            [self._inputs[0], indexed("w->f", kernel.n), list(self.geometry)],
-            self.real,
-        )
-        moved = [emitter.value(0, i) for i in range(int(kernel.state.shape[0]))]
-        squared = emitter.value(1, 0)
+        inputs = ["w->x", "w->f", self.geometry]
+        emitter = Emitter(self.kernel.move_function(), inputs, self.real)
+        moved, squared = emitter.values(0), emitter.value(1, 0)
         return emitter, [
             *emitter.lines,
             *(f"w->x[{i}] = {text};" for i, text in enumerate(moved)),
@@ -297,13 +282,13 @@ class NewtonCode:
     @property
     def _sizes(self) -> dict[str, object]:
         kernel = self.kernel
-        n, m, nk = kernel.n, kernel.m, int(kernel.known.shape[0])
+        n, m, nk = kernel.n, kernel.m, kernel.known.numel()
         return {
             "n": n,
             "last": n - 1,
             "n1": n + 1,
             "m": m,
-            "ns": int(kernel.state.shape[0]),
+            "ns": kernel.state.numel(),
             "nk": nk,
             "nto": self.known_count or nk,
             "na": m * n,
@@ -321,7 +306,7 @@ class NewtonCode:
     def _members(self) -> dict[str, object]:
         """Members of the work space that not every kernel has, and what its arrays hold."""
         kernel, kind = self.kernel, self.real.type
-        nd, square = int(kernel.shared_symbols.shape[0]), min(kernel.m, kernel.n) ** 2
+        nd, square = kernel.shared_symbols.numel(), min(kernel.m, kernel.n) ** 2
         meaning = kernel.meaning
         told = [
             f"x: {meaning.state}",
@@ -410,65 +395,43 @@ class NewtonCode:
 
     @property
     def _aiming(self) -> dict[str, object]:
-        """Calls that aim at parts of the line: by known values kept at the guess, or by
-        `retarget`.
+        """Calls that aim at parts of the line: by known values kept at the guess, or by `retarget`;
+        where those at the part that is done are kept, new factors on the way to the aim are those
+        of the aim.
         """
-        aim, done = (f"{self.k}_set_target({self._ga}w, to, {part});" for part in ("aim", "done"))
+        k, ga = self.k, self._ga
+        aim, done = (f"{k}_set_target({ga}w, to, {part});" for part in ("aim", "done"))
+        state, by_call = self.kernel.state.numel(), bool(self.retarget)
+        kept, save0 = self.keeps_known, copy("w->x0", "w->x", state)
+        keep = copy("w->k0", "w->k", self.kernel.known.numel()) if kept else []
+        back, begin_target = [done, *keep] if kept else [], [aim]
+        if by_call:
+            begin_target, save0 = [f"{k}_set_target({ga}w, to);"], []
+        elif kept and self.measured:
+            # the caller has set the kept values, or they are made here
+            begin_target, back = [], ["if (!kept) {", *("    " + line for line in back), "}"]
+            save0 += [f"{k}_set_target({ga}w, to, {self.real.zero});", *keep, aim]
         # the matrix reads known values: it is made at the part of the line that is done. Of wide
         # systems it is made at the part aimed at, because shortest steps follow the path more
         # closely by that one
-        reads_known = self.kernel.reads_known and not self.kernel.is_wide
-        by_call = bool(self.retarget)
-        if self.keeps_known:
-            return self._aiming_by_kept(aim, done)
+        reads_known = self.kernel.reads_known and not self.kernel.is_wide and not kept
+
+        def first(call: str) -> str:
+            return indent(["if (taken == 0U) {", f"    {call}", "}"], 3) if reads_known else ""
+
+        keeping = indent(["if (taken > 0U) {", *("    " + line for line in keep), "}"], 3)
         return {
-            "begin_target": indent([f"{self.k}_set_target({self._ga}w, to);" if by_call else aim]),
+            "begin_target": indent(begin_target),
             "part": "" if by_call else f", {self.real.type} part",
             "aimed": "" if by_call else ": a part of the line from the guess's to `to`",
-            "at_done": indent(["if (taken == 0U) {", f"    {done}", "}"], 3) if reads_known else "",
-            "at_aim": indent(["if (taken == 0U) {", f"    {aim}", "}"], 3) if reads_known else "",
-            "save0": ""
-            if by_call
-            else indent(copy("w->x0", "w->x", int(self.kernel.state.shape[0]))),
-            "advance": indent(
-                [
-                    *copy_loop("w->x0", "w->x", int(self.kernel.state.shape[0])),
-                    self.retarget or aim,
-                ],
-                4,
-            ),
+            "at_done": keeping if kept else first(done),
+            "at_aim": first(aim),
+            "save0": indent(save0),
+            "advance": indent([*copy_loop("w->x0", "w->x", state), *keep, self.retarget or aim], 4),
             "retreat": indent(
-                [self.retarget]
-                if by_call
-                else [*copy_loop("w->x", "w->x0", int(self.kernel.state.shape[0])), aim],
+                [self.retarget] if by_call else [*copy_loop("w->x", "w->x0", state), *back, aim],
                 3,
             ),
-        }
-
-    def _aiming_by_kept(self, aim: str, done: str) -> dict[str, object]:
-        """The same where the known values at the part that is done are kept: new factors on the way
-        to the aim are those of the aim.
-        """
-        state, nk = int(self.kernel.state.shape[0]), int(self.kernel.known.shape[0])
-        keep = copy("w->k0", "w->k", nk)
-        # the caller has set the kept values, or they are made here, where the line is `measured`
-        begin, back = list[str](), [done, *keep]
-        if self.measured:
-            begin = [
-                f"{self.k}_set_target({self._ga}w, to, {self.real.literal(0.0)});",
-                *keep,
-                f"{self.k}_set_target({self._ga}w, to, aim);",
-            ]
-            back = ["if (!kept) {", *("    " + line for line in back), "}"]
-        return {
-            "begin_target": "" if self.measured else indent([aim]),
-            "part": f", {self.real.type} part",
-            "aimed": ": a part of the line from the guess's to `to`",
-            "at_done": indent(["if (taken > 0U) {", *("    " + line for line in keep), "}"], 3),
-            "at_aim": "",
-            "save0": indent([*copy("w->x0", "w->x", state), *begin]),
-            "advance": indent([*copy_loop("w->x0", "w->x", state), *keep, aim], 4),
-            "retreat": indent([*copy_loop("w->x", "w->x0", state), *back, aim], 3),
         }
 
     @property
@@ -479,7 +442,7 @@ class NewtonCode:
         constant.
         """
         literal, floor = self.real.literal, self.real.literal(self.tuning.floor**2)
-        epsilon, state = self.real.epsilon, int(self.kernel.state.shape[0])
+        epsilon, state = self.real.epsilon, self.kernel.state.numel()
         rounding = literal((_ROWS * epsilon * self.kernel.characteristic_length) ** 2)
         far = rounded(1.0 / (8.0 * _ROWS * epsilon))
         eighth = literal((_ROWS * epsilon * self.kernel.characteristic_length * far) ** 2)

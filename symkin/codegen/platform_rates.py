@@ -11,14 +11,12 @@ import numpy as np
 
 from symkin.closure.snapping import snapped_expression
 from symkin.codegen.limb_platform import LimbPlatform
-from symkin.codegen.line_parts import line_target
+from symkin.codegen.line_parts import core_target, line_target
 from symkin.codegen.linear_solver import SINGULAR, singular_condition
 from symkin.codegen.newton_kernel import Kernel, system_kernel
 from symkin.codegen.newton_source import NewtonCode
 from symkin.codegen.pose_coordinates import COLUMNS
-from symkin.codegen.pose_kernel import PoseKernel
-from symkin.codegen.pose_target import core_target
-from symkin.codegen.text.c import Emitter, Real, indent, indexed
+from symkin.codegen.text.c import Emitter, Real, indent
 from symkin.codegen.text.templates import copy, fill, substitute
 from symkin.model.mechanism import Mechanism
 
@@ -71,12 +69,17 @@ def square_twist(mechanism: Mechanism, real: Real, values: Mapping[str, object])
         "row_scales": ", ".join(scales),
         "columns": ", ".join(f"{c}U" for c in columns),
         "column_scales": ", ".join(real.literal(1.0 / size if c > 2 else 1.0) for c in columns),
-        "others": indent(
-            [f"twist[{c}] = {real.literal(0.0)};" for c in range(6) if c not in columns], 2
-        ),
+        "others": indent([f"twist[{c}] = {real.zero};" for c in range(6) if c not in columns], 2),
         "least_pivots": ", ".join([real.literal(SINGULAR * real.epsilon)] * len(columns)),
     }
     return fill("square_twist.c", {**values, **shown})
+
+
+def direct_target(made: LimbPlatform) -> list[str]:
+    """Statements that aim the direct problem at a point of the joints' line."""
+    if made.core is None:
+        return line_target(made.real, len(made.actuated), None)
+    return core_target(made.core.direct, made.real)
 
 
 def closure_twist(made: LimbPlatform, values: Mapping[str, object], driver: Kernel | None) -> str:
@@ -91,7 +94,7 @@ def closure_twist(made: LimbPlatform, values: Mapping[str, object], driver: Kern
             known, symbols = made.direct.known_coordinates, made.geometry.symbols
             system = made.geometry.system(made.direct)
             kernel = system_kernel("velocity", system, known, symbols)
-        code = _newton_code(made, kernel, core)
+        code = _newton_code(made, kernel)
         own = "" if core is None else code.functions + code.target
         text = code.work + own + code.linear.text
     k, ga, passive = f"{made.name}_{kernel.name}", str(values["ga"]), 0
@@ -101,15 +104,15 @@ def closure_twist(made: LimbPlatform, values: Mapping[str, object], driver: Kern
         store, aim = _stores(made, kernel), list[str]()
     else:
         joints, target, into = core.joints, core.target, "w->at"
-        store = _of_state(kernel, core.twist, kernel.step, "w->f", made).stored(indexed("twist", 6))
-        aim = [f"{k}_set_target(w, w->at, {real.literal(1.0)});", f"{k}_rows(w);"]
+        store = _of_state(kernel, core.twist, kernel.step, "w->f", made).stored("twist")
+        aim = [f"{k}_set_target(w, w->at, {real.one});", f"{k}_rows(w);"]
         if driver is kernel and kernel.reads_known:
-            aim += copy("w->k0", "w->k", int(kernel.known.shape[0]))
+            aim += copy("w->k0", "w->k", kernel.known.numel())
     rates = ca.SX.sym("v", nq)
     change = ca.jtimes(ca.substitute(kernel.rows, kernel.known, target), joints, rates)
     change = snapped_expression(change, [kernel.state, joints, kernel.geometry, rates])
-    sides = _of_state(kernel, change, joints, into, made, rates).stored(indexed("w->f", kernel.m))
-    count = int(kernel.state.shape[0]) - passive
+    sides = _of_state(kernel, change, joints, into, made, rates).stored("w->f")
+    count = kernel.state.numel() - passive
     state = [
         *copy("w->x", "passive", passive),
         *(f"w->x[{passive + i}] = c[{i}];" for i in range(count)),
@@ -126,16 +129,20 @@ def closure_twist(made: LimbPlatform, values: Mapping[str, object], driver: Kern
     return text + fill("closure_twist.c", {**values, **shown})
 
 
-def _newton_code(made: LimbPlatform, kernel: Kernel, core: PoseKernel | None) -> NewtonCode:
-    values, nq = made.geometry.values, len(made.actuated)
-    states = [
-        (s.unknown, s.known) if core is None else made.direct_state(s.values) for s in made.samples
-    ]
-    matrices = np.array([kernel.matrix(*at, values) for at in states])
-    lines = line_target(made.real, nq, None) if core is None else core_target(core, made.real)
-    names = made.geometry.names
+def _newton_code(made: LimbPlatform, kernel: Kernel) -> NewtonCode:
+    """Of rows that are written for the twist alone."""
+    states = (made.direct_state(s.values) for s in made.samples)
+    matrices = np.array([kernel.matrix(*at, made.geometry.values) for at in states])
     return NewtonCode(
-        kernel, made.name, made.real, names, matrices, 1.0, lines, nq, compact=made.options.compact
+        kernel,
+        made.name,
+        made.real,
+        made.geometry.names,
+        matrices,
+        1.0,
+        direct_target(made),
+        len(made.actuated),
+        compact=made.options.compact,
     )
 
 
@@ -149,12 +156,12 @@ def _of_state(
 ) -> Emitter:
     """Emitter of an expression of the state, of what stands in an array, and of joint rates."""
     inputs = [
-        (kernel.state, indexed("w->x", int(kernel.state.shape[0]))),
-        (read, indexed(array, int(read.shape[0]))),
+        (kernel.state, "w->x"),
+        (read, array),
         (kernel.geometry, made.geometry.names),
     ]
     if rates is not None:
-        inputs.append((rates, indexed("rates", int(rates.shape[0]))))
+        inputs.append((rates, "rates"))
     return Emitter.of(made.real, inputs, expression)
 
 

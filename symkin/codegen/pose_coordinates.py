@@ -13,6 +13,7 @@ from symkin.codegen.geometry import Geometry
 from symkin.codegen.text.c import Emitter, Real, indent, indexed
 from symkin.codegen.text.templates import fill
 from symkin.model.keys import ABOUT_Z
+from symkin.spatial.backend import stacked
 from symkin.spatial.rotation import conjugate, multiply
 
 COLUMNS: dict[str, tuple[int, ...]] = {
@@ -23,6 +24,9 @@ COLUMNS: dict[str, tuple[int, ...]] = {
     "spherical": (3, 4, 5),
 }
 """Columns of a twist (velocity, angular velocity) that a motion has."""
+
+POSE = indexed("pose->position", 3) + indexed("pose->quaternion", 4)
+"""C text of the numbers of a pose."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,9 +76,9 @@ def pose_coordinates_text(geometry: Geometry, real: Real, values: dict[str, obje
     x = ca.SX.sym("x", 7)
     found = restricted(geometry, x)
     coordinates, off = found.coordinates, found.off
-    count = int(coordinates.shape[0])
-    inputs = [(x, indexed("x", 7)), (geometry.symbols, geometry.names)]
-    emitter = Emitter.of(real, inputs, coordinates, ca.vertcat(ca.SX(0, 1), *off))
+    count = coordinates.numel()
+    inputs = [(x, "x"), (geometry.symbols, geometry.names)]
+    emitter = Emitter.of(real, inputs, coordinates, stacked(off))
     texts = [emitter.value(0, i) for i in range(count)]
     limit = real.literal(off_motion(geometry, real))
     tests = [f"({real.call('fabs')}({emitter.value(1, i)}) <= {limit})" for i in range(len(off))]
@@ -99,12 +103,11 @@ def pose_coordinates_text(geometry: Geometry, real: Real, values: dict[str, obje
 def pose_text(geometry: Geometry, real: Real, values: dict[str, object]) -> str:
     """NAME_pose_from_coordinates: the pose of pose coordinates."""
     closure = geometry.closure
-    symbols = ca.vertcat(*(closure.variables[closure.slices[c.name]] for c in closure.role("pose")))
+    symbols = closure.symbols(closure.role("pose"))
     expression = snapped_expression(geometry.pose, [symbols, geometry.symbols])
-    count = int(symbols.shape[0])
-    inputs = [(symbols, indexed("c", count)), (geometry.symbols, geometry.names)]
-    targets = indexed("pose->position", 3) + indexed("pose->quaternion", 4)
-    body = indent(Emitter.of(real, inputs, expression).stored(targets))
+    count = symbols.numel()
+    inputs = [(symbols, "c"), (geometry.symbols, geometry.names)]
+    body = indent(Emitter.of(real, inputs, expression).stored(POSE))
     return fill("pose_from_coordinates.c", values | {"count": count, "body": body})
 
 
@@ -114,8 +117,13 @@ def off_motion(geometry: Geometry, real: Real) -> float:
 
 
 def _reference(geometry: Geometry) -> ca.SX:
-    """Position and unit quaternion of the closure's platform at the reference configuration."""
+    """Position of the closure's platform at the reference configuration, and the unit quaternion
+    from which its turn about z is told.
+    """
     closure, pose = geometry.closure, geometry.closure.pose
     own = geometry.of(ca.vertcat(pose.position, pose.quaternion))
-    at = ca.substitute(own, closure.variables, ca.SX(ca.DM(closure.reference)))
+    home = closure.reference.copy()
+    if "pose.gamma" in closure.slices:
+        home[closure.slices["pose.gamma"]] = 0.0
+    at = ca.substitute(own, closure.variables, ca.SX(ca.DM(home)))
     return snapped_expression(ca.densify(at), [geometry.symbols])

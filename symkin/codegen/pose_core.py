@@ -56,7 +56,7 @@ class _Gathered:
         """The rows of a limb; whether they are found."""
         if all(c.role == "actuated" for c in system.unknowns):
             self.limbs.append(system)
-            return all(self._add_rod(system.rows[i]) for i in range(int(system.rows.shape[0])))
+            return all(self._add_rod(system.rows[i]) for i in range(system.rows.numel()))
         found = pose_rows(system, poses)
         if found is None:
             return False
@@ -120,9 +120,9 @@ def pose_core(
     pose = PlatformPose(closure)
     if not pose.is_supported:
         return None
-    joints = ca.vertcat(ca.SX(0, 1), *(closure.variables[closure.slices[c.name]] for c in actuated))
+    joints = closure.symbols(actuated)
     gathered = _Gathered(pose, joints, actuated, [], [], [])
-    for i in range(int(conditions.rows.shape[0])):
+    for i in range(conditions.rows.numel()):
         gathered.add_condition(conditions.rows[i])
     if not all(gathered.add_limb(system, poses) for system in blocks):
         return None
@@ -143,7 +143,7 @@ def pose_core(
 def _told(point: TiedPoint, gone: Sequence[str]) -> str:
     """What a row says, and which passive joints have been taken out for it."""
     arm = ", ".join(f"{v:.6g}" for v in point.arm)
-    of = ", ".join(_text(point.of[i]) for i in range(int(point.of.shape[0])))
+    of = ", ".join(_text(point.of[i]) for i in range(point.of.numel()))
     free = f"free of {', '.join(gone)}: " if gone else ""
     what = "on a sphere about A" if point.is_sphere else "in a plane of normal n"
     names = ("A", "squared radius") if point.is_sphere else ("n", "level")

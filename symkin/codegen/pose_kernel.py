@@ -22,9 +22,10 @@ import numpy as np
 from symkin.closure.closure import Closure
 from symkin.closure.snapping import snap
 from symkin.codegen.newton_kernel import Kernel, Meaning, listed
+from symkin.codegen.pose_coordinates import COLUMNS
 from symkin.elimination.implied_rows import PointRow, plain
 from symkin.model.joint import Coordinate
-from symkin.spatial.backend import cross, dot
+from symkin.spatial.backend import cross, dot, stacked
 from symkin.spatial.rotation import multiply, rotate
 
 _SAME = 1e-10
@@ -68,9 +69,7 @@ class PlatformPose:
 
     @property
     def symbols(self) -> ca.SX:
-        return ca.vertcat(
-            *(self.closure.variables[self.closure.slices[c.name]] for c in self.coordinates)
-        )
+        return self.closure.symbols(self.coordinates)
 
     @property
     def lengths(self) -> int:
@@ -220,7 +219,7 @@ class PlatformPose:
         kinds = [c.is_angular for c in joints]
         units = [
             np.where(
-                [k >= self.lengths for k in range(int(inputs[0].shape[0]))],
+                [k >= self.lengths for k in range(inputs[0].numel())],
                 1.0,
                 self.closure.characteristic_length,
             )
@@ -254,33 +253,27 @@ class PlatformPose:
 
     # --- steps ------------------------------------------------------------------------------------
 
-    def columns(self, force: ca.SX, moment: ca.SX) -> ca.SX:
-        """A row of the matrix by force and moment: as many columns as the motion has."""
-        if self.motion == "translation":
-            return force.T
-        return ca.horzcat(force.T, moment.T if self.motion == "spatial" else moment[-1])
-
-    def moment(self, at: ca.SX, force: ca.SX) -> ca.SX:
-        """at x force; of plane vectors its one component."""
-        if self.lengths == 2:
-            return at[0] * force[1] - at[1] * force[0]
-        return cross(at, force)
+    def columns(self, force: ca.SX, at: ca.SX, other: ca.SX, turning: ca.SX | None = None) -> ca.SX:
+        """A row of the matrix by a force and the moment at x other, and more `turning` beside it:
+        as many columns as the motion has.
+        """
+        moment = cross(_whole(at), _whole(other))
+        both = ca.vertcat(_whole(force), moment if turning is None else moment + turning)
+        return both[list(COLUMNS[self.motion])].T
 
     def twist(self, state: ca.SX, step: ca.SX) -> ca.SX:
         """Velocity of the platform's origin and angular velocity by a step (2 v0, 2 w)."""
-        n, v0, w = self.lengths, 0.5 * step[: self.lengths], 0.5 * step[self.lengths :]
-        if self.motion == "translation":
-            return ca.vertcat(v0, ca.SX(3, 1))
-        whole = w if self.motion == "spatial" else ca.vertcat(0, 0, w)
-        position = ca.vertcat(state[:n], *[0.0] * (3 - n))
-        return ca.vertcat(ca.vertcat(v0, *[0.0] * (3 - n)) + cross(whole, position), whole)
+        whole = ca.SX.zeros(6)
+        whole[list(COLUMNS[self.motion])] = 0.5 * step
+        velocity = whole[:3] + cross(whole[3:], _whole(state[: self.lengths]))
+        return ca.vertcat(velocity, whole[3:])
 
     def moved(self, state: ca.SX, step: ca.SX) -> tuple[ca.SX, ca.SX]:
         """The state after a step, and the step's squared length, turns by the size, velocities at
         the platform's origin.
         """
         n, size, twist = self.lengths, self.closure.characteristic_length, self.twist(state, step)
-        velocity, w = twist[:n], twist[3:] if self.motion == "spatial" else twist[5]
+        velocity, w = twist[:n], twist[3:]
         new = state[n:]
         if self.motion == "spatial":
             half = 0.5 * w
@@ -289,16 +282,14 @@ class PlatformPose:
             inverse = 1 / ca.sqrt(1 + dot(half, half))
             new = ca.vertcat(*(turned[k] * inverse for k in range(4)))
         elif self.motion != "translation":
-            new = state[n:] + w
+            new = state[n:] + w[2]
         return ca.vertcat(state[:n] + velocity, new), dot(velocity, velocity) + size**2 * dot(w, w)
 
     def slope(self, row: ca.SX) -> ca.SX:
         """Derivatives of an expression of the pose by (v0, w)."""
-        n = self.lengths
+        n, turning = self.lengths, None
         position, turn = self.symbols[:n], self.symbols[n:]
-        force = ca.jacobian(row, position)
-        if self.motion == "translation":
-            return force
+        force = ca.jacobian(row, position).T
         if self.motion == "spatial":
             basis = ca.horzcat(
                 *(
@@ -306,12 +297,15 @@ class PlatformPose:
                     for k in range(3)
                 )
             )
-            return ca.horzcat(
-                force, cross(position, force.T).T + ca.mtimes(ca.jacobian(row, turn), basis)
-            )
-        return ca.horzcat(
-            force, position[0] * force[1] - position[1] * force[0] + ca.jacobian(row, turn)
-        )
+            turning = ca.mtimes(ca.jacobian(row, turn), basis).T
+        elif self.motion != "translation":
+            turning = ca.vertcat(0, 0, ca.jacobian(row, turn))
+        return self.columns(force, position, force, turning)
+
+
+def _whole(vector: ca.SX) -> ca.SX:
+    """A vector of two entries or three as one of space."""
+    return ca.vertcat(vector, *[0.0] * (3 - vector.numel()))
 
 
 def numbers_of(values: Sequence[float] | np.ndarray) -> ca.SX:
@@ -335,7 +329,7 @@ class _Known:
 
     def of(self, expression: ca.SX) -> ca.SX:
         """Entries of an expression as numbers or symbols of known values."""
-        return ca.vertcat(*(self._entry(expression[i]) for i in range(int(expression.shape[0]))))
+        return ca.vertcat(*(self._entry(expression[i]) for i in range(expression.numel())))
 
     def _entry(self, value: ca.SX) -> ca.SX:
         if not any(ca.which_depends(value, self.joints, 1, False)):
@@ -398,7 +392,7 @@ def pose_kernel(
     closure, state = pose.closure, pose.symbols
     size, joints = (
         closure.characteristic_length,
-        ca.vertcat(*(closure.variables[closure.slices[c.name]] for c in actuated)),
+        closure.symbols(actuated),
     )
     known, shared, none = _Known(joints), _Points(pose), ca.SX(0, 1)
     step = ca.SX.sym("s", sum(c.freedom for c in pose.coordinates))
@@ -411,10 +405,10 @@ def pose_kernel(
         of, level = known.of(point.of), known.of(point.level)
         if point.is_sphere:
             rows.append(level - dot(b - of, b - of))
-            matrix.append(pose.columns(symbol - of, pose.moment(of, symbol)))
+            matrix.append(pose.columns(symbol - of, of, symbol))
         else:
             rows.append(2 * length * (level - dot(of, b)))
-            matrix.append(length * pose.columns(of, pose.moment(symbol, of)))
+            matrix.append(length * pose.columns(of, symbol, of))
     for other in others:
         rows.append(-2 * length * other)
         matrix.append(length * pose.slope(other))
@@ -422,12 +416,12 @@ def pose_kernel(
     kernel = Kernel(
         name="direct",
         state=state,
-        known=ca.vertcat(none, *known.symbols),
+        known=stacked(known.symbols),
         geometry=none,
         step=step,
-        shared_symbols=ca.vertcat(none, *shared.symbols),
+        shared_symbols=stacked(shared.symbols),
         rows=ca.vertcat(*rows),
-        shared=ca.vertcat(none, *shared.values),
+        shared=stacked(shared.values),
         jacobian=ca.vertcat(*matrix),
         moved=moved,
         norm=norm,
@@ -436,7 +430,7 @@ def pose_kernel(
         meaning=_meaning(pose),
         turns=tuple((i, 1.0 if c.is_angular else 1.0 / size) for i, c in enumerate(actuated)),
     )
-    return PoseKernel(kernel, joints, ca.vertcat(none, *known.values), pose.twist(state, step))
+    return PoseKernel(kernel, joints, stacked(known.values), pose.twist(state, step))
 
 
 def _usual_length(

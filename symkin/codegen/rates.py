@@ -44,7 +44,7 @@ def row_bends(direction: Direction) -> ca.Function:
     """
     circles = direction.circles
     state, numbers, n = circles.kernel.state, circles.numbers, len(direction.known)
-    rates = ca.SX.sym("s", int(circles.kernel.step.shape[0]), n)
+    rates = ca.SX.sym("s", circles.kernel.step.numel(), n)
     everything, motions = ca.vertcat(state, numbers), ca.vertcat(rates, ca.SX.eye(n))
     tangent = ca.diagcat(_tangent(direction.unknown, state), _tangent(direction.known, numbers))
     # the entries of a row's Hessian serve all pairs

@@ -230,5 +230,5 @@ def _part(part: Part) -> str:
         return head + "linear (a coupling)."
     return head + (
         f"no closed form was found; Newton's method on {system.freedom} unknowns, "
-        f"{int(system.rows.shape[0])} rows."
+        f"{system.rows.numel()} rows."
     )

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import prod
 
 import casadi as ca
 import numpy as np
@@ -21,7 +22,7 @@ from symkin.codegen.platform_rates import speeds_text, square_twist
 from symkin.codegen.rod_kernel import Rods, rod_vectors
 from symkin.codegen.rod_line import rod_line
 from symkin.codegen.rod_platform import RodPlatform, sampled_about_home
-from symkin.codegen.text.c import Emitter, Real, indent, indexed
+from symkin.codegen.text.c import Emitter, Real, indent
 from symkin.codegen.text.templates import (
     FARTHEST,
     common_values,
@@ -167,7 +168,7 @@ class RodSource:
             values = [(2 * self.rods.home_lengths[i] + joints[i]) * joints[i] for i in range(6)]
         else:
             values = [(joints[i] + self.rods.offsets[i]) ** 2 for i in range(6)]
-        inputs = [(joints, indexed("to", 6))]
+        inputs = [(joints, "to")]
         return self._rolled(inputs, values)
 
     @property
@@ -185,9 +186,9 @@ class RodSource:
                 for i, length in enumerate(rods.home_lengths)
             ]
         return [
-            *(f"w->k[{i}] = {self.real.literal(0.0)};" for i in range(6)),
+            *(f"w->k[{i}] = {self.real.zero};" for i in range(6)),
             f"{self.name}_direct_rows({self._common['ga']}w);",
-            *self._rolled([(f, indexed("w->f", 6))], joints),
+            *self._rolled([(f, "w->f")], joints),
         ]
 
     def _rolled(
@@ -223,17 +224,23 @@ class RodSource:
                 "store_jacobian": indent(copy_loop("jacobian", "rows", 36), 3),
             }
             return fill("rod_inverse.c", self.values | looped)
-        function = _jacobian_function(
-            self.rods, self.kernel.geometry, self.platform.mechanism.characteristic_length
-        )
-        emitter = Emitter(function, [indexed("x", 7), self.platform.geometry_names], self.real)
-        shortest = emitter.value(2, 0)
-        stores = [f"jacobian[{k}] = {emitter.value(1, k)};" for k in range(36)]
-        lines = [*emitter.lines, f"const {self.real.type} shortest = {shortest};"]
-        return fill(
-            "rod_inverse.c",
-            self.values | {"jacobian": indent(lines, 2), "store_jacobian": indent(stores, 3)},
-        )
+        x, size = ca.SX.sym("x", 7), self.platform.mechanism.characteristic_length
+        arms, d, _ = rod_vectors(self.rods, x[:3], x[3:])
+        squared = [dot(v, v) for v in d]
+        inverses = [1 / ca.sqrt(s) for s in squared]
+        rows = [
+            ca.vertcat(v * inverse, cross(arm, v) * inverse)
+            for arm, v, inverse in zip(arms, d, inverses, strict=True)
+        ]
+        # zero where a rod has no length; in units of the size, so that twelve do not overflow
+        shortest = prod((square / size**2 for square in squared[1:]), start=squared[0] / size**2)
+        inputs = [(x, "x"), (self.kernel.geometry, self.platform.geometry_names)]
+        emitter = Emitter.of(self.real, inputs, ca.vertcat(*rows), shortest)
+        text, texts = emitter.value(1, 0), emitter.values(0)
+        lines = [*emitter.lines, f"const {self.real.type} shortest = {text};"]
+        stores = [f"jacobian[{k}] = {text};" for k, text in enumerate(texts)]
+        own = {"jacobian": indent(lines, 2), "store_jacobian": indent(stores, 3)}
+        return fill("rod_inverse.c", self.values | own)
 
     @property
     def _looped_jacobian(self) -> list[str]:
@@ -285,7 +292,7 @@ def _matrix_lines(platform: RodPlatform) -> list[str]:
         text = (
             f"{plus} - {minus}"
             if plus and minus
-            else plus or (f"-({minus})" if minus else real.literal(0.0))
+            else plus or (f"-({minus})" if minus else real.zero)
         )
         entries.append(f"row[{3 + k}] = {text};")
     return [
@@ -338,34 +345,3 @@ def _ranges(platform: RodPlatform) -> list[Range]:
         else:
             found.append(Range(real.literal(low), high))
     return found
-
-
-def _jacobian_function(rods: Rods, geometry: ca.SX, size: float) -> ca.Function:
-    """The Jacobian's rows (u, R a x u) at (position, quaternion), u = d / |d|; the product of the
-    squared rod lengths over the size, which is zero where a rod has none; and the joint values,
-    which order the common subexpressions and with them the text.
-    """
-    x = ca.SX.sym("x", 7)
-    arms, d, delta = rod_vectors(rods, x[:3], x[3:])
-    squared = [dot(v, v) for v in d]
-    lengths = [ca.sqrt(s) for s in squared]
-    if rods.home is None:
-        joints = [length - offset for length, offset in zip(lengths, rods.offsets, strict=True)]
-    else:
-        joints = [
-            dot(2 * d0 + change, change) / (length + length0)
-            for d0, change, length, length0 in zip(
-                rods.home, delta, lengths, rods.home_lengths, strict=True
-            )
-        ]
-    rows = []
-    for arm, v, length in zip(arms, d, lengths, strict=True):
-        inverse = 1 / length
-        rows.append(ca.vertcat(v * inverse, cross(arm, v) * inverse))
-    # in units of the size, so that the product of twelve lengths does not overflow
-    product = squared[0] / size**2
-    for square in squared[1:]:
-        product = product * (square / size**2)
-    return ca.Function(
-        "pose", [x, geometry], [ca.vertcat(*joints), ca.vertcat(*rows), product], {"cse": True}
-    )

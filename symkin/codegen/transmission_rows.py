@@ -27,6 +27,7 @@ from symkin.numeric.rank import independent_rows
 from symkin.numeric.system import System
 from symkin.position.groups import dependence_of
 from symkin.position.problem import Problem
+from symkin.spatial.backend import stacked
 from symkin.transmissions.linkage import Linkage
 
 _OF_POINTS = ("distance", "point")
@@ -138,7 +139,7 @@ class TransmissionRows:
             others = set().union(*(n for b, n in held.items() if b != branch))
             found += implied_rows(closure, branch, names - ends - others)
         known = {c.name for c in self._coordinates(ends)}
-        rows = ca.vertcat(ca.SX(0, 1), *(row.row for row in found))
+        rows = stacked(row.row for row in found)
         own = [
             row
             for row, line in zip(found, dependence_of(rows, closure), strict=True)
@@ -161,9 +162,7 @@ class TransmissionRows:
             return []
         closure = self.linkage.problem.closure
         names = {*self.linkage.motors, *self.linkage.joints}
-        symbols = ca.vertcat(
-            *(closure.variables[closure.slices[c.name]] for c in self._coordinates(names))
-        )
+        symbols = closure.symbols(self._coordinates(names))
         slopes = ca.Function("s", [closure.variables], [ca.jacobian(self._scaled(rows), symbols)])
         matrix = np.asarray(slopes(self.linkage.reference)).reshape(len(rows), -1)
         return sorted(independent_rows(matrix, 1e-6, groups=range(len(rows))))
@@ -178,10 +177,7 @@ class TransmissionRows:
         known = linkage.motors if name == "direct" else linkage.joints
         names = {*linkage.motors, *linkage.joints} - {*known}
         parts = [self._coordinates(names), linkage.coordinates_of(known)]
-        unknown, given = (
-            ca.vertcat(ca.SX(0, 1), *(closure.variables[closure.slices[c.name]] for c in part))
-            for part in parts
-        )
+        unknown, given = (closure.symbols(part) for part in parts)
         rows = linkage.size * self._scaled(list(self._implied))
         system = System(tuple(parts[0]), unknown, given, rows, rows, closure.characteristic_length)
         return replace(

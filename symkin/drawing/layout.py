@@ -15,6 +15,7 @@ import numpy as np
 
 from symkin.closure.branches import Branch, edges_of
 from symkin.computed_once import lru_cache
+from symkin.drawing.outline import grouped
 from symkin.drawing.palette import COLOURS, LINK_COLOURS
 from symkin.drawing.slides import joint_places, slide_routes
 from symkin.model.bar import Bar
@@ -228,16 +229,12 @@ def _moved_points(mark: LinkMark, pose: Pose, floating: Mapping[str, np.ndarray]
 def _offsets(layout: Layout, step: float) -> dict[str, np.ndarray]:
     """How far joints stand from the point that they share with ones before them."""
     near, found = _SAME * layout.size, dict[str, np.ndarray]()
-    groups: list[list[JointMark]] = []
-    for mark in layout.joints:
-        if np.linalg.norm(mark.end - mark.start) > near and mark.type == "P":
-            continue
-        group = next((g for g in groups if np.linalg.norm(g[0].centre - mark.centre) < near), None)
-        if group is None:
-            groups.append([mark])
-        else:
-            group.append(mark)
-    for group in groups:
+    marks = (
+        (mark, mark.centre)
+        for mark in layout.joints
+        if mark.type != "P" or np.linalg.norm(mark.end - mark.start) <= near
+    )
+    for group, _ in grouped(marks, near):
         taken: list[np.ndarray] = []
         for mark in group[1:]:
             axis = _outward(layout, mark, near)

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from typing import TypeVar
 
 import numpy as np
+
+Item = TypeVar("Item")
 
 
 def outline(points: np.ndarray) -> np.ndarray:
@@ -26,6 +29,22 @@ def distinct(points: np.ndarray, near: float) -> np.ndarray:
         if all(np.linalg.norm(point - other) > near for other in kept):
             kept.append(point)
     return np.array(kept).reshape(-1, 3)
+
+
+def grouped(
+    placed: Iterable[tuple[Item, np.ndarray]], near: float, order: float | None = None
+) -> list[tuple[list[Item], np.ndarray]]:
+    """Items by place: those that are nearer than `near` to the first of a group, by a norm of this
+    order.
+    """
+    found: list[tuple[list[Item], np.ndarray]] = []
+    for item, place in placed:
+        here = next((own for own, at in found if np.linalg.norm(place - at, order) < near), None)
+        if here is None:
+            found.append(([item], place))
+        else:
+            here.append(item)
+    return found
 
 
 def _hull(flat: np.ndarray) -> list[int]:

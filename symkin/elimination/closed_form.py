@@ -13,7 +13,7 @@ import casadi as ca
 import numpy as np
 
 from symkin.computed_once import cached_property
-from symkin.elimination.angle_sums import angle_sums
+from symkin.elimination.angle_sums import Sums, angle_sums
 from symkin.elimination.eliminating import (
     combine_lengths,
     cut_by_line,
@@ -243,11 +243,11 @@ def closed_form(
         return None
     for rows in (system.rows, system.errors):
         try:
-            work, before = _begun(system, rows, samples)
+            work, sums = _begun(system, rows, samples)
         except NotPolynomialError:
             continue
         work.all_rows = all_rows
-        found = _made(system, work, before, samples) if _run(work) else None
+        found = _made(system, work, sums, samples) if _run(work) else None
         return (
             found if found is not None and (found.has_conditions or found.closes(samples)) else None
         )
@@ -267,13 +267,11 @@ def samples_about(
     )
 
 
-def _begun(system: System, rows: ca.SX, samples: np.ndarray) -> tuple[Workspace, dict[int, int]]:
-    """All rows, and before which angle of its sum each angle stands: the sums are those that leave
-    the fewest terms.
-    """
+def _begun(system: System, rows: ca.SX, samples: np.ndarray) -> tuple[Workspace, Sums]:
+    """All rows, by those sums of angles that leave the fewest terms."""
     ring, chosen = Ring(system.unknowns), None
-    for before in angle_sums(system, rows, samples[0]):
-        polynomials = polynomial_rows(ring, system, rows, before)
+    for sums in angle_sums(system, rows, samples[0]):
+        polynomials = polynomial_rows(ring, system, rows, sums)
         work = Workspace(
             ring,
             polynomials,
@@ -285,7 +283,7 @@ def _begun(system: System, rows: ca.SX, samples: np.ndarray) -> tuple[Workspace,
         work.rows = work.all_tidied(polynomials)
         terms = sum(len(row.terms) for row in work.rows)
         if chosen is None or terms < chosen[0]:
-            chosen = terms, work, before
+            chosen = terms, work, sums
     assert chosen is not None  # noqa: S101 - the first choice has no sums
     return chosen[1], chosen[2]
 
@@ -310,9 +308,7 @@ def _run(work: Workspace) -> bool:
     return False
 
 
-def _made(
-    system: System, work: Workspace, before: dict[int, int], samples: np.ndarray
-) -> ClosedForm:
+def _made(system: System, work: Workspace, sums: Sums, samples: np.ndarray) -> ClosedForm:
     ring = work.ring
     found, own, whole = [], [], [ca.SX(0)] * system.width
     for k, coordinate in enumerate(ring.unknowns):
@@ -322,12 +318,13 @@ def _made(
             found.append((parts[0], ca.SX(0)))
             own.append((ring.places[k][0], z))
             continue
-        if k in before:
+        if k in sums:
             # the sum of angles up to this one, less that up to the one before
-            c, s = (work.values[place] for place in ring.places[before[k]])
+            before, sign = sums[k]
+            c, s = (work.values[place] for place in ring.places[before])
             cosine, sine = parts
-            parts = [cosine * c + sine * s, sine * c - cosine * s]
-            whole[k] = whole[before[k]] + z
+            parts = [cosine * c + sine * s, sign * (sine * c - cosine * s)]
+            whole[k] = whole[before] + sign * z
         else:
             whole[k] = z
         found.append((parts[0], parts[1]))

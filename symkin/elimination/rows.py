@@ -15,6 +15,7 @@ import casadi as ca
 
 from symkin.closure.angle_sums import AngleSum, combined
 from symkin.closure.expression_graph import walk
+from symkin.elimination.angle_sums import Sums
 from symkin.elimination.polynomial import Monomial, Polynomial, Ring, add_term, times
 from symkin.numeric.system import System
 
@@ -26,20 +27,15 @@ class NotPolynomialError(Exception):
 _Value = Polynomial | AngleSum
 
 
-def polynomial_rows(
-    ring: Ring, system: System, rows: ca.SX, before: dict[int, int]
-) -> list[Polynomial]:
-    """Each row as a polynomial. The generators of an angle that has one `before` it are those of
-    the sum of all angles up to it. Raises NotPolynomialError where a row is no polynomial.
+def polynomial_rows(ring: Ring, system: System, rows: ca.SX, sums: Sums) -> list[Polynomial]:
+    """Each row as a polynomial. The generators of an angle that stands in one of the `sums` are
+    those of the sum up to it. Raises NotPolynomialError where a row is no polynomial.
     """
     if any(c.kind not in ("length", "angle") for c in system.unknowns):
         raise NotPolynomialError
-    unknown = ca.vertcat(
-        *(
-            system.unknown[k] - system.unknown[before[k]] if k in before else system.unknown[k]
-            for k in range(system.width)
-        )
-    )
+    unknown = ca.SX(system.unknown)
+    for k, (before, sign) in sums.items():
+        unknown[k] = sign * (system.unknown[k] - system.unknown[before])
     put_in = ca.substitute(ca.densify(rows), system.unknown, unknown)
     function = ca.Function("rows", [system.unknown, system.known], [put_in], {"cse": True})
     halves = _halved(function, ring)

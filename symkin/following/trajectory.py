@@ -35,6 +35,7 @@ from symkin.position.given import (
 )
 from symkin.position.pose_coordinates import ON_MOTION, pose_coordinates
 from symkin.position.problem import Kind, Problem, build_problem, plain_kind, pose_names
+from symkin.position.readings import left_out
 from symkin.spatial.backend import Array, cos, sin
 from symkin.spatial.pose import Pose
 from symkin.verb_options import takes
@@ -166,16 +167,18 @@ def _rows(
 
 
 def _problem(mechanism: Mechanism, names: tuple[str, ...], limits: bool) -> Problem:
-    """The problem of known coordinates; one of coordinates by name holds those that have limits, so
-    that these are seen.
+    """The problem of known coordinates; its closure holds joints that have limits, so that these
+    are seen: of the problems of limbs where some would be left out.
     """
     limited = tuple(
         c.name
         for c in mechanism.coordinates
         if limits and c.limits is not None and c.name not in names
     )
-    by_name = plain_kind(mechanism, names) is None
-    return build_problem(mechanism, names, limited if by_name else None)
+    if plain_kind(mechanism, names) is None:
+        return build_problem(mechanism, names, limited)
+    left = {c.name for c in left_out(build_problem(mechanism, names).closure)}
+    return build_problem(mechanism, names, limited=tuple(n for n in limited if n in left))
 
 
 def _named_rows(given: Columns) -> list[dict[str, Any]]:

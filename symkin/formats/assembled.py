@@ -13,7 +13,7 @@ import numpy as np
 from symkin.closure.link_poses import joint_coordinates
 from symkin.errors import MechanismError
 from symkin.formats.closing import Closed, nearest_closed
-from symkin.formats.robot import Closure, Robot
+from symkin.formats.robot import Robot, RobotJoint
 from symkin.formats.whole_joints import whole_again
 from symkin.model.graph import LinkJoint
 from symkin.model.joint import Joint
@@ -63,15 +63,17 @@ def assembled(robot: Robot, closed: Closed) -> Mechanism:
     """The graph of links at a closed configuration, which is its reference; joints of one
     coordinate keep their values from there.
     """
-    entries = (*robot.joints, *robot.closures)
-    joints = [LinkJoint(_moved(entry, closed), entry.links) for entry in entries]
-    if not joints:
+    if not robot.joints:
         raise MechanismError(
             f"{robot.source or robot.name}: no joint moves; a mechanism needs one at least"
         )
+    joints = (LinkJoint(_moved(entry, closed), entry.links) for entry in robot.joints)
     found = Mechanism(
         identifier(robot.name),
-        link_joints=[e.turned() if e.joint.name in robot.turned else e for e in joints],
+        link_joints=[
+            joint.turned() if entry.backward else joint
+            for entry, joint in zip(robot.joints, joints, strict=True)
+        ],
         couplings=robot.couplings,
         length_unit="m",
         angle_unit="rad",
@@ -92,15 +94,15 @@ def _link_meshes(robot: Robot, closed: Closed) -> Iterator[LinkMesh]:
             )
 
 
-def _moved(entry: LinkJoint, closed: Closed) -> Joint:
+def _moved(entry: RobotJoint, closed: Closed) -> Joint:
     """A joint where its links are, a closure half of what is left open away from its first frame;
     `zero` is its value there, for joints of one coordinate.
     """
     joint = entry.joint
     first, second = (closed.displacements[link] for link in entry.links)
     point = first.apply(np.array(joint.point))
-    if isinstance(entry, Closure):
-        second = second @ entry.second @ entry.first.inverse()
+    if entry.frames is not None:
+        second = second @ entry.frames[1] @ entry.frames[0].inverse()
         point = 0.5 * (point + second.apply(np.array(joint.point)))
     changes: dict[str, Any] = {"point": tuple(point)}
     for key, pose in (("axis", first), ("axis2", second)):
@@ -109,7 +111,7 @@ def _moved(entry: LinkJoint, closed: Closed) -> Joint:
     if joint.freedom == 1:
         changes["zero"] = (
             _reading(replace(joint, zero=0.0), first.inverse() @ second)
-            if isinstance(entry, Closure)
+            if entry.frames is not None
             else closed.values[joint.name][0]
         )
     return replace(joint, **changes)

@@ -128,21 +128,23 @@ def nearest_closed(robot: Robot) -> Closed:
     tree = Tree(robot)
     if _largest(tree, tree.own) <= _ROUNDING * tree.size:
         return Closed(tree, tree.own)
+
+    def is_closed(state: np.ndarray) -> bool:
+        return _largest(tree, state) <= CLOSED * tree.size
+
     (best,) = _searched(tree, tree.own[None])
     rng = np.random.default_rng(_SEED)
     for radius, count in _SEARCHES:
-        if _largest(tree, best) <= CLOSED * tree.size:
+        if is_closed(best):
             break
         ends = _searched(tree, _random_steps(tree, tree.own, count, radius, rng))
-        closed = [
-            _without_turns(tree, end) for end in ends if _largest(tree, end) <= CLOSED * tree.size
-        ]
+        closed = [_without_turns(tree, end) for end in ends if is_closed(end)]
         best = (
             min(closed, key=lambda z: float(np.linalg.norm(way_between(tree, z, tree.own))))
             if closed
             else min((best, *ends), key=lambda z: _largest(tree, z))
         )
-    if _largest(tree, best) <= CLOSED * tree.size:
+    if is_closed(best):
         best = _nearest(tree, _without_turns(tree, best))
     return Closed(tree, best)
 
@@ -204,7 +206,7 @@ def generic_rank(closed: Closed, seed: int) -> GenericRank | None:
             return GenericRank(max(ranks), False)
     # joints of one coordinate are moved alone: what a rounded file leaves to others is not their
     # motion
-    names = {entry.joint.name for entry in tree.robot.joints}
+    names = {entry.joint.name for entry in tree.robot.tree}
     single = np.array(
         [c.name in names and c.freedom == 1 for c in tree.coordinates for _ in range(c.freedom)]
     )

@@ -49,6 +49,18 @@ class CouplingSet:
     notes: list[str] = field(default_factory=list)
     places: dict[str, str] = field(default_factory=dict)
 
+    @classmethod
+    def of(
+        cls, told: Iterable[tuple[Coupling, str]], equations: Iterable[LinearEquation]
+    ) -> CouplingSet:
+        """Couplings with their places, then equations."""
+        made = cls()
+        for coupling, where in told:
+            made.add(coupling, where)
+        for equation in equations:
+            made.add_linear(equation)
+        return made
+
     def add(self, coupling: Coupling, where: str) -> None:
         """A coupling that names the joint that follows. Raises MechanismError where another one
         already says what the joint is.

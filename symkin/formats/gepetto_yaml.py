@@ -13,15 +13,14 @@ from pathlib import Path
 from typing import Any
 
 from symkin.errors import InputError, MechanismError
-from symkin.formats.joint_graph import Direction
+from symkin.formats.joint_graph import AXES, Direction
 from symkin.model.joint_forms import JointType
 from symkin.regular_file import content_of
 from symkin.text import first_of, not_among, shown
 
 _CLOSURES: dict[str, JointType] = {"3d": "S", "6d": "weld"}
 YAML_ENDINGS = (".yaml", ".yml")
-_AXES: dict[str, Direction] = {"X": (1.0, 0.0, 0.0), "Y": (0.0, 1.0, 0.0), "Z": (0.0, 0.0, 1.0)}
-_UNIVERSAL = re.compile(r"UJOINT_([XYZ])([XYZ])")
+_UNIVERSAL = re.compile(r"ujoint_([xyz])([xyz])")
 _KEYS = ("closed_loop", "type", "name_mot", "joint_name", "joint_type")
 _LARGEST = 200_000
 """Bytes of a YAML file: loops and motors take a few thousand, and PyYAML reads a tenth of a
@@ -114,9 +113,9 @@ def _retyped(data: Mapping[str, Any]) -> dict[str, Retyped]:
 
 
 def _type(kind: str) -> Retyped:
-    universal = _UNIVERSAL.fullmatch(kind.upper())
+    universal = _UNIVERSAL.fullmatch(kind.lower())
     if universal is not None and universal[1] != universal[2]:
-        return "U", (_AXES[universal[1]], _AXES[universal[2]])
+        return "U", (AXES[universal[1]], AXES[universal[2]])
     if kind.upper() == "SPHERICAL":
         return "S", None
     if kind.upper() == "FIXED":

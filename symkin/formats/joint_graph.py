@@ -23,9 +23,9 @@ from symkin.computed_once import cached_property
 from symkin.errors import MechanismError
 from symkin.formats.naming import allowed_names, fresh_name, renamed
 from symkin.formats.parts import Parts
-from symkin.formats.robot import Closure, Mesh, Robot, joint_at
+from symkin.formats.robot import Mesh, Robot, RobotJoint, joint_at
 from symkin.formats.tree import rows_and_checks
-from symkin.model.graph import Coupling, LinkJoint
+from symkin.model.graph import Coupling
 from symkin.model.joined import Joined
 from symkin.model.joint import BASE, Joint
 from symkin.model.joint_forms import JOINT_FORMS, JointType
@@ -34,7 +34,8 @@ from symkin.spatial.pose import Pose
 from symkin.text import first_of
 
 Direction = tuple[float, float, float]
-Z: Direction = (0.0, 0.0, 1.0)
+AXES: dict[str, Direction] = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
+Z = AXES["z"]
 _COINCIDE = 1e-6
 """Metres and radians: frames that are this near are one to the digits that files hold."""
 _NO_DIRECTION = 1e-9
@@ -219,8 +220,7 @@ class _Assembly:
             name=self.graph.name,
             links={self.link_names[link]: self.placed[link][0] for link in parts}
             | {BASE: self.graph.root_frame},
-            joints=tuple(self._link_joint(*entry) for entry in self.carried),
-            closures=tuple(closures),
+            joints=(*(self._tree_joint(*entry) for entry in self.carried), *closures),
             couplings=tuple(
                 c.renamed({name: self._coordinate(name) for name in (c.joint, *c.names)})
                 for c in self.graph.couplings
@@ -239,7 +239,6 @@ class _Assembly:
             meshes=self._meshes(),
             floating=tuple(self.link_names[link] for link in self.graph.floating),
             parts=self.graph.parts,
-            turned=frozenset(self.joint_names[name] for name in self._turned),
             merged={
                 self.link_names[link]: (self.link_names[self.part_of[link]], self.placed[link][0])
                 for link in self.placed
@@ -247,18 +246,10 @@ class _Assembly:
             },
         )
 
-    @cached_property
-    def _turned(self) -> set[str]:
-        """Joints that the mechanism has from the link that the tree carries, by their names in the
-        file: a joint leads as the file tells it, or the other way about where the file's parts say
-        so.
-        """
-        backward = {joint.name for _, link, joint in self.carried if joint.links[0] == link}
-        return backward ^ (set(self.graph.parts.turned) & self.joint_names.keys())
-
-    def _link_joint(self, carrier: str, link: str, joint: GraphJoint) -> LinkJoint:
+    def _tree_joint(self, carrier: str, link: str, joint: GraphJoint) -> RobotJoint:
         """The joint in the base frame, from the link nearer to the root; turned about where the
-        file tells it from the other.
+        file tells it from the other. In the mechanism it leads as the file tells it, or the other
+        way about where the file's parts say so.
         """
         backward = joint.links[0] == link
         frame = self.placed[joint.links[0]][0] @ joint.frames[0]
@@ -270,8 +261,10 @@ class _Assembly:
         zero = value if JOINT_FORMS[joint.type].freedom == 1 else 0.0
         name, point = self.joint_names[joint.name], _numbers(frame.position)
         made = Joint(name, joint.type, point, axis, axis2, zero=zero, **self._told(joint))
-        return LinkJoint(
-            made.turned() if backward else made, (self.link_names[carrier], self.link_names[link])
+        return RobotJoint(
+            made.turned() if backward else made,
+            (self.link_names[carrier], self.link_names[link]),
+            backward=backward != (joint.name in self.graph.parts.turned),
         )
 
     def _told(self, joint: GraphJoint) -> dict[str, Any]:
@@ -282,7 +275,7 @@ class _Assembly:
             told |= {"limits": joint.limits, "motor": joint.motor}
         return told
 
-    def _closures(self, rest: Sequence[GraphJoint]) -> tuple[list[Closure], list[str]]:
+    def _closures(self, rest: Sequence[GraphJoint]) -> tuple[list[RobotJoint], list[str]]:
         """The joints that close loops, their frames with z along the axis, and of a universal joint
         x along the second axis; and notes on those that are left out.
         """
@@ -308,7 +301,8 @@ class _Assembly:
             if one == other:
                 notes.append(_within_a_link(made, one, second @ first.inverse(), joint.where))
             else:
-                found.append(Closure(made, (one, other), first, second, joint.where))
+                turned = joint.name in self.graph.parts.turned
+                found.append(RobotJoint(made, (one, other), (first, second), joint.where, turned))
         return found, notes
 
     def _coordinate(self, name: str) -> str:

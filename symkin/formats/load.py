@@ -4,9 +4,10 @@ described elsewhere.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -106,10 +107,13 @@ def is_robot(path: Path) -> bool:
 
 def read_robot(path: Path, read: ReadOptions = AS_IT_IS) -> Robot:
     """The robot that a file of another format describes, its loops open as they are there."""
-    reader, allowed, because = _READERS[path.suffix.lower()]
+    form, allowed, because = _READERS[path.suffix.lower()]
     read.refuse_but(allowed, str(path), because)
+    from symkin.formats.told import as_told
+
+    reader = getattr(import_module(f"symkin.formats.{form}"), f"read_{form}")
     with _naming(path):
-        return read.told(reader(path, read))
+        return as_told(reader(path, read), read)
 
 
 @contextmanager
@@ -132,24 +136,6 @@ def _refuse_for_files_of_ours(read: ReadOptions, text: str) -> None:
     )
 
 
-def _mjcf(path: Path, read: ReadOptions) -> Robot:
-    from symkin.formats.mjcf import read_mjcf
-
-    return read_mjcf(path, read)
-
-
-def _urdf(path: Path, read: ReadOptions) -> Robot:
-    from symkin.formats.urdf import read_urdf
-
-    return read_urdf(path, read)
-
-
-def _sdf(path: Path, read: ReadOptions) -> Robot:
-    from symkin.formats.sdf import read_sdf
-
-    return read_sdf(path, read)
-
-
 _YAML = "a YAML file tells the loops of a URDF file beside it, and that file is the one to name"
 _OTHER_SUFFIXES = {
     ".yaml": _YAML,
@@ -163,22 +149,24 @@ _OTHER_SUFFIXES = {
 }
 """By suffix: what files are that are no mechanisms."""
 _URDF = (
-    _urdf,
+    "urdf",
     ("loop", "actuated", "platform", "arguments", "packages"),
     "a URDF file describes one robot",
 )
-_READERS: dict[str, tuple[Callable[[Path, ReadOptions], Robot], tuple[str, ...], str]] = {
+_READERS: dict[str, tuple[str, tuple[str, ...], str]] = {
     ".xml": (
-        _mjcf,
+        "mjcf",
         ("loop", "actuated", "platform"),
         "an MJCF file names its parts by paths, and describes one model without macros",
     ),
     ".urdf": _URDF,
     ".xacro": _URDF,
     ".sdf": (
-        _sdf,
+        "sdf",
         ("loop", "actuated", "platform", "packages", "model"),
         "SDF has no macros that are expanded here",
     ),
 }
-"""By suffix: the reader, the options that mean something there, and why the others do not."""
+"""By suffix: the module that reads it, the options that mean something there, and why the others do
+not.
+"""

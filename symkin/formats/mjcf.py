@@ -16,17 +16,14 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from symkin.errors import InputError, MechanismError
 from symkin.formats.child import ChildError, answer_of
 from symkin.formats.joint_graph import robot_of, uniquely_named
 from symkin.formats.mjcf_model import CompiledModel, compiled_model
 from symkin.formats.mjcf_reader import Reader
-from symkin.formats.packages import Packages
 from symkin.formats.read_options import AS_IT_IS, ReadOptions
-from symkin.formats.robot import Mesh, Robot, refuse_too_many
-from symkin.formats.xml_text import Element, end_of_root, read_text, read_xml
+from symkin.formats.robot import Robot, refuse_too_many
+from symkin.formats.xml_text import end_of_root, read_text, read_xml
 from symkin.spatial.pose import Pose
 from symkin.text import printable
 
@@ -46,8 +43,8 @@ def read_mjcf(path: Path, read: ReadOptions = AS_IT_IS) -> Robot:
     graph = uniquely_named(_reader(path, read).graph())
     robot, order = robot_of(graph), list(graph.names[1].values())
     # MuJoCo's order: that of bodies within each other
-    joints = sorted(robot.joints, key=lambda entry: order.index(entry.joint.name))
-    return replace(robot, joints=tuple(joints))
+    joints = sorted(robot.tree, key=lambda entry: order.index(entry.joint.name))
+    return replace(robot, joints=(*joints, *robot.closures))
 
 
 def with_keyframe(
@@ -78,8 +75,7 @@ def _reader(path: Path, read: ReadOptions = AS_IT_IS) -> Reader:
     told = _told(path)
     joints = len(told["joints"])
     refuse_too_many(str(path), max(len(told["bodies"]), joints, len(told["equalities"])), joints)
-    meshes = {mesh["name"]: _mesh(mesh, root, Packages(path)) for mesh in told["meshes"]}
-    compiled = compiled_model(told, root, path, meshes)
+    compiled = compiled_model(told, root, path)
     _check_finite(compiled)
     return Reader(compiled, motors_told=bool(read.actuated))
 
@@ -97,25 +93,6 @@ def _told(path: Path) -> dict[str, Any]:
     if "error" in told:
         raise MechanismError(f"{path}: {_sentence(told['error'])}")
     return told
-
-
-def _mesh(told: Mapping[str, Any], root: Element, packages: Packages) -> Mesh:
-    """A mesh in the frame of its geom: refpos and refquat move it before its scale. Raises
-    MechanismError for a scale of 0.
-    """
-    scale = np.array(told["scale"])
-    if not np.all(np.isfinite(scale)) or 0.0 in scale:
-        elements = [e for e in root.walk() if e.tag == "mesh" and "scale" in e.attributes]
-        named = (e for e in elements if told["named"] and told["name"] == e.attributes.get("name"))
-        guilty = next(named, elements[0] if elements else root)
-        raise guilty.error(
-            f"scale = {scale.tolist()} makes nothing of the mesh; numbers other than 0 are needed"
-        )
-    turn = np.array(told["refquat"])
-    back = Pose(np.zeros(3), turn / np.linalg.norm(turn)).inverse()
-    at = -scale * np.asarray(back.turn(np.array(told["refpos"])))
-    x, y, z = map(float, scale)
-    return Mesh(packages.written(told["file"]), Pose(at, back.quaternion), (x, y, z))
 
 
 def _sentence(message: str) -> str:

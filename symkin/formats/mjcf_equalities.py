@@ -37,7 +37,8 @@ def active_equalities(compiled: CompiledModel, notes: list[str]) -> list[Equalit
     left out. Raises MechanismError for those that are no kinematics of links.
     """
     found = []
-    written = list(_written(compiled.root, compiled.path))
+    sections = [e for e in _parts(compiled.root, compiled.path) if e.tag == "equality"]
+    written = [e for section in sections for e in _parts(section, compiled.path)]
     tags = [told.kind for told in compiled.equalities]
     for k, told in enumerate(compiled.equalities):
         where = _place(compiled, written, tags, k)
@@ -102,34 +103,17 @@ def held_values(
     return found
 
 
-def _written(element: Element, file: Path, depth: int = 0) -> Iterator[Element]:
-    """The elements of all <equality>, those of included files too, in the order in which the
-    compiler meets them.
+def _parts(element: Element, file: Path, depth: int = 0) -> Iterator[Element]:
+    """What stands within an element, in the order in which the compiler meets it: in the place of
+    an include what its file holds, nothing where that cannot be read here.
     """
     for child in element.children:
-        if child.tag == "equality":
-            yield from (
-                e for part in child.children for e in _included(part, file, depth, inside=True)
-            )
-        elif child.tag == "include":
-            yield from _included(child, file, depth, inside=False)
-
-
-def _included(element: Element, file: Path, depth: int, *, inside: bool) -> Iterator[Element]:
-    """An element itself, or for an include what stands in its file; nothing where that cannot be
-    read here.
-    """
-    if element.tag != "include":
-        yield element
-        return
-    path = file.parent / element.attributes.get("file", "")
-    try:
-        root = read_xml(path)
-    except SymkinError:
-        return
-    if depth < _DEEPEST:
-        yield from (
-            (e for part in root.children for e in _included(part, file, depth + 1, inside=True))
-            if inside
-            else _written(root, file, depth + 1)
-        )
+        if child.tag != "include":
+            yield child
+            continue
+        try:
+            root = read_xml(file.parent / child.attributes.get("file", ""))
+        except SymkinError:
+            continue
+        if depth < _DEEPEST:
+            yield from _parts(root, file, depth + 1)

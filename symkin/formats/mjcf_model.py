@@ -5,67 +5,63 @@ stand in the file.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 
+from symkin.formats.packages import Packages
 from symkin.formats.robot import Mesh
 from symkin.formats.xml_text import Element
 from symkin.spatial.pose import Pose
 
 _NO_NAME = "MuJoCo Model"
 """What the compiler calls a model without a name."""
-_RECORDS = ("bodies", "joints", "equalities", "tendons", "actuators")
+_RECORDS = ("bodies", "joints", "equalities", "tendons", "actuators", "meshes", "shown")
 Record = Any
 """A body, joint, equality, tendon or actuator as `formats/mujoco_worker.py` tells it."""
+CompiledModel = Any
+"""All that `formats/mujoco_worker.py` tells of a model, by its keys: lists of records, `qpos`,
+`idle`, `finite`, `texts`, `name`; with the file's `root` element and `path`.
+"""
 
 
-@dataclass(frozen=True, eq=False)
-class CompiledModel:
-    """What `formats/mujoco_worker.py` tells of a model, the file's root element and path, and
-    meshes with the numbers of their bodies, in whose frames they stand.
+def compiled_model(told: Mapping[str, Any], root: Element, path: Path) -> CompiledModel:
+    """The model of a worker's answer."""
+    records = {key: [SimpleNamespace(**entry) for entry in told[key]] for key in _RECORDS}
+    name = None if told["name"] == _NO_NAME else told["name"]
+    return SimpleNamespace(**{**told, **records, "name": name}, root=root, path=path)
+
+
+def meshes_of(compiled: CompiledModel) -> list[tuple[int, Mesh]]:
+    """The meshes that geoms show, by the numbers of their bodies, in whose frames they stand:
+    refpos and refquat move them before their scale. Raises MechanismError for a scale of 0.
     """
-
-    bodies: Sequence[Record]
-    joints: Sequence[Record]
-    equalities: Sequence[Record]
-    tendons: Sequence[Record]
-    actuators: Sequence[Record]
-    qpos: Sequence[float]
-    idle: Mapping[str, int]
-    finite: bool
-    texts: Mapping[str, str]
-    name: str | None
-    root: Element
-    path: Path
-    meshes: Sequence[tuple[int, Mesh]]
-
-
-def compiled_model(
-    told: Mapping[str, Any], root: Element, path: Path, meshes: Mapping[str, Mesh]
-) -> CompiledModel:
-    """The model of a worker's answer; `meshes` by their names, in the frames of their geoms."""
-    records: dict[str, Any] = {
-        key: [SimpleNamespace(**entry) for entry in told[key]] for key in _RECORDS
-    }
-    return CompiledModel(
-        **records,
-        qpos=told["qpos"],
-        idle=told["idle"],
-        finite=told["finite"],
-        texts=told["texts"],
-        name=None if told["name"] == _NO_NAME else told["name"],
-        root=root,
-        path=path,
-        meshes=[(geom["body"], _moved(meshes[geom["mesh"]], geom)) for geom in told["shown"]],
-    )
+    packages, found = Packages(compiled.path), {}
+    for mesh in compiled.meshes:
+        x, y, z = scale = np.array(mesh.scale)
+        if not np.all(np.isfinite(scale)) or 0.0 in scale:
+            raise _written(compiled.root, mesh).error(
+                f"scale = {scale.tolist()} makes nothing of the mesh; numbers other than 0 are "
+                f"needed"
+            )
+        turn = np.array(mesh.refquat)
+        back = Pose(np.zeros(3), turn / np.linalg.norm(turn)).inverse()
+        at = Pose(-scale * np.asarray(back.turn(np.array(mesh.refpos))), back.quaternion)
+        found[mesh.name] = packages.written(mesh.file), at, (float(x), float(y), float(z))
+    shown = ((g, *found[g.mesh]) for g in compiled.shown)
+    return [
+        (g.body, Mesh(file, pose_of(g.position, g.quaternion) @ at, scale))
+        for g, file, at, scale in shown
+    ]
 
 
-def _moved(mesh: Mesh, geom: Mapping[str, Any]) -> Mesh:
-    return replace(mesh, pose=pose_of(geom["position"], geom["quaternion"]) @ mesh.pose)
+def _written(root: Element, mesh: Record) -> Element:
+    """The element of a mesh that tells its scale, as far as it can be told from others."""
+    elements = [e for e in root.walk() if e.tag == "mesh" and "scale" in e.attributes]
+    named = (e for e in elements if mesh.named and mesh.name == e.attributes.get("name"))
+    return next(named, elements[0] if elements else root)
 
 
 def pose_of(position: Sequence[float], quaternion: Sequence[float]) -> Pose:

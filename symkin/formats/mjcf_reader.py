@@ -18,7 +18,7 @@ from symkin.formats.mjcf_couplings import (
     without_kinematics,
 )
 from symkin.formats.mjcf_equalities import active_equalities, held_values
-from symkin.formats.mjcf_model import CompiledModel, pose_of
+from symkin.formats.mjcf_model import CompiledModel, meshes_of, pose_of
 from symkin.formats.naming import fresh_name, robot_name
 from symkin.formats.parts import KEY, Parts, parts_from
 from symkin.formats.robot import Mesh
@@ -171,7 +171,7 @@ class Reader:
     def _meshes(self) -> dict[str, tuple[Mesh, ...]]:
         """The meshes of bodies, each once, in the frames of their links."""
         found: dict[str, dict[tuple[str, tuple[float, ...]], Mesh]] = {}
-        for body, mesh in self.compiled.meshes:
+        for body, mesh in meshes_of(self.compiled):
             pose = self._on_link(body) @ mesh.pose
             numbers = np.round([*pose.position, *pose.quaternion, *mesh.scale], 9)
             found.setdefault(self.links[body], {}).setdefault(

@@ -171,13 +171,10 @@ class _Text:
         """A point or a frame that two bodies have in common."""
         joint = entry.joint
         first, second = (_WORLD if link == BASE else link for link in entry.links)
-        anchor = np.array(joint.point) - self.places[entry.links[0]]
-        if joint.type == "S":
-            inside(section, "connect", name=joint.name, body1=first, body2=second, anchor=anchor)
-        else:
-            # of a weld the anchor is on the second body
-            anchor = np.array(joint.point) - self.places[entry.links[1]]
-            inside(section, "weld", name=joint.name, body1=first, body2=second, anchor=anchor)
+        # of a weld the anchor is on the second body
+        tag, on = ("connect", 0) if joint.type == "S" else ("weld", 1)
+        anchor = np.array(joint.point) - self.places[entry.links[on]]
+        inside(section, tag, name=joint.name, body1=first, body2=second, anchor=anchor)
 
     def _coupling(self, section: Element, tendon: Element, coupling: Coupling, name: str) -> None:
         """y - y0 = c0 + c1 (x - x0) + ...; of several joints the length of a tendon, y - sum f x,

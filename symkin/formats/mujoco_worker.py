@@ -147,7 +147,7 @@ class _Told:
             "actuators": [self.actuator(k) for k in range(model.nu)],
             "qpos": self.data.qpos.tolist(),
             "finite": all(bool(np.all(np.isfinite(getattr(model, key)))) for key in _FINITE),
-            "name": bytes(model.names).split(b"\0", 1)[0].decode("utf-8", "replace"),
+            "name": _text(bytes(model.names)),
             "texts": _texts(model),
         }
 
@@ -263,13 +263,16 @@ class _Told:
         }
 
 
+def _text(content: bytes) -> str:
+    """A text up to its end."""
+    return content.split(b"\0", 1)[0].decode("utf-8", "replace")
+
+
 def _texts(model: Any) -> dict[str, str]:
     """Custom texts by their names."""
     found: dict[str, str] = {}
     names, data = bytes(model.names), bytes(model.text_data)
     for place, first, size in zip(model.name_textadr, model.text_adr, model.text_size, strict=True):
-        name = names[int(place) :].split(b"\0", 1)[0].decode("utf-8", "replace")
-        found.setdefault(
-            name, data[int(first) : int(first) + int(size)].rstrip(b"\0").decode("utf-8", "replace")
-        )
+        value = data[int(first) : int(first) + int(size)].rstrip(b"\0").decode("utf-8", "replace")
+        found.setdefault(_text(names[int(place) :]), value)
     return found

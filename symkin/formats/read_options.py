@@ -5,25 +5,26 @@ actuated joints, the platform's link, arguments of xacro, packages, the model.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, field, fields
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, Any
 
 from symkin.errors import InputError
-from symkin.model.graph import LinkJoint
-from symkin.model.joint import BASE
-from symkin.text import first_of, meant, shown
+from symkin.text import shown
+from symkin.verb_options import FILES, ROBOT_FILES, Option
 
 if TYPE_CHECKING:
-    from symkin.formats.robot import Closure, Robot
     from symkin.model.joint_forms import JointType
 
-Entry = TypeVar("Entry", bound=LinkJoint)
-_AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
-_DRIVEN = ("R", "P", "H", "C", "U")
-"""Joints that may be actuated."""
 _CLOSURES: tuple[JointType, ...] = ("S", "U", "R", "C", "P", "weld")
 """Kinds that may be told; a screw takes its pitch as well, which the file must tell."""
+
+
+def _told(kind: Any, read: str, *said: str, **default: Any) -> Any:
+    """A field that is an option of every command that takes MECH, by what `Option` says of it: a
+    text of a `kind` or several, which `cli/reading.py` reads as pairs or as words.
+    """
+    return field(**default, metadata={"option": (kind, Option(*said, read=read))})
 
 
 @dataclass(frozen=True)
@@ -45,13 +46,58 @@ class ReadOptions:
     ('hip',)
     """
 
-    loop: Mapping[str, str] = field(default_factory=dict)
-    actuated: Sequence[str] = ()
-    platform: str | None = None
-    arguments: Mapping[str, str] = field(default_factory=dict)
-    packages: Sequence[Path | str] = ()
-    model: str | None = None
-    set: Mapping[str, float | str] = field(default_factory=dict)
+    loop: Mapping[str, str] = _told(
+        list[str],
+        "pairs",
+        "The kind of a closure, R, S, C, P, U or weld, about the z axis of its frames; R:x names "
+        "another axis.",
+        "NAME=KIND,...",
+        ROBOT_FILES,
+        default_factory=dict,
+    )
+    actuated: Sequence[str] = _told(
+        list[str],
+        "words",
+        "The joints that motors drive, in place of what the file tells.",
+        "NAME,...",
+        ROBOT_FILES,
+        default=(),
+    )
+    platform: str | None = _told(
+        str,
+        "",
+        "The link whose frame is the platform's, so that poses can be given and are told.",
+        "LINK",
+        ROBOT_FILES,
+        default=None,
+    )
+    arguments: Mapping[str, str] = _told(
+        list[str],
+        "pairs",
+        "Arguments of a file in xacro.",
+        "NAME=VALUE,...",
+        ROBOT_FILES,
+        default_factory=dict,
+    )
+    packages: Sequence[Path | str] = _told(
+        list[Path],
+        "",
+        "A package, or a folder of packages; may be given several times.",
+        "FOLDER",
+        ROBOT_FILES,
+        default=(),
+    )
+    model: str | None = _told(
+        str, "", "Which model of an SDF file.", "NAME", ROBOT_FILES, default=None
+    )
+    set: Mapping[str, float | str] = _told(
+        list[str],
+        "pairs",
+        "Numbers of the file's [parameters], or arithmetic, in place of its own.",
+        "NAME=VALUE,...",
+        FILES,
+        default_factory=dict,
+    )
 
     def __post_init__(self) -> None:
         for key in ("loop", "arguments", "set"):
@@ -65,7 +111,11 @@ class ReadOptions:
                 raise InputError(f"{key} = {shown(value)} is one text; a list is needed")
             object.__setattr__(self, key, tuple(value))
         for name, kind in self.loop.items():
-            _closure_kind(name, kind)
+            closure_kind(name, kind)
+        for name, what in (("model", "a model"), ("platform", "a link")):
+            value = getattr(self, name)
+            if isinstance(value, str) and not value.strip():
+                raise InputError(f"--{name} is empty; the name of {what} is needed")
 
     @property
     def folders(self) -> tuple[Path, ...]:
@@ -90,27 +140,13 @@ class ReadOptions:
         if wrong is not None:
             raise InputError(f"{wrong} (--{wrong}) has no meaning for {what}: {because}")
 
-    def told(self, robot: Robot) -> Robot:
-        """The robot with the closures' kinds, actuated joints and platform that are told. Raises
-        InputError for unknown names.
-        """
-        if self.loop:
-            robot = _with_kinds(robot, self.loop)
-        if self.platform is not None:
-            robot = _with_platform(robot, self.platform)
-        return _with_motors(robot, self.actuated) if self.actuated else robot
 
-
-AS_IT_IS = ReadOptions()
-"""Nothing is told beside the file."""
-
-
-def _closure_kind(name: str, told: str) -> tuple[JointType, str]:
+def closure_kind(name: str, told: str) -> tuple[JointType, str]:
     """Kind and axis of a text such as R or R:x."""
     kinds = {kind.lower(): kind for kind in _CLOSURES}
     word, colon, axis = told.strip().partition(":")
     kind = kinds.get(word.strip().lower())
-    if kind is None or (colon and axis.strip().lower() not in _AXES):
+    if kind is None or (colon and axis.strip().lower() not in ("x", "y", "z")):
         raise InputError(
             f"loop: {name} = {shown(told)} is no kind of closure; allowed: "
             f"{', '.join(kinds.values())}, and behind them :x, :y or :z "
@@ -123,91 +159,5 @@ def _closure_kind(name: str, told: str) -> tuple[JointType, str]:
     return kind, axis.strip().lower() or "z"
 
 
-def _with_kinds(robot: Robot, told: Mapping[str, str]) -> Robot:
-    names = [closure.joint.name for closure in robot.closures]
-    for name in told:
-        if name in names:
-            continue
-        if any(entry.joint.name == name for entry in robot.joints):
-            raise InputError(
-                f"loop: {name!r} is a joint of the tree and closes no loop; closures: "
-                f"{first_of(names) or 'none'}"
-            )
-        raise InputError(
-            f"loop: no closure is named {shown(name)}{meant(name, names)}; closures: "
-            f"{first_of(names, 20) or 'none'}"
-        )
-    closures = [
-        _of_kind(c, *_closure_kind(c.joint.name, told[c.joint.name])) if c.joint.name in told else c
-        for c in robot.closures
-    ]
-    notes = [
-        f"the closure {c.joint.name!r} is of type {c.joint.type}, as told"
-        for c in closures
-        if c.joint.name in told
-    ]
-    return replace(robot, closures=tuple(closures), notes=(*robot.notes, *notes))
-
-
-def _of_kind(closure: Closure, kind: JointType, axis: str) -> Closure:
-    """The closure as one of another kind, about or along an axis of its frames; ranges and motors
-    were those of the other kind.
-    """
-    from symkin.formats.joint_graph import frame_along
-    from symkin.formats.robot import joint_at
-
-    turn, joint = frame_along(_AXES[axis]), closure.joint
-    keys = ("pitch", "limits", "actuated", "motor") if kind == joint.type else ()
-    told = {key: getattr(joint, key) for key in keys}
-    first, second = closure.first @ turn, closure.second @ turn
-    made = joint_at(first, joint.name, kind, **told)
-    return replace(closure, joint=made, first=first, second=second)
-
-
-def _with_platform(robot: Robot, name: str) -> Robot:
-    """The robot whose platform frame is that of a link, or of a body that is part of one."""
-    frames = {link: (link, frame) for link, frame in robot.links.items()} | dict(robot.merged)
-    moved = [body for body, (link, _) in frames.items() if link != BASE]
-    if name not in moved:
-        if name in frames or any(
-            note.startswith(f"the root link {name!r} ") for note in robot.notes
-        ):
-            raise InputError(
-                f"platform: {name!r} is part of the base, which is held; links that move: "
-                f"{first_of(moved, 20)}"
-            )
-        raise InputError(
-            f"platform: no link is named {shown(name)}{meant(name, moved)}; links that move: "
-            f"{first_of(moved, 20)}"
-        )
-    return replace(robot, parts=replace(robot.parts, platform=frames[name]))
-
-
-def _with_motors(robot: Robot, names: Sequence[str]) -> Robot:
-    entries = (*robot.joints, *robot.closures)
-    kinds = {entry.joint.name: entry.joint.type for entry in entries}
-    able = [name for name, kind in kinds.items() if kind in _DRIVEN]
-    for name in names:
-        if name not in kinds:
-            raise InputError(
-                f"actuated: no joint is named {shown(name)}{meant(name, able)}; joints that may "
-                f"be: {first_of(able, 20)}"
-            )
-        if name not in able:
-            raise InputError(
-                f"actuated: {name!r} is of type {kinds[name]}, which no one motor drives; joints "
-                f"that may be: {first_of(able, 20)}"
-            )
-        if names.count(name) > 1:
-            raise InputError(f"actuated: {name!r} is given twice")
-    return replace(
-        robot,
-        joints=tuple(_driven(entry, names) for entry in robot.joints),
-        closures=tuple(_driven(entry, names) for entry in robot.closures),
-        parts=replace(robot.parts, actuated=None),
-    )
-
-
-def _driven(entry: Entry, names: Sequence[str]) -> Entry:
-    """The joint, actuated where it is named."""
-    return replace(entry, joint=replace(entry.joint, actuated=entry.joint.name in names))
+AS_IT_IS = ReadOptions()
+"""Nothing is told beside the file."""

@@ -41,16 +41,18 @@ def refuse_too_many(where: str, joints: int, movable: int) -> None:
 
 
 @dataclass(frozen=True)
-class Closure(LinkJoint):
-    """A joint between two links that the tree joins in another way: `first` is its frame on the
-    first link, `second` on the other, both in the base frame at the file's configuration; `where`
-    names element and line of the file. The joint stands at the first frame. The coordinate of an R,
-    P or H joint is 0 where the frames coincide.
+class RobotJoint(LinkJoint):
+    """A joint of the tree, from the link that is nearer to the root to the other; its `zero` is the
+    value at the file's configuration. Or one between links that the tree joins in another way, with
+    its `frames` on both, in the base frame at the file's configuration: it stands at the first of
+    them, and the coordinate of an R, P or H joint is 0 where they coincide. `where` names element
+    and line of the file. One that is `backward` leads from the second of its links to the first in
+    the mechanism: its coordinates have the names that they have there.
     """
 
-    first: Pose
-    second: Pose
+    frames: tuple[Pose, Pose] | None = None
     where: str = ""
+    backward: bool = False
 
 
 def joint_at(frame: Pose, name: str, kind: JointType, **told: Any) -> Joint:
@@ -77,21 +79,17 @@ class Mesh:
 
 @dataclass(frozen=True)
 class Robot:
-    """Links by name with their frames at the file's configuration, the tree's `joints` (each from
-    the link that is nearer to the root to the other; their `zero` is the value at the file's
-    configuration, in radians and metres), closures, couplings of joints, and what was left out of
+    """Links by name with their frames at the file's configuration, joints in radians and metres,
+    those of the tree before those that close loops, couplings of joints, and what was left out of
     the file, a sentence each (`notes`). The root link is "base". Links that are `floating` hang on
     no joint, only on closures. Bodies that fixed joints make part of a link are `merged`: by their
     name in the file, the link and their frame. `meshes` show links and merged bodies, by name.
-    `parts` tells which joints are parts of one. Joints and closures that are `turned` lead from the
-    second of their links to the first in the mechanism: their coordinates have the names that they
-    have there.
+    `parts` tells which joints are parts of one.
     """
 
     name: str
     links: Mapping[str, Pose]
-    joints: tuple[LinkJoint, ...]
-    closures: tuple[Closure, ...] = ()
+    joints: tuple[RobotJoint, ...]
     couplings: tuple[Coupling, ...] = ()
     notes: tuple[str, ...] = ()
     source: str = ""
@@ -99,4 +97,13 @@ class Robot:
     floating: tuple[str, ...] = ()
     merged: Mapping[str, tuple[str, Pose]] = field(default_factory=dict)
     parts: Parts = field(default_factory=Parts)
-    turned: frozenset[str] = frozenset()
+
+    @property
+    def tree(self) -> tuple[RobotJoint, ...]:
+        """The joints that place the links."""
+        return tuple(joint for joint in self.joints if joint.frames is None)
+
+    @property
+    def closures(self) -> tuple[RobotJoint, ...]:
+        """The joints that close loops."""
+        return tuple(joint for joint in self.joints if joint.frames is not None)

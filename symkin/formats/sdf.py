@@ -15,7 +15,6 @@ from symkin.formats.joint_graph import (
     Direction,
     GraphJoint,
     JointGraph,
-    place,
     robot_of,
     spanning_tree,
 )
@@ -32,12 +31,13 @@ from symkin.formats.sdf_joint import (
     sdf_motor,
     sdf_pitch,
     sdf_type,
+    unit_from,
 )
 from symkin.formats.sdf_world import robot_model
-from symkin.formats.urdf_parts import parts_within, unit
+from symkin.formats.urdf_parts import parts_within, refuse_itself, unit
 from symkin.formats.xml_text import Element, read_xml
 from symkin.model.graph import Coupling
-from symkin.model.joined import way
+from symkin.model.joined import along, joined_to, way
 from symkin.spatial.pose import Pose
 from symkin.text import first_of
 
@@ -74,7 +74,7 @@ class _Reader(GraphReader):
             len(elements),
             sum(e.attributes.get("type") != "fixed" for e in elements),
         )
-        self.poses = {link: self.frames.pose(link) for link in self.frames.links}
+        self.poses = {_plain(link): self.frames.pose(link) for link in self.frames.links}
         self.poses[WORLD] = Pose.identity()
 
     def graph(self) -> JointGraph:
@@ -83,25 +83,18 @@ class _Reader(GraphReader):
             for entry in self.frames.joints
             if entry[0].attributes.get("type") != "gearbox"
         ]
-        couplings = CouplingSet()
-        for coupling, where in self._mimics(joints):
-            couplings.add(coupling, where)
-        for equation in self._gears(joints):
-            couplings.add_linear(equation)
+        couplings = CouplingSet.of(self._mimics(joints), self._gears(joints))
         self.notes += couplings.notes
         on_world = any(WORLD in joint.links for joint in joints)
-        links = [WORLD, *self.frames.links] if on_world else list(self.frames.links)
+        links = [WORLD] * on_world + [_plain(link) for link in self.frames.links]
         if not links:
             raise self.model.error("no <link> is found; a robot has links and joints")
         root = WORLD if on_world else self._root(links, joints)
         graph = JointGraph(
             name=robot_name(self.model.attributes.get("name"), self.path),
-            links=[_plain(link) for link in links],
-            root=_plain(root),
-            joints=[
-                replace(j, name=_plain(j.name), links=(_plain(j.links[0]), _plain(j.links[1])))
-                for j in joints
-            ],
+            links=links,
+            root=root,
+            joints=joints,
             couplings=tuple(couplings.found.values()),
             source=str(self.path),
             meshes={
@@ -122,26 +115,20 @@ class _Reader(GraphReader):
         """The model's canonical link, or the first link of the part that has most joints where
         nothing joins to that one.
         """
-        canonical = self.frames.link_of(self.frames.frames["__model__"].attached)
+        canonical = _plain(self.frames.link_of(self.frames.frames["__model__"].attached))
         canonical = links[0] if canonical == WORLD else canonical
-        if any(canonical in joint.links for joint in joints):
+        if not joints or any(canonical in joint.links for joint in joints):
             return canonical
-        if not joints:
-            return canonical
-        tree = spanning_tree(joints)
-        return max(links, key=lambda link: len(place(tree, link)))
+        return max(links, key=lambda link: len(joined_to(joints, link)))
 
     # --- joints -----------------------------------------------------------------------------------
 
     def _joint(self, element: Element, scope: Scope) -> GraphJoint:
-        name = scope.prefix + element.attribute("name")
+        name = _plain(scope.prefix + element.attribute("name"))
         parent, child = (self._body(element, tag, scope) for tag in ("parent", "child"))
         if child == WORLD:
             raise element.error("the child is the world, which does not move; make it the parent")
-        if parent == child:
-            raise element.error(
-                f"joins the link {_plain(parent)!r} to itself; two links are needed"
-            )
+        refuse_itself(parent, child, element)
         at = self._joint_pose(element, scope)
         self._note_parent_frame(element, scope, at)
         frames = (self.poses[parent].inverse() @ at, self.poses[child].inverse() @ at)
@@ -200,7 +187,7 @@ class _Reader(GraphReader):
         name = end.text.strip()
         if not name:
             raise end.error("is empty; the name of a link is needed")
-        link = self.frames.link_of(self.frames.find(name, scope, end))
+        link = _plain(self.frames.link_of(self.frames.find(name, scope, end)))
         if link not in self.poses:
             raise end.error(f"the frame {name!r} is carried by no link")
         return link
@@ -220,13 +207,13 @@ class _Reader(GraphReader):
             return sdf_axis(element, tag, model.inverse() @ at, scope.version)
         axis = element.needed(tag)
         xyz = axis.needed("xyz")
-        vector, name = xyz.text_numbers(3), xyz.attributes.get("expressed_in", "").strip()
+        name = xyz.attributes.get("expressed_in", "").strip()
         if not name:
+            vector = xyz.text_numbers(3)
             refuse_model_frame(axis, vector, model.inverse() @ at)
             return unit(xyz, vector)
         told_in = self.frames.pose(self.frames.find(name, scope, xyz))
-        turned = np.asarray((at.inverse() @ told_in).turn(np.asarray(vector)))
-        return unit(xyz, tuple(float(c) for c in turned))
+        return unit_from(xyz, at.inverse() @ told_in)
 
     def _second(self, element: Element, scope: Scope, at: Pose) -> Direction:
         first, second = (
@@ -260,7 +247,7 @@ class _Reader(GraphReader):
                 if leader == follower:
                     raise mimic.error("the joint mimics itself; name another joint")
                 factor, offset, reference = (
-                    _value(mimic, word, default)
+                    mimic.child_number(word, default)
                     for word, default in (("multiplier", 1.0), ("offset", 0.0), ("reference", 0.0))
                 )
                 yield Coupling(follower, {leader: factor}, offset - factor * reference), mimic.where
@@ -268,12 +255,12 @@ class _Reader(GraphReader):
     def _coordinate(
         self, made: dict[str, GraphJoint], name: str, axis: int, element: Element
     ) -> str:
+        name = _plain(name)
         if name not in made or made[name].type not in (*ONE_COORDINATE, "U"):
             raise element.error(
-                f"the joint {_plain(name)!r} is "
-                f"{'unknown' if name not in made else 'without an axis'}"
+                f"the joint {name!r} is {'unknown' if name not in made else 'without an axis'}"
             )
-        return _plain(name) + (f".{axis}" if made[name].type == "U" else "")
+        return name + (f".{axis}" if made[name].type == "U" else "")
 
     def _gears(self, joints: Sequence[GraphJoint]) -> Iterator[LinearEquation]:
         """theta_2 = -ratio theta_1: the angles of parent and child against the reference body,
@@ -296,8 +283,7 @@ class _Reader(GraphReader):
             if sum(factor != 0.0 for factor in factors.values()) < 2:
                 raise element.error("the gearbox couples no two joints")
             # what follows is the joint before the child
-            terms = {_plain(name): factor for name, factor in reversed(factors.items())}
-            yield LinearEquation(terms, 0.0, element.where)
+            yield LinearEquation(dict(reversed(factors.items())), 0.0, element.where)
 
     def _turns(
         self,
@@ -314,16 +300,10 @@ class _Reader(GraphReader):
         path = way([joint for joint in joints if senses[joint.name] is not None], start, end)
         if path is None:
             raise element.error(
-                f"no revolute joints about its axis lead from the reference body to {_plain(end)!r}"
+                f"no revolute joints about its axis lead from the reference body to {end!r}"
             )
-        found: dict[str, float] = {}
-        for joint in path:
-            forward = joint.links[0] == start
-            start = joint.links[1 if forward else 0]
-            sense = senses[joint.name]
-            if sense:
-                found[joint.name] = sense if forward else -sense
-        return found
+        turns = ((j.name, senses[j.name] or 0.0, forward) for j, forward in along(path, start))
+        return {name: sense if forward else -sense for name, sense, forward in turns if sense}
 
     def _sense(self, joint: GraphJoint, about: np.ndarray) -> float | None:
         """1 or -1 for a joint that turns about a direction, 0 for a weld; None for others."""
@@ -357,7 +337,7 @@ class _Reader(GraphReader):
         pose, told_in = self.frames.relative(visual, scope, link)
         scale = mesh.one("scale")
         numbers = (1.0, 1.0, 1.0) if scale is None else scale.text_numbers(3)
-        at = self.poses[link].inverse() @ self.frames.pose(told_in) @ pose
+        at = self.poses[_plain(link)].inverse() @ self.frames.pose(told_in) @ pose
         return self.mesh(mesh, mesh.needed("uri").text.strip(), at, numbers)
 
     def _left_out(self) -> list[str]:
@@ -402,11 +382,6 @@ _KNOWN = frozenset(
         "static",
     ]
 )
-
-
-def _value(element: Element, word: str, default: float) -> float:
-    found = element.one(word)
-    return default if found is None else found.text_number()
 
 
 def _plain(name: str) -> str:

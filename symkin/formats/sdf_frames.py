@@ -17,7 +17,7 @@ from pathlib import Path
 from symkin.errors import InputError
 from symkin.formats.packages import Packages
 from symkin.formats.robot import MOST_JOINTS
-from symkin.formats.xml_text import Element, read_xml
+from symkin.formats.xml_text import Element, is_true, read_xml
 from symkin.model.mechanism import MOST_PARTS
 from symkin.spatial.pose import Pose
 from symkin.text import meant
@@ -106,15 +106,11 @@ class SdfFrames:
         canonical = element.attributes.get("canonical_link") or next(
             (name for e in (*links, *nested) if (name := e.attribute("name")) != WORLD), _MODEL
         )
-        placement = (placed.one("placement_frame") if placed is not None else None) or None
-        word = (
-            placement.text.strip()
-            if placement is not None
-            else element.attributes.get("placement_frame")
-        )
+        word = element.attributes.get("placement_frame", "")
+        word = word if placed is None else placed.child_text("placement_frame", word)
         attached = WORLD if scope.held or canonical == _MODEL else scope.prefix + canonical
-        placement_frame = None if word is None else scope.prefix + word
-        self.frames[scope.model] = _Frame(pose, told_in, attached, element, placement_frame)
+        placement = scope.prefix + word if word else None
+        self.frames[scope.model] = _Frame(pose, told_in, attached, element, placement)
         for link in links:
             if self._is_the_world(link, scope):
                 continue
@@ -242,7 +238,7 @@ class SdfFrames:
         model = root.needed("model")
         given = element.one("name")
         name = given.text.strip() if given is not None else model.attribute("name")
-        merged = element.attributes.get("merge", "").strip().lower() in ("1", "true")
+        merged = is_true(element.attributes.get("merge", ""))
         prefix = scope.prefix if merged else f"{scope.prefix}{name}::"
         key = self._new(
             f"{scope.prefix}_merged__{name}__model__" if merged else prefix + _MODEL, element
@@ -342,18 +338,13 @@ def sdf_pose(element: Element, version: Version) -> tuple[Pose, str | None]:
         x, y, z, i, j, k, w = pose.text_numbers(7)
         return Pose.from_quaternion((x, y, z), (w, i, j, k)), told_in
     x, y, z, *angles = pose.text_numbers(6)
-    scale = (
-        math.pi / 180
-        if pose.attributes.get("degrees", "").strip().lower() in ("1", "true")
-        else 1.0
-    )
+    scale = math.pi / 180 if is_true(pose.attributes.get("degrees", "")) else 1.0
     return Pose.from_euler((x, y, z), [scale * angle for angle in angles], "xyz"), told_in
 
 
 def is_static(model: Element) -> bool:
     """Whether a model, or an include of one, stands still in the world."""
-    static = model.one("static")
-    return static is not None and static.text.strip().lower() in ("1", "true")
+    return is_true(model.child_text("static"))
 
 
 def _held(link: Element) -> Element:

@@ -11,7 +11,7 @@ import numpy as np
 
 from symkin.formats.joint_graph import Direction
 from symkin.formats.urdf_parts import unit
-from symkin.formats.xml_text import Element
+from symkin.formats.xml_text import Element, is_true
 from symkin.model.joint_forms import JointType
 from symkin.model.motor import Motor, motor_of
 from symkin.spatial.pose import Pose
@@ -52,13 +52,14 @@ def sdf_axis(
     """
     axis = element.needed(tag)
     xyz = axis.needed("xyz")
-    vector = xyz.text_numbers(3)
-    in_model = version < (1, 5) or _model_frame(axis) is not None
-    turned = (
-        np.asarray(joint_pose.inverse().turn(np.asarray(vector)))
-        if in_model
-        else np.asarray(vector)
-    )
+    if version < (1, 5) or _model_frame(axis) is not None:
+        return unit_from(xyz, joint_pose.inverse())
+    return unit(xyz, xyz.text_numbers(3))
+
+
+def unit_from(xyz: Element, frame: Pose) -> Direction:
+    """The direction that an element tells in a frame, in what the frame is told in."""
+    turned = np.asarray(frame.turn(np.asarray(xyz.text_numbers(3))))
     return unit(xyz, tuple(float(c) for c in turned))
 
 
@@ -80,32 +81,30 @@ def refuse_model_frame(axis: Element, vector: tuple[float, ...], joint_pose: Pos
 def _model_frame(axis: Element) -> Element | None:
     """The element use_parent_model_frame where it is true."""
     flag = axis.one("use_parent_model_frame")
-    return flag if flag is not None and flag.text.strip().lower() in ("1", "true") else None
+    return flag if flag is not None and is_true(flag.text) else None
 
 
 def sdf_limits(element: Element, tag: str = "axis") -> tuple[float, float] | None:
     """The bounds in <axis><limit>, not always a range; None where there are none, or both are
     infinite.
     """
-    axis = element.one(tag)
-    limit = None if axis is None else axis.one("limit")
-    if limit is None:
-        return None
-    ends = [limit.one(word) for word in ("lower", "upper")]
-    low, high = (
-        math.inf * side if end is None else end.text_number(infinite=True)
-        for end, side in zip(ends, (-1, 1), strict=True)
-    )
+    low, high = _limit(element, tag, lower=-math.inf, upper=math.inf)
     return None if low <= -UNLIMITED and high >= UNLIMITED else (low, high)
 
 
 def sdf_motor(element: Element) -> Motor | None:
     """What <axis><limit> tells of the motor."""
-    axis = element.one("axis")
-    limit = None if axis is None else axis.one("limit")
-    ends = [None if limit is None else limit.one(word) for word in ("effort", "velocity")]
-    effort, speed = (0.0 if end is None else end.text_number(infinite=True) for end in ends)
+    effort, speed = _limit(element, "axis", effort=0.0, velocity=0.0)
     return motor_of((-effort, effort), speed)
+
+
+def _limit(element: Element, tag: str, **defaults: float) -> list[float]:
+    """Numbers in the <limit> of an axis."""
+    axis = element.one(tag)
+    limit = None if axis is None else axis.one("limit")
+    if limit is None:
+        return [*defaults.values()]
+    return [limit.child_number(word, v, infinite=True) for word, v in defaults.items()]
 
 
 def is_bounded(low: float, high: float) -> bool:

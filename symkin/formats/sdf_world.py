@@ -80,8 +80,5 @@ def _name(element: Element) -> str:
     """A model's name, and that of an include: its own or the last part of its address."""
     if element.tag == "model":
         return element.attributes.get("name", "")
-    own = element.one("name")
-    if own is not None:
-        return own.text.strip()
-    uri = element.one("uri")
-    return "" if uri is None else uri.text.strip().rstrip("/").rpartition("/")[2]
+    address = element.child_text("uri").rstrip("/")
+    return element.child_text("name", address.rpartition("/")[2])

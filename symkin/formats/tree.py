@@ -21,7 +21,7 @@ from symkin.closure.rows import Cut, rows_of_joint
 from symkin.closure.written_once import written_once
 from symkin.computed_once import cached_property
 from symkin.errors import MechanismError
-from symkin.formats.robot import Closure, Robot
+from symkin.formats.robot import Robot, RobotJoint
 from symkin.model.graph import Coupling
 from symkin.model.joint import BASE, Coordinate, Joint
 from symkin.numeric.mapped import Mapped
@@ -73,8 +73,8 @@ class Tree:
         """The diagonal of the box around joints, closures and frames at the file's configuration
         (metres), by which angles become lengths; 1 where all of them are one point.
         """
-        joints = (entry.joint for entry in self.robot.joints)
-        frames = [frame for c in self.robot.closures for frame in (c.first, c.second)]
+        joints = (entry.joint for entry in self.robot.tree)
+        frames = [frame for entry in self.robot.joints for frame in entry.frames or ()]
         points = [joint.point for joint in joints if joint.type not in ("P", "weld")]
         box = np.array([*points, *(frame.position for frame in frames)]).reshape(-1, 3)
         if not len(box):
@@ -159,9 +159,10 @@ class Tree:
         gaps = [(name, [self._coupling_row(coupling)]) for name, coupling in couplings]
         return [*closures, *((name, gap, gap) for name, gap in gaps)]
 
-    def _closure_rows(self, closure: Closure) -> tuple[list[ca.SX], list[ca.SX]]:
+    def _closure_rows(self, closure: RobotJoint) -> tuple[list[ca.SX], list[ca.SX]]:
         first, last = (self._sides[link] for link in closure.links)
-        gap = closure.second @ closure.first.inverse()
+        near, far = closure.frames or (Pose.identity(),) * 2
+        gap = far @ near.inverse()
         return rows_and_checks(closure.joint, gap, self.size, *relative_sides(first, last))
 
     def _coupling_row(self, coupling: Coupling) -> ca.SX:
@@ -176,7 +177,7 @@ class Tree:
         """The links in an order in which each stands after the one that carries it."""
         robot = self.robot
         found = [_free(link, robot.links[link]) for link in robot.floating]
-        placed, waiting = {BASE, *robot.floating}, list(robot.joints)
+        placed, waiting = {BASE, *robot.floating}, list(robot.tree)
         while waiting:
             ready = [entry for entry in waiting if entry.links[0] in placed]
             if not ready:
@@ -191,7 +192,7 @@ class Tree:
                         f"joint {joint.name!r}: the link {link!r} hangs on two "
                         f"joints of the tree; a loop is a closure"
                     )
-                own = tuple(_seen_from(joint, backward=joint.name in robot.turned))
+                own = tuple(_seen_from(joint, backward=entry.backward))
                 found.append(_Hung(carrier, link, ((_symbols_of(joint), own),)))
                 placed.add(link)
             waiting = [entry for entry in waiting if entry not in ready]

@@ -20,7 +20,6 @@ from symkin.formats.joint_graph import (
     frame_along,
     place,
     robot_of,
-    spanning_tree,
 )
 from symkin.formats.naming import robot_name
 from symkin.formats.packages import Packages
@@ -29,9 +28,17 @@ from symkin.formats.read_options import AS_IT_IS, ReadOptions
 from symkin.formats.robot import Mesh, Robot, refuse_too_many
 from symkin.formats.urdf_loops import LOOP_TAGS, gears_within, loops_within
 from symkin.formats.urdf_motors import driven_names, mimics, told_motors
-from symkin.formats.urdf_parts import direction, origin, parts_within, plain_tag
+from symkin.formats.urdf_parts import (
+    direction,
+    known_link,
+    origin,
+    parts_within,
+    plain_tag,
+    refuse_itself,
+)
 from symkin.formats.xacro_text import expanded, is_xacro, macros
 from symkin.formats.xml_text import Element, read_xml
+from symkin.model.joined import joined_to
 from symkin.model.joint_forms import JointType
 from symkin.spatial.pose import Pose
 from symkin.text import first_of, meant, not_among
@@ -129,20 +136,15 @@ class _Reader(GraphReader):
         joints = [*joints, *self._beside(), *loops.joints]
         motors = told_motors(self.root)
         joints = [replace(joint, motor=motors.get(joint.name)) for joint in joints]
-        couplings = CouplingSet()
-        for coupling, where in mimics(self.elements, joints):
-            couplings.add(coupling, where)
-        for equation in gears_within(self.root, self.links, joints):
-            couplings.add_linear(equation)
+        couplings = CouplingSet.of(
+            mimics(self.elements, joints), gears_within(self.root, self.links, joints)
+        )
         joints, of_motors = self._with_motors(joints)
-        links = [
-            *self.links,
-            *(link for joint in joints for link in joint.links if link not in self.links),
-        ]
+        links = dict.fromkeys([*self.links, *(link for joint in joints for link in joint.links)])
         self._refuse_lost(root, joints)
         return JointGraph(
             name=robot_name(self.root.attributes.get("name"), self.path),
-            links=tuple(dict.fromkeys(links)),
+            links=tuple(links),
             root=root,
             joints=joints,
             couplings=tuple(couplings.found.values()),
@@ -190,11 +192,6 @@ class _Reader(GraphReader):
                 )
         return found
 
-    def _known_link(self, name: str, element: Element) -> str:
-        if name not in self.links:
-            raise element.error(f"the link {name!r} is unknown{meant(name, self.links)}")
-        return name
-
     def _root_link(self, joints: Sequence[GraphJoint]) -> str:
         """The link that is no joint's child. Raises MechanismError where two joints carry one link,
         or no link is the root.
@@ -217,7 +214,7 @@ class _Reader(GraphReader):
         return roots[0]
 
     def _refuse_lost(self, root: str, joints: Sequence[GraphJoint]) -> None:
-        reached = place(spanning_tree(joints), root)
+        reached = joined_to(joints, root)
         lost = [link for link in self.links if link not in reached]
         if lost:
             raise self.links[lost[0]].error(
@@ -245,11 +242,10 @@ class _Reader(GraphReader):
     def _joint(self, element: Element, name: str) -> list[GraphJoint]:
         kind = element.attribute("type")
         links = tuple(
-            self._known_link(element.needed(tag).attribute("link"), element.needed(tag))
-            for tag in ("parent", "child")
+            known_link(end.attribute("link"), end, self.links)
+            for end in map(element.needed, ("parent", "child"))
         )
-        if links[0] == links[1]:
-            raise element.error(f"joins the link {links[0]!r} to itself; two links are needed")
+        refuse_itself(links[0], links[1], element)
         made = GraphJoint(
             name,
             "weld",

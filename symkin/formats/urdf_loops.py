@@ -12,13 +12,21 @@ import numpy as np
 
 from symkin.formats.couplings import LinearEquation
 from symkin.formats.joint_graph import Direction, GraphJoint, Z, frame_along
+from symkin.formats.sdf_frames import NEWEST, sdf_pose
 from symkin.formats.sdf_joint import sdf_axis, sdf_type
-from symkin.formats.urdf_parts import direction, origin, pose_of
+from symkin.formats.urdf_parts import (
+    direction,
+    known_link,
+    origin,
+    plain_tag,
+    pose_of,
+    refuse_itself,
+)
 from symkin.formats.xml_text import Element
-from symkin.model.joined import way
+from symkin.model.joined import along, way
 from symkin.model.joint_forms import JointType
 from symkin.spatial.pose import Pose
-from symkin.text import meant, not_among
+from symkin.text import not_among
 
 LOOP_TAGS = ("loop_joint", "loop", "coupling", "constraint", "ball_constraint")
 """Elements of a robot that close loops or couple joints, without their maker's prefix."""
@@ -75,28 +83,22 @@ class _Reader:
     def __init__(self, root: Element, zero: Mapping[str, Pose]) -> None:
         self.root, self.zero = root, zero
         self.links = [link.attribute("name") for link in root.all("link")]
-        own = [
-            e
-            for e in root.children
-            if e.tag.rpartition(":")[2] in LOOP_TAGS and e.tag != "coupling"
-        ]
+        own = [e for e in root.children if plain_tag(e.tag) in LOOP_TAGS and e.tag != "coupling"]
         self.elements = own + [
             joint for gazebo in root.all("gazebo") for joint in gazebo.all("joint")
         ]
 
     def joint(self, element: Element) -> GraphJoint:
         """The closing joint that an element tells."""
-        match element.tag.rpartition(":")[2]:
-            case "loop_joint":
-                return self._loop_joint(element)
-            case "loop":
-                return self._loop(element)
-            case "constraint":
-                return self._constraint(element)
-            case "ball_constraint":
-                return self._ball_constraint(element)
-            case _:
-                return self._gazebo_joint(element)
+        tag = plain_tag(element.tag)
+        if tag not in _FORMS:
+            return self._gazebo_joint(element)
+        kind = "S" if tag == "ball_constraint" else _type(element)
+        ends = [
+            (_link_of(end, self.links), frame, direction(at, *tags) if _has_axis(kind) else None)
+            for end, frame, at, tags in _FORMS[tag](element)
+        ]
+        return self._made(element, kind, ends)
 
     def closing_pairs(self, taken: Collection[str]) -> list[GraphJoint]:
         """Points that the links closing_X_1 and closing_X_2 have in common."""
@@ -127,63 +129,11 @@ class _Reader:
             for mate, links in found.items()
         ]
 
-    # --- one form each ----------------------------------------------------------------------------
-
-    def _loop_joint(self, element: Element) -> GraphJoint:
-        """Two frames by their links, and an axis in the first of them."""
-        ends = element.all("link1", "link2")
-        if len(ends) != 2:
-            raise element.error(f"has {len(ends)} of <link1> and <link2>; two links are needed")
-        kind = self._type(element)
-        axis = direction(element) if _has_axis(kind) else None
-        return self._made(element, kind, [(self._link(end), pose_of(end), axis) for end in ends])
-
-    def _loop(self, element: Element) -> GraphJoint:
-        """Predecessor and successor with an origin each; the axis is in their frames."""
-        kind = self._type(element)
-        ends = []
-        for tag in ("predecessor", "successor"):
-            end = element.needed(tag)
-            axis = direction(end if end.all("axis") else element) if _has_axis(kind) else None
-            ends.append((self._link(end), origin(end), axis))
-        return self._made(element, kind, ends)
-
-    def _constraint(self, element: Element) -> GraphJoint:
-        """Parent and child with an origin each, and an axis in one frame or in both."""
-        kind = self._type(element)
-        ends = []
-        for tag, other in (("parent", "child"), ("child", "parent")):
-            axis = (
-                direction(element, f"{tag}_axis", f"{other}_axis", "axis")
-                if _has_axis(kind)
-                else None
-            )
-            ends.append((self._link(element.needed(tag)), origin(element, f"{tag}_origin"), axis))
-        return self._made(element, kind, ends)
-
-    def _ball_constraint(self, element: Element) -> GraphJoint:
-        """A point on each of two bodies."""
-        ends: list[tuple[str, Pose, Direction | None]] = []
-        for body, point in (("body_A", "p_AP"), ("body_B", "p_BQ")):
-            at = element.needed(f"drake:ball_constraint_{point}").numbers("value", 3)
-            ends.append(
-                (
-                    self._link(element.needed(f"drake:ball_constraint_{body}")),
-                    Pose.from_euler(at, (0.0, 0.0, 0.0)),
-                    None,
-                )
-            )
-        return self._made(element, "S", ends)
-
     def _gazebo_joint(self, element: Element) -> GraphJoint:
         """A joint of SDF between links of the URDF: its pose is in the child's frame."""
         names = [element.needed(tag).text.strip() for tag in ("parent", "child")]
-        parent, child = (_known(name, element, self.links) for name in names)
-        pose = element.one("pose")
-        frame = Pose.identity()
-        if pose is not None:
-            x, y, z, roll, pitch, yaw = pose.text_numbers(6)
-            frame = Pose.from_euler((x, y, z), (roll, pitch, yaw), "xyz")
+        parent, child = (known_link(name, element, self.links) for name in names)
+        frame, _ = sdf_pose(element, NEWEST)
         lost = next((link for link in (parent, child) if link not in self.zero), None)
         if lost is not None:
             raise element.error(
@@ -195,9 +145,8 @@ class _Reader:
         axis = sdf_axis(element, "axis", at) if _has_axis(kind) else None
         turn = Pose.identity() if axis is None else frame_along(axis)
         frames = (self.zero[parent].inverse() @ at @ turn, frame @ turn)
-        name = element.attribute("name")
         return GraphJoint(
-            name,
+            element.attribute("name"),
             kind,
             (parent, child),
             frames,
@@ -213,8 +162,7 @@ class _Reader:
     ) -> GraphJoint:
         """A closing joint whose axis is the z axis of both frames."""
         links = (ends[0][0], ends[1][0])
-        if links[0] == links[1]:
-            raise element.error(f"joins the link {links[0]!r} to itself; two links are needed")
+        refuse_itself(*links, element)
         first, second = (
             frame if axis is None else frame @ frame_along(axis) for _, frame, axis in ends
         )
@@ -235,14 +183,56 @@ class _Reader:
             where=element.where,
         )
 
-    def _type(self, element: Element) -> JointType:
-        word = element.attribute("type").lower().removesuffix("_joint")
-        if word not in _TYPES:
-            raise element.error(f"type of closure = {not_among(element.attribute('type'), _TYPES)}")
-        return _TYPES[word]
 
-    def _link(self, element: Element) -> str:
-        return _link_of(element, self.links)
+# --- one form each --------------------------------------------------------------------------------
+
+_End = tuple[Element, Pose, Element, tuple[str, ...]]
+"""What names a link, the frame on it, and where an axis in this frame is told, under which tags."""
+
+
+def _loop_joint(element: Element) -> Iterator[_End]:
+    """Two frames by their links, and an axis in the first of them."""
+    ends = element.all("link1", "link2")
+    if len(ends) != 2:
+        raise element.error(f"has {len(ends)} of <link1> and <link2>; two links are needed")
+    yield from ((end, pose_of(end), element, ()) for end in ends)
+
+
+def _loop(element: Element) -> Iterator[_End]:
+    """Predecessor and successor with an origin each; the axis is in their frames."""
+    for end in map(element.needed, ("predecessor", "successor")):
+        yield end, origin(end), end if end.all("axis") else element, ()
+
+
+def _constraint(element: Element) -> Iterator[_End]:
+    """Parent and child with an origin each, and an axis in one frame or in both."""
+    for tag, other in (("parent", "child"), ("child", "parent")):
+        axes = (f"{tag}_axis", f"{other}_axis", "axis")
+        yield element.needed(tag), origin(element, f"{tag}_origin"), element, axes
+
+
+def _ball_constraint(element: Element) -> Iterator[_End]:
+    """A point on each of two bodies."""
+    for body, point in (("body_A", "p_AP"), ("body_B", "p_BQ")):
+        at = element.needed(f"drake:ball_constraint_{point}").numbers("value", 3)
+        frame = Pose(np.array(at), Pose.identity().quaternion)
+        yield element.needed(f"drake:ball_constraint_{body}"), frame, element, ()
+
+
+_FORMS = {
+    "loop_joint": _loop_joint,
+    "loop": _loop,
+    "constraint": _constraint,
+    "ball_constraint": _ball_constraint,
+}
+"""The frames of each element that closes a loop."""
+
+
+def _type(element: Element) -> JointType:
+    word = element.attribute("type").lower().removesuffix("_joint")
+    if word not in _TYPES:
+        raise element.error(f"type of closure = {not_among(element.attribute('type'), _TYPES)}")
+    return _TYPES[word]
 
 
 def _has_axis(kind: JointType) -> bool:
@@ -251,13 +241,7 @@ def _has_axis(kind: JointType) -> bool:
 
 def _link_of(element: Element, links: Collection[str]) -> str:
     """The link that an element names."""
-    return _known(element.attribute("link", "name"), element, links)
-
-
-def _known(name: str, element: Element, links: Collection[str]) -> str:
-    if name not in links:
-        raise element.error(f"the link {name!r} is unknown{meant(name, links)}")
-    return name
+    return known_link(element.attribute("link", "name"), element, links)
 
 
 def gears_within(
@@ -270,14 +254,12 @@ def gears_within(
     for element in root.all("coupling"):
         at, end = (_link_of(element.needed(tag), links) for tag in ("predecessor", "successor"))
         ratio, factors = element.needed("ratio").number("value"), dict[str, float]()
-        for joint in way(tree, at, end) or ():
-            # towards the ancestor, then away from it
-            up = joint.links[1] == at
-            at = joint.links[0 if up else 1]
+        for joint, down in along(way(tree, at, end) or (), at):
             if joint.type not in ("R", "P", "H", "weld"):
                 raise element.error(f"the joint {joint.name!r} has no one coordinate to couple")
             if joint.type != "weld":
-                factors[joint.name] = ratio if up else -1.0
+                # towards the ancestor, then away from it
+                factors[joint.name] = -1.0 if down else ratio
         if sum(factor != 0.0 for factor in factors.values()) < 2:
             raise element.error("it couples no two joints")
         # what follows is the joint before the successor

@@ -22,12 +22,11 @@ def told_motors(root: Element) -> dict[str, Motor | None]:
         for motor, joint in zip(made.all("actuator"), made.all("joint"), strict=False):
             rotor = motor.one("drake:rotor_inertia")
             gear = motor.one("drake:gear_ratio")
-            reduction = motor.one("mechanicalReduction")
-            ratio = 1.0
-            if gear is not None:
-                ratio = gear.number("value")
-            elif reduction is not None:
-                ratio = reduction.text_number()
+            ratio = (
+                motor.child_number("mechanicalReduction", 1.0)
+                if gear is None
+                else gear.number("value")
+            )
             if rotor is not None:
                 inertias[joint.attributes.get("name", "")] = rotor.number("value") * ratio**2
     found = {}

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Collection
 
 from symkin.formats.joint_graph import Direction
 from symkin.formats.parts import JOINTS_TAG, Parts, parts_from
 from symkin.formats.xml_text import Element
 from symkin.spatial.pose import Pose
+from symkin.text import meant
 
 
 def origin(element: Element, tag: str = "origin") -> Pose:
@@ -50,6 +52,19 @@ def unit(element: Element, vector: tuple[float, ...]) -> Direction:
     if length < 1e-9:
         raise element.error(f"{[x, y, z]} is the zero vector; a direction is needed")
     return (x, y, z) if abs(length - 1.0) < 4e-16 else (x / length, y / length, z / length)
+
+
+def known_link(name: str, element: Element, links: Collection[str]) -> str:
+    """The name of a link. Raises MechanismError for one that no link has."""
+    if name not in links:
+        raise element.error(f"the link {name!r} is unknown{meant(name, links)}")
+    return name
+
+
+def refuse_itself(first: str, second: str, element: Element) -> None:
+    """Raise MechanismError for a joint between a link and itself."""
+    if first == second:
+        raise element.error(f"joins the link {first!r} to itself; two links are needed")
 
 
 def plain_tag(tag: str) -> str:

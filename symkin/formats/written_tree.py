@@ -11,6 +11,8 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
@@ -159,28 +161,22 @@ class _Writer:
     def _add_rod(self, rod: LinkRod) -> None:
         """A rod as links between spherical joints, a slide between them where it is actuated."""
         ends = [fresh_name(end.path, self.names) for end in (rod.bar.start, rod.bar.end)]
-        first, second = Joint(ends[0], "S", rod.start), Joint(ends[1], "S", rod.end)
-        if not rod.actuated:
-            link = fresh_name(rod.name, self.links)
-            self.entries += [
-                LinkJoint(first, (rod.links[0], link)),
-                LinkJoint(second, (link, rod.links[1])),
-            ]
-            self.wholes.append(Whole(rod.name, "rod", (ends[0], ends[1]), rod.length or 0.0))
-            return
-        near, far = (
-            fresh_name(f"{rod.name}.{word}", self.links) for word in ("cylinder", "piston")
-        )
-        along = (
-            np.subtract(rod.end, rod.start) if rod.reference_length else np.array([0.0, 0.0, 1.0])
-        )
-        value = rod.reference_length - rod.offset
-        slide = Joint(
-            rod.name, "P", rod.end, tuple(along), actuated=True, zero=value, limits=rod.limits
-        )
-        chain = [(first, rod.links[0], near), (slide, near, far), (second, far, rod.links[1])]
-        self.entries += [LinkJoint(joint, (start, end)) for joint, start, end in chain]
-        self.wholes.append(Whole(rod.name, "rod", (ends[0], rod.name, ends[1]), rod.offset))
+        joints, names, number = [Joint(ends[0], "S", rod.start)], [rod.name], rod.length or 0.0
+        if rod.actuated:
+            along = (
+                np.subtract(rod.end, rod.start)
+                if rod.reference_length
+                else np.array([0.0, 0.0, 1.0])
+            )
+            look: dict[str, Any] = {"zero": rod.reference_length - rod.offset, "limits": rod.limits}
+            joints.append(Joint(rod.name, "P", rod.end, tuple(along), actuated=True, **look))
+            names = [f"{rod.name}.{word}" for word in ("cylinder", "piston")]
+            number = rod.offset
+        joints.append(Joint(ends[1], "S", rod.end))
+        links = [rod.links[0], *(fresh_name(name, self.links) for name in names), rod.links[1]]
+        pairs = zip(joints, pairwise(links), strict=True)
+        self.entries += [LinkJoint(joint, between) for joint, between in pairs]
+        self.wholes.append(Whole(rod.name, "rod", tuple(joint.name for joint in joints), number))
 
     # --- the tree ---------------------------------------------------------------------------------
 

@@ -122,6 +122,18 @@ class Element:
         """The number in the element's text."""
         return self._number(self.text, "the text", infinite)
 
+    def child_text(self, tag: str, default: str = "") -> str:
+        """The text of the child of this tag, without spaces around it; `default` where there is
+        none.
+        """
+        child = self.one(tag)
+        return default if child is None else child.text.strip()
+
+    def child_number(self, tag: str, default: float, *, infinite: bool = False) -> float:
+        """The number in the text of the child of this tag; `default` where there is none."""
+        child = self.one(tag)
+        return default if child is None else child.text_number(infinite=infinite)
+
     def walk(self) -> Iterator[Element]:
         """The element and all within it, in the file's order."""
         todo = [self]
@@ -148,6 +160,11 @@ class Element:
                 f"1e-3"
             )
         return value
+
+
+def is_true(text: str) -> bool:
+    """Whether a text is a flag that is set."""
+    return text.strip().lower() in ("1", "true")
 
 
 def read_xml(path: Path, *roots: str) -> Element:

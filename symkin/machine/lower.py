@@ -76,7 +76,8 @@ def lowered(
 def lowered_limbs(mechanism: Mechanism) -> Lowered:
     """The machine of a description as limbs, whose passive joints are told where they have limits
     only: a graph that is limbs is these, a limb that does nothing but guide the platform in its
-    motion is gone, and it stands in the frame in which its numbers are simplest.
+    motion is gone, it stands in the frame in which its numbers are simplest, and its limbs are laid
+    along axes.
     """
     limbs = limbs_of(mechanism) if mechanism.is_graph else None
     plain = mechanism if limbs is None else limbs.mechanism
@@ -85,7 +86,8 @@ def lowered_limbs(mechanism: Mechanism) -> Lowered:
     machine, readings = with_universal_joints(without_guides(placed)[0], kept)
     if frames is None:
         machine, frames = with_own_frame(machine)
-    return Lowered(mechanism, machine, frames, readings)
+    is_laid = any(limb.joints for limb in machine.limbs)
+    return Lowered(mechanism, replace(machine, laid=is_laid), frames, readings)
 
 
 def _without_points(mechanism: Mechanism) -> Mechanism:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterable, Sequence
+from collections.abc import Hashable, Iterable, Iterator, Sequence
 from typing import Generic, Protocol, TypeVar
 
 Item = TypeVar("Item", bound=Hashable)
@@ -28,6 +28,17 @@ def way(pairs: Sequence[PairType], begin: str, end: str) -> list[PairType] | Non
                 ways[other] = [*ways[link], pair]
                 reached.append(other)
     return ways.get(end)
+
+
+def along(pairs: Iterable[PairType], begin: str) -> Iterator[tuple[PairType, bool]]:
+    """Each pair of a way from a link, and whether the way takes it from its first link to its
+    second.
+    """
+    at = begin
+    for pair in pairs:
+        forward = pair.links[0] == at
+        at = pair.links[forward]
+        yield pair, forward
 
 
 def joined_to(pairs: Iterable[Pair], begin: str) -> set[str]:

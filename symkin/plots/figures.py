@@ -25,7 +25,7 @@ from symkin.plots.painter import Painter
 from symkin.plots.picture_file import check_picture_path, write_picture
 from symkin.plots.picture_options import Names, names_from
 from symkin.plots.raised import circle_notes, raised
-from symkin.plots.sheet import SHEET_DPI, make_sheet, sheet_axes, symbol_size, text_extent
+from symkin.plots.sheet import make_sheet, symbol_size, text_extent
 from symkin.plots.style import drawing
 from symkin.quiet import warnings_ignored
 from symkin.singularities.named_screw import NamedScrew
@@ -119,18 +119,14 @@ def figure_of_sketch(mechanism: Mechanism, names: str = "all") -> Figure:
     with drawing():
         figure, ax = make_sheet(_WIDTH, _HEIGHT)
         room = np.array([_WIDTH - 2 * _SIDE, _HEIGHT - _TOP - _BOTTOM - 0.6 * _SIDE])
-        low, high = _extent([layout], camera)
-        scale = float(np.min(room / (high - low)))
+        side = _Side.of([layout], camera)
+        scale = float(np.min(room / side.extent))
         centre = np.array([0.5 * _WIDTH, _BOTTOM + 0.5 * (_HEIGHT - _TOP - _BOTTOM)])
-        shift = centre - 0.5 * scale * (low + high)
         symbol = _symbol_size(layout, camera, scale, _SYMBOL, _LEAST_SYMBOL)
-        drawn = _spread(layout, camera, symbol / scale)
-        origin = shows_origin([layout], camera)
-        painter = Painter(ax, drawn, camera, scale, shift, symbol, origin=origin, large=True)
-        painter.draw()
+        painter = side.painted(ax, layout, scale, centre, symbol, large=True)
         named = chosen not in ("none", "loops")
         page, lengths = Page(_WIDTH, _HEIGHT - _TOP), lengths_of(layout) if named else {}
-        unnamed = draw_labels(figure, painter, page, chosen, lengths=lengths)
+        unnamed = draw_labels(painter, page, chosen, lengths=lengths)
         facts = [
             "kinematic sketch at the reference configuration",
             f"lengths in {unit}",
@@ -139,7 +135,7 @@ def figure_of_sketch(mechanism: Mechanism, names: str = "all") -> Figure:
             *circle_notes(layout),
             *([f"{unnamed} names find no room"] if unnamed else []),
         ]
-        _heading(ax, mechanism, ["; ".join(facts)], _WIDTH, _HEIGHT)
+        heading(ax, mechanism, ["; ".join(facts)], _WIDTH, _HEIGHT)
         draw_legend(ax, [layout], camera, scale, _WIDTH, 0.0, named=named)
     return figure
 
@@ -173,24 +169,53 @@ def figure_of_panels(
     """
     block = Block.of(mechanism, panels, names, views)
     width = max(block.pixels[0] + _PANEL_GAP, _NARROWEST)
-    head = _HEAD + _PANEL_LINE * max(0, sum(len(_facts_lines(fact, width)) for fact in facts) - 2)
+    head = head_of(facts, width)
     whole = width, head + block.pixels[1] + _FOOT
     with drawing():
         figure, ax = make_sheet(*whole)
-        unnamed = block.paint(figure, ax, 0.5 * whole[0], whole[1] - head)
+        unnamed = block.paint(ax, 0.5 * whole[0], whole[1] - head)
         more = [f"{unnamed} names find no room; choose fewer modes or names"] if unnamed else []
-        _heading(ax, mechanism, [*facts, *more], *whole, part)
+        heading(ax, mechanism, [*facts, *more], *whole, part)
         block.paint_legend(ax, whole[0], 0.0)
     return figure
 
 
 @dataclass(frozen=True, eq=False)
 class _Side:
-    """One side from which panels are seen, and lower and upper bounds (2,) of what is seen."""
+    """One side from which configurations are seen, lower and upper bounds (2,) of what is seen, and
+    whether the base frame's origin is near enough to be in the picture.
+    """
 
     camera: Camera
     low: np.ndarray
     high: np.ndarray
+    origin: bool
+
+    @staticmethod
+    def of(layouts: Sequence[Layout], camera: Camera) -> _Side:
+        return _Side(camera, *_extent(layouts, camera), shows_origin(layouts, camera))
+
+    @property
+    def extent(self) -> np.ndarray:
+        return np.asarray(self.high - self.low)
+
+    def painted(
+        self,
+        ax: Any,
+        layout: Layout,
+        scale: float,
+        centre: np.ndarray,
+        symbol: float,
+        **look: Any,
+    ) -> Painter:
+        """Draw a configuration about a place of a sheet; joints that share a point stand apart, but
+        along axes that point to the eye.
+        """
+        drawn = layout if self.camera.planar else layout.spread(_STEP * (symbol / scale))
+        shift = centre - 0.5 * scale * (self.low + self.high)
+        made = Painter(ax, drawn, self.camera, scale, shift, symbol, origin=self.origin, **look)
+        made.draw()
+        return made
 
 
 @dataclass(frozen=True, eq=False)
@@ -217,13 +242,11 @@ class Block:
         columns: int | None = None,
     ) -> Block:
         main, layouts = Camera.of(layout_of(mechanism)), [panel.layout for panel in panels]
-        cameras = [main.seen_from(view) for view in views]
-        sides = tuple(_Side(camera, *_extent(layouts, camera)) for camera in cameras)
+        sides = tuple(_Side.of(layouts, main.seen_from(view)) for view in views)
         room = _PANEL * _LARGER.get(len(panels) * len(sides), 1.0)
-        scale = room / float(max(np.max(side.high - side.low) for side in sides))
-        width, height = (
-            scale * max(float((side.high - side.low)[k]) for side in sides) for k in range(2)
-        )
+        largest = np.max([side.extent for side in sides], axis=0)
+        scale = room / float(largest.max())
+        width, height = map(float, scale * largest)
         cell_wide = max(width, _LEAST_CELL) + _PANEL_GAP
         across = columns or _columns(len(panels), len(sides), cell_wide)
         text = _PANEL_TITLE + _PANEL_LINE * max(
@@ -238,27 +261,14 @@ class Block:
         rows = math.ceil(len(self.panels) * len(self.sides) / self.columns)
         return self.columns * self.cell[0], rows * self.cell[1]
 
-    @property
-    def size(self) -> tuple[float, float]:
-        """Width and height in inches."""
-        return self.pixels[0] / SHEET_DPI, self.pixels[1] / SHEET_DPI
-
-    def draw(self, figure: Figure, middle: float, top: float, legend: float) -> None:
-        """Draw the panels below `top` about `middle`, and the legend above `legend`, in inches from
-        the lower left corner of a figure that is no sheet yet.
-        """
-        ax = sheet_axes(figure)
-        self.paint(figure, ax, SHEET_DPI * middle, SHEET_DPI * top)
-        self.paint_legend(ax, SHEET_DPI * figure.get_figwidth(), SHEET_DPI * legend)
-
-    def paint(self, figure: Any, ax: Any, middle: float, top: float) -> int:
+    def paint(self, ax: Any, middle: float, top: float) -> int:
         """Draw on a sheet, in pixels. How many names find no room."""
         cells = [(panel, side) for panel in self.panels for side in self.sides]
         unnamed = 0
         for k, (panel, side) in enumerate(cells):
             row, column = divmod(k, self.columns)
             x = middle + (column + 0.5 - 0.5 * self.columns) * self.cell[0]
-            unnamed += self._panel(figure, ax, panel, side, x, top - row * self.cell[1])
+            unnamed += self._panel(ax, panel, side, x, top - row * self.cell[1])
         return unnamed
 
     def _symbol(self, side: _Side) -> float:
@@ -268,14 +278,10 @@ class Block:
         sizes = [_symbol_size(layout, side.camera, self.scale, *bounds) for layout in layouts]
         return float(np.median(sizes))
 
-    def _panel(self, figure: Any, ax: Any, panel: Panel, side: _Side, x: float, top: float) -> int:
+    def _panel(self, ax: Any, panel: Panel, side: _Side, x: float, top: float) -> int:
         centre = np.array([x, top - self.text - 0.5 * (self.cell[1] - self.text - _PANEL_GAP)])
-        shift = centre - 0.5 * self.scale * (side.low + side.high)
         symbol = self._symbol(side)
-        origin = shows_origin([panel.layout for panel in self.panels], side.camera)
-        drawn = _spread(panel.layout, side.camera, symbol / self.scale)
-        painter = Painter(ax, drawn, side.camera, self.scale, shift, symbol, 0.8, origin)
-        painter.draw()
+        painter = side.painted(ax, panel.layout, self.scale, centre, symbol, width=0.8)
         for twist in panel.twists:
             painter.draw_twist(twist)
         seen = _SIDE_TITLES[side.camera.name] if len(self.sides) > 1 else ""
@@ -284,19 +290,13 @@ class Block:
         if side is self.sides[0]:
             text = "\n".join(_wrapped(panel.text, self.cell[0]))
             _write(ax, x, top - 26.0, text, fontsize=8.0, color=COLOURS["quiet"])
-        page = Page(
-            self.cell[0],
-            self.cell[1] - self.text,
-            left=x - 0.5 * self.cell[0],
-            foot=top - self.cell[1],
-        )
-        return draw_labels(figure, painter, page, self.names, _PANEL_NAMES)
+        wide, high = self.cell
+        page = Page(wide, high - self.text, left=x - 0.5 * wide, foot=top - high)
+        return draw_labels(painter, page, self.names, _PANEL_NAMES)
 
     def paint_legend(self, ax: Any, width: float, foot: float) -> None:
-        layouts, named = (
-            [panel.layout for panel in self.panels],
-            self.names not in ("none", "loops"),
-        )
+        layouts = [panel.layout for panel in self.panels]
+        named = self.names not in ("none", "loops")
         twists = any(panel.twists for panel in self.panels)
         side = self.sides[0].camera
         draw_legend(ax, layouts, side, self.scale, width, foot, named=named, twists=twists)
@@ -349,11 +349,6 @@ def shows_origin(layouts: Sequence[Layout], camera: Camera) -> bool:
     return float(np.linalg.norm(away)) < _FAR * layouts[0].size
 
 
-def _spread(layout: Layout, camera: Camera, symbol: float) -> Layout:
-    """Joints that share a point stand apart, but along axes that point to the eye."""
-    return layout if camera.planar else layout.spread(_STEP * symbol)
-
-
 def _symbol_size(layout: Layout, camera: Camera, scale: float, most: float, least: float) -> float:
     """Pixels: what the distance of the nearest two symbols that are apart leaves, within bounds."""
     centres = [mark.centre for mark in layout.joints]
@@ -366,9 +361,10 @@ def _symbol_size(layout: Layout, camera: Camera, scale: float, most: float, leas
 # --- texts ----------------------------------------------------------------------------------------
 
 
-def _heading(
+def heading(
     ax: Any, mechanism: Mechanism, facts: Sequence[str], width: float, height: float, part: str = ""
 ) -> None:
+    """Write the mechanism's title, then `part`, at the top of a sheet, and facts below it."""
     title = mechanism.name + (f": {mechanism.title}" if mechanism.title else "")
     room = int(width / 17)
     shortened = (
@@ -378,12 +374,17 @@ def _heading(
     )
     text, bold = shortened + part, {"fontweight": "bold"}
     with warnings_ignored("Glyph .* missing"):
-        wide = text_extent(ax.figure, ax, text, _TITLE, **bold)[0]
+        wide = text_extent(ax, text, _TITLE, **bold)[0]
     font = _TITLE * min(1.0, 0.94 * width / wide)
     _write(ax, 0.5 * width, height - 22.0, text, fontsize=font, **bold)
     lines = "\n".join(line for fact in facts for line in _facts_lines(fact, width))
     look = {"fontsize": 9.0, "color": COLOURS["quiet"], "linespacing": 1.35}
     _write(ax, 0.5 * width, height - 62.0, lines, **look)
+
+
+def head_of(facts: Sequence[str], width: float) -> float:
+    """Pixels of the heading of a sheet of panels."""
+    return _HEAD + _PANEL_LINE * max(0, sum(len(_facts_lines(fact, width)) for fact in facts) - 2)
 
 
 def _facts_lines(fact: str, width: float) -> list[str]:

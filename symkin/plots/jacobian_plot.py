@@ -11,7 +11,7 @@ import numpy as np
 
 from symkin.drawing.palette import COLOURS
 from symkin.errors import InputError
-from symkin.plots.sheet import new_figure
+from symkin.plots.sheet import colour_bar, head, new_figure
 from symkin.plots.style import drawing
 from symkin.position.given import given_coordinates
 from symkin.position.solve_result import SolveError
@@ -81,12 +81,11 @@ def _matrix_figure(jacobian: Jacobian, matrix: np.ndarray, title: str) -> Figure
         ax.set_yticks(range(rows), [matplotlib_text(name) for name in jacobian.rows])
         if matrix.size <= _MOST_WRITTEN:
             for (i, j), value in np.ndenumerate(matrix):
-                colour = "white" if abs(shade[i, j]) > 0.6 * reach else COLOURS["text"]
-                ax.text(
-                    j, i, f"{value + 0.0:.3g}", ha="center", va="center", fontsize=7.5, color=colour
-                )
-        figure.colorbar(image, ax=ax, shrink=0.9, label="colours: angles\ntimes the size")
-        figure.suptitle(title, fontsize=11, color=COLOURS["text"], parse_math=False)
+                look = {"color": "white" if abs(shade[i, j]) > 0.6 * reach else COLOURS["text"]}
+                look |= {"ha": "center", "va": "center"}
+                ax.text(j, i, f"{value + 0.0:.3g}", fontsize=7.5, **look)
+        colour_bar(ax, image, "colours: angles\ntimes the size", shrink=0.9)
+        head(figure, title, 11)
     return figure
 
 

@@ -28,6 +28,8 @@ _WIDTH = 0.52
 """Diameter of cylinders and side of prisms, over their length."""
 _END_ON = 0.25
 """Length of a direction as it is seen (of 1) below which an axis counts as pointing to the eye."""
+_CORNERS = ((-1, -1), (1, -1), (1, 1), (-1, 1))
+"""Corners of a square."""
 _EDGE = 1.2
 """Width of outlines in points."""
 
@@ -65,10 +67,7 @@ def _prismatic(centre: np.ndarray, axes: list[np.ndarray], size: float, fill: st
     axis, seen = _direction(axes[0])
     half, side = 0.5 * size * max(seen, _WIDTH), 0.5 * _WIDTH * size
     across = np.array([-axis[1], axis[0]])
-    corners = [
-        centre + i * half * axis + j * side * across
-        for i, j in ((-1, -1), (1, -1), (1, 1), (-1, 1))
-    ]
+    corners = [centre + i * half * axis + j * side * across for i, j in _CORNERS]
     rail = 1.55 * half * axis
     inside = (
         [_line([corners[0], corners[2]], 0.7), _line([corners[1], corners[3]], 0.7)]
@@ -133,12 +132,7 @@ def _spherical(centre: np.ndarray, _axes: list[np.ndarray], size: float, fill: s
 
 def _weld(centre: np.ndarray, _axes: list[np.ndarray], size: float, _fill: str) -> list[Any]:
     half = 0.18 * size
-    return [
-        _polygon(
-            [centre + half * np.array(corner) for corner in ((-1, -1), (1, -1), (1, 1), (-1, 1))],
-            COLOURS["link"],
-        )
-    ]
+    return [_polygon([centre + half * np.array(c) for c in _CORNERS], COLOURS["link"])]
 
 
 _DRAWN = {
@@ -209,24 +203,15 @@ def _polygon(corners: Sequence[np.ndarray], fill: str) -> Any:
     )
 
 
-def _disc(centre: np.ndarray, radius: float, fill: str) -> Any:
+def _disc(centre: np.ndarray, radius: float, fill: str, edge: str = COLOURS["link"]) -> Any:
     from matplotlib.patches import Circle
 
-    return Circle(
-        (float(centre[0]), float(centre[1])),
-        radius,
-        facecolor=fill,
-        edgecolor=COLOURS["link"],
-        linewidth=_EDGE,
-    )
+    place = float(centre[0]), float(centre[1])
+    return Circle(place, radius, facecolor=fill, edgecolor=edge, linewidth=_EDGE)
 
 
 def _dot(centre: np.ndarray, radius: float) -> Any:
-    from matplotlib.patches import Circle
-
-    return Circle(
-        (float(centre[0]), float(centre[1])), radius, facecolor=COLOURS["link"], edgecolor="none"
-    )
+    return _disc(centre, radius, COLOURS["link"], "none")
 
 
 def _line(points: Sequence[np.ndarray], width: float) -> Any:

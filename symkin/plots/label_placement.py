@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -41,16 +42,18 @@ that is not the wished one.
 
 @dataclass(frozen=True)
 class Label:
-    """A text of `width` and `height` for what lies at `anchor` with radius `reach`; `wish` is the
-    direction (2,) that it would best lie in.
+    """A text for what lies at `anchor` (2,) with radius `reach`, its size in points and its look;
+    `wish` is the direction (2,) that it would best lie in; `width` and `height` are its pixels.
     """
 
     text: str
-    anchor: tuple[float, float]
+    anchor: np.ndarray
     reach: float
-    width: float
-    height: float
-    wish: tuple[float, float] = (0.0, 1.0)
+    font: float
+    look: dict[str, Any]
+    wish: np.ndarray | None = None
+    width: float = 0.0
+    height: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -126,18 +129,15 @@ class Page:
         wished one (0 to 2).
         """
         half = 0.5 * np.array([label.width, label.height])
+        wish = np.array([0.0, 1.0]) if label.wish is None else label.wish
         found = []
         for k in range(_DIRECTIONS):
             angle = 2 * np.pi * k / _DIRECTIONS
             way = np.array([np.cos(angle), np.sin(angle)])
             middle = (
-                np.array(label.anchor)
-                + (label.reach + ring) * way
-                + half * np.clip(1.5 * way, -1.0, 1.0)
+                label.anchor + (label.reach + ring) * way + half * np.clip(1.5 * way, -1.0, 1.0)
             )
-            found.append(
-                (Box(float(middle[0]), float(middle[1]), *half), 1.0 - float(way @ label.wish))
-            )
+            found.append((Box(float(middle[0]), float(middle[1]), *half), 1.0 - float(way @ wish)))
         return found
 
     def _cost(self, box: Box, ring: float, turned: float) -> float:

@@ -6,13 +6,14 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import replace
 from itertools import combinations
 from typing import Any
 
 import numpy as np
 
 from symkin.drawing.layout import HAND, Layout
+from symkin.drawing.outline import grouped
 from symkin.drawing.palette import COLOURS, FRAME_COLOURS
 from symkin.model.joint import BASE
 from symkin.plots.label_placement import Box, Label, Page
@@ -32,24 +33,13 @@ _FARTHEST, _MOST_COST = 70.0, 75.0
 """Pixels between a name and what it names, and what its place may cost, in a crowded picture."""
 _MOST_LENGTHS = 12
 """Lengths that are written; of more, none is."""
+_ONE_PLACE = 3.0
+"""Pixels below which joints stand at one place."""
 _SHORT, _SAME = 0.01, 1e-6
 """Lengths over the size: below which one is not written, and below which two points are one."""
 
 
-@dataclass(frozen=True)
-class _Name:
-    """A text for what lies at `anchor` (2,) with radius `reach`, best in the direction `wish`."""
-
-    text: str
-    anchor: np.ndarray
-    reach: float
-    font: float
-    look: dict[str, Any]
-    wish: np.ndarray | None = None
-
-
 def draw_labels(
-    figure: Any,
     painter: Painter,
     page: Page,
     names: Names = "all",
@@ -68,21 +58,18 @@ def draw_labels(
     numbers = list(_lengths(painter, lengths or {}))
     for name in [*wanted, *numbers]:
         font = scale * name.font
-        width, height = text_extent(figure, painter.ax, name.text, font, **name.look)
+        wide, high = text_extent(painter.ax, name.text, font, **name.look)
         wish = direction(name.anchor - middle) if name.wish is None else name.wish
-        anchor = float(name.anchor[0]), float(name.anchor[1])
-        label = Label(
-            name.text, anchor, name.reach, width, height, (float(wish[0]), float(wish[1]))
-        )
+        label = replace(name, font=font, wish=wish, width=wide, height=high)
         box = page.find(label, _FARTHEST, _MOST_COST) if crowded else page.place(label)
         if box is None:
             left_out += name not in numbers
         else:
-            _write(painter.ax, page, label, box, {"fontsize": font, **name.look})
+            _write(painter.ax, page, label, box)
     return left_out
 
 
-def _wanted(painter: Painter, names: Names) -> Iterator[_Name]:
+def _wanted(painter: Painter, names: Names) -> Iterator[Label]:
     """All names, the most important first."""
     if names == "none":
         return
@@ -95,16 +82,16 @@ def _wanted(painter: Painter, names: Names) -> Iterator[_Name]:
     layout = painter.layout
     for name, (_, point) in layout.points.items() if names != "joints" else ():
         look = {"color": COLOURS["text"], "fontstyle": "italic"}
-        yield _Name(name, painter.at(point), 6.0, 9.0, look)
+        yield Label(name, painter.at(point), 6.0, 9.0, look)
     for rod in layout.rods if names != "links" or layout.mechanism.is_graph else ():
         if rod.actuated or (names != "joints" and layout.mechanism.is_graph):
             reach = 0.4 * painter.symbol if rod.actuated else 4.0
-            yield _Name(rod.name, painter.at(rod.centre), reach, 9.0, {"color": COLOURS["link"]})
+            yield Label(rod.name, painter.at(rod.centre), reach, 9.0, {"color": COLOURS["link"]})
     if names in ("links", "all"):
         yield from _links(painter, names)
 
 
-def _frames(painter: Painter) -> Iterator[_Name]:
+def _frames(painter: Painter) -> Iterator[Label]:
     """Letters of frames at their origins, and of arrows at their tips."""
     mechanism, bold = painter.layout.mechanism, {"fontweight": "bold"}
     letter, frames = mechanism.frame_name[0].upper(), painter.frames
@@ -119,16 +106,16 @@ def _frames(painter: Painter) -> Iterator[_Name]:
         away = -np.sum([tip - place for tip in tips if tip is not None], axis=0, initial=0.0)
         if not (together and number):
             look = {"color": colour, **bold}
-            yield _Name(text, place, 6.0, 10.0, look, direction(np.broadcast_to(away, 2)))
+            yield Label(text, place, 6.0, 10.0, look, direction(np.broadcast_to(away, 2)))
         turned = np.linalg.norm(rotation - frames[0][1]) > _SAME
         for tip, axis, ink in zip(tips, "xyz", FRAME_COLOURS, strict=True):
             if painter.large and tip is not None and (number == 0 or turned or not together):
                 mark = "" if base else "'"
                 look = {"color": ink, "fontstyle": "italic"}
-                yield _Name(axis + mark, tip, 2.0, 9.0, look, direction(tip - place))
+                yield Label(axis + mark, tip, 2.0, 9.0, look, direction(tip - place))
 
 
-def _links(painter: Painter, names: Names) -> Iterator[_Name]:
+def _links(painter: Painter, names: Names) -> Iterator[Label]:
     """Names of links; of limbs those of the limbs, at their first joints, of base and platform."""
     layout, mechanism = painter.layout, painter.layout.mechanism
     if mechanism.is_graph:
@@ -143,7 +130,7 @@ def _links(painter: Painter, names: Names) -> Iterator[_Name]:
         if limb.joints:
             first = next(mark for mark in layout.joints if mark.name == limb.joints[0].name)
             look = {"color": COLOURS["base edge"], "fontweight": "bold"}
-            yield _Name(limb.name, painter.at(first.start), 0.5 * painter.symbol, 9.5, look)
+            yield Label(limb.name, painter.at(first.start), 0.5 * painter.symbol, 9.5, look)
     if names == "links":
         yield _link(painter, BASE, layout.links[BASE].points.mean(axis=0), "base edge")
         if not mechanism.serial and mechanism.platform_link is not None:
@@ -151,15 +138,15 @@ def _links(painter: Painter, names: Names) -> Iterator[_Name]:
             yield _link(painter, "platform", points.mean(axis=0), "platform edge")
 
 
-def _link(painter: Painter, name: str, point: np.ndarray, ink: str) -> _Name:
+def _link(painter: Painter, name: str, point: np.ndarray, ink: str) -> Label:
     look = {"color": COLOURS[ink], "fontstyle": "italic"}
-    return _Name(name, painter.at(point), 2.0, 8.5, look)
+    return Label(name, painter.at(point), 2.0, 8.5, look)
 
 
-def _lengths(painter: Painter, lengths: Mapping[str, np.ndarray]) -> Iterator[_Name]:
+def _lengths(painter: Painter, lengths: Mapping[str, np.ndarray]) -> Iterator[Label]:
     look = {"color": COLOURS["platform edge"], "fontstyle": "italic"}
     for text, place in lengths.items():
-        yield _Name(text, painter.at(place), 3.0, 8.5, look, np.array([0.0, 1.0]))
+        yield Label(text, painter.at(place), 3.0, 8.5, look, np.array([0.0, 1.0]))
 
 
 def lengths_of(layout: Layout) -> dict[str, np.ndarray]:
@@ -194,13 +181,14 @@ def _rigid(layout: Layout) -> Iterator[tuple[np.ndarray, np.ndarray]]:
     yield from ((rod.start, rod.end) for rod in layout.rods if not rod.actuated)
 
 
-def _joints(painter: Painter, names: Names) -> Iterator[_Name]:
+def _joints(painter: Painter, names: Names) -> Iterator[Label]:
     """Names of joints, those of one place in one text; of two colours where some of them close
     loops.
     """
     closing = painter.layout.closing
     driven = {joint.name for joint in painter.layout.joints if joint.actuated}
-    places = _places(painter)
+    drawn = ((joint.name, painter.at(joint.centre)) for joint in painter.layout.joints)
+    places = grouped(drawn, _ONE_PLACE)
     places.sort(key=lambda entry: (not closing & set(entry[0]), not driven & set(entry[0])))
     for here, place in places:
         loops = [name for name in here if name in closing]
@@ -208,20 +196,7 @@ def _joints(painter: Painter, names: Names) -> Iterator[_Name]:
         reach = (RING + 0.1 if loops else 0.5) * painter.symbol
         for group, colour in ((loops, "loop"), (others, "text")):
             if group and (names != "loops" or group is loops):
-                yield _Name(_joined(group), place, reach, 9.5, {"color": COLOURS[colour]})
-
-
-def _places(painter: Painter) -> list[tuple[list[str], np.ndarray]]:
-    """Places of joints in the picture, with the names of those that share one."""
-    found: list[tuple[list[str], np.ndarray]] = []
-    for joint in painter.layout.joints:
-        place = painter.at(joint.centre)
-        names = next((names for names, other in found if np.linalg.norm(place - other) < 3.0), None)
-        if names is None:
-            found.append(([joint.name], place))
-        else:
-            names.append(joint.name)
-    return found
+                yield Label(_joined(group), place, reach, 9.5, {"color": COLOURS[colour]})
 
 
 def _joined(names: list[str]) -> str:
@@ -230,9 +205,9 @@ def _joined(names: list[str]) -> str:
     return textwrap.fill(", ".join(kept) + more, 40)
 
 
-def _write(ax: Any, page: Page, label: Label, box: Box, look: dict[str, Any]) -> None:
+def _write(ax: Any, page: Page, label: Label, box: Box) -> None:
     """The text, and a line to what it names where it stands away from it."""
-    anchor = np.array(label.anchor)
+    anchor = label.anchor
     edge = np.clip(
         anchor, (box.x - box.wide, box.y - box.high), (box.x + box.wide, box.y + box.high)
     )
@@ -257,5 +232,6 @@ def _write(ax: Any, page: Page, label: Label, box: Box, look: dict[str, Any]) ->
         parse_math=False,
         gid="label",
         path_effects=outlined(),
-        **look,
+        fontsize=label.font,
+        **label.look,
     )

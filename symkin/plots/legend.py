@@ -55,7 +55,7 @@ def draw_legend(
     entries = list(_entries(layouts[0], scale, named, twists))
     gaps = [_gap(look) for _, look in entries]
     widths = [
-        text_extent(ax.figure, ax, name, 9.5)[0] + gap + 0.38 * _ENTRY
+        text_extent(ax, name, 9.5)[0] + gap + 0.38 * _ENTRY
         for (name, _), gap in zip(entries, gaps, strict=True)
     ]
     count = 1

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from symkin.drawing.palette import COLOURS, KIND_COLOURS
-from symkin.plots.sheet import foot_legend, head, labelled, name_axes, new_figure
+from symkin.plots.sheet import foot_legend, head, labelled, name_axes, new_figure, subtitle
 from symkin.plots.style import drawing
 from symkin.position.varied_pose import axis_title
 from symkin.singularities.loci import MISSING, NONE_MET
@@ -34,7 +34,7 @@ def figure_of_loci(loci: Loci) -> Figure:
         axes = figure.subplots()
         draw_curves(axes, loci)
         head(figure, f"{loci.plane.mechanism.name}: singularity loci")
-        axes.set_title(loci.held, fontsize=9, color=COLOURS["quiet"], parse_math=False)
+        subtitle(axes, loci.held)
         foot_legend(figure, labelled(axes), 3)
     return figure
 
@@ -50,20 +50,11 @@ def draw_curves(axes: Any, loci: Loci, *, emphasise: bool = True) -> None:
         draw_locus(axes, curve, emphasise=emphasise)
         ends = curve.loose_ends(loci.ranges)
         if len(ends):
-            axes.plot(
-                *ends.T,
-                "x",
-                color=KIND_COLOURS[curve.kind],
-                ms=6,
-                mew=1.4,
-                label="tracing ends",
-                zorder=4,
-            )
+            look = {"color": KIND_COLOURS[curve.kind], "ms": 6, "mew": 1.4, "zorder": 4}
+            axes.plot(*ends.T, "x", label="tracing ends", **look)
     u, v = (_out(loci, k) for k in range(2))
     if all(low <= value <= high for value, (low, high) in zip((u, v), loci.ranges, strict=True)):
-        axes.plot(
-            [u], [v], "+", color=COLOURS["text"], ms=11, mew=1.6, label="configuration", zorder=5
-        )
+        draw_cross(axes, u, v, label="configuration")
     if not loci.curves:
         apart = 0.25 if v > float(np.mean(loci.ranges[1])) else 0.75
         look = {"transform": axes.transAxes, "color": COLOURS["quiet"], "zorder": 6, "fontsize": 12}
@@ -83,29 +74,18 @@ def draw_curves(axes: Any, loci: Loci, *, emphasise: bool = True) -> None:
 def _draw_points(axes: Any, loci: Loci) -> None:
     """The singular points over one coordinate, on a line."""
     for curve in loci.curves:
-        axes.plot(
-            curve.points[:, 0],
-            [0.0],
-            "D",
-            color=KIND_COLOURS[curve.kind],
-            ms=7,
-            label=curve.kind,
-            zorder=4,
-        )
-    axes.plot(
-        [_out(loci, 0)],
-        [0.0],
-        "+",
-        color=COLOURS["text"],
-        ms=11,
-        mew=1.6,
-        label="configuration",
-        zorder=5,
-    )
+        look = {"color": KIND_COLOURS[curve.kind], "ms": 7, "zorder": 4}
+        axes.plot(curve.points[:, 0], [0.0], "D", label=curve.kind, **look)
+    draw_cross(axes, _out(loci, 0), 0.0, label="configuration")
     axes.axhline(0.0, color=COLOURS["grid"], lw=1.0, zorder=1)
     axes.set(xlim=loci.ranges[0], ylim=(-1.0, 1.0), yticks=[])
     name = f"{loci.plane.names[0]} [{loci.units[0]}]"
     name_axes(axes, name + _caption(loci), colour=COLOURS["text"])
+
+
+def draw_cross(axes: Any, u: float, v: float, **look: Any) -> None:
+    """The configuration that is given."""
+    axes.plot([u], [v], "+", color=COLOURS["text"], ms=11, mew=1.6, zorder=5, **look)
 
 
 def _caption(loci: Loci) -> str:

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from symkin.drawing.palette import COLOURS
-from symkin.plots.sheet import foot_legend, head, name_axes, new_figure
+from symkin.plots.loci_plot import draw_cross
+from symkin.plots.sheet import foot_legend, head, name_axes, new_figure, subtitle
 from symkin.plots.style import drawing
 from symkin.position.given import given_coordinates
 
@@ -69,17 +70,14 @@ def _sheet(panel: Any, graph: ModeGraph, k: int) -> None:
     for (a, i), (b, _) in graph.edges:
         if (a, i) in sheet:
             panel.plot(*points[[a, b]].T, "-", color=COLOURS["base"], lw=0.8, zorder=1)
-    counts = np.zeros(len(points) - 1, dtype=int)
-    for point, _ in sheet:
-        if point < len(counts):
-            counts[point] += 1
+    counts = np.bincount([point for point, _ in sheet], minlength=len(points))[:-1]
     colours = [_COLOURS[min(c, len(_COLOURS) - 1)] for c in counts]
     panel.scatter(*points[:-1].T, s=22, c=colours, zorder=2)
     mine = [str(mode + 1) for point, mode in sorted(sheet) if point == len(points) - 1]
     if mine:
-        panel.plot(*points[-1:].T, "+", color=COLOURS["text"], ms=11, mew=1.6, zorder=5)
+        draw_cross(panel, *points[-1])
     of = f": mode{'s' if len(mine) > 1 else ''} {', '.join(mine)} of the input" if mine else ""
-    panel.set_title(f"sheet {k + 1}{of}", fontsize=9, color=COLOURS["quiet"])
+    subtitle(panel, f"sheet {k + 1}{of}")
     panel.locator_params(nbins=5)
     titles = [f"{axis.name} [{_unit(graph, axis.name)}]" for axis in graph.axes]
     name_axes(panel, titles[0], titles[1] if len(titles) == 2 else None, COLOURS["text"])

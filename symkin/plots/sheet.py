@@ -28,9 +28,9 @@ def blank_figure(width: float, height: float, **look: Any) -> Figure:
     return figure
 
 
-def new_figure(width: float, height: float) -> Figure:
+def new_figure(width: float, height: float, **look: Any) -> Figure:
     """A figure of some inches whose axes lay themselves out."""
-    return blank_figure(width, height, layout="constrained")
+    return blank_figure(width, height, layout="constrained", **look)
 
 
 def foot_legend(figure: Figure, entries: Mapping[str, Any], columns: int) -> None:
@@ -60,6 +60,11 @@ def name_axes(ax: Any, x: str, y: str | None = None, colour: str = COLOURS["quie
     ax.set_xlabel(x, color=colour, parse_math=False)
     if y is not None:
         ax.set_ylabel(y, color=colour, parse_math=False)
+
+
+def subtitle(ax: Any, text: str, size: float = 9.0, **look: Any) -> None:
+    """Write what one of several axes shows, or what is held, above it."""
+    ax.set_title(text, fontsize=size, color=COLOURS["quiet"], parse_math=False, **look)
 
 
 def colour_bar(ax: Any, drawn: Any, what: str, **look: Any) -> Any:
@@ -93,10 +98,10 @@ def sheet_axes(figure: Figure) -> Any:
     return ax
 
 
-def text_extent(figure: Any, ax: Any, text: str, font: float, **look: Any) -> tuple[float, float]:
+def text_extent(ax: Any, text: str, font: float, **look: Any) -> tuple[float, float]:
     """Width and height of a text in pixels."""
     drawn = ax.text(0, 0, text, fontsize=font, parse_math=False, **look)
-    box = drawn.get_window_extent(figure.canvas.get_renderer())
+    box = drawn.get_window_extent(ax.figure.canvas.get_renderer())
     drawn.remove()
     return float(box.width), float(box.height)
 

@@ -16,7 +16,7 @@ _WIDTH, _EDGE = 1.8, 4.0
 """Widths in points of a curve and of the white edge that parts it from the map."""
 
 
-def draw_loci(figure: Any, ax: Any, loci: Loci, names: Sequence[str]) -> None:
+def draw_loci(ax: Any, loci: Loci, names: Sequence[str]) -> None:
     """The curves on a map whose axes are `names`, with a legend below it; the map's limits stay."""
     from matplotlib.patheffects import withStroke
 
@@ -53,4 +53,4 @@ def draw_loci(figure: Any, ax: Any, loci: Loci, names: Sequence[str]) -> None:
             color=COLOURS["text"],
             path_effects=edge,
         )
-    foot_legend(figure, labelled(ax), 3)
+    foot_legend(ax.figure, labelled(ax), 3)

@@ -79,9 +79,9 @@ def figure_of_sweep(
             _continuous_map(ax, part)
         else:
             _discrete_map(ax, part)
-        _words(figure, ax, part, attributes, name)
+        _words(ax, part, attributes, name)
         if curves is not None:
-            draw_loci(figure, ax, curves, list(part.ranges))
+            draw_loci(ax, curves, list(part.ranges))
         # the layout of axes of one scale is found in two goes, the second when it is drawn
         figure.draw_without_rendering()
     return figure
@@ -201,11 +201,9 @@ def _continuous_map(ax: Any, part: MapSlice) -> None:
     colour_bar(ax, drawn, what, ticks=ticks, format="%.3g").minorticks_off()
 
 
-def _words(
-    figure: Figure, ax: Any, part: MapSlice, attributes: Mapping[str, Any], name: str
-) -> None:
+def _words(ax: Any, part: MapSlice, attributes: Mapping[str, Any], name: str) -> None:
     """Title, what is fixed, labels of the axes."""
-    write_title(figure, ax, TITLES[name], attributes, part.fixed)
+    write_title(ax, TITLES[name], attributes, part.fixed)
     axes = [axis for axis in (part.x, part.y) if axis is not None]
     name_axes(ax, *(axis_text(attributes, *axis[:2]) for axis in axes))
     if part.y is not None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -13,28 +13,17 @@ from symkin.drawing.palette import COLOURS
 from symkin.model.file import parse
 from symkin.model.mechanism import Mechanism
 from symkin.plain_number import plain
-from symkin.plots.sheet import head
+from symkin.plots.sheet import head, subtitle
 from symkin.position.given import given_coordinates
 from symkin.position.varied_pose import axis_title, turn_text
 from symkin.spatial.rotation import conjugate, multiply
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
-
-def write_title(
-    figure: Figure, ax: Any, what: str, attributes: Mapping[str, Any], fixed: Sequence[str]
-) -> None:
+def write_title(ax: Any, what: str, attributes: Mapping[str, Any], fixed: Sequence[str]) -> None:
     """The title, and below it what is fixed besides what the sweep holds."""
-    head(figure, f"{what}: {attributes['mechanism']}, {_problem(attributes)}")
+    head(ax.figure, f"{what}: {attributes['mechanism']}, {_problem(attributes)}")
     lines = ", ".join([*fixed, *held_texts(attributes)])
-    ax.set_title(
-        f"at {lines}" if lines else "",
-        fontsize=9.5,
-        color=COLOURS["quiet"],
-        parse_math=False,
-        wrap=True,
-    )
+    subtitle(ax, f"at {lines}" if lines else "", 9.5, wrap=True)
     ax.tick_params(colors=COLOURS["quiet"])
 
 

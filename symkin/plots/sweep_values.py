@@ -22,6 +22,7 @@ from symkin.plots.style import drawing
 from symkin.plots.sweep_text import axis_text, write_title
 from symkin.sweeps.drawable import check_drawable
 from symkin.sweeps.layout import labels
+from symkin.sweeps.map_slice import cut_at
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -77,9 +78,7 @@ def figure_of_values(
             _paths(ax, modes, attributes, names)
         else:
             _curves(ax, modes, attributes, names)
-        write_title(
-            figure, ax, f"{_kind(modes, points)} of {', '.join(names)}", attributes, modes.fixed
-        )
+        write_title(ax, f"{_kind(modes, points)} of {', '.join(names)}", attributes, modes.fixed)
     return figure
 
 
@@ -104,22 +103,10 @@ def _modes(
     names = list(attributes["axes"])
     sampled = attributes["sample"] is not None
     by_label = dict(zip(names, labels(names), strict=True))
-    cuts = dict(slices)
-    free = [n for n in names if n not in cuts]
+    free = [n for n in names if n not in slices]
     first = max(free, key=lambda n: data[by_label[n]].size)
-    if not sampled and not points:
-        middle = {
-            n: float(data[by_label[n]].values[(data[by_label[n]].size - 1) // 2])
-            for n in free
-            if n != first
-        }
-        cuts |= middle
-    fixed = []
-    for n, value in cuts.items():
-        place = int(np.argmin(np.abs(data[by_label[n]].values - value)))
-        data = data.isel({by_label[n]: place})
-        fixed.append(f"{n} = {float(data[by_label[n]]):.5g} {data[by_label[n]].attrs['units']}")
-    swept = [n for n in free if n not in cuts]
+    swept = free if sampled or points else [first]
+    data, _, fixed = cut_at(attributes, data, [n for n in names if n not in swept], slices)
     order = data["count"].dims
     data = data.transpose(*order, "mode", ...)
     values = data[by_label[first]].broadcast_like(data["count"]).transpose(*order).values.ravel()
@@ -128,9 +115,7 @@ def _modes(
     line = np.full(len(count), -1)
     if not sampled and len(swept) == 1:
         line = _line(mechanism, data, there, _nearest_sample(mechanism, first, values))
-    return _Modes(
-        data, there, (first, data[by_label[first]].attrs["units"], values), line, tuple(fixed)
-    )
+    return _Modes(data, there, (first, data[by_label[first]].attrs["units"], values), line, fixed)
 
 
 def _numbers(modes: _Modes, name: str, width: int) -> np.ndarray:
@@ -208,36 +193,19 @@ def _paths(ax: Any, modes: _Modes, attributes: Mapping[str, Any], names: Sequenc
     listed = modes.data["named_point"].values.tolist()
     all_points = _numbers(modes, "points", 2)
     points = all_points[:, :, [listed.index(name) for name in names]]
-    span = np.nan_to_num(
-        [
-            np.ptp(points[modes.there][..., k], axis=None) if modes.there.any() else 0.0
-            for k in range(3)
-        ]
-    )
+    moved = points[modes.there].reshape(-1, 3)
+    span = np.nan_to_num(np.ptp(moved, axis=0)) if len(moved) else np.zeros(3)
     across = sorted(np.argsort(-span, kind="stable")[:2].tolist())
     unit = modes.data["points"].attrs["units"]
     name, swept_unit, values = modes.first
     owner = np.nonzero(modes.there)[0][:_MOST_DOTS]
     for k, point in enumerate(names):
         flat = points[:, :, k][modes.there][:_MOST_DOTS]
-        drawn = ax.scatter(
-            flat[:, across[0]],
-            flat[:, across[1]],
-            c=values[owner],
-            s=_dot_area(len(owner)),
-            cmap="viridis",
-            linewidths=0,
-            rasterized=True,
-        )
+        drawn = _dots(ax, flat[:, across[0]], flat[:, across[1]], c=values[owner], cmap="viridis")
         if (modes.line >= 0).any():
             path = _along(points[:, :, k], modes.line)
-            ax.plot(
-                path[:, across[0]],
-                path[:, across[1]],
-                color=_LINES[k % len(_LINES)],
-                linewidth=1.6,
-                label=f"{point}, assembly of the file",
-            )
+            look = {"color": _LINES[k % len(_LINES)], "linewidth": 1.6}
+            ax.plot(*path[:, across].T, label=f"{point}, assembly of the file", **look)
     colour_bar(ax, drawn, axis_text(attributes, name, swept_unit))
     ax.set_aspect("equal", adjustable="datalim")
     name_axes(ax, *(f"{'xyz'[k]} [{unit}]" for k in across))
@@ -253,15 +221,7 @@ def _curves(ax: Any, modes: _Modes, attributes: Mapping[str, Any], names: Sequen
     for k, joint in enumerate(names):
         place, colour = listed.index(joint), _LINES[k % len(_LINES)]
         flat = joints[:, :, place][modes.there][:_MOST_DOTS]
-        ax.scatter(
-            values[owner],
-            flat,
-            color=colour,
-            s=_dot_area(len(owner)),
-            alpha=0.6,
-            linewidths=0,
-            rasterized=True,
-        )
+        _dots(ax, values[owner], flat, color=colour, alpha=0.6)
         if (modes.line >= 0).any():
             path = _along(joints[:, :, [place]], modes.line)[:, 0]
             x, y = _without_turns(values, path, _HALF_TURN.get(units[place], np.inf))
@@ -285,5 +245,6 @@ def _along(values: np.ndarray, line: np.ndarray) -> np.ndarray:
     return np.where((line >= 0)[:, None], values[np.arange(len(line)), np.maximum(line, 0)], np.nan)
 
 
-def _dot_area(count: int) -> float:
-    return float(np.clip(_ALL_DOTS / max(1, count), _LEAST_AREA, _LARGEST_AREA))
+def _dots(ax: Any, x: np.ndarray, y: np.ndarray, **look: Any) -> Any:
+    area = float(np.clip(_ALL_DOTS / max(1, len(x)), _LEAST_AREA, _LARGEST_AREA))
+    return ax.scatter(x, y, s=area, linewidths=0, rasterized=True, **look)

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from symkin.drawing.outline import grouped
 from symkin.following.sample import Sample, listed_joints
 from symkin.following.stop import roles_followed
 from symkin.following.track_result import Track
@@ -139,7 +140,9 @@ def _from_start(label: str, values: dict[str, np.ndarray], still: float) -> Curv
     )
     starts = {name: f", from {_zero(float(v[0]), still):.5g}" for name, v in moving.items()}
     curves = []
-    for together, v in _alike({name: v - v[0] for name, v in moving.items()}, still):
+    # one line that has the names of all curves that are one hides none
+    away = ((name, v - v[0]) for name, v in moving.items())
+    for together, v in grouped(away, still, np.inf):
         told = {starts[name] for name in together}
         curves.append(
             Curve(_joined(together) + (told.pop() if len(told) == 1 else ""), v, np.arange(len(v)))
@@ -216,7 +219,9 @@ def _limits(track: Track) -> Iterator[CurvePanel]:
             found[c.name] = shares
     if not found:
         return
-    nearest = sorted(_alike(found, _STILL), key=lambda entry: float(entry[1].min()))
+    nearest = sorted(
+        grouped(found.items(), _STILL, np.inf), key=lambda entry: float(entry[1].min())
+    )
     curves = tuple(
         Curve(_joined(names), values, np.arange(len(values)))
         for names, values in nearest[:_MOST_LIMITED]
@@ -242,20 +247,6 @@ def _limit_shares(track: Track, c: Coordinate) -> np.ndarray | None:
     if c.is_angular:
         values = values - 2.0 * math.pi * round((values[0] - 0.5 * (low + high)) / (2.0 * math.pi))
     return np.asarray(np.minimum(values - low, high - values) / (high - low))
-
-
-def _alike(values: dict[str, np.ndarray], still: float) -> list[tuple[list[str], np.ndarray]]:
-    """Names of one curve, all along it: one line that has all their names hides none."""
-    found: list[tuple[list[str], np.ndarray]] = []
-    for name, v in values.items():
-        names = next(
-            (names for names, other in found if float(np.abs(v - other).max()) <= still), None
-        )
-        if names is None:
-            found.append(([name], v))
-        else:
-            names.append(name)
-    return found
 
 
 def _joined(names: list[str]) -> str:

@@ -4,7 +4,6 @@ end, and below it, over the inputs, what moves and how near singularities and li
 
 from __future__ import annotations
 
-import textwrap
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -15,28 +14,24 @@ from symkin.drawing.palette import COLOURS, SERIES
 from symkin.errors import InputError
 from symkin.following.sample import Sample
 from symkin.following.track_result import Track
-from symkin.plots.figures import Block
+from symkin.plots.figures import Block, head_of, heading
 from symkin.plots.look import panel_of
 from symkin.plots.picture_options import looks_of
-from symkin.plots.sheet import SHEET_DPI, blank_figure, labelled, own_legend
+from symkin.plots.sheet import SHEET_DPI, labelled, new_figure, own_legend, sheet_axes
 from symkin.plots.style import drawing
 from symkin.plots.track_curves import Curve, CurvePanel, Input, inputs_of, panels_of
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-_LEAST_WIDTH = 9.0
-"""Inches of the figure at least."""
-_MARGIN = 0.4
-"""Inches beside the robots."""
-_PANEL, _PANEL_GAP = 1.55, 0.28
-"""Inches of a panel of curves, and between two."""
-_HEAD, _HEAD_LINE, _LEGEND, _ROW = 0.5, 0.2, 0.75, 0.185
-"""Inches of the title, of a line below it, of the robots' legend, and of a row of inputs below the
-curves.
+_LEAST_WIDTH, _MARGIN = 1350.0, 60.0
+"""Pixels of the figure's width at least, and beside the robots."""
+_PANEL, _ROW, _FOOT = 275.0, 28.0, 68.0
+"""Pixels of a panel of curves with what is between two, of a row of inputs below them, and of the
+rest there.
 """
-_CHARACTER = 0.082
-"""Inches of a character of a legend or of an input's name, for the margins."""
+_LEGEND, _BELOW = 112.0, 30.0
+"""Pixels of the robots' legend, and of it what is below its last row."""
 _TICKS_APART = 0.09
 """Share of the axis between the tick at a stop and others."""
 _MOST_NAMED, _MOST_STANDING, _MOST_INPUTS = 8, 3, 7
@@ -71,15 +66,9 @@ def figure_of_track(
     told = [c.name for c in track.problem.known_coordinates]
     robots = [panel_of(title, s.solution, told, text) for title, text, s in _places(track)]
     with drawing():
-        views_of_each = len(options["views"])
-        block = Block.of(
-            mechanism,
-            robots,
-            options["names"],
-            options["views"],
-            len(robots) if views_of_each == 1 else views_of_each,
-        )
-        return _Sheet.of(track, block).draw()
+        across = len(robots) if len(options["views"]) == 1 else len(options["views"])
+        block = Block.of(mechanism, robots, **options, columns=across)
+        return _figure(track, block)
 
 
 def _places(track: Track) -> list[tuple[str, str, Sample]]:
@@ -101,215 +90,124 @@ def _places(track: Track) -> list[tuple[str, str, Sample]]:
     return found
 
 
+def _figure(track: Track, block: Block) -> Figure:
+    """Robots above curves, on one sheet."""
+    panels, path = list(panels_of(track)), _Path.of(track)
+    width = max(_LEAST_WIDTH, block.pixels[0] + _MARGIN)
+    facts = [_what(track), track.statement[0].upper() + track.statement[1:]]
+    curves = len(panels) * _PANEL + _FOOT + _ROW * len(path.inputs)
+    top = curves + _LEGEND + block.pixels[1]
+    height = top + head_of(facts, width)
+    figure = new_figure(width / SHEET_DPI, height / SHEET_DPI, dpi=SHEET_DPI)
+    sheet = sheet_axes(figure)
+    heading(sheet, block.mechanism, facts, width, height)
+    block.paint(sheet, 0.5 * width, top)
+    block.paint_legend(sheet, width, curves + _BELOW)
+    layout: Any = figure.get_layout_engine()
+    layout.set(rect=(0.01, 0.0, 0.98, curves / height))
+    axes = figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
+    for ax, panel in zip(axes, panels, strict=True):
+        _panel(ax, panel, path)
+    _name_marks(axes[0], path)
+    _ticks(axes[-1], path)
+    return figure
+
+
+def _what(track: Track) -> str:
+    """What is followed, for the heading."""
+    if track.trajectory.kind != "given":
+        return f"one mode of the {track.trajectory.kind} problem"
+    return f"one mode given {', '.join(c.name for c in track.problem.known_coordinates)}"
+
+
 @dataclass(frozen=True, eq=False)
-class _Sheet:
-    """The page of one track, in inches: robots above `panels` over the abscissa `x`, whose rows are
-    `inputs`.
+class _Path:
+    """What curves are drawn over: the abscissa `x` with its title, the inputs that are rows below
+    it, the marks on it by their texts, each with place, colour and line, and whether the path
+    stops.
     """
 
-    track: Track
-    block: Block
-    facts: tuple[str, ...]
-    panels: tuple[CurvePanel, ...]
     x: np.ndarray
     title: str
-    inputs: tuple[Input, ...]
-    margins: tuple[float, float]
+    inputs: list[Input]
+    marks: dict[str, tuple[float, str, str]]
+    stops: bool
 
     @staticmethod
-    def of(track: Track, block: Block) -> _Sheet:
-        panels, moved = tuple(panels_of(track)), inputs_of(track)
-        timed = track.trajectory.times is not None
-        title, x = "time [s]" if timed else "share of the path", _abscissa(track, timed)
+    def of(track: Track) -> _Path:
+        timed, moved = track.trajectory.times is not None, inputs_of(track)
+        title = "time [s]" if timed else "share of the path"
+        x = np.array([s.time if timed else s.parameter for s in track.samples], dtype=float)
         if len(moved) == 1 and not timed and (np.diff(moved[0].values) > 0).all():
             title, x, moved = moved[0].title, moved[0].values, []
-        rows = [title, *(i.title for i in moved[:_MOST_INPUTS])]
-        entries = [
-            line for panel in panels for text in _entries(panel) for line in text.split("\n")
-        ]
-        margins = (
-            max(1.1, _CHARACTER * max(map(len, rows)) + 0.5),
-            max(1.0, _CHARACTER * max(map(len, entries), default=0) + 0.55),
-        )
-        width = max(_LEAST_WIDTH, block.size[0] + _MARGIN)
-        facts = textwrap.wrap(track.statement[0].upper() + track.statement[1:], int(13 * width))
-        return _Sheet(
-            track, block, tuple(facts), panels, x, title, tuple(moved[:_MOST_INPUTS]), margins
-        )
-
-    @property
-    def width(self) -> float:
-        return max(_LEAST_WIDTH, float(self.block.size[0]) + _MARGIN)
-
-    @property
-    def foot(self) -> float:
-        return 0.45 + _ROW * (1 + len(self.inputs))
-
-    @property
-    def height(self) -> float:
-        curves = len(self.panels) * (_PANEL + _PANEL_GAP)
-        return float(
-            _HEAD
-            + _HEAD_LINE * (len(self.facts) + 1)
-            + self.block.size[1]
-            + _LEGEND
-            + curves
-            + self.foot
-        )
-
-    def draw(self) -> Figure:
-        figure = blank_figure(self.width, self.height, dpi=SHEET_DPI)
-        self._heading(figure)
-        top = self.height - _HEAD - _HEAD_LINE * (len(self.facts) + 1)
-        legend = top - self.block.size[1] - _LEGEND + 0.2
-        self.block.draw(figure, 0.5 * self.width, top, legend)
-        for k, panel in enumerate(self.panels):
-            self._panel(figure, panel, k)
-        return figure
-
-    def _heading(self, figure: Figure) -> None:
-        track = self.track
-        mechanism, kind = track.trajectory.mechanism, track.trajectory.kind
-        told = ", ".join(c.name for c in track.problem.known_coordinates)
-        what = (
-            textwrap.shorten(f"given {told}", 60, placeholder=" ...")
-            if kind == "given"
-            else f"of the {kind} problem"
-        )
-        title = textwrap.shorten(
-            f"{mechanism.title or mechanism.name}: one mode {what}",
-            int(9.5 * self.width),
-            placeholder=" ...",
-        )
-        look: dict[str, Any] = {"ha": "center", "va": "top", "parse_math": False}
-        figure.text(
-            0.5,
-            1.0 - 0.12 / self.height,
-            title,
-            fontsize=13,
-            fontweight="bold",
-            color=COLOURS["text"],
-            **look,
-        )
-        lines = "\n".join(self.facts)
-        figure.text(
-            0.5,
-            1.0 - _HEAD / self.height,
-            lines,
-            fontsize=9,
-            color=COLOURS["quiet"],
-            linespacing=1.35,
-            **look,
-        )
-
-    # --- curves -----------------------------------------------------------------------------------
-
-    def _panel(self, figure: Figure, panel: CurvePanel, k: int) -> None:
-        left, right = self.margins
-        low = self.foot + (len(self.panels) - 1 - k) * (_PANEL + _PANEL_GAP)
-        box = (
-            left / self.width,
-            low / self.height,
-            1.0 - (left + right) / self.width,
-            _PANEL / self.height,
-        )
-        ax: Any = figure.add_axes(box)
-        _draw_curves(ax, panel, self.x)
-        ax.set_ylabel(panel.label, fontsize=8.5, color=COLOURS["quiet"])
-        ax.tick_params(labelsize=8, colors=COLOURS["quiet"])
-        ax.grid(color=COLOURS["grid"], linewidth=0.6)
-        margin = 0.03 * float(np.ptp(self.x)) or 0.5
-        ax.set_xlim(self.x.min() - margin, self.x.max() + margin)
-        self._marks(ax, k == 0)
-        _legend(ax, panel)
-        self._ticks(ax, k == len(self.panels) - 1)
-
-    def _marks(self, ax: Any, is_first: bool) -> None:
-        """The stop and the place nearest to a singularity, as lines; their names above the first
-        panel.
-        """
-        track, parameters = self.track, [s.parameter for s in self.track.samples]
-        marks: list[tuple[str, float, Any]] = []
+        parameters = [s.parameter for s in track.samples]
+        marks = {}
         if track.stop is not None and track.stop.place is not None:
-            marks.append(("stop", float(self.x[-1]), "--"))
+            marks[track.stop.kind] = float(x[-1]), COLOURS["accent"], "--"
         if track.nearest is not None and track.nearest.parameter < parameters[-1] - 1e-9:
-            marks.append(
-                ("nearest", float(np.interp(track.nearest.parameter, parameters, self.x)), ":")
-            )
-        for name, place, style in marks:
-            ax.axvline(
-                place,
-                color=COLOURS["accent"] if name == "stop" else COLOURS["quiet"],
-                lw=1.4,
-                ls=style,
-                gid=name,
-                zorder=1.5,
-            )
-            if is_first:
-                text = (
-                    track.stop.kind
-                    if track.stop is not None and name == "stop"
-                    else "nearest to a singularity"
-                )
-                beyond = name == "stop" or place > float(np.mean(ax.get_xlim()))
-                ax.annotate(
-                    text,
-                    (place, 1.0),
-                    xycoords=("data", "axes fraction"),
-                    xytext=(0, 3 if name == "stop" else 13),
-                    textcoords="offset points",
-                    ha="right" if beyond else "left",
-                    fontsize=8,
-                    color=COLOURS["quiet"],
-                )
+            place = float(np.interp(track.nearest.parameter, parameters, x))
+            marks["nearest to a singularity"] = place, COLOURS["quiet"], ":"
+        return _Path(x, title, moved[:_MOST_INPUTS], marks, track.stop is not None)
 
-    def _ticks(self, ax: Any, is_last: bool) -> None:
-        """Ticks at the same places in all panels; below the last one the values of the inputs
-        there, a row each.
-        """
-        from matplotlib.ticker import MaxNLocator
 
-        low, high = float(self.x.min()), float(self.x.max())
-        steps = [1, 1.5, 3, 4.5, 6, 9, 10] if self.title.endswith("[deg]") else [1, 2, 2.5, 5, 10]
-        places = [
-            float(v) for v in MaxNLocator(7, steps=steps).tick_values(low, high) if low <= v <= high
-        ]
-        if self.track.stop is not None or not places:
-            places = [v for v in places if abs(v - self.x[-1]) > _TICKS_APART * (high - low)] + [
-                float(self.x[-1])
-            ]
-        if not is_last:
-            ax.set_xticks(places, labels=[""] * len(places))
-            return
-        rows = [[f"{place:.6g}" for place in places]]
-        rows += [
-            [f"{v + 0.0:.5g}" for v in np.interp(places, self.x, i.values)] for i in self.inputs
-        ]
-        ax.set_xticks(
-            places,
-            labels=["\n".join(column) for column in zip(*rows, strict=True)],
-            fontsize=8,
-            linespacing=1.35,
-        )
-        names = "\n".join([self.title, *(i.title for i in self.inputs)])
-        # beside the first label, whose half width is kept free
-        ax.annotate(
-            names,
-            (0.0, 0.0),
-            xycoords="axes fraction",
-            xytext=(-16, -7),
-            textcoords="offset points",
-            ha="right",
-            va="top",
-            fontsize=8,
-            linespacing=1.35,
-            color=COLOURS["text"],
-            parse_math=False,
+# --- curves ---------------------------------------------------------------------------------------
+
+
+def _panel(ax: Any, panel: CurvePanel, path: _Path) -> None:
+    _draw_curves(ax, panel, path.x)
+    ax.set_ylabel(panel.label, fontsize=8.5, color=COLOURS["quiet"])
+    ax.tick_params(labelsize=8, colors=COLOURS["quiet"])
+    ax.grid(color=COLOURS["grid"], linewidth=0.6)
+    margin = 0.03 * float(np.ptp(path.x)) or 0.5
+    ax.set_xlim(path.x.min() - margin, path.x.max() + margin)
+    for place, colour, style in path.marks.values():
+        gid = "stop" if style == "--" else "nearest"
+        ax.axvline(place, color=colour, lw=1.4, ls=style, gid=gid, zorder=1.5)
+    _legend(ax, panel)
+
+
+def _name_marks(ax: Any, path: _Path) -> None:
+    """The names of the marks, above the first panel."""
+    for text, (place, _, style) in path.marks.items():
+        stop = style == "--"
+        _note(
+            ax,
+            text,
+            (place, 1.0),
+            (0, 3 if stop else 13),
+            xycoords=("data", "axes fraction"),
+            ha="right" if stop or place > float(np.mean(ax.get_xlim())) else "left",
+            color=COLOURS["quiet"],
         )
 
 
-def _abscissa(track: Track, timed: bool) -> np.ndarray:
-    return np.array([s.time if timed else s.parameter for s in track.samples], dtype=float)
+def _note(ax: Any, text: str, at: tuple[float, float], away: tuple[int, int], **look: Any) -> None:
+    """A text some points away from a place."""
+    style = {"xytext": away, "textcoords": "offset points", "fontsize": 8, "parse_math": False}
+    ax.annotate(text, at, **style, **look)
+
+
+def _ticks(ax: Any, path: _Path) -> None:
+    """Ticks at the same places in all panels; below the last one the values of the inputs there, a
+    row each.
+    """
+    from matplotlib.ticker import MaxNLocator
+
+    low, high = float(path.x.min()), float(path.x.max())
+    steps = [1, 1.5, 3, 4.5, 6, 9, 10] if path.title.endswith("[deg]") else [1, 2, 2.5, 5, 10]
+    found = MaxNLocator(7, steps=steps).tick_values(low, high)
+    places = [float(v) for v in found if low <= v <= high]
+    if path.stops or not places:
+        end = float(path.x[-1])
+        places = [*(v for v in places if abs(v - end) > _TICKS_APART * (high - low)), end]
+    rows = [[f"{place:.6g}" for place in places]]
+    rows += [[f"{v + 0.0:.5g}" for v in np.interp(places, path.x, i.values)] for i in path.inputs]
+    columns = ["\n".join(column) for column in zip(*rows, strict=True)]
+    ax.set_xticks(places, labels=columns, fontsize=8, linespacing=1.35)
+    names = "\n".join([path.title, *(i.title for i in path.inputs)])
+    # beside the first label, whose half width is kept free
+    look = {"ha": "right", "va": "top", "linespacing": 1.35, "color": COLOURS["text"]}
+    _note(ax, names, (0.0, 0.0), (-16, -7), xycoords="axes fraction", **look)
 
 
 def _draw_curves(ax: Any, panel: CurvePanel, x: np.ndarray) -> None:

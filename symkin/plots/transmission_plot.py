@@ -9,9 +9,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from symkin.drawing.palette import COLOURS, SERIES
-from symkin.plots.sheet import new_figure
+from symkin.plots.sheet import (
+    colour_bar,
+    labelled,
+    name_axes,
+    new_figure,
+    own_legend,
+    subtitle,
+)
 from symkin.plots.style import drawing
-from symkin.text import matplotlib_text
 from symkin.transmissions.polytope import between_planes, torque_vertices
 from symkin.transmissions.transmission_result import Transmission, Transmissions
 
@@ -20,8 +26,6 @@ if TYPE_CHECKING:
 
 _PANEL = (4.0, 3.7)
 """Inches of a panel."""
-_LEGEND = {"loc": "upper center", "bbox_to_anchor": (0.5, -0.2), "frameon": False, "fontsize": 7}
-"""Below an axis' label, where nothing is covered."""
 _CURVE = 101
 """Points of a curve."""
 _SPREAD = 95.0
@@ -80,7 +84,7 @@ def _unit(one: Transmission, i: int) -> str:
 
 def _position(one: Transmission, i: int) -> str:
     """A joint and the unit of its values."""
-    return matplotlib_text(f"{one.joints[i]}, {_unit(one, i)}")
+    return f"{one.joints[i]}, {_unit(one, i)}"
 
 
 def _effect(one: Transmission, i: int, kind: str) -> str:
@@ -105,26 +109,31 @@ def _torque(one: Transmission, ax: Any, i: int) -> None:
     torque, joints = one.survey.alone[:, i], _values(one)
     high = np.percentile(torque, _SPREAD)
     unit = _effect(one, i, "torque")
-    ax.set_title(matplotlib_text(f"torque of {one.joints[i]} alone, {unit}"), fontsize=9)
+    subtitle(ax, f"torque of {one.joints[i]} alone, {unit}")
     if len(one.joints) == 2:
         low = min(float(torque.min()), 0.999 * high)
         image = ax.scatter(
             *joints.T, c=torque, s=34, marker="s", linewidths=0, cmap="viridis", vmin=low, vmax=high
         )
-        ax.figure.colorbar(image, ax=ax, extend="max", fraction=0.05)
+        colour_bar(ax, image, "", extend="max", fraction=0.05)
         least = int(np.argmin(torque))
         ax.plot(*joints[least], "v", color=COLOURS["accent"], label=f"least {torque[least]:.3g}")
         ax.plot(*joints[0], "o", color=COLOURS["text"], label=f"reference {torque[0]:.3g}")
-        ax.set_xlabel(_position(one, 0))
-        ax.set_ylabel(_position(one, 1))
-        ax.legend(ncols=2, **_LEGEND)
+        name_axes(ax, _position(one, 0), _position(one, 1))
+        _legend(ax)
         return
     order = np.argsort(joints[:, i])
     look = "-" if len(one.joints) == 1 else "."
     ax.plot(joints[order, i], torque[order], look, color=SERIES[0], markersize=3)
     ax.set_ylim(0.0, 1.1 * high)
-    ax.set_xlabel(_position(one, i))
+    name_axes(ax, _position(one, i))
     ax.grid(True)
+
+
+def _legend(ax: Any, below: float = 0.2, columns: int = 2) -> None:
+    """A legend below an axis' label, where nothing is covered."""
+    place = {"loc": "upper center", "bbox_to_anchor": (0.5, -below)}
+    own_legend(ax, labelled(ax), ncols=columns, fontsize=7, **place)
 
 
 def _ratios(one: Transmission, ax: Any, i: int) -> None:
@@ -137,8 +146,7 @@ def _ratios(one: Transmission, ax: Any, i: int) -> None:
     line[:, i] = np.linspace(low, high, _CURVE)
     ratios = one.states(joints=line, check=False).inverse_jacobian[:, :, i]
     for a, name in enumerate(one.motors):
-        colour = SERIES[a % len(SERIES)]
-        ax.plot(line[:, i], ratios[:, a], color=colour, label=matplotlib_text(name))
+        ax.plot(line[:, i], ratios[:, a], color=SERIES[a % len(SERIES)], label=name)
     known = ratios[np.isfinite(ratios)]
     if known.size:
         least, most = np.percentile(known, [100.0 - _SPREAD, _SPREAD])
@@ -147,10 +155,10 @@ def _ratios(one: Transmission, ax: Any, i: int) -> None:
     title = f"rates of motors by that of {one.joints[i]}"
     if survey.backlash is not None:
         title += f"\nplay at most {survey.out(i, survey.backlash[i]):.3g} {_unit(one, i)}"
-    ax.set_title(matplotlib_text(title), fontsize=9)
-    ax.set_xlabel(_position(one, i) + matplotlib_text(f"\nfrom {ends[0].by}\nto {ends[1].by}"))
+    subtitle(ax, title)
+    name_axes(ax, f"{_position(one, i)}\nfrom {ends[0].by}\nto {ends[1].by}")
     ax.grid(True)
-    ax.legend(ncols=2, **_LEGEND | {"bbox_to_anchor": (0.5, -0.36)})
+    _legend(ax, 0.36)
 
 
 def _polytopes(one: Transmission, ax: Any, kind: str, rows: list[int]) -> None:
@@ -170,9 +178,7 @@ def _polytopes(one: Transmission, ax: Any, kind: str, rows: list[int]) -> None:
     ax.set_ylim(-reach[1], reach[1])
     ax.axhline(0.0, color=COLOURS["axis"], linewidth=0.6)
     ax.axvline(0.0, color=COLOURS["axis"], linewidth=0.6)
-    ax.set_title(f"{'torques' if kind == 'torque' else 'rates'} of both together", fontsize=9)
-    labels = [matplotlib_text(f"{n}, {_effect(one, i, kind)}") for i, n in enumerate(one.joints)]
-    ax.set_xlabel(labels[0])
-    ax.set_ylabel(labels[1])
+    subtitle(ax, f"{'torques' if kind == 'torque' else 'rates'} of both together")
+    name_axes(ax, *(f"{n}, {_effect(one, i, kind)}" for i, n in enumerate(one.joints)))
     ax.grid(True)
-    ax.legend(ncols=3, **_LEGEND)
+    _legend(ax, columns=3)

@@ -79,15 +79,13 @@ def close_robot(robot: Robot, *, seed: int = 0) -> ClosedConfiguration:
         mechanism=robot.name,
         units=("m", "rad"),
         links=len(robot.links),
-        joint_count=len(robot.joints) + len(robot.closures),
+        joint_count=len(robot.joints),
         freedoms=tree.freedom,
         rows=rows,
         rank=rank,
         redundant=rows - rank,
         generic_rank=None if generic is None else generic.value,
-        actuated=tuple(
-            c.name for e in robot.joints if e.joint.actuated for c in e.joint.coordinates
-        ),
+        actuated=tuple(c.name for e in robot.tree if e.joint.actuated for c in e.joint.coordinates),
         loops=tuple(LoopGap(name, found.gaps[name], found.residuals[name]) for name in found.gaps),
         open_by=found.open_by,
         residual=found.residual,
@@ -101,17 +99,18 @@ def close_robot(robot: Robot, *, seed: int = 0) -> ClosedConfiguration:
 
 def _moves(robot: Robot) -> bool:
     """Whether a joint or a closure leaves any freedom."""
-    return bool(robot.joints) or any(c.joint.type != "weld" for c in robot.closures)
+    return bool(robot.tree) or any(c.joint.type != "weld" for c in robot.closures)
 
 
 def _tree_values(robot: Robot, found: Closed) -> dict[str, float | list[float]]:
     """The values of the tree's joints, in the file's order."""
-    names = [c.name for entry in robot.joints for c in entry.joint.coordinates]
+    names = [c.name for entry in robot.tree for c in entry.joint.coordinates]
     values = {name: found.values[name] for name in names}
     # a ball as seen from its other link turns back
+    turned = [entry.joint.name for entry in robot.tree if entry.backward]
     values |= {
         name: tuple(conjugate(np.array(values[name])))
-        for name in robot.turned
+        for name in turned
         if len(values.get(name, ())) == 4
     }
     return {name: value[0] if len(value) == 1 else list(value) for name, value in values.items()}
@@ -150,7 +149,7 @@ def _closing_notes(found: Closed, rank: int, generic: GenericRank | None) -> lis
 def _limit_notes(robot: Robot, found: Closed) -> list[str]:
     """Which joints lie beyond their limits."""
     beyond = []
-    for entry in robot.joints:
+    for entry in robot.tree:
         limits = entry.joint.limits
         if limits is not None:
             value = found.values[entry.joint.name][0]

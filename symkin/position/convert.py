@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from importlib import import_module
 from pathlib import Path
 from typing import Unpack
 
@@ -56,13 +56,17 @@ def convert(
     check_output(output, tuple(_WRITERS), "convert", source)
     _check_loops(output, loops)
     found = _closed(mechanism if isinstance(mechanism, Mechanism) else load(mechanism, read))
+    form = _WRITERS[output.suffix.lower()]
     if loops == "yaml":
         from symkin.formats.urdf_text import urdf_and_yaml
 
         text, beside = urdf_and_yaml(found)
         write_output(output.with_suffix(".yaml"), beside)
+    elif form:
+        writer = import_module(f"symkin.formats.{form}_text")
+        text = getattr(writer, f"{form}_text")(found)
     else:
-        text = _WRITERS[output.suffix.lower()](found)
+        text = found.to_toml()
     write_output(output, text)
     return output
 
@@ -101,31 +105,5 @@ def _closed(mechanism: Mechanism) -> Mechanism:
     return found.reference
 
 
-def _toml(mechanism: Mechanism) -> str:
-    return mechanism.to_toml()
-
-
-def _mjcf(mechanism: Mechanism) -> str:
-    from symkin.formats.mjcf_text import mjcf_text
-
-    return mjcf_text(mechanism)
-
-
-def _urdf(mechanism: Mechanism) -> str:
-    from symkin.formats.urdf_text import urdf_text
-
-    return urdf_text(mechanism)
-
-
-def _sdf(mechanism: Mechanism) -> str:
-    from symkin.formats.sdf_text import sdf_text
-
-    return sdf_text(mechanism)
-
-
-_WRITERS: dict[str, Callable[[Mechanism], str]] = {
-    ".toml": _toml,
-    ".xml": _mjcf,
-    ".urdf": _urdf,
-    ".sdf": _sdf,
-}
+_WRITERS = {".toml": "", ".xml": "mjcf", ".urdf": "urdf", ".sdf": "sdf"}
+"""By suffix: the format that is written, but for mechanism files."""

@@ -96,7 +96,7 @@ def platform_screws(
     """
     size = closure.characteristic_length
     if limbs:
-        wrenches = readable_span(np.vstack([limb.constraints for limb in limbs]), size)
+        wrenches = readable_span(_even(np.vstack([limb.constraints for limb in limbs]), size), size)
         return wrenches, _reciprocal(wrenches, size)
     if closure.mechanism.platform_link is None:
         return np.zeros((0, 6)), np.zeros((0, 6))
@@ -132,17 +132,30 @@ def reciprocal_system(screws: np.ndarray, size: float = 1.0) -> np.ndarray:
     """Basis (rows) of the screws reciprocal to every row of `screws`; moments are weighed by the
     length `size`.
     """
-    weights = np.array([1.0, 1.0, 1.0, 1 / size, 1 / size, 1 / size])
-    scaled = np.atleast_2d(screws) * weights
+    weights = _weights(size)
+    scaled = _even(np.atleast_2d(screws), size) * weights
     swapped = np.hstack([scaled[:, 3:], scaled[:, :3]])
     return np.asarray(tidy_rows(null_space(swapped, RANK_TOLERANCE, relative=True)) / weights)
+
+
+def _even(screws: np.ndarray, size: float) -> np.ndarray:
+    """The same screws of one length: beside unit forces of a huge machine unit couples are nothing,
+    and of a tiny one the forces are.
+    """
+    norms = np.linalg.norm(screws * _weights(size), axis=1, keepdims=True)
+    return np.asarray(screws / np.where(norms > 0.0, norms, 1.0))
+
+
+def _weights(size: float) -> np.ndarray:
+    """Weights of the numbers of a screw, moments by the size."""
+    return np.array([1.0, 1.0, 1.0, 1 / size, 1 / size, 1 / size])
 
 
 def readable_span(wrenches: np.ndarray, size: float) -> np.ndarray:
     """A readable basis of the span of wrenches: unit forces, and unit couples where there is no
     force. Moments are weighed by the size in judging rank.
     """
-    weights = np.array([1.0, 1.0, 1.0, 1 / size, 1 / size, 1 / size])
+    weights = _weights(size)
     scaled = wrenches * weights
     basis = row_space(scaled, RANK_TOLERANCE, relative=True)
     if not len(basis):

@@ -64,7 +64,7 @@ def _parts(numbers: Array, count: int) -> list[Array]:
 
 def _turn_about_z(mechanism: Mechanism, quaternion: Array) -> Array:
     """The turn about z from the reference that is nearest to that of a quaternion."""
-    delta = multiply(quaternion, conjugate(mechanism.reference_pose.quaternion))
+    delta = multiply(quaternion, conjugate(mechanism.untwisted))
     return 2.0 * atan2(delta[3], delta[0])
 
 
@@ -212,7 +212,7 @@ def motion_pose(mechanism: Mechanism, values: np.ndarray) -> Pose:
     reference, shape = mechanism.reference_pose, columns.shape[1:]
     position, home = (
         np.broadcast_to(np.reshape(part, (-1, *[1] * len(shape))), (len(part), *shape)).copy()
-        for part in map(np.asarray, (reference.position, reference.quaternion))
+        for part in map(np.asarray, (reference.position, mechanism.untwisted))
     )
     if mechanism.motion == "spherical":
         return Pose(position, columns)

@@ -13,7 +13,7 @@ import casadi as ca
 import numpy as np
 
 from symkin.closure.closure import Closure, algebraic_rows, build_closure, random_values
-from symkin.closure.partition import ALL_JOINTS, POSE_COORDINATES, Partition
+from symkin.closure.partition import POSE_COORDINATES, Partition
 from symkin.computed_once import cached_property, lru_cache
 from symkin.model.joint import POSE_CONDITIONS, Coordinate
 from symkin.model.mechanism import Mechanism
@@ -190,7 +190,10 @@ class Problem:
     def __reduce__(self) -> tuple[Callable[..., Any], tuple[Any, ...]]:
         """Pickle as the mechanism and the names, from which the symbols are built anew."""
         names = tuple(c.name for c in self.known_coordinates if c.role != "geometry")
-        return build_problem, (self.mechanism, names, self._held(names) if self.by_name else None)
+        if not self.by_name:
+            kept = tuple(sorted(self.closure.partition.kept))
+            return build_problem, (self.mechanism, names, None, kept)
+        return build_problem, (self.mechanism, names, self._held(names))
 
     def _held(self, names: tuple[str, ...]) -> tuple[str, ...] | None:
         """What the closure holds beside known coordinates of these names; None where the geometry
@@ -230,17 +233,21 @@ def plain_kind(mechanism: Mechanism, names: tuple[str, ...]) -> Kind | None:
 
 
 def build_problem(
-    mechanism: Mechanism, names: tuple[str, ...], held: tuple[str, ...] | None = None
+    mechanism: Mechanism,
+    names: tuple[str, ...],
+    held: tuple[str, ...] | None = None,
+    limited: tuple[str, ...] = (),
 ) -> Problem:
     """The problem whose known coordinates have these names, in the order of their values; built
     once for each closure and names, so that problems of one closure share its symbols.
 
     All actuated joints of limbs, or their whole pose, are in the closure's own order, unless some
     are `held`: others, or none, that a closure of names must hold. Without `names` and `held` the
-    geometry is what is known.
+    geometry is what is known. A closure of
+    limbs holds joints that are `limited`.
     """
     by_name = held is not None or plain_kind(mechanism, names) is None
-    partition = _partition(mechanism, names, held) if by_name else ALL_JOINTS
+    partition = _partition(mechanism, names, held) if by_name else Partition(frozenset(limited))
     return _problem(build_closure(mechanism, partition), names, by_name)
 
 
@@ -269,8 +276,8 @@ def _partition(
     mechanism: Mechanism, names: tuple[str, ...], held: tuple[str, ...] | None
 ) -> Partition:
     """What the closure must hold for the known coordinates and those that are held beside them."""
-    wanted = (*names, *(held or ()))
     joints = frozenset(c.name for joint in mechanism.all_joints for c in joint.coordinates)
+    wanted = (*names, *(held or ()))
     conditions = tuple(name for name in POSE_CONDITIONS if name in wanted and name not in joints)
     whole = any(name.startswith("pose.") for name in wanted)
     geometry = not names and held is None

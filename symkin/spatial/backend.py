@@ -7,7 +7,7 @@ indexed [row, column] and may carry further axes the same way.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from functools import wraps
 from typing import Any
 
@@ -54,6 +54,11 @@ def vector(*components: Array) -> Array:
     if False in [isinstance(component, float) for component in components]:
         return np.stack(np.broadcast_arrays(*components))
     return np.array(components, dtype=float)
+
+
+def stacked(columns: Iterable[ca.SX]) -> ca.SX:
+    """Stack columns of expressions, of which there may be none, one below the other."""
+    return ca.vertcat(ca.SX(0, 1), *columns)
 
 
 def matrix(rows: Sequence[Sequence[Array]]) -> Array:

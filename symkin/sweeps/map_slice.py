@@ -4,7 +4,7 @@ others cut.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -122,27 +122,26 @@ def _cut(
     }
     long = [n for n in names if n not in slices and len(axes[n][2]) > 1]
     shown = long[:2] or [n for n in names if n not in slices][:1] or names[:1]
-    places: list[slice | int] = []
-    fixed, cuts = [], {}
-    for n in names:
-        values = axes[n][2]
-        if n in shown:
-            places.append(slice(None))
-            continue
-        middle = values[(len(values) - 1) // 2]
-        place = int(np.argmin(np.abs(values - slices.get(n, middle))))
-        places.append(place)
-        fixed.append(f"{n} = {values[place]:.5g} {axes[n][1]}")
-        cuts[n] = float(values[place])
-    values = data[name][tuple(places)].values
-    return MapSlice(
-        values,
-        axes[shown[0]],
-        axes[shown[1]] if len(shown) > 1 else None,
-        tuple(fixed),
-        False,
-        cuts,
-    )
+    part, cuts, fixed = cut_at(attributes, data, [n for n in names if n not in shown], slices)
+    second = axes[shown[1]] if len(shown) > 1 else None
+    return MapSlice(part[name].values, axes[shown[0]], second, fixed, False, cuts)
+
+
+def cut_at(
+    attributes: Mapping[str, Any], data: Any, cut: Sequence[str], slices: Mapping[str, float]
+) -> tuple[Any, dict[str, float], tuple[str, ...]]:
+    """The arrays of a sweep at the values of some axes that are nearest to `slices`, or in the
+    middle; these values by name, and what is told of them.
+    """
+    places, found, told = {}, {}, []
+    for n, label in zip(attributes["axes"], labels(list(attributes["axes"])), strict=True):
+        if n in cut:
+            values = data[label].values
+            middle = values[(len(values) - 1) // 2]
+            places[label] = int(np.argmin(np.abs(values - slices.get(n, middle))))
+            found[n] = float(values[places[label]])
+            told.append(f"{n} = {found[n]:.5g} {data[label].attrs['units']}")
+    return data.isel(places), found, tuple(told)
 
 
 def _sampled(attributes: Mapping[str, Any], data: Any, name: str) -> MapSlice:

@@ -172,8 +172,8 @@ def test_the_example_holds_where_there_is_no_answer(tmp_path):
     program = _example(
         tmp_path,
         (
-            "joints[i] = begin[i] + part * (flat_vector_joints[0][i] - begin[i]);",
-            "joints[i] = 500.0 + part;",
+            "values[i] = begin[i] + part * (flat_vector_joints[0][i] - begin[i]);",
+            "values[i] = 500.0 + part;",
         ),
     )
     said = subprocess.run([str(program)], capture_output=True, text=True, check=True).stdout

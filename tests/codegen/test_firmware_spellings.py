@@ -28,13 +28,14 @@ PLANAR = ("five-bar", "3-RRR", "3-RPR", "slider-crank")
 SPELLED = ("limbs, motion", "graph, motion", "limbs", "graph", "limbs, point", "MJCF", "URDF")
 TURNED = ("limbs, turned", "graph, turned", "limbs, turned about z")
 COSTS = [
-    ("3-RRR", ("limbs, motion", "graph, turned about z")),
+    ("3-RRR", ("limbs, motion", "graph, turned about z", "limbs, reference")),
     ("delta", ("limbs, motion", "graph, turned", "URDF")),
-    ("ankle", ("limbs", "limbs, turned", "MJCF")),
-    ("Agile Eye", ("limbs, motion", "graph, turned", "URDF")),
+    ("ankle", ("limbs", "limbs, turned", "MJCF", "graph, reference")),
+    ("Agile Eye", ("limbs, motion", "graph, turned", "URDF", "limbs, reference")),
     ("3-RPS", ("limbs", "limbs, 1e+06")),
-    *((name, (*SPELLED, *TURNED)) for name in PLANAR),
-    ("Tricept", ("limbs", "limbs, turned", "graph, turned")),
+    *((name, (*SPELLED, *TURNED, "graph, reference", "limbs, 1e-08")) for name in PLANAR),
+    ("Tricept", ("limbs", "limbs, turned", "graph, turned", "limbs, reference")),
+    ("6-RUS", ("limbs", "limbs, reference")),
     ("3-RUU", ("limbs, motion", "graph, turned", "limbs, 1e-08")),
 ]
 

@@ -290,7 +290,10 @@ def test_the_scale_bar_is_as_long_as_it_says(scale: float) -> None:
 def test_labels_find_a_place_even_where_all_is_full() -> None:
     """Forty labels of one point: none meets another."""
     page = Page(600.0, 400.0, symbols=[Box(300.0, 200.0, 20.0, 20.0)])
-    placed = [page.place(Label(str(k), (300.0, 200.0), 20.0, 30.0, 12.0)) for k in range(40)]
+    placed = [
+        page.place(Label(str(k), np.array([300.0, 200.0]), 20.0, 9.0, {}, width=30.0, height=12.0))
+        for k in range(40)
+    ]
     assert not any(a.meets(b) for a, b in combinations(placed, 2))
     assert all(15 <= box.x <= 585 and 6 <= box.y <= 394 for box in placed)
 

@@ -14,6 +14,7 @@ import pytest
 import symkin
 from helpers.inside import (
     Robot,
+    RobotJoint,
     Tree,
     assembled,
     build_closure,
@@ -29,10 +30,9 @@ from helpers.inside import (
     way_between,
     whole_system,
 )
-from helpers.inside import RobotClosure as Closure
 from helpers.laws import axis_turn, chain
 from helpers.robot_files import closure_misfit
-from symkin import Coupling, Joint, LinkJoint, Pose
+from symkin import Coupling, Joint, Pose
 
 Z = (0.0, 0.0, 1.0)
 ROWS = {"S": 3, "U": 4, "R": 5, "H": 5, "C": 4, "P": 5, "weld": 6}
@@ -66,7 +66,7 @@ def spatial_loop(kind: str, open_by: float, seed: int = 0) -> Robot:
             pitch=0.3 if type_ == "H" else 0.0,
             zero=0.4 if type_ in "RPH" else 0.0,
         )
-        joints.append(LinkJoint(joint, pair))
+        joints.append(RobotJoint(joint, pair))
         links[pair[1]] = random_pose(rng)
 
     for k, type_ in enumerate("RPHS"):
@@ -76,36 +76,37 @@ def spatial_loop(kind: str, open_by: float, seed: int = 0) -> Robot:
     links["loose"] = random_pose(rng)
     frame = random_pose(rng)
     closures = (
-        Closure(
+        RobotJoint(
             joint_at(frame, "loop", kind, pitch=0.2 if kind == "H" else 0.0),
             ("left3", "right3"),
-            frame,
-            near(frame, rng, open_by),
+            (frame, near(frame, rng, open_by)),
         ),
-        Closure(joint_at(frame, "hang", "S"), ("left3", "loose"), frame, near(frame, rng, open_by)),
+        RobotJoint(
+            joint_at(frame, "hang", "S"), ("left3", "loose"), (frame, near(frame, rng, open_by))
+        ),
     )
     couplings = (
         Coupling("b2", {"a0": 0.5}, 0.1),
         Coupling("b3", "a0", polynomial=[0.2, 0.3, -0.2]),
     )
-    return Robot("loop", links, tuple(joints), closures, couplings, floating=("loose",))
+    return Robot("loop", links, (*joints, *closures), couplings, floating=("loose",))
 
 
 def four_bar(open_by: float = 0.0, reach: float = 4.0) -> Robot:
     """Crank 1, coupler 4, follower 3, ground `reach`; the coupler's end is a point of the tree."""
     joints = [
-        LinkJoint(Joint("crank", "R", (0, 0, 0), Z), ("base", "arm")),
-        LinkJoint(Joint("knee", "R", (0, 1, 0), Z), ("arm", "coupler")),
-        LinkJoint(Joint("follower", "R", (reach, 0, 0), Z), ("base", "lever")),
+        RobotJoint(Joint("crank", "R", (0, 0, 0), Z), ("base", "arm")),
+        RobotJoint(Joint("knee", "R", (0, 1, 0), Z), ("arm", "coupler")),
+        RobotJoint(Joint("follower", "R", (reach, 0, 0), Z), ("base", "lever")),
     ]
     links = dict.fromkeys(("base", "arm", "coupler", "lever"), Pose.identity())
     first = Pose(np.array([4.0, 1.0, 0.0]), np.array([1.0, 0, 0, 0]))
     second = Pose(np.array([reach, 3.0 + open_by, 0.0]), np.array([1.0, 0, 0, 0]))
+    end = joint_at(first, "end", "R")
     return Robot(
         "four_bar",
         links,
-        tuple(joints),
-        (Closure(joint_at(first, "end", "R"), ("coupler", "lever"), first, second, "line 9"),),
+        (*joints, RobotJoint(end, ("coupler", "lever"), (first, second), "line 9")),
     )
 
 
@@ -192,7 +193,7 @@ def test_axes_of_the_assembled_mechanism_are_moved_with_their_links() -> None:
     robot = spatial_loop("S", 0.3)
     found = nearest_closed(robot)
     made = {entry.joint.name: entry.joint for entry in mechanism_of(robot).link_joints}
-    arm = [entry.joint for entry in robot.joints if entry.joint.name.startswith("b")]
+    arm = [entry.joint for entry in robot.tree if entry.joint.name.startswith("b")]
     values = {name: float(value[0]) for name, value in found.values.items() if len(value) == 1}
     assert abs(values["b1.1"]) > 1e-3
     for count, joint in enumerate(arm):
@@ -231,16 +232,16 @@ def test_two_hinges_with_one_axis_forbid_nothing() -> None:
     tilted = tuple(np.array([0.3, -0.5, 0.8]) / np.linalg.norm([0.3, -0.5, 0.8]))
     frame = Pose.from_rotation_vector(np.array([1.1, 2.2, 3.3]), np.array([0.2, 0.7, -0.4]))
     axis = tuple(np.asarray(frame.rotation)[:, 2])
-    hinge = LinkJoint(Joint("hinge", "R", tuple(frame.position), axis), ("base", "door"))
+    hinge = RobotJoint(Joint("hinge", "R", tuple(frame.position), axis), ("base", "door"))
     robot = Robot(
         "door",
         {"base": Pose.identity(), "door": Pose.identity()},
-        (hinge,),
-        (Closure(joint_at(frame, "other", "R"), ("base", "door"), frame, frame),),
+        (hinge, RobotJoint(joint_at(frame, "other", "R"), ("base", "door"), (frame, frame))),
     )
     assert nearest_closed(robot).rank() == 0
     assert symkin.mobility(mechanism_of(robot)).mobility == 1
-    across = replace(robot, joints=(LinkJoint(replace(hinge.joint, axis=tilted), hinge.links),))
+    tilted_hinge = replace(hinge, joint=replace(hinge.joint, axis=tilted))
+    across = replace(robot, joints=(tilted_hinge, *robot.closures))
     assert nearest_closed(across).rank() == 1
 
 
@@ -249,13 +250,11 @@ def test_digits_that_make_constraints_of_redundant_ones_are_told() -> None:
     one freedom to the digits.
     """
     robot = four_bar(reach=4.0)
-    *others, follower = robot.joints
+    *others, follower = robot.tree
     off = replace(follower.joint, axis=(1e-7, 0.0, 1.0))
     (end,) = robot.closures
-    closed = replace(end, second=end.first)
-    found = close_robot(
-        replace(robot, joints=(*others, LinkJoint(off, follower.links)), closures=(closed,))
-    )
+    closed = replace(end, frames=(end.frames[0], end.frames[0]))
+    found = close_robot(replace(robot, joints=(*others, RobotJoint(off, follower.links), closed)))
     assert (found.rank, found.generic_rank) == (3, 2)
     assert any(
         "the digits of the file make constraints of what is redundant: the rank is 3 here, and 2"
@@ -284,7 +283,7 @@ def test_loops_that_nothing_closes() -> None:
 
 
 def test_joints_that_form_no_tree_are_refused() -> None:
-    lone = LinkJoint(Joint("lone", "R", (0, 0, 0), Z), ("elsewhere", "arm"))
+    lone = RobotJoint(Joint("lone", "R", (0, 0, 0), Z), ("elsewhere", "arm"))
     with pytest.raises(
         symkin.MechanismError, match="'lone': its link 'elsewhere' hangs on nothing"
     ):
@@ -297,7 +296,7 @@ def test_turns_of_coupled_joints_count_while_loops_close(turns: int) -> None:
     joints are kept, those of others are left out.
     """
     bar = four_bar(open_by=-1.5)
-    pinion = LinkJoint(Joint("pinion", "R", (0, 0, 1), Z), ("base", "wheel"))
+    pinion = RobotJoint(Joint("pinion", "R", (0, 0, 1), Z), ("base", "wheel"))
     links = {**bar.links, "wheel": Pose.identity()}
     coupling = Coupling("pinion", {"follower": 1.5}, 2 * np.pi * turns)
     found = nearest_closed(

@@ -113,7 +113,7 @@ def values_of(one: Read, solution: symkin.Solution) -> dict[str, Any]:
     """
     universal = {
         c.name
-        for entry in one.robot.joints
+        for entry in one.robot.tree
         if entry.joint.type == "U"
         for c in entry.joint.coordinates
     }

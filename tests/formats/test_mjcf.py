@@ -98,7 +98,7 @@ def test_real_robots(name: str) -> None:
     assert closed.rank() == told["rank_at_configuration"]
     assert closed.tree.freedom - closed.rank() == told["mobility_at_configuration"] - free
     assert closed.open_by <= 1e-12
-    directly = [entry.joint.name for entry in robot.joints if entry.joint.actuated]
+    directly = [entry.joint.name for entry in robot.tree if entry.joint.actuated]
     assert directly == told["actuated"] or name == "robotiq_2f85"
     counted = symkin.mobility(assembled(robot, closed))
     # rods between two balls may spin, which the closure of the graph leaves out
@@ -115,7 +115,7 @@ def test_a_joint_that_is_held(tmp_path: Path) -> None:
     assert any("'q5' is held at 0.8" in note for note in robot.notes)
     turned = robot.merged["f5"][1]
     assert 2.0 * np.arccos(turned.quaternion[0]) == pytest.approx(0.3)
-    assert {entry.joint.name for entry in robot.joints if entry.joint.actuated} <= {
+    assert {entry.joint.name for entry in robot.tree if entry.joint.actuated} <= {
         "q1",
         "q2",
         "q3",
@@ -127,7 +127,7 @@ def test_bodies_named_base_and_names_that_are_not_allowed(tmp_path: Path) -> Non
     robot = read_mjcf(in_file(tmp_path, file_text(still)))
     assert robot.links["base"].position.tolist() == [0.0, 0.0, 1.0]
     assert "left_foot" in robot.links
-    assert [entry.joint.name for entry in robot.joints] == ["a_b"]
+    assert [entry.joint.name for entry in robot.tree] == ["a_b"]
     assert any("left_foot" in note for note in robot.notes)
     moving = read_mjcf(in_file(tmp_path, file_text(body("base", "0 0 1", joint("q")))))
     assert set(moving.links) == {"base", "base_2"}
@@ -168,7 +168,7 @@ def test_files_that_kinematics_does_not_need(tmp_path: Path) -> None:
     assert {name: [mesh.file for mesh in meshes] for name, meshes in robot.meshes.items()} == {
         "a": ["m.stl"]
     }
-    assert [entry.joint.type for entry in robot.joints] == ["R", "P"]
+    assert [entry.joint.type for entry in robot.tree] == ["R", "P"]
 
 
 BAD = {

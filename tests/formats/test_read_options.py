@@ -67,7 +67,7 @@ def test_the_note_of_unknown_mates_goes_where_the_kind_is_told(four_bar: Path) -
 def test_actuated_joints_are_those_that_are_told(four_bar: Path) -> None:
     """They and no others; the note that nothing tells them goes."""
     robot = read_robot(four_bar, ReadOptions(actuated=["c"]))
-    assert [entry.joint.name for entry in robot.joints if entry.joint.actuated] == ["c"]
+    assert [entry.joint.name for entry in robot.tree if entry.joint.actuated] == ["c"]
     assert not any("no motors" in note for note in robot.notes)
     assert [c.name for c in load(four_bar, ReadOptions(actuated=["c"])).actuated] == ["c"]
 

@@ -15,7 +15,6 @@ import pytest
 
 from helpers.inside import Robot, read_robot
 from helpers.mjcf_models import SMALL
-from symkin import LinkJoint
 
 pytest.importorskip("mujoco")
 pytest.importorskip("pinocchio")
@@ -120,6 +119,5 @@ def test_gears_count_in_the_plain_account(tmp_path: Path) -> None:
 def _with_a_turned_axis(robot: Robot) -> Robot:
     first, *others = robot.joints
     axis = np.roll(np.array(first.joint.axis), 1)
-    return replace(
-        robot, joints=(LinkJoint(replace(first.joint, axis=tuple(axis)), first.links), *others)
-    )
+    turned = replace(first, joint=replace(first.joint, axis=tuple(axis)))
+    return replace(robot, joints=(turned, *others))

@@ -56,7 +56,7 @@ def read(folder: Path, inside: str, version: str = "1.7", name: str = "r") -> Ro
 
 
 def joints_of(robot: Robot) -> dict[str, Joint]:
-    return {entry.joint.name: entry.joint for entry in robot.joints}
+    return {entry.joint.name: entry.joint for entry in robot.tree}
 
 
 # --- real models ----------------------------------------------------------------------------------
@@ -67,7 +67,7 @@ def test_counts_and_the_closed_configuration_are_those_of_an_independent_reader(
     data, found = facts(name), read_sdf(MODELS / f"{name}.sdf")
     assert len(found.links) + len(found.merged) + len(data["unreached"]) == data["bodies"]
     assert len(found.closures) == data["independent_loops"]
-    kinds = Counter(KINDS[joint.joint.type] for joint in found.joints)
+    kinds = Counter(KINDS[joint.joint.type] for joint in found.tree)
     kinds.update(KINDS[closure.joint.type] for closure in found.closures)
     assert dict(kinds) == data["joints"]
     assert all(any(link in note for note in found.notes) for link in data["unreached"])
@@ -76,7 +76,7 @@ def test_counts_and_the_closed_configuration_are_those_of_an_independent_reader(
     assert set(all_frames(found)) == set(told)
     assert all(
         joint_misfit(e.joint, moved[e.links[0]].inverse() @ moved[e.links[1]]) < 1e-9
-        for e in found.joints
+        for e in found.tree
     )
     assert all(closure_misfit(closure, moved) < 1e-9 for closure in found.closures)
 
@@ -415,7 +415,7 @@ def test_a_link_named_world_before_1_7_is_what_the_model_stands_in(tmp_path: Pat
         + JOINT.format(pose="0 0 0 0 0 0", axis="<xyz>0 0 1</xyz>").replace(">a<", ">world<")
     )
     found = read(tmp_path, inside, "1.6")
-    assert [entry.links for entry in found.joints] == [("base", "b")]
+    assert [entry.links for entry in found.tree] == [("base", "b")]
     np.testing.assert_allclose(found.links["b"].position, [1.0, 2.0, 3.0])
     assert any("the link 'world' is what the model stands in" in note for note in found.notes)
 
@@ -434,7 +434,7 @@ def test_a_parent_frame_away_from_the_joint_is_told(tmp_path: Path) -> None:
     joint = JOINT.format(pose="0 0 0 0 0 0", axis="<xyz>0 0 1</xyz>").replace(">a<", ">f<")
     away, at = (read(tmp_path, BODIES + frame.format(x) + joint) for x in (0.5, 0))
     for found in (away, at):
-        (entry,) = found.joints
+        (entry,) = found.tree
         np.testing.assert_allclose(entry.joint.point, found.links["b"].position)
     assert any(
         "the parent frame 'f' of <joint name='j'> is 0.5 m from the joint" in note

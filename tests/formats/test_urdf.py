@@ -86,8 +86,8 @@ def test_one_loop_is_read_alike_in_every_form(form: str, tmp_path: Path) -> None
     (closure,) = robot.closures
     assert closure.joint.type == ("S" if form in POINTS else "R")
     assert closure.links == ("rod", "rocker")
-    assert np.allclose(np.asarray(closure.first.position), [3, 0, 0])
-    assert np.allclose(np.asarray(closure.second.position), [0, 5, 0])
+    assert np.allclose(np.asarray(closure.frames[0].position), [3, 0, 0])
+    assert np.allclose(np.asarray(closure.frames[1].position), [0, 5, 0])
     assert closure_misfit(closure, displaced(robot, closed_values())) < 1e-12
     assert closure_misfit(closure, displaced(robot, {**closed_values(), "b": 0.1})) > 0.01
 
@@ -102,7 +102,7 @@ def test_a_joint_of_sdf_within_gazebo_closes_a_loop(tmp_path: Path) -> None:
     robot = read(tmp_path, TREE + inside)
     (closure,) = robot.closures
     assert closure.joint.type == "R"
-    assert np.allclose(np.asarray(closure.first.position), [0, 5, 0])
+    assert np.allclose(np.asarray(closure.frames[0].position), [0, 5, 0])
     assert closure_misfit(closure, displaced(robot, {"a": 0.0, "b": 0.0, "c": 0.0})) < 1e-15
 
 
@@ -206,7 +206,7 @@ def test_fixed_joints_are_merged_and_names_kept_in_notes(tmp_path: Path) -> None
 
 
 def test_limits_and_motors(tmp_path: Path) -> None:
-    joints = {j.joint.name: j.joint for j in read(tmp_path, TREE).joints}
+    joints = {j.joint.name: j.joint for j in read(tmp_path, TREE).tree}
     assert joints["a"].limits == (-1.0, 2.0)
     assert joints["b"].limits is None
     assert all(joint.actuated for joint in joints.values())
@@ -214,7 +214,7 @@ def test_limits_and_motors(tmp_path: Path) -> None:
         '<transmission name="t"><joint '
         'name="a"><hardwareInterface>x</hardwareInterface></joint></transmission>'
     )
-    driven = read(tmp_path, TREE + motor).joints
+    driven = read(tmp_path, TREE + motor).tree
     assert [entry.joint.name for entry in driven if entry.joint.actuated] == ["a"]
 
 
@@ -230,7 +230,7 @@ def test_joints_that_a_transmission_only_reads_are_passive(tmp_path: Path) -> No
     )
     driven = read(
         tmp_path, TREE + told + transmission("c", "hardware_interface/JointStateInterface")
-    ).joints
+    ).tree
     assert [entry.joint.name for entry in driven if entry.joint.actuated] == ["a"]
 
 
@@ -238,7 +238,7 @@ def test_independent_joints_of_urdf_plus_are_driven_however_true_is_written(tmp_
     told = TREE.replace('name="a"', 'name="a" independent="true"').replace(
         'name="b"', 'name="b" independent="True"'
     )
-    driven = read(tmp_path, told.replace('name="c"', 'name="c" independent="False"')).joints
+    driven = read(tmp_path, told.replace('name="c"', 'name="c" independent="False"')).tree
     assert [entry.joint.name for entry in driven if entry.joint.actuated] == ["a", "b"]
 
 
@@ -264,7 +264,7 @@ def test_joints_of_many_freedoms_are_chains(kind: str, freedoms: int, tmp_path: 
         f'link="x"/><origin xyz="0 0 1"/><axis xyz="1 0 0"/></joint>'
     )
     robot = read(tmp_path, TREE + more)
-    added = [entry.joint for entry in robot.joints if entry.joint.name.startswith("p.")]
+    added = [entry.joint for entry in robot.tree if entry.joint.name.startswith("p.")]
     assert sum(joint.freedom for joint in added) == freedoms
     if kind == "planar":
         assert all(abs(np.dot(joint.axis, [1, 0, 0])) < 1e-15 for joint in added[:2])
@@ -277,7 +277,7 @@ def test_a_floating_root_is_held(tmp_path: Path) -> None:
         'link="ground"/></joint>'
     )
     robot = read(tmp_path, world + TREE)
-    assert len(robot.joints) == 3
+    assert len(robot.tree) == 3
     assert any("held" in note and "'free'" in note for note in robot.notes)
 
 
@@ -409,7 +409,7 @@ def test_loops_motors_and_types_beside_the_file(tmp_path: Path) -> None:
     robot = read(tmp_path, TREE + PAIR)
     (closure,) = robot.closures
     assert (closure.joint.type, closure.links) == ("S", ("rod", "rocker"))
-    joints = {entry.joint.name: entry.joint for entry in robot.joints}
+    joints = {entry.joint.name: entry.joint for entry in robot.tree}
     assert (joints["b"].type, joints["b"].axis, joints["b"].axis2) == (
         "U",
         (0.0, 0.0, 1.0),
@@ -426,7 +426,7 @@ def test_frames_beside_the_file_may_be_named_by_their_joints(tmp_path: Path) -> 
     by_joint = read(tmp_path, TREE + PAIR)
     ((one,), (other,)) = (by_link.closures, by_joint.closures)
     assert one.links == other.links
-    np.testing.assert_array_equal(one.first.position, other.first.position)
+    np.testing.assert_array_equal(one.frames[0].position, other.frames[0].position)
 
 
 @pytest.mark.parametrize(

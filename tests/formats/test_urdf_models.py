@@ -51,13 +51,13 @@ def test_counts_are_those_of_an_independent_reader(name: str) -> None:
     data, found = facts(name), robot(name)
     assert len(found.links) + len(found.merged) == data["bodies"]
     assert len(found.closures) == data["independent_loops"]
-    assert len(found.joints) == len(found.links) - 1
-    kinds = Counter(KINDS[joint.joint.type] for joint in found.joints)
+    assert len(found.tree) == len(found.links) - 1
+    kinds = Counter(KINDS[joint.joint.type] for joint in found.tree)
     kinds.update(KINDS[closure.joint.type] for closure in found.closures)
     kinds.update({"fixed": len(found.merged)} if found.merged else {})
     assert dict(kinds) == {key: count for key, count in data["joints"].items() if count}
     if "actuated" in data:
-        assert {joint.joint.name for joint in found.joints if joint.joint.actuated} == set(
+        assert {joint.joint.name for joint in found.tree if joint.joint.actuated} == set(
             data["actuated"]
         )
 
@@ -75,7 +75,7 @@ def test_a_configuration_that_closes_elsewhere_closes_here(name: str) -> None:
         assert np.allclose(
             np.asarray((moved[carrier] @ pose).matrix), np.asarray(told[link].matrix), atol=TOLD_TO
         )
-    for entry in found.joints:
+    for entry in found.tree:
         first, second = (moved[link] for link in entry.links)
         misfit = joint_misfit(entry.joint, first.inverse() @ second)
         if entry.joint.name in cut:
@@ -127,7 +127,7 @@ def test_trees_are_those_of_pinocchio(name: str) -> None:
 def test_retyped_joints_turn_as_the_file_beside_tells() -> None:
     """A universal joint by the axes x and then y of the joint's own frame."""
     found = robot("urdf_gepetto_yaml/digit_like_2legs")
-    joint = next(entry for entry in found.joints if entry.joint.name == "spherical_free_knee")
+    joint = next(entry for entry in found.tree if entry.joint.name == "spherical_free_knee")
     told = facts("urdf_gepetto_yaml/digit_like_2legs")
     poses = told_poses(told, found)
     first, second = (poses[link] @ found.links[link].inverse() for link in joint.links)
@@ -173,7 +173,7 @@ def test_a_file_loads_as_a_closed_mechanism(name: str) -> None:
     reference.
     """
     mechanism, found = load(MODELS / f"{name}.urdf"), robot(name)
-    assert len(mechanism.link_joints) == len(found.joints) + len(found.closures)
+    assert len(mechanism.link_joints) == len(found.joints)
     assert (mechanism.length_unit, mechanism.angle_unit) == ("m", "rad")
     assert mobility(mechanism).mobility == facts(name)["mobility_at_configuration"]
 

@@ -1,5 +1,6 @@
 """The same machine in another length unit, at another place of its base frame, with its parts in
-another order, with revolutes for its universal joints, or with a named point.
+another order, with axes the other way, with revolutes for its universal joints, or with a named
+point.
 """
 
 from __future__ import annotations
@@ -31,6 +32,33 @@ def reordered(mechanism: Mechanism, seed: int) -> Mechanism:
         name: shuffled(getattr(mechanism, name)) for name in ("limbs", "link_joints", "link_rods")
     }
     return replace(mechanism, **parts)
+
+
+def with_axes_reversed(mechanism: Mechanism) -> Mechanism:
+    """The same machine with every other of its passive R and P joints about the opposite axis, and
+    so with the negative of their coordinates.
+    """
+    passive = [
+        joint.name
+        for joint in mechanism.all_joints
+        if joint.type in ("R", "P") and not joint.actuated
+    ]
+    turned = set(passive[::2])
+
+    def reversed_one(joint: Joint) -> Joint:
+        if joint.name not in turned:
+            return joint
+        axis = tuple(-v for v in joint.axis or ())
+        return replace(joint, axis=axis, zero=-joint.zero)
+
+    limbs = [
+        limb
+        if isinstance(limb, RodLimb)
+        else replace(limb, joints=[reversed_one(joint) for joint in limb.joints])
+        for limb in mechanism.limbs
+    ]
+    links = [replace(item, joint=reversed_one(item.joint)) for item in mechanism.link_joints]
+    return replace(mechanism, limbs=limbs, link_joints=links, example=None)
 
 
 def scaled_values(

@@ -13,12 +13,12 @@ import numpy as np
 
 from helpers.inside import (
     Robot,
+    RobotJoint,
     exponential,
     prismatic_screw,
     quaternion_from_axis_angle,
     revolute_screw,
 )
-from helpers.inside import RobotClosure as Closure
 from symkin import Joint, Pose
 
 MODELS = Path(__file__).resolve().parent.parent / "data" / "models"
@@ -86,11 +86,10 @@ def joint_misfit(joint: Joint, moved: Pose) -> float:
     raise AssertionError(joint.type)
 
 
-def closure_misfit(closure: Closure, moved: Mapping[str, Pose]) -> float:
+def closure_misfit(closure: RobotJoint, moved: Mapping[str, Pose]) -> float:
     """How far a closure is from being closed where the links are displaced so."""
     first, second = (
-        moved[link] @ frame
-        for link, frame in zip(closure.links, (closure.first, closure.second), strict=True)
+        moved[link] @ frame for link, frame in zip(closure.links, closure.frames, strict=True)
     )
     gap = float(np.linalg.norm(np.asarray(second.position) - np.asarray(first.position)))
     a, b = np.asarray(first.rotation), np.asarray(second.rotation)
@@ -122,7 +121,7 @@ def displaced(robot: Robot, values: Mapping[str, Any]) -> dict[str, Pose]:
     (a quaternion for S).
     """
     moved = {"base": Pose.identity()}
-    waiting = list(robot.joints)
+    waiting = list(robot.tree)
     while waiting:
         entry = next(e for e in waiting if e.links[0] in moved)
         waiting.remove(entry)

@@ -18,12 +18,20 @@ import numpy as np
 import symkin
 from helpers import moved_points, samples
 from helpers.graph_twin import graph_twin
-from helpers.inside import build_closure, displaced, scaled, with_reference_at
+from helpers.inside import (
+    POSE_CONDITIONS,
+    build_closure,
+    displaced,
+    scaled,
+    tilt_and_torsion,
+    with_reference_at,
+)
 from helpers.moved_mechanisms import (
     as_revolutes,
     in_length_unit,
     reordered,
     revolute_links,
+    with_axes_reversed,
     with_point,
 )
 from symkin import Joint, Limb, Mechanism, Modes, Pose, Rod, RodLimb, Solution
@@ -109,6 +117,16 @@ class Spelling:
         there = self.told(Pose(at.position + [0.0, 0.0, away], at.quaternion))
         return symkin.modes(self.mechanism, pose=there, method=method)
 
+    def by_name(self, machine: Machine, names: Sequence[str]) -> tuple[Modes, Solution]:
+        """The modes at values by name, those of one of the modes at the machine's input, and that
+        mode. Parts of a pose are those of the spelling's own frame.
+        """
+        one = self.modes(machine, inverse=False)[0]
+        angles = map(self.mechanism.angle_out, tilt_and_torsion(one.quaternion))
+        pose = dict(zip(POSE_CONDITIONS, (*map(float, one.position), *angles), strict=True))
+        values = {name: one.joints.get(name, pose.get(name)) for name in names}
+        return symkin.modes(self.mechanism, given=values), one  # type: ignore[arg-type]
+
     def configurations(self, machine: Machine, found: Modes) -> dict[str, np.ndarray]:
         """Where each link is in each mode (modes, 12) as the home has it: the place of its point
         that is the origin at the home's reference, over the size, and its rotation.
@@ -187,6 +205,7 @@ def _of_form(name: str, machine: Machine, form: Mechanism, kind: str) -> Iterato
     about = " about z" if turn is ABOUT_Z else ""
     yield Spelling(f"{name}, turned{about}", displaced(form, turn), kind, turn=turn)
     yield Spelling(f"{name}, point", with_point(form), kind)
+    yield Spelling(f"{name}, axes", with_axes_reversed(form), kind)
     there = machine.configuration
     if not machine.home.serial:
         moved = with_reference_at(build_closure(machine.home, there.partition), there.variables)

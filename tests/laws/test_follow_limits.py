@@ -5,6 +5,11 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
+import pytest
+
+import symkin
+from helpers import moved_points
+from helpers.graph_twin import graph_twin
 from helpers.samples import (
     COUPLER,
     CRANK,
@@ -59,3 +64,32 @@ def test_passive_limits_count_within_a_step():
     assert found.stop.kind == "limit"
     assert found.stop.limit.name == "d"
     assert abs(found.end.joints["d"] - found.stop.limit.value) < 2e-9
+
+
+@pytest.mark.parametrize("form", ["limbs", "graph"])
+@pytest.mark.parametrize("by", ["joints", "poses"])
+def test_limits_of_a_joint_at_which_a_loop_is_cut_stop_the_path(form: str, by: str) -> None:
+    """The last joint of a limb is as much a joint as others."""
+    home = moved_points.three_rpr()
+    end = symkin.solve(home, joints=[84.0, 82.0, 92.0]).solution
+    start = symkin.solve(home, joints=[78.0, 79.0, 81.0]).solution
+    middle = 0.5 * (start.joints["c2"] + end.joints["c2"])
+    limbs = [
+        replace(
+            limb,
+            joints=[
+                replace(joint, limits=(-3.0, middle)) if joint.name == "c2" else joint
+                for joint in limb.joints
+            ],
+        )
+        for limb in home.limbs
+    ]
+    limited = replace(home, limbs=limbs)
+    limited = graph_twin(limited) if form == "graph" else limited
+    path = {by: [one.actuated_values if by == "joints" else one.pose for one in (start, end)]}
+    found = track(limited, **path)
+    assert found.stop.kind == "limit"
+    assert found.stop.limit.name == "c2"
+    assert abs(found.end.joints["c2"] - middle) < 1e-8
+    assert max(sample.joints["c2"] for sample in found.samples) < middle + 1e-8
+    assert track(limited, limits=False, **path).reached

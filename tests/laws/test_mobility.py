@@ -9,7 +9,9 @@ import numpy as np
 import pytest
 
 import symkin
+from helpers import moved_points
 from helpers.gate import in_gate
+from helpers.graph_twin import graph_twin
 from helpers.inside import (
     Rank,
     as_graph,
@@ -22,6 +24,7 @@ from helpers.inside import (
     reciprocal_product,
     reciprocal_system,
     revolute_screw,
+    scaled,
 )
 from helpers.random_graphs import random_graph
 from helpers.samples import delta, three_rrr
@@ -246,6 +249,18 @@ def test_limb_wrenches_are_reciprocal_to_joint_screws(name: str) -> None:
                 max(abs(reciprocal_product(twist, wrench)) for twist in twists)
                 < 1e-9 * mechanism.characteristic_length
             )
+
+
+@pytest.mark.parametrize("size", [1e-8, 1e6])
+@pytest.mark.parametrize("form", ["limbs", "graph"])
+def test_what_a_platform_takes_and_has_left_is_that_of_any_size(form: str, size: float) -> None:
+    """Unit couples beside unit forces are neither nothing nor all there is."""
+    home = moved_points.three_rpr()
+    found = symkin.mobility(scaled(graph_twin(home) if form == "graph" else home, size))
+    assert len(found.platform_constraints) == len(found.platform_twists) == 3
+    for twist in found.platform_twists:
+        for wrench in found.platform_constraints:
+            assert abs(reciprocal_product(twist, wrench)) < 1e-9 * size
 
 
 def _screw(joint: Joint) -> np.ndarray:

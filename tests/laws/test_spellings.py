@@ -65,6 +65,58 @@ def test_all_spellings_have_one_answer(tmp_path, name, direction, names) -> None
             assert not lacking(*pair, (len(found[0]), len(found[0])))
 
 
+BY_NAME = [
+    ("3-RPR", ("p2", "c3", "y"), ("limbs, motion", "limbs", "graph", "graph, axes")),
+    ("3-RPR", ("x", "y", "torsion"), ("limbs", "limbs, turned about z", "MJCF")),
+    ("3-RPR", ("r1", "c1", "r2"), ("limbs", "limbs, turned", "graph, axes")),
+    ("ankle", ("upper_motor", "z"), ("limbs", "graph", "graph, R R for U")),
+]
+
+
+@pytest.mark.parametrize(("name", "given", "names"), in_gate(BY_NAME, BY_NAME[:2]))
+def test_values_by_name_have_one_answer_in_all_spellings(tmp_path, name, given, names) -> None:
+    """Of passive joints, parts of the pose and mixtures; the configuration that they are taken from
+    is among the modes.
+    """
+    machine = MACHINES[name]()
+    told = set()
+    for one in named(list(spellings(machine, tmp_path)), names):
+        found, known = one.by_name(machine, given)
+        certified = sum(bool(mode.certified) for mode in found)
+        told.add((len(found), found.complex_count, found.completeness, certified))
+        size = one.mechanism.characteristic_length
+        away = [
+            max(
+                np.abs((mode.position - known.position) / size).max(),
+                np.abs(mode.rotation - known.rotation).max(),
+            )
+            for mode in found
+        ]
+        assert min(away) < 1e-6
+    assert len(told) == 1
+
+
+def test_complex_solutions_are_those_of_all_rows(tmp_path) -> None:
+    """Rows that the limbs imply of a tilted plane's platform would hold of one turned over, too,
+    which closes no limb: 2 signs of each slide are 8, as where the plane is level.
+    """
+    machine = MACHINES["3-RPR"]()
+    [turned] = named(list(spellings(machine, tmp_path)), ["limbs, turned"])
+    found, _ = turned.by_name(machine, ("x", "y", "torsion"))
+    assert (len(found), found.complex_count) == (8, 8)
+
+
+@pytest.mark.parametrize("spelling", ["graph, motion", "graph, axes"])
+def test_formulas_are_found_whichever_way_axes_point(tmp_path, spelling) -> None:
+    """Of angles about opposite axes, or of two sides of a loop, the difference stands in the rows
+    as the sum does of others.
+    """
+    machine = MACHINES["slider-crank"]()
+    [told] = named(list(spellings(machine, tmp_path)), [spelling])
+    found, _ = told.by_name(machine, ("x",))
+    assert (len(found), found.complex_count, found.engine) == (4, 4, "closed form")
+
+
 OFF = ("limbs, motion", "limbs", "graph", "graph, turned", "MJCF")
 
 

@@ -168,9 +168,9 @@ def _tree_joints(mujoco: Any, model: Any, robot: Robot) -> list[int]:
     numbers = [j for j in range(model.njnt) if j not in held and int(model.jnt_type[j]) != free]
     kinds = {"mjJNT_HINGE": "R", "mjJNT_SLIDE": "P", "mjJNT_BALL": "S"}
     theirs = [kinds[mujoco.mjtJoint(int(model.jnt_type[j])).name] for j in numbers]
-    if theirs != [entry.joint.type for entry in robot.joints]:
+    if theirs != [entry.joint.type for entry in robot.tree]:
         raise DisagreementError(
-            f"{len(robot.joints)} joints were read; MuJoCo has {len(theirs)}, or of other types"
+            f"{len(robot.tree)} joints were read; MuJoCo has {len(theirs)}, or of other types"
         )
     return numbers
 
@@ -183,7 +183,7 @@ def _data_at(
     mujoco.mj_kinematics(model, start)
     data.qpos[:] = qpos0
     values = tree.by_name(state)
-    for number, entry in zip(numbers, tree.robot.joints, strict=True):
+    for number, entry in zip(numbers, tree.robot.tree, strict=True):
         value, place = values[entry.joint.coordinates[0].name], int(model.jnt_qposadr[number])
         if len(value) == 1:
             data.qpos[place] = value[0]
@@ -277,7 +277,7 @@ def pinocchio_agreement(path: Path, robot: Robot) -> str:
     tree = Tree(robot)
     states = [("at 0", tree.own)]
     simple = all(model.joints[k].nv == 1 for k in range(1, model.njoints))
-    same = {entry.joint.name for entry in robot.joints if entry.joint.type in ("R", "P")} == set(
+    same = {entry.joint.name for entry in robot.tree if entry.joint.type in ("R", "P")} == set(
         list(model.names)[1:]
     )
     if simple and same:

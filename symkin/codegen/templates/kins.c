@@ -51,6 +51,9 @@ int kinematicsForward(const double *joint, EmcPose *world, const KINEMATICS_FORW
         return -1;
     }
 @{remembered}
+    world->tran.x = pose.position[0] * @{P}_MM;
+    world->tran.y = pose.position[1] * @{P}_MM;
+    world->tran.z = pose.position[2] * @{P}_MM;
     @{p}_world_of(&pose, world);
     return 0;
 }

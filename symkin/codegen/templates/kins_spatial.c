@@ -14,15 +14,12 @@ static @{p}_pose @{p}_pose_of(const EmcPose *world)
     return pose;
 }
 
-/* World coordinates of a pose; where B is a right angle, C is 0. */
+/* World angles of a pose; where B is a right angle, C is 0. */
 static void @{p}_world_of(const @{p}_pose *pose, EmcPose *world)
 {
     const double *const q = pose->quaternion;
     const double zx = 2.0 * (q[1] * q[3] - q[0] * q[2]);
     const double cosine = sqrt(fmax(0.0, 1.0 - zx * zx));
-    world->tran.x = pose->position[0] * @{P}_MM;
-    world->tran.y = pose->position[1] * @{P}_MM;
-    world->tran.z = pose->position[2] * @{P}_MM;
     world->b = atan2(-zx, cosine) * @{P}_DEGREES;
     if (cosine > 1e-7) {
         world->a = atan2(2.0 * (q[2] * q[3] + q[0] * q[1]), 1.0 - 2.0 * (q[1] * q[1] + q[2] * q[2])) * @{P}_DEGREES;

@@ -6,12 +6,10 @@ static @{p}_pose @{p}_pose_of(const EmcPose *world)
     return pose;
 }
 
-/* World coordinates of a pose. */
+/* World angles of a pose. */
 static void @{p}_world_of(const @{p}_pose *pose, EmcPose *world)
 {
-    world->tran.x = pose->position[0] * @{P}_MM;
-    world->tran.y = pose->position[1] * @{P}_MM;
-    world->tran.z = pose->position[2] * @{P}_MM;
+    (void)pose;
     world->a = 0.0;
     world->b = 0.0;
     world->c = 0.0;

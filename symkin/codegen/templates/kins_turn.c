@@ -11,16 +11,13 @@ static @{p}_pose @{p}_pose_of(const EmcPose *world)
     return pose;
 }
 
-/* World coordinates of a pose, C its turn from home about z. */
+/* World angles of a pose, C its turn from home about z. */
 static void @{p}_world_of(const @{p}_pose *pose, EmcPose *world)
 {
     const double *const q = pose->quaternion;
     const double *const home = @{p}_home.quaternion;
     const double cosine = q[0] * home[0] + q[1] * home[1] + q[2] * home[2] + q[3] * home[3];
     const double sine = q[3] * home[0] - q[0] * home[3] + q[2] * home[1] - q[1] * home[2];
-    world->tran.x = pose->position[0] * @{P}_MM;
-    world->tran.y = pose->position[1] * @{P}_MM;
-    world->tran.z = pose->position[2] * @{P}_MM;
     world->a = 0.0;
     world->b = 0.0;
     world->c = 2.0 * atan2((cosine < 0.0) ? -sine : sine, fabs(cosine)) * @{P}_DEGREES;

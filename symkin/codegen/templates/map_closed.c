@@ -8,7 +8,14 @@ static @{SHARED} void @{k}_formulas(const @{real} k[@{nk}], const @{real} sign[@
 @{formulas}
 }
 
+/* The signs of a configuration in the formulas, and their conditions there: what tells a sign is its root. */
+static @{SHARED} void @{k}_signs(const @{real} k[@{nk}], const @{real} x[@{ns}], @{real} sign[@{signs}], @{real} d[@{conditions}])
+{
+    (void)k;
+    (void)x;
+    (void)d;
 @{told}
+}
 @{walk}/* The end of the straight line of known values from w->at, where the state is w->x at w->k, to `to`, if no condition vanishes on the way.
  * Then the rows are held against the answer. */
 static @{p}_status @{k}_follow(@{k}_work *w, const @{real} to[@{nto}], const @{p}_config *config, @{p}_info *info)

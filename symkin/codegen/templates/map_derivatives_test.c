@@ -1,3 +1,15 @@
+/* The sum of products of N numbers each, which stand so far apart, and in *size of their magnitudes. */
+static double product(const @{p}_real *a, int apart, const @{p}_real *b, int from, double *size)
+{
+    double sum = 0.0;
+    *size = 1.0;
+    for (int i = 0; i < N; ++i) {
+        sum += (double)a[apart * i] * (double)b[from * i];
+        *size += fabs((double)a[apart * i] * (double)b[from * i]);
+    }
+    return sum;
+}
+
 /* The law of virtual power: joint torques on joint rates do what found torques do on found rates. */
 static void power_of(int k)
 {
@@ -6,18 +18,15 @@ static void power_of(int k)
     @{p}_real rates[N];
     @{p}_real of_found[N];
     @{p}_real of_joints[N];
-    double power = 0.0;
-    double size = 1.0;
+    double size;
+    double other;
     for (int i = 0; i < N; ++i) {
         torques[i] = (@{p}_real)(1 + i);
         rates[i] = (@{p}_real)(2 - i);
     }
     expect(@{p}_rates(@{configuration}, rates, of_found) == @{P}_OK, "rates", "OK", k);
     expect(@{p}_torques(@{configuration}, torques, of_joints) == @{P}_OK, "torques", "OK", k);
-    for (int i = 0; i < N; ++i) {
-        power += (double)torques[i] * (double)of_found[i] - (double)of_joints[i] * (double)rates[i];
-        size += fabs((double)torques[i] * (double)of_found[i]);
-    }
+    const double power = product(torques, 1, of_found, 1, &size) - product(of_joints, 1, rates, 1, &other);
     expect(fabs(power) <= @{jacobian_bound} * size, "torques", "power", k);
 }
 
@@ -35,6 +44,7 @@ static void derivatives_of(int k)
     @{p}_real torques[N];
     @{p}_real rates[N];
     double most = 1.0;
+    double size;
     for (int i = 0; i < N; ++i) {
         own[i] = (@{p}_real)(1 + i);
     }
@@ -53,28 +63,22 @@ static void derivatives_of(int k)
         expect(fabs(off) <= 10.0 * @{jacobian_bound} * most, "second", "entry", i);
     }
     for (int i = 0; i < N; ++i) {
+        const @{p}_real *const row = &jacobian[N * i];
         double torque = 0.0;
         double rate = 0.0;
         for (int j = 0; j < N; ++j) {
-            double one = 0.0;
-            double energy = 0.0;
-            double scale = 1.0;
-            for (int l = 0; l < N; ++l) {
-                one += (double)jacobian[N * i + l] * (double)inverse[N * l + j];
-                scale += fabs((double)jacobian[N * i + l] * (double)inverse[N * l + j]);
-                for (int h = 0; h < N; ++h) {
-                    energy += (double)jacobian[N * l + i] * (double)inertia[N * l + h] * (double)jacobian[N * h + j];
-                    scale += fabs((double)jacobian[N * l + i] * (double)inertia[N * l + h] * (double)jacobian[N * h + j]);
-                }
-            }
-            expect(again[N * i + j] == jacobian[N * i + j], "second", "jacobian", k);
-            expect(fabs(one - ((i == j) ? 1.0 : 0.0)) <= 10.0 * @{jacobian_bound} * scale, "inverse_jacobian", "entry", k);
-            expect(fabs(energy - ((i == j) ? (double)own[i] : 0.0)) <= 10.0 * @{jacobian_bound} * scale, "inertia", "entry", k);
-            torque = fmax(torque, fabs((double)jacobian[N * i + j] * (double)torques[i]) / (double)own[j]);
+            const double wanted = (i == j) ? 1.0 : 0.0;
+            const double one = product(row, 1, &inverse[j], N, &size);
+            expect(fabs(one - wanted) <= 10.0 * @{jacobian_bound} * size, "inverse_jacobian", "entry", k);
+            /* the inertia times a column of the Jacobian is that of the joint times one of the inverse */
+            const double there = product(&inertia[N * i], 1, &jacobian[j], N, &size);
+            const double here = (double)own[j] * (double)inverse[N * j + i];
+            expect(fabs(there - here) <= 10.0 * @{jacobian_bound} * size, "inertia", "entry", k);
+            expect(again[N * i + j] == row[j], "second", "jacobian", k);
+            torque = fmax(torque, fabs((double)row[j] * (double)torques[i]) / (double)own[j]);
             rate = fmax(rate, fabs((double)inverse[N * j + i] * (double)rates[i]) / (double)own[j]);
         }
         expect(fabs(torque - 1.0) <= @{jacobian_bound}, "torque_limits", "torque at its limit", i);
         expect(fabs(rate - 1.0) <= @{jacobian_bound}, "rate_limits", "rate at its limit", i);
     }
 }
-

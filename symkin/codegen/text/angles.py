@@ -18,6 +18,7 @@ from symkin.closure.angle_sums import AngleSum, combined, turned
 from symkin.closure.expression_graph import walk
 from symkin.closure.snapping import snap, snapped_expression
 from symkin.model.joint import Coordinate
+from symkin.spatial.backend import stacked
 
 _MOST_MULTIPLE = 4
 """Largest multiple of an angle that the addition theorems expand."""
@@ -118,7 +119,7 @@ def by_numbers(
     function = ca.Function("f", [s for s, _ in symbols], [ca.densify(expression)], {"cse": True})
     reader = _Reader([numbers for _, numbers in symbols], scale)
     walk(function, reader)
-    return ca.vertcat(ca.SX(0, 1), *(reader.found[k] for k in range(int(expression.shape[0]))))
+    return stacked(reader.found[k] for k in range(expression.numel()))
 
 
 def lifted(
@@ -130,11 +131,11 @@ def lifted(
     """An expression of coordinates (symbol, name) and of other symbols over the coordinates'
     numbers, rounding off its constants. Raises NotLiftedError.
     """
-    symbols = ca.vertcat(ca.SX(0, 1), *(symbol for symbol, _ in places))
+    symbols = stacked(symbol for symbol, _ in places)
     numbers = [known[name] for _, name in places]
-    own = [Numbers(others[k]) for k in range(int(others.shape[0]))]
+    own = [Numbers(others[k]) for k in range(others.numel())]
     found = by_numbers(expression, [(symbols, numbers), (others, own)], 1.0)
-    return snapped_expression(found, [ca.vertcat(ca.SX(0, 1), *ca.symvar(found))])
+    return snapped_expression(found, [stacked(ca.symvar(found))])
 
 
 @dataclass

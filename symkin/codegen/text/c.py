@@ -31,6 +31,14 @@ class Real:
         """Half a unit in the last place of 1."""
         return 2.0**-24 if self.name == "float" else 2.0**-53
 
+    @property
+    def zero(self) -> str:
+        return self.literal(0.0)
+
+    @property
+    def one(self) -> str:
+        return self.literal(1.0)
+
     def call(self, function: str) -> str:
         return function + self.suffix
 
@@ -63,7 +71,7 @@ class Real:
 
 def c_language(real: Real, prefix: str) -> Language:
     """C99 with numbers of a type, an operation a statement."""
-    inverse = {ca.OP_INV: Form(f"{real.literal(1.0)} / {{}}", PRODUCT, (POWER,))}
+    inverse = {ca.OP_INV: Form(f"{real.one} / {{}}", PRODUCT, (POWER,))}
     return Language(
         ARITHMETIC | inverse | calls("{}" + real.suffix, {}),
         real.literal,
@@ -79,7 +87,11 @@ class Emitter(Printer):
     """Printer of C; `prefix` begins the names of temporaries."""
 
     def __init__(
-        self, function: ca.Function, inputs: Sequence[Sequence[str]], real: Real, prefix: str = "t"
+        self,
+        function: ca.Function,
+        inputs: Sequence[Sequence[str] | str],
+        real: Real,
+        prefix: str = "t",
     ) -> None:
         super().__init__(function, inputs, c_language(real, prefix))
         self.real = real
@@ -88,21 +100,43 @@ class Emitter(Printer):
     def of(
         cls,
         real: Real,
-        inputs: Sequence[tuple[ca.SX, Sequence[str]]],
+        inputs: Sequence[tuple[ca.SX, Sequence[str] | str]],
         *outputs: ca.SX,
         prefix: str = "t",
     ) -> Emitter:
-        """The emitter of expressions of symbols, beside which stand their texts in C."""
+        """The emitter of expressions of symbols, beside which stand their texts in C, or the array
+        that holds them.
+        """
         function = ca.Function(
             "f", [symbols for symbols, _ in inputs], [ca.densify(e) for e in outputs], {"cse": True}
         )
         return cls(function, [texts for _, texts in inputs], real, prefix)
 
-    def stored(self, targets: Sequence[str], output: int = 0) -> list[str]:
-        """All statements up to the entries of an output, and those that set `targets` to these."""
-        texts = [self.value(output, k) for k in range(len(targets))]
-        stores = [f"{target} = {text};" for target, text in zip(targets, texts, strict=True)]
-        return [*self.lines, *stores]
+    def stored(self, targets: Sequence[str] | str, output: int = 0) -> list[str]:
+        """Add statements that set `targets`, or an array of this name, to the entries of an output;
+        all that have not been taken.
+        """
+        texts = self.values(output)
+        if isinstance(targets, str):
+            targets = indexed(targets, len(texts))
+        self.lines += [f"{target} = {text};" for target, text in zip(targets, texts, strict=True)]
+        return self.take()
+
+    def root(
+        self, number: int, square: str, least: str, other: str, *, about: str = "", sign: str = ""
+    ) -> str:
+        """Add statements of the root r1, ... of a square d1, ..., times a `sign`; `other` in place
+        of it where the square is not above `least`: that condition. `about`: the coordinate that
+        has two values.
+        """
+        told = f" /* above 0 where {c_comment(about)} has two values */" if about else ""
+        kind, d, above = self.real.type, f"d{number}", f"(d{number} > {least})"
+        root = f"{above} ? {self.real.call('sqrt')}({d}) : {other}"
+        self.lines += [
+            f"const {kind} {d} = {square};{told}",
+            f"const {kind} r{number} = {f'{sign} * ({root})' if sign else root};",
+        ]
+        return above
 
     def comment(self, text: str) -> None:
         """Add a line of comment, whatever text it is; names of temporaries do not count it."""

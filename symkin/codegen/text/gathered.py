@@ -44,11 +44,11 @@ def gathered(
     """The same values, written shorter. `turns` are the symbols that are cosine and sine of one
     angle.
     """
-    sizes = [int(e.shape[0]) for e in expressions]
+    sizes = [e.numel() for e in expressions]
     whole = ca.densify(ca.vertcat(*expressions))
     reader = _Reader(ca.vertcat(*symbols), [(c.element_hash(), s.element_hash()) for c, s in turns])
     walk(ca.Function("f", [reader.symbols], [whole], {"cse": True}), reader)
-    count = int(whole.shape[0])
+    count = whole.numel()
     found = [whole, _Writer(reader, _by_cones(reader)).whole(count)]
     best = min(
         found,
@@ -72,7 +72,7 @@ class _Reader:
     cosine_of: dict[int, int] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        hashes = [self.symbols[k].element_hash() for k in range(int(self.symbols.shape[0]))]
+        hashes = [self.symbols[k].element_hash() for k in range(self.symbols.numel())]
         for k in range(len(hashes)):
             self._add(_Node(ca.OP_INPUT, (), self.symbols[k], {(k,): (1.0, 1.0)}))
         self.cosine_of = {hashes.index(s): hashes.index(c) for c, s in self.turns}

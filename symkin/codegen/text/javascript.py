@@ -16,6 +16,7 @@ import casadi as ca
 from symkin.closure.expression_graph import walk
 from symkin.codegen.text.languages import JAVASCRIPT
 from symkin.codegen.text.printer import Printer
+from symkin.spatial.backend import stacked
 
 _Pair: TypeAlias = tuple[ca.SX, ca.SX]
 """Real and imaginary part."""
@@ -31,7 +32,7 @@ def javascript(name: str, x: ca.SX, outputs: list[ca.SX], *, over_complex: bool 
         x, outputs = _in_parts(x, outputs)
         places = [[2 * place + k for place in found for k in (0, 1)] for found in places]
     function = ca.Function(name, [x], outputs, {"cse": True})
-    printer = Printer(function, [[f"x[{k}]" for k in range(int(x.shape[0]))]], JAVASCRIPT)
+    printer = Printer(function, [[f"x[{k}]" for k in range(x.numel())]], JAVASCRIPT)
     for o, found in enumerate(places):
         for k, place in enumerate(found):
             text = printer.value(o, k)
@@ -50,14 +51,11 @@ def _row_major(output: ca.SX) -> list[int]:
 
 def _in_parts(x: ca.SX, outputs: list[ca.SX]) -> tuple[ca.SX, list[ca.SX]]:
     """Parts of complex variables, and the parts of the outputs' nonzeros, in turns."""
-    parts = ca.SX.sym("x", 2 * int(x.shape[0]))
+    parts = ca.SX.sym("x", 2 * x.numel())
     reader = _Parts(parts)
     walk(ca.Function("f", [x], outputs, {"cse": True}), reader)
     return parts, [
-        ca.vertcat(
-            ca.SX(0, 1),
-            *(part for k in range(int(output.nnz())) for part in reader.found[number, k]),
-        )
+        stacked(part for k in range(int(output.nnz())) for part in reader.found[number, k])
         for number, output in enumerate(outputs)
     ]
 

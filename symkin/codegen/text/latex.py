@@ -153,7 +153,7 @@ def write(expression: ca.SX, variables: ca.SX, names: Sequence[str]) -> tuple[li
     function = ca.Function("f", [variables], [ca.densify(expression)], {"cse": True})
     printer = Printer(function, [names], latex_language(letter_of_values(names)))
     printer.entries()
-    return printer.lines, [printer.value(0, k) for k in range(int(expression.shape[0]))]
+    return printer.lines, [printer.value(0, k) for k in range(expression.numel())]
 
 
 def _in_user_scale(closure: Closure) -> ca.SX:

@@ -86,12 +86,13 @@ class Printer:
     """Text of a CasADi SX function: `value(o, k)` makes the statements for one output nonzero and
     gives its text.
 
-    `inputs[i][k]` is the text of nonzero k of input i. `operations` counts what is printed,
+    `inputs[i][k]` is the text of nonzero k of input i, which may be the name of an array of them.
+    `operations` counts what is printed,
     `divisions` has the line of each and what it divides by.
     """
 
     function: ca.Function
-    inputs: Sequence[Sequence[str]]
+    inputs: Sequence[Sequence[str] | str]
     language: Language
     lines: list[str] = field(default_factory=list)
     operations: Counter[str] = field(default_factory=Counter)
@@ -115,6 +116,10 @@ class Printer:
         for k in self._graph.needed(place, self._text):
             self._text[k] = self._written(k, self._graph.nodes[k])
         return self._text[place].text
+
+    def values(self, output: int) -> list[str]:
+        """Make the statements up to all entries of a dense output; their texts."""
+        return [self.value(output, k) for k in range(self.function.numel_out(output))]
 
     def entry(self, row: int, column: int) -> str:
         """Make the statements up to one entry of the first output; its text."""
@@ -161,7 +166,8 @@ class Printer:
         if node.op == ca.OP_CONST:
             return self.language.number(node.constant)
         if node.op == ca.OP_INPUT:
-            name = self.inputs[node.source[0]][node.source[1]]
+            texts, number = self.inputs[node.source[0]], node.source[1]
+            name = f"{texts}[{number}]" if isinstance(texts, str) else texts[number]
             return Text(name, SIGNED if name.startswith("-") else ATOM)
         if node.op == ca.OP_ASSIGN:
             return self._text[node.reads[0]]

@@ -55,27 +55,14 @@ def cosine_and_sine(real: Real, values: Mapping[str, object]) -> str:
             "quarter3": literal(quarter - first - second),
             "sine": _horner(_SINE, real),
             "cosine": _horner(_COSINE, real),
-            "minus_half": literal(-0.5),
             "eighth": literal(0.25 * np.pi),
-            "fabs": real.call("fabs"),
         },
     )
 
 
 def angle_of_direction(real: Real, values: Mapping[str, object]) -> str:
     """NAME_angle of float code, in place of atan2."""
-    literal = real.literal
-    return fill(
-        "closed_angle.c",
-        {
-            **values,
-            "arctangent": _horner(_ARCTANGENT, real),
-            "quarter": literal(0.5 * np.pi),
-            "half_turn": literal(np.pi),
-            "zero": literal(0.0),
-            "fabs": real.call("fabs"),
-        },
-    )
+    return fill("closed_angle.c", {**values, "arctangent": _horner(_ARCTANGENT, real)})
 
 
 def rough_sine(real: Real) -> str:
