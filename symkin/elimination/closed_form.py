@@ -280,7 +280,8 @@ def _begun(system: System, rows: ca.SX, samples: np.ndarray) -> tuple[Workspace,
             samples,
             system.characteristic_length,
         )
-        work.rows = work.all_tidied(polynomials)
+        size = max(system.characteristic_length, system.farthest)
+        work.rows = work.all_tidied(polynomials, size)
         terms = sum(len(row.terms) for row in work.rows)
         if chosen is None or terms < chosen[0]:
             chosen = terms, work, sums

@@ -118,10 +118,12 @@ class Workspace:
         """
         return self.all_tidied([row])[0]
 
-    def all_tidied(self, rows: Sequence[Polynomial]) -> list[Polynomial]:
-        """Each of some rows as `tidied` makes it."""
+    def all_tidied(self, rows: Sequence[Polynomial], size: float = 0.0) -> list[Polynomial]:
+        """Each of some rows as `tidied` makes it; of lengths up to a `size`, that of the machine,
+        where constants of the rows have forgotten what they were made of.
+        """
         return [
-            self._tidied(row, values, sizes)
+            self._tidied(row, values, sizes, size)
             for row, (values, sizes) in zip(rows, self._of_rows(rows), strict=True)
         ]
 
@@ -136,9 +138,11 @@ class Workspace:
             for row, end in zip(rows, ends, strict=True)
         ]
 
-    def _tidied(self, row: Polynomial, values: np.ndarray, sizes: np.ndarray) -> Polynomial:
+    def _tidied(
+        self, row: Polynomial, values: np.ndarray, sizes: np.ndarray, size: float
+    ) -> Polynomial:
         units = np.array([self._unit(monomial) for monomial in row.terms])
-        largest = np.max(np.abs(values) * units, axis=1, initial=0.0, keepdims=True)
+        largest = np.max(np.abs(values) * units, axis=1, initial=size, keepdims=True)
         vanishing = np.all(np.abs(values) <= ROUNDING * np.maximum(sizes, largest / units), axis=0)
         terms = {}
         for k, (monomial, coefficient) in enumerate(row.terms.items()):
