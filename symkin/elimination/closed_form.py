@@ -18,6 +18,7 @@ from symkin.elimination.eliminating import (
     combine_lengths,
     cut_by_line,
     defer_defined,
+    leave_alone,
     subtract_quadratics,
     turn_angle,
 )
@@ -299,6 +300,7 @@ def _run(work: Workspace) -> bool:
         turn_angle,
         subtract_quadratics,
         cut_by_line,
+        leave_alone,
     )
     for _ in range(_MOST_STEPS):
         work.without_repeats()

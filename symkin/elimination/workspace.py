@@ -188,6 +188,26 @@ class Workspace:
             else None
         )
 
+    def table(self) -> tuple[list[Monomial], np.ndarray]:
+        """The monomials of the rows and their coefficients (samples, monomials, rows), lengths in
+        units of `length`.
+        """
+        monomials = list(dict.fromkeys(m for row in self.rows for m in row.terms))
+        table = np.zeros((len(self.samples), len(monomials), len(self.rows)))
+        for k, (row, (values, _)) in enumerate(
+            zip(self.rows, self._of_rows(self.rows), strict=True)
+        ):
+            places = [monomials.index(m) for m in row.terms]
+            table[:, places, k] = values * [self._unit(m) for m in row.terms]
+        return monomials, table
+
+    def combined(self, factors: Sequence[float]) -> Polynomial:
+        """The sum of all rows, each times a factor."""
+        found = Polynomial({})
+        for row, factor in zip(self.rows, factors, strict=True):
+            found = found.plus(row, factor) if factor else found
+        return self.tidied(found)
+
     # --- formulas ---------------------------------------------------------------------------------
 
     def define(self, expression: ca.SX, label: str) -> ca.SX:
