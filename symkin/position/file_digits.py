@@ -36,6 +36,8 @@ BLUR = 30.0
 """Singular values that are zero but for a misfit, over it (a share of the size): what loops are
 larger than their shortest links.
 """
+_WALKS, _WALK = 3, 0.1
+"""Steps along what is free to digits, and their length (of the size)."""
 _STARTS, _FEW_STARTS, _MANY_FREEDOMS = 8, 2, 40
 """Random steps of each of three lengths; of a mechanism of many freedoms, whose single steps take
 long, fewer.
@@ -72,12 +74,33 @@ def least_squares_from(system: System, reference: np.ndarray, seed: int) -> Leas
     each = _FEW_STARTS if system.freedom > _MANY_FREEDOMS else _STARTS
     begin = np.tile(reference, (3 * each, 1))
     radii = np.repeat([0.03, 0.1, 0.3], each)[:, None] * size
-    starts = system.move(begin, radii * rng.normal(size=(3 * each, system.freedom)))
+    return _ends(system, system.move(begin, radii * rng.normal(size=(3 * each, system.freedom))))
+
+
+def _ends(system: System, starts: np.ndarray) -> LeastSquaresEnds:
     batch = levenberg_marquardt(system, starts, NOTHING, max_iterations=200)
     points = system.polish_many(batch.points).points
     misfits = system.residuals(points)
-    closed = batch.converged & (misfits <= CLOSED_CONFIGURATION * size)
+    closed = batch.converged & (misfits <= CLOSED_CONFIGURATION * system.characteristic_length)
     return LeastSquaresEnds(points, misfits, closed)
+
+
+def _walked_on(system: System, ends: LeastSquaresEnds) -> LeastSquaresEnds:
+    """Ends from steps along what is free to digits at those that close to them. Singular places are
+    left so: at generic ones less is free, and steps along that end at generic ones again.
+    """
+    size, rng = system.characteristic_length, np.random.default_rng(0)
+    points = ends.points[ends.misfits <= FILE_DIGITS * size]
+    for _ in range(_WALKS):
+        _, values, right = np.linalg.svd(system.linearise(points)[1])
+        held = np.zeros(right.shape[:2], dtype=bool)
+        held[:, : values.shape[1]] = values > FILE_DIGITS * values[:, :1]
+        steps = rng.normal(size=held.shape) * ~held
+        starts = system.move(points, _WALK * size * np.einsum("nk,nkj->nj", steps, right))
+        found = _ends(system, starts)
+        near = found.misfits <= FILE_DIGITS * size
+        points = np.where(near[:, None], found.points, points)
+    return _ends(system, points)
 
 
 def rank_to_digits(system: System, ends: LeastSquaresEnds, rank: int | None) -> ToDigits | None:
@@ -87,8 +110,11 @@ def rank_to_digits(system: System, ends: LeastSquaresEnds, rank: int | None) -> 
 
     Loops that share no joint are judged each by itself: few ends are clear in all of them at once.
     """
-    size, misfits = system.characteristic_length, ends.misfits
-    near = np.flatnonzero((misfits > CLOSED_CONFIGURATION * size) & (misfits <= FILE_DIGITS * size))
+    size = system.characteristic_length
+    if not np.any(_to_digits_alone(ends, size)):
+        return None
+    ends = _walked_on(system, ends)
+    misfits, near = ends.misfits, np.flatnonzero(_to_digits_alone(ends, size))
     if not near.size:
         return None
     _, jacobians = system.linearise(ends.points[near])
@@ -100,6 +126,10 @@ def rank_to_digits(system: System, ends: LeastSquaresEnds, rank: int | None) -> 
     exact = system.linearise(ends.points[ends.closed])[1]
     alone = all(clear for _, clear in ranks) and not any(Rank.of(j).is_clear for j in exact)
     return ToDigits(misfit, found, rank) if found > rank and alone else None
+
+
+def _to_digits_alone(ends: LeastSquaresEnds, size: float) -> np.ndarray:
+    return (ends.misfits > CLOSED_CONFIGURATION * size) & (ends.misfits <= FILE_DIGITS * size)
 
 
 def _parts(jacobians: np.ndarray) -> list[np.ndarray]:
