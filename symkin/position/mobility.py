@@ -121,13 +121,16 @@ class _Generic:
 
 def _of_component(closure: Closure, own: Component) -> _Generic:
     """The assembly that the reference belongs to. Least squares from far off is asked where
-    singular values are small, or no motion leads away, as of loops that close to a file's digits;
-    and for other assemblies.
+    singular values are small everywhere, or no motion leads away, as of loops that close to a
+    file's digits; and for other assemblies.
     """
     system = whole_system(closure)
-    least = Rank.of(system.linearise_one(own.points[0])[1], BLUR * FILE_DIGITS)
+    small = all(
+        Rank.of(jacobian, BLUR * FILE_DIGITS).value < own.rank.value
+        for jacobian in system.linearise(own.points)[1]
+    )
     digits = None
-    if least.value < own.rank.value or (own.infinitesimal and len(own.points) == 1):
+    if small or (own.infinitesimal and len(own.points) == 1):
         digits = rank_to_digits(system, least_squares_ends(closure, 0), own.rank.value)
     apart = (
         tuple(v for v in _ranks_apart(closure) if v not in (own.rank.value, *own.other_ranks))
