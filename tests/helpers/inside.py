@@ -169,6 +169,8 @@ NAMES = {
     "close_robot": "symkin.position.close",
     "closed_configurations": "symkin.position.closed_configurations",
     "own_component": "symkin.position.closed_configurations",
+    "least_squares_from": "symkin.position.file_digits",
+    "rank_to_digits": "symkin.position.file_digits",
     "whole_system": "symkin.position.closed_configurations",
     "describe": "symkin.position.describe",
     "determination": "symkin.position.determination",
