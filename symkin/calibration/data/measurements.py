@@ -38,16 +38,18 @@ _TABLE_OF = {"joint": "joints", "group": "groups"}
 
 @dataclass(frozen=True, eq=False)
 class Reading:
-    """Readings of a passive joint, a named point, a distance of two or another link than the
-    platform's, by its `name`.
+    """What was read beside the platform's own pose, by its name.
 
-    With `ends` they are of the distance between a point of the platform frame and one of the base
-    frame, whatever its name is. Other names are "follower" (a joint), "point.toe" (in the base
-    frame), "distance.toe.hip", "coupler.position", "coupler.orientation" (unit quaternions) and
-    "coupler.inclination" of a link's displacement from the reference. `values` are (n,) or (n, w),
-    NaN where none was taken, in the length unit and radians; `sigma` is a number or an array that
-    broadcasts to them (orientation: (n, 3)). Raises InputError for values that are no table, and
-    quaternions that are not of unit length.
+    A passive joint, a named point, a distance of two, another link than the platform's; or, with
+    `ends`, the distance between a point of the platform frame and one of the base frame, whatever
+    it is called.
+
+    Names are "follower" (a joint), "point.toe" (in the base frame), "distance.toe.hip",
+    "coupler.position", "coupler.orientation" (unit quaternions) and "coupler.inclination" of a
+    link's displacement from the reference. `values` are (n,) or (n, w), NaN where none was taken,
+    in the length unit and radians; `sigma` is a number or an array that broadcasts to them
+    (orientation: (n, 3)). Raises InputError for values that are no table, and quaternions that are
+    not of unit length.
 
     >>> import numpy as np, symkin
     >>> symkin.Reading("follower", np.radians([30.0, 42.0]), sigma=1e-4).values.shape
