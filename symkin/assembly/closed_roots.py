@@ -2,10 +2,9 @@
 
 Formulas are used where they account for all solutions: generically every branch, complex ones
 included, closes on all rows, and they are as many as paths find or, where there are none, all that
-random complex starts end at. Where each equation of the
-formulas is far from a double root and from leaving its unknown undecided, and each real branch
-closes on all rows to rounding, their branches are then all solutions that there are; every other
-input is left to paths.
+random complex starts end at. Where each equation of the formulas is far from a double root and from
+leaving its unknown undecided, and each real branch closes on all rows to rounding, their branches
+are then all solutions that there are; every other input is left to paths.
 """
 
 from __future__ import annotations
