@@ -18,6 +18,7 @@ from symkin.closure.pose_forms import HomogeneousPose, PlatformPose, StudyPose, 
 from symkin.closure.snapping import snapped_constants
 from symkin.model.dh import reference_frames
 from symkin.model.joint import BASE, Coordinate, Joint
+from symkin.model.laid_machine import turn_about_z, untwisted
 from symkin.model.mechanism import Mechanism
 from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import multiply
@@ -192,7 +193,7 @@ class BodyBuilder:
             elif name in nominal:
                 start = (m.platform_position[nominal[name]],)
             else:
-                start = (m.turn_about_z,)
+                start = (turn_about_z(m),)
             coordinate = Coordinate(f"pose.{name}", kind, "pose", tuple(start))  # type: ignore[arg-type]
             values[name] = self._symbol(coordinate)
         position = ca.vertcat(
@@ -203,7 +204,7 @@ class BodyBuilder:
         else:
             # a turn about the base frame's z axis, after the orientation from which it is told
             half = 0.5 * values.get("gamma", ca.SX(0))
-            home = ca.SX(ca.DM(m.untwisted)) if m.turn_about_z else reference.quaternion
+            home = ca.SX(ca.DM(untwisted(m))) if turn_about_z(m) else reference.quaternion
             quaternion = multiply(ca.vertcat(ca.cos(half), 0, 0, ca.sin(half)), home)
         self.pose = Pose(position, quaternion)
         self.platform_pose: PlatformPose = UnitPose(position, quaternion)

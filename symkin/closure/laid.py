@@ -18,6 +18,7 @@ import numpy as np
 from symkin.closure.branches import Branch, cut_index
 from symkin.model.bar import Bar
 from symkin.model.joint import Joint
+from symkin.model.laid_machine import LaidMachine
 from symkin.model.limb import Limb
 from symkin.model.mechanism import Mechanism
 from symkin.spatial.pose import Pose
@@ -60,12 +61,12 @@ class Laid:
 
 
 def laid_limbs(mechanism: Mechanism, branches: Sequence[Branch], kept: frozenset[str]) -> Laid:
-    """The limbs of a machine that is `laid`, without those that would need a turned platform
-    frame; `kept` are joints at which no loop is cut.
+    """The limbs of a machine that is laid, without those that would need a turned platform frame;
+    `kept` are joints at which no loop is cut.
     """
     found = Laid()
     limbs = {limb.name: limb for limb in mechanism.limbs if isinstance(limb, Limb)}
-    for branch in branches if mechanism.laid else ():
+    for branch in branches if isinstance(mechanism, LaidMachine) else ():
         if branch.name not in limbs or isinstance(branch.elements[0].part, Bar):
             continue
         limb = limbs[branch.name]

@@ -409,8 +409,8 @@ class LimbPlatform:
         """Raises InputError where a generated solver could not work."""
         if not self.actuated:
             raise InputError(f"{self.name} has no actuated joint; nothing to generate")
-        self._check_independent_joints()
         self._check_reference()
+        self._check_independent_joints()
         if not self.samples:
             raise InputError(
                 f"{self.name}: no closed configurations were found near the reference; nothing to "

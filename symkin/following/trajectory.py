@@ -168,7 +168,8 @@ def _rows(
 
 def _problem(mechanism: Mechanism, names: tuple[str, ...], limits: bool) -> Problem:
     """The problem of known coordinates; its closure holds joints that have limits, so that these
-    are seen: of the problems of limbs where some would be left out.
+    are seen: all of them where one would be left out, since a loop that is not cut there may be cut
+    at another.
     """
     limited = tuple(
         c.name
@@ -178,7 +179,7 @@ def _problem(mechanism: Mechanism, names: tuple[str, ...], limits: bool) -> Prob
     if plain_kind(mechanism, names) is None:
         return build_problem(mechanism, names, limited)
     left = {c.name for c in left_out(build_problem(mechanism, names).closure)}
-    return build_problem(mechanism, names, limited=tuple(n for n in limited if n in left))
+    return build_problem(mechanism, names, limited=limited if left & {*limited} else ())
 
 
 def _named_rows(given: Columns) -> list[dict[str, Any]]:

@@ -20,6 +20,7 @@ from symkin.machine.motion import Guide, with_own_motion, without_guides
 from symkin.machine.universal import BallReading, Reading, with_universal_joints
 from symkin.model.arm import arm_of
 from symkin.model.joint import BASE
+from symkin.model.laid_machine import LaidMachine
 from symkin.model.mechanism import Mechanism
 from symkin.spatial.pose import Pose
 
@@ -86,8 +87,9 @@ def lowered_limbs(mechanism: Mechanism) -> Lowered:
     machine, readings = with_universal_joints(without_guides(placed)[0], kept)
     if frames is None:
         machine, frames = with_own_frame(machine)
-    is_laid = any(limb.joints for limb in machine.limbs)
-    return Lowered(mechanism, replace(machine, laid=is_laid), frames, readings)
+    if any(limb.joints for limb in machine.limbs):
+        machine = LaidMachine.of(machine)
+    return Lowered(mechanism, machine, frames, readings)
 
 
 def _without_points(mechanism: Mechanism) -> Mechanism:

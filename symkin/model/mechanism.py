@@ -17,7 +17,7 @@ from symkin.model.dh import DHTable, reference_frames
 from symkin.model.graph import Coupling, LinkJoint, LinkPoint, LinkRod
 from symkin.model.graph_checks import check_graph, links_of
 from symkin.model.joint import BASE, PLATFORM, POSE_CONDITIONS, Coordinate, Joint, finite, vector3
-from symkin.model.keys import ABOUT_Z, ANGLE_UNITS, LENGTH_UNITS
+from symkin.model.keys import ANGLE_UNITS, LENGTH_UNITS
 from symkin.model.keys import MOTIONS as MOTIONS
 from symkin.model.keys import Motion as Motion
 from symkin.model.limb import Limb, RodLimb, coincide
@@ -25,7 +25,6 @@ from symkin.model.mesh import LinkMesh
 from symkin.model.names import check_mechanism_name, check_name, check_text
 from symkin.model.placement import placed_points
 from symkin.spatial.pose import Pose
-from symkin.spatial.rotation import multiply
 from symkin.text import meant, not_among
 
 _MUCH_LARGER = 3.0
@@ -36,8 +35,6 @@ _ROUNDING = 1e-9
 """Placed points that are nearer to each other than this share of the described ones are one point
 to rounding.
 """
-_EXACT = 1e-14
-"""Numbers of a quaternion that are zero to rounding."""
 MOST_PARTS = 1000
 """Limbs, joints and rods of a mechanism at most: accounts of more would take hours."""
 
@@ -79,8 +76,7 @@ class Mechanism:
     `platform_position` (3, length unit) and `platform_quaternion` (w, x, y, z) of the base frame.
     `motion` ("spatial", "schoenflies", "planar", "translation", "spherical") restricts the
     platform's pose to a group of the base frame's axes from there. `platform_link` names the link
-    that carries the platform frame, None where a graph has no such link; of a `laid` machine the
-    closure describes each limb along axes, at a stand of its own; `link_points` are named
+    that carries the platform frame, None where a graph has no such link; `link_points` are named
     points of links, `link_meshes` files that show them, which a robot's file names and a mechanism
     file does not. Angles in joints are radians; `angle_unit` is what users read and write at the
     border. The closure of the limbs is F(q, x, X, p) = 0: actuated joints q, passive joints x, pose
@@ -112,7 +108,6 @@ class Mechanism:
     couplings: Sequence[Coupling] = ()
     link_points: Sequence[LinkPoint] = ()
     platform_link: str | None = PLATFORM
-    laid: bool = False
     link_meshes: Sequence[LinkMesh] = field(default=(), compare=False)
 
     def __post_init__(self) -> None:
@@ -183,23 +178,6 @@ class Mechanism:
     def reference_pose(self) -> Pose:
         """Pose of the platform or tool at the reference configuration."""
         return Pose(np.array(self.platform_position), np.array(self.platform_quaternion))
-
-    @property
-    def turn_about_z(self) -> float:
-        """The platform's coordinate about z at the reference: 0, but of a laid machine, which tells
-        it from an orientation without a turn about z.
-        """
-        w, z = self.platform_quaternion[0], self.platform_quaternion[3]
-        return 2.0 * math.atan2(z, w) if self.laid and self.motion in ABOUT_Z else 0.0
-
-    @cached_property
-    def untwisted(self) -> np.ndarray:
-        """The quaternion of the platform from which its turn about z is told."""
-        half, own = 0.5 * self.turn_about_z, np.array(self.platform_quaternion)
-        if not half:
-            return own
-        found = multiply(np.array([math.cos(half), 0.0, 0.0, -math.sin(half)]), own)
-        return np.where(np.abs(found) <= _EXACT, 0.0, found)
 
     @property
     def joints(self) -> Iterator[tuple[Limb | RodLimb, Joint]]:

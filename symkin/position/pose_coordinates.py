@@ -8,6 +8,7 @@ import numpy as np
 
 from symkin.machine.lower import Lowered, lowered
 from symkin.model.keys import ABOUT_Z
+from symkin.model.laid_machine import untwisted
 from symkin.model.mechanism import Mechanism
 from symkin.plain_number import plain
 from symkin.position.feasible_pose import PROJECTED, closing_poses, nearest_pose, ties_poses
@@ -64,7 +65,7 @@ def _parts(numbers: Array, count: int) -> list[Array]:
 
 def _turn_about_z(mechanism: Mechanism, quaternion: Array) -> Array:
     """The turn about z from the reference that is nearest to that of a quaternion."""
-    delta = multiply(quaternion, conjugate(mechanism.untwisted))
+    delta = multiply(quaternion, conjugate(untwisted(mechanism)))
     return 2.0 * atan2(delta[3], delta[0])
 
 
@@ -212,7 +213,7 @@ def motion_pose(mechanism: Mechanism, values: np.ndarray) -> Pose:
     reference, shape = mechanism.reference_pose, columns.shape[1:]
     position, home = (
         np.broadcast_to(np.reshape(part, (-1, *[1] * len(shape))), (len(part), *shape)).copy()
-        for part in map(np.asarray, (reference.position, mechanism.untwisted))
+        for part in map(np.asarray, (reference.position, untwisted(mechanism)))
     )
     if mechanism.motion == "spherical":
         return Pose(position, columns)

@@ -466,3 +466,11 @@ def test_a_distance_to_the_base_has_two_points(ends):
     """One point, or a point of two numbers, is refused with the reading's name."""
     with pytest.raises(symkin.SymkinError, match="gauge"):
         Reading("gauge", np.ones(2), ends=ends)
+
+
+def test_two_distances_of_one_name_are_refused():
+    """What is left out of one would be left out of the other."""
+    ends = [((0.0, y, 0.0), (1.0, 0.0, 0.0)) for y in (0.0, 1.0)]
+    read = [Reading("gauge", np.ones(2), ends=one) for one in ends]
+    with pytest.raises(InputError, match="readings: 'gauge' stands twice"):
+        Measurements(np.zeros((2, 3)), readings=read).check(symkin.load("delta"))

@@ -68,18 +68,24 @@ def test_passive_limits_count_within_a_step():
 
 @pytest.mark.parametrize("form", ["limbs", "graph"])
 @pytest.mark.parametrize("by", ["joints", "poses"])
-def test_limits_of_a_joint_at_which_a_loop_is_cut_stop_the_path(form: str, by: str) -> None:
-    """The last joint of a limb is as much a joint as others."""
+@pytest.mark.parametrize(("name", "beside"), [("c2", ""), ("c2", "r2"), ("r2", "c2")])
+def test_limits_of_a_joint_at_which_a_loop_may_be_cut_stop_the_path(
+    form: str, by: str, name: str, beside: str
+) -> None:
+    """The last joint of a limb is as much a joint as others, and others of its limb may have limits
+    beside it.
+    """
     home = moved_points.three_rpr()
     end = symkin.solve(home, joints=[84.0, 82.0, 92.0]).solution
     start = symkin.solve(home, joints=[78.0, 79.0, 81.0]).solution
-    middle = 0.5 * (start.joints["c2"] + end.joints["c2"])
+    middle = 0.5 * (start.joints[name] + end.joints[name])
+    rises = end.joints[name] > start.joints[name]
+    limits = {name: (-3.0, middle) if rises else (middle, 3.0), beside: (-3.0, 3.0)}
     limbs = [
         replace(
             limb,
             joints=[
-                replace(joint, limits=(-3.0, middle)) if joint.name == "c2" else joint
-                for joint in limb.joints
+                replace(joint, limits=limits.get(joint.name, joint.limits)) for joint in limb.joints
             ],
         )
         for limb in home.limbs
@@ -89,7 +95,8 @@ def test_limits_of_a_joint_at_which_a_loop_is_cut_stop_the_path(form: str, by: s
     path = {by: [one.actuated_values if by == "joints" else one.pose for one in (start, end)]}
     found = track(limited, **path)
     assert found.stop.kind == "limit"
-    assert found.stop.limit.name == "c2"
-    assert abs(found.end.joints["c2"] - middle) < 1e-8
-    assert max(sample.joints["c2"] for sample in found.samples) < middle + 1e-8
+    assert found.stop.limit.name == name
+    assert abs(found.end.joints[name] - middle) < 1e-8
+    beyond = [(1 if rises else -1) * (s.joints[name] - middle) for s in found.samples]
+    assert max(beyond) < 1e-8
     assert track(limited, limits=False, **path).reached

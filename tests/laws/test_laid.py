@@ -2,7 +2,8 @@
 its actuated joints its platform stands where that one's does.
 """
 
-from dataclasses import replace
+import pickle
+from dataclasses import fields, replace
 from functools import partial
 
 import casadi as ca
@@ -12,6 +13,7 @@ import pytest
 import symkin
 from helpers import samples
 from helpers.inside import (
+    LaidMachine,
     build_closure,
     build_problem,
     configurations,
@@ -49,7 +51,8 @@ def elsewhere(name: str) -> Mechanism:
 
 def zhao2000_links() -> Mechanism:
     """Its machine as limbs that carry rods."""
-    return replace(lowered_limbs(symkin.load("zhao2000_links")).machine, laid=False)
+    laid = lowered_limbs(symkin.load("zhao2000_links")).machine
+    return Mechanism(**{f.name: getattr(laid, f.name) for f in fields(laid)})
 
 
 def reached(machine: Mechanism) -> np.ndarray:
@@ -76,10 +79,21 @@ def reached(machine: Mechanism) -> np.ndarray:
 )
 def test_a_laid_machine_is_the_one_that_is_described(maker) -> None:
     described = maker()
-    laid = replace(described, laid=True)
+    laid = LaidMachine.of(described)
     size = described.characteristic_length
     wanted, found = reached(described), reached(laid)
     assert len(wanted) == 3
     np.testing.assert_allclose(found, wanted, atol=1e-9 * max(size, 1.0))
     numbers = [build_closure(machine).parameter_values.tolist() for machine in (described, laid)]
     assert numbers[0] != numbers[1]
+
+
+def test_a_laid_machine_is_no_mechanism_that_a_user_can_tell() -> None:
+    """It stays laid where it is changed or pickled, and no cache takes it for the mechanism."""
+    mechanism = symkin.load("delta")
+    laid = lowered_limbs(mechanism).machine
+    assert laid != mechanism
+    assert "laid" not in {f.name for f in fields(mechanism)}
+    for again in (replace(laid, title="another"), pickle.loads(pickle.dumps(laid))):
+        assert isinstance(again, LaidMachine)
+    assert pickle.loads(pickle.dumps(laid)) == laid

@@ -287,6 +287,10 @@ class Measurements:
                 f"{names[column]}, beyond {most[column]:g} (a million "
                 f"radians, or times the size); check the units"
             )
+        called = [r.name for r in self.readings]
+        twice = next((name for name in called if called.count(name) > 1), None)
+        if twice is not None:
+            raise InputError(f"readings: {twice!r} stands twice")
         for o, reading in self.channels(mechanism):
             if not o.of and mechanism.platform_link is None:
                 raise InputError(
