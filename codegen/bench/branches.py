@@ -8,6 +8,9 @@ same goals. Guesses: home for the first leg, for each of the next ones (`--legs`
 one before, where that was right, and for a last leg configurations beside the folds at which lines
 stopped.
 
+Arms are asked for two kinds of goals more: from joints anywhere for poses of joints anywhere, and
+for such at which lines graze folds, found by bisection with the walk itself.
+
     python codegen/bench/branches.py [NAME|FILE ...] [--count 2000] [--range PART,TURN] [--legs 2]
         [--real double] [--seed 0] [--write]
 
@@ -38,6 +41,8 @@ STUDIED = (
     *("three_rpr", "three_rps", "linear_delta", "orthoglide", "six_rss", "hexaglide"),
 )
 RANGES = {"small": SMALL, "middle": MIDDLE, "widest": WIDEST}
+ARMS = {"anywhere": "anywhere", "folds": "towards_folds"}
+"""Kinds of goals of arms, by the method that finds them."""
 _BATCH = 4096
 LETTERS = "OMSNRW"
 """Of the statuses, in the order of STATUSES: OUT_OF_RANGE is R, the others begin with theirs."""
@@ -92,10 +97,16 @@ def study(
 
 
 def studied(
-    lines: Direction, count: int, reach: Reach, seed: int, legs: int, folds: bool = True
+    lines: Direction, count: int, reach: Reach | str, seed: int, legs: int, folds: bool = True
 ) -> Found:
-    """The same of lines whose code is compiled once."""
+    """The same of lines whose code is compiled once; of arms also of a kind of `ARMS`."""
     rng, found, begun = np.random.default_rng(seed), Found(), time.monotonic()
+    if isinstance(reach, str):
+        for first in range(0, count, _BATCH):
+            begins, goals = getattr(lines, reach)(min(_BATCH, count - first), rng)
+            _count(found, lines, lines.run(begins, goals, rng))
+        found.seconds = time.monotonic() - begun
+        return found
     for first in range(0, count, _BATCH):
         number = min(_BATCH, count - first)
         home = lines.home.repeated(number)
@@ -162,14 +173,20 @@ def _said(lines: Direction, outcome: Outcome, k: int, reached: np.ndarray) -> st
 
 
 def report(
-    names: list[str], count: int, reals: list[str], seed: int, legs: int, ranges: dict[str, Reach]
+    names: list[str],
+    count: int,
+    reals: list[str],
+    seed: int,
+    legs: int,
+    ranges: dict[str, Reach | str],
 ) -> str:
     rows, seconds = [], 0.0
     for name in names:
         for real in reals:
             machine = machine_of(name)
             lines = direction_of(Asked(machine.mechanism, machine.options(real)))
-            for words, reach in ranges.items():
+            own = ARMS if machine.mechanism.serial and len(ranges) > 1 else {}
+            for words, reach in (ranges | own).items():
                 found = studied(lines, count, reach, seed, legs)
                 rows.append(found.row(Path(name).stem, real, words))
                 seconds += found.seconds
@@ -192,7 +209,9 @@ if __name__ == "__main__":
         "--range",
         metavar="PART,TURN",
         help="how far goals lie from home: a part of the size, and rad; or a word of "
-        + ", ".join(RANGES),
+        + ", ".join(RANGES)
+        + "; of arms "
+        + ", ".join(ARMS),
     )
     parser.add_argument("--count", type=int, default=2000, help="goals a leg (default: 2000)")
     parser.add_argument(
@@ -209,9 +228,9 @@ if __name__ == "__main__":
         "--write", action="store_true", help="write the table into codegen/README.md"
     )
     chosen = parser.parse_args()
-    given = RANGES
-    if chosen.range in RANGES:
-        given = {chosen.range: RANGES[chosen.range]}
+    given: dict[str, Reach | str] = dict(RANGES)
+    if chosen.range in RANGES | ARMS:
+        given = {chosen.range: (RANGES | ARMS)[chosen.range]}
     elif chosen.range:
         given = {chosen.range: Reach(*(float(number) for number in chosen.range.split(",")))}
     measured = report(

@@ -14,7 +14,7 @@ import numpy as np
 
 from asked import STATUSES, Answers, Asked, Machine, built
 from continuation import LONGEST, Ends, Walker
-from goals import Reach, goals_about
+from goals import Reach, goals_about, goals_anywhere
 from symkin.codegen.joint_map import JointMap
 from symkin.codegen.limb_platform import LimbPlatform
 from symkin.codegen.program import Kind
@@ -47,6 +47,8 @@ _FIRM = 0.02
 """Condition of a limb at a given pose, times the root of rounding, from which on the limb is beside
 a dead centre: an error t of the pose is one of sqrt(t) there, and code keeps bounds of some such.
 """
+_BISECTED = 44
+"""Times that a part of a way is bisected: to a double's rounding, but for a digit or two."""
 _WAVES = 3
 _REACH = 0.9
 """How far paths go from home (rad, or of the size), where no limits are nearer."""
@@ -241,6 +243,50 @@ class Direction:
     def goals(self, count: int, reach: Reach, rng: np.random.Generator) -> np.ndarray:
         """Goals as the C's numbers are."""
         return self.asked.rounded(goals_about(self.kind, count, reach, rng))
+
+    def anywhere(self, count: int, rng: np.random.Generator) -> tuple[Starts, np.ndarray]:
+        """Arms at joints anywhere, and goals at the poses of others, a random part of the way from
+        the first joints to such anywhere; the ends of these ways.
+        """
+        ends = [goals_anywhere(self.mechanism, count, rng) for _ in range(2)]
+        begin = self.asked.rounded(ends[0])
+        parts = 10.0 ** rng.uniform(-2.0, 0.0, (count, 1))
+        return self._at(begin), self._poses(begin + parts * (ends[1] - begin))
+
+    def towards_folds(self, count: int, rng: np.random.Generator) -> tuple[Starts, np.ndarray]:
+        """Arms at joints anywhere, and goals from which lines graze folds: on the way of the goal's
+        joints to such anywhere the place from which on lines are stopped by a singularity is
+        bisected by walks, and goals lie on either side of it, ever nearer.
+        """
+        starts, _ = self.anywhere(count, rng)
+        way = goals_anywhere(self.mechanism, count, rng) - starts.guesses
+        low, high = np.zeros((count, 1)), np.ones((count, 1))
+        for k in range(_BISECTED):
+            middle = high if k == 0 else 0.5 * (low + high)
+            passes = self._passes(starts, self._poses(starts.guesses + middle * way))[:, None]
+            low, high = np.where(passes, middle, low), np.where(passes, high, middle)
+        nearer = rng.choice([-1.0, 1.0], low.shape) * 10.0 ** -rng.uniform(
+            1.0, 2.0 * _BESIDE[self.real], low.shape
+        )
+        return starts, self._poses(starts.guesses + low * (1.0 + nearer) * way)
+
+    def _at(self, joints: np.ndarray) -> Starts:
+        known = np.array([self.kind.forward_at(q) for q in joints])
+        return Starts(joints, known, joints)
+
+    def _poses(self, joints: np.ndarray) -> np.ndarray:
+        """Poses of an arm's joints as the C's numbers are."""
+        return self.asked.rounded(np.array([self.kind.forward_at(q) for q in joints]))
+
+    def _passes(self, starts: Starts, goals: np.ndarray) -> np.ndarray:
+        """Whether lines come to their goals."""
+        ends = self._far_walker.reached(starts.unknowns, *self.line(starts.known, goals))
+        return np.asarray(ends.shortest > 0.0)
+
+    @cached_property
+    def _far_walker(self) -> Walker:
+        """One whose steps are long where nothing is near."""
+        return Walker(self.problem, PLAIN)
 
     def run(self, starts: Starts, goals: np.ndarray, rng: np.random.Generator) -> Outcome:
         """Asks for all goals; walks the lines of all that are OK, and of some that are not."""

@@ -9,6 +9,7 @@ import numpy as np
 from symkin.codegen.program import Kind
 from symkin.codegen.rod_platform import RodPlatform
 from symkin.codegen.serial_arm import SerialArm
+from symkin.model.mechanism import Mechanism
 from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import multiply
 
@@ -52,6 +53,19 @@ def goals_about(kind: Kind, count: int, reach: Reach, rng: np.random.Generator) 
                 else np.clip(goals[:, i], low, high)
             )
     return np.array([kind.forward_at(q) for q in goals]) if isinstance(kind, SerialArm) else goals
+
+
+def goals_anywhere(mechanism: Mechanism, count: int, rng: np.random.Generator) -> np.ndarray:
+    """Joint values (count, joints) of an arm all over their ranges; whole turns and a third of the
+    size where there is none.
+    """
+    third = mechanism.characteristic_length / 3
+    spans = [
+        c.limits or ((-np.pi, np.pi) if c.is_angular else (-third, third))
+        for c in mechanism.actuated
+    ]
+    low, high = np.array(spans).T
+    return np.asarray(rng.uniform(low, high, (count, len(spans))))
 
 
 def _pose_about(home: Pose, reach: Reach, size: float, rng: np.random.Generator) -> Pose:

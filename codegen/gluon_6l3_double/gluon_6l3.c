@@ -441,7 +441,7 @@ static gluon_6l3_real gluon_6l3_sine(gluon_6l3_real angle)
  * solutions meet. */
 static int gluon_6l3_branches(const gluon_6l3_real x[7], const gluon_6l3_real near[6],
     unsigned int wanted, gluon_6l3_real found[][6], bool *undecided,
-    gluon_6l3_real margin[6])
+    gluon_6l3_real margin[4])
 {
     int count = 0;
     (void)margin;
@@ -542,160 +542,151 @@ static int gluon_6l3_branches(const gluon_6l3_real x[7], const gluon_6l3_real ne
                                 const gluon_6l3_real t89 = t77 + t88;
                                 const gluon_6l3_real t90 = sqrt(t89);
                                 if (t90 > 2.842170943040401e-14) {
-                                    margin[2] = t90;
-                                    const gluon_6l3_real t93 = -t87;
-                                    const gluon_6l3_real t94 = atan2(t93, t76);
+                                    const gluon_6l3_real t92 = -t87;
+                                    const gluon_6l3_real t93 = atan2(t92, t76);
                                     /* a point of the axis of q4: its distance from the axis of q2
                                      * tells q3 */
-                                    const gluon_6l3_real t95 = 1.0 / t90;
-                                    const gluon_6l3_real t96 = t87 * t95;
-                                    const gluon_6l3_real t97 = 80.09 * t96;
-                                    const gluon_6l3_real t98 = t76 * t95;
-                                    const gluon_6l3_real t99 = -75.66 * t62;
-                                    const gluon_6l3_real t100 = t98 * t99;
-                                    const gluon_6l3_real t101 = t97 - t100;
-                                    const gluon_6l3_real t102 = t73 * t101;
-                                    const gluon_6l3_real t103 = -80.09 * t98;
-                                    const gluon_6l3_real t104 = t103 + 533.96;
-                                    const gluon_6l3_real t105 = t96 * t99;
-                                    const gluon_6l3_real t106 = t104 - t105;
-                                    const gluon_6l3_real t107 = t106 - 533.96;
-                                    const gluon_6l3_real t108 = t84 * t107;
-                                    const gluon_6l3_real t109 = t102 + t108;
-                                    const gluon_6l3_real t110 = 75.66 * t48;
-                                    const gluon_6l3_real t111 = t110 + 44.36;
-                                    const gluon_6l3_real t112 = t46 * t111;
-                                    const gluon_6l3_real t113 = t109 + t112;
-                                    const gluon_6l3_real t114 = x[1] - t113;
-                                    const gluon_6l3_real t115 = t37 * t114;
-                                    const gluon_6l3_real t116 = t68 * t101;
-                                    const gluon_6l3_real t117 = t79 * t107;
-                                    const gluon_6l3_real t118 = t116 + t117;
-                                    const gluon_6l3_real t119 = t44 * t111;
-                                    const gluon_6l3_real t120 = t118 + t119;
-                                    const gluon_6l3_real t121 = x[0] - t120;
-                                    const gluon_6l3_real t122 = t41 * t121;
-                                    const gluon_6l3_real t123 = t115 - t122;
-                                    const gluon_6l3_real t124 = t123 * t123;
-                                    const gluon_6l3_real t125 = t41 * t114;
-                                    const gluon_6l3_real t126 = t37 * t121;
-                                    const gluon_6l3_real t127 = t125 + t126;
-                                    const gluon_6l3_real t128 = t127 * t127;
-                                    const gluon_6l3_real t129 = t124 + t128;
-                                    const gluon_6l3_real t130 = t6 - t7;
-                                    const gluon_6l3_real t131 = t130 + t130;
-                                    const gluon_6l3_real t132 = t131 * t101;
-                                    const gluon_6l3_real t133 = t0 + t1;
-                                    const gluon_6l3_real t134 = t133 + t133;
-                                    const gluon_6l3_real t135 = t134 * t107;
-                                    const gluon_6l3_real t136 = t132 + t135;
-                                    const gluon_6l3_real t137 = t81 + t64;
-                                    const gluon_6l3_real t138 = t137 + t137;
-                                    const gluon_6l3_real t139 = 1.0 - t138;
-                                    const gluon_6l3_real t140 = t139 * t111;
-                                    const gluon_6l3_real t141 = t136 + t140;
-                                    const gluon_6l3_real t142 = x[2] - t141;
-                                    const gluon_6l3_real t143 = t142 - 105.03;
-                                    const gluon_6l3_real t144 = t143 * t143;
-                                    const gluon_6l3_real t145 = t129 + t144;
-                                    const gluon_6l3_real t146 = t145 - 60844.6728;
-                                    const gluon_6l3_real t147 = 0.5 * t146;
-                                    const gluon_6l3_real t148 = t147 * t147;
-                                    const gluon_6l3_real t149 = 925518552.034765 - t148;
-                                    const gluon_6l3_real t150 = t149 * 1.1822206627174038e-11;
-                                    if (t150 > 2.842170943040401e-14) {
-                                        margin[3] = t150;
-                                        const gluon_6l3_real t153 = 30422.3364 * near[5];
+                                    const gluon_6l3_real t94 = 1.0 / t90;
+                                    const gluon_6l3_real t95 = t87 * t94;
+                                    const gluon_6l3_real t96 = 80.09 * t95;
+                                    const gluon_6l3_real t97 = t73 * t96;
+                                    const gluon_6l3_real t98 = t76 * t94;
+                                    const gluon_6l3_real t99 = -80.09 * t98;
+                                    const gluon_6l3_real t100 = t84 * t99;
+                                    const gluon_6l3_real t101 = t97 + t100;
+                                    const gluon_6l3_real t102 = t3 - t101;
+                                    const gluon_6l3_real t103 = t102 + x[1];
+                                    const gluon_6l3_real t104 = t37 * t103;
+                                    const gluon_6l3_real t105 = t68 * t96;
+                                    const gluon_6l3_real t106 = t79 * t99;
+                                    const gluon_6l3_real t107 = t105 + t106;
+                                    const gluon_6l3_real t108 = t9 - t107;
+                                    const gluon_6l3_real t109 = t108 + x[0];
+                                    const gluon_6l3_real t110 = t41 * t109;
+                                    const gluon_6l3_real t111 = t104 - t110;
+                                    const gluon_6l3_real t112 = t111 * t111;
+                                    const gluon_6l3_real t113 = t41 * t103;
+                                    const gluon_6l3_real t114 = t37 * t109;
+                                    const gluon_6l3_real t115 = t113 + t114;
+                                    const gluon_6l3_real t116 = t115 * t115;
+                                    const gluon_6l3_real t117 = t112 + t116;
+                                    const gluon_6l3_real t118 = t81 + t64;
+                                    const gluon_6l3_real t119 = t118 + t118;
+                                    const gluon_6l3_real t120 = 1.0 - t119;
+                                    const gluon_6l3_real t121 = -44.36 * t120;
+                                    const gluon_6l3_real t122 = t6 - t7;
+                                    const gluon_6l3_real t123 = t122 + t122;
+                                    const gluon_6l3_real t124 = t123 * t96;
+                                    const gluon_6l3_real t125 = t0 + t1;
+                                    const gluon_6l3_real t126 = t125 + t125;
+                                    const gluon_6l3_real t127 = t126 * t99;
+                                    const gluon_6l3_real t128 = t124 + t127;
+                                    const gluon_6l3_real t129 = t121 - t128;
+                                    const gluon_6l3_real t130 = t129 + x[2];
+                                    const gluon_6l3_real t131 = t130 - 105.03;
+                                    const gluon_6l3_real t132 = t131 * t131;
+                                    const gluon_6l3_real t133 = t117 + t132;
+                                    const gluon_6l3_real t134 = t133 - 66569.1084;
+                                    const gluon_6l3_real t135 = 0.5 * t134;
+                                    const gluon_6l3_real t136 = t135 * t135;
+                                    const gluon_6l3_real t137 = 925518552.034765 - t136;
+                                    const gluon_6l3_real t138 = t137 * 1.1822206627174038e-11;
+                                    if (t138 > 2.842170943040401e-14) {
+                                        margin[2] = t138;
+                                        const gluon_6l3_real t141 = 30422.3364 * near[5];
                                         const unsigned int bits2 = (wanted >> 4U) & 3U;
-                                        const unsigned int side2 = (t153 < 0.0) ? 2U : 1U;
+                                        const unsigned int side2 = (t141 < 0.0) ? 2U : 1U;
                                         for (unsigned int k2 = 1U; k2 <= 2U; ++k2) {
                                             if ((((bits2 != 0U) ? bits2 : side2) & k2) != 0U) {
                                                 const gluon_6l3_real sign2 = (k2 == 1U)
                                                     ? 1.0 : -1.0;
-                                                const gluon_6l3_real t159 = fabs(t149);
-                                                const gluon_6l3_real t160 = t149 + t159;
-                                                const gluon_6l3_real t161 = 0.5 * t160;
-                                                const gluon_6l3_real t162 = sqrt(t161);
-                                                const gluon_6l3_real t163 = sign2 * t162;
-                                                const gluon_6l3_real t164 =
-                                                    1.6435292589822258e-05 * t146;
-                                                const gluon_6l3_real t165 =
-                                                    3.2870585179644516e-05 * t163;
-                                                const gluon_6l3_real t166 = atan2(t165, t164);
+                                                const gluon_6l3_real t147 = fabs(t137);
+                                                const gluon_6l3_real t148 = t137 + t147;
+                                                const gluon_6l3_real t149 = 0.5 * t148;
+                                                const gluon_6l3_real t150 = sqrt(t149);
+                                                const gluon_6l3_real t151 = sign2 * t150;
+                                                const gluon_6l3_real t152 =
+                                                    1.6435292589822258e-05 * t134;
+                                                const gluon_6l3_real t153 =
+                                                    3.2870585179644516e-05 * t151;
+                                                const gluon_6l3_real t154 = atan2(t153, t152);
                                                 /* q2 turns a point of the axis of q4 to where it
                                                  * must be */
-                                                const gluon_6l3_real t167 =
-                                                    -0.005733287467033597 * t163;
-                                                const gluon_6l3_real t168 = t167 * t123;
-                                                const gluon_6l3_real t169 =
-                                                    0.0028666437335167984 * t146;
-                                                const gluon_6l3_real t170 = t169 + 174.42;
-                                                const gluon_6l3_real t171 = t170 * t143;
-                                                const gluon_6l3_real t172 = t168 + t171;
-                                                const gluon_6l3_real t173 = t172 * t172;
-                                                const gluon_6l3_real t174 = t170 * t123;
-                                                const gluon_6l3_real t175 = t167 * t143;
-                                                const gluon_6l3_real t176 = t174 - t175;
-                                                const gluon_6l3_real t177 = t176 * t176;
-                                                const gluon_6l3_real t178 = t173 + t177;
-                                                const gluon_6l3_real t179 = sqrt(t178);
-                                                const gluon_6l3_real t180 =
-                                                    t179 * 3.4383435877140077e-06;
-                                                if (t180 > 2.842170943040401e-14) {
-                                                    margin[4] = t180;
-                                                    const gluon_6l3_real t183 = -t176;
-                                                    const gluon_6l3_real t184 = atan2(t183, t172);
+                                                const gluon_6l3_real t155 =
+                                                    -0.005733287467033597 * t151;
+                                                const gluon_6l3_real t156 = t155 * t111;
+                                                const gluon_6l3_real t157 = -75.66 * t115;
+                                                const gluon_6l3_real t158 = t156 - t157;
+                                                const gluon_6l3_real t159 =
+                                                    0.0028666437335167984 * t134;
+                                                const gluon_6l3_real t160 = t159 + 174.42;
+                                                const gluon_6l3_real t161 = t160 * t131;
+                                                const gluon_6l3_real t162 = t158 + t161;
+                                                const gluon_6l3_real t163 = 75.66 * t115;
+                                                const gluon_6l3_real t164 = t162 - t163;
+                                                const gluon_6l3_real t165 = t164 * t164;
+                                                const gluon_6l3_real t166 = t160 * t111;
+                                                const gluon_6l3_real t167 = t155 * t131;
+                                                const gluon_6l3_real t168 = t166 - t167;
+                                                const gluon_6l3_real t169 = t168 * t168;
+                                                const gluon_6l3_real t170 = t165 + t169;
+                                                const gluon_6l3_real t171 = sqrt(t170);
+                                                const gluon_6l3_real t172 =
+                                                    t171 * 3.4383435877140077e-06;
+                                                if (t172 > 2.842170943040401e-14) {
+                                                    margin[3] = t172;
+                                                    const gluon_6l3_real t175 = -t168;
+                                                    const gluon_6l3_real t176 = atan2(t175, t164);
                                                     /* q4 turns a direction of the tool to where it
                                                      * must be */
-                                                    const gluon_6l3_real t185 = 1.0 / t179;
-                                                    const gluon_6l3_real t186 = t172 * t185;
-                                                    const gluon_6l3_real t187 = t46 * t62;
-                                                    const gluon_6l3_real t188 = t98 * t48;
-                                                    const gluon_6l3_real t189 = t73 * t188;
-                                                    const gluon_6l3_real t190 = t96 * t48;
-                                                    const gluon_6l3_real t191 = t84 * t190;
-                                                    const gluon_6l3_real t192 = t189 + t191;
-                                                    const gluon_6l3_real t193 = t187 - t192;
-                                                    const gluon_6l3_real t194 = t37 * t193;
-                                                    const gluon_6l3_real t195 = t44 * t62;
-                                                    const gluon_6l3_real t196 = t68 * t188;
-                                                    const gluon_6l3_real t197 = t79 * t190;
-                                                    const gluon_6l3_real t198 = t196 + t197;
-                                                    const gluon_6l3_real t199 = t195 - t198;
-                                                    const gluon_6l3_real t200 = t41 * t199;
-                                                    const gluon_6l3_real t201 = t194 - t200;
-                                                    const gluon_6l3_real t202 = t186 * t201;
-                                                    const gluon_6l3_real t203 = t176 * t185;
-                                                    const gluon_6l3_real t204 = t139 * t62;
-                                                    const gluon_6l3_real t205 = t131 * t188;
-                                                    const gluon_6l3_real t206 = t134 * t190;
-                                                    const gluon_6l3_real t207 = t205 + t206;
-                                                    const gluon_6l3_real t208 = t204 - t207;
-                                                    const gluon_6l3_real t209 = t203 * t208;
-                                                    const gluon_6l3_real t210 = t202 - t209;
-                                                    const gluon_6l3_real t211 = t164 * t210;
-                                                    const gluon_6l3_real t212 = t186 * t208;
-                                                    const gluon_6l3_real t213 = t203 * t201;
-                                                    const gluon_6l3_real t214 = t212 + t213;
-                                                    const gluon_6l3_real t215 = t165 * t214;
-                                                    const gluon_6l3_real t216 = t211 + t215;
-                                                    const gluon_6l3_real t217 = t216 * t216;
-                                                    const gluon_6l3_real t218 = t164 * t214;
-                                                    const gluon_6l3_real t219 = t165 * t210;
-                                                    const gluon_6l3_real t220 = t218 - t219;
-                                                    const gluon_6l3_real t221 = t220 * t220;
-                                                    const gluon_6l3_real t222 = t217 + t221;
-                                                    const gluon_6l3_real t223 = sqrt(t222);
-                                                    if (t223 > 2.842170943040401e-14) {
-                                                        margin[5] = t223;
-                                                        const gluon_6l3_real t226 = atan2(t220,
-                                                            t216);
+                                                    const gluon_6l3_real t177 = 1.0 / t171;
+                                                    const gluon_6l3_real t178 = t164 * t177;
+                                                    const gluon_6l3_real t179 = t46 * t62;
+                                                    const gluon_6l3_real t180 = t98 * t48;
+                                                    const gluon_6l3_real t181 = t73 * t180;
+                                                    const gluon_6l3_real t182 = t95 * t48;
+                                                    const gluon_6l3_real t183 = t84 * t182;
+                                                    const gluon_6l3_real t184 = t181 + t183;
+                                                    const gluon_6l3_real t185 = t179 - t184;
+                                                    const gluon_6l3_real t186 = t37 * t185;
+                                                    const gluon_6l3_real t187 = t44 * t62;
+                                                    const gluon_6l3_real t188 = t68 * t180;
+                                                    const gluon_6l3_real t189 = t79 * t182;
+                                                    const gluon_6l3_real t190 = t188 + t189;
+                                                    const gluon_6l3_real t191 = t187 - t190;
+                                                    const gluon_6l3_real t192 = t41 * t191;
+                                                    const gluon_6l3_real t193 = t186 - t192;
+                                                    const gluon_6l3_real t194 = t178 * t193;
+                                                    const gluon_6l3_real t195 = t168 * t177;
+                                                    const gluon_6l3_real t196 = t120 * t62;
+                                                    const gluon_6l3_real t197 = t123 * t180;
+                                                    const gluon_6l3_real t198 = t126 * t182;
+                                                    const gluon_6l3_real t199 = t197 + t198;
+                                                    const gluon_6l3_real t200 = t196 - t199;
+                                                    const gluon_6l3_real t201 = t195 * t200;
+                                                    const gluon_6l3_real t202 = t194 - t201;
+                                                    const gluon_6l3_real t203 = t152 * t202;
+                                                    const gluon_6l3_real t204 = t178 * t200;
+                                                    const gluon_6l3_real t205 = t195 * t193;
+                                                    const gluon_6l3_real t206 = t204 + t205;
+                                                    const gluon_6l3_real t207 = t153 * t206;
+                                                    const gluon_6l3_real t208 = t203 + t207;
+                                                    const gluon_6l3_real t209 = t208 * t208;
+                                                    const gluon_6l3_real t210 = t152 * t206;
+                                                    const gluon_6l3_real t211 = t153 * t202;
+                                                    const gluon_6l3_real t212 = t210 - t211;
+                                                    const gluon_6l3_real t213 = t212 * t212;
+                                                    const gluon_6l3_real t214 = t209 + t213;
+                                                    const gluon_6l3_real t215 = sqrt(t214);
+                                                    if (t215 > 2.842170943040401e-14) {
+                                                        const gluon_6l3_real t217 = atan2(t212,
+                                                            t208);
                                                         found[count][0] = t43;
-                                                        found[count][1] = t184;
-                                                        found[count][2] = t166;
-                                                        found[count][3] = t226;
+                                                        found[count][1] = t176;
+                                                        found[count][2] = t154;
+                                                        found[count][3] = t217;
                                                         found[count][4] = t63;
-                                                        found[count][5] = t94;
+                                                        found[count][5] = t93;
                                                         ++count;
                                                     } else {
                                                         *undecided = true;
@@ -705,7 +696,7 @@ static int gluon_6l3_branches(const gluon_6l3_real x[7], const gluon_6l3_real ne
                                                 }
                                             }
                                         }
-                                    } else if (t150 > -2.842170943040401e-14) {
+                                    } else if (t138 > -2.842170943040401e-14) {
                                         *undecided = true;
                                     } else {
                                         /* out of reach */
@@ -797,7 +788,7 @@ static gluon_6l3_status gluon_6l3_one_branch(const gluon_6l3_pose *pose,
 {
     gluon_6l3_real x[7];
     gluon_6l3_real found[1][6];
-    gluon_6l3_real margin[6];
+    gluon_6l3_real margin[4];
     bool undecided = false;
     gluon_6l3_status status = gluon_6l3_normalise_pose(pose, x);
     if (status == GLUON_6L3_OK) {
@@ -822,7 +813,7 @@ int gluon_6l3_inverse_all(const gluon_6l3_pose *pose, gluon_6l3_real joints[8][6
     static const gluon_6l3_real middle[6] = { 0.0, 0.0, 0.0, 0.0, 0.0, 0.0 };
     gluon_6l3_real x[7];
     int count = 0;
-    gluon_6l3_real margin[6];
+    gluon_6l3_real margin[4];
     bool undecided = false;
     gluon_6l3_status status = gluon_6l3_normalise_pose(pose, x);
     if (status == GLUON_6L3_OK) {
@@ -873,14 +864,19 @@ gluon_6l3_status gluon_6l3_inverse_nearest(const gluon_6l3_pose *pose,
 }
 
 /* A point of the line: joints where it is done, which begin at the guess, those found where it is
- * tried, and the squares left and guard of the closed form's steps at both; way2: the square of the
- * joints' last way. */
+ * tried, and the squares left and guard of the closed form's steps at both; way: how far each joint
+ * goes from one to the other (angles; slides over the size), way2: the sum of the squares. Of the
+ * part between: bounds of the joints' speeds and of how these change, and whether it is kept. */
 typedef struct {
     gluon_6l3_real joints[6];
     gluon_6l3_real found[1][6];
+    gluon_6l3_real way[6];
     gluon_6l3_real way2;
-    gluon_6l3_real left[6];
-    gluon_6l3_real guard[6];
+    gluon_6l3_real speed[6];
+    gluon_6l3_real change[6];
+    bool kept;
+    gluon_6l3_real left[4];
+    gluon_6l3_real guard[4];
     gluon_6l3_real bent;
     gluon_6l3_real most;
 } gluon_6l3_inverse_work;
@@ -888,7 +884,7 @@ typedef struct {
 /* Tool pose (x, y, z, qw, qx, qy, qz) of joint values, the squares `margin` of the closed form's
  * steps there (README.md), and the bits of the branch on which they lie. */
 static unsigned int gluon_6l3_read_joints(const gluon_6l3_real joints[6], gluon_6l3_real x[7],
-    gluon_6l3_real margin[6])
+    gluon_6l3_real margin[4])
 {
     gluon_6l3_real u[12];
     unsigned int wanted = 0U;
@@ -922,162 +918,95 @@ static unsigned int gluon_6l3_read_joints(const gluon_6l3_real joints[6], gluon_
     const gluon_6l3_real t23 = t22 * u[9];
     margin[1] = t23 * t23;
     wanted |= (t23 < 0.0) ? 8U : 4U;
-    /* q6 turns the normal of q2, q3, q4 to where it must be */
-    const gluon_6l3_real t26 = x[5] * x[5];
-    const gluon_6l3_real t27 = x[6] * x[6];
-    const gluon_6l3_real t28 = t26 + t27;
-    const gluon_6l3_real t29 = t28 + t28;
-    const gluon_6l3_real t30 = 1.0 - t29;
-    const gluon_6l3_real t31 = t30 * t6;
-    const gluon_6l3_real t32 = x[4] * x[5];
-    const gluon_6l3_real t33 = x[3] * x[6];
-    const gluon_6l3_real t34 = t32 + t33;
-    const gluon_6l3_real t35 = t34 + t34;
-    const gluon_6l3_real t36 = t35 * t15;
-    const gluon_6l3_real t37 = t31 - t36;
-    const gluon_6l3_real t38 = t37 * t23;
-    const gluon_6l3_real t39 = t38 * t38;
-    const gluon_6l3_real t40 = t32 - t33;
-    const gluon_6l3_real t41 = t40 + t40;
-    const gluon_6l3_real t42 = t41 * t6;
-    const gluon_6l3_real t43 = x[4] * x[4];
-    const gluon_6l3_real t44 = t43 + t27;
-    const gluon_6l3_real t45 = t44 + t44;
-    const gluon_6l3_real t46 = 1.0 - t45;
-    const gluon_6l3_real t47 = t46 * t15;
-    const gluon_6l3_real t48 = t42 - t47;
-    const gluon_6l3_real t49 = t48 * t23;
-    const gluon_6l3_real t50 = t49 * t49;
-    const gluon_6l3_real t51 = t39 + t50;
-    const gluon_6l3_real t52 = sqrt(t51);
-    margin[2] = t52;
     /* a point of the axis of q4: its distance from the axis of q2 tells q3 */
-    const gluon_6l3_real t54 = u[4] + u[4];
-    const gluon_6l3_real t55 = t54 * u[5];
-    const gluon_6l3_real t56 = 30422.3364 * t55;
-    const gluon_6l3_real t57 = t56 * 3.4383435877140077e-06;
-    margin[3] = t57 * t57;
-    wanted |= (t57 < 0.0) ? 32U : 16U;
+    const gluon_6l3_real t26 = u[4] + u[4];
+    const gluon_6l3_real t27 = t26 * u[5];
+    const gluon_6l3_real t28 = 30422.3364 * t27;
+    const gluon_6l3_real t29 = t28 * 3.4383435877140077e-06;
+    margin[2] = t29 * t29;
+    wanted |= (t29 < 0.0) ? 32U : 16U;
     /* q2 turns a point of the axis of q4 to where it must be */
-    const gluon_6l3_real t60 = -174.42 * t55;
-    const gluon_6l3_real t61 = u[10] * u[10];
-    const gluon_6l3_real t62 = u[11] * u[11];
-    const gluon_6l3_real t63 = t61 - t62;
-    const gluon_6l3_real t64 = -75.66 * t23;
-    const gluon_6l3_real t65 = t63 * t64;
-    const gluon_6l3_real t66 = u[10] + u[10];
-    const gluon_6l3_real t67 = t66 * u[11];
-    const gluon_6l3_real t68 = 80.09 * t67;
-    const gluon_6l3_real t69 = t65 + t68;
-    const gluon_6l3_real t70 = t30 * t69;
-    const gluon_6l3_real t71 = -80.09 * t63;
-    const gluon_6l3_real t72 = t71 + 533.96;
-    const gluon_6l3_real t73 = t67 * t64;
-    const gluon_6l3_real t74 = t72 + t73;
-    const gluon_6l3_real t75 = t74 - 533.96;
-    const gluon_6l3_real t76 = t41 * t75;
-    const gluon_6l3_real t77 = t70 - t76;
-    const gluon_6l3_real t78 = t10 + t10;
-    const gluon_6l3_real t79 = u[8] * u[8];
-    const gluon_6l3_real t80 = u[9] * u[9];
-    const gluon_6l3_real t81 = t79 - t80;
-    const gluon_6l3_real t82 = 75.66 * t81;
-    const gluon_6l3_real t83 = t82 + 44.36;
-    const gluon_6l3_real t84 = t78 * t83;
-    const gluon_6l3_real t85 = t77 - t84;
-    const gluon_6l3_real t86 = t85 + x[0];
-    const gluon_6l3_real t87 = t15 * t86;
-    const gluon_6l3_real t88 = t35 * t69;
-    const gluon_6l3_real t89 = t46 * t75;
-    const gluon_6l3_real t90 = t88 - t89;
-    const gluon_6l3_real t91 = t2 + t2;
-    const gluon_6l3_real t92 = t91 * t83;
-    const gluon_6l3_real t93 = t90 - t92;
-    const gluon_6l3_real t94 = t93 + x[1];
-    const gluon_6l3_real t95 = t6 * t94;
-    const gluon_6l3_real t96 = t87 + t95;
-    const gluon_6l3_real t97 = t60 * t96;
-    const gluon_6l3_real t98 = u[4] * u[4];
-    const gluon_6l3_real t99 = u[5] * u[5];
+    const gluon_6l3_real t32 = -174.42 * t27;
+    const gluon_6l3_real t33 = x[5] * x[5];
+    const gluon_6l3_real t34 = x[6] * x[6];
+    const gluon_6l3_real t35 = t33 + t34;
+    const gluon_6l3_real t36 = t35 + t35;
+    const gluon_6l3_real t37 = 1.0 - t36;
+    const gluon_6l3_real t38 = u[10] + u[10];
+    const gluon_6l3_real t39 = t38 * u[11];
+    const gluon_6l3_real t40 = 80.09 * t39;
+    const gluon_6l3_real t41 = t37 * t40;
+    const gluon_6l3_real t42 = x[4] * x[5];
+    const gluon_6l3_real t43 = x[3] * x[6];
+    const gluon_6l3_real t44 = t42 - t43;
+    const gluon_6l3_real t45 = t44 + t44;
+    const gluon_6l3_real t46 = u[10] * u[10];
+    const gluon_6l3_real t47 = u[11] * u[11];
+    const gluon_6l3_real t48 = t46 - t47;
+    const gluon_6l3_real t49 = -80.09 * t48;
+    const gluon_6l3_real t50 = t45 * t49;
+    const gluon_6l3_real t51 = t41 - t50;
+    const gluon_6l3_real t52 = t51 + t11;
+    const gluon_6l3_real t53 = t52 + x[0];
+    const gluon_6l3_real t54 = t15 * t53;
+    const gluon_6l3_real t55 = t42 + t43;
+    const gluon_6l3_real t56 = t55 + t55;
+    const gluon_6l3_real t57 = t56 * t40;
+    const gluon_6l3_real t58 = x[4] * x[4];
+    const gluon_6l3_real t59 = t58 + t34;
+    const gluon_6l3_real t60 = t59 + t59;
+    const gluon_6l3_real t61 = 1.0 - t60;
+    const gluon_6l3_real t62 = t61 * t49;
+    const gluon_6l3_real t63 = t57 - t62;
+    const gluon_6l3_real t64 = t63 + t3;
+    const gluon_6l3_real t65 = t64 + x[1];
+    const gluon_6l3_real t66 = t6 * t65;
+    const gluon_6l3_real t67 = t54 + t66;
+    const gluon_6l3_real t68 = t32 * t67;
+    const gluon_6l3_real t69 = t15 * t65;
+    const gluon_6l3_real t70 = t6 * t53;
+    const gluon_6l3_real t71 = t69 - t70;
+    const gluon_6l3_real t72 = -75.66 * t71;
+    const gluon_6l3_real t73 = t68 + t72;
+    const gluon_6l3_real t74 = u[4] * u[4];
+    const gluon_6l3_real t75 = u[5] * u[5];
+    const gluon_6l3_real t76 = t74 - t75;
+    const gluon_6l3_real t77 = 174.42 * t76;
+    const gluon_6l3_real t78 = t77 + 174.42;
+    const gluon_6l3_real t79 = t8 - t9;
+    const gluon_6l3_real t80 = t79 + t79;
+    const gluon_6l3_real t81 = t80 * t40;
+    const gluon_6l3_real t82 = t0 + t1;
+    const gluon_6l3_real t83 = t82 + t82;
+    const gluon_6l3_real t84 = t83 * t49;
+    const gluon_6l3_real t85 = t81 - t84;
+    const gluon_6l3_real t86 = t58 + t33;
+    const gluon_6l3_real t87 = t86 + t86;
+    const gluon_6l3_real t88 = 1.0 - t87;
+    const gluon_6l3_real t89 = -44.36 * t88;
+    const gluon_6l3_real t90 = t85 + t89;
+    const gluon_6l3_real t91 = t90 + x[2];
+    const gluon_6l3_real t92 = t91 - 105.03;
+    const gluon_6l3_real t93 = t78 * t92;
+    const gluon_6l3_real t94 = t73 + t93;
+    const gluon_6l3_real t95 = 75.66 * t71;
+    const gluon_6l3_real t96 = t94 + t95;
+    const gluon_6l3_real t97 = t96 * t96;
+    const gluon_6l3_real t98 = t78 * t67;
+    const gluon_6l3_real t99 = t32 * t92;
     const gluon_6l3_real t100 = t98 - t99;
-    const gluon_6l3_real t101 = 174.42 * t100;
-    const gluon_6l3_real t102 = t101 + 174.42;
-    const gluon_6l3_real t103 = t8 - t9;
-    const gluon_6l3_real t104 = t103 + t103;
-    const gluon_6l3_real t105 = t104 * t69;
-    const gluon_6l3_real t106 = t0 + t1;
-    const gluon_6l3_real t107 = t106 + t106;
-    const gluon_6l3_real t108 = t107 * t75;
-    const gluon_6l3_real t109 = t105 - t108;
-    const gluon_6l3_real t110 = t43 + t26;
-    const gluon_6l3_real t111 = t110 + t110;
-    const gluon_6l3_real t112 = 1.0 - t111;
-    const gluon_6l3_real t113 = t112 * t83;
-    const gluon_6l3_real t114 = t109 - t113;
-    const gluon_6l3_real t115 = t114 + x[2];
-    const gluon_6l3_real t116 = t115 - 105.03;
-    const gluon_6l3_real t117 = t102 * t116;
-    const gluon_6l3_real t118 = t97 + t117;
-    const gluon_6l3_real t119 = t118 * t118;
-    const gluon_6l3_real t120 = t102 * t96;
-    const gluon_6l3_real t121 = t60 * t116;
-    const gluon_6l3_real t122 = t120 - t121;
-    const gluon_6l3_real t123 = t122 * t122;
-    const gluon_6l3_real t124 = t119 + t123;
-    const gluon_6l3_real t125 = sqrt(t124);
-    const gluon_6l3_real t126 = t125 * 3.4383435877140077e-06;
-    margin[4] = t126;
-    /* q4 turns a direction of the tool to where it must be */
-    const gluon_6l3_real t128 = u[2] * u[2];
-    const gluon_6l3_real t129 = u[3] * u[3];
-    const gluon_6l3_real t130 = t128 - t129;
-    const gluon_6l3_real t131 = t67 * t81;
-    const gluon_6l3_real t132 = t41 * t131;
-    const gluon_6l3_real t133 = t63 * t81;
-    const gluon_6l3_real t134 = t30 * t133;
-    const gluon_6l3_real t135 = t132 - t134;
-    const gluon_6l3_real t136 = t78 * t23;
-    const gluon_6l3_real t137 = t135 + t136;
-    const gluon_6l3_real t138 = t15 * t137;
-    const gluon_6l3_real t139 = t46 * t131;
-    const gluon_6l3_real t140 = t35 * t133;
-    const gluon_6l3_real t141 = t139 - t140;
-    const gluon_6l3_real t142 = t91 * t23;
-    const gluon_6l3_real t143 = t141 + t142;
-    const gluon_6l3_real t144 = t6 * t143;
-    const gluon_6l3_real t145 = t138 + t144;
-    const gluon_6l3_real t146 = t130 * t145;
-    const gluon_6l3_real t147 = u[2] + u[2];
-    const gluon_6l3_real t148 = t147 * u[3];
-    const gluon_6l3_real t149 = t107 * t131;
-    const gluon_6l3_real t150 = t104 * t133;
-    const gluon_6l3_real t151 = t149 - t150;
-    const gluon_6l3_real t152 = t112 * t23;
-    const gluon_6l3_real t153 = t151 + t152;
-    const gluon_6l3_real t154 = t148 * t153;
-    const gluon_6l3_real t155 = t146 + t154;
-    const gluon_6l3_real t156 = t100 * t155;
-    const gluon_6l3_real t157 = t130 * t153;
-    const gluon_6l3_real t158 = t148 * t145;
-    const gluon_6l3_real t159 = t157 - t158;
-    const gluon_6l3_real t160 = t55 * t159;
-    const gluon_6l3_real t161 = t156 + t160;
-    const gluon_6l3_real t162 = t161 * t161;
-    const gluon_6l3_real t163 = t100 * t159;
-    const gluon_6l3_real t164 = t55 * t155;
-    const gluon_6l3_real t165 = t163 - t164;
-    const gluon_6l3_real t166 = t165 * t165;
-    const gluon_6l3_real t167 = t162 + t166;
-    const gluon_6l3_real t168 = sqrt(t167);
-    margin[5] = t168;
+    const gluon_6l3_real t101 = t100 * t100;
+    const gluon_6l3_real t102 = t97 + t101;
+    const gluon_6l3_real t103 = sqrt(t102);
+    const gluon_6l3_real t104 = t103 * 3.4383435877140077e-06;
+    margin[3] = t104;
     return wanted;
 }
 
-/* The joints at a tool pose x of the line, angles within half a turn of where it is done, and the
- * squares of their ways (angles; slides over the size) as changes of the line; SINGULAR or
- * OUT_OF_RANGE where the guess's branch does not reach it. */
+/* The joints at a tool pose x of the line, angles within half a turn of where it is done, and their
+ * ways; SINGULAR or OUT_OF_RANGE where the guess's branch does not reach it. */
 static gluon_6l3_status gluon_6l3_inverse_aim(gluon_6l3_inverse_work *w, const gluon_6l3_real x[7],
-    unsigned int wanted, gluon_6l3_real change[8])
+    unsigned int wanted)
 {
     static const gluon_6l3_real per_length[6] = { 1.0, 1.0, 1.0, 1.0, 1.0, 1.0 };
     static const bool angular[6] = { true, true, true, true, true, true };
@@ -1095,112 +1024,224 @@ static gluon_6l3_status gluon_6l3_inverse_aim(gluon_6l3_inverse_work *w, const g
                 ? -0.5 : 0.5));
         }
         w->found[0][i] = w->joints[i] + way;
-        change[2 + i] = (way * per_length[i]) * (way * per_length[i]);
-        w->way2 += change[2 + i];
+        w->way[i] = fabs(way) * per_length[i];
+        w->way2 += w->way[i] * w->way[i];
     }
     return GLUON_6L3_OK;
 }
 
-/* Whether the joints' last way is short enough to tell whole turns, and within what the config
- * allows. */
-static bool gluon_6l3_inverse_follows(gluon_6l3_inverse_work *w, const gluon_6l3_real change[8],
-    gluon_6l3_real most2)
+/* Takes a bend of a part against the most that keeps it; the largest of these shares is what cuts
+ * the part, or lets the next one grow. */
+static void gluon_6l3_inverse_take(gluon_6l3_inverse_work *w, gluon_6l3_real bend,
+    gluon_6l3_real most)
 {
-    const bool follows = (w->way2 <= most2) && (w->way2 <= 2.25);
-    (void)change;
+    if (w->kept && (!(bend < most) || (bend * w->most > w->bent * most))) {
+        w->bent = bend;
+        w->most = most;
+    }
+    w->kept = w->kept && (bend < most);
+}
+
+/* Takes a guard that bends by at most `bend` times t (1 - t) below its chord: what is left of it at
+ * least. */
+static gluon_6l3_real gluon_6l3_inverse_least(gluon_6l3_inverse_work *w, int k,
+    gluon_6l3_real rounding, gluon_6l3_real bend)
+{
+    const bool falls = w->guard[k] < w->left[k];
+    const gluon_6l3_real lesser = falls ? w->guard[k] : w->left[k];
+    const gluon_6l3_real rise = falls ? (w->left[k] - lesser) : (w->guard[k] - lesser);
+    const gluon_6l3_real over = 1.001 * bend - rise;
+    const gluon_6l3_real least = (lesser - rounding) - ((over > 0.0) ? (0.25 * over) : 0.0);
+    gluon_6l3_inverse_take(w, 1.001 * bend, 4.0 * (lesser - rounding) + rise);
+    w->kept = w->kept && (least > 0.0);
+    return (least > 0.0) ? least : 1.0;
+}
+
+/* Takes a length, the root of a guard, that changes by at most `speed`: what it is at least, which
+ * is never below `always`. */
+static gluon_6l3_real gluon_6l3_inverse_least_length(gluon_6l3_inverse_work *w, int k,
+    gluon_6l3_real rounding, gluon_6l3_real speed, gluon_6l3_real always)
+{
+    const gluon_6l3_real left = w->left[k] - rounding;
+    const gluon_6l3_real guard = w->guard[k] - rounding;
+    const gluon_6l3_real ends = ((left > 0.0) && (guard > 0.0)) ? (sqrt(left) + sqrt(guard)) : 0.0;
+    const gluon_6l3_real least = 0.5 * (ends - 1.001 * speed);
+    if (!(always > 0.0)) {
+        gluon_6l3_inverse_take(w, 1.001 * 1.001 * speed * speed, ends * ends);
+    }
+    return (least > always) ? least : ((always > 0.0) ? always : 1.0);
+}
+
+/* The same of a length that is the sine of an angle, which changes by at most `speed`, by the first
+ * terms of arc sine and sine. */
+static gluon_6l3_real gluon_6l3_inverse_least_sine(gluon_6l3_inverse_work *w, int k,
+    gluon_6l3_real rounding, gluon_6l3_real speed)
+{
+    const gluon_6l3_real left = w->left[k] - rounding;
+    const gluon_6l3_real guard = w->guard[k] - rounding;
+    const bool above = (left > 0.0) && (guard > 0.0);
+    const gluon_6l3_real ends = above ? (sqrt(left) * (1.0 + 0.16666666666666666 * left)
+        + sqrt(guard) * (1.0 + 0.16666666666666666 * guard)) : 0.0;
+    const gluon_6l3_real least = 0.5 * (ends - 1.001 * speed);
+    gluon_6l3_inverse_take(w, 1.001 * 1.001 * speed * speed, ends * ends);
+    return (least > 0.0) ? (least * (1.0 - 0.16666666666666666 * least * least)) : 1.0;
+}
+
+/* Bounds how a joint's speed changes, by less than curved speed^2 + 2 crossed speed + own; its
+ * speed is its way but for half of that. */
+static void gluon_6l3_inverse_bounds(gluon_6l3_inverse_work *w, int joint, gluon_6l3_real curved,
+    gluon_6l3_real crossed, gluon_6l3_real own)
+{
+    const gluon_6l3_real twice = 2.0 * crossed;
+    const gluon_6l3_real left = 1.0 - twice;
+    const gluon_6l3_real rest = w->way[joint] + own;
+    gluon_6l3_real speed = w->speed[joint];
+    if ((left > 0.0) && (4.0 * curved * rest < 0.999 * left * left)) {
+        const gluon_6l3_real stays = 2.0 * rest / left;
+        speed = (stays < speed) ? stays : speed;
+    }
+    for (int i = 0; i < 2; ++i) {
+        const gluon_6l3_real nearer = w->way[joint] + 0.5 * (own + speed * (twice
+            + curved * speed));
+        speed = (nearer < speed) ? nearer : speed;
+    }
+    w->speed[joint] = speed;
+    w->change[joint] = own + speed * (twice + curved * speed);
+}
+
+/* Whether the joints' last way is within what the config allows. */
+static bool gluon_6l3_inverse_follows(gluon_6l3_inverse_work *w, gluon_6l3_real most2)
+{
+    const bool follows = (w->way2 <= most2);
+    if (!follows) {
+        w->bent = w->way2;
+        w->most = most2;
+    }
     return follows;
 }
 
 /* Whether no guard can reach zero between the values w->left and w->guard, on a part of the line of
  * which `change` are the squares of the known values' changes: a guard bends by no more than its
  * weights times these allow (README.md). */
-static bool gluon_6l3_inverse_keeps(gluon_6l3_inverse_work *w, const gluon_6l3_real change[8])
+static bool gluon_6l3_inverse_keeps(gluon_6l3_inverse_work *w, const gluon_6l3_real change[2])
 {
-    bool kept = true;
+    w->kept = true;
+    w->bent = 0.0;
+    w->most = 1.0;
+    const gluon_6l3_real place = sqrt(change[0]);
+    const gluon_6l3_real turn = sqrt(change[1]);
     /* q2, q3, q4 have parallel axes: a level along them, which they do not change, tells q1:
-     * sampled */
-    const gluon_6l3_real bend0 = 5.42 * change[0] + 0.722 * change[1];
-    const gluon_6l3_real lesser0 = ((w->left[0] < w->guard[0])
-        ? w->left[0] : w->guard[0]) - 6.97e-15;
-    const gluon_6l3_real greater0 = (w->left[0] < w->guard[0]) ? w->guard[0] : w->left[0];
-    const gluon_6l3_real most0 = 3.0 * lesser0 + greater0;
-    if (!((lesser0 > 0.0) && (bend0 < most0))) {
-        if (kept && (lesser0 > 0.0)) {
-            w->bent = bend0;
-            w->most = most0;
-        }
-        kept = false;
+     * proved */
+    const gluon_6l3_real t0 = 0.0823 * turn;
+    const gluon_6l3_real t1 = t0 + place;
+    const gluon_6l3_real t2 = t1 * t1;
+    const gluon_6l3_real t3 = 0.5 * t1;
+    const gluon_6l3_real t4 = t3 + 0.938;
+    const gluon_6l3_real t5 = turn * turn;
+    const gluon_6l3_real t6 = 0.0823 * t5;
+    const gluon_6l3_real t7 = t4 * t6;
+    const gluon_6l3_real t8 = t2 + t7;
+    const gluon_6l3_real root0 = sqrt(gluon_6l3_inverse_least(w, 0, 6.251667628021095e-15, t8));
+    const gluon_6l3_real t10 = 1.0 / root0;
+    const gluon_6l3_real t11 = t1 * t10;
+    gluon_6l3_inverse_take(w, (t11 + w->way[0]) * (t11 + w->way[0]), 39.4384);
+    w->speed[0] = t11;
+    const gluon_6l3_real t14 = 0.141 * t10;
+    const gluon_6l3_real t15 = t6 * t10;
+    gluon_6l3_inverse_bounds(w, 0, t14, t11, t15);
+    /* the normal of q2, q3, q4: its level along the axis of q6 tells q5: proved */
+    const gluon_6l3_real t17 = w->speed[0] + turn;
+    const gluon_6l3_real root1 = gluon_6l3_inverse_least_sine(w, 1, 7.105427357601002e-15, t17);
+    gluon_6l3_inverse_take(w, (t17 + w->way[4]) * (t17 + w->way[4]), 39.4384);
+    w->speed[4] = t17;
+    const gluon_6l3_real t21 = w->speed[0] * w->speed[0];
+    const gluon_6l3_real t22 = w->change[0] + t21;
+    const gluon_6l3_real t23 = turn + turn;
+    const gluon_6l3_real t24 = t23 * w->speed[0];
+    const gluon_6l3_real t25 = t22 + t24;
+    const gluon_6l3_real t26 = t25 + t5;
+    const gluon_6l3_real t27 = t17 * t17;
+    const gluon_6l3_real t28 = t27 / root1;
+    const gluon_6l3_real t29 = t26 + t28;
+    gluon_6l3_inverse_bounds(w, 4, 0.0, 0.0, t29);
+    /* q6 turns the normal of q2, q3, q4 to where it must be: proved */
+    const gluon_6l3_real t31 = 1.0 / root1;
+    const gluon_6l3_real t32 = t17 * t31;
+    if (!((1.001 * t17 * t17 < w->left[1] + w->guard[1] + 2.0 * ((w->left[1] < w->guard[1])
+        ? w->left[1] : w->guard[1])))) {
+        gluon_6l3_inverse_take(w, (t32 + w->way[5]) * (t32 + w->way[5]), 39.4384);
     }
-    /* the normal of q2, q3, q4: its level along the axis of q6 tells q5: sampled */
-    const gluon_6l3_real sum0 = change[1] + change[2];
-    const gluon_6l3_real bend1 = 10.0 * sum0;
-    const gluon_6l3_real lesser1 = ((w->left[1] < w->guard[1])
-        ? w->left[1] : w->guard[1]) - 1.18e-14;
-    const gluon_6l3_real greater1 = (w->left[1] < w->guard[1]) ? w->guard[1] : w->left[1];
-    const gluon_6l3_real most1 = 3.0 * lesser1 + greater1;
-    if (!((lesser1 > 0.0) && (bend1 < most1))) {
-        if (kept && (lesser1 > 0.0)) {
-            w->bent = bend1;
-            w->most = most1;
-        }
-        kept = false;
+    w->speed[5] = t32;
+    const gluon_6l3_real t37 = w->speed[4] * t31;
+    const gluon_6l3_real t38 = t26 * t31;
+    gluon_6l3_inverse_bounds(w, 5, 0.0, t37, t38);
+    /* a point of the axis of q4: its distance from the axis of q2 tells q3: proved */
+    const gluon_6l3_real t40 = 0.149 * w->speed[5];
+    const gluon_6l3_real t41 = 0.2313 * turn;
+    const gluon_6l3_real t42 = t40 + t41;
+    const gluon_6l3_real t43 = t42 + place;
+    const gluon_6l3_real t44 = t43 * t43;
+    const gluon_6l3_real t45 = w->speed[5] * w->speed[5];
+    const gluon_6l3_real t46 = w->change[5] + t45;
+    const gluon_6l3_real t47 = 0.149 * t46;
+    const gluon_6l3_real t48 = t23 * t40;
+    const gluon_6l3_real t49 = t47 + t48;
+    const gluon_6l3_real t50 = 0.2313 * t5;
+    const gluon_6l3_real t51 = t49 + t50;
+    const gluon_6l3_real t52 = 0.677 * t51;
+    const gluon_6l3_real t53 = t44 + t52;
+    const gluon_6l3_real t54 = 0.104976 * t53;
+    const gluon_6l3_real root3 = sqrt(gluon_6l3_inverse_least(w, 2, 7.83015293563949e-17, t54));
+    const gluon_6l3_real t56 = 0.677 * t43;
+    const gluon_6l3_real t57 = 1.0 / root3;
+    const gluon_6l3_real t58 = t56 * t57;
+    gluon_6l3_inverse_take(w, (t58 + w->way[2]) * (t58 + w->way[2]), 39.4384);
+    w->speed[2] = t58;
+    const gluon_6l3_real t61 = 0.104976 * t57;
+    const gluon_6l3_real t62 = t53 * t57;
+    gluon_6l3_inverse_bounds(w, 2, t61, 0.0, t62);
+    /* q2 turns a point of the axis of q4 to where it must be: proved */
+    const gluon_6l3_real t64 = 0.324 * w->speed[2];
+    const gluon_6l3_real root4 = gluon_6l3_inverse_least_length(w, 3, 2.983597369166091e-15, t64,
+        0.0);
+    const gluon_6l3_real t66 = 0.5 * t43;
+    const gluon_6l3_real t67 = t66 + 0.789;
+    const gluon_6l3_real t68 = w->speed[0] * t67;
+    const gluon_6l3_real t69 = t43 + t68;
+    const gluon_6l3_real t70 = 0.5 * t69;
+    const gluon_6l3_real t71 = t70 + 0.141;
+    const gluon_6l3_real t72 = w->speed[0] * t71;
+    const gluon_6l3_real t73 = t43 + t72;
+    const gluon_6l3_real t74 = t64 + t73;
+    const gluon_6l3_real t75 = 1.0 / root4;
+    const gluon_6l3_real t76 = t74 * t75;
+    if (!((1.001 * t64 * t64 < w->left[3] + w->guard[3])
+        && (1.001 * t73 * t73 < w->left[3] + w->guard[3]))) {
+        gluon_6l3_inverse_take(w, (t76 + w->way[1]) * (t76 + w->way[1]), 39.4384);
     }
-    /* q6 turns the normal of q2, q3, q4 to where it must be: sampled */
-    const gluon_6l3_real bend2 = 5.0 * change[6];
-    const gluon_6l3_real lesser2 = ((w->left[2] < w->guard[2])
-        ? w->left[2] : w->guard[2]) - 1.18e-14;
-    const gluon_6l3_real greater2 = (w->left[2] < w->guard[2]) ? w->guard[2] : w->left[2];
-    const gluon_6l3_real most2 = 3.0 * lesser2 + greater2;
-    if (!((lesser2 > 0.0) && (bend2 < most2))) {
-        if (kept && (lesser2 > 0.0)) {
-            w->bent = bend2;
-            w->most = most2;
-        }
-        kept = false;
-    }
-    /* a point of the axis of q4: its distance from the axis of q2 tells q3: sampled */
-    const gluon_6l3_real bend3 = 1.45 * change[0] + 0.921 * change[1] + 0.512 * change[6]
-        + 0.54 * change[7];
-    const gluon_6l3_real lesser3 = ((w->left[3] < w->guard[3])
-        ? w->left[3] : w->guard[3]) - 1.3e-16;
-    const gluon_6l3_real greater3 = (w->left[3] < w->guard[3]) ? w->guard[3] : w->left[3];
-    const gluon_6l3_real most3 = 3.0 * lesser3 + greater3;
-    if (!((lesser3 > 0.0) && (bend3 < most3))) {
-        if (kept && (lesser3 > 0.0)) {
-            w->bent = bend3;
-            w->most = most3;
-        }
-        kept = false;
-    }
-    /* q2 turns a point of the axis of q4 to where it must be: sampled */
-    const gluon_6l3_real bend4 = 11.0 * change[0] + 3.89 * change[1] + 4.16 * change[2]
-        + 1.85 * change[6] + 2.67 * change[7];
-    const gluon_6l3_real lesser4 = ((w->left[4] < w->guard[4])
-        ? w->left[4] : w->guard[4]) - 4.95e-15;
-    const gluon_6l3_real greater4 = (w->left[4] < w->guard[4]) ? w->guard[4] : w->left[4];
-    const gluon_6l3_real most4 = 3.0 * lesser4 + greater4;
-    if (!((lesser4 > 0.0) && (bend4 < most4))) {
-        if (kept && (lesser4 > 0.0)) {
-            w->bent = bend4;
-            w->most = most4;
-        }
-        kept = false;
-    }
-    /* q4 turns a direction of the tool to where it must be: sampled */
-    const gluon_6l3_real sum1 = change[1] + change[2] + change[6];
-    const gluon_6l3_real bend5 = 10.0 * sum1;
-    const gluon_6l3_real lesser5 = ((w->left[5] < w->guard[5])
-        ? w->left[5] : w->guard[5]) - 1.18e-14;
-    const gluon_6l3_real greater5 = (w->left[5] < w->guard[5]) ? w->guard[5] : w->left[5];
-    const gluon_6l3_real most5 = 3.0 * lesser5 + greater5;
-    if (!((lesser5 > 0.0) && (bend5 < most5))) {
-        if (kept && (lesser5 > 0.0)) {
-            w->bent = bend5;
-            w->most = most5;
-        }
-        kept = false;
-    }
-    return kept;
+    w->speed[1] = t76;
+    const gluon_6l3_real t81 = t64 * t75;
+    const gluon_6l3_real t82 = w->speed[2] * w->speed[2];
+    const gluon_6l3_real t83 = w->change[2] + t82;
+    const gluon_6l3_real t84 = 0.324 * t83;
+    const gluon_6l3_real t85 = w->speed[0] + w->speed[0];
+    const gluon_6l3_real t86 = t85 * t43;
+    const gluon_6l3_real t87 = t51 + t86;
+    const gluon_6l3_real t88 = w->change[0] * t71;
+    const gluon_6l3_real t89 = t87 + t88;
+    const gluon_6l3_real t90 = t21 * t67;
+    const gluon_6l3_real t91 = t89 + t90;
+    const gluon_6l3_real t92 = t84 + t91;
+    const gluon_6l3_real t93 = t92 * t75;
+    gluon_6l3_inverse_bounds(w, 1, 0.0, t81, t93);
+    /* q4 turns a direction of the tool to where it must be: proved */
+    const gluon_6l3_real t95 = w->way[2] + w->way[1];
+    const gluon_6l3_real t96 = t95 + w->speed[0];
+    const gluon_6l3_real t97 = t96 + turn;
+    const gluon_6l3_real t98 = t97 + w->speed[5];
+    const gluon_6l3_real t99 = t98 + w->speed[4];
+    gluon_6l3_inverse_take(w, (t99 + w->way[3]) * (t99 + w->way[3]), 39.4384);
+    return w->kept;
 }
 
 /* Follows the line of known values from `at`, where the guards are w->left, to `to` in parts that
@@ -1211,7 +1252,7 @@ static GLUON_6L3_COLD gluon_6l3_status gluon_6l3_inverse_walk(gluon_6l3_inverse_
     unsigned int *count)
 {
     gluon_6l3_real way2[2];
-    gluon_6l3_real change[8];
+    gluon_6l3_real change[2];
     gluon_6l3_real done = 0.0;
     gluon_6l3_real part = 1.0;
     bool refused = true;
@@ -1220,7 +1261,8 @@ static GLUON_6L3_COLD gluon_6l3_status gluon_6l3_inverse_walk(gluon_6l3_inverse_
     const gluon_6l3_real cosine = at[3] * to[3] + at[4] * to[4] + at[5] * to[5] + at[6] * to[6];
     const gluon_6l3_real side = (cosine < 0.0) ? -1.0 : 1.0;
     way2[0] = 0.0;
-    way2[1] = 8.0 * ((1.0 - side * cosine) + 4.440892098500626e-16);
+    /* the square of the largest speed of the turn between them */
+    way2[1] = 16.0 * ((1.0 - side * cosine) + 4.440892098500626e-16) / (1.0 + side * cosine);
     for (int i = 0; i < 3; ++i) {
         way2[0] += (to[i] - at[i]) * (to[i] - at[i]) * 3.438343587714008e-06;
     }
@@ -1245,31 +1287,31 @@ static GLUON_6L3_COLD gluon_6l3_status gluon_6l3_inverse_walk(gluon_6l3_inverse_
                         x[i] *= inverse;
                     }
                 }
-                const gluon_6l3_status reached = gluon_6l3_inverse_aim(w, x, wanted, change);
+                const gluon_6l3_status reached = gluon_6l3_inverse_aim(w, x, wanted);
                 above = (reached == GLUON_6L3_OK);
         ++*count;
         w->bent = 4.0;
         w->most = 1.0;
-        for (int j = 0; j < 6; ++j) {
+        for (int j = 0; j < 4; ++j) {
             above = above && (w->guard[j] > 0.0);
         }
         if (!above) {
             /* a point of the line without a configuration, or a singular one */
             status = ((reached == GLUON_6L3_SINGULAR) || ((reached == GLUON_6L3_OUT_OF_RANGE)
                 && (end >= 1.0))) ? reached : GLUON_6L3_WRONG_BRANCH;
-        } else if (gluon_6l3_inverse_keeps(w, change)
-            && gluon_6l3_inverse_follows(w, change, most2)) {
+        } else if (gluon_6l3_inverse_keeps(w, change) && gluon_6l3_inverse_follows(w, most2)) {
             w->joints[0] = w->found[0][0];
             w->joints[1] = w->found[0][1];
             w->joints[2] = w->found[0][2];
             w->joints[3] = w->found[0][3];
             w->joints[4] = w->found[0][4];
             w->joints[5] = w->found[0][5];
-            for (int j = 0; j < 6; ++j) {
+            for (int j = 0; j < 4; ++j) {
                 w->left[j] = w->guard[j];
             }
             done = end;
-            part = refused ? part : (1.4 * part);
+            part = refused ? part : (part * ((w->bent < 0.16 * w->most)
+                ? 2.0 : (0.8 * sqrt(w->most / w->bent))));
             refused = false;
             if (done >= 1.0) {
                 status = GLUON_6L3_OK;
@@ -1306,7 +1348,7 @@ static gluon_6l3_status gluon_6l3_inverse_along(const gluon_6l3_real to[7],
     for (int i = 0; i < 6; ++i) {
         w->joints[i] = joints[i];
     }
-    for (int k = 0; k < 6; ++k) {
+    for (int k = 0; k < 4; ++k) {
         if (!(w->left[k] > 2.842170943040401e-14)) {
             status = GLUON_6L3_SINGULAR;
         }
@@ -1316,7 +1358,7 @@ static gluon_6l3_status gluon_6l3_inverse_along(const gluon_6l3_real to[7],
         status = gluon_6l3_inverse_walk(w, at, to, wanted, most2,
             (unsigned int)config->max_iterations, &count);
     }
-    for (int k = 0; k < 6; ++k) {
+    for (int k = 0; k < 4; ++k) {
         least = (w->left[k] < least) ? w->left[k] : least;
     }
     if (status == GLUON_6L3_OK) {

@@ -433,7 +433,7 @@ static ur5e_real ur5e_sine(ur5e_real angle)
  * solutions meet. */
 static int ur5e_branches(const ur5e_real x[7], const ur5e_real near[6], unsigned int wanted,
     ur5e_real found[][6], bool *undecided,
-    ur5e_real margin[6])
+    ur5e_real margin[4])
 {
     int count = 0;
     (void)margin;
@@ -534,159 +534,146 @@ static int ur5e_branches(const ur5e_real x[7], const ur5e_real near[6], unsigned
                                 const ur5e_real t89 = t77 + t88;
                                 const ur5e_real t90 = sqrt(t89);
                                 if (t90 > 2.842170943040401e-14) {
-                                    margin[2] = t90;
-                                    const ur5e_real t93 = -t87;
-                                    const ur5e_real t94 = atan2(t93, t76);
+                                    const ur5e_real t92 = -t87;
+                                    const ur5e_real t93 = atan2(t92, t76);
                                     /* a point of the axis of q4: its distance from the axis of q2
                                      * tells q3 */
-                                    const ur5e_real t95 = 1.0 / t90;
-                                    const ur5e_real t96 = t76 * t95;
-                                    const ur5e_real t97 = 133.3 * t62;
-                                    const ur5e_real t98 = -817.2 - t97;
-                                    const ur5e_real t99 = t98 + 817.2;
-                                    const ur5e_real t100 = t96 * t99;
-                                    const ur5e_real t101 = t100 - 817.2;
-                                    const ur5e_real t102 = t87 * t95;
-                                    const ur5e_real t103 = -99.7 * t102;
-                                    const ur5e_real t104 = t101 + t103;
-                                    const ur5e_real t105 = t104 + 817.2;
-                                    const ur5e_real t106 = t73 * t105;
-                                    const ur5e_real t107 = 99.7 * t96;
-                                    const ur5e_real t108 = t107 + 62.8;
-                                    const ur5e_real t109 = t102 * t99;
-                                    const ur5e_real t110 = t108 + t109;
-                                    const ur5e_real t111 = t110 - 62.8;
-                                    const ur5e_real t112 = t84 * t111;
-                                    const ur5e_real t113 = t106 + t112;
-                                    const ur5e_real t114 = 133.3 * t48;
-                                    const ur5e_real t115 = t114 + 99.6;
-                                    const ur5e_real t116 = t46 * t115;
-                                    const ur5e_real t117 = t113 - t116;
-                                    const ur5e_real t118 = t117 + x[1];
-                                    const ur5e_real t119 = t37 * t118;
-                                    const ur5e_real t120 = t68 * t105;
-                                    const ur5e_real t121 = t79 * t111;
-                                    const ur5e_real t122 = t120 + t121;
-                                    const ur5e_real t123 = t44 * t115;
-                                    const ur5e_real t124 = t122 - t123;
-                                    const ur5e_real t125 = t124 + x[0];
-                                    const ur5e_real t126 = t41 * t125;
-                                    const ur5e_real t127 = t119 - t126;
-                                    const ur5e_real t128 = t127 * t127;
-                                    const ur5e_real t129 = t41 * t118;
-                                    const ur5e_real t130 = t37 * t125;
-                                    const ur5e_real t131 = t129 + t130;
+                                    const ur5e_real t94 = 1.0 / t90;
+                                    const ur5e_real t95 = t87 * t94;
+                                    const ur5e_real t96 = -99.7 * t95;
+                                    const ur5e_real t97 = t73 * t96;
+                                    const ur5e_real t98 = t76 * t94;
+                                    const ur5e_real t99 = 99.7 * t98;
+                                    const ur5e_real t100 = t84 * t99;
+                                    const ur5e_real t101 = t97 + t100;
+                                    const ur5e_real t102 = t101 + t3;
+                                    const ur5e_real t103 = t102 + x[1];
+                                    const ur5e_real t104 = t37 * t103;
+                                    const ur5e_real t105 = t68 * t96;
+                                    const ur5e_real t106 = t79 * t99;
+                                    const ur5e_real t107 = t105 + t106;
+                                    const ur5e_real t108 = t107 + t9;
+                                    const ur5e_real t109 = t108 + x[0];
+                                    const ur5e_real t110 = t41 * t109;
+                                    const ur5e_real t111 = t104 - t110;
+                                    const ur5e_real t112 = t111 * t111;
+                                    const ur5e_real t113 = t41 * t103;
+                                    const ur5e_real t114 = t37 * t109;
+                                    const ur5e_real t115 = t113 + t114;
+                                    const ur5e_real t116 = t115 * t115;
+                                    const ur5e_real t117 = t112 + t116;
+                                    const ur5e_real t118 = t6 - t7;
+                                    const ur5e_real t119 = t118 + t118;
+                                    const ur5e_real t120 = t119 * t96;
+                                    const ur5e_real t121 = t0 + t1;
+                                    const ur5e_real t122 = t121 + t121;
+                                    const ur5e_real t123 = t122 * t99;
+                                    const ur5e_real t124 = t120 + t123;
+                                    const ur5e_real t125 = t81 + t64;
+                                    const ur5e_real t126 = t125 + t125;
+                                    const ur5e_real t127 = 1.0 - t126;
+                                    const ur5e_real t128 = -99.6 * t127;
+                                    const ur5e_real t129 = t124 + t128;
+                                    const ur5e_real t130 = t129 + x[2];
+                                    const ur5e_real t131 = t130 - 162.5;
                                     const ur5e_real t132 = t131 * t131;
-                                    const ur5e_real t133 = t128 + t132;
-                                    const ur5e_real t134 = t6 - t7;
-                                    const ur5e_real t135 = t134 + t134;
-                                    const ur5e_real t136 = t135 * t105;
-                                    const ur5e_real t137 = t0 + t1;
-                                    const ur5e_real t138 = t137 + t137;
-                                    const ur5e_real t139 = t138 * t111;
-                                    const ur5e_real t140 = t136 + t139;
-                                    const ur5e_real t141 = t81 + t64;
-                                    const ur5e_real t142 = t141 + t141;
-                                    const ur5e_real t143 = 1.0 - t142;
-                                    const ur5e_real t144 = t143 * t115;
-                                    const ur5e_real t145 = t140 - t144;
-                                    const ur5e_real t146 = t145 + x[2];
-                                    const ur5e_real t147 = t146 - 162.5;
-                                    const ur5e_real t148 = t147 * t147;
-                                    const ur5e_real t149 = t133 + t148;
-                                    const ur5e_real t150 = t149 - 334445.84;
-                                    const ur5e_real t151 = 0.5 * t150;
-                                    const ur5e_real t152 = t151 * t151;
-                                    const ur5e_real t153 = 27783889225.0 - t152;
-                                    const ur5e_real t154 = t153 * 1.9726544501170443e-12;
-                                    if (t154 > 2.842170943040401e-14) {
-                                        margin[3] = t154;
-                                        const ur5e_real t157 = 166685.0 * near[5];
+                                    const ur5e_real t133 = t117 + t132;
+                                    const ur5e_real t134 = t133 - 352214.73;
+                                    const ur5e_real t135 = 0.5 * t134;
+                                    const ur5e_real t136 = t135 * t135;
+                                    const ur5e_real t137 = 27783889225.0 - t136;
+                                    const ur5e_real t138 = t137 * 1.9726544501170443e-12;
+                                    if (t138 > 2.842170943040401e-14) {
+                                        margin[2] = t138;
+                                        const ur5e_real t141 = 166685.0 * near[5];
                                         const unsigned int bits2 = (wanted >> 4U) & 3U;
-                                        const unsigned int side2 = (t157 < 0.0) ? 2U : 1U;
+                                        const unsigned int side2 = (t141 < 0.0) ? 2U : 1U;
                                         for (unsigned int k2 = 1U; k2 <= 2U; ++k2) {
                                             if ((((bits2 != 0U) ? bits2 : side2) & k2) != 0U) {
                                                 const ur5e_real sign2 = (k2 == 1U) ? 1.0 : -1.0;
-                                                const ur5e_real t163 = fabs(t153);
-                                                const ur5e_real t164 = t153 + t163;
-                                                const ur5e_real t165 = 0.5 * t164;
-                                                const ur5e_real t166 = sqrt(t165);
-                                                const ur5e_real t167 = sign2 * t166;
-                                                const ur5e_real t168 =
-                                                    2.9996700362960067e-06 * t150;
-                                                const ur5e_real t169 = 5.999340072592013e-06 * t167;
-                                                const ur5e_real t170 = atan2(t169, t168);
+                                                const ur5e_real t147 = fabs(t137);
+                                                const ur5e_real t148 = t137 + t147;
+                                                const ur5e_real t149 = 0.5 * t148;
+                                                const ur5e_real t150 = sqrt(t149);
+                                                const ur5e_real t151 = sign2 * t150;
+                                                const ur5e_real t152 =
+                                                    2.9996700362960067e-06 * t134;
+                                                const ur5e_real t153 = 5.999340072592013e-06 * t151;
+                                                const ur5e_real t154 = atan2(t153, t152);
                                                 /* q2 turns a point of the axis of q4 to where it
                                                  * must be */
-                                                const ur5e_real t171 = -0.001176470588235294 * t150;
-                                                const ur5e_real t172 = t171 - 425.0;
-                                                const ur5e_real t173 = t172 * t127;
-                                                const ur5e_real t174 = -0.002352941176470588 * t167;
-                                                const ur5e_real t175 = t174 * t147;
-                                                const ur5e_real t176 = t173 + t175;
-                                                const ur5e_real t177 = t176 * t176;
-                                                const ur5e_real t178 = t174 * t127;
-                                                const ur5e_real t179 = t172 * t147;
-                                                const ur5e_real t180 = t178 - t179;
-                                                const ur5e_real t181 = t180 * t180;
-                                                const ur5e_real t182 = t177 + t181;
-                                                const ur5e_real t183 = sqrt(t182);
-                                                const ur5e_real t184 =
-                                                    t183 * 1.4045121751401963e-06;
-                                                if (t184 > 2.842170943040401e-14) {
-                                                    margin[4] = t184;
-                                                    const ur5e_real t187 = -t180;
-                                                    const ur5e_real t188 = atan2(t187, t176);
+                                                const ur5e_real t155 = -0.001176470588235294 * t134;
+                                                const ur5e_real t156 = t155 - 425.0;
+                                                const ur5e_real t157 = t156 * t111;
+                                                const ur5e_real t158 = -133.3 * t115;
+                                                const ur5e_real t159 = t157 - t158;
+                                                const ur5e_real t160 = -0.002352941176470588 * t151;
+                                                const ur5e_real t161 = t160 * t131;
+                                                const ur5e_real t162 = t159 + t161;
+                                                const ur5e_real t163 = 133.3 * t115;
+                                                const ur5e_real t164 = t162 - t163;
+                                                const ur5e_real t165 = t164 * t164;
+                                                const ur5e_real t166 = t160 * t111;
+                                                const ur5e_real t167 = t156 * t131;
+                                                const ur5e_real t168 = t166 - t167;
+                                                const ur5e_real t169 = t168 * t168;
+                                                const ur5e_real t170 = t165 + t169;
+                                                const ur5e_real t171 = sqrt(t170);
+                                                const ur5e_real t172 =
+                                                    t171 * 1.4045121751401963e-06;
+                                                if (t172 > 2.842170943040401e-14) {
+                                                    margin[3] = t172;
+                                                    const ur5e_real t175 = -t168;
+                                                    const ur5e_real t176 = atan2(t175, t164);
                                                     /* q4 turns a direction of the tool to where it
                                                      * must be */
-                                                    const ur5e_real t189 = 1.0 / t183;
-                                                    const ur5e_real t190 = t176 * t189;
-                                                    const ur5e_real t191 = t96 * t48;
-                                                    const ur5e_real t192 = t73 * t191;
-                                                    const ur5e_real t193 = t102 * t48;
-                                                    const ur5e_real t194 = t84 * t193;
-                                                    const ur5e_real t195 = t192 + t194;
-                                                    const ur5e_real t196 = t46 * t62;
-                                                    const ur5e_real t197 = t195 - t196;
-                                                    const ur5e_real t198 = t37 * t197;
-                                                    const ur5e_real t199 = t68 * t191;
-                                                    const ur5e_real t200 = t79 * t193;
-                                                    const ur5e_real t201 = t199 + t200;
-                                                    const ur5e_real t202 = t44 * t62;
-                                                    const ur5e_real t203 = t201 - t202;
-                                                    const ur5e_real t204 = t41 * t203;
-                                                    const ur5e_real t205 = t198 - t204;
-                                                    const ur5e_real t206 = t190 * t205;
-                                                    const ur5e_real t207 = t180 * t189;
-                                                    const ur5e_real t208 = t135 * t191;
-                                                    const ur5e_real t209 = t138 * t193;
-                                                    const ur5e_real t210 = t208 + t209;
-                                                    const ur5e_real t211 = t143 * t62;
+                                                    const ur5e_real t177 = 1.0 / t171;
+                                                    const ur5e_real t178 = t164 * t177;
+                                                    const ur5e_real t179 = t98 * t48;
+                                                    const ur5e_real t180 = t73 * t179;
+                                                    const ur5e_real t181 = t95 * t48;
+                                                    const ur5e_real t182 = t84 * t181;
+                                                    const ur5e_real t183 = t180 + t182;
+                                                    const ur5e_real t184 = t46 * t62;
+                                                    const ur5e_real t185 = t183 - t184;
+                                                    const ur5e_real t186 = t37 * t185;
+                                                    const ur5e_real t187 = t68 * t179;
+                                                    const ur5e_real t188 = t79 * t181;
+                                                    const ur5e_real t189 = t187 + t188;
+                                                    const ur5e_real t190 = t44 * t62;
+                                                    const ur5e_real t191 = t189 - t190;
+                                                    const ur5e_real t192 = t41 * t191;
+                                                    const ur5e_real t193 = t186 - t192;
+                                                    const ur5e_real t194 = t178 * t193;
+                                                    const ur5e_real t195 = t168 * t177;
+                                                    const ur5e_real t196 = t119 * t179;
+                                                    const ur5e_real t197 = t122 * t181;
+                                                    const ur5e_real t198 = t196 + t197;
+                                                    const ur5e_real t199 = t127 * t62;
+                                                    const ur5e_real t200 = t198 - t199;
+                                                    const ur5e_real t201 = t195 * t200;
+                                                    const ur5e_real t202 = t194 - t201;
+                                                    const ur5e_real t203 = t152 * t202;
+                                                    const ur5e_real t204 = t178 * t200;
+                                                    const ur5e_real t205 = t195 * t193;
+                                                    const ur5e_real t206 = t204 + t205;
+                                                    const ur5e_real t207 = t153 * t206;
+                                                    const ur5e_real t208 = t203 + t207;
+                                                    const ur5e_real t209 = t208 * t208;
+                                                    const ur5e_real t210 = t152 * t206;
+                                                    const ur5e_real t211 = t153 * t202;
                                                     const ur5e_real t212 = t210 - t211;
-                                                    const ur5e_real t213 = t207 * t212;
-                                                    const ur5e_real t214 = t206 - t213;
-                                                    const ur5e_real t215 = t168 * t214;
-                                                    const ur5e_real t216 = t190 * t212;
-                                                    const ur5e_real t217 = t207 * t205;
-                                                    const ur5e_real t218 = t216 + t217;
-                                                    const ur5e_real t219 = t169 * t218;
-                                                    const ur5e_real t220 = t215 + t219;
-                                                    const ur5e_real t221 = t220 * t220;
-                                                    const ur5e_real t222 = t168 * t218;
-                                                    const ur5e_real t223 = t169 * t214;
-                                                    const ur5e_real t224 = t222 - t223;
-                                                    const ur5e_real t225 = t224 * t224;
-                                                    const ur5e_real t226 = t221 + t225;
-                                                    const ur5e_real t227 = sqrt(t226);
-                                                    if (t227 > 2.842170943040401e-14) {
-                                                        margin[5] = t227;
-                                                        const ur5e_real t230 = atan2(t224, t220);
+                                                    const ur5e_real t213 = t212 * t212;
+                                                    const ur5e_real t214 = t209 + t213;
+                                                    const ur5e_real t215 = sqrt(t214);
+                                                    if (t215 > 2.842170943040401e-14) {
+                                                        const ur5e_real t217 = atan2(t212, t208);
                                                         found[count][0] = t43;
-                                                        found[count][1] = t188;
-                                                        found[count][2] = t170;
-                                                        found[count][3] = t230;
+                                                        found[count][1] = t176;
+                                                        found[count][2] = t154;
+                                                        found[count][3] = t217;
                                                         found[count][4] = t63;
-                                                        found[count][5] = t94;
+                                                        found[count][5] = t93;
                                                         ++count;
                                                     } else {
                                                         *undecided = true;
@@ -696,7 +683,7 @@ static int ur5e_branches(const ur5e_real x[7], const ur5e_real near[6], unsigned
                                                 }
                                             }
                                         }
-                                    } else if (t154 > -2.842170943040401e-14) {
+                                    } else if (t138 > -2.842170943040401e-14) {
                                         *undecided = true;
                                     } else {
                                         /* out of reach */
@@ -785,7 +772,7 @@ static ur5e_status ur5e_one_branch(const ur5e_pose *pose, const ur5e_real near[6
 {
     ur5e_real x[7];
     ur5e_real found[1][6];
-    ur5e_real margin[6];
+    ur5e_real margin[4];
     bool undecided = false;
     ur5e_status status = ur5e_normalise_pose(pose, x);
     if (status == UR5E_OK) {
@@ -810,7 +797,7 @@ int ur5e_inverse_all(const ur5e_pose *pose, ur5e_real joints[8][6])
     static const ur5e_real middle[6] = { 0.0, 0.0, 0.0, 0.0, 0.0, 0.0 };
     ur5e_real x[7];
     int count = 0;
-    ur5e_real margin[6];
+    ur5e_real margin[4];
     bool undecided = false;
     ur5e_status status = ur5e_normalise_pose(pose, x);
     if (status == UR5E_OK) {
@@ -860,21 +847,26 @@ ur5e_status ur5e_inverse_nearest(const ur5e_pose *pose, const ur5e_real guess[6]
 }
 
 /* A point of the line: joints where it is done, which begin at the guess, those found where it is
- * tried, and the squares left and guard of the closed form's steps at both; way2: the square of the
- * joints' last way. */
+ * tried, and the squares left and guard of the closed form's steps at both; way: how far each joint
+ * goes from one to the other (angles; slides over the size), way2: the sum of the squares. Of the
+ * part between: bounds of the joints' speeds and of how these change, and whether it is kept. */
 typedef struct {
     ur5e_real joints[6];
     ur5e_real found[1][6];
+    ur5e_real way[6];
     ur5e_real way2;
-    ur5e_real left[6];
-    ur5e_real guard[6];
+    ur5e_real speed[6];
+    ur5e_real change[6];
+    bool kept;
+    ur5e_real left[4];
+    ur5e_real guard[4];
     ur5e_real bent;
     ur5e_real most;
 } ur5e_inverse_work;
 
 /* Tool pose (x, y, z, qw, qx, qy, qz) of joint values, the squares `margin` of the closed form's
  * steps there (README.md), and the bits of the branch on which they lie. */
-static unsigned int ur5e_read_joints(const ur5e_real joints[6], ur5e_real x[7], ur5e_real margin[6])
+static unsigned int ur5e_read_joints(const ur5e_real joints[6], ur5e_real x[7], ur5e_real margin[4])
 {
     ur5e_real u[12];
     unsigned int wanted = 0U;
@@ -908,166 +900,96 @@ static unsigned int ur5e_read_joints(const ur5e_real joints[6], ur5e_real x[7], 
     const ur5e_real t23 = t22 * u[9];
     margin[1] = t23 * t23;
     wanted |= (t23 < 0.0) ? 8U : 4U;
-    /* q6 turns the normal of q2, q3, q4 to where it must be */
-    const ur5e_real t26 = x[5] * x[5];
-    const ur5e_real t27 = x[6] * x[6];
-    const ur5e_real t28 = t26 + t27;
-    const ur5e_real t29 = t28 + t28;
-    const ur5e_real t30 = 1.0 - t29;
-    const ur5e_real t31 = t30 * t6;
-    const ur5e_real t32 = x[4] * x[5];
-    const ur5e_real t33 = x[3] * x[6];
-    const ur5e_real t34 = t32 + t33;
-    const ur5e_real t35 = t34 + t34;
-    const ur5e_real t36 = t35 * t15;
-    const ur5e_real t37 = t31 - t36;
-    const ur5e_real t38 = t37 * t23;
-    const ur5e_real t39 = t38 * t38;
-    const ur5e_real t40 = t32 - t33;
-    const ur5e_real t41 = t40 + t40;
-    const ur5e_real t42 = t41 * t6;
-    const ur5e_real t43 = x[4] * x[4];
-    const ur5e_real t44 = t43 + t27;
-    const ur5e_real t45 = t44 + t44;
-    const ur5e_real t46 = 1.0 - t45;
-    const ur5e_real t47 = t46 * t15;
-    const ur5e_real t48 = t42 - t47;
-    const ur5e_real t49 = t48 * t23;
-    const ur5e_real t50 = t49 * t49;
-    const ur5e_real t51 = t39 + t50;
-    const ur5e_real t52 = sqrt(t51);
-    margin[2] = t52;
     /* a point of the axis of q4: its distance from the axis of q2 tells q3 */
-    const ur5e_real t54 = u[4] + u[4];
-    const ur5e_real t55 = t54 * u[5];
-    const ur5e_real t56 = 166685.0 * t55;
-    const ur5e_real t57 = t56 * 1.4045121751401963e-06;
-    margin[3] = t57 * t57;
-    wanted |= (t57 < 0.0) ? 32U : 16U;
+    const ur5e_real t26 = u[4] + u[4];
+    const ur5e_real t27 = t26 * u[5];
+    const ur5e_real t28 = 166685.0 * t27;
+    const ur5e_real t29 = t28 * 1.4045121751401963e-06;
+    margin[2] = t29 * t29;
+    wanted |= (t29 < 0.0) ? 32U : 16U;
     /* q2 turns a point of the axis of q4 to where it must be */
-    const ur5e_real t60 = u[4] * u[4];
-    const ur5e_real t61 = u[5] * u[5];
-    const ur5e_real t62 = t60 - t61;
-    const ur5e_real t63 = -392.2 * t62;
-    const ur5e_real t64 = t63 - 425.0;
-    const ur5e_real t65 = u[10] * u[10];
-    const ur5e_real t66 = u[11] * u[11];
-    const ur5e_real t67 = t65 - t66;
-    const ur5e_real t68 = 133.3 * t23;
-    const ur5e_real t69 = -817.2 - t68;
-    const ur5e_real t70 = t69 + 817.2;
-    const ur5e_real t71 = t67 * t70;
-    const ur5e_real t72 = t71 - 817.2;
-    const ur5e_real t73 = u[10] + u[10];
-    const ur5e_real t74 = t73 * u[11];
-    const ur5e_real t75 = -99.7 * t74;
-    const ur5e_real t76 = t72 - t75;
-    const ur5e_real t77 = t76 + 817.2;
-    const ur5e_real t78 = t30 * t77;
-    const ur5e_real t79 = 99.7 * t67;
-    const ur5e_real t80 = t79 + 62.8;
-    const ur5e_real t81 = t74 * t70;
-    const ur5e_real t82 = t80 - t81;
-    const ur5e_real t83 = t82 - 62.8;
-    const ur5e_real t84 = t41 * t83;
-    const ur5e_real t85 = t78 + t84;
-    const ur5e_real t86 = t10 + t10;
-    const ur5e_real t87 = u[8] * u[8];
-    const ur5e_real t88 = u[9] * u[9];
-    const ur5e_real t89 = t87 - t88;
-    const ur5e_real t90 = 133.3 * t89;
-    const ur5e_real t91 = t90 + 99.6;
-    const ur5e_real t92 = t86 * t91;
-    const ur5e_real t93 = t85 - t92;
-    const ur5e_real t94 = t93 + x[0];
-    const ur5e_real t95 = t15 * t94;
-    const ur5e_real t96 = t35 * t77;
-    const ur5e_real t97 = t46 * t83;
+    const ur5e_real t32 = u[4] * u[4];
+    const ur5e_real t33 = u[5] * u[5];
+    const ur5e_real t34 = t32 - t33;
+    const ur5e_real t35 = -392.2 * t34;
+    const ur5e_real t36 = t35 - 425.0;
+    const ur5e_real t37 = x[5] * x[5];
+    const ur5e_real t38 = x[6] * x[6];
+    const ur5e_real t39 = t37 + t38;
+    const ur5e_real t40 = t39 + t39;
+    const ur5e_real t41 = 1.0 - t40;
+    const ur5e_real t42 = u[10] + u[10];
+    const ur5e_real t43 = t42 * u[11];
+    const ur5e_real t44 = -99.7 * t43;
+    const ur5e_real t45 = -817.2 - t44;
+    const ur5e_real t46 = t45 + 817.2;
+    const ur5e_real t47 = t41 * t46;
+    const ur5e_real t48 = x[4] * x[5];
+    const ur5e_real t49 = x[3] * x[6];
+    const ur5e_real t50 = t48 - t49;
+    const ur5e_real t51 = t50 + t50;
+    const ur5e_real t52 = u[10] * u[10];
+    const ur5e_real t53 = u[11] * u[11];
+    const ur5e_real t54 = t52 - t53;
+    const ur5e_real t55 = 99.7 * t54;
+    const ur5e_real t56 = t51 * t55;
+    const ur5e_real t57 = t47 + t56;
+    const ur5e_real t58 = t57 + t11;
+    const ur5e_real t59 = t58 + x[0];
+    const ur5e_real t60 = t15 * t59;
+    const ur5e_real t61 = t48 + t49;
+    const ur5e_real t62 = t61 + t61;
+    const ur5e_real t63 = t62 * t46;
+    const ur5e_real t64 = x[4] * x[4];
+    const ur5e_real t65 = t64 + t38;
+    const ur5e_real t66 = t65 + t65;
+    const ur5e_real t67 = 1.0 - t66;
+    const ur5e_real t68 = t67 * t55;
+    const ur5e_real t69 = t63 + t68;
+    const ur5e_real t70 = t69 + t3;
+    const ur5e_real t71 = t70 + x[1];
+    const ur5e_real t72 = t6 * t71;
+    const ur5e_real t73 = t60 + t72;
+    const ur5e_real t74 = t36 * t73;
+    const ur5e_real t75 = t15 * t71;
+    const ur5e_real t76 = t6 * t59;
+    const ur5e_real t77 = t75 - t76;
+    const ur5e_real t78 = -133.3 * t77;
+    const ur5e_real t79 = t74 + t78;
+    const ur5e_real t80 = -392.2 * t27;
+    const ur5e_real t81 = t8 - t9;
+    const ur5e_real t82 = t81 + t81;
+    const ur5e_real t83 = t82 * t46;
+    const ur5e_real t84 = t0 + t1;
+    const ur5e_real t85 = t84 + t84;
+    const ur5e_real t86 = t85 * t55;
+    const ur5e_real t87 = t83 + t86;
+    const ur5e_real t88 = t64 + t37;
+    const ur5e_real t89 = t88 + t88;
+    const ur5e_real t90 = 1.0 - t89;
+    const ur5e_real t91 = -99.6 * t90;
+    const ur5e_real t92 = t87 + t91;
+    const ur5e_real t93 = t92 + x[2];
+    const ur5e_real t94 = t93 - 162.5;
+    const ur5e_real t95 = t80 * t94;
+    const ur5e_real t96 = t79 + t95;
+    const ur5e_real t97 = 133.3 * t77;
     const ur5e_real t98 = t96 + t97;
-    const ur5e_real t99 = t2 + t2;
-    const ur5e_real t100 = t99 * t91;
-    const ur5e_real t101 = t98 - t100;
-    const ur5e_real t102 = t101 + x[1];
-    const ur5e_real t103 = t6 * t102;
-    const ur5e_real t104 = t95 + t103;
-    const ur5e_real t105 = t64 * t104;
-    const ur5e_real t106 = -392.2 * t55;
-    const ur5e_real t107 = t8 - t9;
-    const ur5e_real t108 = t107 + t107;
-    const ur5e_real t109 = t108 * t77;
-    const ur5e_real t110 = t0 + t1;
-    const ur5e_real t111 = t110 + t110;
-    const ur5e_real t112 = t111 * t83;
-    const ur5e_real t113 = t109 + t112;
-    const ur5e_real t114 = t43 + t26;
-    const ur5e_real t115 = t114 + t114;
-    const ur5e_real t116 = 1.0 - t115;
-    const ur5e_real t117 = t116 * t91;
-    const ur5e_real t118 = t113 - t117;
-    const ur5e_real t119 = t118 + x[2];
-    const ur5e_real t120 = t119 - 162.5;
-    const ur5e_real t121 = t106 * t120;
-    const ur5e_real t122 = t105 + t121;
-    const ur5e_real t123 = t122 * t122;
-    const ur5e_real t124 = t106 * t104;
-    const ur5e_real t125 = t64 * t120;
-    const ur5e_real t126 = t124 - t125;
-    const ur5e_real t127 = t126 * t126;
-    const ur5e_real t128 = t123 + t127;
-    const ur5e_real t129 = sqrt(t128);
-    const ur5e_real t130 = t129 * 1.4045121751401963e-06;
-    margin[4] = t130;
-    /* q4 turns a direction of the tool to where it must be */
-    const ur5e_real t132 = u[2] * u[2];
-    const ur5e_real t133 = u[3] * u[3];
-    const ur5e_real t134 = t132 - t133;
-    const ur5e_real t135 = t67 * t89;
-    const ur5e_real t136 = t30 * t135;
-    const ur5e_real t137 = t74 * t89;
-    const ur5e_real t138 = t41 * t137;
-    const ur5e_real t139 = t136 - t138;
-    const ur5e_real t140 = t86 * t23;
-    const ur5e_real t141 = t139 - t140;
-    const ur5e_real t142 = t15 * t141;
-    const ur5e_real t143 = t35 * t135;
-    const ur5e_real t144 = t46 * t137;
-    const ur5e_real t145 = t143 - t144;
-    const ur5e_real t146 = t99 * t23;
-    const ur5e_real t147 = t145 - t146;
-    const ur5e_real t148 = t6 * t147;
-    const ur5e_real t149 = t142 + t148;
-    const ur5e_real t150 = t134 * t149;
-    const ur5e_real t151 = u[2] + u[2];
-    const ur5e_real t152 = t151 * u[3];
-    const ur5e_real t153 = t108 * t135;
-    const ur5e_real t154 = t111 * t137;
-    const ur5e_real t155 = t153 - t154;
-    const ur5e_real t156 = t116 * t23;
-    const ur5e_real t157 = t155 - t156;
-    const ur5e_real t158 = t152 * t157;
-    const ur5e_real t159 = t150 + t158;
-    const ur5e_real t160 = t62 * t159;
-    const ur5e_real t161 = t134 * t157;
-    const ur5e_real t162 = t152 * t149;
-    const ur5e_real t163 = t161 - t162;
-    const ur5e_real t164 = t55 * t163;
-    const ur5e_real t165 = t160 + t164;
-    const ur5e_real t166 = t165 * t165;
-    const ur5e_real t167 = t62 * t163;
-    const ur5e_real t168 = t55 * t159;
-    const ur5e_real t169 = t167 - t168;
-    const ur5e_real t170 = t169 * t169;
-    const ur5e_real t171 = t166 + t170;
-    const ur5e_real t172 = sqrt(t171);
-    margin[5] = t172;
+    const ur5e_real t99 = t98 * t98;
+    const ur5e_real t100 = t80 * t73;
+    const ur5e_real t101 = t36 * t94;
+    const ur5e_real t102 = t100 - t101;
+    const ur5e_real t103 = t102 * t102;
+    const ur5e_real t104 = t99 + t103;
+    const ur5e_real t105 = sqrt(t104);
+    const ur5e_real t106 = t105 * 1.4045121751401963e-06;
+    margin[3] = t106;
     return wanted;
 }
 
-/* The joints at a tool pose x of the line, angles within half a turn of where it is done, and the
- * squares of their ways (angles; slides over the size) as changes of the line; SINGULAR or
- * OUT_OF_RANGE where the guess's branch does not reach it. */
-static ur5e_status ur5e_inverse_aim(ur5e_inverse_work *w, const ur5e_real x[7],
-    unsigned int wanted, ur5e_real change[8])
+/* The joints at a tool pose x of the line, angles within half a turn of where it is done, and their
+ * ways; SINGULAR or OUT_OF_RANGE where the guess's branch does not reach it. */
+static ur5e_status ur5e_inverse_aim(ur5e_inverse_work *w, const ur5e_real x[7], unsigned int wanted)
 {
     static const ur5e_real per_length[6] = { 1.0, 1.0, 1.0, 1.0, 1.0, 1.0 };
     static const bool angular[6] = { true, true, true, true, true, true };
@@ -1084,105 +1006,220 @@ static ur5e_status ur5e_inverse_aim(ur5e_inverse_work *w, const ur5e_real x[7],
             way -= 6.283185307179586 * (ur5e_real)(int)(number + ((number < 0.0) ? -0.5 : 0.5));
         }
         w->found[0][i] = w->joints[i] + way;
-        change[2 + i] = (way * per_length[i]) * (way * per_length[i]);
-        w->way2 += change[2 + i];
+        w->way[i] = fabs(way) * per_length[i];
+        w->way2 += w->way[i] * w->way[i];
     }
     return UR5E_OK;
 }
 
-/* Whether the joints' last way is short enough to tell whole turns, and within what the config
- * allows. */
-static bool ur5e_inverse_follows(ur5e_inverse_work *w, const ur5e_real change[8], ur5e_real most2)
+/* Takes a bend of a part against the most that keeps it; the largest of these shares is what cuts
+ * the part, or lets the next one grow. */
+static void ur5e_inverse_take(ur5e_inverse_work *w, ur5e_real bend, ur5e_real most)
 {
-    const bool follows = (w->way2 <= most2) && (w->way2 <= 2.25);
-    (void)change;
+    if (w->kept && (!(bend < most) || (bend * w->most > w->bent * most))) {
+        w->bent = bend;
+        w->most = most;
+    }
+    w->kept = w->kept && (bend < most);
+}
+
+/* Takes a guard that bends by at most `bend` times t (1 - t) below its chord: what is left of it at
+ * least. */
+static ur5e_real ur5e_inverse_least(ur5e_inverse_work *w, int k, ur5e_real rounding, ur5e_real bend)
+{
+    const bool falls = w->guard[k] < w->left[k];
+    const ur5e_real lesser = falls ? w->guard[k] : w->left[k];
+    const ur5e_real rise = falls ? (w->left[k] - lesser) : (w->guard[k] - lesser);
+    const ur5e_real over = 1.001 * bend - rise;
+    const ur5e_real least = (lesser - rounding) - ((over > 0.0) ? (0.25 * over) : 0.0);
+    ur5e_inverse_take(w, 1.001 * bend, 4.0 * (lesser - rounding) + rise);
+    w->kept = w->kept && (least > 0.0);
+    return (least > 0.0) ? least : 1.0;
+}
+
+/* Takes a length, the root of a guard, that changes by at most `speed`: what it is at least, which
+ * is never below `always`. */
+static ur5e_real ur5e_inverse_least_length(ur5e_inverse_work *w, int k, ur5e_real rounding,
+    ur5e_real speed, ur5e_real always)
+{
+    const ur5e_real left = w->left[k] - rounding;
+    const ur5e_real guard = w->guard[k] - rounding;
+    const ur5e_real ends = ((left > 0.0) && (guard > 0.0)) ? (sqrt(left) + sqrt(guard)) : 0.0;
+    const ur5e_real least = 0.5 * (ends - 1.001 * speed);
+    if (!(always > 0.0)) {
+        ur5e_inverse_take(w, 1.001 * 1.001 * speed * speed, ends * ends);
+    }
+    return (least > always) ? least : ((always > 0.0) ? always : 1.0);
+}
+
+/* The same of a length that is the sine of an angle, which changes by at most `speed`, by the first
+ * terms of arc sine and sine. */
+static ur5e_real ur5e_inverse_least_sine(ur5e_inverse_work *w, int k, ur5e_real rounding,
+    ur5e_real speed)
+{
+    const ur5e_real left = w->left[k] - rounding;
+    const ur5e_real guard = w->guard[k] - rounding;
+    const bool above = (left > 0.0) && (guard > 0.0);
+    const ur5e_real ends = above ? (sqrt(left) * (1.0 + 0.16666666666666666 * left)
+        + sqrt(guard) * (1.0 + 0.16666666666666666 * guard)) : 0.0;
+    const ur5e_real least = 0.5 * (ends - 1.001 * speed);
+    ur5e_inverse_take(w, 1.001 * 1.001 * speed * speed, ends * ends);
+    return (least > 0.0) ? (least * (1.0 - 0.16666666666666666 * least * least)) : 1.0;
+}
+
+/* Bounds how a joint's speed changes, by less than curved speed^2 + 2 crossed speed + own; its
+ * speed is its way but for half of that. */
+static void ur5e_inverse_bounds(ur5e_inverse_work *w, int joint, ur5e_real curved,
+    ur5e_real crossed, ur5e_real own)
+{
+    const ur5e_real twice = 2.0 * crossed;
+    const ur5e_real left = 1.0 - twice;
+    const ur5e_real rest = w->way[joint] + own;
+    ur5e_real speed = w->speed[joint];
+    if ((left > 0.0) && (4.0 * curved * rest < 0.999 * left * left)) {
+        const ur5e_real stays = 2.0 * rest / left;
+        speed = (stays < speed) ? stays : speed;
+    }
+    for (int i = 0; i < 2; ++i) {
+        const ur5e_real nearer = w->way[joint] + 0.5 * (own + speed * (twice + curved * speed));
+        speed = (nearer < speed) ? nearer : speed;
+    }
+    w->speed[joint] = speed;
+    w->change[joint] = own + speed * (twice + curved * speed);
+}
+
+/* Whether the joints' last way is within what the config allows. */
+static bool ur5e_inverse_follows(ur5e_inverse_work *w, ur5e_real most2)
+{
+    const bool follows = (w->way2 <= most2);
+    if (!follows) {
+        w->bent = w->way2;
+        w->most = most2;
+    }
     return follows;
 }
 
 /* Whether no guard can reach zero between the values w->left and w->guard, on a part of the line of
  * which `change` are the squares of the known values' changes: a guard bends by no more than its
  * weights times these allow (README.md). */
-static bool ur5e_inverse_keeps(ur5e_inverse_work *w, const ur5e_real change[8])
+static bool ur5e_inverse_keeps(ur5e_inverse_work *w, const ur5e_real change[2])
 {
-    bool kept = true;
+    w->kept = true;
+    w->bent = 0.0;
+    w->most = 1.0;
+    const ur5e_real place = sqrt(change[0]);
+    const ur5e_real turn = sqrt(change[1]);
     /* q2, q3, q4 have parallel axes: a level along them, which they do not change, tells q1:
-     * sampled */
-    const ur5e_real bend0 = 5.6 * change[0] + 1.18 * change[1];
-    const ur5e_real lesser0 = ((w->left[0] < w->guard[0]) ? w->left[0] : w->guard[0]) - 1.34e-14;
-    const ur5e_real greater0 = (w->left[0] < w->guard[0]) ? w->guard[0] : w->left[0];
-    const ur5e_real most0 = 3.0 * lesser0 + greater0;
-    if (!((lesser0 > 0.0) && (bend0 < most0))) {
-        if (kept && (lesser0 > 0.0)) {
-            w->bent = bend0;
-            w->most = most0;
-        }
-        kept = false;
+     * proved */
+    const ur5e_real t0 = 0.119 * turn;
+    const ur5e_real t1 = t0 + place;
+    const ur5e_real t2 = t1 * t1;
+    const ur5e_real t3 = 0.5 * t1;
+    const ur5e_real t4 = t3 + 1.246;
+    const ur5e_real t5 = turn * turn;
+    const ur5e_real t6 = 0.119 * t5;
+    const ur5e_real t7 = t4 * t6;
+    const ur5e_real t8 = t2 + t7;
+    const ur5e_real root0 = sqrt(ur5e_inverse_least(w, 0, 1.1031289659513277e-14, t8));
+    const ur5e_real t10 = 1.0 / root0;
+    const ur5e_real t11 = t1 * t10;
+    ur5e_inverse_take(w, (t11 + w->way[0]) * (t11 + w->way[0]), 39.4384);
+    w->speed[0] = t11;
+    const ur5e_real t14 = 0.158 * t10;
+    const ur5e_real t15 = t6 * t10;
+    ur5e_inverse_bounds(w, 0, t14, t11, t15);
+    /* the normal of q2, q3, q4: its level along the axis of q6 tells q5: proved */
+    const ur5e_real t17 = w->speed[0] + turn;
+    const ur5e_real root1 = ur5e_inverse_least_sine(w, 1, 7.105427357601002e-15, t17);
+    ur5e_inverse_take(w, (t17 + w->way[4]) * (t17 + w->way[4]), 39.4384);
+    w->speed[4] = t17;
+    const ur5e_real t21 = w->speed[0] * w->speed[0];
+    const ur5e_real t22 = w->change[0] + t21;
+    const ur5e_real t23 = turn + turn;
+    const ur5e_real t24 = t23 * w->speed[0];
+    const ur5e_real t25 = t22 + t24;
+    const ur5e_real t26 = t25 + t5;
+    const ur5e_real t27 = t17 * t17;
+    const ur5e_real t28 = t27 / root1;
+    const ur5e_real t29 = t26 + t28;
+    ur5e_inverse_bounds(w, 4, 0.0, 0.0, t29);
+    /* q6 turns the normal of q2, q3, q4 to where it must be: proved */
+    const ur5e_real t31 = 1.0 / root1;
+    const ur5e_real t32 = t17 * t31;
+    if (!((1.001 * t17 * t17 < w->left[1] + w->guard[1] + 2.0 * ((w->left[1] < w->guard[1])
+        ? w->left[1] : w->guard[1])))) {
+        ur5e_inverse_take(w, (t32 + w->way[5]) * (t32 + w->way[5]), 39.4384);
     }
-    /* the normal of q2, q3, q4: its level along the axis of q6 tells q5: sampled */
-    const ur5e_real sum0 = change[1] + change[2];
-    const ur5e_real bend1 = 10.0 * sum0;
-    const ur5e_real lesser1 = ((w->left[1] < w->guard[1]) ? w->left[1] : w->guard[1]) - 1.18e-14;
-    const ur5e_real greater1 = (w->left[1] < w->guard[1]) ? w->guard[1] : w->left[1];
-    const ur5e_real most1 = 3.0 * lesser1 + greater1;
-    if (!((lesser1 > 0.0) && (bend1 < most1))) {
-        if (kept && (lesser1 > 0.0)) {
-            w->bent = bend1;
-            w->most = most1;
-        }
-        kept = false;
+    w->speed[5] = t32;
+    const ur5e_real t37 = w->speed[4] * t31;
+    const ur5e_real t38 = t26 * t31;
+    ur5e_inverse_bounds(w, 5, 0.0, t37, t38);
+    /* a point of the axis of q4: its distance from the axis of q2 tells q3: proved */
+    const ur5e_real t40 = 0.119 * w->speed[5];
+    const ur5e_real t41 = 0.238 * turn;
+    const ur5e_real t42 = t40 + t41;
+    const ur5e_real t43 = t42 + place;
+    const ur5e_real t44 = t43 * t43;
+    const ur5e_real t45 = w->speed[5] * w->speed[5];
+    const ur5e_real t46 = w->change[5] + t45;
+    const ur5e_real t47 = 0.119 * t46;
+    const ur5e_real t48 = t23 * t40;
+    const ur5e_real t49 = t47 + t48;
+    const ur5e_real t50 = 0.238 * t5;
+    const ur5e_real t51 = t49 + t50;
+    const ur5e_real t52 = 0.993 * t51;
+    const ur5e_real t53 = t44 + t52;
+    const ur5e_real t54 = 0.23436 * t53;
+    const ur5e_real root3 = sqrt(ur5e_inverse_least(w, 2, 3.9026282365739467e-16, t54));
+    const ur5e_real t56 = 0.993 * t43;
+    const ur5e_real t57 = 1.0 / root3;
+    const ur5e_real t58 = t56 * t57;
+    ur5e_inverse_take(w, (t58 + w->way[2]) * (t58 + w->way[2]), 39.4384);
+    w->speed[2] = t58;
+    const ur5e_real t61 = 0.23436 * t57;
+    const ur5e_real t62 = t53 * t57;
+    ur5e_inverse_bounds(w, 2, t61, 0.0, t62);
+    /* q2 turns a point of the axis of q4 to where it must be: proved */
+    const ur5e_real t64 = 0.465 * w->speed[2];
+    const ur5e_real root4 = ur5e_inverse_least_length(w, 3, 6.6717191771203954e-15, t64, 0.034);
+    const ur5e_real t66 = 0.5 * t43;
+    const ur5e_real t67 = t66 + 1.127;
+    const ur5e_real t68 = w->speed[0] * t67;
+    const ur5e_real t69 = t43 + t68;
+    const ur5e_real t70 = 0.5 * t69;
+    const ur5e_real t71 = t70 + 0.158;
+    const ur5e_real t72 = w->speed[0] * t71;
+    const ur5e_real t73 = t43 + t72;
+    const ur5e_real t74 = t64 + t73;
+    const ur5e_real t75 = 1.0 / root4;
+    const ur5e_real t76 = t74 * t75;
+    if (!((1.001 * t64 * t64 < w->left[3] + w->guard[3])
+        && (1.001 * t73 * t73 < w->left[3] + w->guard[3]))) {
+        ur5e_inverse_take(w, (t76 + w->way[1]) * (t76 + w->way[1]), 39.4384);
     }
-    /* q6 turns the normal of q2, q3, q4 to where it must be: sampled */
-    const ur5e_real bend2 = 5.0 * change[6];
-    const ur5e_real lesser2 = ((w->left[2] < w->guard[2]) ? w->left[2] : w->guard[2]) - 1.18e-14;
-    const ur5e_real greater2 = (w->left[2] < w->guard[2]) ? w->guard[2] : w->left[2];
-    const ur5e_real most2 = 3.0 * lesser2 + greater2;
-    if (!((lesser2 > 0.0) && (bend2 < most2))) {
-        if (kept && (lesser2 > 0.0)) {
-            w->bent = bend2;
-            w->most = most2;
-        }
-        kept = false;
-    }
-    /* a point of the axis of q4: its distance from the axis of q2 tells q3: sampled */
-    const ur5e_real sum1 = change[6] + change[7];
-    const ur5e_real bend3 = 3.14 * change[0] + 2.27 * change[1] + 1.29 * sum1;
-    const ur5e_real lesser3 = ((w->left[3] < w->guard[3]) ? w->left[3] : w->guard[3]) - 6.49e-16;
-    const ur5e_real greater3 = (w->left[3] < w->guard[3]) ? w->guard[3] : w->left[3];
-    const ur5e_real most3 = 3.0 * lesser3 + greater3;
-    if (!((lesser3 > 0.0) && (bend3 < most3))) {
-        if (kept && (lesser3 > 0.0)) {
-            w->bent = bend3;
-            w->most = most3;
-        }
-        kept = false;
-    }
-    /* q2 turns a point of the axis of q4 to where it must be: sampled */
-    const ur5e_real bend4 = 12.7 * change[0] + 4.92 * change[1] + 5.95 * change[2]
-        + 2.65 * change[6] + 3.14 * change[7];
-    const ur5e_real lesser4 = ((w->left[4] < w->guard[4]) ? w->left[4] : w->guard[4]) - 1.11e-14;
-    const ur5e_real greater4 = (w->left[4] < w->guard[4]) ? w->guard[4] : w->left[4];
-    const ur5e_real most4 = 3.0 * lesser4 + greater4;
-    if (!((lesser4 > 0.0) && (bend4 < most4))) {
-        if (kept && (lesser4 > 0.0)) {
-            w->bent = bend4;
-            w->most = most4;
-        }
-        kept = false;
-    }
-    /* q4 turns a direction of the tool to where it must be: sampled */
-    const ur5e_real sum2 = change[1] + change[2] + change[6];
-    const ur5e_real bend5 = 10.0 * sum2;
-    const ur5e_real lesser5 = ((w->left[5] < w->guard[5]) ? w->left[5] : w->guard[5]) - 1.18e-14;
-    const ur5e_real greater5 = (w->left[5] < w->guard[5]) ? w->guard[5] : w->left[5];
-    const ur5e_real most5 = 3.0 * lesser5 + greater5;
-    if (!((lesser5 > 0.0) && (bend5 < most5))) {
-        if (kept && (lesser5 > 0.0)) {
-            w->bent = bend5;
-            w->most = most5;
-        }
-        kept = false;
-    }
-    return kept;
+    w->speed[1] = t76;
+    const ur5e_real t81 = t64 * t75;
+    const ur5e_real t82 = w->speed[2] * w->speed[2];
+    const ur5e_real t83 = w->change[2] + t82;
+    const ur5e_real t84 = 0.465 * t83;
+    const ur5e_real t85 = w->speed[0] + w->speed[0];
+    const ur5e_real t86 = t85 * t43;
+    const ur5e_real t87 = t51 + t86;
+    const ur5e_real t88 = w->change[0] * t71;
+    const ur5e_real t89 = t87 + t88;
+    const ur5e_real t90 = t21 * t67;
+    const ur5e_real t91 = t89 + t90;
+    const ur5e_real t92 = t84 + t91;
+    const ur5e_real t93 = t92 * t75;
+    ur5e_inverse_bounds(w, 1, 0.0, t81, t93);
+    /* q4 turns a direction of the tool to where it must be: proved */
+    const ur5e_real t95 = w->way[2] + w->way[1];
+    const ur5e_real t96 = t95 + w->speed[0];
+    const ur5e_real t97 = t96 + turn;
+    const ur5e_real t98 = t97 + w->speed[5];
+    const ur5e_real t99 = t98 + w->speed[4];
+    ur5e_inverse_take(w, (t99 + w->way[3]) * (t99 + w->way[3]), 39.4384);
+    return w->kept;
 }
 
 /* Follows the line of known values from `at`, where the guards are w->left, to `to` in parts that
@@ -1192,7 +1229,7 @@ static UR5E_COLD ur5e_status ur5e_inverse_walk(ur5e_inverse_work *w, const ur5e_
     unsigned int *count)
 {
     ur5e_real way2[2];
-    ur5e_real change[8];
+    ur5e_real change[2];
     ur5e_real done = 0.0;
     ur5e_real part = 1.0;
     bool refused = true;
@@ -1201,7 +1238,8 @@ static UR5E_COLD ur5e_status ur5e_inverse_walk(ur5e_inverse_work *w, const ur5e_
     const ur5e_real cosine = at[3] * to[3] + at[4] * to[4] + at[5] * to[5] + at[6] * to[6];
     const ur5e_real side = (cosine < 0.0) ? -1.0 : 1.0;
     way2[0] = 0.0;
-    way2[1] = 8.0 * ((1.0 - side * cosine) + 4.440892098500626e-16);
+    /* the square of the largest speed of the turn between them */
+    way2[1] = 16.0 * ((1.0 - side * cosine) + 4.440892098500626e-16) / (1.0 + side * cosine);
     for (int i = 0; i < 3; ++i) {
         way2[0] += (to[i] - at[i]) * (to[i] - at[i]) * 1.4045121751401959e-06;
     }
@@ -1226,30 +1264,31 @@ static UR5E_COLD ur5e_status ur5e_inverse_walk(ur5e_inverse_work *w, const ur5e_
                         x[i] *= inverse;
                     }
                 }
-                const ur5e_status reached = ur5e_inverse_aim(w, x, wanted, change);
+                const ur5e_status reached = ur5e_inverse_aim(w, x, wanted);
                 above = (reached == UR5E_OK);
         ++*count;
         w->bent = 4.0;
         w->most = 1.0;
-        for (int j = 0; j < 6; ++j) {
+        for (int j = 0; j < 4; ++j) {
             above = above && (w->guard[j] > 0.0);
         }
         if (!above) {
             /* a point of the line without a configuration, or a singular one */
             status = ((reached == UR5E_SINGULAR) || ((reached == UR5E_OUT_OF_RANGE)
                 && (end >= 1.0))) ? reached : UR5E_WRONG_BRANCH;
-        } else if (ur5e_inverse_keeps(w, change) && ur5e_inverse_follows(w, change, most2)) {
+        } else if (ur5e_inverse_keeps(w, change) && ur5e_inverse_follows(w, most2)) {
             w->joints[0] = w->found[0][0];
             w->joints[1] = w->found[0][1];
             w->joints[2] = w->found[0][2];
             w->joints[3] = w->found[0][3];
             w->joints[4] = w->found[0][4];
             w->joints[5] = w->found[0][5];
-            for (int j = 0; j < 6; ++j) {
+            for (int j = 0; j < 4; ++j) {
                 w->left[j] = w->guard[j];
             }
             done = end;
-            part = refused ? part : (1.4 * part);
+            part = refused ? part : (part * ((w->bent < 0.16 * w->most)
+                ? 2.0 : (0.8 * sqrt(w->most / w->bent))));
             refused = false;
             if (done >= 1.0) {
                 status = UR5E_OK;
@@ -1286,7 +1325,7 @@ static ur5e_status ur5e_inverse_along(const ur5e_real to[7], const ur5e_config *
     for (int i = 0; i < 6; ++i) {
         w->joints[i] = joints[i];
     }
-    for (int k = 0; k < 6; ++k) {
+    for (int k = 0; k < 4; ++k) {
         if (!(w->left[k] > 2.842170943040401e-14)) {
             status = UR5E_SINGULAR;
         }
@@ -1296,7 +1335,7 @@ static ur5e_status ur5e_inverse_along(const ur5e_real to[7], const ur5e_config *
         status = ur5e_inverse_walk(w, at, to, wanted, most2, (unsigned int)config->max_iterations,
             &count);
     }
-    for (int k = 0; k < 6; ++k) {
+    for (int k = 0; k < 4; ++k) {
         least = (w->left[k] < least) ? w->left[k] : least;
     }
     if (status == UR5E_OK) {

@@ -20,28 +20,28 @@
  *
  * Worst case of a call, with NULL as config (README.md says how it is known and has 255
  * iterations):
- *   inverse_all: 8615 add, 10542 mul, 367 div, 51 sqrt, 144 sin, 144 cos, 34 atan2
- *   inverse_branch: 1384 add, 1771 mul, 59 div, 37 sqrt, 18 sin, 18 cos, 34 atan2
- *   inverse_nearest: 1415 add, 1799 mul, 59 div, 37 sqrt, 18 sin, 18 cos, 34 atan2
+ *   inverse_all: 8595 add, 10534 mul, 367 div, 51 sqrt, 144 sin, 144 cos, 34 atan2
+ *   inverse_branch: 1364 add, 1763 mul, 59 div, 37 sqrt, 18 sin, 18 cos, 34 atan2
+ *   inverse_nearest: 1395 add, 1791 mul, 59 div, 37 sqrt, 18 sin, 18 cos, 34 atan2
  *   direct: 58 add, 92 mul, 1 div, 1 sqrt, 6 sin, 6 cos
- *   inverse: 100 iterations, 42447 add, 60127 mul, 1648 div, 3610 sqrt, 24 sin, 24 cos, 3400 atan2
+ *   inverse: 100 iterations, 50324 add, 73890 mul, 2649 div, 4408 sqrt, 24 sin, 24 cos, 3400 atan2
  *   jacobian: 97 add, 135 mul, 6 sin, 6 cos
  *   twist: 139 add, 171 mul, 6 sin, 6 cos
  *   feed: 893 add, 1064 mul, 53 div, 5 sqrt, 6 sin, 6 cos
  *   rates: 887 add, 1058 mul, 47 div, 5 sqrt, 6 sin, 6 cos
  *   track: 1241 add, 1620 mul, 49 div, 10 sqrt, 36 sin, 36 cos
- *   measured (Cortex-M7, GCC 12.2.1 -O2, 9048 inputs, seed 1): instructions, bytes of stack with
+ *   measured (Cortex-M7, GCC 12.2.1 -O2, 8836 inputs, seed 1): instructions, bytes of stack with
  *     callees, bytes of code with callees but without those of libm:
- *   inverse_all: 19630 instructions, 1576 stack, 6588 code
- *   inverse_branch: 2940 instructions, 1632 stack, 6672 code
- *   inverse_nearest: 3585 instructions, 1696 stack, 6892 code
- *   direct: 1650 instructions, 944 stack, 1240 code
- *   inverse: 190820 instructions, 2064 stack, 9872 code
- *   jacobian: 1750 instructions, 1032 stack, 1688 code
- *   twist: 2165 instructions, 1376 stack, 1856 code
- *   feed: 10155 instructions, 1496 stack, 3276 code
- *   rates: 10030 instructions, 1432 stack, 3176 code
- *   track: 13130 instructions, 1576 stack, 4684 code
+ *   inverse_all: 19615 instructions, 1560 stack, 6508 code
+ *   inverse_branch: 2925 instructions, 1616 stack, 6592 code
+ *   inverse_nearest: 3525 instructions, 1680 stack, 6812 code
+ *   direct: 1700 instructions, 944 stack, 1240 code
+ *   inverse: 241085 instructions, 2152 stack, 10440 code
+ *   jacobian: 1800 instructions, 1032 stack, 1688 code
+ *   twist: 2215 instructions, 1376 stack, 1856 code
+ *   feed: 10215 instructions, 1496 stack, 3276 code
+ *   rates: 10090 instructions, 1432 stack, 3176 code
+ *   track: 12975 instructions, 1576 stack, 4684 code
  *
  * Model SHA-256 a72b063b87bb3a08505b80421fdd2a78f08e451a852a353dab64180a7c23c55b
  */

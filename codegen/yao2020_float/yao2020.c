@@ -457,7 +457,7 @@ static yao2020_real yao2020_sine(yao2020_real angle)
  * solutions meet. */
 static int yao2020_branches(const yao2020_real x[7], const yao2020_real near[6],
     unsigned int wanted, yao2020_real found[][6], bool *undecided,
-    yao2020_real margin[5])
+    yao2020_real margin[3])
 {
     int count = 0;
     (void)margin;
@@ -612,42 +612,40 @@ static int yao2020_branches(const yao2020_real x[7], const yao2020_real near[6],
                                             const yao2020_real t136 = t128 + t135;
                                             const yao2020_real t137 = sqrtf(t136);
                                             if (t137 > 1.5258789e-05f) {
-                                                margin[3] = t137;
-                                                const yao2020_real t140 = yao2020_angle(t134, t127);
+                                                const yao2020_real t139 = yao2020_angle(t134, t127);
                                                 /* theta3 turns a direction of the tool to where it
                                                  * must be */
-                                                const yao2020_real t141 = 1.0f / t137;
-                                                const yao2020_real t142 = t127 * t141;
-                                                const yao2020_real t143 = t88 * t73;
-                                                const yao2020_real t144 = t53 * t80;
-                                                const yao2020_real t145 = t143 + t144;
-                                                const yao2020_real t146 = t142 * t145;
-                                                const yao2020_real t147 = t134 * t141;
-                                                const yao2020_real t148 = t86 * t73;
-                                                const yao2020_real t149 = t48 * t80;
-                                                const yao2020_real t150 = t148 + t149;
-                                                const yao2020_real t151 = t147 * t150;
-                                                const yao2020_real t152 = t146 - t151;
-                                                const yao2020_real t153 = t152 * t152;
-                                                const yao2020_real t154 = t83 * t73;
-                                                const yao2020_real t155 = t57 * t80;
-                                                const yao2020_real t156 = t154 + t155;
-                                                const yao2020_real t157 = t119 * t156;
-                                                const yao2020_real t158 = t142 * t150;
-                                                const yao2020_real t159 = t147 * t145;
-                                                const yao2020_real t160 = t158 + t159;
-                                                const yao2020_real t161 = t105 * t160;
-                                                const yao2020_real t162 = t157 - t161;
-                                                const yao2020_real t163 = t162 * t162;
-                                                const yao2020_real t164 = t153 + t163;
-                                                const yao2020_real t165 = sqrtf(t164);
-                                                if (t165 > 1.5258789e-05f) {
-                                                    margin[4] = t165;
-                                                    const yao2020_real t168 = yao2020_angle(t162,
-                                                        t152);
-                                                    found[count][0] = t140;
+                                                const yao2020_real t140 = 1.0f / t137;
+                                                const yao2020_real t141 = t127 * t140;
+                                                const yao2020_real t142 = t88 * t73;
+                                                const yao2020_real t143 = t53 * t80;
+                                                const yao2020_real t144 = t142 + t143;
+                                                const yao2020_real t145 = t141 * t144;
+                                                const yao2020_real t146 = t134 * t140;
+                                                const yao2020_real t147 = t86 * t73;
+                                                const yao2020_real t148 = t48 * t80;
+                                                const yao2020_real t149 = t147 + t148;
+                                                const yao2020_real t150 = t146 * t149;
+                                                const yao2020_real t151 = t145 - t150;
+                                                const yao2020_real t152 = t151 * t151;
+                                                const yao2020_real t153 = t83 * t73;
+                                                const yao2020_real t154 = t57 * t80;
+                                                const yao2020_real t155 = t153 + t154;
+                                                const yao2020_real t156 = t119 * t155;
+                                                const yao2020_real t157 = t141 * t149;
+                                                const yao2020_real t158 = t146 * t144;
+                                                const yao2020_real t159 = t157 + t158;
+                                                const yao2020_real t160 = t105 * t159;
+                                                const yao2020_real t161 = t156 - t160;
+                                                const yao2020_real t162 = t161 * t161;
+                                                const yao2020_real t163 = t152 + t162;
+                                                const yao2020_real t164 = sqrtf(t163);
+                                                if (t164 > 1.5258789e-05f) {
+                                                    const yao2020_real t166 = yao2020_angle(t161,
+                                                        t151);
+                                                    found[count][0] = t139;
                                                     found[count][1] = t121;
-                                                    found[count][2] = t168;
+                                                    found[count][2] = t166;
                                                     found[count][3] = t39;
                                                     found[count][4] = t81;
                                                     found[count][5] = t98;
@@ -748,7 +746,7 @@ static yao2020_status yao2020_one_branch(const yao2020_pose *pose, const yao2020
 {
     yao2020_real x[7];
     yao2020_real found[1][6];
-    yao2020_real margin[5];
+    yao2020_real margin[3];
     bool undecided = false;
     yao2020_status status = yao2020_normalise_pose(pose, x);
     if (status == YAO2020_OK) {
@@ -773,7 +771,7 @@ int yao2020_inverse_all(const yao2020_pose *pose, yao2020_real joints[8][6])
     static const yao2020_real middle[6] = { 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f };
     yao2020_real x[7];
     int count = 0;
-    yao2020_real margin[5];
+    yao2020_real margin[3];
     bool undecided = false;
     yao2020_status status = yao2020_normalise_pose(pose, x);
     if (status == YAO2020_OK) {
@@ -823,14 +821,19 @@ yao2020_status yao2020_inverse_nearest(const yao2020_pose *pose, const yao2020_r
 }
 
 /* A point of the line: joints where it is done, which begin at the guess, those found where it is
- * tried, and the squares left and guard of the closed form's steps at both; way2: the square of the
- * joints' last way. */
+ * tried, and the squares left and guard of the closed form's steps at both; way: how far each joint
+ * goes from one to the other (angles; slides over the size), way2: the sum of the squares. Of the
+ * part between: bounds of the joints' speeds and of how these change, and whether it is kept. */
 typedef struct {
     yao2020_real joints[6];
     yao2020_real found[1][6];
+    yao2020_real way[6];
     yao2020_real way2;
-    yao2020_real left[5];
-    yao2020_real guard[5];
+    yao2020_real speed[6];
+    yao2020_real change[6];
+    bool kept;
+    yao2020_real left[3];
+    yao2020_real guard[3];
     yao2020_real bent;
     yao2020_real most;
 } yao2020_inverse_work;
@@ -838,7 +841,7 @@ typedef struct {
 /* Tool pose (x, y, z, qw, qx, qy, qz) of joint values, the squares `margin` of the closed form's
  * steps there (README.md), and the bits of the branch on which they lie. */
 static unsigned int yao2020_read_joints(const yao2020_real joints[6], yao2020_real x[7],
-    yao2020_real margin[5])
+    yao2020_real margin[3])
 {
     yao2020_real u[12];
     unsigned int wanted = 0U;
@@ -846,119 +849,35 @@ static unsigned int yao2020_read_joints(const yao2020_real joints[6], yao2020_re
     yao2020_pose_of_turns(u, x);
     /* the point where the axes of theta3, theta2, theta1 meet: its level normal to the plane of L6
      * and theta5 tells theta4 */
-    const yao2020_real t0 = u[6] * u[6];
-    const yao2020_real t1 = u[7] * u[7];
-    const yao2020_real t2 = t0 - t1;
-    const yao2020_real t3 = 300.0f * t2;
-    const yao2020_real t4 = t3 * 0.0018017287f;
-    const yao2020_real t5 = -t4;
-    margin[0] = t5 * t5;
-    wanted |= (t5 < 0.0f) ? 2U : 1U;
+    const yao2020_real t0 = 600.0f * u[6];
+    const yao2020_real t1 = u[6] * t0;
+    const yao2020_real t2 = t1 - 300.0f;
+    const yao2020_real t3 = t2 * 0.0018017287f;
+    const yao2020_real t4 = -t3;
+    margin[0] = t4 * t4;
+    wanted |= (t4 < 0.0f) ? 2U : 1U;
     /* the point where the axes of theta3, theta2, theta1 meet: its level across L6 tells theta5 */
-    const yao2020_real t8 = t3 + 85.0f;
-    const yao2020_real t9 = u[8] * u[8];
-    const yao2020_real t10 = u[9] * u[9];
-    const yao2020_real t11 = t9 - t10;
-    const yao2020_real t12 = t8 * t11;
-    const yao2020_real t13 = t12 * 0.0018017287f;
-    margin[1] = t13 * t13;
-    wanted |= (t13 < 0.0f) ? 8U : 4U;
+    const yao2020_real t7 = t1 - 215.0f;
+    const yao2020_real t8 = u[8] + u[8];
+    const yao2020_real t9 = u[8] * t8;
+    const yao2020_real t10 = t9 - 1.0f;
+    const yao2020_real t11 = t7 * t10;
+    const yao2020_real t12 = t11 * 0.0018017287f;
+    margin[1] = t12 * t12;
+    wanted |= (t12 < 0.0f) ? 8U : 4U;
     /* the axis of theta3: its level along the axis of theta1 tells theta2 */
-    const yao2020_real t16 = u[2] * u[2];
-    const yao2020_real t17 = u[3] * u[3];
-    const yao2020_real t18 = t16 - t17;
-    margin[2] = t18 * t18;
-    wanted |= (t18 < 0.0f) ? 32U : 16U;
-    /* theta1 turns the axis of theta3 to where it must be */
-    const yao2020_real t21 = x[5] * x[5];
-    const yao2020_real t22 = x[6] * x[6];
-    const yao2020_real t23 = t21 + t22;
-    const yao2020_real t24 = t23 + t23;
-    const yao2020_real t25 = 1.0f - t24;
-    const yao2020_real t26 = t11 * t2;
-    const yao2020_real t27 = t25 * t26;
-    const yao2020_real t28 = x[4] * x[5];
-    const yao2020_real t29 = x[3] * x[6];
-    const yao2020_real t30 = t28 - t29;
-    const yao2020_real t31 = t30 + t30;
-    const yao2020_real t32 = u[8] + u[8];
-    const yao2020_real t33 = t32 * u[9];
-    const yao2020_real t34 = t33 * t2;
-    const yao2020_real t35 = t31 * t34;
-    const yao2020_real t36 = t27 - t35;
-    const yao2020_real t37 = x[4] * x[6];
-    const yao2020_real t38 = x[3] * x[5];
-    const yao2020_real t39 = t37 + t38;
-    const yao2020_real t40 = t39 + t39;
-    const yao2020_real t41 = u[6] + u[6];
-    const yao2020_real t42 = t41 * u[7];
-    const yao2020_real t43 = t40 * t42;
-    const yao2020_real t44 = t36 + t43;
-    const yao2020_real t45 = t18 * t44;
-    const yao2020_real t46 = t45 * t45;
-    const yao2020_real t47 = t28 + t29;
-    const yao2020_real t48 = t47 + t47;
-    const yao2020_real t49 = t48 * t26;
-    const yao2020_real t50 = x[4] * x[4];
-    const yao2020_real t51 = t50 + t22;
-    const yao2020_real t52 = t51 + t51;
-    const yao2020_real t53 = 1.0f - t52;
-    const yao2020_real t54 = t53 * t34;
-    const yao2020_real t55 = t49 - t54;
-    const yao2020_real t56 = x[5] * x[6];
-    const yao2020_real t57 = x[3] * x[4];
-    const yao2020_real t58 = t56 - t57;
-    const yao2020_real t59 = t58 + t58;
-    const yao2020_real t60 = t59 * t42;
-    const yao2020_real t61 = t55 + t60;
-    const yao2020_real t62 = t18 * t61;
-    const yao2020_real t63 = t62 * t62;
-    const yao2020_real t64 = t46 + t63;
-    const yao2020_real t65 = sqrtf(t64);
-    margin[3] = t65;
-    /* theta3 turns a direction of the tool to where it must be */
-    const yao2020_real t67 = u[0] * u[0];
-    const yao2020_real t68 = u[1] * u[1];
-    const yao2020_real t69 = t67 - t68;
-    const yao2020_real t70 = t48 * t33;
-    const yao2020_real t71 = t53 * t11;
-    const yao2020_real t72 = t70 + t71;
-    const yao2020_real t73 = t69 * t72;
-    const yao2020_real t74 = u[0] + u[0];
-    const yao2020_real t75 = t74 * u[1];
-    const yao2020_real t76 = t25 * t33;
-    const yao2020_real t77 = t31 * t11;
-    const yao2020_real t78 = t76 + t77;
-    const yao2020_real t79 = t75 * t78;
-    const yao2020_real t80 = t73 - t79;
-    const yao2020_real t81 = t80 * t80;
-    const yao2020_real t82 = t37 - t38;
-    const yao2020_real t83 = t82 + t82;
-    const yao2020_real t84 = t83 * t33;
-    const yao2020_real t85 = t56 + t57;
-    const yao2020_real t86 = t85 + t85;
-    const yao2020_real t87 = t86 * t11;
-    const yao2020_real t88 = t84 + t87;
-    const yao2020_real t89 = t18 * t88;
-    const yao2020_real t90 = u[2] + u[2];
-    const yao2020_real t91 = t90 * u[3];
-    const yao2020_real t92 = t69 * t78;
-    const yao2020_real t93 = t75 * t72;
-    const yao2020_real t94 = t92 + t93;
-    const yao2020_real t95 = t91 * t94;
-    const yao2020_real t96 = t89 + t95;
-    const yao2020_real t97 = t96 * t96;
-    const yao2020_real t98 = t81 + t97;
-    const yao2020_real t99 = sqrtf(t98);
-    margin[4] = t99;
+    const yao2020_real t15 = u[2] + u[2];
+    const yao2020_real t16 = u[2] * t15;
+    const yao2020_real t17 = t16 - 1.0f;
+    margin[2] = t17 * t17;
+    wanted |= (t17 < 0.0f) ? 32U : 16U;
     return wanted;
 }
 
-/* The joints at a tool pose x of the line, angles within half a turn of where it is done, and the
- * squares of their ways (angles; slides over the size) as changes of the line; SINGULAR or
- * OUT_OF_RANGE where the guess's branch does not reach it. */
+/* The joints at a tool pose x of the line, angles within half a turn of where it is done, and their
+ * ways; SINGULAR or OUT_OF_RANGE where the guess's branch does not reach it. */
 static yao2020_status yao2020_inverse_aim(yao2020_inverse_work *w, const yao2020_real x[7],
-    unsigned int wanted, yao2020_real change[8])
+    unsigned int wanted)
 {
     static const yao2020_real per_length[6] = { 1.0f, 1.0f, 1.0f, 1.0f, 1.0f, 0.0018017287f };
     static const bool angular[6] = { true, true, true, true, true, false };
@@ -975,97 +894,181 @@ static yao2020_status yao2020_inverse_aim(yao2020_inverse_work *w, const yao2020
             way -= 6.2831855f * (yao2020_real)(int)(number + ((number < 0.0f) ? -0.5f : 0.5f));
         }
         w->found[0][i] = w->joints[i] + way;
-        change[2 + i] = (way * per_length[i]) * (way * per_length[i]);
-        w->way2 += change[2 + i];
+        w->way[i] = fabsf(way) * per_length[i];
+        w->way2 += w->way[i] * w->way[i];
     }
     return YAO2020_OK;
 }
 
-/* Whether the joints' last way is short enough to tell whole turns, and within what the config
- * allows. */
-static bool yao2020_inverse_follows(yao2020_inverse_work *w, const yao2020_real change[8],
-    yao2020_real most2)
+/* Takes a bend of a part against the most that keeps it; the largest of these shares is what cuts
+ * the part, or lets the next one grow. */
+static void yao2020_inverse_take(yao2020_inverse_work *w, yao2020_real bend, yao2020_real most)
 {
-    const bool follows = (w->way2 <= most2) && (w->way2 <= 2.25f);
-    (void)change;
+    if (w->kept && (!(bend < most) || (bend * w->most > w->bent * most))) {
+        w->bent = bend;
+        w->most = most;
+    }
+    w->kept = w->kept && (bend < most);
+}
+
+/* Takes a guard that bends by at most `bend` times t (1 - t) below its chord: what is left of it at
+ * least. */
+static yao2020_real yao2020_inverse_least(yao2020_inverse_work *w, int k, yao2020_real rounding,
+    yao2020_real bend)
+{
+    const bool falls = w->guard[k] < w->left[k];
+    const yao2020_real lesser = falls ? w->guard[k] : w->left[k];
+    const yao2020_real rise = falls ? (w->left[k] - lesser) : (w->guard[k] - lesser);
+    const yao2020_real over = 1.001f * bend - rise;
+    const yao2020_real least = (lesser - rounding) - ((over > 0.0f) ? (0.25f * over) : 0.0f);
+    yao2020_inverse_take(w, 1.001f * bend, 4.0f * (lesser - rounding) + rise);
+    w->kept = w->kept && (least > 0.0f);
+    return (least > 0.0f) ? least : 1.0f;
+}
+
+/* The same of a length that is the sine of an angle, which changes by at most `speed`, by the first
+ * terms of arc sine and sine. */
+static yao2020_real yao2020_inverse_least_sine(yao2020_inverse_work *w, int k,
+    yao2020_real rounding, yao2020_real speed)
+{
+    const yao2020_real left = w->left[k] - rounding;
+    const yao2020_real guard = w->guard[k] - rounding;
+    const bool above = (left > 0.0f) && (guard > 0.0f);
+    const yao2020_real ends = above ? (sqrtf(left) * (1.0f + 0.16666667f * left)
+        + sqrtf(guard) * (1.0f + 0.16666667f * guard)) : 0.0f;
+    const yao2020_real least = 0.5f * (ends - 1.001f * speed);
+    yao2020_inverse_take(w, 1.001f * 1.001f * speed * speed, ends * ends);
+    return (least > 0.0f) ? (least * (1.0f - 0.16666667f * least * least)) : 1.0f;
+}
+
+/* Bounds how a joint's speed changes, by less than curved speed^2 + 2 crossed speed + own; its
+ * speed is its way but for half of that. */
+static void yao2020_inverse_bounds(yao2020_inverse_work *w, int joint, yao2020_real curved,
+    yao2020_real crossed, yao2020_real own)
+{
+    const yao2020_real twice = 2.0f * crossed;
+    const yao2020_real left = 1.0f - twice;
+    const yao2020_real rest = w->way[joint] + own;
+    yao2020_real speed = w->speed[joint];
+    if ((left > 0.0f) && (4.0f * curved * rest < 0.999f * left * left)) {
+        const yao2020_real stays = 2.0f * rest / left;
+        speed = (stays < speed) ? stays : speed;
+    }
+    for (int i = 0; i < 2; ++i) {
+        const yao2020_real nearer = w->way[joint] + 0.5f * (own + speed * (twice + curved * speed));
+        speed = (nearer < speed) ? nearer : speed;
+    }
+    w->speed[joint] = speed;
+    w->change[joint] = own + speed * (twice + curved * speed);
+}
+
+/* Whether the joints' last way is within what the config allows. */
+static bool yao2020_inverse_follows(yao2020_inverse_work *w, yao2020_real most2)
+{
+    const bool follows = (w->way2 <= most2);
+    if (!follows) {
+        w->bent = w->way2;
+        w->most = most2;
+    }
     return follows;
 }
 
 /* Whether no guard can reach zero between the values w->left and w->guard, on a part of the line of
  * which `change` are the squares of the known values' changes: a guard bends by no more than its
  * weights times these allow (README.md). */
-static bool yao2020_inverse_keeps(yao2020_inverse_work *w, const yao2020_real change[8])
+static bool yao2020_inverse_keeps(yao2020_inverse_work *w, const yao2020_real change[2])
 {
-    bool kept = true;
+    w->kept = true;
+    w->bent = 0.0f;
+    w->most = 1.0f;
+    const yao2020_real place = sqrtf(change[0]);
+    const yao2020_real turn = sqrtf(change[1]);
+    const yao2020_real begin5 = fabsf(w->joints[5]) * 0.0018017287f;
+    const yao2020_real goal5 = fabsf(w->found[0][5]) * 0.0018017287f;
+    const yao2020_real end5 = (begin5 < goal5) ? goal5 : begin5;
     /* the point where the axes of theta3, theta2, theta1 meet: its level normal to the plane of L6
-     * and theta5 tells theta4: sampled */
-    const yao2020_real bend0 = 9.75f * change[0] + 11.6f * change[1];
-    const yao2020_real lesser0 = ((w->left[0] < w->guard[0])
-        ? w->left[0] : w->guard[0]) - 1.86e-06f;
-    const yao2020_real greater0 = (w->left[0] < w->guard[0]) ? w->guard[0] : w->left[0];
-    const yao2020_real most0 = 3.0f * lesser0 + greater0;
-    if (!((lesser0 > 0.0f) && (bend0 < most0))) {
-        if (kept && (lesser0 > 0.0f)) {
-            w->bent = bend0;
-            w->most = most0;
-        }
-        kept = false;
-    }
+     * and theta5 tells theta4: proved */
+    const yao2020_real t0 = turn + turn;
+    const yao2020_real t1 = t0 * place;
+    const yao2020_real t2 = turn * turn;
+    const yao2020_real t3 = end5 + 1.04f;
+    const yao2020_real t4 = 0.5f * place;
+    const yao2020_real t5 = t3 + t4;
+    const yao2020_real t6 = t2 * t5;
+    const yao2020_real t7 = t1 + t6;
+    const yao2020_real t8 = 0.541f * t7;
+    const yao2020_real root0 = sqrtf(yao2020_inverse_least(w, 0, 1.1164894e-06f, t8));
+    const yao2020_real t10 = turn * t5;
+    const yao2020_real t11 = place + t10;
+    const yao2020_real t12 = 1.0f / root0;
+    const yao2020_real t13 = t11 * t12;
+    yao2020_inverse_take(w, (t13 + w->way[3]) * (t13 + w->way[3]), 39.4384f);
+    w->speed[3] = t13;
+    const yao2020_real t16 = 0.541f * t12;
+    const yao2020_real t17 = t7 * t12;
+    yao2020_inverse_bounds(w, 3, t16, 0.0f, t17);
     /* the point where the axes of theta3, theta2, theta1 meet: its level across L6 tells theta5:
-     * sampled */
-    const yao2020_real bend1 = 9.77f * change[0] + 11.0f * change[1] + 1.48f * change[5];
-    const yao2020_real lesser1 = ((w->left[1] < w->guard[1])
-        ? w->left[1] : w->guard[1]) - 3.03e-06f;
-    const yao2020_real greater1 = (w->left[1] < w->guard[1]) ? w->guard[1] : w->left[1];
-    const yao2020_real most1 = 3.0f * lesser1 + greater1;
-    if (!((lesser1 > 0.0f) && (bend1 < most1))) {
-        if (kept && (lesser1 > 0.0f)) {
-            w->bent = bend1;
-            w->most = most1;
-        }
-        kept = false;
+     * proved */
+    const yao2020_real t19 = 0.541f * w->speed[3];
+    const yao2020_real t20 = t19 * t19;
+    const yao2020_real t21 = w->speed[3] * w->speed[3];
+    const yao2020_real t22 = w->change[3] + t21;
+    const yao2020_real t23 = 0.375995f * t22;
+    const yao2020_real t24 = t20 + t23;
+    const yao2020_real t25 = 0.5f * t11;
+    const yao2020_real t26 = t25 + 0.695f;
+    const yao2020_real t27 = t26 * t7;
+    const yao2020_real t28 = t24 + t27;
+    const yao2020_real root1 = sqrtf(yao2020_inverse_least(w, 1, 1.8425942e-06f, t28));
+    const yao2020_real t30 = t19 + t11;
+    const yao2020_real t31 = 1.0f / root1;
+    const yao2020_real t32 = t30 * t31;
+    yao2020_inverse_take(w, (t32 + w->way[4]) * (t32 + w->way[4]), 39.4384f);
+    w->speed[4] = t32;
+    const yao2020_real t35 = 0.695f * t31;
+    const yao2020_real t36 = t19 * t31;
+    const yao2020_real t37 = 0.541f * t22;
+    const yao2020_real t38 = t37 + t7;
+    const yao2020_real t39 = t38 * t31;
+    yao2020_inverse_bounds(w, 4, t35, t36, t39);
+    /* L6 slides the point where the axes of theta3, theta2, theta1 meet to where it must be:
+     * proved */
+    /* the axis of theta3: its level along the axis of theta1 tells theta2: proved */
+    const yao2020_real t41 = w->speed[3] + w->speed[4];
+    const yao2020_real t42 = t41 + turn;
+    const yao2020_real root3 = yao2020_inverse_least_sine(w, 2, 3.8146973e-06f, t42);
+    yao2020_inverse_take(w, (t42 + w->way[1]) * (t42 + w->way[1]), 39.4384f);
+    w->speed[1] = t42;
+    const yao2020_real t46 = w->speed[4] + w->speed[4];
+    const yao2020_real t47 = w->speed[4] * w->speed[4];
+    const yao2020_real t48 = w->change[4] + t47;
+    const yao2020_real t49 = t46 * w->speed[3];
+    const yao2020_real t50 = t22 + t49;
+    const yao2020_real t51 = t50 + t48;
+    const yao2020_real t52 = t0 * t41;
+    const yao2020_real t53 = t51 + t52;
+    const yao2020_real t54 = t53 + t2;
+    const yao2020_real t55 = t42 * t42;
+    const yao2020_real t56 = t55 / root3;
+    const yao2020_real t57 = t54 + t56;
+    yao2020_inverse_bounds(w, 1, 0.0f, 0.0f, t57);
+    /* theta1 turns the axis of theta3 to where it must be: proved */
+    const yao2020_real t59 = 1.0f / root3;
+    const yao2020_real t60 = t42 * t59;
+    if (!((1.001f * t42 * t42 < w->left[2] + w->guard[2] + 2.0f * ((w->left[2] < w->guard[2])
+        ? w->left[2] : w->guard[2])))) {
+        yao2020_inverse_take(w, (t60 + w->way[0]) * (t60 + w->way[0]), 39.4384f);
     }
-    /* the axis of theta3: its level along the axis of theta1 tells theta2: sampled */
-    const yao2020_real bend2 = 15.0f * change[1] + 10.8f * change[5] + 9.94f * change[6];
-    const yao2020_real lesser2 = ((w->left[2] < w->guard[2])
-        ? w->left[2] : w->guard[2]) - 6.36e-06f;
-    const yao2020_real greater2 = (w->left[2] < w->guard[2]) ? w->guard[2] : w->left[2];
-    const yao2020_real most2 = 3.0f * lesser2 + greater2;
-    if (!((lesser2 > 0.0f) && (bend2 < most2))) {
-        if (kept && (lesser2 > 0.0f)) {
-            w->bent = bend2;
-            w->most = most2;
-        }
-        kept = false;
-    }
-    /* theta1 turns the axis of theta3 to where it must be: sampled */
-    const yao2020_real bend3 = 15.0f * change[1] + 10.8f * change[5] + 9.94f * change[6];
-    const yao2020_real lesser3 = ((w->left[3] < w->guard[3])
-        ? w->left[3] : w->guard[3]) - 6.36e-06f;
-    const yao2020_real greater3 = (w->left[3] < w->guard[3]) ? w->guard[3] : w->left[3];
-    const yao2020_real most3 = 3.0f * lesser3 + greater3;
-    if (!((lesser3 > 0.0f) && (bend3 < most3))) {
-        if (kept && (lesser3 > 0.0f)) {
-            w->bent = bend3;
-            w->most = most3;
-        }
-        kept = false;
-    }
-    /* theta3 turns a direction of the tool to where it must be: sampled */
-    const yao2020_real bend4 = 12.0f * change[1] + 10.8f * change[2] + 11.0f * change[3]
-        + 11.8f * change[6];
-    const yao2020_real lesser4 = ((w->left[4] < w->guard[4])
-        ? w->left[4] : w->guard[4]) - 6.36e-06f;
-    const yao2020_real greater4 = (w->left[4] < w->guard[4]) ? w->guard[4] : w->left[4];
-    const yao2020_real most4 = 3.0f * lesser4 + greater4;
-    if (!((lesser4 > 0.0f) && (bend4 < most4))) {
-        if (kept && (lesser4 > 0.0f)) {
-            w->bent = bend4;
-            w->most = most4;
-        }
-        kept = false;
-    }
-    return kept;
+    w->speed[0] = t60;
+    const yao2020_real t65 = w->speed[1] * t59;
+    const yao2020_real t66 = t54 * t59;
+    yao2020_inverse_bounds(w, 0, 0.0f, t65, t66);
+    /* theta3 turns a direction of the tool to where it must be: proved */
+    const yao2020_real t68 = w->speed[0] + turn;
+    const yao2020_real t69 = t68 + w->speed[4];
+    const yao2020_real t70 = t69 + w->speed[3];
+    yao2020_inverse_take(w, (t70 + w->way[2]) * (t70 + w->way[2]), 39.4384f);
+    return w->kept;
 }
 
 /* Follows the line of known values from `at`, where the guards are w->left, to `to` in parts that
@@ -1076,7 +1079,7 @@ static YAO2020_COLD yao2020_status yao2020_inverse_walk(yao2020_inverse_work *w,
     unsigned int *count)
 {
     yao2020_real way2[2];
-    yao2020_real change[8];
+    yao2020_real change[2];
     yao2020_real done = 0.0f;
     yao2020_real part = 1.0f;
     bool refused = true;
@@ -1085,7 +1088,8 @@ static YAO2020_COLD yao2020_status yao2020_inverse_walk(yao2020_inverse_work *w,
     const yao2020_real cosine = at[3] * to[3] + at[4] * to[4] + at[5] * to[5] + at[6] * to[6];
     const yao2020_real side = (cosine < 0.0f) ? -1.0f : 1.0f;
     way2[0] = 0.0f;
-    way2[1] = 8.0f * ((1.0f - side * cosine) + 2.3841858e-07f);
+    /* the square of the largest speed of the turn between them */
+    way2[1] = 16.0f * ((1.0f - side * cosine) + 2.3841858e-07f) / (1.0f + side * cosine);
     for (int i = 0; i < 3; ++i) {
         way2[0] += (to[i] - at[i]) * (to[i] - at[i]) * 3.2462262e-06f;
     }
@@ -1110,30 +1114,31 @@ static YAO2020_COLD yao2020_status yao2020_inverse_walk(yao2020_inverse_work *w,
                         x[i] *= inverse;
                     }
                 }
-                const yao2020_status reached = yao2020_inverse_aim(w, x, wanted, change);
+                const yao2020_status reached = yao2020_inverse_aim(w, x, wanted);
                 above = (reached == YAO2020_OK);
         ++*count;
         w->bent = 4.0f;
         w->most = 1.0f;
-        for (int j = 0; j < 5; ++j) {
+        for (int j = 0; j < 3; ++j) {
             above = above && (w->guard[j] > 0.0f);
         }
         if (!above) {
             /* a point of the line without a configuration, or a singular one */
             status = ((reached == YAO2020_SINGULAR) || ((reached == YAO2020_OUT_OF_RANGE)
                 && (end >= 1.0f))) ? reached : YAO2020_WRONG_BRANCH;
-        } else if (yao2020_inverse_keeps(w, change) && yao2020_inverse_follows(w, change, most2)) {
+        } else if (yao2020_inverse_keeps(w, change) && yao2020_inverse_follows(w, most2)) {
             w->joints[0] = w->found[0][0];
             w->joints[1] = w->found[0][1];
             w->joints[2] = w->found[0][2];
             w->joints[3] = w->found[0][3];
             w->joints[4] = w->found[0][4];
             w->joints[5] = w->found[0][5];
-            for (int j = 0; j < 5; ++j) {
+            for (int j = 0; j < 3; ++j) {
                 w->left[j] = w->guard[j];
             }
             done = end;
-            part = refused ? part : (1.4f * part);
+            part = refused ? part : (part * ((w->bent < 0.16f * w->most)
+                ? 2.0f : (0.8f * sqrtf(w->most / w->bent))));
             refused = false;
             if (done >= 1.0f) {
                 status = YAO2020_OK;
@@ -1170,7 +1175,7 @@ static yao2020_status yao2020_inverse_along(const yao2020_real to[7], const yao2
     for (int i = 0; i < 6; ++i) {
         w->joints[i] = joints[i];
     }
-    for (int k = 0; k < 5; ++k) {
+    for (int k = 0; k < 3; ++k) {
         if (!(w->left[k] > 1.5258789e-05f)) {
             status = YAO2020_SINGULAR;
         }
@@ -1180,7 +1185,7 @@ static yao2020_status yao2020_inverse_along(const yao2020_real to[7], const yao2
         status = yao2020_inverse_walk(w, at, to, wanted, most2,
             (unsigned int)config->max_iterations, &count);
     }
-    for (int k = 0; k < 5; ++k) {
+    for (int k = 0; k < 3; ++k) {
         least = (w->left[k] < least) ? w->left[k] : least;
     }
     if (status == YAO2020_OK) {

@@ -155,33 +155,6 @@ class Evaluation:
             return self.arm.size**2
         return (self._scale(step.x) if isinstance(step, Level) else self.arm.size**2) ** 2
 
-    def limit_test(self, step: Step, joint: int, value: float) -> tuple[ca.SX, ca.SX]:
-        """What is zero at poses, and motions of the joints before, where a solution of the step has
-        this value of the joint (an angle or slide from its zero); and what then tells which one: it
-        has the branch's sign there, without branches it is positive.
-        """
-        cosine, sine = float(np.cos(value)), float(np.sin(value))
-        screw = self.arm.screws[joint]
-        match step:
-            case Carry() if not screw.slides:
-                x, y = self._directions(step)
-                scale = self._scale(step.x) ** 2
-                return (y * cosine - x * sine) / scale, (x * cosine + y * sine) / scale
-            case Level() | Distance():
-                a, b, c = self._equation(step)
-                if screw.slides and isinstance(step, Level):
-                    return (a * value - c) / self.arm.size, ca.SX(1)
-                if screw.slides:
-                    return (value * value + 2 * a * value - c) / self.arm.size**2, (
-                        value + a
-                    ) / self.arm.size
-                scale = float(np.sqrt(self.discriminant_scale(step)))
-                return (a * cosine + b * sine - c) / scale, (a * sine - b * cosine) / scale
-        # slides without branches: how far off, times what keeps it free of divisions
-        decision = self.decide(step, 1.0)
-        away = decision.motions[step.joints.index(joint)].value - value
-        return decision.strength * away / self.arm.size, ca.SX(1)
-
     def _scale(self, *operands: Operand) -> float:
         return self.arm.size if all(operand.is_point for operand in operands) else 1.0
 
@@ -204,17 +177,6 @@ class Evaluation:
         if step.x.is_point:
             x, y = x - _column(screw.point), y - _column(screw.point)
         return ca.dot(x, y) - ca.dot(k, x) * ca.dot(k, y), step.sign * ca.dot(k, ca.cross(x, y))
-
-    def across_squares(self, step: Carry) -> tuple[ca.SX, ca.SX]:
-        """Squares of the parts of x and y across the axis (over the size's)."""
-        screw = self.arm.screws[step.joints[0]]
-        point = _column(screw.point) if step.x.is_point else ca.SX.zeros(3)
-        parts = [
-            ca.cross(_column(screw.axis), self.value(operand) - point)
-            for operand in (step.x, step.y)
-        ]
-        scale = self._scale(step.x) ** 2
-        return ca.dot(parts[0], parts[0]) / scale, ca.dot(parts[1], parts[1]) / scale
 
     def _balanced(self, step: Level | Distance, sign: ca.SX | float) -> Decision:
         """A cos q + B sin q = C; of a slide d: A d = C, or d^2 + 2 A d = C."""

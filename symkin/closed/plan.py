@@ -98,8 +98,12 @@ class Plan:
 
     def slopes(self, pose: ca.SX, joints: ca.SX) -> ca.SX:
         """What has the signs of the branch in which joint values (n,) with a tool pose are."""
-        at = replace(Evaluation(self.arm, pose[:3], pose[3:]), motions=_motions(self.arm, joints))
+        at = self.at(pose, joints)
         return ca.vertcat(*(at.slope(step) for step in self.steps if step.branch is not None))
+
+    def at(self, pose: ca.SX, joints: ca.SX) -> Evaluation:
+        """The arm at joint values (n,) with their tool pose."""
+        return replace(Evaluation(self.arm, pose[:3], pose[3:]), motions=_motions(self.arm, joints))
 
 
 def _motions(arm: ArmScrews, joints: ca.SX) -> dict[int, Motion]:

@@ -14,8 +14,8 @@ from dataclasses import dataclass
 
 from symkin.closed.geometry import AxisGeometry, Invariant, across
 from symkin.closed.point_problem import Steps, balanced, carried, point_steps
-from symkin.closed.screws import Screw
-from symkin.closed.steps import Carry, Factor, Level, Operand, Slides, Word, inverse
+from symkin.closed.screws import Screw, Vector
+from symkin.closed.steps import TOOL, Carry, Factor, Level, Operand, Slides, Word, inverse
 
 _MOST_OUTSIDE = 3
 """Joints beside a planar part: three conditions decide them."""
@@ -95,7 +95,7 @@ class Rules:
             before, wrist = chain.factors[:-count], chain.factors[-count:]
             if not 1 <= len(before) <= 3:
                 continue
-            point = self.axes.meeting_point([factor.joint for factor in wrist])
+            point, target = self._wrist_point(wrist, chain.target)
             if point is None:
                 continue
             names = ", ".join(self._screw(f).name for f in wrist)
@@ -105,7 +105,19 @@ class Rules:
                 else f"a point of the axis of {names}"
             )
             w = Operand(point, True)
-            yield from point_steps(self.axes, before, w, w.carried(chain.target), what, "arm")
+            yield from point_steps(self.axes, before, w, w.carried(target), what, "arm")
+
+    def _wrist_point(self, wrist: Word, target: Word) -> tuple[Vector | None, Word]:
+        """A point that the wrist leaves where it is, and the part of the target that moves it: of a
+        single axis the point where the one decided before meets it.
+        """
+        joints = [factor.joint for factor in wrist]
+        inner = target[-1].joint
+        if len(wrist) == 1 and inner != TOOL:
+            point = self.axes.meeting_point([*joints, inner])
+            if point is not None:
+                return point, target[:-1]
+        return self.axes.meeting_point(joints), target
 
     # --- directions, then slides ------------------------------------------------------------------
 

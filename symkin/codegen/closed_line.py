@@ -4,64 +4,60 @@ given one.
 Each step of the closed form decides its joints while a square D stays above zero: the step's
 discriminant, or the square of the length that is carried, as a function of the tool's pose and the
 joints before. Between two points a, b of the line D stays above zero where its second derivative is
-below 2 (D_a + D_b) + 4 min(D_a, D_b). That derivative is bounded by weights times the squares of
-the changes of place, turn and joints between the two points: sampled at random configurations,
-raised, and taken several times for speeds that change on the way. Parts of the line for which this
-holds are kept, others are cut (`guard_text`). Limits of joints are functions of the same kind
-(`closed_limits`).
+below 2 (D_a + D_b) + 4 min(D_a, D_b). `arm_bounds` bounds that derivative by what the tool and the
+joints before do on the part; and what these do by the least of their own squares there and by their
+ways between the two points. Parts of the line for which this holds are kept, others are cut.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import re
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import casadi as ca
 import numpy as np
 
-from symkin.closed.evaluation import Evaluation, Motion
+from symkin.closed.evaluation import Evaluation
 from symkin.closed.plan import Plan
-from symkin.closed.steps import Carry, Step
+from symkin.codegen.arm_bounds import ArmBounds, Stepped
 from symkin.codegen.arm_motion import ArmMotion
 from symkin.codegen.closed_source import ClosedCode
 from symkin.codegen.guard_text import GuardText
 from symkin.codegen.guards import Bound, Guard
-from symkin.codegen.newton_kernel import rounded
-from symkin.codegen.text.c import Emitter, Real, indent
+from symkin.codegen.newton_kernel import rounded, rounded_up
+from symkin.codegen.text.c import Emitter, Real, indent, indexed
 from symkin.codegen.text.templates import copy, fill
 from symkin.computed_once import cached_property
-from symkin.spatial.rotation import multiply
 
-_WAY = 4.0
-"""By how much the second derivative of a square may be larger than at constant speed of the joints
-that the step reads. Beside its own fold such a joint turns ever faster, without a bound: with 2
-lines that all but touch the folds of two joints were OK, with 3 none of 5,000 that approach them.
-"""
-_NOTHING = 1e-9
-"""Bounds below this are rounding."""
-_LONGEST = 1.5
-"""Longest way of the joints in one part (root of the sum of squares; rad, or of the size): it tells
-whole turns.
-"""
-_LONGER = 1.4
-"""By which parts grow where the last one was kept at once: a point costs all of the closed form."""
-_SAMPLES = 400
-"""Random joint values over which derivatives are bounded."""
-_DIRECTIONS = 20
-"""Random joint values at which the tool's directions of motion are looked for."""
-_ROOM = 1.25
-"""By which the largest sampled derivative is raised."""
+_SAME = 1e-6
+"""Relative difference of equal squares."""
+_HELPERS = ("take", "least", "least_length", "least_sine", "bounds")
+"""Functions that hold squares and bound joints, the first of which others call."""
+_OF_STEP, _OF_JOINT = 5, 5
+"""Numbers that are told of a step and of each of its joints."""
+_NOISE = 64.0
+"""Roundings of a square's size below which its value is nothing."""
+RAISED = 1.001
+"""By which bounds are raised for their own rounding."""
+_MOST_WAY = 6.28
+"""Speed and way of a joint (rad) that together leave its whole turns no choice: a turn."""
+_NEARLY_ONE = 0.999
+"""Share of a discriminant that rounding leaves above zero."""
+_LONGER = "part * ((w->bent < {0} * w->most) ? {1} : ({2} * {3}(w->most / w->bent)))"
+"""The next part where one was kept at once: four fifths of what would do, at most twice as long."""
 _LEAST = 256.0
 """Squares below so many roundings decide nothing."""
 
 
 @dataclass(frozen=True)
 class LimitCheck:
-    """How the line asks whether joints keep their limits: values of names in its template,
-    `members` of its work space, statements where a part is `shorter`, and the functions that these
-    call.
+    """How the line asks whether joints keep their limits: which ones have some, values of names in
+    its template, `members` of its work space, statements where a part is `shorter`, and the
+    functions that these call.
     """
 
+    joints: tuple[int, ...]
     names: dict[str, str]
     text: str
     members: tuple[str, ...] = ()
@@ -103,101 +99,6 @@ class ClosedLine:
                 found.append(at.decide(step, 1.0).strength)
         return ca.vertcat(ca.SX(0, 1), *found)
 
-    def _square(self, at: Evaluation, step: Step) -> ca.SX:
-        """g^2 of a step as a function of the tool's pose and the joints before: of F x = y the
-        square of y's part across the axis, which has the length of x's, or of x's where y is known.
-        """
-        decision = at.decide(step, 1.0)
-        if step.branch is not None:
-            return decision.discriminant
-        if not isinstance(step, Carry) or decision.strength.is_constant():
-            return decision.strength
-        squares = at.across_squares(step)
-        return squares[0] if squares[1].is_constant() else squares[1]
-
-    @property
-    def ways(self) -> list[str]:
-        """What changes along a line."""
-        names = [screw.name for screw in self.plan.arm.screws]
-        return ["the tool's place (over the size)", "its turn", *names]
-
-    @cached_property
-    def guards(self) -> list[Guard]:
-        """The squares g^2 of the steps that choose or carry."""
-        steps = [self.plan.steps[i] for i in self.code.guarded]
-        bounds = self.bounds(lambda at: [self._square(at, step) for step in steps])
-        return [
-            Guard(step.reason, None, None, (), 1.0, "sampled", (bound,))
-            for step, bound in zip(steps, bounds, strict=True)
-        ]
-
-    def bounds(self, functions: Callable[[Evaluation], Sequence[ca.SX]]) -> list[Bound]:
-        """Bounds of functions D of the tool's pose and of joints, by the squares of the changes of
-        the tool's place (over the size) and turn, and of the joints that D reads (angles; slides
-        over the size). Sampled.
-        """
-        screws, size = self.plan.arm.screws, self.plan.arm.size
-        n = len(screws)
-        q, moved = ca.SX.sym("q", n), ca.SX.sym("d", 6 + n)
-        base = ca.vertcat(
-            *(
-                v
-                for i, s in enumerate(screws)
-                for v in ((size * q[i], 0) if s.slides else (ca.cos(q[i] / 2), ca.sin(q[i] / 2)))
-            )
-        )
-        pose = ca.substitute(self.motion.pose, self.motion.halves, base)
-        turned = multiply(
-            ca.vertcat(1 - ca.dot(moved[3:6], moved[3:6]) / 8, 0.5 * moved[3:6]), pose[3:]
-        )
-        values = [
-            size * (q[i] + moved[6 + i]) if s.slides else q[i] + moved[6 + i]
-            for i, s in enumerate(screws)
-        ]
-        motions = {
-            i: Motion(v) if screws[i].slides else Motion(v, ca.cos(v), ca.sin(v))
-            for i, v in enumerate(values)
-        }
-        at = replace(
-            Evaluation(self.plan.arm, pose[:3] + size * moved[:3], turned), motions=motions
-        )
-        found = []
-        rng = np.random.default_rng(11)
-        samples = rng.uniform(-1, 1, (_SAMPLES, n)) * np.array(
-            [1.0 if s.slides else np.pi for s in screws]
-        )
-        for function in functions(at):
-            still = [
-                ca.densify(ca.substitute(e, moved, ca.DM.zeros(6 + n)))
-                for e in (ca.hessian(function, moved)[0], function)
-            ]
-            bent, values_there = map(
-                np.asarray, ca.Function("there", [q], still).map(_SAMPLES)(samples.T)
-            )
-            matrices = bent.reshape(6 + n, _SAMPLES, 6 + n).transpose(1, 0, 2)
-            sums, none = _block_sums(matrices, self._ways(samples)), np.zeros(2 + n)
-            weights = 0.5 * _WAY * _ROOM * np.where(sums > _NOTHING, sums, 0.0)
-            size = rounded(_ROOM * float(np.max(np.abs(values_there))))
-            found.append(Bound(size, weights, none, none))
-        return found
-
-    def _ways(self, samples: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Orthonormal columns that span the tool's velocities, and its angular velocities: a
-        SCARA's turn about one axis.
-        """
-        screws = self.plan.arm.screws
-        jacobian = ca.Function("jacobian", [self.motion.halves], [self.motion.jacobian])
-        halves = [
-            [
-                v
-                for q, s in zip(row, screws, strict=True)
-                for v in ((q, 0.0) if s.slides else (np.cos(q / 2), np.sin(q / 2)))
-            ]
-            for row in samples[:_DIRECTIONS]
-        ]
-        columns = np.hstack([np.asarray(jacobian(u)) for u in halves])
-        return _span(columns[:3]), _span(columns[3:])
-
     def evaluated(self) -> Evaluation:
         """The arm at the half turns and the pose that they lead to."""
         return replace(
@@ -207,6 +108,196 @@ class ClosedLine:
     def emitter(self, expressions: ca.SX) -> Emitter:
         """Emitter of functions of the half turns `u` and of the pose `x` that they lead to."""
         return self.motion.emitter(expressions, self._x)
+
+    # --- how far squares bend ---------------------------------------------------------------------
+
+    @cached_property
+    def _bounds(self) -> ArmBounds:
+        return ArmBounds(self.plan.arm)
+
+    @cached_property
+    def _steps(self) -> list[Stepped]:
+        """Bounds of each step."""
+        return [self._bounds.of(step, self._roots[i]) for i, step in enumerate(self.plan.steps)]
+
+    @property
+    def ways(self) -> list[str]:
+        """What changes along a line."""
+        names = [screw.name for screw in self.plan.arm.screws]
+        return ["the tool's place (over the size)", "its turn", *names]
+
+    @cached_property
+    def guards(self) -> list[Guard]:
+        """The squares of the steps that choose or carry; sizes are of slides within one size."""
+        none, found = np.zeros(0), []
+        for i in self.code.guarded:
+            size = rounded_up(self._bounds.usual(self._bounds.at_ends(self._steps[i].size), 1.0))
+            bounds = (Bound(size, none, none, none),)
+            name = self.plan.steps[i].reason
+            found.append(Guard(name, None, None, (), 1.0, "proved", bounds))
+        return found
+
+    @cached_property
+    def _roots(self) -> ca.SX:
+        return ca.SX.sym("r", len(self.plan.steps))
+
+    def _root_lines(self) -> tuple[list[str], list[str]]:
+        """C text of what each step divides by at least, and the statements of those that another
+        one tells.
+        """
+        texts, lines = list[str](), list[str]()
+        for i, square in enumerate(self.code.squares):
+            power = -0.5 if self._steps[i].is_square else -1.0
+            text = self.real.literal(1.0 / rounded_up(square.times**power))
+            if square.number is not None and not square.own:
+                other = texts[self.code.guarded[square.number]]
+                text = other if text == self.real.literal(1.0) else f"{text} * {other}"
+            less = not self._steps[i].less.is_zero()
+            is_named = square.own or " " in text or less
+            line = f"const {self.real.type} {'whole' if less else 'root'}{i} = {text};"
+            lines.append(line if is_named and not square.own else "")
+            texts.append(f"root{i}" if is_named else text)
+        return texts, lines
+
+    @property
+    def _numbers(self) -> list[list[ca.SX]]:
+        """Of each step the rounding of its square and how far this bends; of each of its joints
+        what `Decided` tells.
+        """
+        least, found = _NOISE * self.real.epsilon, []
+        for step in self._steps:
+            change = step.bend if step.speed is None else step.speed
+            sides = (*step.sides, ca.SX(0), ca.SX(0))[:2]
+            numbers = [least * self._bounds.at_ends(step.size), change, step.less, *sides]
+            for d in step.joints:
+                numbers += [d.whole, d.speed, d.curved, d.crossed, d.own]
+            found.append(numbers)
+        return found
+
+    def _keep_lines(self, limited: Sequence[int]) -> list[str]:
+        """Statements that hold the squares on a part of the line, step by step, and bound what the
+        joints do on it as far as later steps and limits of joints read that.
+        """
+        bounds, n, numbers = self._bounds, len(self.plan.arm), self._numbers
+        texts, told = self._root_lines()
+        inputs = [
+            (bounds.place, ["place"]),
+            (bounds.turn, ["turn"]),
+            (bounds.speeds, indexed("w->speed", n)),
+            (bounds.bends, indexed("w->change", n)),
+            (bounds.ways, indexed("w->way", n)),
+            (bounds.ends, [f"end{i}" for i in range(n)]),
+            (self._roots, texts),
+        ]
+        emitter = Emitter.of(self.real, inputs, *(ca.vertcat(*part) for part in numbers))
+        read = self._read_joints(numbers, limited)
+        for i, step in enumerate(self._steps):
+            emitter.comment(f"{self.plan.steps[i].reason}: proved")
+            self._hold(emitter, i, told[i])
+            self._take_less(emitter, i)
+            for k, decided in enumerate(step.joints):
+                self._bound(emitter, (i, k), is_read=decided.joint in read)
+        lines = _without_unread(emitter.lines)
+        return [*self._begin_lines(lines), *lines, "return w->kept;"]
+
+    def _read_joints(self, numbers: list[list[ca.SX]], limited: Sequence[int]) -> set[int]:
+        """Joints whose bounds later steps read, or their limits."""
+        bounds, read = self._bounds, set(limited)
+        asked = ca.SX(0, 1)
+        for part, step in reversed(list(zip(numbers, self._steps, strict=True))):
+            wholes = [part[_OF_STEP + _OF_JOINT * k] for k in range(len(step.joints))]
+            asked = ca.vertcat(asked, *part[:_OF_STEP], *wholes)
+            for k, decided in enumerate(step.joints):
+                j = decided.joint
+                symbols = ca.vertcat(bounds.speeds[j], bounds.bends[j])
+                if j in read or ca.depends_on(asked, symbols):
+                    read.add(j)
+                    place = _OF_STEP + _OF_JOINT * k
+                    asked = ca.vertcat(asked, *part[place : place + _OF_JOINT])
+        return read
+
+    def _hold(self, emitter: Emitter, i: int, told: str) -> None:
+        """Statements of what a step divides by at least."""
+        square, step, p = self.code.squares[i], self._steps[i], self.code.values["p"]
+        if square.own:
+            texts = ", ".join(emitter.value(i, k) for k in range(2))
+            least = f"{p}_inverse_least(w, {square.number}, {texts})"
+            if step.is_sine:
+                least = f"{p}_inverse_least_sine(w, {square.number}, {texts})"
+            elif step.speed is not None:
+                always = self.real.literal(rounded(step.least))
+                least = f"{p}_inverse_least_length(w, {square.number}, {texts}, {always})"
+            elif step.is_square:
+                least = f"{self.real.call('sqrt')}({least})"
+            name = "root" if step.less.is_zero() else "whole"
+            told = f"const {self.real.type} {name}{i} = {least};"
+        if told:
+            emitter.lines.append(told)
+
+    def _bound(self, emitter: Emitter, at: tuple[int, int], *, is_read: bool) -> None:
+        """Statements that bound what the joint `at` a step and place of its joints does."""
+        (i, k), p = at, self.code.values["p"]
+        joint, place = self._steps[i].joints[k].joint, _OF_STEP + _OF_JOINT * k
+        if not self.plan.arm.screws[joint].slides:
+            self._tell(emitter, i, joint, emitter.value(i, place))
+        if is_read:
+            emitter.lines.append(f"w->speed[{joint}] = {emitter.value(i, place + 1)};")
+            texts = ", ".join(emitter.value(i, place + j) for j in (2, 3, 4))
+            emitter.lines.append(f"{p}_inverse_bounds(w, {joint}, {texts});")
+
+    def _tell(self, emitter: Emitter, i: int, joint: int, whole: str) -> None:
+        """Statements that ask whether a joint's way is told, which goes no farther than `whole`:
+        by that, or where what is turned and where it goes to cover too short ways across the axis
+        for a quarter turn each, or the only one of them that turns for a half.
+        """
+        square, p, literal = self.code.squares[i], self.code.values["p"], self.real.literal
+        sides = [3 + k for k in range(len(self._steps[i].sides))]
+        way = f"({whole} + w->way[{joint}])"
+        asked = f"{p}_inverse_take(w, {way} * {way}, {literal(_MOST_WAY**2)});"
+        if not sides or square.number is None or abs(square.times - 1.0) > _SAME:
+            emitter.lines.append(asked)
+            return
+        here, there = (f"w->{part}[{square.number}]" for part in ("left", "guard"))
+        ends = f"{here} + {there}"
+        if len(sides) == 1:
+            ends += f" + {literal(2.0)} * (({here} < {there}) ? {here} : {there})"
+        texts = [emitter.value(i, side) for side in sides]
+        short = [f"({literal(RAISED)} * {s} * {s} < {ends})" for s in texts]
+        emitter.lines += [f"if (!({' && '.join(short)})) {{", f"    {asked}", "}"]
+
+    def _take_less(self, emitter: Emitter, i: int) -> None:
+        """Statements of the root less what slides' own ways take of it."""
+        if self._steps[i].less.is_zero():
+            return
+        less, p, one = emitter.value(i, 2), self.code.values["p"], self.real.literal(1.0)
+        emitter.lines += [
+            f"{p}_inverse_take(w, {less}, whole{i});",
+            f"const {self.real.type} root{i} = ({less} < whole{i}) ? (whole{i} - {less}) : {one};",
+        ]
+
+    def _begin_lines(self, lines: Sequence[str]) -> list[str]:
+        """Statements of what changes on the part, as far as the lines read it."""
+        real = self.real
+        text = "\n".join(line for line in lines if not line.startswith("/*"))
+        found = [
+            "w->kept = true;",
+            f"w->bent = {real.literal(0.0)};",
+            f"w->most = {real.literal(1.0)};",
+        ]
+        for i, name in enumerate(("place", "turn")):
+            if re.search(rf"\b{name}\b", text):
+                found.append(f"const {real.type} {name} = {real.call('sqrt')}(change[{i}]);")
+        for i, screw in enumerate(self.plan.arm.screws):
+            if re.search(rf"\bend{i}\b", text):
+                zero = f" - {real.literal(screw.zero)}" if screw.zero else ""
+                here, there = (f"w->{part}[{i}]{zero}" for part in ("joints", "found[0]"))
+                fabs, per = real.call("fabs"), real.literal(1.0 / self.plan.arm.size)
+                found += [
+                    f"const {real.type} begin{i} = {fabs}({here}) * {per};",
+                    f"const {real.type} goal{i} = {fabs}({there}) * {per};",
+                    f"const {real.type} end{i} = (begin{i} < goal{i}) ? goal{i} : begin{i};",
+                ]
+        return found
 
     # --- text -------------------------------------------------------------------------------------
 
@@ -247,22 +338,29 @@ class ClosedLine:
             self.code.names
             | {
                 "k": f"{self.code.values['p']}_inverse",
-                "nto": len(self.ways),
+                "nto": 2,
                 "nat": 7,
-                "nways": 2,
                 "turns": 2 * len(self.plan.arm),
                 "read": indent(self._read_lines),
-                "longest2": literal(_LONGEST**2),
                 "per_lengths": self.per_lengths,
                 "per_size2": literal(size**-2),
                 "size2": literal(size**2),
                 "least": literal(_LEAST * self.real.epsilon),
-                "eight": literal(8.0),
+                "four": literal(4.0),
+                "quarter_part": literal(0.25),
+                "sixteen": literal(16.0),
+                "sixth": literal(1.0 / 6.0),
                 "turn_noise": literal(4.0 * self.real.epsilon),
+                "raised": literal(RAISED),
+                "most_way": literal(_MOST_WAY),
+                "nearly_one": literal(_NEARLY_ONE),
+                "keep_lines": indent(self._keep_lines(limits.joints)),
                 "aimed": f"unsigned int wanted, {self.real.type} most2, ",
                 "take": indent(copy("w->joints", "w->found[0]", len(self.plan.arm)), 3),
-                "longer": f"{literal(_LONGER)} * part",
-                "and_follows": f" && {self.code.values['p']}_inverse_follows(w, change, most2)",
+                "longer": _LONGER.format(
+                    literal(0.16), literal(2.0), literal(0.8), self.real.call("sqrt")
+                ),
+                "and_follows": f" && {self.code.values['p']}_inverse_follows(w, most2)",
             }
             | limits.names
         )
@@ -277,33 +375,26 @@ class ClosedLine:
         }
         aim = fill("point_of_poses.c", names).split("\n")
         walk = self.guard_text.text(names, aim, 1.0)
-        return limits.text + fill("closed_line.c", names | {"walk": walk})
+        called = walk + limits.text
+        helpers = [
+            fill(f"closed_{name}.c", names)
+            for name in _HELPERS[1:]
+            if f"_inverse_{name}(" in called
+        ]
+        if f"_inverse_{_HELPERS[0]}(" in "".join([called, *helpers]):
+            helpers.insert(0, fill(f"closed_{_HELPERS[0]}.c", names))
+        own = {"walk": walk, "limits": limits.text, "helpers": "".join(helpers)}
+        return fill("closed_line.c", names | own)
 
 
-def _span(columns: np.ndarray) -> np.ndarray:
-    """Orthonormal columns (3, rank) that span all columns."""
-    vectors, values, _ = np.linalg.svd(columns, full_matrices=False)
-    return np.asarray(vectors[:, values > _NOTHING * max(1.0, float(values.max()))])
-
-
-def _block_sums(matrices: np.ndarray, ways: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
-    """Weights w of d' H d <= w_1 |d_1|^2 + ..., for matrices H (count, n, n) whose blocks are the
-    first three and the next three variables, which go only in the directions of `ways`, and each
-    other one.
-    """
-    count = matrices.shape[1] - 6
-    parts = [np.zeros((matrices.shape[1], way.shape[1])) for way in ways] + [
-        np.eye(matrices.shape[1])[:, 6 + i : 7 + i] for i in range(count)
-    ]
-    parts[0][:3], parts[1][3:6] = ways
-    sums = np.zeros((len(matrices), len(parts)))
-    for i, rows in enumerate(parts):
-        for j, columns in enumerate(parts):
-            part = rows.T @ matrices @ columns
-            if part.size == 0:
-                continue
-            if i == j:
-                sums[:, i] += np.maximum(np.linalg.eigvalsh(part)[:, -1], 0.0)
-            else:
-                sums[:, i] += np.linalg.norm(part, ord=2, axis=(1, 2))
-    return np.asarray(sums.max(axis=0))
+def _without_unread(lines: Sequence[str]) -> list[str]:
+    """Statements without the roots that no other one reads, but for what these ask."""
+    found, text = list[str](), "\n".join(line for line in lines if not line.startswith("/*"))
+    for line in lines:
+        named = re.match(r"const \w+ ((?:root|whole)\d+) = (.*);$", line)
+        if named is None or len(re.findall(rf"\b{named[1]}\b", text)) > 1:
+            found.append(line)
+        elif "_inverse_least" in named[2]:
+            asked = named[2][named[2].index("(") + 1 : -1] if "sqrt" in named[2] else named[2]
+            found.append(f"(void){asked};")
+    return found

@@ -16,7 +16,7 @@ import numpy as np
 
 from symkin.closed.evaluation import Decision, Evaluation
 from symkin.closed.geometry import across
-from symkin.closed.plan import Plan
+from symkin.closed.plan import Plan, forward
 from symkin.closed.steps import TOOL, Factor, Operand, Step, Word
 from symkin.closure.snapping import snapped_expression
 from symkin.codegen.newton_source import NewtonCode
@@ -29,6 +29,8 @@ from symkin.text import c_comment
 
 _LEAST = 256.0
 """Discriminants and strengths (squares over the size's) below so many roundings decide nothing."""
+_TRIED, _SAME = 8, 1e-9
+"""Random joint values at which squares are compared, and the relative difference of equal ones."""
 _FINISH_STEPS, _FINISH_REACH = 6, 0.5
 """Newton steps from a nearly equal arm's branch, and the longest one (of the size)."""
 _NEARLY_CLOSED = (
@@ -46,6 +48,21 @@ class _Written:
     step: Step
     decision: Decision
     lean: ca.SX
+
+
+@dataclass(frozen=True)
+class Square:
+    """What a step keeps above zero: `times` the square of this number among those that are watched
+    (None: 1), which is the step's `own` or that of one before.
+    """
+
+    number: int | None
+    times: float
+    own: bool = False
+
+
+def _own(squares: list[Square]) -> list[int]:
+    return [i for i, square in enumerate(squares) if square.own]
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,13 +147,44 @@ class ClosedCode:
         return snapped_expression(ca.vertcat(*outputs, *values, gap), symbols)
 
     @cached_property
-    def guarded(self) -> list[int]:
-        """Numbers of the steps that could decide nothing, or of which two solutions could meet."""
-        entries = [
-            self._outputs[3 * i + (step.branch is not None)]
-            for i, step in enumerate(self.plan.steps)
+    def squares(self) -> list[Square]:
+        """What each step keeps above zero: a number, or a multiple of a square that is watched."""
+        values, found = self._squares_at, list[Square]()
+        for i in range(len(self.plan.steps)):
+            shares = [(values[:, i] / values[:, j], k) for k, j in enumerate(_own(found))]
+            same = [Square(k, float(s[0])) for s, k in shares if np.ptp(s) <= _SAME * abs(s[0])]
+            if np.ptp(values[:, i]) <= _SAME * abs(values[0, i]):
+                found.append(Square(None, float(values[0, i])))
+            else:
+                found.append(same[0] if same else Square(len(_own(found)), 1.0, own=True))
+        return found
+
+    @property
+    def _squares_at(self) -> np.ndarray:
+        """Squares (_TRIED, steps) at random joint values."""
+        n, rows = len(self.plan.arm), []
+        pose, joints = ca.SX.sym("x", 7), ca.SX.sym("q", n)
+        at = self.plan.at(pose, joints)
+        squares = [
+            decision.strength if step.branch is None else decision.discriminant
+            for step in self.plan.steps
+            for decision in [at.decide(step, 1.0)]
         ]
-        return [i for i, entry in enumerate(entries) if not entry.is_constant()]
+        function = ca.Function("squares", [pose, joints], [ca.vertcat(*squares)])
+        rng, arm = np.random.default_rng(3), self.plan.arm
+        for _ in range(_TRIED):
+            values = rng.uniform(-3.0, 3.0, n) * [arm.size if s.slides else 1.0 for s in arm.screws]
+            there = forward(arm, values)
+            told = values + [s.zero for s in arm.screws]
+            rows.append(np.asarray(function([*there.position, *there.quaternion], told)).ravel())
+        return np.array(rows)
+
+    @property
+    def guarded(self) -> list[int]:
+        """Numbers of the steps that could decide nothing, or of which two solutions could meet; of
+        several where the same square vanishes, the first.
+        """
+        return _own(self.squares)
 
     @cached_property
     def _emitter(self) -> Emitter:

@@ -102,10 +102,10 @@ class GuardText:
             _STRAIGHT
             | plain
             | {"ways": substitute(_WAYS, values), "shorter": indent(self.shorter_lines, 3)}
+            | ({} if "keep_lines" in values else {"keep_lines": indent(self._keep_lines)})
             | dict(values)
             | {
                 "ng": max(1, len(self.guards)),
-                "keep_lines": indent(self._keep_lines),
                 "aim": indent(aim, 2),
                 "first_part": call(first_part),
                 "near_one": call(0.9999),
@@ -177,7 +177,7 @@ class GuardText:
         # guards that do not bend, of linear formulas, read no changes
         read = {"w": "w->", "change": "change["}
         unread = [name for name, text in read.items() if not any(text in line for line in lines)]
-        return [*(f"(void){name};" for name in unread), *lines]
+        return [*(f"(void){name};" for name in unread), *lines, "return kept;"]
 
     def _bend_text(self, j: int, guard: Guard, lines: list[str], sums: dict[str, str]) -> str:
         """C text of K of a guard."""
@@ -300,13 +300,23 @@ def guard_tables(name: str, watched: Mapping[str, Watched]) -> str:
     """A README's tables of what is watched along lines: the bound of each guard over the widest
     ranges, and the word for how it is known.
     """
-    parts = [
-        "## What is watched along a line",
-        "On a part of a line on which given values change by $d_i$ a guard $g$ bends by at most "
-        r"$|g''| \le \sum_i W_i \, d_i^2$. Values of $g$ below 64 roundings of its size count as "
-        "zero.",
-    ]
+    parts = ["## What is watched along a line"]
+    if not all(guard.is_led for _, guards in watched.values() for guard in guards):
+        parts.append(
+            "On a part of a line on which given values change by $d_i$ a guard $g$ bends by at "
+            r"most $|g''| \le \sum_i W_i \, d_i^2$. Values of $g$ below 64 roundings of its size "
+            "count as zero."
+        )
     for function, (ways, guards) in watched.items():
+        if all(guard.is_led for guard in guards):
+            rows = [
+                f"| {markdown(guard.name)} | {guard.bounds[-1].size:.3g} | {guard.ground} |"
+                for guard in guards
+            ]
+            lines = [f"`{name}_{function}`, by what the tool and the joints before do:", ""]
+            head = ["| above 0 stays | size | bound |", "|---|---|---|"]
+            parts.append("\n".join([*lines, *head, *rows]))
+            continue
         lines = [f"`{name}_{function}`, by the squares of changes of {', '.join(ways)}:", ""]
         lines += ["| above 0 stays | $W / 2$ | size | bound |", "|---|---|---|---|"]
         parts.append("\n".join([*lines, *(_row(guard) for guard in guards)]))

@@ -99,6 +99,11 @@ class Guard:
         """Whether the formulas divide by it."""
         return self.choice is None and self.reach is None
 
+    @property
+    def is_led(self) -> bool:
+        """Whether its bound follows from what the line does, and from no squares of changes."""
+        return any(not len(bound.plain) for bound in self.bounds)
+
     def of(self, discriminants: ca.SX, reaches: ca.SX, divisors: ca.SX) -> ca.SX:
         """Its expression, by those of discriminants, reaches and divisors."""
         whole = times(divisors, self.powers) * self.factor

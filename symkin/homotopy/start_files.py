@@ -24,7 +24,7 @@ from symkin.homotopy.symmetry import Orbits, Symmetries
 from symkin.numeric.cache_folder import cache_folder, discard, keep, read_kept
 
 SHIPPED = Path(__file__).resolve().parent / "data" / "starts"
-_VERSION = 7
+_VERSION = 6
 _SATISFIED = 1e-8
 """Largest row, over the size, that a kept root may leave, and least difference of two roots. Rows
 of a root far from real ones have derivatives of 1e4 and more; theirs are divided by these.

@@ -189,7 +189,7 @@ def test_the_size_that_is_told_of_a_guard_bounds_it(name, tmp_path):
     tools.write_code(arm, tmp_path, Options("double"))
     told = readme_of(build_program(arm, Options("double")))
     assert "NAME_" not in told
-    rows = re.findall(r"\| ([\d.e+-]+) \| sampled \|", told)
+    rows = re.findall(r"\| ([\d.e+-]+) \| proved \|", told)
     sizes = np.array([float(row) for row in rows])
     code = MARGINS.replace("NAME", arm.name).replace("COUNT", str(len(arm.actuated)))
     (tmp_path / "margins.c").write_text(code)
@@ -200,6 +200,115 @@ def test_the_size_that_is_told_of_a_guard_bounds_it(name, tmp_path):
     assert np.all(largest[: len(sizes)] <= 1.005 * sizes)
     assert np.all(sizes <= 1.5 * largest[: len(sizes)])
     assert not np.any(largest[len(sizes) :])
+
+
+BOUNDS = r"""
+#include "NAME.c"
+#include <stdio.h>
+#include <stdlib.h>
+#define POINTS 100
+static const double unit[COUNT] = { UNITS };
+static const int read[COUNT] = { READ };
+static double drawn(double half) { return half * (2.0 * rand() / RAND_MAX - 1.0); }
+static double over(double number, double bound, double least)
+{
+    return (number > least) ? number / bound : 0.0;
+}
+int main(void)
+{
+    static const double near[16] = { 0.0 };
+    double speed = 0.0, change = 0.0, away = 0.0;
+    int parts = 0, lost = 0;
+    for (int k = 0; k < 2000; ++k) {
+        double guess[COUNT], goal[COUNT], from[7], to[7], u[2 * COUNT], way2[2] = { 0.0, 0.0 };
+        double last[COUNT], before[COUNT];
+        const double reach = exp(drawn(2.5) - 2.5);
+        NAME_inverse_work work, *w = &work;
+        for (int i = 0; i < COUNT; ++i) {
+            guess[i] = unit[i] * drawn(3.1);
+            goal[i] = guess[i] + unit[i] * drawn(reach);
+            w->joints[i] = last[i] = before[i] = guess[i];
+        }
+        NAME_half_turns(goal, u);
+        NAME_pose_of_turns(u, to);
+        const unsigned int wanted = NAME_read_joints(guess, from, w->left);
+        double cosine = 0.0;
+        for (int i = 3; i < 7; ++i) {
+            cosine += from[i] * to[i];
+        }
+        for (int i = 0; i < 7; ++i) {
+            to[i] *= ((i > 2) && (cosine < 0.0)) ? -1.0 : 1.0;
+            way2[0] += (i < 3) ? pow((to[i] - from[i]) / SIZE, 2) : 0.0;
+        }
+        way2[1] = 16.0 * (1.0 - fabs(cosine)) / (1.0 + fabs(cosine));
+        if ((NAME_inverse_aim(w, to, wanted) != 0) || !NAME_inverse_keeps(w, way2)) {
+            continue;
+        }
+        ++parts;
+        for (int s = 1; s <= POINTS; ++s) {
+            double x[7], found[1][COUNT], margin[16], length = 0.0;
+            bool undecided = false;
+            for (int i = 0; i < 7; ++i) {
+                x[i] = from[i] + (double)s / POINTS * (to[i] - from[i]);
+                length += (i > 2) ? x[i] * x[i] : 0.0;
+            }
+            for (int i = 3; i < 7; ++i) {
+                x[i] /= sqrt(length);
+            }
+            lost += NAME_branches(x, near, wanted, found, &undecided, margin) != 1;
+            for (int i = 0; i < COUNT; ++i) {
+                const double per = POINTS / ((unit[i] == 1.0) ? 1.0 : SIZE);
+                double way = found[0][i] - last[i];
+                way = (unit[i] == 1.0) ? remainder(way, 6.283185307179586) : way;
+                if (read[i]) {
+                    const double bend = fabs(way - (last[i] - before[i])) * per * POINTS;
+                    speed = fmax(speed, over(fabs(way) * per, w->speed[i], 1e-6));
+                    change = fmax(change, over((s > 1) ? bend : 0.0, w->change[i], 1e-4));
+                }
+                before[i] = last[i];
+                last[i] += way;
+            }
+        }
+        for (int i = 0; i < COUNT; ++i) {
+            away = fmax(away, fabs(last[i] - w->found[0][i]));
+        }
+    }
+    (void)printf("%d %d %.6g %.6g %.6g", parts, lost, speed, change, away);
+    return 0;
+}
+"""
+
+
+@pytest.mark.parametrize(
+    "name",
+    in_gate(["ur5e", "yao2020", "scara", *structures(np.random.default_rng(3))], ["yao2020"]),
+)
+def test_joints_go_no_faster_than_is_proved(name, tmp_path):
+    """On parts of lines that are kept speeds of joints and the changes of these are within the
+    bounds that later steps read, which nearly reach them; each point has the branch, and ways are
+    told with whole turns.
+    """
+    arm = structures(np.random.default_rng(3)).get(name) or symkin.load(name)
+    tools.write_code(arm, tmp_path, Options("double"))
+    text = (tmp_path / f"{arm.name}.c").read_text()
+    read = [f"_inverse_bounds(w, {i}," in text for i in range(len(arm.actuated))]
+    size = arm.characteristic_length
+    units = ["1.0" if c.is_angular else f"{0.1 * size!r}" for c in arm.actuated]
+    words = {"UNITS": ", ".join(units), "READ": ", ".join(str(int(r)) for r in read)}
+    words |= {"COUNT": str(len(units)), "SIZE": repr(size), "NAME": arm.name}
+    code = BOUNDS
+    for word, value in words.items():
+        code = code.replace(word, value)
+    (tmp_path / "bounds.c").write_text(code)
+    run = [tools.compiler("gcc"), "-O1", "-w", str(tmp_path / "bounds.c"), "-lm"]
+    subprocess.run([*run, "-o", str(tmp_path / "bounds")], check=True)
+    done = subprocess.run([str(tmp_path / "bounds")], capture_output=True, text=True, check=True)
+    parts, lost, speed, change, away = (float(word) for word in done.stdout.split())
+    assert parts > 10
+    assert lost == 0
+    assert 0.5 < speed < 1.001
+    assert change < 1.001
+    assert away < 1e-9
 
 
 @pytest.mark.parametrize("real", in_gate(["double", "float"], ["double"]))

@@ -600,8 +600,12 @@ def where(name: str) -> str:
 def build_problem(
     mechanism: Any, kind: str, names: tuple[str, ...] = (), held: tuple[str, ...] | None = None
 ) -> Any:
-    """The problem that answers call direct or inverse, or that of coordinates by `names`."""
+    """The problem that answers call direct or inverse, or that of coordinates by `names`; without a
+    platform, nothing is known of the inverse one.
+    """
     problem = import_module("symkin.position.problem")
+    if kind == "inverse" and mechanism.is_graph and mechanism.platform_link is None:
+        return problem.build_problem(mechanism, (), ())
     if kind == "given":
         return problem.build_problem(mechanism, names, () if names and held is None else held)
     names = (problem.pose_names if kind == "inverse" else problem.actuated_names)(mechanism)

@@ -1,9 +1,14 @@
 /* A point of the line: joints where it is done, which begin at the guess, those found where it is tried, and the squares left and guard of
- * the closed form's steps at both; way2: the square of the joints' last way. */
+ * the closed form's steps at both; way: how far each joint goes from one to the other (angles; slides over the size), way2: the sum of the
+ * squares. Of the part between: bounds of the joints' speeds and of how these change, and whether it is kept. */
 typedef struct {
     @{real} joints[@{nn}];
     @{real} found[1][@{nn}];
+    @{real} way[@{nn}];
     @{real} way2;
+    @{real} speed[@{nn}];
+    @{real} change[@{nn}];
+    bool kept;
 @{members}
 } @{k}_work;
 
@@ -19,9 +24,9 @@ static unsigned int @{p}_read_joints(const @{real} joints[@{nn}], @{real} x[7], 
     return wanted;
 }
 
-/* The joints at a tool pose x of the line, angles within half a turn of where it is done, and the squares of their ways (angles; slides over
- * the size) as changes of the line; SINGULAR or OUT_OF_RANGE where the guess's branch does not reach it. */
-static @{p}_status @{k}_aim(@{k}_work *w, const @{real} x[7], unsigned int wanted, @{real} change[@{nto}])
+/* The joints at a tool pose x of the line, angles within half a turn of where it is done, and their ways; SINGULAR or OUT_OF_RANGE where
+ * the guess's branch does not reach it. */
+static @{p}_status @{k}_aim(@{k}_work *w, const @{real} x[7], unsigned int wanted)
 {
     static const @{real} per_length[@{nn}] = { @{per_lengths} };
     static const bool angular[@{nn}] = { @{angular} };
@@ -38,17 +43,20 @@ static @{p}_status @{k}_aim(@{k}_work *w, const @{real} x[7], unsigned int wante
             way -= @{turn} * (@{real})(int)(number + ((number < @{zero}) ? @{minus_half} : @{half}));
         }
         w->found[0][i] = w->joints[i] + way;
-        change[2 + i] = (way * per_length[i]) * (way * per_length[i]);
-        w->way2 += change[2 + i];
+        w->way[i] = @{fabs}(way) * per_length[i];
+        w->way2 += w->way[i] * w->way[i];
     }
     return @{P}_OK;
 }
 
-/* Whether the joints' last way is short enough to tell whole turns, and within what the config allows@{and_within}. */
-static bool @{k}_follows(@{k}_work *w, const @{real} change[@{nto}], @{real} most2)
+@{helpers}@{limits}/* Whether the joints' last way is within what the config allows@{and_within}. */
+static bool @{k}_follows(@{k}_work *w, @{real} most2)
 {
-    const bool follows = (w->way2 <= most2) && (w->way2 <= @{longest2});
-    (void)change;
+    const bool follows = (w->way2 <= most2);
+    if (!follows) {
+        w->bent = w->way2;
+        w->most = most2;
+    }
 @{limits_kept}
 }
 

@@ -3,7 +3,6 @@
 static bool @{k}_keeps(@{k}_work *w, const @{real} change[@{nto}])
 {
 @{keep_lines}
-    return kept;
 }
 
 /* Follows the line of known values from `at`, where the guards are w->left, to `to` in parts that are kept, and are cut where they are

@@ -9,5 +9,5 @@
                 x[i] *= inverse;
             }
         }
-        const @{p}_status reached = @{k}_aim(w, x, wanted, change);
+        const @{p}_status reached = @{k}_aim(w, x, wanted);
         above = (reached == @{P}_OK);
