@@ -21,8 +21,8 @@
  *
  * Worst case of a call, with NULL as config (README.md says how it is known and has 255
  * iterations):
- *   direct: 100 iterations, 6020 add, 9691 mul, 321 div, 217 sqrt, 312 sin, 312 cos, 6 atan2
- *   track: 1 iterations, 476 add, 682 mul, 24 div, 19 sqrt, 15 sin, 15 cos, 6 atan2
+ *   direct: 100 iterations, 6017 add, 9682 mul, 321 div, 217 sqrt, 312 sin, 312 cos, 6 atan2
+ *   track: 1 iterations, 473 add, 673 mul, 24 div, 19 sqrt, 15 sin, 15 cos, 6 atan2
  *   inverse: 44 add, 60 mul, 4 div, 4 sqrt, 3 atan2
  *   jacobian: 120 add, 210 mul, 10 div, 4 sqrt
  *   rates: 144 add, 228 mul, 10 div, 4 sqrt
@@ -30,13 +30,13 @@
  *   twist: 134 add, 251 mul, 13 div, 4 sqrt
  *   measured (Cortex-M7, GCC 12.2.1 -O2, 40000 inputs, seed 1): instructions, bytes of stack with
  *     callees, bytes of code with callees but without those of libm:
- *   direct: 99545 instructions, 1608 stack, 5324 code
- *   track: 1995 instructions, 1624 stack, 5364 code
- *   inverse: 690 instructions, 232 stack, 1272 code
- *   jacobian: 855 instructions, 400 stack, 2204 code
- *   rates: 1135 instructions, 592 stack, 2384 code
- *   feed: 1230 instructions, 632 stack, 2484 code
- *   twist: 1440 instructions, 664 stack, 2908 code
+ *   direct: 99240 instructions, 1616 stack, 5204 code
+ *   track: 1985 instructions, 1632 stack, 5244 code
+ *   inverse: 685 instructions, 240 stack, 1232 code
+ *   jacobian: 835 instructions, 392 stack, 2104 code
+ *   rates: 1120 instructions, 584 stack, 2280 code
+ *   feed: 1210 instructions, 624 stack, 2380 code
+ *   twist: 1425 instructions, 656 stack, 2808 code
  *
  * Model SHA-256 02adadf425a6ae7a2396292ae800ae8459d654306b9b963b3a67ae566d228315
  */
