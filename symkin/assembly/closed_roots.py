@@ -1,7 +1,8 @@
 """Real roots of one group at many instances, by formulas, with what is in doubt left to paths.
 
 Formulas are used where they account for all solutions: generically every branch, complex ones
-included, closes on all rows, and they are as many as paths find. Where each equation of the
+included, closes on all rows, and they are as many as paths find or, where there are none, all that
+random complex starts end at. Where each equation of the
 formulas is far from a double root and from leaving its unknown undecided, and each real branch
 closes on all rows to rounding, their branches are then all solutions that there are; every other
 input is left to paths.
@@ -20,7 +21,7 @@ from symkin.assembly.group_roots import GroupRoots
 from symkin.assembly.rod_lengths import rod_lengths
 from symkin.computed_once import cached_property, lru_cache
 from symkin.elimination.closed_form import ClosedForm, Solutions, closed_form, samples_about
-from symkin.elimination.complex_branches import complex_errors
+from symkin.elimination.complex_branches import complex_errors, misses_none
 from symkin.homotopy.values import coordinate_scale
 from symkin.position.arm_formulas import arm_formulas
 from symkin.position.closed_configurations import closed_configurations
@@ -149,13 +150,16 @@ def _all_close(formulas: ClosedForm, known: np.ndarray) -> bool:
 @lru_cache(maxsize=256)
 def accounts_for_all(closed: ClosedBlock, paths: BlockPaths | None) -> bool:
     """Whether each complex solution of a generic instance is one of the formulas' branches: they
-    are as many as paths find, and all of them close. Where no paths tell, since known values must
-    meet conditions, all of them close at the regular configuration.
+    are as many as paths find, and all of them close. Where no paths tell, as where known values
+    must meet conditions, all of them close at the regular configuration, and random starts over
+    the complex numbers find no other there.
     """
     if not isinstance(closed.formulas, ClosedForm):
         return True
     if paths is None:
-        return _all_close(closed.formulas, closed.regular[None])
+        return _all_close(closed.formulas, closed.regular[None]) and misses_none(
+            closed.formulas, closed.regular
+        )
     return closed.formulas.count == paths.most_roots and _all_close(
         closed.formulas, closed.generic_known
     )

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import casadi as ca
 
 from symkin.assembly.block_paths import BlockPaths, own_paths, paths_of_rows
 from symkin.assembly.closed_roots import ClosedBlock, accounts_for_all, closed_block
+from symkin.assembly.families import members_of
 from symkin.assembly.rod_lengths import rod_lengths
 from symkin.assembly.search import Search
 from symkin.computed_once import lru_cache
@@ -59,7 +60,7 @@ def _solved_groups(problem: Problem, by_paths: bool, formulas: bool) -> tuple[Pr
     if problem.by_name:
         return structure_groups(problem)
     blocks = problem.blocks
-    if by_paths and any(_lacks_solver(block) for block in blocks):
+    if by_paths and any(_lacks_solver(block) for block in _outside_families(blocks)):
         finer = structure_groups(problem)
         return finer if len(finer) > len(blocks) else blocks
     return _with_rods_together(problem, blocks) if by_paths and formulas else blocks
@@ -83,6 +84,14 @@ def _with_rods_together(problem: Problem, blocks: tuple[Problem, ...]) -> tuple[
     )
     together = replace(problem, by_name=True, system=system, row_places=places)
     return (together, *(block for block in blocks if block not in rods))
+
+
+def _outside_families(blocks: tuple[Problem, ...]) -> Iterator[Problem]:
+    """Those of some blocks that no formulas or paths of a family solve."""
+    members = members_of(blocks)
+    for block in blocks:
+        if block not in members or group_solver(members[block].family) is None:
+            yield block
 
 
 def _lacks_solver(block: Problem) -> bool:

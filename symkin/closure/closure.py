@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -127,8 +127,9 @@ class AlgebraicRows:
     eliminated: tuple[tuple[Coordinate, ca.SX], ...]
 
 
+@lru_cache(maxsize=16)
 def algebraic_rows(
-    closure: Closure, forms: Mapping[str, PoseForm], *, eliminate: bool = False
+    closure: Closure, forms: tuple[tuple[str, PoseForm], ...] = (), *, eliminate: bool = False
 ) -> AlgebraicRows:
     """The rows of a closure with some floating bodies in an algebraic form, geometry bound as
     numbers: joints that it places to rounding (a point at 1e-14, an axis off by 1e-17) are where
@@ -137,7 +138,8 @@ def algebraic_rows(
     unknown.
     """
     bound, platform = not closure.partition.geometry, closure.mechanism.platform_link or ""
-    by_link = {platform if name == "pose" else name: form for name, form in forms.items()}
+    links = {name: platform if name == "pose" else name for name, _ in forms}
+    by_link = {links[name]: form for name, form in forms}
     builder = RowBuilder(
         closure.mechanism,
         bound=bound,
@@ -146,7 +148,7 @@ def algebraic_rows(
         eliminate=eliminate,
     )
     builder.build_rows()
-    symbols = {name: builder.body_symbols[platform if name == "pose" else name] for name in forms}
+    symbols = {name: builder.body_symbols[link] for name, link in links.items()}
     names = [c.name for c in closure.coordinates if c.name in builder.coordinates]
     ours = [builder.coordinates[name][1] for name in names]
     theirs = [closure.variables[closure.slices[name]] for name in names]

@@ -18,6 +18,7 @@ from symkin.elimination.eliminating import (
     combine_lengths,
     cut_by_line,
     defer_defined,
+    leave_alone,
     subtract_quadratics,
     turn_angle,
 )
@@ -280,7 +281,8 @@ def _begun(system: System, rows: ca.SX, samples: np.ndarray) -> tuple[Workspace,
             samples,
             system.characteristic_length,
         )
-        work.rows = work.all_tidied(polynomials)
+        size = max(system.characteristic_length, system.farthest)
+        work.rows = work.all_tidied(polynomials, size)
         terms = sum(len(row.terms) for row in work.rows)
         if chosen is None or terms < chosen[0]:
             chosen = terms, work, sums
@@ -298,6 +300,7 @@ def _run(work: Workspace) -> bool:
         turn_angle,
         subtract_quadratics,
         cut_by_line,
+        leave_alone,
     )
     for _ in range(_MOST_STEPS):
         work.without_repeats()

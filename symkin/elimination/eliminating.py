@@ -14,7 +14,9 @@ from symkin.closure.snapping import snap
 from symkin.elimination.polynomial import Polynomial
 from symkin.elimination.solving import independent_pair
 from symkin.elimination.sums import constant_basis, cross, determinant, product, total
-from symkin.elimination.workspace import Deferred, Workspace
+from symkin.elimination.workspace import ROUNDING, Deferred, Workspace
+from symkin.numeric.rank import null_space
+from symkin.spatial.screw import tidy_rows
 
 _MOST_LENGTHS = 2
 """Lengths that are taken out together."""
@@ -65,6 +67,27 @@ def combine_lengths(work: Workspace) -> bool:
                 f"{work.names(unknowns)} taken out of {count + 1} rows that are linear in them, by "
                 f"a combination"
             )
+            return True
+    return False
+
+
+def leave_alone(work: Workspace) -> bool:
+    """An unknown that a constant combination of the rows leaves alone: of turns that close, M = 1,
+    a . M b holds only the angle between the axes a and b. Nothing is divided by, and no row goes.
+    """
+    monomials, table = work.table()
+    largest = np.max(np.abs(table), axis=(0, 1))
+    for unknown in sorted(work.active):
+        if any(work.ring.held(row) == {unknown} for row in work.rows):
+            continue
+        others = [k for k, m in enumerate(monomials) if work.ring.held_by(m) - {unknown}]
+        foreign = (table[:, others] / largest).reshape(-1, len(work.rows))
+        factors = tidy_rows(null_space(foreign, ROUNDING, relative=True)) / largest
+        combined = map(work.combined, factors.tolist())
+        found = [row for row in combined if work.ring.held(row) == {unknown}]
+        if found:
+            work.rows = [*found, *work.rows]
+            work.steps.append(f"{work.name(unknown)} left alone by a combination of the rows")
             return True
     return False
 

@@ -122,12 +122,11 @@ class Ring:
 
     def held(self, polynomial: Polynomial) -> set[int]:
         """The unknowns that a polynomial has."""
-        return {
-            self.generators[place][0]
-            for monomial in polynomial.terms
-            for place, e in enumerate(monomial)
-            if e
-        }
+        return {unknown for monomial in polynomial.terms for unknown in self.held_by(monomial)}
+
+    def held_by(self, monomial: Monomial) -> set[int]:
+        """The unknowns that a monomial has."""
+        return {self.generators[place][0] for place, e in enumerate(monomial) if e}
 
     def degree_in(self, polynomial: Polynomial, unknown: int) -> int:
         return max(

@@ -118,10 +118,12 @@ class Workspace:
         """
         return self.all_tidied([row])[0]
 
-    def all_tidied(self, rows: Sequence[Polynomial]) -> list[Polynomial]:
-        """Each of some rows as `tidied` makes it."""
+    def all_tidied(self, rows: Sequence[Polynomial], size: float = 0.0) -> list[Polynomial]:
+        """Each of some rows as `tidied` makes it; of lengths up to a `size`, that of the machine,
+        where constants of the rows have forgotten what they were made of.
+        """
         return [
-            self._tidied(row, values, sizes)
+            self._tidied(row, values, sizes, size)
             for row, (values, sizes) in zip(rows, self._of_rows(rows), strict=True)
         ]
 
@@ -136,9 +138,11 @@ class Workspace:
             for row, end in zip(rows, ends, strict=True)
         ]
 
-    def _tidied(self, row: Polynomial, values: np.ndarray, sizes: np.ndarray) -> Polynomial:
+    def _tidied(
+        self, row: Polynomial, values: np.ndarray, sizes: np.ndarray, size: float
+    ) -> Polynomial:
         units = np.array([self._unit(monomial) for monomial in row.terms])
-        largest = np.max(np.abs(values) * units, axis=1, initial=0.0, keepdims=True)
+        largest = np.max(np.abs(values) * units, axis=1, initial=size, keepdims=True)
         vanishing = np.all(np.abs(values) <= ROUNDING * np.maximum(sizes, largest / units), axis=0)
         terms = {}
         for k, (monomial, coefficient) in enumerate(row.terms.items()):
@@ -183,6 +187,26 @@ class Workspace:
             if float(np.ptp(ratio)) <= _SAME * float(np.max(np.abs(ratio)))
             else None
         )
+
+    def table(self) -> tuple[list[Monomial], np.ndarray]:
+        """The monomials of the rows and their coefficients (samples, monomials, rows), lengths in
+        units of `length`.
+        """
+        monomials = list(dict.fromkeys(m for row in self.rows for m in row.terms))
+        table = np.zeros((len(self.samples), len(monomials), len(self.rows)))
+        for k, (row, (values, _)) in enumerate(
+            zip(self.rows, self._of_rows(self.rows), strict=True)
+        ):
+            places = [monomials.index(m) for m in row.terms]
+            table[:, places, k] = values * [self._unit(m) for m in row.terms]
+        return monomials, table
+
+    def combined(self, factors: Sequence[float]) -> Polynomial:
+        """The sum of all rows, each times a factor."""
+        found = Polynomial({})
+        for row, factor in zip(self.rows, factors, strict=True):
+            found = found.plus(row, factor) if factor else found
+        return self.tidied(found)
 
     # --- formulas ---------------------------------------------------------------------------------
 

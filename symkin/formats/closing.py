@@ -54,7 +54,7 @@ are looked for (shares of the size).
 """
 _LEAST_KEPT, _GAP = 1e-6, 1e-3
 """Of the largest singular value, and of the smallest that counts: what makes a rank clear."""
-_NEIGHBOURS_TO_DIGITS, _STEP_TO_DIGITS, _GAP_TO_DIGITS = 4, 0.3, 2e-2
+_NEIGHBOURS_TO_DIGITS, _STEP_TO_DIGITS, _GAP_TO_DIGITS = 16, 0.3, 2e-2
 """The same where loops close only to the digits of a file: their misfit blurs what is zero, and
 steps are larger than it.
 """

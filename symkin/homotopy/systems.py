@@ -81,7 +81,7 @@ def _written(
     closure, system = problem.closure, problem.system
     if problem.by_name and not forms:
         return system.rows, {}, {}
-    written = algebraic_rows(closure, forms, eliminate=problem.of_pose)
+    written = algebraic_rows(closure, tuple(forms.items()), eliminate=problem.of_pose)
     rows, allowed = written.rows, {c.name for c in (*system.unknowns, *problem.known_coordinates)}
     if distance_function(problem) is not None:
         rows = rows[list(chosen_distances(problem)), 0]
@@ -93,6 +93,14 @@ def _written(
         rows = without_later(rows[list(problem.row_places), 0], closure, allowed)
         rows = ca.vertcat(rows, _implied(problem, written.symbols))
     return rows, written.symbols, {c: v for c, v in written.eliminated if c.name in allowed}
+
+
+def joint_rows(problem: Problem) -> ca.SX:
+    """The rows of a problem without unknown bodies, whose known quaternions may have any length."""
+    bodies = floating_bodies(problem.known_coordinates)
+    rows, symbols, _ = _written(problem, dict.fromkeys(bodies, "homogeneous"))
+    known = ca.vertcat(ca.SX(0, 1), *_known_parts(problem, symbols)[0])
+    return ca.substitute(rows, known, problem.system.known)
 
 
 def _implied(problem: Problem, symbols: Mapping[str, ca.SX]) -> ca.SX:

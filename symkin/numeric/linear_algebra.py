@@ -38,9 +38,13 @@ def pattern_of(matrices: np.ndarray) -> np.ndarray:
     return np.asarray((matrices != 0.0).any(axis=0))
 
 
-def parts_of_pattern(pattern: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
-    """The same parts of all matrices that are zero where a pattern (rows, columns) is."""
-    if pattern.shape[1] < _LARGE:
+def parts_of_pattern(
+    pattern: np.ndarray, least: int = _LARGE
+) -> list[tuple[np.ndarray, np.ndarray]]:
+    """The same parts of all matrices that are zero where a pattern (rows, columns) is, of `least`
+    columns or more.
+    """
+    if pattern.shape[1] < least:
         return []
     return _parts_of(np.packbits(pattern).tobytes(), *pattern.shape)
 

@@ -186,7 +186,7 @@ def _of_mechanism(mechanism: Mechanism, seed: int) -> ClosedConfiguration:
         rows=account.rows,
         rank=rank,
         redundant=account.redundant if redundant is None else redundant,
-        generic_rank=account.generic_rank,
+        generic_rank=account.rank.value,
         actuated=tuple(c.name for c in mechanism.actuated),
         loops=(),
         open_by=open_by,

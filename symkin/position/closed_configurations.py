@@ -50,7 +50,7 @@ def own_component(closure: Closure, seed: int) -> Component | None:
     if found.infinitesimal:
         # a singular file of few digits: what closes exactly beside it is less than what its digits
         # mean
-        digits = rank_to_digits(system, least_squares_ends(closure, seed), found.rank.value)
+        digits = rank_to_digits(system, least_squares_ends(closure, 0), found.rank.value)
         return found if digits is not None else component_at_singular(system, start, seed)
     return found
 

@@ -211,7 +211,7 @@ def _ranks(found: Mobility) -> Iterator[str]:
     """Rank, mobility and redundant constraints at generic closed configurations, or where none was
     found at the open reference.
     """
-    alone = found.generic_rank != found.rank.value or (found.infinitesimal and not found.mobility)
+    alone = found.infinitesimal and not found.mobility
     where = "the reference" if alone else "generic closed configurations"
     where = where if found.closed else "the open reference"
     less = f" - {found.infinitesimal} of first order alone" if found.infinitesimal else ""

@@ -202,7 +202,7 @@ def _beside_singular(closure: Closure, rank: int) -> tuple[np.ndarray, float, fl
     """
     system, ends = whole_system(closure), least_squares_ends(closure, 0)
     digits = rank_to_digits(system, ends, rank)
-    if digits is None or not digits.beside_alone:
+    if digits is None or digits.at_reference is None:
         return None
     near = np.flatnonzero(ends.misfits <= digits.misfit)
     jacobians = system.linearise(ends.points[near])[1]

@@ -9,6 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from symkin.numeric.levenberg import levenberg_marquardt
+from symkin.numeric.linear_algebra import parts_of_pattern
+from symkin.numeric.rank import Rank
 from symkin.numeric.system import NOTHING, System
 from symkin.numeric.tolerances import CLOSED_CONFIGURATION
 
@@ -21,10 +23,21 @@ _CLEAR_DROP = 2e-2
 """Of the smallest singular value that counts: what the next one has at most where a rank to the
 digits of a file is clear.
 """
+_OFTEN = 4
+"""Of the configurations of clear rank one of so many has the generic one, at least: others lie
+near singular places, and single ones in another assembly.
+"""
+_CLEAR_LEAST = 3e-3
+"""Of the largest: what the smallest singular value that counts has at least where it is clear. At
+a double point loops stay closed to digits for steps of the root of FILE_DIGITS, along which
+singular values grow as much, though no motion is there.
+"""
 BLUR = 30.0
 """Singular values that are zero but for a misfit, over it (a share of the size): what loops are
 larger than their shortest links.
 """
+_WALKS, _WALK = 3, 0.1
+"""Steps along what is free to digits, and their length (of the size)."""
 _STARTS, _FEW_STARTS, _MANY_FREEDOMS = 8, 2, 40
 """Random steps of each of three lengths; of a mechanism of many freedoms, whose single steps take
 long, fewer.
@@ -34,13 +47,13 @@ long, fewer.
 @dataclass(frozen=True)
 class ToDigits:
     """What holds to the digits of a file: the largest closure error (length unit) of least-squares
-    configurations, and the rank there; `beside_alone`: nothing but the reference closes exactly,
-    and it is singular.
+    configurations, and the rank there; `at_reference` is the rank at the reference where nothing
+    else closes exactly at a clear rank, and it is singular.
     """
 
     misfit: float
     rank: int
-    beside_alone: bool = False
+    at_reference: int | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,40 +74,86 @@ def least_squares_from(system: System, reference: np.ndarray, seed: int) -> Leas
     each = _FEW_STARTS if system.freedom > _MANY_FREEDOMS else _STARTS
     begin = np.tile(reference, (3 * each, 1))
     radii = np.repeat([0.03, 0.1, 0.3], each)[:, None] * size
-    starts = system.move(begin, radii * rng.normal(size=(3 * each, system.freedom)))
+    return _ends(system, system.move(begin, radii * rng.normal(size=(3 * each, system.freedom))))
+
+
+def _ends(system: System, starts: np.ndarray) -> LeastSquaresEnds:
     batch = levenberg_marquardt(system, starts, NOTHING, max_iterations=200)
     points = system.polish_many(batch.points).points
     misfits = system.residuals(points)
-    closed = batch.converged & (misfits <= CLOSED_CONFIGURATION * size)
+    closed = batch.converged & (misfits <= CLOSED_CONFIGURATION * system.characteristic_length)
     return LeastSquaresEnds(points, misfits, closed)
+
+
+def _walked_on(system: System, ends: LeastSquaresEnds) -> LeastSquaresEnds:
+    """Ends from steps along what is free to digits at those that close to them. Singular places are
+    left so: at generic ones less is free, and steps along that end at generic ones again.
+    """
+    size, rng = system.characteristic_length, np.random.default_rng(0)
+    points = ends.points[ends.misfits <= FILE_DIGITS * size]
+    for _ in range(_WALKS):
+        _, values, right = np.linalg.svd(system.linearise(points)[1])
+        held = np.zeros(right.shape[:2], dtype=bool)
+        held[:, : values.shape[1]] = values > FILE_DIGITS * values[:, :1]
+        steps = rng.normal(size=held.shape) * ~held
+        starts = system.move(points, _WALK * size * np.einsum("nk,nkj->nj", steps, right))
+        found = _ends(system, starts)
+        near = found.misfits <= FILE_DIGITS * size
+        points = np.where(near[:, None], found.points, points)
+    return _ends(system, points)
 
 
 def rank_to_digits(system: System, ends: LeastSquaresEnds, rank: int | None) -> ToDigits | None:
     """What holds at ends that close the loops only to the digits of a file, where more moves there
     than exactly (`rank`), or where nothing closes exactly, or nothing but a singular reference, at
     which more moves than beside it.
+
+    Loops that share no joint are judged each by itself: few ends are clear in all of them at once.
     """
-    size, misfits = system.characteristic_length, ends.misfits
-    near = np.flatnonzero((misfits > CLOSED_CONFIGURATION * size) & (misfits <= FILE_DIGITS * size))
+    size = system.characteristic_length
+    if not np.any(_to_digits_alone(ends, size)):
+        return None
+    ends = _walked_on(system, ends)
+    misfits, near = ends.misfits, np.flatnonzero(_to_digits_alone(ends, size))
     if not near.size:
         return None
     _, jacobians = system.linearise(ends.points[near])
-    values = np.linalg.svd(jacobians, compute_uv=False)
-    zero = np.maximum(FILE_DIGITS, BLUR * misfits[near] / size)[:, None] * values[:, :1]
-    counts = np.sum(values > zero, axis=1)
-    found, misfit = int(np.median(counts)), float(misfits[near].max())
+    zero = np.maximum(FILE_DIGITS, BLUR * misfits[near] / size)
+    ranks = [_generic(part, zero) for part in _parts(jacobians)]
+    found, misfit = sum(count for count, _ in ranks), float(misfits[near].max())
     if rank is None or found < rank:
         return ToDigits(misfit, found)
-    clear = [] if ends.closed.any() else _clear(values, counts)
-    found = max(set(clear), key=clear.count, default=rank)
-    return ToDigits(misfit, found, beside_alone=True) if found > rank else None
+    exact = system.linearise(ends.points[ends.closed])[1]
+    alone = all(clear for _, clear in ranks) and not any(Rank.of(j).is_clear for j in exact)
+    return ToDigits(misfit, found, rank) if found > rank and alone else None
 
 
-def _clear(values: np.ndarray, counts: np.ndarray) -> list[int]:
-    """The ranks of those configurations at which the singular values that count are far from those
-    that do not.
+def _to_digits_alone(ends: LeastSquaresEnds, size: float) -> np.ndarray:
+    return (ends.misfits > CLOSED_CONFIGURATION * size) & (ends.misfits <= FILE_DIGITS * size)
+
+
+def _parts(jacobians: np.ndarray) -> list[np.ndarray]:
+    """The Jacobians (n, rows, columns) of loops that share no joint with others."""
+    parts = parts_of_pattern((jacobians != 0.0).any(axis=0), least=0)
+    return [
+        jacobians[:, held[:, None], own]
+        for rows, columns in parts
+        for held, own in zip(rows, columns, strict=True)
+        if held.size
+    ] or [jacobians]
+
+
+def _generic(jacobians: np.ndarray, zero: np.ndarray) -> tuple[int, bool]:
+    """The largest rank of a quarter of the configurations at which the singular values that count
+    are far from those that do not, shares of the largest up to `zero`: it is lost at singular
+    places. Where no rank is clear, the median and False.
     """
-    padded = np.hstack([values, np.zeros((len(values), 1))])
+    values = np.linalg.svd(jacobians, compute_uv=False)
+    values = np.hstack([values / values[:, :1], np.zeros((len(values), 1))])
+    counts = np.sum(values > zero[:, None], axis=1)
     rows = np.arange(len(values))
-    dropped, kept = padded[rows, counts], padded[rows, np.maximum(counts - 1, 0)]
-    return [int(count) for count in counts[dropped <= _CLEAR_DROP * kept]]
+    dropped, kept = values[rows, counts], values[rows, np.maximum(counts - 1, 0)]
+    clear = [*counts[(dropped <= _CLEAR_DROP * kept) & (kept >= _CLEAR_LEAST)]]
+    if not clear:
+        return int(np.median(counts)), False
+    return int(max(c for c in clear if _OFTEN * clear.count(c) >= len(clear))), True

@@ -63,12 +63,13 @@ def mobility(mechanism: Mechanism, *, seed: int = 0) -> Mobility:
     reference_rank = None
     if system.residual(reference) <= CLOSURE_TOLERANCE * size:
         reference_rank = Rank.of(system.linearise_one(reference)[1])
-    found = _by_least_squares(closure, seed) if own is None else _of_component(closure, own, seed)
-    values, generic = found.values, found.rank
+    found = _by_least_squares(closure) if own is None else _of_component(closure, own)
+    values, rank = found.values, found.rank
+    generic = Rank(rank.value + found.above, float("inf")) if found.above else rank
     unknown = [c.role != "actuated" for c in per_freedom(closure.coordinates)]
     direct = Rank.of(system.linearise_one(values)[1][:, unknown])
     limbs = limb_screws(closure, values)
-    at_reference = reference_rank is not None and reference_rank.value == generic.value
+    at_reference = reference_rank is not None and reference_rank.value == rank.value
     if at_reference:
         at_rest = limb_screws(closure, reference)
         at_reference = [s.counts for s in at_rest] == [s.counts for s in limbs]
@@ -82,7 +83,7 @@ def mobility(mechanism: Mechanism, *, seed: int = 0) -> Mobility:
         freedoms=system.freedom,
         rows=count_rows(closure),
         rank=generic,
-        redundant=redundant_constraints(closure, found.values, generic.value),
+        redundant=redundant_constraints(closure, found.values, rank.value) - found.above,
         direct_rank=direct,
         limbs=limbs,
         platform_constraints=constraints,
@@ -91,7 +92,7 @@ def mobility(mechanism: Mechanism, *, seed: int = 0) -> Mobility:
         reference_rank=reference_rank,
         digits=found.digits,
         other_ranks=found.other_ranks,
-        misfit=_misfit(closure, system, least_squares_ends(closure, seed))
+        misfit=_misfit(closure, system, least_squares_ends(closure, 0))
         if not found.closed and found.digits is None
         else None,
         infinitesimal=found.infinitesimal,
@@ -111,17 +112,26 @@ class _Generic:
     other_ranks: tuple[int, ...] = ()
     ranks_apart: tuple[int, ...] = ()
 
+    @property
+    def above(self) -> int:
+        """How much more the rank to digits is than that here, where nothing beside it closes."""
+        digits = self.digits
+        return 0 if digits is None or digits.at_reference is None else digits.rank - self.rank.value
 
-def _of_component(closure: Closure, own: Component, seed: int) -> _Generic:
+
+def _of_component(closure: Closure, own: Component) -> _Generic:
     """The assembly that the reference belongs to. Least squares from far off is asked where
-    singular values are small, or no motion leads away, as of loops that close to a file's digits;
-    and for other assemblies.
+    singular values are small everywhere, or no motion leads away, as of loops that close to a
+    file's digits; and for other assemblies.
     """
     system = whole_system(closure)
-    least = Rank.of(system.linearise_one(own.points[0])[1], BLUR * FILE_DIGITS)
+    small = all(
+        Rank.of(jacobian, BLUR * FILE_DIGITS).value < own.rank.value
+        for jacobian in system.linearise(own.points)[1]
+    )
     digits = None
-    if least.value < own.rank.value or (own.infinitesimal and len(own.points) == 1):
-        digits = rank_to_digits(system, least_squares_ends(closure, seed), own.rank.value)
+    if small or (own.infinitesimal and len(own.points) == 1):
+        digits = rank_to_digits(system, least_squares_ends(closure, 0), own.rank.value)
     apart = (
         tuple(v for v in _ranks_apart(closure) if v not in (own.rank.value, *own.other_ranks))
         if digits is None
@@ -138,9 +148,9 @@ def _of_component(closure: Closure, own: Component, seed: int) -> _Generic:
     )
 
 
-def _by_least_squares(closure: Closure, seed: int) -> _Generic:
+def _by_least_squares(closure: Closure) -> _Generic:
     """Where least squares ends, of a reference that is open and near to no closed configuration."""
-    system, ends = whole_system(closure), least_squares_ends(closure, seed)
+    system, ends = whole_system(closure), least_squares_ends(closure, 0)
     candidates = [*ends.points[ends.closed]] or [closure.reference]
     ranks = [Rank.of(system.linearise_one(z)[1]) for z in candidates]
     best, closed = generic_one(ranks), bool(ends.closed.any())

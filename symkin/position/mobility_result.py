@@ -84,17 +84,6 @@ class Mobility(Result):
         return self.freedoms - self.rank.value - self.infinitesimal
 
     @property
-    def generic_rank(self) -> int:
-        """The rank at closed configurations beside the reference; to the digits of the file where
-        nothing else closes exactly.
-        """
-        return (
-            self.digits.rank
-            if self.digits is not None and self.digits.beside_alone
-            else self.rank.value
-        )
-
-    @property
     def implied_rows(self) -> int:
         """Rows of the closure that the others imply, under the motion that is declared."""
         return self.rows - self.rank.value
@@ -237,9 +226,10 @@ class Mobility(Result):
             if self.closed
             else ("", "")
         )
-        if self.digits.beside_alone:
+        if self.digits.at_reference is not None:
             exactly = (
-                f"; at the reference, which is singular, it is {self.freedoms - self.rank.value}"
+                "; at the reference, which is singular, it is "
+                f"{self.freedoms - self.digits.at_reference}"
             )
         return (
             f"{where}the loops close only to the digits of the file: least-squares configurations "
@@ -293,10 +283,10 @@ class Mobility(Result):
             "mobility": None if reference is None else self.freedoms - reference.value,
             "redundant": self.redundant_at_reference,
             "generic": {
-                "rank": self.generic_rank,
-                "mobility": self.freedoms - self.generic_rank - self.infinitesimal,
+                "rank": self.rank.value,
+                "mobility": self.mobility,
                 "infinitesimal": self.infinitesimal,
-                "redundant": self.redundant_of(self.generic_rank),
+                "redundant": self.redundant,
                 "closed": self.closed,
             },
             "gruebler": self.gruebler,

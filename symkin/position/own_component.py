@@ -46,6 +46,10 @@ _MEETING = 0.01
 of fifth order still leaves rows of 1e-10 there, and where a branch touches another one its rank is
 clear (1e-6).
 """
+_STEPS_OFF = 3
+"""Steps as long from there: in each of several loops that share no joint, one of two leads off the
+places at which that one is singular.
+"""
 _BESIDE = 0.2
 """Of the size: distance at which branches that touch are apart."""
 _SEARCHES, _FEW_SEARCHES = 40, 12
@@ -109,6 +113,7 @@ def component_at_singular(system: System, start: np.ndarray, seed: int) -> Compo
     near = walker.near(start, motions, searches, _MEETING)
     if not len(near):
         return Component(start[None], rank, infinitesimal=len(motions))
+    near = walker.off_singular_places(start, near)
     meeting = {walker.motions(z, SINGULAR_VALUE)[1].value for z in near}
     ends = walker.closed(walker.walked(start, near, np.resize(_LENGTHS, len(near))))
     points = np.vstack([ends, walker.near(start, motions, searches, _BESIDE), near])
@@ -169,6 +174,18 @@ class _Walker:
         begin = np.tile(start, (len(directions), 1))
         ends, went = self.stepped(begin, directions, np.full(len(directions), _FIRST * self.size))
         return ends if went.all() else None
+
+    def off_singular_places(self, start: np.ndarray, points: np.ndarray) -> np.ndarray:
+        """Some short random steps from points, away from the start, along what is free at them:
+        where more is free than motions they lead to where that is not so, and not back.
+        """
+        lengths = np.full(len(points), _MEETING * self.size)
+        for _ in range(_STEPS_OFF):
+            ways = [self.directions(self.motions(z, SINGULAR_VALUE)[0], 1)[0] for z in points]
+            away = self.system.difference(np.tile(start, (len(points), 1)), points)
+            sides = np.where(np.sum(ways * away, axis=1) < 0.0, -1.0, 1.0)
+            points, _ = self.stepped(points, sides[:, None] * ways, lengths)
+        return points
 
     def walked(self, start: np.ndarray, points: np.ndarray, lengths: np.ndarray) -> np.ndarray:
         """Go on from points in the direction in which they lie of the start, as far as `lengths`

@@ -261,7 +261,7 @@ def _problem(closure: Closure, names: tuple[str, ...], by_name: bool) -> Problem
         unknowns,
         closure.symbols(unknowns),
         closure.symbols(known),
-        algebraic_rows(closure, {}).rows
+        algebraic_rows(closure).rows
         if by_name and not closure.partition.geometry
         else closure.bound(closure.rows),
         closure.bound(closure.errors),

@@ -169,6 +169,8 @@ NAMES = {
     "close_robot": "symkin.position.close",
     "closed_configurations": "symkin.position.closed_configurations",
     "own_component": "symkin.position.closed_configurations",
+    "least_squares_from": "symkin.position.file_digits",
+    "rank_to_digits": "symkin.position.file_digits",
     "whole_system": "symkin.position.closed_configurations",
     "describe": "symkin.position.describe",
     "determination": "symkin.position.determination",
@@ -265,6 +267,7 @@ NAMES = {
     "angle_sums": "symkin.elimination.angle_sums",
     "ClosedForm": "symkin.elimination.closed_form",
     "closed_form": "symkin.elimination.closed_form",
+    "misses_none": "symkin.elimination.complex_branches",
     "samples_about": "symkin.elimination.closed_form",
     # proofs
     "BallSystem": "symkin.certificate.ball_system",

@@ -5,8 +5,10 @@ configuration tells its own.
 from __future__ import annotations
 
 import itertools
+from dataclasses import replace
 from functools import cache
 
+import casadi as ca
 import numpy as np
 import pytest
 
@@ -19,6 +21,7 @@ from helpers.inside import (
     angle_sums,
     build_problem,
     closed_form,
+    misses_none,
     samples_about,
     start_of,
     structure_groups,
@@ -121,6 +124,31 @@ def test_a_limb_that_not_every_pose_lets_close() -> None:
     assert solutions.clear.all()
     for row, values in enumerate(known):
         assert np.all(found.system.residuals(solutions.values[row], values) < 1e-10 * size)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_formulas_that_lack_a_branch_are_told_from_those_that_have_all(name: str) -> None:
+    """By random complex starts, at one instance."""
+    found, (problem, _) = formulas(name), parts()[name]
+    known = problem.reference_known if name == "3-RPS limb" else inputs(problem, 3)[0]
+    assert misses_none(found, known)
+    if not found.signs.numel():
+        return
+    halved = {
+        part: ca.substitute(getattr(found, part), found.signs[0], 1.0)
+        for part in ("first", "second", "discriminants", "divisors")
+    }
+    assert not misses_none(replace(found, signs=found.signs[1:], **halved), known)
+
+
+def test_rows_of_rounding_are_none() -> None:
+    """Nothing is solved by what rounding has left of a row that is zero."""
+    problem, _ = parts()["four_bar 0"]
+    system, noise = problem.system, ca.cos(problem.system.unknown[0])
+    rows = ca.vertcat(system.rows, 1e-15 * system.characteristic_length * noise)
+    found = closed_form(replace(system, rows=rows), about(problem, system))
+    assert found is not None
+    assert found.steps == formulas("four_bar 0").steps
 
 
 def test_sums_of_angles_are_tried_where_axes_are_parallel() -> None:

@@ -42,7 +42,7 @@ def test_algebraic_rows_are_the_closure_rows_at_unit_quaternions(name, form):
     """With |e| = 1 and g = t e / 2 the weighted rows are the closure's own."""
     mechanism = symkin.load(name)
     closure = build_closure(mechanism)
-    written = inside.algebraic_rows(closure, {"pose": form})
+    written = inside.algebraic_rows(closure, (("pose", form),))
     joints_of = closure.symbols(closure.role("actuated", "passive"))
     function = ca.Function("a", [joints_of, written.symbols["pose"]], [written.rows])
     rng = np.random.default_rng(1)

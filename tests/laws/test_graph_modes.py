@@ -18,7 +18,7 @@ from helpers.gate import in_gate
 from helpers.inside import build_closure
 from helpers.shipped import TWELVE
 from oracle.plain_check import MECHANISMS, plain_gap
-from symkin import Modes
+from symkin import Joint, LinkJoint, Mechanism, Modes
 
 GALLERY = json.loads((Path(__file__).parents[1] / "data" / "gallery.json").read_text())
 CASES = [(name, k) for name, entry in GALLERY.items() for k in range(len(entry["cases"]))]
@@ -403,3 +403,25 @@ def test_a_platform_of_three_freedoms_by_height_and_tilt() -> None:
     near = symkin.solve(mechanism, given=given).solution
     assert near is not None
     assert min(np.max(np.abs(other.position - near.position)) for other in found) < 1e-6
+
+
+def test_angles_that_no_given_value_moves_are_all_found() -> None:
+    """The three turns of a loop C P R P C close in two ways, wherever its slides are."""
+    joints = [
+        Joint("c1", "C", (0, 0, 0), (1, 0.2, 0)),
+        Joint("p1", "P", (3, 0, 1), (0, 1, 0.3)),
+        Joint("r", "R", (3, 2, 1), (0, 0.4, 1)),
+        Joint("p2", "P", (1, 4, 2), (1, 0, 1)),
+        Joint("c2", "C", (0, 4, 0), (0.3, 1, -0.2)),
+    ]
+    links = ["base", "a", "b", "c", "d", "base"]
+    loop = Mechanism(
+        "loop",
+        link_joints=[LinkJoint(joint, links[k : k + 2]) for k, joint in enumerate(joints)],
+        platform_link=None,
+    )
+    found = symkin.modes(loop, given={"p2": 0.4})
+    assert (len(found), found.complex_count, found.completeness) == (2, 2, "probability one")
+    assert all(mode.certified for mode in found)
+    assert min(abs(mode.joints["r"]) for mode in found) < 1e-12
+    assert len(symkin.modes(loop, given={"p2": 0.4}, method="multistart")) == 2

@@ -81,12 +81,10 @@ def _four_bars(count: int, coupler: str = "link") -> symkin.Mechanism:
     return symkin.Mechanism("four_bars", link_joints=joints, link_rods=rods)
 
 
-@pytest.mark.parametrize("coupler", ["link", "rod"])
-def test_equal_loops_are_derived_once(coupler, monkeypatch):
-    """However many loops of one kind a machine has, formulas, paths and their roots are those of
-    one.
-    """
-    counted = {"closed_form": 0, "start_of_structure": 0}
+@pytest.fixture
+def counted(monkeypatch):
+    """How often formulas, and starts of paths, are derived."""
+    counts = {"closed_form": 0, "start_of_structure": 0}
     for module, name in (
         (inside.closed_roots, "closed_form"),
         (inside.group_solvers, "start_of_structure"),
@@ -94,15 +92,56 @@ def test_equal_loops_are_derived_once(coupler, monkeypatch):
         own = getattr(module, name)
 
         def counting(*arguments, name=name, own=own, **options):
-            counted[name] += 1
+            counts[name] += 1
             return own(*arguments, **options)
 
         monkeypatch.setattr(module, name, counting)
+    return counts
+
+
+@pytest.mark.parametrize("coupler", ["link", "rod"])
+def test_equal_loops_are_derived_once(coupler, counted):
+    """However many loops of one kind a machine has, formulas, paths and their roots are those of
+    one.
+    """
     found = symkin.modes(_four_bars(40, coupler), given={f"a{k}": 0.1 * k for k in range(40)})
     assert found.count == 2**40
     # the loop at the origin has shorter rows
     assert counted["closed_form"] <= 2
     assert counted["start_of_structure"] <= 2
+
+
+def _legs(count: int) -> symkin.Mechanism:
+    """A platform on legs U P S, their U joints along the base's axes."""
+    rng, limbs = np.random.default_rng(0), []
+    for k, angle in enumerate(2.0 * np.pi * np.arange(count) / count + 0.2):
+        foot, ball = (
+            np.array([r * np.cos(angle), r * np.sin(angle), z]) + rng.uniform(-0.1, 0.1, 3)
+            for r, z in ((2.0, 0.0), (1.0, 1.0))
+        )
+        joints = [
+            symkin.Joint(f"u{k}", "U", foot, (1, 0, 0), (0, 1, 0)),
+            symkin.Joint(f"p{k}", "P", foot, ball - foot, actuated=True),
+            symkin.Joint(f"s{k}", "S", ball),
+        ]
+        limbs.append(symkin.Limb(f"leg{k}", joints))
+    return symkin.Mechanism("legs", limbs)
+
+
+def test_equal_legs_are_derived_once(counted):
+    """At a pose a leg of many is derived no oftener than one of two, and answers as by itself."""
+    pose, machine = (0.05, 0.02, 0.1, 0.99, 0.0, 0.1, 0.05), _legs(12)
+    found = symkin.modes(machine, pose=pose)
+    assert sum(counted.values()) <= 2
+    assert found.count == 4**12
+    assert all(mode.certified for mode in found)
+    for k, limb in enumerate(machine.limbs):
+        alone = symkin.modes(symkin.Mechanism("one", [limb]), pose=pose)
+        names = (f"p{k}", f"u{k}.1", f"u{k}.2")
+        held = [
+            {tuple(np.round([m.joints[n] for n in names], 8)) for m in f} for f in (found, alone)
+        ]
+        assert held[0] == held[1]
 
 
 @pytest.mark.parametrize("coupler", ["link", "rod"])

@@ -18,8 +18,10 @@ from helpers.inside import (
     build_closure,
     closed_configurations,
     describe,
+    least_squares_from,
     own_component,
     parse,
+    rank_to_digits,
     whole_system,
 )
 from symkin import Joint, Limb, Mechanism
@@ -131,6 +133,53 @@ def test_configurations_are_closed_apart_and_of_one_rank(name: str) -> None:
     assert set((values > 1e-8 * values[:, :1]).sum(axis=1)) <= {
         own_component(closure, 5).rank.value
     }  # type: ignore[union-attr]
+
+
+def two_legs(quarter: float) -> str:
+    """Two five-bars between coaxial motors, the knees universal joints with parallel second axes,
+    one beside the other; `quarter` turns the motors' axes off their forward direction.
+    """
+    forward, across = np.array([1.0, 0.0, 0.0]), np.array([0.0, 1.0, 0.0])
+    joints = []
+    for leg, middle in (("a", 300.0), ("b", -300.0)):
+        for k, side in enumerate((-1.0, 1.0)):
+            crank, cross, shank = (f"{leg}{part}{k}" for part in ("crank", "cross", "shank"))
+            axis = np.array([side * np.cos(quarter), np.sin(quarter), 0.0])
+            knee = np.array([middle + 95.0 * side, 131.0 - 9.0 * k, -18.5])
+            joints += [
+                ("base", crank, np.array([middle, 155.0 - 55.0 * k, -18.5]), axis),
+                (crank, cross, knee, across),
+                (cross, shank, knee, forward),
+            ]
+        joints.append((f"{leg}shank0", f"{leg}shank1", np.array([middle, 126.5, -183.0]), across))
+    return Machine("two_legs", 4, tuple(joints)).text()
+
+
+@pytest.mark.parametrize(
+    "quarter", in_gate([np.pi / 2, 1.57075, 1.5708, 1.5707], [np.pi / 2, 1.57075])
+)
+def test_mobility_to_digits_is_that_of_exact_numbers_whatever_the_seed(quarter: float) -> None:
+    """A five-bar has two freedoms and a redundant constraint, wherever it goes, and three freedoms
+    of first order at the reference, where the knees' second axes are parallel. Motors whose axes
+    are off by the digits of a quarter turn close nowhere else exactly.
+    """
+    machine = parse(two_legs(quarter))
+    for seed in range(3):
+        found = symkin.mobility(machine, seed=seed)
+        assert (found.mobility, found.redundant, found.infinitesimal) == (4, 2, 0)
+        assert found.reference_rank is not None
+        assert found.freedoms - found.reference_rank.value == 6
+        assert (found.digits is not None) == (quarter != np.pi / 2)
+    if found.digits is not None:
+        assert "at the reference, which is singular, it is 6" in found.warnings[0]
+        assert found.to_dict()["generic"]["mobility"] == found.to_dict()["to_digits"]["mobility"]
+        closure = found.closure
+        system, rank = whole_system(closure), found.reference_rank.value
+        for seed in range(5):
+            ends = least_squares_from(system, closure.reference, seed)
+            digits = rank_to_digits(system, ends, rank)
+            assert digits is not None
+            assert found.freedoms - digits.rank == 4
 
 
 def test_a_result_says_each_note_once() -> None:

@@ -38,9 +38,11 @@ _TABLE_OF = {"joint": "joints", "group": "groups"}
 
 @dataclass(frozen=True, eq=False)
 class Reading:
-    """Readings of a passive joint, a named point, a distance of two or another link than the
-    platform's, by its `name`; or, with `ends`, of the distance between a point of the platform
-    frame and one of the base frame, whatever it is called.
+    """What was read beside the platform's own pose, by its name.
+
+    A passive joint, a named point, a distance of two, another link than the platform's; or, with
+    `ends`, the distance between a point of the platform frame and one of the base frame, whatever
+    it is called.
 
     Names are "follower" (a joint), "point.toe" (in the base frame), "distance.toe.hip",
     "coupler.position", "coupler.orientation" (unit quaternions) and "coupler.inclination" of a

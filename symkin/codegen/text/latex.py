@@ -167,7 +167,7 @@ def _in_user_scale(closure: Closure) -> ca.SX:
     for k, row in enumerate(closure.row_sources):
         if row.relation == "frame" and k % 6 < 3 and _is_position_row(closure, k):
             scaled[k] = 1.0
-    rows = algebraic_rows(closure, {}).rows
+    rows = algebraic_rows(closure).rows
     return ca.vertcat(*(f * rows[k] for k, f in enumerate(scaled)))
 
 

@@ -14,8 +14,8 @@ import numpy as np
 
 from symkin.closure.expression_graph import instructions, rebuilt
 from symkin.computed_once import lru_cache
+from symkin.homotopy.systems import joint_rows
 from symkin.model.joint import Coordinate
-from symkin.numeric.system import System
 from symkin.position.gear_train import gear_train
 from symkin.position.groups import is_linear
 from symkin.position.problem import Problem
@@ -47,6 +47,8 @@ class Member:
 @lru_cache(maxsize=32)
 def members_of(groups: tuple[Problem, ...]) -> dict[Problem, Member]:
     """Those of some groups that are members of large families."""
+    if len(groups) < _FEWEST:
+        return {}
     taken = {group: _Numbers.of(group) for group in groups if _may_be_member(group)}
     families: dict[Hashable, list[Problem]] = {}
     for group, numbers in taken.items():
@@ -63,16 +65,32 @@ def members_of(groups: tuple[Problem, ...]) -> dict[Problem, Member]:
 
 def _may_be_member(group: Problem) -> bool:
     system = group.system
-    coordinates = (*system.unknowns, *group.known_coordinates)
     return (
         system.freedom <= _MOST_UNKNOWNS
         and int(system.rows.shape[0]) == system.freedom
         and not group.implied
         and not group.closure.partition.geometry
-        and all(c.body is None and c.kind in ("angle", "length") for c in coordinates)
+        and all(c.body is None and c.kind in ("angle", "length") for c in system.unknowns)
+        and not any(c.is_advancing for c in group.known_coordinates)
         # whose solutions are told by their own numbers, without a search
         and gear_train(group) is None
         and not is_linear(group)
+        and _turns_as_family(group)
+        and int(joint_rows(group).shape[0]) == system.freedom
+    )
+
+
+def _turns_as_family(group: Problem) -> bool:
+    """Whether turns stay what they are whatever the numbers: about axes of the frame, whose numbers
+    are none of the geometry. Those of others are tied, without which there are more solutions.
+    """
+    own = {c.name for c in (*group.system.unknowns, *group.known_coordinates) if c.is_periodic}
+    return all(
+        abs(number) in _LITERAL
+        for joint in group.mechanism.all_joints
+        if not own.isdisjoint(c.name for c in joint.coordinates)
+        for axis in (joint.axis, joint.axis2)
+        for number in axis or ()
     )
 
 
@@ -90,7 +108,7 @@ class _Numbers:
     def of(group: Problem) -> _Numbers:
         size = max(group.system.farthest, group.system.characteristic_length)
         found, left, slots = _Numbers(_ROUNDING * size), list[Hashable](), dict[int, Hashable]()
-        for op, a, o, number in instructions(_function(group.system)):
+        for op, a, o, number in instructions(_function(group)):
             if op == ca.OP_CONST:
                 slots[o[0]] = found.signed_place(number)
                 continue
@@ -117,12 +135,12 @@ class _Numbers:
         return 1.0, len(self.values) - 1
 
 
-def _function(system: System) -> ca.Function:
-    return ca.Function(
-        "rows",
-        [system.unknown, system.known],
-        [ca.densify(ca.vertcat(system.rows, system.errors))],
-    )
+@lru_cache(maxsize=128)
+def _function(group: Problem) -> ca.Function:
+    """Rows, of any length of a known quaternion as those that paths follow, and closure errors."""
+    system = group.system
+    both = ca.densify(ca.vertcat(joint_rows(group), system.errors))
+    return ca.Function("rows", [system.unknown, system.known], [both])
 
 
 def _family(group: Problem, numbers: _Numbers, units: np.ndarray) -> Problem:
@@ -138,9 +156,11 @@ def _family(group: Problem, numbers: _Numbers, units: np.ndarray) -> Problem:
         sign, place = numbers.signed_place(number)
         return ca.SX(sign) if place < 0 else sign * units[place] * symbols[place]
 
-    whole = rebuilt(_function(system), [system.unknown, system.known], lifted, lambda value: value)
+    whole = rebuilt(_function(group), [system.unknown, system.known], lifted, lambda value: value)
     count = int(system.rows.shape[0])
-    known = (*group.known_coordinates, *more)
+    # what is known of a body is any numbers to its rows
+    plain = (replace(c, role="geometry") if c.body else c for c in group.known_coordinates)
+    known = (*plain, *more)
     rows, errors = whole[:count], whole[count:]
     return replace(
         group,
@@ -159,5 +179,6 @@ def _family(group: Problem, numbers: _Numbers, units: np.ndarray) -> Problem:
         ),
         system=replace(system, known=ca.vertcat(system.known, symbols), rows=rows, errors=errors),
         known_coordinates=known,
+        by_name=True,
         row_places=None,
     )
