@@ -26,16 +26,12 @@ COMPLETE = ("proved", "probability one")
 
 def machine_of(mechanism: Mechanism, given: Given) -> Lowered | None:
     """The machine for known values of joints, or of the platform's pose; None where it is the
-    mechanism itself, and where parts of a pose are given that it has in another frame.
+    mechanism itself.
     """
     if _is_pose(mechanism, given) or plain_kind(mechanism, given.names) is not None:
         return lowered(mechanism)
     joints = frozenset(given.names) & {c.name for c in mechanism.coordinates}
-    is_of_pose = len(joints) < len(given.names)
-    if is_of_pose and mechanism.is_graph:
-        return None
-    low = lowered(mechanism, joints, pose=not mechanism.is_graph)
-    return None if low is not None and is_of_pose and low.frames is not None else low
+    return lowered(mechanism, joints, pose=not mechanism.is_graph)
 
 
 def is_complete(found: Modes) -> bool:

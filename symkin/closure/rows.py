@@ -90,11 +90,11 @@ class RowBuilder(BodyBuilder):
         names = self.partition.pose_conditions
         if not names:
             return
-        reference, size = self.mechanism.reference_pose, self.mechanism.characteristic_length
-        angles = tilt_and_torsion(np.asarray(reference.quaternion))
-        nominal = dict(
-            zip(POSE_CONDITIONS, (*np.asarray(reference.position).tolist(), *angles), strict=True)
-        )
+        size, told = self.mechanism.characteristic_length, self.mechanism.told
+        reference = self.mechanism.reference_pose
+        position, quaternion = map(np.asarray, told(reference.position, reference.quaternion))
+        numbers = (*position.tolist(), *tilt_and_torsion(quaternion))
+        nominal = dict(zip(POSE_CONDITIONS, numbers, strict=True))
         values = {
             n: self._symbol(
                 Coordinate(n, "length" if n in "xyz" else "angle", "given", (nominal[n],))
@@ -102,9 +102,9 @@ class RowBuilder(BodyBuilder):
             for n in names
         }
         pose = self.platform_pose
-        place = pose.point(ca.SX(3, 1))
+        place, turn = told(pose.point(ca.SX(3, 1)), pose.quaternion)
         rows = [pose.weight * values[n] - place["xyz".index(n)] for n in names if n in "xyz"]
-        turns, checks = rotation_conditions(pose.quaternion, values)
+        turns, checks = rotation_conditions(turn, values)
         rows, checks = (
             [*rows, *(size * row for row in turns)],
             [*rows, *(size * check for check in checks)],

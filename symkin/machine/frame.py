@@ -225,10 +225,9 @@ def _placed(mechanism: Mechanism, turn: Pose) -> tuple[Mechanism, Frames]:
         return _aligned(turned), Frames(turn, Pose(np.zeros(3), np.array(_AS_BASE)))
     own = Pose(np.zeros(3), turned.reference_pose.quaternion)
     limbs = [_with_rods(limb, own) for limb in turned.limbs]
-    return (
-        _aligned(replace(turned, limbs=limbs, platform_quaternion=_AS_BASE)),
-        Frames(turn, own),
-    )
+    told_in = tuple(tuple(np.asarray(p.quaternion).tolist()) for p in (turn, own))
+    placed = replace(turned, limbs=limbs, platform_quaternion=_AS_BASE, told_in=told_in)
+    return _aligned(placed), Frames(turn, own)
 
 
 def _with_rods(limb: AnyLimb, own: Pose) -> AnyLimb:

@@ -11,7 +11,7 @@ Compared with a generic configuration of the same mechanism nearby, a configurat
     II   impossible input: some q' belong to no motion
     IO   impossible output: some t belong to no motion
     RPM  redundant passive motion: passive joints move alone      P loses rank
-    IIM  increased instantaneous mobility: more motions in all    F loses rank
+    IIM  increased instantaneous mobility: more motions in all    F loses rank ("increased")
 
 where q' may be the rates of any coordinates that drive and t those of any that are wanted, told by
 name (see `roles`), and where the limbs' constraint wrenches lose rank it is a constraint
@@ -251,7 +251,7 @@ def _kinds(
     tests = {
         "type 1": "RI" in conditions and roles.names_output,
         "type 2": "RO" in conditions,
-        "increased": roles.by_name and "IIM" in conditions,
+        "increased": "IIM" in conditions,
         "constraint": not roles.by_name and lost,
         "passive": "RPM" in conditions,
     }

@@ -20,9 +20,11 @@ from symkin.singularities.singular_groups import SingularGroup
 from symkin.velocity.limb_equations import LimbwiseEquations
 from symkin.velocity.roles import Roles
 
+_INCREASED = "the loops' constraints lose rank: the mechanism has more freedoms than elsewhere"
 KINDS = {
     "type 1": "the inverse problem loses rank: joints move, the platform stands",
     "type 2": "the direct problem loses rank: the platform moves, the actuated joints stand",
+    "increased": _INCREASED,
     "constraint": "the limbs' constraint wrenches lose rank: the platform gains a freedom",
     "passive": "passive joints move alone, platform and actuated joints stand",
 }
@@ -30,6 +32,7 @@ KINDS = {
 OUTPUT_KINDS = {
     "type 1": "the inverse problem loses rank: joints move, the output stands",
     "type 2": "the direct problem loses rank: the output moves, the actuated joints stand",
+    "increased": _INCREASED,
     "constraint": "the limbs' constraint wrenches lose rank: the platform gains a freedom",
     "passive": "platform or passive joints move, output and actuated joints stand",
 }
@@ -37,7 +40,7 @@ OUTPUT_KINDS = {
 GIVEN_KINDS = {
     "type 1": "the given coordinates move, {output} stands",
     "type 2": "{output} may move, the given coordinates stand",
-    "increased": "the loops' constraints lose rank: the mechanism has more freedoms than elsewhere",
+    "increased": _INCREASED,
     "passive": "further joints may move alone, the given coordinates and {output} stand",
 }
 """What the kinds mean where coordinates drive that are told by name."""

@@ -13,6 +13,7 @@ import pytest
 import symkin
 from helpers import samples
 from helpers.command_line import run, run_json
+from helpers.graph_twin import graph_twin
 from symkin import InputError, Solution
 
 STEP = 1e-3
@@ -177,6 +178,25 @@ def parallelogram() -> symkin.Mechanism:
         for name, one, two, place in places
     ]
     return symkin.Mechanism("parallelogram", link_joints=joints, angle_unit="deg")
+
+
+@pytest.mark.parametrize("motion", ["planar", "spatial"])
+def test_more_freedoms_are_named_however_a_machine_is_written(motion) -> None:
+    """Four pins on one line, two cranks of one length: the platform's velocity along the line
+    vanishes, and both of its others are free. Limbs in space lose a wrench of theirs beside it.
+    """
+    pins = [(0, "crank"), (10, "tip"), (30, "rocker"), (40, "end")]
+    joints = [
+        symkin.Joint(name, "R", (x, 0, 0), (0, 0, 1), actuated=name == "crank") for x, name in pins
+    ]
+    limbs = [symkin.Limb("left", joints[:2]), symkin.Limb("right", joints[2:])]
+    flat = symkin.Mechanism("flat", limbs, platform_position=(10, 0, 0), motion=motion)
+    for written, more in ((flat, {"constraint"}), (graph_twin(flat), set())):
+        found = symkin.singularity(symkin.solve(written).solution)
+        kinds = {"type 2", "increased"} | (more if motion == "spatial" else set())
+        assert (set(found.kinds), found.conditions) == (kinds, ("RO", "IIM"))
+        assert (found.ranks.freedoms, found.generic.freedoms) == (2, 1)
+        assert "more freedoms than elsewhere" in str(found)
 
 
 def test_a_flat_parallelogram_has_a_freedom_more() -> None:

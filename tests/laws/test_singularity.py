@@ -244,7 +244,7 @@ def test_three_upu_at_home() -> None:
     three (Zlatanov, Bonev and Gosselin 2002).
     """
     found = singularity(three_upu(), pose=[0, 0, 200, 1, 0, 0, 0])
-    assert set(found.kinds) == {"constraint", "type 2"}
+    assert set(found.kinds) == {"constraint", "increased", "type 2"}
     assert set(found.conditions) == {"IIM", "RO"}
     assert (found.generic.constraints, found.ranks.constraints) == (3, 1)
     assert (found.generic.motions, found.ranks.motions) == (3, 5)

@@ -68,12 +68,14 @@ def test_all_spellings_have_one_answer(tmp_path, name, direction, names) -> None
 BY_NAME = [
     ("3-RPR", ("p2", "c3", "y"), ("limbs, motion", "limbs", "graph", "graph, axes")),
     ("3-RPR", ("x", "y", "torsion"), ("limbs", "limbs, turned about z", "MJCF")),
+    ("five-bar", ("x", "y"), ("limbs", "limbs, turned", "graph, turned")),
+    ("3-RRR", ("x", "q1", "torsion"), ("limbs, motion", "limbs, turned", "graph, turned", "URDF")),
     ("3-RPR", ("r1", "c1", "r2"), ("limbs", "limbs, turned", "graph, axes")),
     ("ankle", ("upper_motor", "z"), ("limbs", "graph", "graph, R R for U")),
 ]
 
 
-@pytest.mark.parametrize(("name", "given", "names"), in_gate(BY_NAME, BY_NAME[:2]))
+@pytest.mark.parametrize(("name", "given", "names"), in_gate(BY_NAME, BY_NAME[:3]))
 def test_values_by_name_have_one_answer_in_all_spellings(tmp_path, name, given, names) -> None:
     """Of passive joints, parts of the pose and mixtures; the configuration that they are taken from
     is among the modes.
