@@ -348,7 +348,7 @@ class ClosedLine:
                 "least": literal(_LEAST * self.real.epsilon),
                 "four": literal(4.0),
                 "quarter_part": literal(0.25),
-                "sixteen": literal(16.0),
+                "eight": literal(8.0),
                 "sixth": literal(1.0 / 6.0),
                 "turn_noise": literal(4.0 * self.real.epsilon),
                 "raised": literal(RAISED),

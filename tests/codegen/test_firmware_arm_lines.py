@@ -334,6 +334,25 @@ def test_arms_keep_their_limits_along_lines(name):
     assert found["answered"] / found["regular"] >= free["answered"] / free["regular"] - 0.05
 
 
+@pytest.mark.parametrize("name", in_gate(["ur5e", "gluon_6l3", "yao2020", "scara"], ["ur5e"]))
+@pytest.mark.parametrize("real", ["double", "float"])
+def test_an_answer_is_one_from_itself(name, real):
+    """Of joints all over their ranges: the scalar product of two unit quaternions that are one
+    may be above 1.
+    """
+    tools.compiler("gcc")
+    asked, directions = tools.bench_module("asked"), tools.bench_module("directions")
+    arm = symkin.load(name)
+    lines, rng = directions.direction_of(asked.Asked(arm, Options(real))), np.random.default_rng(2)
+    low, high = np.array([c.limits or (-math.pi, math.pi) for c in arm.actuated]).T
+    guesses = lines.asked.rounded(rng.uniform(low, high, (3000, len(low))))
+    goals = lines.asked.rounded(np.array([lines.kind.forward_at(q) for q in guesses]))
+    first = lines.answers(goals, guesses)
+    ok = first.status == 0
+    assert np.mean(ok) > 0.9
+    assert np.all(lines.answers(goals[ok], first.found[ok]).status == 0)
+
+
 def test_a_guess_outside_its_limits_begins_no_line(tmp_path):
     """The joint is named; the pose itself is within reach, as the formulas that look at no line
     say.

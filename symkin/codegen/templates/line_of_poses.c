@@ -2,8 +2,11 @@
     const @{real} cosine = at[3] * to[3] + at[4] * to[4] + at[5] * to[5] + at[6] * to[6];
     const @{real} side = (cosine < @{zero}) ? -@{one} : @{one};
     way2[0] = @{zero};
-    /* the square of the largest speed of the turn between them */
-    way2[1] = @{sixteen} * ((@{one} - side * cosine) + @{turn_noise}) / (@{one} + side * cosine);
-    for (int i = 0; i < 3; ++i) {
-        way2[0] += (to[i] - at[i]) * (to[i] - at[i]) * @{per_size2};
+    way2[1] = @{turn_noise};
+    for (int i = 0; i < 7; ++i) {
+        const @{real} goal = (i < 3) ? to[i] : (side * to[i]);
+        way2[(i < 3) ? 0 : 1] += (goal - at[i]) * (goal - at[i]);
     }
+    way2[0] *= @{per_size2};
+    /* the square of the largest speed of the turn between them, of which they are the chord */
+    way2[1] *= @{eight} / (@{one} + side * cosine);

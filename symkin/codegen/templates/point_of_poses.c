@@ -1,13 +1,13 @@
-        @{real} x[7];
-        for (int i = 0; i < 7; ++i) {
-            const @{real} goal = (i < 3) ? to[i] : (side * to[i]);
-            x[i] = (end < @{one}) ? (at[i] + end * (goal - at[i])) : goal;
-        }
-        if (end < @{one}) {
-            const @{real} inverse = @{one} / @{sqrt}(x[3] * x[3] + x[4] * x[4] + x[5] * x[5] + x[6] * x[6]);
-            for (int i = 3; i < 7; ++i) {
-                x[i] *= inverse;
-            }
-        }
-        const @{p}_status reached = @{k}_aim(w, x, wanted);
-        above = (reached == @{P}_OK);
+@{real} x[7];
+for (int i = 0; i < 7; ++i) {
+    const @{real} goal = (i < 3) ? to[i] : (side * to[i]);
+    x[i] = (end < @{one}) ? (at[i] + end * (goal - at[i])) : goal;
+}
+if (end < @{one}) {
+    const @{real} inverse = @{one} / @{sqrt}(x[3] * x[3] + x[4] * x[4] + x[5] * x[5] + x[6] * x[6]);
+    for (int i = 3; i < 7; ++i) {
+        x[i] *= inverse;
+    }
+}
+const @{p}_status reached = @{k}_aim(w, x, wanted);
+above = (reached == @{P}_OK);
