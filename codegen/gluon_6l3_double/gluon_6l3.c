@@ -1261,11 +1261,14 @@ static GLUON_6L3_COLD gluon_6l3_status gluon_6l3_inverse_walk(gluon_6l3_inverse_
     const gluon_6l3_real cosine = at[3] * to[3] + at[4] * to[4] + at[5] * to[5] + at[6] * to[6];
     const gluon_6l3_real side = (cosine < 0.0) ? -1.0 : 1.0;
     way2[0] = 0.0;
-    /* the square of the largest speed of the turn between them */
-    way2[1] = 16.0 * ((1.0 - side * cosine) + 4.440892098500626e-16) / (1.0 + side * cosine);
-    for (int i = 0; i < 3; ++i) {
-        way2[0] += (to[i] - at[i]) * (to[i] - at[i]) * 3.438343587714008e-06;
+    way2[1] = 4.440892098500626e-16;
+    for (int i = 0; i < 7; ++i) {
+        const gluon_6l3_real goal = (i < 3) ? to[i] : (side * to[i]);
+        way2[(i < 3) ? 0 : 1] += (goal - at[i]) * (goal - at[i]);
     }
+    way2[0] *= 3.438343587714008e-06;
+    /* the square of the largest speed of the turn between them, of which they are the chord */
+    way2[1] *= 8.0 / (1.0 + side * cosine);
     while ((status == GLUON_6L3_MAX_ITERATIONS) && (*count < most)) {
         const gluon_6l3_real next = done + part;
         const gluon_6l3_real end = (next < 0.9999) ? next : 1.0;
@@ -1275,20 +1278,20 @@ static GLUON_6L3_COLD gluon_6l3_status gluon_6l3_inverse_walk(gluon_6l3_inverse_
         for (int i = 0; i < 2; ++i) {
             change[i] = share2 * way2[i];
         }
-                gluon_6l3_real x[7];
-                for (int i = 0; i < 7; ++i) {
-                    const gluon_6l3_real goal = (i < 3) ? to[i] : (side * to[i]);
-                    x[i] = (end < 1.0) ? (at[i] + end * (goal - at[i])) : goal;
-                }
-                if (end < 1.0) {
-                    const gluon_6l3_real inverse = 1.0 / sqrt(x[3] * x[3] + x[4] * x[4]
-                        + x[5] * x[5] + x[6] * x[6]);
-                    for (int i = 3; i < 7; ++i) {
-                        x[i] *= inverse;
-                    }
-                }
-                const gluon_6l3_status reached = gluon_6l3_inverse_aim(w, x, wanted);
-                above = (reached == GLUON_6L3_OK);
+        gluon_6l3_real x[7];
+        for (int i = 0; i < 7; ++i) {
+            const gluon_6l3_real goal = (i < 3) ? to[i] : (side * to[i]);
+            x[i] = (end < 1.0) ? (at[i] + end * (goal - at[i])) : goal;
+        }
+        if (end < 1.0) {
+            const gluon_6l3_real inverse = 1.0 / sqrt(x[3] * x[3] + x[4] * x[4] + x[5] * x[5]
+                + x[6] * x[6]);
+            for (int i = 3; i < 7; ++i) {
+                x[i] *= inverse;
+            }
+        }
+        const gluon_6l3_status reached = gluon_6l3_inverse_aim(w, x, wanted);
+        above = (reached == GLUON_6L3_OK);
         ++*count;
         w->bent = 4.0;
         w->most = 1.0;

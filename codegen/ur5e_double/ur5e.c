@@ -1238,11 +1238,14 @@ static UR5E_COLD ur5e_status ur5e_inverse_walk(ur5e_inverse_work *w, const ur5e_
     const ur5e_real cosine = at[3] * to[3] + at[4] * to[4] + at[5] * to[5] + at[6] * to[6];
     const ur5e_real side = (cosine < 0.0) ? -1.0 : 1.0;
     way2[0] = 0.0;
-    /* the square of the largest speed of the turn between them */
-    way2[1] = 16.0 * ((1.0 - side * cosine) + 4.440892098500626e-16) / (1.0 + side * cosine);
-    for (int i = 0; i < 3; ++i) {
-        way2[0] += (to[i] - at[i]) * (to[i] - at[i]) * 1.4045121751401959e-06;
+    way2[1] = 4.440892098500626e-16;
+    for (int i = 0; i < 7; ++i) {
+        const ur5e_real goal = (i < 3) ? to[i] : (side * to[i]);
+        way2[(i < 3) ? 0 : 1] += (goal - at[i]) * (goal - at[i]);
     }
+    way2[0] *= 1.4045121751401959e-06;
+    /* the square of the largest speed of the turn between them, of which they are the chord */
+    way2[1] *= 8.0 / (1.0 + side * cosine);
     while ((status == UR5E_MAX_ITERATIONS) && (*count < most)) {
         const ur5e_real next = done + part;
         const ur5e_real end = (next < 0.9999) ? next : 1.0;
@@ -1252,20 +1255,20 @@ static UR5E_COLD ur5e_status ur5e_inverse_walk(ur5e_inverse_work *w, const ur5e_
         for (int i = 0; i < 2; ++i) {
             change[i] = share2 * way2[i];
         }
-                ur5e_real x[7];
-                for (int i = 0; i < 7; ++i) {
-                    const ur5e_real goal = (i < 3) ? to[i] : (side * to[i]);
-                    x[i] = (end < 1.0) ? (at[i] + end * (goal - at[i])) : goal;
-                }
-                if (end < 1.0) {
-                    const ur5e_real inverse = 1.0 / sqrt(x[3] * x[3] + x[4] * x[4] + x[5] * x[5]
-                        + x[6] * x[6]);
-                    for (int i = 3; i < 7; ++i) {
-                        x[i] *= inverse;
-                    }
-                }
-                const ur5e_status reached = ur5e_inverse_aim(w, x, wanted);
-                above = (reached == UR5E_OK);
+        ur5e_real x[7];
+        for (int i = 0; i < 7; ++i) {
+            const ur5e_real goal = (i < 3) ? to[i] : (side * to[i]);
+            x[i] = (end < 1.0) ? (at[i] + end * (goal - at[i])) : goal;
+        }
+        if (end < 1.0) {
+            const ur5e_real inverse = 1.0 / sqrt(x[3] * x[3] + x[4] * x[4] + x[5] * x[5]
+                + x[6] * x[6]);
+            for (int i = 3; i < 7; ++i) {
+                x[i] *= inverse;
+            }
+        }
+        const ur5e_status reached = ur5e_inverse_aim(w, x, wanted);
+        above = (reached == UR5E_OK);
         ++*count;
         w->bent = 4.0;
         w->most = 1.0;

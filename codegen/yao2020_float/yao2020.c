@@ -1088,11 +1088,14 @@ static YAO2020_COLD yao2020_status yao2020_inverse_walk(yao2020_inverse_work *w,
     const yao2020_real cosine = at[3] * to[3] + at[4] * to[4] + at[5] * to[5] + at[6] * to[6];
     const yao2020_real side = (cosine < 0.0f) ? -1.0f : 1.0f;
     way2[0] = 0.0f;
-    /* the square of the largest speed of the turn between them */
-    way2[1] = 16.0f * ((1.0f - side * cosine) + 2.3841858e-07f) / (1.0f + side * cosine);
-    for (int i = 0; i < 3; ++i) {
-        way2[0] += (to[i] - at[i]) * (to[i] - at[i]) * 3.2462262e-06f;
+    way2[1] = 2.3841858e-07f;
+    for (int i = 0; i < 7; ++i) {
+        const yao2020_real goal = (i < 3) ? to[i] : (side * to[i]);
+        way2[(i < 3) ? 0 : 1] += (goal - at[i]) * (goal - at[i]);
     }
+    way2[0] *= 3.2462262e-06f;
+    /* the square of the largest speed of the turn between them, of which they are the chord */
+    way2[1] *= 8.0f / (1.0f + side * cosine);
     while ((status == YAO2020_MAX_ITERATIONS) && (*count < most)) {
         const yao2020_real next = done + part;
         const yao2020_real end = (next < 0.9999f) ? next : 1.0f;
@@ -1102,20 +1105,20 @@ static YAO2020_COLD yao2020_status yao2020_inverse_walk(yao2020_inverse_work *w,
         for (int i = 0; i < 2; ++i) {
             change[i] = share2 * way2[i];
         }
-                yao2020_real x[7];
-                for (int i = 0; i < 7; ++i) {
-                    const yao2020_real goal = (i < 3) ? to[i] : (side * to[i]);
-                    x[i] = (end < 1.0f) ? (at[i] + end * (goal - at[i])) : goal;
-                }
-                if (end < 1.0f) {
-                    const yao2020_real inverse = 1.0f / sqrtf(x[3] * x[3] + x[4] * x[4]
-                        + x[5] * x[5] + x[6] * x[6]);
-                    for (int i = 3; i < 7; ++i) {
-                        x[i] *= inverse;
-                    }
-                }
-                const yao2020_status reached = yao2020_inverse_aim(w, x, wanted);
-                above = (reached == YAO2020_OK);
+        yao2020_real x[7];
+        for (int i = 0; i < 7; ++i) {
+            const yao2020_real goal = (i < 3) ? to[i] : (side * to[i]);
+            x[i] = (end < 1.0f) ? (at[i] + end * (goal - at[i])) : goal;
+        }
+        if (end < 1.0f) {
+            const yao2020_real inverse = 1.0f / sqrtf(x[3] * x[3] + x[4] * x[4] + x[5] * x[5]
+                + x[6] * x[6]);
+            for (int i = 3; i < 7; ++i) {
+                x[i] *= inverse;
+            }
+        }
+        const yao2020_status reached = yao2020_inverse_aim(w, x, wanted);
+        above = (reached == YAO2020_OK);
         ++*count;
         w->bent = 4.0f;
         w->most = 1.0f;

@@ -76,6 +76,8 @@ def leave_alone(work: Workspace) -> bool:
     a . M b holds only the angle between the axes a and b. Nothing is divided by, and no row goes.
     """
     monomials, table = work.table()
+    if not table.size:
+        return False
     largest = np.max(np.abs(table), axis=(0, 1))
     for unknown in sorted(work.active):
         if any(work.ring.held(row) == {unknown} for row in work.rows):
