@@ -25,6 +25,8 @@ from symkin.numeric.cache_folder import cache_folder, discard, keep, read_kept
 
 SHIPPED = Path(__file__).resolve().parent / "data" / "starts"
 _VERSION = 6
+_SEARCHES = 2
+"""Version of the searches: why one of another version found nothing is not believed."""
 _SATISFIED = 1e-8
 """Largest row, over the size, that a kept root may leave, and least difference of two roots. Rows
 of a root far from real ones have derivatives of 1e4 and more; theirs are divided by these.
@@ -89,7 +91,7 @@ def _start_in(content: bytes, system: AlgebraicSystem) -> tuple[Fibre | None, st
     try:
         with np.load(io.BytesIO(content)) as data:
             if str(data["reason"]):
-                return None, str(data["reason"])
+                return (None, str(data["reason"])) if data["searches"] == _SEARCHES else None
             kept = Fibre(
                 z=data["z"],
                 k=data["k"],
@@ -160,7 +162,7 @@ def _mirrors_in(data: Mapping[str, np.ndarray]) -> Orbits | None:
 
 def content_of(start: Fibre | None, reason: str) -> bytes:
     """A file of a start, or of the reason why there is none."""
-    content: dict[str, np.ndarray | float | str] = {"reason": reason}
+    content: dict[str, np.ndarray | float | str] = {"reason": reason, "searches": _SEARCHES}
     if start is not None:
         content |= {
             "z": start.z,

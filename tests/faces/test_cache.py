@@ -85,6 +85,15 @@ def test_a_start_is_checked_against_the_closure(shipped, wrong):
     assert start_files._start_in(_rewritten(content, WRONG[wrong]), system) is None
 
 
+def test_why_there_is_no_start_is_believed_of_the_same_search(shipped):
+    """What an older search did not find may be found now."""
+    system, _ = shipped
+    content = start_files.content_of(None, "paths are unresolved")
+    assert start_files._start_in(content, system) == (None, "paths are unresolved")
+    for older in (lambda d: d | {"searches": 1}, lambda d: {"reason": d["reason"]}):
+        assert start_files._start_in(_rewritten(content, older), system) is None
+
+
 @pytest.mark.slow
 def test_a_wrong_start_of_the_right_name_is_made_anew(folder):
     """A file whose digest is right and whose content is not: the modes are those of an empty cache,
