@@ -18,7 +18,7 @@ from symkin.closure.pose_forms import HomogeneousPose, PlatformPose, StudyPose, 
 from symkin.closure.snapping import snapped_constants
 from symkin.model.dh import reference_frames
 from symkin.model.joint import BASE, Coordinate, Joint
-from symkin.model.laid_machine import turn_about_z, untwisted
+from symkin.model.machine import turn_about_z, untwisted
 from symkin.model.mechanism import Mechanism
 from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import multiply

@@ -18,8 +18,8 @@ import numpy as np
 from symkin.closure.branches import Branch, cut_index
 from symkin.model.bar import Bar
 from symkin.model.joint import Joint
-from symkin.model.laid_machine import LaidMachine
 from symkin.model.limb import Limb
+from symkin.model.machine import is_laid
 from symkin.model.mechanism import Mechanism
 from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import quaternion_from_axis_angle
@@ -66,7 +66,7 @@ def laid_limbs(mechanism: Mechanism, branches: Sequence[Branch], kept: frozenset
     """
     found = Laid()
     limbs = {limb.name: limb for limb in mechanism.limbs if isinstance(limb, Limb)}
-    for branch in branches if isinstance(mechanism, LaidMachine) else ():
+    for branch in branches if is_laid(mechanism) else ():
         if branch.name not in limbs or isinstance(branch.elements[0].part, Bar):
             continue
         limb = limbs[branch.name]

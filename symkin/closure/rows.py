@@ -31,6 +31,7 @@ from symkin.model.bar import Bar
 from symkin.model.graph import Coupling
 from symkin.model.joint import BASE, POSE_CONDITIONS, Coordinate, Joint
 from symkin.model.joint_forms import Relation
+from symkin.model.machine import as_described
 from symkin.model.mechanism import Mechanism
 from symkin.spatial.backend import cross, dot
 from symkin.spatial.pose import Pose
@@ -90,10 +91,13 @@ class RowBuilder(BodyBuilder):
         names = self.partition.pose_conditions
         if not names:
             return
-        size, told = self.mechanism.characteristic_length, self.mechanism.told
-        reference = self.mechanism.reference_pose
-        position, quaternion = map(np.asarray, told(reference.position, reference.quaternion))
-        numbers = (*position.tolist(), *tilt_and_torsion(quaternion))
+        m, pose = self.mechanism, self.platform_pose
+        size = m.characteristic_length
+        home = as_described(m, m.reference_pose)
+        numbers = (
+            *np.asarray(home.position).tolist(),
+            *tilt_and_torsion(np.asarray(home.quaternion)),
+        )
         nominal = dict(zip(POSE_CONDITIONS, numbers, strict=True))
         values = {
             n: self._symbol(
@@ -101,8 +105,8 @@ class RowBuilder(BodyBuilder):
             )
             for n in names
         }
-        pose = self.platform_pose
-        place, turn = told(pose.point(ca.SX(3, 1)), pose.quaternion)
+        there = as_described(m, Pose(pose.point(ca.SX(3, 1)), pose.quaternion))
+        place, turn = there.position, there.quaternion
         rows = [pose.weight * values[n] - place["xyz".index(n)] for n in names if n in "xyz"]
         turns, checks = rotation_conditions(turn, values)
         rows, checks = (

@@ -18,6 +18,7 @@ from symkin.model.graph import LinkJoint
 from symkin.model.joint import BASE, Joint
 from symkin.model.keys import ABOUT_Z
 from symkin.model.limb import AnyLimb, RodLimb
+from symkin.model.machine import Machine
 from symkin.model.mechanism import Mechanism
 from symkin.spatial.pose import Pose
 
@@ -226,7 +227,7 @@ def _placed(mechanism: Mechanism, turn: Pose) -> tuple[Mechanism, Frames]:
     own = Pose(np.zeros(3), turned.reference_pose.quaternion)
     limbs = [_with_rods(limb, own) for limb in turned.limbs]
     told_in = tuple(tuple(np.asarray(p.quaternion).tolist()) for p in (turn, own))
-    placed = replace(turned, limbs=limbs, platform_quaternion=_AS_BASE, told_in=told_in)
+    placed = Machine.of(turned, limbs=limbs, platform_quaternion=_AS_BASE, told_in=told_in)
     return _aligned(placed), Frames(turn, own)
 
 

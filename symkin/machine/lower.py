@@ -20,7 +20,7 @@ from symkin.machine.motion import Guide, with_own_motion, without_guides
 from symkin.machine.universal import BallReading, Reading, with_universal_joints
 from symkin.model.arm import arm_of
 from symkin.model.joint import BASE
-from symkin.model.laid_machine import LaidMachine
+from symkin.model.machine import Machine
 from symkin.model.mechanism import Mechanism
 from symkin.spatial.pose import Pose
 
@@ -88,7 +88,7 @@ def lowered_limbs(mechanism: Mechanism) -> Lowered:
     if frames is None:
         machine, frames = with_own_frame(machine)
     if any(limb.joints for limb in machine.limbs):
-        machine = LaidMachine.of(machine)
+        machine = Machine.of(machine, laid=True)
     return Lowered(mechanism, machine, frames, readings)
 
 

@@ -24,9 +24,7 @@ from symkin.model.limb import Limb, RodLimb, coincide
 from symkin.model.mesh import LinkMesh
 from symkin.model.names import check_mechanism_name, check_name, check_text
 from symkin.model.placement import placed_points
-from symkin.spatial.backend import Array, vector
 from symkin.spatial.pose import Pose
-from symkin.spatial.rotation import conjugate, multiply, rotate
 from symkin.text import meant, not_among
 
 _MUCH_LARGER = 3.0
@@ -78,13 +76,12 @@ class Mechanism:
     `platform_position` (3, length unit) and `platform_quaternion` (w, x, y, z) of the base frame.
     `motion` ("spatial", "schoenflies", "planar", "translation", "spherical") restricts the
     platform's pose to a group of the base frame's axes from there. `platform_link` names the link
-    that carries the platform frame, None where a graph has no such link; coordinates of the pose of
-    a machine that was turned are `told_in` the frames of its description, quaternions of base and
-    platform; `link_points` are named points of links, `link_meshes` files that show them, which a
-    robot's file names and a mechanism file does not. Angles in joints are radians; `angle_unit`
-    is what users read and write at the border. The closure of the limbs is F(q, x, X, p) = 0:
-    actuated joints q, passive joints x, pose X, geometry p. Raises MechanismError for a
-    description that cannot be right, with what is allowed.
+    that carries the platform frame, None where a graph has no such link; `link_points` are named
+    points of links, `link_meshes` files that show them, which a robot's file names and a mechanism
+    file does not. Angles in joints are radians; `angle_unit` is what users read and write at the
+    border. The closure of the limbs is F(q, x, X, p) = 0: actuated joints q, passive joints x, pose
+    X, geometry p. Raises MechanismError for a description that cannot be right, with what is
+    allowed.
 
     >>> import symkin
     >>> feet = [(-300, -100), (300, 100)]
@@ -111,7 +108,6 @@ class Mechanism:
     couplings: Sequence[Coupling] = ()
     link_points: Sequence[LinkPoint] = ()
     platform_link: str | None = PLATFORM
-    told_in: tuple[tuple[float, ...], ...] = field(default=(), repr=False)
     link_meshes: Sequence[LinkMesh] = field(default=(), compare=False)
 
     def __post_init__(self) -> None:
@@ -182,16 +178,6 @@ class Mechanism:
     def reference_pose(self) -> Pose:
         """Pose of the platform or tool at the reference configuration."""
         return Pose(np.array(self.platform_position), np.array(self.platform_quaternion))
-
-    def told(self, position: Array, quaternion: Array) -> tuple[Array, Array]:
-        """A pose in the frames of the description: turned back by that of its base, seen from its
-        platform.
-        """
-        if not self.told_in:
-            return position, quaternion
-        base, platform = (vector(*quaternion) for quaternion in self.told_in)
-        back = conjugate(base)
-        return rotate(back, position), multiply(back, multiply(quaternion, platform))
 
     @property
     def joints(self) -> Iterator[tuple[Limb | RodLimb, Joint]]:

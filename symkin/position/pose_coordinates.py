@@ -8,7 +8,7 @@ import numpy as np
 
 from symkin.machine.lower import Lowered, lowered
 from symkin.model.keys import ABOUT_Z
-from symkin.model.laid_machine import untwisted
+from symkin.model.machine import untwisted
 from symkin.model.mechanism import Mechanism
 from symkin.plain_number import plain
 from symkin.position.feasible_pose import PROJECTED, closing_poses, nearest_pose, ties_poses

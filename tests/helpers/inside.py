@@ -81,7 +81,8 @@ NAMES = {
     "System": "symkin.numeric.system",
     "SINGULAR_VALUE": "symkin.numeric.tolerances",
     # mechanisms and their files
-    "LaidMachine": "symkin.model.laid_machine",
+    "is_laid": "symkin.model.machine",
+    "Machine": "symkin.model.machine",
     "evaluate": "symkin.model.arithmetic",
     "arm_of": "symkin.model.arm",
     "joints_left_out": "symkin.model.arm",

@@ -13,10 +13,11 @@ import pytest
 import symkin
 from helpers import samples
 from helpers.inside import (
-    LaidMachine,
+    Machine,
     build_closure,
     build_problem,
     configurations,
+    is_laid,
     lowered_limbs,
     with_reference_at,
 )
@@ -52,7 +53,7 @@ def elsewhere(name: str) -> Mechanism:
 def zhao2000_links() -> Mechanism:
     """Its machine as limbs that carry rods."""
     laid = lowered_limbs(symkin.load("zhao2000_links")).machine
-    return Mechanism(**{f.name: getattr(laid, f.name) for f in fields(laid)})
+    return Mechanism(**{f.name: getattr(laid, f.name) for f in fields(Mechanism)})
 
 
 def reached(machine: Mechanism) -> np.ndarray:
@@ -79,7 +80,7 @@ def reached(machine: Mechanism) -> np.ndarray:
 )
 def test_a_laid_machine_is_the_one_that_is_described(maker) -> None:
     described = maker()
-    laid = LaidMachine.of(described)
+    laid = Machine.of(described, laid=True)
     size = described.characteristic_length
     wanted, found = reached(described), reached(laid)
     assert len(wanted) == 3
@@ -93,7 +94,7 @@ def test_a_laid_machine_is_no_mechanism_that_a_user_can_tell() -> None:
     mechanism = symkin.load("delta")
     laid = lowered_limbs(mechanism).machine
     assert laid != mechanism
-    assert "laid" not in {f.name for f in fields(mechanism)}
+    assert not {"laid", "told_in"} & {f.name for f in fields(mechanism)}
     for again in (replace(laid, title="another"), pickle.loads(pickle.dumps(laid))):
-        assert isinstance(again, LaidMachine)
+        assert is_laid(again)
     assert pickle.loads(pickle.dumps(laid)) == laid
