@@ -146,7 +146,7 @@ def _parts(jacobians: np.ndarray) -> list[np.ndarray]:
 def _generic(jacobians: np.ndarray, zero: np.ndarray) -> tuple[int, bool]:
     """The largest rank of a quarter of the configurations at which the singular values that count
     are far from those that do not, shares of the largest up to `zero`: it is lost at singular
-    places. Where no rank is clear, the median and False.
+    places. Where no rank is clear and as frequent, the median and False.
     """
     values = np.linalg.svd(jacobians, compute_uv=False)
     values = np.hstack([values / values[:, :1], np.zeros((len(values), 1))])
@@ -154,6 +154,5 @@ def _generic(jacobians: np.ndarray, zero: np.ndarray) -> tuple[int, bool]:
     rows = np.arange(len(values))
     dropped, kept = values[rows, counts], values[rows, np.maximum(counts - 1, 0)]
     clear = [*counts[(dropped <= _CLEAR_DROP * kept) & (kept >= _CLEAR_LEAST)]]
-    if not clear:
-        return int(np.median(counts)), False
-    return int(max(c for c in clear if _OFTEN * clear.count(c) >= len(clear))), True
+    often = [c for c in clear if _OFTEN * clear.count(c) >= len(clear)]
+    return (int(max(often)), True) if often else (int(np.median(counts)), False)

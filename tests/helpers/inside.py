@@ -572,6 +572,7 @@ MODULES = {
     "compiled": "symkin.homotopy.compiled",
     "engine": "symkin.homotopy.engine",
     "far_roots": "symkin.homotopy.far_roots",
+    "file_digits": "symkin.position.file_digits",
     "start_files": "symkin.homotopy.start_files",
     "start_store": "symkin.homotopy.start_store",
     "structure": "symkin.homotopy.structure",

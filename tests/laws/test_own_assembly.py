@@ -18,6 +18,7 @@ from helpers.inside import (
     build_closure,
     closed_configurations,
     describe,
+    file_digits,
     least_squares_from,
     own_component,
     parse,
@@ -198,3 +199,11 @@ def test_difference_is_the_inverse_of_move() -> None:
     )
     step = rng.normal(size=(5, system.freedom))
     np.testing.assert_allclose(system.difference(z, system.move(z, step)), step, atol=1e-11)
+
+
+def test_ranks_of_which_none_is_frequent_are_not_clear() -> None:
+    """Five configurations of five ranks: the middle one is told, and that it is not clear."""
+    jacobians = np.array([np.diag([1.0] * k + [0.0] * (5 - k)) for k in range(1, 6)])
+    assert file_digits._generic(jacobians, np.full(5, 1e-6)) == (3, False)
+    alike = jacobians[[4, 4, 3, 0, 1]]
+    assert file_digits._generic(alike, np.full(5, 1e-6)) == (5, True)
