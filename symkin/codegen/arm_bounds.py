@@ -41,67 +41,23 @@ from symkin.closed.steps import (
     Word,
     inverse,
 )
-from symkin.codegen.newton_kernel import rounded_up
+from symkin.codegen.moving_bounds import (
+    ONE,
+    ZERO,
+    Moving,
+    Scalar,
+    at_rest,
+    between,
+    dot_of,
+    length_of,
+    lesser,
+    norm_of,
+    size_of,
+)
 from symkin.computed_once import cached_property
-
-_ON_AXIS = 1e-12
-"""Distance (of the size) and sine of points and directions that lie on an axis: rounding."""
-
 
 _MORE = 1.01
 """By how much three digits of a bound are more than it at most."""
-_ZERO = ca.SX(0)
-
-
-@dataclass(frozen=True)
-class Scalar:
-    """Bounds of a number along a part: of itself, its first and its second derivative."""
-
-    size: ca.SX
-    speed: ca.SX
-    bend: ca.SX
-
-    def times(self, other: Scalar) -> Scalar:
-        return Scalar(
-            self.size * other.size,
-            self.speed * other.size + self.size * other.speed,
-            self.bend * other.size + 2 * self.speed * other.speed + self.size * other.bend,
-        )
-
-    def plus(self, other: Scalar) -> Scalar:
-        return Scalar(self.size + other.size, self.speed + other.speed, self.bend + other.bend)
-
-    @property
-    def half_square(self) -> Scalar:
-        """Of half of the square of what is bounded."""
-        return Scalar(
-            0.5 * self.size**2, self.size * self.speed, self.speed**2 + self.size * self.bend
-        )
-
-
-@dataclass(frozen=True, eq=False)
-class Moving:
-    """A point (over the size) or direction along a part: it stays within `radius` of `centre`, and
-    bounds of its first and second derivative.
-    """
-
-    centre: np.ndarray
-    radius: ca.SX
-    speed: ca.SX
-    bend: ca.SX
-
-    def away(self, point: np.ndarray) -> Scalar:
-        """Its distance from a point that stays."""
-        return Scalar(_length(self.centre - point) + self.radius, self.speed, self.bend)
-
-    def along(self, k: np.ndarray, point: np.ndarray) -> Scalar:
-        """How far along a direction it is from a point that stays."""
-        return Scalar(_size(k @ (self.centre - point)) + self.radius, self.speed, self.bend)
-
-    def across(self, screw: Screw, point: np.ndarray) -> Scalar:
-        """Its part across an axis through a point."""
-        gap, k = self.centre - point, np.array(screw.axis)
-        return Scalar(_length(gap - k * (k @ gap)) + self.radius, self.speed, self.bend)
 
 
 @dataclass(frozen=True)
@@ -112,9 +68,9 @@ class Decided:
 
     joint: int
     speed: ca.SX
-    curved: ca.SX = _ZERO
-    crossed: ca.SX = _ZERO
-    own: ca.SX = _ZERO
+    curved: ca.SX = ZERO
+    crossed: ca.SX = ZERO
+    own: ca.SX = ZERO
     way: ca.SX | None = None
 
     @property
@@ -131,7 +87,7 @@ class Stepped:
 
     size: ca.SX
     joints: tuple[Decided, ...]
-    bend: ca.SX = _ZERO
+    bend: ca.SX = ZERO
     speed: ca.SX | None = None
     least: float = 0.0
     is_sine: bool = False
@@ -139,7 +95,7 @@ class Stepped:
     is_square: bool = True
     sides: tuple[ca.SX, ...] = ()
     """Speeds of those of what is carried and of where it goes that turn about the axis."""
-    less: ca.SX = _ZERO
+    less: ca.SX = ZERO
 
 
 @dataclass(frozen=True, eq=False)
@@ -184,7 +140,7 @@ class ArmBounds:
         there is none.
         """
         axes = [np.array(screw.axis) for screw in self.arm.screws if not screw.slides]
-        are_parallel = axes and all(_length(np.cross(axes[0], axis)) == 0.0 for axis in axes)
+        are_parallel = axes and all(length_of(np.cross(axes[0], axis)) == 0.0 for axis in axes)
         return axes[0] if are_parallel else None
 
     def _rises(self, joint: int) -> bool:
@@ -192,7 +148,7 @@ class ArmBounds:
         vectors to where they must be across that direction alone.
         """
         screw, flat = self.arm.screws[joint], self._flat
-        along = flat is not None and _length(np.cross(flat, np.array(screw.axis))) == 0.0
+        along = flat is not None and length_of(np.cross(flat, np.array(screw.axis))) == 0.0
         return screw.slides and along
 
     # --- what moves -------------------------------------------------------------------------------
@@ -201,7 +157,7 @@ class ArmBounds:
         """A point or direction carried by motions."""
         unit = self.arm.size if operand.is_point else 1.0
         return self.carry(
-            operand.word, _still(np.array(operand.vector) / unit), is_point=operand.is_point
+            operand.word, at_rest(np.array(operand.vector) / unit), is_point=operand.is_point
         )
 
     def carry(self, word: Word, still: Moving, *, is_point: bool) -> Moving:
@@ -214,7 +170,7 @@ class ArmBounds:
                 ball = self._reached(factor, word[i + 1 :], still)
                 moving = self._by_tool(factor, moving, *ball)
             else:
-                radius = _least(moving.away(np.zeros(3)).size, ca.SX(1))
+                radius = lesser(moving.away(np.zeros(3)).size, ca.SX(1))
                 moving = self._spun(np.zeros(3), radius, moving.speed, moving)
         return moving
 
@@ -240,7 +196,7 @@ class ArmBounds:
         k, point = np.array(screw.axis), self._point(screw, is_point=is_point)
         radius = moving.across(screw, point).size
         if not is_point:
-            radius = _least(radius, ca.SX(1))
+            radius = lesser(radius, ca.SX(1))
         return point + k * (k @ (moving.centre - point)), radius
 
     def _by_tool(self, factor: Factor, moving: Moving, at: np.ndarray, reach: ca.SX) -> Moving:
@@ -252,11 +208,11 @@ class ArmBounds:
             arm = tool - moving.centre
             if self._flat is not None:
                 arm = arm - self._flat * (self._flat @ arm)
-            spun = self._spun(at, _length(arm) + moving.radius, moving.speed, moving)
+            spun = self._spun(at, length_of(arm) + moving.radius, moving.speed, moving)
             speed = spun.speed + self.place
             return Moving(at, reach + 0.5 * speed, speed, spun.bend)
         speed = moving.speed + self.place
-        return self._spun(tool, _length(at - tool) + reach + 0.5 * speed, speed, moving)
+        return self._spun(tool, length_of(at - tool) + reach + 0.5 * speed, speed, moving)
 
     def _spun(self, at: np.ndarray, radius: ca.SX, speed: ca.SX, moving: Moving) -> Moving:
         """What the tool's turn moves, of which the speed beside it is told."""
@@ -318,7 +274,7 @@ class ArmBounds:
         if screw.slides:
             here, there = self.value(step.x), self.value(step.y)
             slid = Decided(joint, here.speed + there.speed, own=here.bend + there.bend)
-            return Stepped(_ZERO, (slid,))
+            return Stepped(ZERO, (slid,))
         step = replace(step, x=self._level_off(step.x), y=self._level_off(step.y))
         x, y = (self._across(step, operand, screw) for operand in (step.x, step.y))
         turning = [
@@ -330,12 +286,12 @@ class ArmBounds:
         speed = min(x.speed, y.speed, key=self.usual)
         decided = Decided(
             joint,
-            sum((side.speed for side in turning), _ZERO) / root,
+            sum((side.speed for side in turning), ZERO) / root,
             crossed=speed / root,
-            own=sum((side.bend for side in turning), _ZERO) / root,
+            own=sum((side.bend for side in turning), ZERO) / root,
         )
         return Stepped(
-            _least(self.at_ends(x.size), self.at_ends(y.size)) ** 2,
+            lesser(self.at_ends(x.size), self.at_ends(y.size)) ** 2,
             (self._spun_by(step, screw, decided),),
             speed=speed,
             least=max(self._least_across(operand, screw, point) for operand in (step.x, step.y)),
@@ -355,7 +311,7 @@ class ArmBounds:
         joint, inner = operand.word[0].joint, self.value(replace(operand, word=operand.word[1:]))
         sides = [self._less(Operand(screw.axis, False), side) for side in (step.x, step.y)]
         levels = [self.at_ends(self.value(side).along(k, meeting).size) for side in sides]
-        level = _least(*levels) + 0.5 * whole.speed
+        level = lesser(*levels) + 0.5 * whole.speed
         speed, bend, far = self.speeds[joint], self.bends[joint], whole.away(meeting).size
         crossed = Scalar(
             found.size,
@@ -376,7 +332,7 @@ class ArmBounds:
         k, axis = np.array(screw.axis), np.array(other.axis)
         point = self._point(screw, is_point=operand.is_point)
         gap = self._point(other, is_point=operand.is_point) - point
-        meets = _size(k @ axis) == 0.0 and _size(np.cross(k, axis) @ gap) == 0.0
+        meets = size_of(k @ axis) == 0.0 and size_of(np.cross(k, axis) @ gap) == 0.0
         return point + k * (k @ gap) if meets else None
 
     def _level(self, step: Level, root: ca.SX) -> Stepped:
@@ -385,25 +341,25 @@ class ArmBounds:
         screw, k = self.arm.screws[joint], np.array(self.arm.screws[joint].axis)
         normal, x = self.value(step.normal), self.value(step.x)
         fixed, y = map(self.value, (step.level_normal, self._less(step.level_normal, step.y)))
-        level = _dot(fixed, y)
+        level = dot_of(fixed, y)
         if screw.slides:
-            axis = self.carry(step.before, _still(k), is_point=False)
+            axis = self.carry(step.before, at_rest(k), is_point=False)
             there = self.carry(step.before, x, is_point=step.x.is_point)
-            c = level.plus(_dot(normal, there))
+            c = level.plus(dot_of(normal, there))
             if self._rises(joint):  # turns leave that level alone
-                c = Scalar(c.size, self.place, _ZERO)
-            return self._quotient((joint,), [c], _dot(normal, axis), root)
+                c = Scalar(c.size, self.place, ZERO)
+            return self._quotient((joint,), [c], dot_of(normal, axis), root)
         point = self._point(screw, is_point=step.x.is_point)
         own = self.carry(inverse(step.before), normal, is_point=False)
         z = own.across(screw, np.zeros(3)).times(x.across(screw, point))
-        centre = self.carry(step.before, _still(point), is_point=step.x.is_point)
+        centre = self.carry(step.before, at_rest(point), is_point=step.x.is_point)
         tilt = own.along(k, np.zeros(3))
-        level = level.plus(_dot(normal, centre)).plus(tilt.times(x.along(k, point)))
+        level = level.plus(dot_of(normal, centre)).plus(tilt.times(x.along(k, point)))
         if not step.x.is_point and self._is_angle(fixed, own, x, k):
             return self._angle(joint, level, root)
         if level.speed.is_zero() and tilt.size.is_zero():
             normal_level = normal.centre @ centre.centre
-            level = replace(level, size=ca.SX(_size(fixed.centre @ y.centre - normal_level)))
+            level = replace(level, size=ca.SX(size_of(fixed.centre @ y.centre - normal_level)))
         return self._balanced(joint, z, level, root)
 
     def _distance(self, step: Distance, root: ca.SX) -> Stepped:
@@ -417,20 +373,20 @@ class ArmBounds:
             words = map(self._level_off, (step.x, step.centre, step.y, step.other))
             step = Distance(step.joints, step.reason, step.branch, step.sign, *words)
         x, centre = self.value(step.x), self.value(step.centre)
-        away = _between(self.value(self._less(step.other, step.y)), self.value(step.other))
+        away = between(self.value(self._less(step.other, step.y)), self.value(step.other))
         if screw.slides:
-            there = _between(x, centre)
+            there = between(x, centre)
             half = away.away(np.zeros(3)).half_square.plus(there.away(np.zeros(3)).half_square)
             return self._slid_to(joint, there.along(k, np.zeros(3)), half, root)
         across, gap = x.across(screw, point), centre.across(screw, point)
         # as far as F x from the centre, which stays the same where these two stay: beyond that D is
         # below zero, and is led on in a straight line of the distance, so that it bends no more
         at, radius = self._turned(joint, x, is_point=True)
-        ends = self.at_ends(_length(at - centre.centre) + radius + centre.radius)
+        ends = self.at_ends(length_of(at - centre.centre) + radius + centre.radius)
         wanted = away.away(np.zeros(3))
-        spread = _ZERO if x.speed.is_zero() and centre.speed.is_zero() else 0.5 * wanted.speed
-        wanted = replace(wanted, size=_least(ends, wanted.size) + spread)
-        along = _between(x, centre).along(k, np.zeros(3))
+        spread = ZERO if x.speed.is_zero() and centre.speed.is_zero() else 0.5 * wanted.speed
+        wanted = replace(wanted, size=lesser(ends, wanted.size) + spread)
+        along = between(x, centre).along(k, np.zeros(3))
         level = wanted.half_square
         for part in (gap, along, across):
             level = level.plus(part.half_square)
@@ -440,7 +396,7 @@ class ArmBounds:
         """Of A cos q + B sin q = C, Z = (A, B): at the ends |C| is at most |Z|. Where Z stays D may
         be led on in a straight line of C below zero, so that it bends no more than up to there.
         """
-        spread = _ZERO if z.speed.is_zero() else 0.5 * level.speed
+        spread = ZERO if z.speed.is_zero() else 0.5 * level.speed
         farthest = min(self.at_ends(z.size) + spread, level.size, key=self.usual)
         bend = z.speed**2 + z.size * z.bend + farthest * level.bend
         decided = Decided(
@@ -457,7 +413,7 @@ class ArmBounds:
         across its axis.
         """
         still = all(v.radius.is_zero() and v.speed.is_zero() for v in (fixed, own, x))
-        return still and all(_size(v.centre @ k) == 0.0 for v in (own, x))
+        return still and all(size_of(v.centre @ k) == 0.0 for v in (own, x))
 
     def _angle(self, joint: int, level: Scalar, root: ca.SX) -> Stepped:
         """Of cos q = n . y, the angle of two directions: it changes by as much as y turns; y goes
@@ -511,17 +467,17 @@ class ArmBounds:
         before.
         """
         turns = tuple(factor for factor in step.chain if factor.joint not in step.joints)
-        away = _between(self.value(step.x.carried(step.target)), self.value(step.x.carried(turns)))
+        away = between(self.value(step.x.carried(step.target)), self.value(step.x.carried(turns)))
         ends = sum((self.ends[joint] for joint in step.joints), ca.SX(0))
         r = Scalar(ends + 0.5 * away.speed, away.speed, away.bend)
         w = []
         for joint in step.joints:
             place = next(i for i, f in enumerate(step.chain) if f.joint == joint)
-            axis = _still(np.array(self.arm.screws[joint].axis))
+            axis = at_rest(np.array(self.arm.screws[joint].axis))
             carried = self.carry(step.chain[:place], axis, is_point=False)
             w.append(Scalar(ca.SX(1), carried.speed, carried.bend))
         if len(w) == 1:
-            return self._quotient(step.joints, [w[0].times(r)], _ONE, root)
+            return self._quotient(step.joints, [w[0].times(r)], ONE, root)
         if len(w) == 2:
             both = w[0].times(w[1])
             over = [w[i].times(r).plus(both.times(w[1 - i].times(r))) for i in range(2)]
@@ -537,17 +493,17 @@ class ArmBounds:
         axes as far as the joints go.
         """
         k = np.array(screw.axis)
-        if step.x.is_point or step.x.word or _size(k @ np.array(step.x.vector)) > 0.0:
+        if step.x.is_point or step.x.word or size_of(k @ np.array(step.x.vector)) > 0.0:
             return decided
-        first, whole, word = _ZERO, _ZERO, step.y.word
+        first, whole, word = ZERO, ZERO, step.y.word
         for i, factor in enumerate(word):
             if factor.joint == TOOL:
                 first, whole = first + self.turn, whole + self.turn
             elif not self.arm.screws[factor.joint].slides:
-                axis = _still(np.array(self.arm.screws[factor.joint].axis))
+                axis = at_rest(np.array(self.arm.screws[factor.joint].axis))
                 tilted = self._reached_direction(word[:i], axis)
-                share = _least(tilted.along(k, np.zeros(3)).size, ca.SX(1))
-                along = _size(_norm(np.cross(k, tilted.centre))) == 0.0
+                share = lesser(tilted.along(k, np.zeros(3)).size, ca.SX(1))
+                along = size_of(norm_of(np.cross(k, tilted.centre))) == 0.0
                 is_parallel = along and tilted.radius.is_zero()
                 first = first + share * self.speeds[factor.joint]
                 ways = self.ways if is_parallel else self.speeds
@@ -565,7 +521,7 @@ class ArmBounds:
             return 0.0
         moving, k = self.value(operand), np.array(screw.axis)
         gap = moving.centre - point
-        away = _size(_norm(gap - k * (k @ gap)))
+        away = size_of(norm_of(gap - k * (k @ gap)))
         return max(0.0, away / _MORE - float(moving.radius)) if moving.radius.is_constant() else 0.0
 
     def _keeps_side(self, operand: Operand, screw: Screw) -> bool:
@@ -579,7 +535,7 @@ class ArmBounds:
         normal, unit = np.array(other.axis), self.arm.size if operand.is_point else 1.0
         point = self._point(screw, is_point=operand.is_point)
         level = normal @ (np.array(operand.vector) / unit - point)
-        return _size(normal @ np.array(screw.axis)) == 0.0 and _size(level) == 0.0
+        return size_of(normal @ np.array(screw.axis)) == 0.0 and size_of(level) == 0.0
 
     def _level_off(self, operand: Operand) -> Operand:
         """A vector without slides along the direction about which all other joints turn."""
@@ -599,7 +555,7 @@ class ArmBounds:
             return False
         screw, unit = self.arm.screws[joint], self.arm.size if fixed.is_point else 1.0
         gap = np.array(fixed.vector) / unit - self._point(screw, is_point=fixed.is_point)
-        return _length(np.cross(np.array(screw.axis), gap)) == 0.0
+        return length_of(np.cross(np.array(screw.axis), gap)) == 0.0
 
     def at_ends(self, expression: ca.SX) -> ca.SX:
         """A distance at the ends of the part."""
@@ -611,37 +567,3 @@ class ArmBounds:
         moved = ca.vertcat(self.place, self.turn, self.speeds, self.bends, self.ways, self.ends)
         told = ca.substitute(expression, moved, value * ca.DM.ones(moved.shape[0]))
         return float(ca.evalf(told))
-
-
-def _still(vector: np.ndarray) -> Moving:
-    return Moving(vector, ca.SX(0), ca.SX(0), ca.SX(0))
-
-
-def _between(a: Moving, b: Moving) -> Moving:
-    return Moving(a.centre - b.centre, a.radius + b.radius, a.speed + b.speed, a.bend + b.bend)
-
-
-def _dot(a: Moving, b: Moving) -> Scalar:
-    return a.away(np.zeros(3)).times(b.away(np.zeros(3)))
-
-
-def _norm(vector: np.ndarray) -> float:
-    return float(np.linalg.norm(vector))
-
-
-def _length(vector: np.ndarray) -> float:
-    return _size(_norm(vector))
-
-
-def _size(number: float) -> float:
-    return 0.0 if abs(number) <= _ON_AXIS else rounded_up(abs(float(number)))
-
-
-def _least(a: ca.SX, b: ca.SX) -> ca.SX:
-    """The lesser of two bounds, the second one where that is told by a slide."""
-    if not (a.is_constant() and b.is_constant()):
-        return a if a.is_constant() else b
-    return a if float(a) <= float(b) else b
-
-
-_ONE = Scalar(ca.SX(1), ca.SX(0), ca.SX(0))

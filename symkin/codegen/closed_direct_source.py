@@ -143,11 +143,7 @@ class ClosedDirectSource(DirectValues):
         outputs = [discriminants, ca.vertcat(*unknowns), ca.vertcat(*guards)]
         outputs = gathered(outputs, [self.u, formulas.roots], self.turns)
         inputs = [(self.u, "w->u"), (formulas.roots, [f"r{k + 1}" for k in range(count)])]
-        emitter, zero, one = (
-            Emitter.of(real, inputs, *outputs),
-            real.zero,
-            real.one,
-        )
+        emitter, zero, one = Emitter.of(real, inputs, *outputs), real.zero, real.one
         self.store_guards(emitter, 2, "guard", of_divisors=True)
         begun, lines = emitter.take(), emitter.lines
         for k, name in enumerate(formulas.names):

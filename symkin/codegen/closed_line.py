@@ -22,7 +22,7 @@ from symkin.closed.evaluation import Evaluation
 from symkin.closed.plan import Plan
 from symkin.codegen.arm_bounds import ArmBounds, Stepped
 from symkin.codegen.arm_motion import ArmMotion
-from symkin.codegen.closed_source import ClosedCode
+from symkin.codegen.closed_source import LEAST, SAME, ClosedCode
 from symkin.codegen.guard_text import GuardText
 from symkin.codegen.guards import Bound, Guard
 from symkin.codegen.newton_kernel import rounded, rounded_up
@@ -30,8 +30,6 @@ from symkin.codegen.text.c import Emitter, Real, indent, indexed
 from symkin.codegen.text.templates import copy, fill
 from symkin.computed_once import cached_property
 
-_SAME = 1e-6
-"""Relative difference of equal squares."""
 _HELPERS = ("take", "least", "least_length", "least_sine", "bounds")
 """Functions that hold squares and bound joints, the first of which others call."""
 _OF_STEP, _OF_JOINT = 5, 5
@@ -46,8 +44,6 @@ _NEARLY_ONE = 0.999
 """Share of a discriminant that rounding leaves above zero."""
 _LONGER = "part * ((w->bent < {0} * w->most) ? {1} : ({2} * {3}(w->most / w->bent)))"
 """The next part where one was kept at once: four fifths of what would do, at most twice as long."""
-_LEAST = 256.0
-"""Squares below so many roundings decide nothing."""
 
 
 @dataclass(frozen=True)
@@ -119,12 +115,6 @@ class ClosedLine:
     def _steps(self) -> list[Stepped]:
         """Bounds of each step."""
         return [self._bounds.of(step, self._roots[i]) for i, step in enumerate(self.plan.steps)]
-
-    @property
-    def ways(self) -> list[str]:
-        """What changes along a line."""
-        names = [screw.name for screw in self.plan.arm.screws]
-        return ["the tool's place (over the size)", "its turn", *names]
 
     @cached_property
     def guards(self) -> list[Guard]:
@@ -254,7 +244,7 @@ class ClosedLine:
         sides = [3 + k for k in range(len(self._steps[i].sides))]
         way = f"({whole} + w->way[{joint}])"
         asked = f"{p}_inverse_take(w, {way} * {way}, {literal(_MOST_WAY**2)});"
-        if not sides or square.number is None or abs(square.times - 1.0) > _SAME:
+        if not sides or square.number is None or abs(square.times - 1.0) > SAME:
             emitter.lines.append(asked)
             return
         here, there = (f"w->{part}[{square.number}]" for part in ("left", "guard"))
@@ -345,7 +335,7 @@ class ClosedLine:
                 "per_lengths": self.per_lengths,
                 "per_size2": literal(size**-2),
                 "size2": literal(size**2),
-                "least": literal(_LEAST * self.real.epsilon),
+                "least": literal(LEAST * self.real.epsilon),
                 "four": literal(4.0),
                 "quarter_part": literal(0.25),
                 "eight": literal(8.0),

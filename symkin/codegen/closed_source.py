@@ -27,9 +27,9 @@ from symkin.computed_once import cached_property
 from symkin.model.joint import Coordinate
 from symkin.text import c_comment
 
-_LEAST = 256.0
+LEAST = 256.0
 """Discriminants and strengths (squares over the size's) below so many roundings decide nothing."""
-_TRIED, _SAME = 8, 1e-9
+_TRIED, SAME = 8, 1e-9
 """Random joint values at which squares are compared, and the relative difference of equal ones."""
 _FINISH_STEPS, _FINISH_REACH = 6, 0.5
 """Newton steps from a nearly equal arm's branch, and the longest one (of the size)."""
@@ -152,8 +152,8 @@ class ClosedCode:
         values, found = self._squares_at, list[Square]()
         for i in range(len(self.plan.steps)):
             shares = [(values[:, i] / values[:, j], k) for k, j in enumerate(_own(found))]
-            same = [Square(k, float(s[0])) for s, k in shares if np.ptp(s) <= _SAME * abs(s[0])]
-            if np.ptp(values[:, i]) <= _SAME * abs(values[0, i]):
+            same = [Square(k, float(s[0])) for s, k in shares if np.ptp(s) <= SAME * abs(s[0])]
+            if np.ptp(values[:, i]) <= SAME * abs(values[0, i]):
                 found.append(Square(None, float(values[0, i])))
             else:
                 found.append(same[0] if same else Square(len(_own(found)), 1.0, own=True))
@@ -235,7 +235,7 @@ class ClosedCode:
         """What must hold before a step's solutions are formed, and what is said where it does not:
         nothing decides the joint, two solutions meet, or there is none.
         """
-        least, undecided = self.real.literal(_LEAST * self.real.epsilon), "*undecided = true;"
+        least, undecided = self.real.literal(LEAST * self.real.epsilon), "*undecided = true;"
         if not _is_number(strength):
             self._raw(f"if ({strength} > {least}) {{")
             opened.append(f"}} else {{\n{undecided}\n}}")

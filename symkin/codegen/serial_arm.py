@@ -386,7 +386,7 @@ class ArmSource:
         """What the inverse problem watches along lines."""
         if self.line is None:
             return {"inverse": (["the pose"], (DETERMINANT,))}
-        return {"inverse": (self.line.ways, self.line.guards)}
+        return {"inverse": ([], self.line.guards)}
 
     @property
     def text(self) -> str:
