@@ -11,6 +11,7 @@ import numpy as np
 
 from symkin.closure.numpy_code import vectorise
 from symkin.elimination.closed_form import ClosedForm
+from symkin.model.joint import units_of
 from symkin.numeric.system import System
 
 _STARTS, _STEPS = 64, 40
@@ -116,7 +117,7 @@ def _angular(system: System) -> np.ndarray:
 
 def _units(system: System) -> np.ndarray:
     """What the unknowns (width, 1) are told in: radians, and sizes."""
-    return np.where(_angular(system), 1.0, system.characteristic_length)
+    return np.array(units_of(system.unknowns, system.characteristic_length))[:, None]
 
 
 def _reach(parts: np.ndarray) -> np.ndarray:

@@ -189,7 +189,7 @@ def given_by_name(mechanism: Mechanism, values: Values) -> Given:
     )
 
 
-# --- names ---------------------------------------------------------------------------
+# --- names ----------------------------------------------------------------------------------------
 
 
 def given_coordinates(mechanism: Mechanism) -> dict[str, Coordinate]:

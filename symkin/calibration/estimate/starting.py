@@ -82,7 +82,7 @@ disagreement are not told apart by groups.
 """
 
 
-# --- where a direct problem begins --------------------------------------------------------------
+# --- where a direct problem begins ----------------------------------------------------------------
 
 
 def with_starts(
@@ -131,7 +131,7 @@ def _put_in(read: np.ndarray, table: np.ndarray, rows: np.ndarray) -> None:
     table[rows] = np.where(np.isfinite(read[rows]), read[rows], table[rows])
 
 
-# --- modes --------------------------------------------------------------------------------------
+# --- modes ----------------------------------------------------------------------------------------
 
 
 def start_configurations(
@@ -278,7 +278,7 @@ def _all_modes(
     return np.vstack(points), np.array(owner, dtype=int)
 
 
-# --- groups -------------------------------------------------------------------------------------
+# --- groups ---------------------------------------------------------------------------------------
 
 
 def _choose_branch(
