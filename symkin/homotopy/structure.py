@@ -45,7 +45,7 @@ from symkin.position.problem import Problem
 
 MOST_UNKNOWNS = 4
 """Unknowns of a block at most: its rows have three to this power coefficients each."""
-MOST_COEFFICIENTS = 24
+MOST_COEFFICIENTS = 30
 """Different coefficients of a block at most. Many of them are bound by rules beyond equality, which
 rotations in space follow, so that random ones have many more roots.
 """
@@ -64,7 +64,7 @@ _SEARCHES = 3
 """Second searches at most; the first that finds what is known settles the count."""
 _POINTS, _NEWTON_STEPS = 256, 40
 """Random points, and Newton steps from each, that look for roots which loops do not reach."""
-_SEARCH = "loops and random points"
+_SEARCH = "loops and random points, each to its end"
 """What finds a structure's roots: kept ones that loops alone found are not taken."""
 _CLOSED = 1e-9
 """Largest last step of Newton's method at a root."""

@@ -165,11 +165,11 @@ def newton(
         for _ in range(iterations):
             f, j = system.linearise(z, known)
             dz = -solve_rows(_with_patch(j, _patch(system, z)), f[:, :, None])[:, :, 0]
-            z, last = z + dz, _relative(dz, z)
-            last = np.where(
-                np.isfinite(last) & (np.max(np.abs(f), axis=1) < ROWS_CONTRADICT), last, np.inf
-            )
-            if np.all((last < 1e-13) | ~np.isfinite(last)):
+            z, size = z + dz, _relative(dz, z)
+            closes = np.isfinite(size) & (np.max(np.abs(f), axis=1) < ROWS_CONTRADICT)
+            last = np.where(closes, size, np.inf)
+            # far from a root rows stay and steps go on
+            if not np.any((last >= 1e-13) & np.isfinite(size)):
                 break
     return system.normalise(z), last
 

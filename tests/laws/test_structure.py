@@ -213,6 +213,49 @@ def test_roots_that_no_loop_moves_are_found(tmp_path):
 
 
 @pytest.mark.usefixtures("_empty_cache")
+def test_a_root_that_stays_at_a_half_turn_is_found():
+    """A kite on a sphere closes in two ways: one of its joints stays at a half turn in the second,
+    whatever the given angle is, so that no loop leads there, and rows are far from zero where
+    Newton's method starts.
+    """
+    system = structure._system(("angle",), (((0, 0, 1), (1, 0, 1), (2, 1, 1)),))
+    found, why = structure._searched(system)
+    assert found is not None, why
+    assert sorted(np.abs(np.cos(found.z[0]) + 1.0) > 1e-6) == [False, True]
+    axes = ((-1, 1, 2), (2, 2, 1), (0, 1, 0), (-2, 2, -1), (0, 0, -1), (-1, 1, 0), (1, 0, 2))
+    links = (
+        *(("base", "link1"), ("link1", "link2"), ("link2", "link3"), ("link3", "base")),
+        *(("link2", "link4"), ("link4", "link5"), ("link5", "base")),
+    )
+    kite = "".join(
+        joint(f"j{k}", pair, 50.0 * np.array(axis), axis=str(axis)[1:-1])
+        for k, (pair, axis) in enumerate(zip(links, axes, strict=True), start=1)
+    )
+    modes = symkin.modes(parse(HEAD + kite), given={"j4": -5.0})
+    # two ways of each of its two loops
+    assert len(modes) == 4
+    assert modes.completeness == "probability one"
+    assert sum(abs(abs(mode.joints["j3"]) - 180.0) < 1e-9 for mode in modes) == 2
+
+
+@pytest.mark.usefixtures("_empty_cache")
+def test_a_loop_of_two_slides_between_two_turns_is_complete():
+    """P C U C with the slide of one C given: translations are linear in the two other slides."""
+    rng = np.random.default_rng(4)
+    axes, points = rng.normal(size=(4, 3)), 60.0 * rng.normal(size=(4, 3))
+    other = np.cross(axes[2], rng.normal(size=3))
+    ends = (("base", "a"), ("a", "b"), ("b", "c"), ("c", "base"))
+    loop = [
+        joint(f"j{k}", pair, points[k], kind=kind, axis=str(axes[k].tolist())[1:-1])
+        for k, (pair, kind) in enumerate(zip(ends, "PCUC", strict=True))
+    ]
+    loop[2] += f"axis2 = {other.tolist()}\n"
+    found = symkin.modes(parse(HEAD + "".join(loop)), given={"j3.slide": 1.0})
+    assert found.completeness == "probability one"
+    assert found.complex_count == 8
+
+
+@pytest.mark.usefixtures("_empty_cache")
 def test_a_block_with_fewer_roots_than_its_structure_is_searched_for_itself(monkeypatch):
     """Where a path of the structure's roots does not arrive at a generic instance, the block's own
     roots are sought.
