@@ -24,9 +24,9 @@ from symkin.assembly.mode_proofs import PartProofs, can_be_proved, ground_notes,
 from symkin.assembly.modes_result import Modes, sampling
 from symkin.assembly.search import Search
 from symkin.assembly.tree import Solving, Step, Tree, grown_together
-from symkin.computed_once import lru_cache
 from symkin.errors import InputError, TooManyModesError
 from symkin.position.given import Given
+from symkin.position.groups import independent_parts
 from symkin.position.platform_motion import motion_notes
 from symkin.position.problem import Problem
 from symkin.position.roots import MOST_MODES
@@ -179,21 +179,6 @@ def modes_of_inputs(
     return [
         replace(m, notes=(*m.notes, *notes)) if m.completeness == "sampled" else m for m in found
     ]
-
-
-@lru_cache(maxsize=128)
-def independent_parts(groups: tuple[Problem, ...]) -> list[list[int]]:
-    """Numbers of the groups that read each other's values, directly or not: a left leg and a right
-    one are two parts.
-    """
-    label = list(range(len(groups)))
-    for k, group in enumerate(groups):
-        read = {c.name for c in group.known_coordinates}
-        for j in range(k):
-            if read & {c.name for c in groups[j].system.unknowns}:
-                old, new = label[j], label[k]
-                label = [new if mine == old else mine for mine in label]
-    return [[k for k, mine in enumerate(label) if mine == part] for part in dict.fromkeys(label)]
 
 
 def _check_choices(problem: Problem, groups: Sequence[Problem], choose: Sequence[int]) -> None:

@@ -206,8 +206,8 @@ NAMES = {
     "pose_of": "symkin.position.solution",
     "make_solution": "symkin.position.solution_list",
     "SOLVERS": "symkin.position.solve",
+    "begun": "symkin.position.starts",
     "random_starts": "symkin.position.starts",
-    "start_values": "symkin.position.starts",
     "many_elsewhere": "symkin.position.transfer",
     "variables_elsewhere": "symkin.position.transfer",
     # Jacobians
@@ -297,7 +297,8 @@ NAMES = {
     "is_pose": "symkin.certificate.separation",
     "build_tape": "symkin.certificate.tape",
     # all modes
-    "independent_parts": "symkin.assembly.by_groups",
+    "independent_parts": "symkin.position.groups",
+    "independent_problems": "symkin.position.groups",
     "modes_by_groups": "symkin.assembly.by_groups",
     "group_paths": "symkin.assembly.group_solvers",
     "group_solver": "symkin.assembly.group_solvers",
