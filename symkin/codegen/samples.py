@@ -87,7 +87,7 @@ def _limb_signs(direct: Problem, values: np.ndarray) -> np.ndarray:
     """
     inverse = build_problem(direct.mechanism, pose_names(direct.mechanism))
     known, signs = values[:, inverse.known_places], [np.zeros((len(values), 0))]
-    for b in split_blocks(inverse.system):
+    for b in split_blocks(inverse.system, by_errors=True):
         matrices = b.linearise(inverse.select_values(values, b.unknowns), known)[1]
         if matrices.shape[1] == matrices.shape[2]:
             signs.append(np.sign(np.linalg.det(matrices))[:, None])

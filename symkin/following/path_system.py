@@ -193,7 +193,9 @@ def path_systems(problem: Problem) -> tuple[PathSystem, ...]:
     """The rows of each independent block of a problem along an interval; built once for each
     problem.
     """
-    return tuple(_path_system(problem, block) for block in split_blocks(problem.system))
+    return tuple(
+        _path_system(problem, block) for block in split_blocks(problem.system, by_errors=True)
+    )
 
 
 def _path_system(problem: Problem, system: System) -> PathSystem:

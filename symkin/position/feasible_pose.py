@@ -143,7 +143,7 @@ def _nearest_joints(problem: Problem, pose: np.ndarray) -> np.ndarray:
     rng = np.random.default_rng(0)
     values = problem.closure.reference
     named: dict[str, np.ndarray] = {}
-    for block in split_blocks(problem.system):
+    for block in split_blocks(problem.system, by_errors=True):
         here = np.concatenate([values[problem.closure.slices[c.name]] for c in block.unknowns])
         starts = block.move(
             np.tile(here, (_STARTS, 1)),

@@ -293,10 +293,12 @@ def _parts(problem: Problem, dependence: np.ndarray) -> list[set[int]]:
     if not system.unknowns:
         return []
     every = np.array([dependence[:, slices[c.name]].any(axis=1) for c in system.unknowns]).T
-    # of limbs a pose without a quaternion is numbers as joints are
-    is_whole = problem.by_name or any(c.is_rotation for c in system.unknowns)
-    bodies = _bodies(system.unknowns) if is_whole else []
     tied = [set(np.flatnonzero(row).tolist()) for row in every]
+    bodies = _bodies(system.unknowns)
+    if not problem.by_name and not any(c.is_rotation for c in system.unknowns):
+        # numbers of a platform that rows nowhere tie: its height, say
+        alone = components(tied, len(system.unknowns))
+        bodies = [body & part for body in bodies for part in alone if body & part]
     apart = components([*tied, *bodies], len(system.unknowns))
     if all(len(part) == 1 or part in bodies for part in apart):
         return apart

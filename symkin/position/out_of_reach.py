@@ -88,7 +88,7 @@ def _gap(problem: Problem, nearest: Polished, given: Given) -> float:
     largest.
     """
     places, gaps = problem.system.places, [0.0]
-    for block in split_blocks(problem.system):
+    for block in split_blocks(problem.system, by_errors=True):
         columns = np.r_[tuple(places[c.name] for c in block.unknowns)]
         gaps.append(float(block.residuals(nearest.points[:, columns], given.values).min()))
     return max(gaps)

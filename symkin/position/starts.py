@@ -84,7 +84,8 @@ def _start_by_name(problem: Problem, start: Start) -> Given:
     if start is None:
         return Given((), np.zeros(0), {})
     if problem.of_pose:
-        return Given(actuated_names(mechanism), joint_values(mechanism, start, "start"), {})
+        joints = joint_values(mechanism, start, "start")  # type: ignore[arg-type]
+        return Given(actuated_names(mechanism), joints, {})
     if problem.of_joints:
         return _pose_on_motion(mechanism, start)
     if isinstance(start, Mapping):
