@@ -14,10 +14,9 @@ from symkin.closure.closure import Closure
 from symkin.numeric.linear_algebra import condition_of
 from symkin.numeric.root_checks import NEARLY_SINGULAR, are_double
 from symkin.numeric.tolerances import CLOSURE_TOLERANCE, SINGULAR_CONDITION
-from symkin.position.canonical import canonical, poses_of
 from symkin.position.groups import structure_groups
 from symkin.position.problem import Problem
-from symkin.position.readings import within_limits
+from symkin.position.readings import canonical, poses_of, within_limits
 from symkin.position.solution import DOUBLE_NOTE, SINGULAR_NOTE, Solution, named_values
 from symkin.spatial.pose import Pose
 
