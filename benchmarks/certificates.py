@@ -29,7 +29,7 @@ from cases import QUICK, all_cases
 from symkin.certificate import certificate
 from symkin.certificate.ball_system import BallSystem
 from symkin.certificate.coordinates import in_phase
-from symkin.certificate.knowns import Knowns
+from symkin.certificate.discs import Knowns
 from symkin.certificate.krawczyk import chart_of, enclose
 from symkin.certificate.quick_test import Enclosures, enclose_all
 from symkin.homotopy.algebraic import AlgebraicSystem

@@ -23,8 +23,8 @@ from symkin.codegen.serial_arm import SerialArm
 from symkin.codegen.text.c import Real
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism
-from symkin.position.canonical import poses_of
 from symkin.position.problem import Problem, actuated_names, build_problem, pose_names
+from symkin.position.readings import poses_of
 
 OUT_OF_RANGE = STATUSES.index("OUT_OF_RANGE")
 REGULAR = 1.0 / 25600

@@ -12,8 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from symkin.assembly.checked_roots import checked_roots
-from symkin.assembly.group_roots import GroupRoots
+from symkin.assembly.group_roots import GroupRoots, checked_roots
 from symkin.assembly.prover import Prover, prover_of
 from symkin.computed_once import cached_property, lru_cache
 from symkin.homotopy.algebraic import AlgebraicSystem, imaginary_part

@@ -24,9 +24,9 @@ from symkin.assembly.mode_proofs import PartProofs, can_be_proved, ground_notes,
 from symkin.assembly.modes_result import Modes, sampling
 from symkin.assembly.search import Search
 from symkin.assembly.tree import Solving, Step, Tree, grown_together
-from symkin.computed_once import lru_cache
 from symkin.errors import InputError, TooManyModesError
 from symkin.position.given import Given
+from symkin.position.groups import independent_parts
 from symkin.position.platform_motion import motion_notes
 from symkin.position.problem import Problem
 from symkin.position.roots import MOST_MODES
@@ -181,21 +181,6 @@ def modes_of_inputs(
     ]
 
 
-@lru_cache(maxsize=128)
-def independent_parts(groups: tuple[Problem, ...]) -> list[list[int]]:
-    """Numbers of the groups that read each other's values, directly or not: a left leg and a right
-    one are two parts.
-    """
-    label = list(range(len(groups)))
-    for k, group in enumerate(groups):
-        read = {c.name for c in group.known_coordinates}
-        for j in range(k):
-            if read & {c.name for c in groups[j].system.unknowns}:
-                old, new = label[j], label[k]
-                label = [new if mine == old else mine for mine in label]
-    return [[k for k, mine in enumerate(label) if mine == part] for part in dict.fromkeys(label)]
-
-
 def _check_choices(problem: Problem, groups: Sequence[Problem], choose: Sequence[int]) -> None:
     if not isinstance(choose, Sequence):
         raise InputError(f"choose = {shown(choose)} is no list of whole numbers, one a block")
@@ -220,30 +205,17 @@ def _too_many(problem: Problem, groups: Sequence[Problem], number: int) -> str:
     )
 
 
-@dataclass(frozen=True, eq=False)
-class _Combined:
-    """Configurations (m, variables) of the inputs `owner` (m,), rising, with the hits of each and
-    what is proved of it; how many each input has, listed or not.
-    """
-
-    values: np.ndarray
-    owner: np.ndarray
-    hits: np.ndarray
-    proofs: PartProofs
-    total: tuple[int, ...]
-
-
-def _combined(begin: np.ndarray, parts: list[Tree]) -> _Combined:
+def _combined(begin: np.ndarray, parts: list[Tree]) -> tuple[Tree, tuple[int, ...]]:
     """Every combination of the parts' solutions of each input, the last part fastest, or, where
-    these are too many, the first of each with every one of one part; and how many they are.
+    these are too many, the first of each with every one of one part; and how many each input has,
+    listed or not.
     """
     n = len(begin)
     if len(parts) == 1:
         (part,) = parts
         values = begin[part.owner]
         values[:, part.columns] = part.values
-        total = tuple(np.bincount(part.owner, minlength=n).tolist())
-        return _Combined(values, part.owner, part.hits, part.proofs, total)
+        return replace(part, values=values), tuple(np.bincount(part.owner, minlength=n).tolist())
     sizes = np.array([np.bincount(part.owner, minlength=n) for part in parts], dtype=int).reshape(
         len(parts), n
     )
@@ -269,7 +241,7 @@ def _combined(begin: np.ndarray, parts: list[Tree]) -> _Combined:
         hits = np.minimum(hits, part.hits[row])
         proofs = proofs.beside(part.proofs.of(row))
     total = tuple(prod(column) for column in sizes.T.tolist())
-    return _Combined(values, owner, hits, proofs, total)
+    return Tree(values, np.zeros(values.shape), owner, hits, proofs), total
 
 
 def _some_combinations(sizes: list[int]) -> np.ndarray:
@@ -291,30 +263,31 @@ def _checked(
     problem: Problem,
     search: Search,
     account: Account,
-    combined: _Combined,
+    combined: tuple[Tree, tuple[int, ...]],
     told: Told | None,
     *,
     certify: bool,
 ) -> GroupedModes:
     n, asked = len(account.seen), problem if told is None else told.problem
+    tree, every = combined
     found = (
-        checked_solutions(problem, combined.values)
+        checked_solutions(problem, tree.values)
         if told is None
-        else told.listed(problem.closure, combined.values, combined.owner)
+        else told.listed(problem.closure, tree.values, tree.owner)
     )
-    order = order_of_modes(asked, found, combined.owner)
+    order = order_of_modes(asked, found, tree.owner)
     # what is listed closes: on all rows together, not only on those of its groups
     closed = found.closed[order]
     left_out = np.zeros(n, dtype=bool)
-    left_out[combined.owner[order[~closed]]] = True
+    left_out[tree.owner[order[~closed]]] = True
     order = order[closed]
-    owner, hits = combined.owner[order], combined.hits[order]
-    proved = combined.proofs.of(order).told() if certify and order.size else {}
+    owner, hits = tree.owner[order], tree.hits[order]
+    proved = tree.proofs.of(order).told() if certify and order.size else {}
     hits = np.where(np.isfinite(hits), hits, -1).astype(int)
     listed = found.chosen(order, hits=hits, **proved)
     statement = np.max(account.statement, axis=1, initial=0)
     statement = np.where(left_out, np.maximum(statement, STATEMENTS.index("incomplete")), statement)
     counts = np.bincount(owner, minlength=n)
-    total = np.where(account.whole, np.array(combined.total, dtype=object), 0)
+    total = np.where(account.whole, np.array(every, dtype=object), 0)
     whole = tuple(int(count) for count in np.where(left_out, counts, total))
     return GroupedModes(problem, search, told, listed, owner, whole, statement, account)

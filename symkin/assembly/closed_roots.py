@@ -15,8 +15,7 @@ from typing import Protocol
 import numpy as np
 
 from symkin.assembly.block_paths import BlockPaths
-from symkin.assembly.checked_roots import checked_roots
-from symkin.assembly.group_roots import GroupRoots
+from symkin.assembly.group_roots import GroupRoots, checked_roots
 from symkin.assembly.rod_lengths import rod_lengths
 from symkin.computed_once import cached_property, lru_cache
 from symkin.elimination.closed_form import ClosedForm, Solutions, closed_form, samples_about

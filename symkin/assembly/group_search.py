@@ -16,10 +16,10 @@ from symkin.assembly.group_solvers import group_paths
 from symkin.assembly.search import Search
 from symkin.numeric.newton import Polished
 from symkin.numeric.root_checks import are_roots
-from symkin.position.canonical import canonical
 from symkin.position.gear_train import GearTrain
 from symkin.position.multistart import batched_rows, one_by_one
 from symkin.position.problem import Problem
+from symkin.position.readings import canonical
 
 
 def searched_alone(group: Problem, known: np.ndarray, search: Search) -> GroupRoots:

@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
-import casadi as ca
-
 from symkin.assembly.block_paths import BlockPaths, own_paths, paths_of_rows
 from symkin.assembly.closed_roots import ClosedBlock, accounts_for_all, closed_block
 from symkin.assembly.families import members_of
@@ -18,9 +16,14 @@ from symkin.homotopy.start_store import AGREEING
 from symkin.homotopy.structure import MOST_UNKNOWNS, start_of_structure, structure_of
 from symkin.homotopy.systems import system_of, unsuitable
 from symkin.numeric.cache_folder import cache_folder
-from symkin.numeric.system import incidence_of
 from symkin.position.gear_train import gear_train
-from symkin.position.groups import implied_parts, is_linear, structure_groups
+from symkin.position.groups import (
+    implied_parts,
+    independent_problems,
+    is_linear,
+    joined_groups,
+    structure_groups,
+)
 from symkin.position.problem import Problem
 from symkin.position.roots import NOT_KNOWN, product_of_counts
 
@@ -49,8 +52,8 @@ def any_paths(group: Problem) -> BlockPaths | None:
 
 def solved_groups(problem: Problem, search: Search) -> tuple[Problem, ...]:
     """The parts of a problem in the order of their solution: structure groups where coordinates are
-    told by name, and where some block has neither formulas nor a start of paths but its parts may
-    have; else its blocks.
+    told by name, and where what these join to has neither formulas nor a start of paths; else its
+    independent parts, rods whose ends are known as one.
     """
     return _solved_groups(problem, search.method == "continuation", search.formulas)
 
@@ -59,46 +62,28 @@ def solved_groups(problem: Problem, search: Search) -> tuple[Problem, ...]:
 def _solved_groups(problem: Problem, by_paths: bool, formulas: bool) -> tuple[Problem, ...]:
     if problem.by_name:
         return structure_groups(problem)
-    blocks = problem.blocks
-    if by_paths and any(_lacks_solver(block) for block in _outside_families(blocks)):
-        finer = structure_groups(problem)
-        return finer if len(finer) > len(blocks) else blocks
-    return _with_rods_together(problem, blocks) if by_paths and formulas else blocks
+    parts = independent_problems(problem)
+    if by_paths and any(_lacks_solver(part) for part in _outside_families(parts)):
+        return structure_groups(problem)
+    rods = tuple(part for part in parts if rod_lengths(part.system) is not None)
+    if len(rods) < 2 or not (by_paths and formulas):
+        return parts
+    return (joined_groups(problem, rods), *(part for part in parts if part not in rods))
 
 
-def _with_rods_together(problem: Problem, blocks: tuple[Problem, ...]) -> tuple[Problem, ...]:
-    """The blocks of a problem, those of rods whose ends are known as one group."""
-    rods = [block for block in blocks if rod_lengths(block.system) is not None]
-    if len(rods) < 2:
-        return blocks
-    unknowns = tuple(c for block in rods for c in block.system.unknowns)
-    own = {k for k, c in enumerate(problem.system.unknowns) if c in unknowns}
-    held = incidence_of(problem.system.rows, problem.system)
-    places = tuple(k for k, some in enumerate(held) if some & own)
-    system = replace(
-        problem.system,
-        unknowns=unknowns,
-        unknown=ca.vertcat(*(block.system.unknown for block in rods)),
-        rows=problem.system.rows[list(places), 0],
-        errors=ca.vertcat(*(block.system.errors for block in rods)),
-    )
-    together = replace(problem, by_name=True, system=system, row_places=places)
-    return (together, *(block for block in blocks if block not in rods))
+def _outside_families(parts: tuple[Problem, ...]) -> Iterator[Problem]:
+    """Those of some parts that no formulas or paths of a family solve."""
+    members = members_of(parts)
+    for part in parts:
+        if part not in members or group_solver(members[part].family) is None:
+            yield part
 
 
-def _outside_families(blocks: tuple[Problem, ...]) -> Iterator[Problem]:
-    """Those of some blocks that no formulas or paths of a family solve."""
-    members = members_of(blocks)
-    for block in blocks:
-        if block not in members or group_solver(members[block].family) is None:
-            yield block
-
-
-def _lacks_solver(block: Problem) -> bool:
-    """Whether only random starts find the solutions of a block, though its values may be any."""
-    if solved_at_once(block) or solved_parts(block) or group_solver(block) is not None:
+def _lacks_solver(part: Problem) -> bool:
+    """Whether only random starts find the solutions of a part, though its values may be any."""
+    if solved_at_once(part) or solved_parts(part) or group_solver(part) is not None:
         return False
-    paths, why = own_paths(block)
+    paths, why = own_paths(part)
     return paths is None and AGREEING not in why
 
 

@@ -22,7 +22,7 @@ from symkin.position.roots import Proofs
 if TYPE_CHECKING:
     from symkin.certificate.bounds import Bound
     from symkin.certificate.certificate import CertificateBatch
-    from symkin.certificate.knowns import Knowns
+    from symkin.certificate.discs import Knowns
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,20 +9,19 @@ from typing import NamedTuple
 import numpy as np
 
 from symkin.assembly.account import FEW, Account
-from symkin.assembly.checked_roots import checked_roots
 from symkin.assembly.closed_roots import ClosedBlock
 from symkin.assembly.continuation import least_error
 from symkin.assembly.families import Member, members_of
-from symkin.assembly.group_roots import STATEMENTS, GroupRoots
+from symkin.assembly.group_roots import STATEMENTS, GroupRoots, checked_roots
 from symkin.assembly.group_search import geared_roots, linear_roots, searched_alone
 from symkin.assembly.group_solvers import any_paths, group_solver, most_roots, solved_parts
 from symkin.assembly.mode_proofs import PartProofs, proofs_of_group
 from symkin.assembly.search import Search
 from symkin.errors import InputError
-from symkin.position.canonical import canonical
 from symkin.position.gear_train import gear_train
 from symkin.position.groups import is_linear
 from symkin.position.problem import Problem
+from symkin.position.readings import canonical
 from symkin.position.roots import MOST_MODES, NOT_KNOWN, polished_roots, unite
 
 

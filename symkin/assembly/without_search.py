@@ -15,9 +15,10 @@ from symkin.errors import InputError
 from symkin.homotopy.systems import unsuitable
 from symkin.numeric.tolerances import CLOSURE_TOLERANCE
 from symkin.position.given import Given
+from symkin.position.groups import structure_groups
 from symkin.position.problem import Problem
 from symkin.position.solution_list import SolutionList, checked_solutions
-from symkin.position.starts import start_values
+from symkin.position.starts import begun
 
 
 def free_unknowns(problem: Problem) -> str | None:
@@ -40,7 +41,7 @@ def _certified(problem: Problem, one: SolutionList, values: np.ndarray) -> Solut
         return one
     known, owner = values[:, problem.known_places], np.zeros(1, dtype=int)
     proofs = PartProofs.of_nothing(1)
-    for part in problem.blocks:
+    for part in structure_groups(problem):
         roots = GroupRoots.of_all(values[:, part.unknown_places], owner, np.ones(1))
         proofs = proofs.beside(proofs_of_group(part, roots, known, np.zeros(known.shape))[0])
     return one.chosen(slice(None), **proofs.told())
@@ -92,7 +93,7 @@ def _forward(problem: Problem, given: Given, search: Search, told: Told | None) 
     search.refuse_unless_multistart(
         "the direct problem of a serial arm is a function of its joints, and nothing is searched"
     )
-    values = problem.join_values(start_values(problem, given, None), given.values)[None]
+    values = problem.join_values(begun(problem.mechanism, given, None)[1], given.values)[None]
     if told is None:
         one = checked_solutions(problem, values, given.notes)
     else:

@@ -20,9 +20,8 @@ import casadi as ca
 import numpy as np
 
 from symkin.certificate.certificate import CertificateBatch
-from symkin.certificate.discs import DiscFunction
+from symkin.certificate.discs import DiscFunction, Knowns
 from symkin.certificate.exact import exact_arm
-from symkin.certificate.knowns import Knowns
 from symkin.certificate.tape import build_tape
 from symkin.closure.expression_graph import Instruction, instructions
 from symkin.computed_once import lru_cache

@@ -19,8 +19,7 @@ import numpy as np
 
 from symkin.certificate.ball_system import BallSystem
 from symkin.certificate.coordinates import aligned, in_phase, spread
-from symkin.certificate.discs import Discs
-from symkin.certificate.knowns import Knowns
+from symkin.certificate.discs import Discs, Knowns
 from symkin.certificate.krawczyk import Box, box_about
 from symkin.certificate.open_points import prove_points, prove_pose
 from symkin.certificate.quick_test import enclose_all

@@ -12,8 +12,7 @@ import casadi as ca
 import numpy as np
 from flint import arb
 
-from symkin.certificate.discs import DiscFunction, Discs
-from symkin.certificate.knowns import Knowns
+from symkin.certificate.discs import DiscFunction, Discs, Knowns
 from symkin.certificate.tape import build_tape
 from symkin.closure.rows import RowBuilder
 from symkin.computed_once import lru_cache

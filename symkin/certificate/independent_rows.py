@@ -16,8 +16,7 @@ from flint import arb
 from symkin.certificate.ball_system import BallSystem
 from symkin.certificate.certificate import CertificateBatch, certify_batch
 from symkin.certificate.disc_arithmetic import UP, modulus
-from symkin.certificate.discs import Discs
-from symkin.certificate.knowns import Knowns
+from symkin.certificate.discs import Discs, Knowns
 from symkin.certificate.quick_test import disc_function
 from symkin.computed_once import lru_cache
 from symkin.homotopy.algebraic import AlgebraicSystem

@@ -19,8 +19,7 @@ import numpy as np
 
 from symkin.certificate.disc_arithmetic import LARGEST, UNIT, UP, modulus
 from symkin.certificate.disc_library import disc_library
-from symkin.certificate.discs import DiscFunction, Discs
-from symkin.certificate.knowns import Knowns
+from symkin.certificate.discs import DiscFunction, Discs, Knowns
 from symkin.certificate.tape import build_tape
 from symkin.computed_once import lru_cache
 from symkin.homotopy.algebraic import AlgebraicSystem

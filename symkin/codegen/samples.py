@@ -13,7 +13,7 @@ import numpy as np
 from symkin.codegen.text.c import Real
 from symkin.model.joint import Coordinate, units_of
 from symkin.numeric.newton import Polished
-from symkin.numeric.system import System
+from symkin.numeric.system import System, split_blocks
 from symkin.numeric.tolerances import CLOSURE_TOLERANCE
 from symkin.position.problem import Problem, build_problem, pose_names
 
@@ -87,7 +87,7 @@ def _limb_signs(direct: Problem, values: np.ndarray) -> np.ndarray:
     """
     inverse = build_problem(direct.mechanism, pose_names(direct.mechanism))
     known, signs = values[:, inverse.known_places], [np.zeros((len(values), 0))]
-    for b in (part.system for part in inverse.blocks):
+    for b in split_blocks(inverse.system, by_errors=True):
         matrices = b.linearise(inverse.select_values(values, b.unknowns), known)[1]
         if matrices.shape[1] == matrices.shape[2]:
             signs.append(np.sign(np.linalg.det(matrices))[:, None])

@@ -20,7 +20,7 @@ from symkin.following.trajectory import between_samples
 from symkin.model.joint import units_of
 from symkin.numeric.balls import raise_constants
 from symkin.numeric.mapped import Mapped
-from symkin.numeric.system import System, incidence_of, split_blocks
+from symkin.numeric.system import System, split_blocks
 from symkin.numeric.tolerances import ROUNDED_STEP
 from symkin.position.problem import Problem
 
@@ -193,16 +193,9 @@ def path_systems(problem: Problem) -> tuple[PathSystem, ...]:
     """The rows of each independent block of a problem along an interval; built once for each
     problem.
     """
-    return tuple(_path_system(problem, block) for block in _independent(problem))
-
-
-def _independent(problem: Problem) -> tuple[System, ...]:
-    """The independent parts of a problem; those of coordinates told by name are what rows and
-    checks join.
-    """
-    if not problem.by_name:
-        return tuple(block.system for block in problem.blocks)
-    return split_blocks(problem.system, incidence_of(problem.system.errors, problem.system))
+    return tuple(
+        _path_system(problem, block) for block in split_blocks(problem.system, by_errors=True)
+    )
 
 
 def _path_system(problem: Problem, system: System) -> PathSystem:

@@ -281,14 +281,14 @@ class System:
         return turned
 
 
-def split_blocks(system: System, together: Sequence[set[int]] = ()) -> tuple[System, ...]:
-    """Independent parts: the connected components of the graph of rows and unknown coordinates,
-    with places of unknowns that stay `together`. A limb whose platform pose is given is one part;
-    its branches are found alone and combined afterwards.
+def split_blocks(system: System, *, by_errors: bool = False) -> tuple[System, ...]:
+    """Independent parts: the connected components of the graph of unknown coordinates and rows,
+    and closure errors where these tie as well. A limb whose platform pose is given is one part; its
+    branches are found alone and combined afterwards.
     """
     errors_of = incidence_of(system.errors, system)
     rows_of = incidence_of(system.rows, system)
-    groups = components([*rows_of, *together], len(system.unknowns))
+    groups = components([*rows_of, *(errors_of if by_errors else [])], len(system.unknowns))
     blocks = []
     for group in groups:
         unknowns = tuple(system.unknowns[k] for k in sorted(group))

@@ -73,7 +73,7 @@ def arm_formulas(problem: Problem) -> ArmFormulas | None:
     """The formulas of an arm's inverse problem; None of any other problem, and where the axes do
     not allow any.
     """
-    if not problem.of_pose or len(problem.blocks) != 1:
+    if not problem.of_pose:
         return None
     plan = plan_of(problem.mechanism)
     if plan is None or {c.name for c in problem.system.unknowns} != {

@@ -14,7 +14,7 @@ from symkin.model.mechanism import Mechanism
 from symkin.numeric.levenberg import levenberg_marquardt
 from symkin.numeric.newton import polish
 from symkin.numeric.rank import Rank, count_above
-from symkin.numeric.system import System
+from symkin.numeric.system import System, split_blocks
 from symkin.numeric.tolerances import CLOSED_CONFIGURATION
 from symkin.position.closed_configurations import closed_configurations
 from symkin.position.problem import Problem, build_problem, plain_kind, pose_names
@@ -143,7 +143,7 @@ def _nearest_joints(problem: Problem, pose: np.ndarray) -> np.ndarray:
     rng = np.random.default_rng(0)
     values = problem.closure.reference
     named: dict[str, np.ndarray] = {}
-    for block in (part.system for part in problem.blocks):
+    for block in split_blocks(problem.system, by_errors=True):
         here = np.concatenate([values[problem.closure.slices[c.name]] for c in block.unknowns])
         starts = block.move(
             np.tile(here, (_STARTS, 1)),

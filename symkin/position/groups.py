@@ -42,9 +42,44 @@ _ZERO = 1e-9
 @lru_cache(maxsize=128)
 def structure_groups(problem: Problem) -> tuple[Problem, ...]:
     """The parts of a problem in the order of their solution, each a problem of its own: unknown are
-    its coordinates, known those of the given ones and of earlier parts that its rows hold.
+    its coordinates, known those of the given ones and of earlier parts that its rows hold. A
+    problem of limbs that is one part stays what it is, but for rows that no unknown enters.
     """
     return _decomposed(problem)
+
+
+@lru_cache(maxsize=128)
+def independent_parts(groups: tuple[Problem, ...]) -> list[list[int]]:
+    """Numbers of the groups that read each other's values, directly or not: a left leg and a right
+    one are two parts.
+    """
+    label = list(range(len(groups)))
+    for k, group in enumerate(groups):
+        read = {c.name for c in group.known_coordinates}
+        for j in range(k):
+            if read & {c.name for c in groups[j].system.unknowns}:
+                old, new = label[j], label[k]
+                label = [new if mine == old else mine for mine in label]
+    return [[k for k, mine in enumerate(label) if mine == part] for part in dict.fromkeys(label)]
+
+
+@lru_cache(maxsize=128)
+def independent_problems(problem: Problem) -> tuple[Problem, ...]:
+    """The parts that read none of each other's values: limbs once the pose is given."""
+    groups = structure_groups(problem)
+    return tuple(
+        joined_groups(problem, tuple(groups[k] for k in part)) for part in independent_parts(groups)
+    )
+
+
+@lru_cache(maxsize=128)
+def joined_groups(problem: Problem, groups: tuple[Problem, ...]) -> Problem:
+    """Groups of a problem that read no others' values as one."""
+    if len(groups) == 1:
+        return groups[0]
+    names = {c.name for group in groups for c in group.system.unknowns}
+    unknowns = tuple(c for c in problem.system.unknowns if c.name in names)
+    return _part(problem, unknowns, (), _dependences(problem))
 
 
 @lru_cache(maxsize=256)
@@ -81,18 +116,23 @@ def is_tied(group: Problem) -> bool:
 
 
 def _decomposed(problem: Problem) -> tuple[Problem, ...]:
-    closure = problem.closure
-    whole = dependence_of(problem.system.rows, closure)
-    rows, errors = (
-        _held(part, closure) for part in (whole, dependence_of(problem.system.errors, closure))
-    )
     found: list[Problem] = []
     earlier: list[Coordinate] = []
-    for places in _parts(problem, whole):
+    for places in _parts(problem, dependence_of(problem.system.rows, problem.closure)):
         unknowns = tuple(problem.system.unknowns[i] for i in sorted(places))
-        found.append(_part(problem, unknowns, earlier, (rows, errors)))
+        found.append(_part(problem, unknowns, earlier, _dependences(problem)))
         earlier += unknowns
     return tuple(found)
+
+
+@lru_cache(maxsize=128)
+def _dependences(problem: Problem) -> tuple[list[set[str]], list[set[str]]]:
+    """Names of the coordinates that each row and each closure error holds."""
+    system, closure = problem.system, problem.closure
+    rows, errors = (
+        _held(dependence_of(part, closure), closure) for part in (system.rows, system.errors)
+    )
+    return rows, errors
 
 
 def _implied_rows(group: Problem) -> list[PointRow | ProductRow]:
@@ -144,6 +184,10 @@ def _part(
     found = {c.name: c for c in (*unknowns, *problem.known_coordinates, *earlier)}
     places, checks = (_rows_of(held, unknowns, found) for held in dependence)
     rows, errors = problem.system.rows[places, 0], problem.system.errors[checks, 0]
+    if not problem.by_name and len(unknowns) == len(problem.system.unknowns):
+        if (len(places), len(checks)) == tuple(map(len, dependence)):
+            return problem
+        return replace(problem, system=replace(problem.system, rows=rows, errors=errors))
     rows, errors = (without_later(part, closure, found) for part in (rows, errors))
     held = _coordinates_in(ca.vertcat(rows, errors), closure)
     known = tuple(c for name, c in found.items() if name in held and c not in unknowns)
@@ -249,14 +293,21 @@ def _parts(problem: Problem, dependence: np.ndarray) -> list[set[int]]:
     if not system.unknowns:
         return []
     every = np.array([dependence[:, slices[c.name]].any(axis=1) for c in system.unknowns]).T
+    tied = [set(np.flatnonzero(row).tolist()) for row in every]
     bodies = _bodies(system.unknowns)
+    if not problem.by_name and not any(c.is_rotation for c in system.unknowns):
+        # numbers of a platform that rows nowhere tie: its height, say
+        alone = components(tied, len(system.unknowns))
+        bodies = [body & part for body in bodies for part in alone if body & part]
+    apart = components([*tied, *bodies], len(system.unknowns))
+    if all(len(part) == 1 or part in bodies for part in apart):
+        return apart
     columns = np.repeat(np.arange(len(system.unknowns)), [c.freedom for c in system.unknowns])
     independent = _independent_rows(problem)
     holds = every[independent][:, columns]
     match = _matching(holds) if len(independent) == system.freedom else None
     if match is None:
-        tied = [set(np.flatnonzero(row).tolist()) for row in every]
-        return components([*tied, *bodies], len(system.unknowns))
+        return apart
     after = [
         {int(columns[j]) for j in np.flatnonzero(holds[match[column]])}
         for column in range(system.freedom)

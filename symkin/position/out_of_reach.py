@@ -9,6 +9,7 @@ import numpy as np
 from symkin.numeric.levenberg import levenberg_marquardt
 from symkin.numeric.newton import Polished
 from symkin.numeric.root_checks import are_roots, rounding
+from symkin.numeric.system import split_blocks
 from symkin.position.determination import is_least
 from symkin.position.given import Given
 from symkin.position.problem import Problem
@@ -87,7 +88,7 @@ def _gap(problem: Problem, nearest: Polished, given: Given) -> float:
     largest.
     """
     places, gaps = problem.system.places, [0.0]
-    for block in (part.system for part in problem.blocks):
+    for block in split_blocks(problem.system, by_errors=True):
         columns = np.r_[tuple(places[c.name] for c in block.unknowns)]
         gaps.append(float(block.residuals(nearest.points[:, columns], given.values).min()))
     return max(gaps)

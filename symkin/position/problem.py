@@ -6,7 +6,7 @@ inverse, as answers say.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
 import casadi as ca
@@ -18,7 +18,7 @@ from symkin.computed_once import cached_property, lru_cache
 from symkin.model.joint import POSE_CONDITIONS, Coordinate
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.rank import Rank
-from symkin.numeric.system import System, constant_rows, split_blocks
+from symkin.numeric.system import System, constant_rows
 
 if TYPE_CHECKING:
     from symkin.elimination.implied_rows import PointRow
@@ -78,34 +78,6 @@ class Problem:
     def reference_known(self) -> np.ndarray:
         """The known values at the reference."""
         return self.select_values(self.closure.reference, self.known_coordinates)
-
-    @cached_property
-    def blocks(self) -> tuple[Problem, ...]:
-        """Independent parts, each a problem of its own, without the rows that no unknown enters:
-        limbs decouple once the pose is given. A rotation that is sought stays with all other
-        unknowns, and the joints of a limb that is not cut stay together, as over the complex
-        numbers, where the position belongs to the rotation's coordinates and such a limb is cut at
-        another joint.
-        """
-        parts, conditions = split_blocks(self.system, self._together), self.conditions
-        if len(parts) == 1 and not (conditions.errors.shape[0] or conditions.rows.shape[0]):
-            return (self,)
-        return tuple(replace(self, system=part) for part in parts)
-
-    @property
-    def _together(self) -> list[set[int]]:
-        """Places of unknowns that make one part whatever the rows hold."""
-        unknowns = self.system.unknowns
-        if self.by_name or any(c.role == "pose" and c.is_rotation for c in unknowns):
-            return [set(range(len(unknowns)))]
-        whole = {row.limb for row in self.closure.row_sources if row.relation == "frame"}
-        owners = {
-            c.name: limb.name for limb, joint in self.mechanism.joints for c in joint.coordinates
-        }
-        return [
-            {k for k, c in enumerate(unknowns) if owners.get(c.name) == limb}
-            for limb in sorted(whole)
-        ]
 
     @cached_property
     def conditions(self) -> System:

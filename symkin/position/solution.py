@@ -15,10 +15,9 @@ from symkin.closure.partition import ALL_JOINTS, Partition
 from symkin.computed_once import cached_property
 from symkin.model.mechanism import Mechanism
 from symkin.plain_number import plain
-from symkin.position.canonical import poses_of
 from symkin.position.pose_coordinates import pose_coordinates
 from symkin.position.problem import Problem
-from symkin.position.readings import left_out, points_at, readings
+from symkin.position.readings import left_out, points_at, poses_of, readings
 from symkin.result import Result, Summary
 from symkin.spatial.pose import Pose
 

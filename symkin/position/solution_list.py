@@ -14,10 +14,9 @@ from symkin.closure.closure import Closure
 from symkin.numeric.linear_algebra import condition_of
 from symkin.numeric.root_checks import NEARLY_SINGULAR, are_double
 from symkin.numeric.tolerances import CLOSURE_TOLERANCE, SINGULAR_CONDITION
-from symkin.position.canonical import canonical, poses_of
 from symkin.position.groups import structure_groups
 from symkin.position.problem import Problem
-from symkin.position.readings import within_limits
+from symkin.position.readings import canonical, poses_of, within_limits
 from symkin.position.solution import DOUBLE_NOTE, SINGULAR_NOTE, Solution, named_values
 from symkin.spatial.pose import Pose
 
@@ -169,16 +168,13 @@ def checked_solutions(
 
 
 def _double(problem: Problem, values: np.ndarray, extremes: np.ndarray) -> np.ndarray:
-    """Which solutions (m,) stand for two or more in some block."""
+    """Which solutions (m,) stand for two or more in some group."""
     found = np.zeros(len(values), dtype=bool)
     suspect = (extremes[:, 1] < NEARLY_SINGULAR).nonzero()[0]
     near = values[suspect]
-    for part in (
-        (structure_groups(problem) if problem.by_name else [problem]) if suspect.size else ()
-    ):
-        known = near[:, part.known_places]
-        for block in (one.system for one in part.blocks):
-            found[suspect] |= are_double(block, near[:, part.places(block.unknowns)], known)
+    for part in structure_groups(problem) if suspect.size else ():
+        unknown, known = near[:, part.unknown_places], near[:, part.known_places]
+        found[suspect] |= are_double(part.system, unknown, known)
     return found
 
 

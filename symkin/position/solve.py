@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping
 from dataclasses import replace
 from typing import Unpack
 
@@ -42,13 +41,7 @@ from symkin.position.problem import Problem, build_problem
 from symkin.position.solution import Solution
 from symkin.position.solution_list import make_solution
 from symkin.position.solve_result import SolveError, SolveResult, iterates_of
-from symkin.position.starts import (
-    Start,
-    begun_by_name,
-    random_starts,
-    start_notes,
-    start_values,
-)
+from symkin.position.starts import Start, begun, random_starts, start_notes
 from symkin.text import not_among
 from symkin.verb import verb
 from symkin.verb_options import takes
@@ -125,16 +118,12 @@ def _solved(
     begin = time.perf_counter()
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
         problem = build_problem(mechanism, given.names)
+        if not problem.by_name and (problem.is_explicit or not problem.system.width):
+            refuse_ignored({"start": start}, _nothing_iterated(problem))
+        problem, z = begun(mechanism, given, start)
         if problem.by_name:
-            problem, z = begun_by_name(mechanism, given, start)
             refuse_contradictions(problem)
             chosen = Levenberg() if damped else chosen
-        else:
-            if isinstance(start, Mapping) and list(start) == ["pose"]:
-                start = start["pose"]
-            if problem.is_explicit or not problem.system.width:
-                refuse_ignored({"start": start}, _nothing_iterated(problem))
-            z = start_values(problem, given, start)
         if start is None:
             result = _from_default(problem, given, chosen, z)
         else:

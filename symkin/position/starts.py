@@ -15,10 +15,10 @@ from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.levenberg import patiently
 from symkin.numeric.system import System
-from symkin.position.given import Given, Joints, given_by_name, joint_values, pose_from
+from symkin.position.given import Given, given_by_name, joint_values, pose_from
 from symkin.position.passive import fit_passive
 from symkin.position.pose_coordinates import pose_coordinates
-from symkin.position.problem import Problem, actuated_names, build_problem
+from symkin.position.problem import Problem, actuated_names, build_problem, pose_names
 from symkin.position.solution import Solution
 from symkin.spatial.pose import Pose
 
@@ -29,76 +29,69 @@ noted.
 """
 
 
-def start_values(problem: Problem, given: Given, start: Joints | Pose | None) -> np.ndarray:
-    """Unknowns at the start. Passive joints are fitted to joints and pose, one given, the other the
-    start's, so that the pose or the joints of a mode lead to it; where limbs have several branches
-    there, to those nearest to the reference.
+def begun(mechanism: Mechanism, given: Given, start: Start) -> tuple[Problem, np.ndarray]:
+    """The problem of what is given, which holds the coordinates that tell the start, and its
+    unknowns there.
+
+    Of the joints or the pose of limbs passive joints are fitted to joints and pose, one given, the
+    other the start's, so that the pose or the joints of a mode lead to it; where limbs have several
+    branches there, to those nearest to the reference. Of other values they are those of the closed
+    configuration near the reference that has the start's values, or one that nearly has.
     """
-    mechanism, closure = problem.mechanism, problem.closure
-    values = closure.reference.copy()
-    start = _example_start(problem) if start is None else start
-    begin = None if start is None else _beside_given(problem, start)
+    problem = build_problem(mechanism, given.names)
+    begin = _start_by_name(problem, start)
+    if problem.by_name:
+        held = tuple(name for name in begin.names if name not in given.names)
+        problem = build_problem(mechanism, given.names, held)
+    values = problem.closure.reference.copy()
     forward = problem.forward(given.values)
     if forward is not None:
         pose, _ = pose_coordinates(mechanism, Pose(forward[:3], forward[3:]))
-        return np.concatenate([problem.select_values(values, closure.role("passive")), pose])
-    if begin is not None:
+        values[problem.places(problem.closure.role("pose"))] = pose
+    elif begin.names and problem.by_name:
+        values = _closed_at(problem, begin)
+    elif begin.names:
         role = "actuated" if problem.of_pose else "pose"
-        values[problem.places(closure.role(role))] = begin
+        values[problem.places(problem.closure.role(role))] = begin.values
         values[problem.known_places] = given.values
         values = fit_passive(mechanism, values)
-    return problem.select_values(values, problem.system.unknowns)
-
-
-def _beside_given(problem: Problem, start: Any) -> np.ndarray:
-    """The start's joints, beside a pose that is given, or the coordinates of its pose."""
-    mechanism = problem.mechanism
-    if problem.of_pose:
-        return joint_values(mechanism, start, "start")
-    coordinates, off = pose_coordinates(mechanism, pose_from(start, "start"))
-    if off > 1e-6 * mechanism.characteristic_length:
-        raise InputError(
-            f"start: the pose lies off the platform's {mechanism.motion} motion by {off:.3g} "
-            f"{mechanism.length_unit}"
-        )
-    return coordinates
-
-
-def begun_by_name(mechanism: Mechanism, given: Given, start: Start) -> tuple[Problem, np.ndarray]:
-    """The problem of values that are given by name, which holds the coordinates that tell the
-    start, and its unknowns there: at the closed configuration near the reference that has the
-    start's values, or one that nearly has.
-    """
-    begin = _start_by_name(mechanism, given, start)
-    held = tuple(name for name in begin.names if name not in given.names)
-    problem = build_problem(mechanism, given.names, held)
-    values = problem.closure.reference.copy()
-    if begin.names:
-        # it holds the same coordinates, so that its closure is the same
-        left = tuple(name for name in given.names if name not in begin.names)
-        other = build_problem(mechanism, begin.names, left)
-        z = values[other.unknown_places]
-        if other.system.width:
-            ends = patiently(other.system, z[None], begin.values).points
-            z = ends[0] if np.isfinite(ends).all() else z
-        values = other.join_values(z, begin.values)
-    values[problem.known_places] = given.values
     return problem, values[problem.unknown_places]
 
 
-def _start_by_name(mechanism: Mechanism, given: Given, start: Start) -> Given:
-    """The start as values of coordinates by name: those of the user, else the example's, else
-    none.
+def _closed_at(problem: Problem, begin: Given) -> np.ndarray:
+    """Values of all variables at the closed configuration near the reference that has the start's
+    values, or one that nearly has.
     """
-    if start is None:
-        example = mechanism.example
-        if example is None or example.start is None:
-            return Given((), np.zeros(0), {})
+    # it holds the same coordinates, so that its closure is the same
+    names = (c.name for c in problem.known_coordinates)
+    left = tuple(name for name in names if name not in begin.names)
+    other = build_problem(problem.mechanism, begin.names, left)
+    z = problem.closure.reference[other.unknown_places]
+    if other.system.width:
+        ends = patiently(other.system, z[None], begin.values).points
+        z = ends[0] if np.isfinite(ends).all() else z
+    return other.join_values(z, begin.values)
+
+
+def _start_by_name(problem: Problem, start: Start) -> Given:
+    """The start as values of coordinates by name: those of the user, else the example's where they
+    are of the kind that the problem takes, else none. Of limbs it is a pose beside joints, and
+    joints beside a pose.
+    """
+    mechanism, example = problem.mechanism, problem.mechanism.example
+    if start is None and example is not None and _takes_example(problem):
         start = example.start
+    if start is None:
+        return Given((), np.zeros(0), {})
+    if problem.of_pose:
+        joints = joint_values(mechanism, start, "start")  # type: ignore[arg-type]
+        return Given(actuated_names(mechanism), joints, {})
+    if problem.of_joints:
+        return _pose_on_motion(mechanism, start)
     if isinstance(start, Mapping):
         return _read_start(mechanism, start)
     actuated = actuated_names(mechanism)
-    direct = set(given.names) == set(actuated)
+    direct = {c.name for c in problem.known_coordinates} == set(actuated)
     if isinstance(start, Pose) or (len(start) == 7 and (direct or len(actuated) != 7)):
         return _read_start(mechanism, {"pose": start})
     if len(start) != len(actuated):
@@ -108,6 +101,25 @@ def _start_by_name(mechanism: Mechanism, given: Given, start: Start) -> Given:
             f"{len(actuated)} actuated joints of {mechanism.name}"
         )
     return _read_start(mechanism, dict(zip(actuated, start, strict=True)))
+
+
+def _pose_on_motion(mechanism: Mechanism, start: Any) -> Given:
+    """The pose of a start, which must be one of the platform's motion."""
+    told = start["pose"] if isinstance(start, Mapping) and list(start) == ["pose"] else start
+    coordinates, off = pose_coordinates(mechanism, pose_from(told, "start"))
+    if off > 1e-6 * mechanism.characteristic_length:
+        raise InputError(
+            f"start: the pose lies off the platform's {mechanism.motion} motion by {off:.3g} "
+            f"{mechanism.length_unit}"
+        )
+    return Given(pose_names(mechanism), coordinates, {})
+
+
+def _takes_example(problem: Problem) -> bool:
+    """Whether the example's start is of the kind that the problem takes."""
+    example = problem.mechanism.example
+    of_pose = example is not None and example.pose is not None
+    return problem.by_name or problem.of_pose == of_pose
 
 
 def _read_start(mechanism: Mechanism, start: Mapping[str, Any]) -> Given:
@@ -154,14 +166,6 @@ def _turns_within(mechanism: Mechanism, c: Coordinate, reach: float) -> float:
     """
     pitch = mechanism.pitches.get(c.name, 0.0)
     return max(2 * np.pi, 2 * np.pi * reach / abs(pitch)) if pitch else 2 * np.pi
-
-
-def _example_start(problem: Problem) -> Sequence[float] | None:
-    """The example's start, where it is of the kind that the problem takes."""
-    example = problem.mechanism.example
-    start = example.start if example is not None else None
-    of_pose = example is not None and example.pose is not None
-    return start if not problem.by_name and problem.of_pose == of_pose else None
 
 
 # --- what a start has led to ----------------------------------------------------------------------

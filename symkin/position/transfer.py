@@ -18,8 +18,8 @@ from symkin.machine.frame import Frames
 from symkin.machine.lower import Lowered
 from symkin.model.joint import POSE_CONDITIONS, Coordinate
 from symkin.numeric.mapped import Mapped
-from symkin.position.canonical import canonical
 from symkin.position.pose_coordinates import motion_coordinates
+from symkin.position.readings import canonical
 from symkin.position.solution import Solution
 from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import normalized

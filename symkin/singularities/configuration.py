@@ -18,7 +18,7 @@ from symkin.position.solution import Solution
 from symkin.position.solution_list import make_solution
 from symkin.position.solve import solve, solve_problem
 from symkin.position.solve_result import SolveError, SolveResult
-from symkin.position.starts import start_values
+from symkin.position.starts import begun
 from symkin.position.transfer import variables_elsewhere
 from symkin.verb_options import takes
 
@@ -41,7 +41,7 @@ def configuration(mechanism: Mechanism, **options: Unpack[Begun]) -> Solution:
     problem = build_problem(mechanism, read.names)
     if problem.by_name:
         return _refined(_noted(solve(mechanism, **options, check=False)), read)
-    begin, known = start_values(problem, read, options["start"]), read.values
+    begin, known = begun(mechanism, read, options["start"])[1], read.values
     damped = read.off_motion == 0.0 and problem.system.width > 0
     is_meant = (
         damped

@@ -21,6 +21,7 @@ from helpers.inside import (
     angle_sums,
     build_problem,
     closed_form,
+    independent_problems,
     misses_none,
     samples_about,
     start_of,
@@ -88,7 +89,7 @@ def about(problem: Problem, system: System, seed: int = 0) -> np.ndarray:
 
 def formulas(name: str) -> ClosedForm:
     problem, number = parts()[name]
-    block = problem.blocks[number].system
+    block = independent_problems(problem)[number].system
     found = closed_form(block, about(problem, block))
     assert found is not None
     return found
@@ -156,7 +157,7 @@ def test_sums_of_angles_are_tried_where_axes_are_parallel() -> None:
     limb, _ = parts()["3-RRR limb"]
     loop = build_problem(symkin.load("bricard"), "given", ("joint2",))
     for problem, block, count in (
-        (limb, limb.blocks[1].system, 2),
+        (limb, independent_problems(limb)[1].system, 2),
         (loop, structure_groups(loop)[0].system, 1),
     ):
         assert sum(c.is_angular for c in block.unknowns) >= 2
@@ -171,7 +172,7 @@ COUNTED = [name for name in NAMES if name != "3-RPS limb"]
 @pytest.mark.parametrize("name", in_gate(COUNTED, COUNTED[::3]))
 def test_there_are_as_many_as_paths_find(name: str) -> None:
     problem, number = parts()[name]
-    part = problem.blocks[number]
+    part = independent_problems(problem)[number]
     start, _ = start_of(part, system_of(part))
     assert start is not None
     assert formulas(name).count == start.z.shape[1]
@@ -251,7 +252,7 @@ def test_a_double_solution_is_not_clear() -> None:
 def test_formulas_hold_for_relations_that_hold_at_all_samples() -> None:
     """The platform of the real limbs stays level: what holds of tilted poses needs no formula."""
     problem = build_problem(symkin.load("zhao2000_links"), "inverse")
-    block, rng = problem.blocks[0].system, np.random.default_rng(0)
+    block, rng = independent_problems(problem)[0].system, np.random.default_rng(0)
     quarter = rng.uniform(-0.2, 0.2, size=(3, 1))
     level = problem.reference_known + np.hstack(
         [rng.uniform(-20, 20, size=(3, 3)), np.zeros((3, 4))]

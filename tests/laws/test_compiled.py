@@ -23,6 +23,7 @@ from helpers.inside import (
     build_problem,
     compiled,
     find_compilers,
+    independent_problems,
     start_of,
     system_of,
     tracker,
@@ -61,7 +62,7 @@ def cache(tmp_path_factory):
 def machine(name, kind):
     """The system of a mechanism's first block and its generic roots."""
     whole = build_problem(five_bar() if name == "five_bar" else symkin.load(name), kind)
-    problem = whole.blocks[0]
+    problem = independent_problems(whole)[0]
     system = system_of(problem)
     start, reason = start_of(problem, system)
     assert start is not None, reason

@@ -15,7 +15,7 @@ import pytest
 
 import symkin
 from helpers.gate import in_gate
-from helpers.inside import build_problem, main, moved_starts, read_given, start_values
+from helpers.inside import begun, main, moved_starts, read_given
 from helpers.laws import closes, same_pose
 from helpers.samples import pieper
 from symkin import Joint, Limb, Mechanism
@@ -213,11 +213,11 @@ def test_moves_keep_limits():
         for _, j in pieper().joints
     ]
     arm = Mechanism("arm", [Limb("arm", joints)], serial=True, platform_position=(90.0, 0.0, 220.0))
-    problem = build_problem(arm, "inverse")
     given = read_given(
         arm, None, symkin.solve(arm, joints=[0.3, 0.2, 0.4, 0.1, 0.5, 0.6]).solution.pose
     )
-    starts = moved_starts(problem, start_values(problem, given, [0.0] * 6), given.values)
+    problem, start = begun(arm, given, [0.0] * 6)
+    starts = moved_starts(problem, start, given.values)
     (place,) = [
         s
         for c, s in zip(problem.system.unknowns, problem.system.slices, strict=True)

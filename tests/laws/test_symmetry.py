@@ -19,6 +19,7 @@ from helpers.inside import (
     distance_frames,
     engine,
     find_symmetries,
+    independent_problems,
     known_values,
     matrix_from_quaternion,
     orbits,
@@ -54,7 +55,7 @@ def case(name: str) -> tuple[AlgebraicSystem, Symmetries, object]:
         "three_rrr": (three_rrr(), "direct"),
         "pieper": (pieper(), "inverse"),
     }[name]
-    system = system_of(build_problem(mechanism, kind).blocks[0])
+    system = system_of(independent_problems(build_problem(mechanism, kind))[0])
     draw = lengths_only(mechanism) if name == "zhang2009" else None
     return system, find_symmetries(system, draw), draw
 

@@ -22,8 +22,8 @@ from symkin.model.joint import Coordinate, units_of
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.levenberg import levenberg_marquardt
 from symkin.numeric.linear_algebra import conditions, largest_of
-from symkin.position.canonical import into_limits
 from symkin.position.pose_coordinates import poses_coordinates
+from symkin.position.readings import into_limits
 from symkin.spatial.rotation import wrapped
 
 SOLVED_TOLERANCE = 1e-10
