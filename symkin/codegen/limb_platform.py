@@ -23,7 +23,7 @@ from symkin.codegen.formula_guards import free_divisors, is_firm, keeps_digits
 from symkin.codegen.geometry import Geometry
 from symkin.codegen.limbwise import Held
 from symkin.codegen.linear_solver import is_unrolled
-from symkin.codegen.newton_kernel import Kernel, system_kernel
+from symkin.codegen.newton_kernel import Kernel, sampled, system_kernel
 from symkin.codegen.options import Options
 from symkin.codegen.passive_limits import PassiveCheck, PassiveLimit, passive_limits
 from symkin.codegen.passive_reach import PassiveReach, passive_reaches
@@ -98,8 +98,6 @@ class LimbPlatform:
     """The frames in which poses are told; None: those of the mechanism."""
     templates: ClassVar[str] = "parallel"
     is_redundant: ClassVar[bool] = False
-    zero: ClassVar[float] = 0.0
-    """Joint values at home, where joints are changes from there."""
 
     @property
     def can_be_compact(self) -> bool:
@@ -184,6 +182,22 @@ class LimbPlatform:
                 return None
             found += reaches
         return found
+
+    @cached_property
+    def sampled_direct(self) -> tuple[np.ndarray, float]:
+        """Matrices of the direct problem's iteration at the samples, and kappa there."""
+        states, known = zip(*(self.direct_state(s.values) for s in self.samples), strict=True)
+        return sampled(self.direct_kernel, states, known, self.geometry.values)
+
+    @property
+    def zero(self) -> np.ndarray | float:
+        """Joint values at home, where joints are changes from there."""
+        return 0.0
+
+    @property
+    def middle(self) -> np.ndarray | Sequence[float]:
+        """A usual position of the platform."""
+        return self.mechanism.platform_position
 
     def direct_state(self, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """State and known values of the direct problem's iteration at a configuration, all

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -19,7 +20,7 @@ from symkin.codegen.limb_platform import LimbPlatform
 from symkin.codegen.limb_source import LimbSource
 from symkin.codegen.line_parts import FIRST_TURN
 from symkin.codegen.linear_solver import singular_condition
-from symkin.codegen.newton_kernel import rounded, sampled
+from symkin.codegen.newton_kernel import rounded
 from symkin.codegen.newton_source import NewtonCode, tracked_error
 from symkin.codegen.passive_limits import limit_lines
 from symkin.codegen.platform_rates import (
@@ -82,28 +83,35 @@ class LimbPlatformSource:
     @property
     def text(self) -> str:
         """Everything of NAME.c between its beginning and end."""
-        made, real, values = self.made, self.real, self.values
-        ranges = ranges_of(made.actuated, real, made.closure.characteristic_length)
+        size, values = self.made.closure.characteristic_length, self.values
         return "".join(
             [
                 normalise_pose(values),
                 fill("info.c", values),
-                pose_coordinates_text(made.geometry, real, values),
-                "" if made.direct_formulas is not None else pose_text(made.geometry, real, values),
-                range_functions(ranges, real, values),
-                *(limb.text for limb in self._limbs),
-                self._solve_limbs,
-                self._check_passive,
+                *self._at_pose,
                 *self._direct,
                 "\n",
-                self._inverse,
-                "\n",
+                *self._inverse,
                 self._turned("jacobian"),
-                speeds_text("rates", "pose", made.mechanism.characteristic_length, real, values),
+                speeds_text("rates", "pose", size, self.real, values),
                 self._twist,
                 self._turned("twist"),
             ]
         )
+
+    @property
+    def _at_pose(self) -> list[str]:
+        """What is asked of a pose: its coordinates, joints within limits, the limbs."""
+        made, real, values = self.made, self.real, self.values
+        ranges = ranges_of(made.actuated, real, made.closure.characteristic_length)
+        return [
+            pose_coordinates_text(made.geometry, real, values),
+            "" if made.direct_formulas is not None else pose_text(made.geometry, real, values),
+            range_functions(ranges, real, values),
+            *(limb.text for limb in self._limbs),
+            self._solve_limbs,
+            self._check_passive,
+        ]
 
     @property
     def _direct(self) -> list[str]:
@@ -126,25 +134,31 @@ class LimbPlatformSource:
     @cached_property
     def code(self) -> NewtonCode:
         """The Newton iteration of the direct problem."""
-        made, kernel = self.made, self.made.direct_kernel
-        values = made.geometry.values
-        nq = len(made.actuated)
-        states, known = zip(*(made.direct_state(s.values) for s in made.samples), strict=True)
-        matrices, kappa = sampled(kernel, states, known, values)
+        made = self.made
+        matrices, kappa = made.sampled_direct
         return NewtonCode(
-            kernel=kernel,
+            kernel=made.direct_kernel,
             name=self.name,
             real=self.real,
             geometry=made.geometry.names,
             matrices=matrices,
             kappa=kappa,
-            target_lines=direct_target(made),
-            known_count=nq,
+            target_lines=self._target_lines,
+            known_count=len(made.actuated),
             first_turn=FIRST_TURN,
-            measured=made.core is not None,
-            keeps_known=self._keeps_known,
             compact=made.options.compact,
+            **self._driver,
         )
+
+    @property
+    def _target_lines(self) -> list[str]:
+        """Statements that aim the direct problem at a point of the joints' line."""
+        return direct_target(self.made)
+
+    @property
+    def _driver(self) -> dict[str, Any]:
+        """What Newton's method of the direct problem has of its own."""
+        return {"measured": self.made.core is not None, "keeps_known": self._keeps_known}
 
     @property
     def _keeps_known(self) -> bool:
@@ -162,9 +176,7 @@ class LimbPlatformSource:
             "ns": made.direct_kernel.state.shape[0],
             "nc": sum(c.width for c in made.closure.role("pose")),
             "np": max(1, sum(c.width for c in made.passive)),
-            "farthest": literal(
-                farthest(made.closure.characteristic_length, made.mechanism.platform_position)
-            ),
+            "farthest": literal(farthest(made.closure.characteristic_length, made.middle)),
             "many": literal(1e4),
             **self._passive_checks,
             "within": f", {self.real.type} within" if self._checks_rows else "",
@@ -248,8 +260,29 @@ class LimbPlatformSource:
     @cached_property
     def values(self) -> dict[str, object]:
         """Values of the names in the templates of this kind, the tests and the header."""
-        made, literal, p, ga = self.made, self.real.literal, self.name, self._ga
-        kernel = made.direct_kernel
+        made, literal = self.made, self.real.literal
+        return self._common | {
+            "track_factor": singular_condition(
+                made.direct_kernel,
+                f"{self.name}_direct",
+                "&w",
+                self._ga,
+                compact=made.options.compact,
+            ),
+            "kappa": literal(float(np.sqrt(self.code.tuning.kappa2))),
+            "track2": literal((made.closure.characteristic_length / 24) ** 2),
+            "check_branch": "",
+            "stand": "",
+            "keep_known": "",
+            **self._line,
+        }
+
+    @property
+    def _line(self) -> dict[str, str]:
+        """Statements of the line: from the guess, by joints near its own, to the pose; and what is
+        asked of the limbs' branches.
+        """
+        made, p, ga = self.made, self.name, self._ga
         passive = sum(c.width for c in made.passive)
         check = (
             f"check_branch({ga}w.x, w.at, given)"
@@ -261,22 +294,16 @@ class LimbPlatformSource:
             f"{self.real.type} given[{self._common['nq']}];",
             f"{p}_unwrap_joints(w.at, joints, given);",
         ]
-        return self._common | {
+        known = made.direct_kernel.known.numel()
+        return {
             "check_branch": indent(branch, 2) if made.has_dead_centres else "",
             "stand": indent(self._stand_lines(branch), 2) if made.has_dead_centres else "",
             "unwrap": indent(unwrap, 2),
             "enter": indent(self._enter_lines(passive)),
             "leave": indent([f"{p}_pose_from_coordinates({ga}&w->x[{passive}], pose);"]),
-            "keep_known": indent(copy("w.k0", "w.k", kernel.known.numel()), 2)
-            if self._keeps_known
-            else "",
+            "keep_known": indent(copy("w.k0", "w.k", known), 2) if self._keeps_known else "",
             "to": "given",
-            "whole": ", " + literal(1.0),
-            "track_factor": singular_condition(
-                made.direct_kernel, f"{p}_direct", "&w", ga, compact=made.options.compact
-            ),
-            "kappa": literal(float(np.sqrt(self.code.tuning.kappa2))),
-            "track2": literal((made.closure.characteristic_length / 24) ** 2),
+            "whole": ", " + self.real.one,
         }
 
     def _stand_lines(self, branch: list[str]) -> list[str]:
@@ -439,18 +466,15 @@ class LimbPlatformSource:
     # --- inverse and Jacobian ---------------------------------------------------------------------
 
     @property
-    def _inverse(self) -> str:
+    def _inverse(self) -> list[str]:
         """NAME_inverse and NAME_jacobian."""
         lines = [line for limb in self._limbs for line in limb.rate_lines]
-        return fill(
-            "limb_inverse.c",
-            self._common
-            | {
-                "within_middle": indent(self._to_middle, 3),
-                "rates": indent(lines, 2),
-                "copy_joints": indent(copy("joints", "q", len(self.made.actuated)), 3),
-            },
-        )
+        own = {
+            "within_middle": indent(self._to_middle, 3),
+            "rates": indent(lines, 2),
+            "copy_joints": indent(copy("joints", "q", len(self.made.actuated)), 3),
+        }
+        return [fill("limb_inverse.c", self._common | own), "\n"]
 
     @property
     def _twist(self) -> str:

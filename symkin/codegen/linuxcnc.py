@@ -11,7 +11,6 @@ import numpy as np
 from symkin.codegen.joint_map import JointMap
 from symkin.codegen.limb_platform import LimbPlatform
 from symkin.codegen.program import Program
-from symkin.codegen.rod_platform import RodPlatform
 from symkin.codegen.serial_arm import SerialArm
 from symkin.codegen.text.c import indent
 from symkin.codegen.text.templates import fill
@@ -125,10 +124,8 @@ def _pins(program: Program) -> list[tuple[str, str, float]]:
     kind, name = program.kind, program.mechanism.name
     if isinstance(kind, JointMap) or program.options.geometry != "struct":
         return []
-    names = kind.geometry_names if isinstance(kind, RodPlatform) else kind.geometry.names
-    values = kind.geometry_values if isinstance(kind, RodPlatform) else kind.geometry.values
     found = []
-    for text, value in zip(names, values, strict=True):
+    for text, value in zip(kind.geometry.names, kind.geometry.values, strict=True):
         member = text.removeprefix("geometry->")
         pin = f"{name}_kins." + member.replace("[", ".").replace("]", "").replace("_", "-")
         if len(pin) > _LONGEST_PIN:

@@ -50,10 +50,8 @@ from symkin.model.oddities import degrees_question
 from symkin.spatial.pose import Pose
 from symkin.text import c_comment
 
-Kind = RodPlatform | LimbPlatform | SerialArm | JointMap
-_SOURCES: dict[
-    type, Callable[[Any], RodSource | LimbPlatformSource | ArmSource | JointMapSource]
-] = {
+Kind = LimbPlatform | SerialArm | JointMap
+_SOURCES: dict[type, Callable[[Any], LimbPlatformSource | ArmSource | JointMapSource]] = {
     SerialArm: ArmSource,
     RodPlatform: RodSource,
     LimbPlatform: LimbPlatformSource,
@@ -110,7 +108,7 @@ def build_program(
         )
     source = _SOURCES[type(kind)](kind)
     kind.check()
-    if not isinstance(kind, RodPlatform | JointMap):
+    if not isinstance(kind, JointMap):
         kind.geometry.check(kind.real)
     begin = fill("begin.c", source.values | _header_values(kind, source.code, [], described.digest))
     body = source.text.rstrip() + "\n"
@@ -161,7 +159,7 @@ def _kind(low: Lowered, options: Options) -> Kind:
     if mechanism.serial:
         return SerialArm(mechanism, options, real)
     if is_rod_platform(mechanism):
-        return RodPlatform(mechanism, options, home_pose(mechanism, options.home), real)
+        return RodPlatform(mechanism, options, real, home=home_pose(mechanism, options.home))
     return limb_platform(mechanism, options, real, low.frames)
 
 
@@ -226,7 +224,9 @@ def _header_values(
         "size": real.literal(mechanism.characteristic_length),
         "tolerance": real.literal(main.tuning.tolerance),
         "max_step": real.literal(mechanism.characteristic_length),
-        "geometry": _geometry(kind) if struct else "",
+        "geometry": ""
+        if isinstance(kind, JointMap) or not struct
+        else kind.geometry.declaration(name, real),
         "gpd": f"const {name}_geometry *geometry, " if struct else "",
     }
 
@@ -359,40 +359,4 @@ def _branch_lines(kind: Kind) -> list[str]:
 
 def _numbers_of_struct(kind: Kind) -> list[str]:
     """C text of each number of the geometry struct; none where there is no struct."""
-    if isinstance(kind, JointMap):
-        return []
-    return kind.geometry_names if isinstance(kind, RodPlatform) else kind.geometry.names
-
-
-def _geometry(kind: Kind) -> str:
-    """The struct of the geometry and its nominal values."""
-    if not isinstance(kind, RodPlatform | JointMap):
-        return kind.geometry.declaration(kind.name, kind.real)
-    assert isinstance(kind, RodPlatform)  # noqa: S101 - a map has no struct
-    name, real = kind.name, kind.real
-    numbers = kind.geometry_values.reshape(6, 7)
-    base = ", ".join(
-        "{ " + ", ".join(real.literal(float(v)) for v in row[:3]) + " }" for row in numbers
-    )
-    ends = ", ".join(
-        "{ " + ", ".join(real.literal(float(v)) for v in row[3:6]) + " }" for row in numbers
-    )
-    offsets = ", ".join(real.literal(float(row[6])) for row in numbers)
-    return "\n".join(
-        [
-            "/* Joint centres on the base (base frame) and on the platform (platform frame), and "
-            "rod lengths at zero. */",
-            "typedef struct {",
-            f"    {name}_real base[6][3];",
-            f"    {name}_real platform[6][3];",
-            f"    {name}_real offset[6];",
-            f"}} {name}_geometry;",
-            "",
-            "/* Nominal geometry, as an initialiser. */",
-            f"#define {name.upper()}_NOMINAL \\",
-            f"    {{ {{ {base} }}, \\",
-            f"      {{ {ends} }}, \\",
-            f"      {{ {offsets} }} }}",
-            "",
-        ]
-    )
+    return [] if isinstance(kind, JointMap) else kind.geometry.names

@@ -5,85 +5,114 @@ about home.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
 
 import casadi as ca
 import numpy as np
 
+from symkin.codegen.geometry import Geometry
+from symkin.codegen.limb_platform import LimbPlatform
 from symkin.codegen.newton_kernel import Kernel, sampled
-from symkin.codegen.options import Options
 from symkin.codegen.rod_kernel import Rods, rod_geometry, rod_kernel
 from symkin.codegen.text.c import Real, indexed
+from symkin.codegen.text.templates import fill
+from symkin.computed_once import cached_property
 from symkin.model.mechanism import Mechanism
 from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import conjugate, multiply
 
 
 @dataclass(frozen=True, eq=False)
-class RodPlatform:
-    """A platform on six rods with its options: what its C is written from."""
+class RodGeometry(Geometry):
+    """Numbers of six rods, limb by limb: base, platform, offset."""
 
-    mechanism: Mechanism
-    options: Options
-    home: Pose
-    real: Real
-    templates: ClassVar[str] = "parallel"
-    is_redundant: ClassVar[bool] = False
-    has_dead_centres: ClassVar[bool] = False
-    can_be_compact: ClassVar[bool] = True
-    """Whether there is code that --compact makes shorter."""
+    @cached_property
+    def symbols(self) -> ca.SX:
+        return ca.SX.sym("g", 42) if self.at_run_time else ca.SX(0, 1)
 
     @property
-    def name(self) -> str:
-        return self.mechanism.name
+    def rows(self) -> np.ndarray:
+        """Nominal numbers of each rod (6, 7)."""
+        bars = self.closure.mechanism.bars
+        return np.array([[*bar.start.point, *bar.end.point, bar.offset] for bar in bars])
+
+    @property
+    def values(self) -> np.ndarray:
+        return self.rows.ravel() if self.at_run_time else np.zeros(0)
+
+    @cached_property
+    def members(self) -> list[str]:
+        if not self.at_run_time:
+            return []
+        parts = (("base[{}]", 3), ("platform[{}]", 3))
+        return [
+            text
+            for k in range(6)
+            for part, count in parts
+            for text in (*indexed(part.format(k), count), *[f"offset[{k}]"] * (part[0] == "p"))
+        ]
+
+    def check(self, real: Real) -> None:
+        """Nothing to refuse: numbers in the code would be as coarse."""
+
+    def declaration(self, name: str, real: Real) -> str:
+        rows = self.rows
+        base, ends = (
+            ", ".join(f"{{ {', '.join(map(real.literal, row))} }}" for row in part.tolist())
+            for part in (rows[:, :3], rows[:, 3:6])
+        )
+        offsets = ", ".join(map(real.literal, rows[:, 6].tolist()))
+        own = {"p": name, "P": name.upper(), "base": base, "ends": ends, "offsets": offsets}
+        return fill("rod_geometry.h", own)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class RodPlatform(LimbPlatform):
+    """A platform on six rods with its options: a Newton iteration of its own, without trigonometry,
+    about a home; its limbs are explicit.
+    """
+
+    home: Pose
+
+    can_be_compact = True
+    core = None
+    direct_formulas = None
+    blocks = ()
 
     def check(self) -> None:
         """Nothing to refuse: `home_pose` has refused homes at which no solver could work."""
 
+    @cached_property
+    def geometry(self) -> RodGeometry:
+        return RodGeometry(self.closure, self.options.geometry == "struct")
+
     @property
     def has_limits(self) -> bool:
         """Whether a joint has limits, which are checked along lines too."""
-        return any(c.limits is not None for c in self.mechanism.actuated)
+        return any(c.limits is not None for c in self.actuated)
 
-    @property
-    def parameters(self) -> ca.SX:
-        """Symbols of the geometry struct, limb by limb: base, platform, offset; none where the
-        geometry is fixed.
-        """
-        return ca.SX.sym("g", 42) if self.options.geometry == "struct" else ca.SX(0, 1)
-
-    @property
-    def geometry_values(self) -> np.ndarray:
-        """The struct's nominal numbers in its order."""
-        return np.array(
-            [[*bar.start.point, *bar.end.point, bar.offset] for bar in self.mechanism.bars]
-        ).ravel()
-
-    @property
-    def geometry_names(self) -> list[str]:
-        """C text of each symbol of the geometry."""
-        if self.options.geometry != "struct":
-            return []
-        names: list[str] = []
-        for k in range(6):
-            names += (
-                indexed(f"geometry->base[{k}]", 3)
-                + indexed(f"geometry->platform[{k}]", 3)
-                + [f"geometry->offset[{k}]"]
-            )
-        return names
-
-    def rods(self, parameters: ca.SX) -> Rods:
+    @cached_property
+    def rods(self) -> Rods:
         """The rods over the geometry's symbols, or as numbers."""
-        symbols = parameters if self.options.geometry == "struct" else None
+        symbols = self.geometry.symbols if self.geometry.at_run_time else None
         return rod_geometry(
             self.mechanism, self.home, relative=self.options.home_relative, parameters=symbols
         )
 
-    def kernel(self) -> Kernel:
-        """The Newton iteration of the direct problem."""
-        parameters = self.parameters
-        return rod_kernel(self.mechanism, self.rods(parameters), parameters, self.home)
+    @cached_property
+    def direct_kernel(self) -> Kernel:
+        return rod_kernel(self.mechanism, self.rods, self.geometry.symbols, self.home)
+
+    @cached_property
+    def sampled_direct(self) -> tuple[np.ndarray, float]:
+        """Matrices at poses within a seventh of the size and 0.3 rad of home, and kappa there."""
+        size = self.closure.characteristic_length
+        states = [self.stated(pose) for pose in sample_poses(self.home, 100, size / 7, 0.3, 1)]
+        known = [np.zeros(6)] * len(states)
+        return sampled(self.direct_kernel, states, known, self.geometry.values)
+
+    @property
+    def middle(self) -> np.ndarray:
+        return np.asarray(self.home.position)
 
     def lengths(self, pose: Pose) -> np.ndarray:
         """Joint values at an absolute pose (length unit)."""
@@ -104,7 +133,6 @@ class RodPlatform:
 
     @property
     def zero(self) -> np.ndarray | float:
-        """Joint values at home, where joints are changes from there."""
         return self.lengths(self.home) if self.options.home_relative else 0.0
 
     @property
@@ -114,13 +142,10 @@ class RodPlatform:
 
     def inverse_at(self, numbers: np.ndarray, near: np.ndarray) -> np.ndarray:  # noqa: ARG002 - other platforms begin at `near`
         """Joint values at a pose as stated, by the closed form of rods."""
-        pose = Pose(numbers[:3], numbers[3:] / np.linalg.norm(numbers[3:]))
+        place, turn = numbers[:3], numbers[3:] / np.linalg.norm(numbers[3:])
         if self.options.home_relative:
-            turned = Pose(np.zeros(3), pose.quaternion) @ Pose(
-                np.zeros(3), np.asarray(self.home.quaternion)
-            )
-            pose = Pose(pose.position + self.home.position, turned.quaternion)
-        return self.joint_values(pose)
+            place, turn = place + self.middle, multiply(turn, np.asarray(self.home.quaternion))
+        return self.joint_values(Pose(place, turn))
 
     @property
     def singular_starts(self) -> np.ndarray:
@@ -154,12 +179,3 @@ def sample_poses(home: Pose, count: int, reach: float, tilt: float, seed: int) -
         q = multiply(np.array([1.0, *c]), np.asarray(home.quaternion))
         poses.append(Pose(np.asarray(home.position) + shift, q / np.linalg.norm(q)))
     return poses
-
-
-def sampled_about_home(platform: RodPlatform, kernel: Kernel) -> tuple[np.ndarray, float]:
-    """Matrices at poses within a seventh of the size and 0.3 rad of home, and kappa there."""
-    size = platform.mechanism.characteristic_length
-    poses = sample_poses(platform.home, 100, size / 7, 0.3, 1)
-    geometry = platform.geometry_values if platform.options.geometry == "struct" else np.zeros(0)
-    states = [platform.stated(pose) for pose in poses]
-    return sampled(kernel, states, [np.zeros(6)] * len(states), geometry)

@@ -7,167 +7,90 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import prod
+from typing import Any
 
 import casadi as ca
 import numpy as np
 
 from symkin.closure.snapping import snap
-from symkin.codegen.guard_text import Watched
-from symkin.codegen.guards import DETERMINANT
 from symkin.codegen.joint_ranges import Range, range_functions
-from symkin.codegen.linear_solver import singular_condition
-from symkin.codegen.newton_kernel import Kernel
-from symkin.codegen.newton_source import NewtonCode
-from symkin.codegen.platform_rates import speeds_text, square_twist
+from symkin.codegen.limb_platform_source import LimbPlatformSource
 from symkin.codegen.rod_kernel import Rods, rod_vectors
 from symkin.codegen.rod_line import rod_line
-from symkin.codegen.rod_platform import RodPlatform, sampled_about_home
-from symkin.codegen.text.c import Emitter, Real, indent
-from symkin.codegen.text.templates import (
-    FARTHEST,
-    common_values,
-    copy,
-    copy_loop,
-    farthest,
-    fill,
-    normalise_pose,
-)
+from symkin.codegen.rod_platform import RodPlatform
+from symkin.codegen.text.c import Emitter, indent
+from symkin.codegen.text.templates import FARTHEST, copy, copy_loop, fill
 from symkin.computed_once import cached_property
 from symkin.spatial.backend import cross, dot
 
 
 @dataclass(frozen=True, eq=False)
-class RodSource:
+class RodSource(LimbPlatformSource):
     """The C of one platform on six rods, function by function."""
 
-    platform: RodPlatform
+    made: RodPlatform
 
     @property
-    def real(self) -> Real:
-        return self.platform.real
+    def _rods(self) -> Rods:
+        return self.made.rods
 
     @property
-    def name(self) -> str:
-        return self.platform.name
-
-    @cached_property
-    def kernel(self) -> Kernel:
-        return self.platform.kernel()
-
-    @cached_property
-    def rods(self) -> Rods:
-        return self.platform.rods(self.kernel.geometry)
-
-    @cached_property
-    def code(self) -> NewtonCode:
-        """The Newton iteration of the direct problem."""
-        matrices, kappa = sampled_about_home(self.platform, self.kernel)
-        return NewtonCode(
-            kernel=self.kernel,
-            name=self.name,
-            real=self.real,
-            geometry=self.platform.geometry_names,
-            matrices=matrices,
-            kappa=kappa,
-            target_lines=self._target_lines,
-            members=[f"const {self.name}_pose *guess; /* where the line begins */"],
-            matrix=_matrix_lines(self.platform),
-            retarget=f"{self.name}_direct_retarget({self._common['ga']}w, to, aim, done);",
-            compact=self.platform.options.compact,
-        )
-
-    @cached_property
-    def _common(self) -> dict[str, object]:
-        return common_values(self.name, self.real, struct=bool(self.platform.geometry_names)) | {
-            "nq": 6,
-            "ns": 7,
+    def _driver(self) -> dict[str, Any]:
+        retarget = f"{self.name}_direct_retarget({self._ga}w, to, aim, done);"
+        return {
+            "members": [f"const {self.name}_pose *guess; /* where the line begins */"],
+            "matrix": _matrix_lines(self.made),
+            "retarget": retarget,
         }
 
-    @cached_property
-    def values(self) -> dict[str, object]:
-        """Values of the names in the templates of this kind, the tests and the header."""
-        literal, p = self.real.literal, self.name
+    @property
+    def _line(self) -> dict[str, str]:
+        p, ga = self.name, self._ga
         leave = [
             *copy("pose->position", "w->x", 3),
             *(f"pose->quaternion[{i}] = w->x[{3 + i}];" for i in range(4)),
         ]
-        return self._common | {
-            "farthest": literal(
-                farthest(self.platform.mechanism.characteristic_length, self.platform.home.position)
-            ),
-            "copy_joints": indent(copy("joints", "w.k", 6), 3),
-            "enter": indent(
-                [
-                    "w->guess = guess;",
-                    f"status = {p}_normalise_pose({self._common['ga']}guess, w->x);",
-                ]
-            ),
+        enter = ["w->guess = guess;", f"status = {p}_normalise_pose({ga}guess, w->x);"]
+        return {
+            "enter": indent(enter),
             "leave": indent(leave),
-            "check_branch": "",
-            "stand": "",
-            "direct_passive": "",
-            "write_tracked": indent([f"{p}_write_pose({self._common['ga']}&w, pose);"], 4),
             "unwrap": "",
-            "keep_known": "",
             "to": "joints",
             "whole": "",
-            "track_factor": singular_condition(
-                self.kernel, f"{p}_direct", "&w", str(self._common["ga"]), compact=self.code.compact
-            ),
-            "kappa": literal(float(np.sqrt(self.code.tuning.kappa2))),
-            "track2": literal((self.platform.mechanism.characteristic_length / 24) ** 2),
         }
 
     @property
-    def watched(self) -> dict[str, Watched]:
-        """What the direct problem watches along lines."""
-        return {"direct": ([c.name for c in self.platform.mechanism.actuated], (DETERMINANT,))}
+    def _at_pose(self) -> list[str]:
+        words = " and rods longer than zero"
+        return [range_functions(self._ranges, self.real, self.values, words)]
 
     @property
-    def text(self) -> str:
-        """Everything of NAME.c between its beginning and end."""
-        code, values = self.code, self.values
-        retarget = fill("retarget.c", values)
-        return "".join(
-            [
-                normalise_pose(values),
-                fill("info.c", values),
-                range_functions(self._ranges, self.real, values, " and rods longer than zero"),
-                code.work,
-                code.functions,
-                self._rod_values,
-                code.target,
-                code.linear.text,
-                retarget,
-                code.driver,
-                fill("no_step.c", values),
-                fill("parallel_direct.c", values),
-                "\n",
-                self._inverse,
-                rod_line(self._ranges, self.real, values) if self.platform.has_limits else "",
-                speeds_text(
-                    "rates",
-                    "pose",
-                    self.platform.mechanism.characteristic_length,
-                    self.real,
-                    values,
-                ),
-                square_twist(self.platform.mechanism, self.real, values),
-            ]
-        )
+    def _direct(self) -> list[str]:
+        code = self.code
+        return [
+            code.work,
+            code.functions,
+            fill("rod_values.c", self._common | {"lines": indent(self._rod_value_lines)}),
+            code.target,
+            code.linear.text,
+            fill("retarget.c", self.values),
+            code.driver,
+            fill("no_step.c", self.values),
+            fill("parallel_direct.c", self.values),
+        ]
 
     @cached_property
     def _ranges(self) -> list[Range]:
-        return _ranges(self.platform)
+        return _ranges(self.made)
 
     @property
     def _target_lines(self) -> list[str]:
         """Statements that set w->k: squared lengths L^2, or (2 L0 + dL) dL."""
         joints = ca.SX.sym("j", 6)
-        if self.platform.options.home_relative:
-            values = [(2 * self.rods.home_lengths[i] + joints[i]) * joints[i] for i in range(6)]
+        if self.made.options.home_relative:
+            values = [(2 * self._rods.home_lengths[i] + joints[i]) * joints[i] for i in range(6)]
         else:
-            values = [(joints[i] + self.rods.offsets[i]) ** 2 for i in range(6)]
+            values = [(joints[i] + self._rods.offsets[i]) ** 2 for i in range(6)]
         inputs = [(joints, "to")]
         return self._rolled(inputs, values)
 
@@ -176,7 +99,7 @@ class RodSource:
         """Statements of joint values from the rows: with w->k = 0 these are -d.d, or -(2 d0 +
         delta).delta in the home-relative form.
         """
-        f, rods = ca.SX.sym("f", 6), self.rods
+        f, rods = ca.SX.sym("f", 6), self._rods
         if rods.home is None:
             joints = [ca.sqrt(-f[i]) - rods.offsets[i] for i in range(6)]
         else:
@@ -187,7 +110,7 @@ class RodSource:
             ]
         return [
             *(f"w->k[{i}] = {self.real.zero};" for i in range(6)),
-            f"{self.name}_direct_rows({self._common['ga']}w);",
+            f"{self.name}_direct_rows({self._ga}w);",
             *self._rolled([(f, "w->f")], joints),
         ]
 
@@ -197,7 +120,7 @@ class RodSource:
         """Statements that set w->k to a value for each rod: a loop where all six are alike, which
         takes less room.
         """
-        whole = [*inputs, (self.kernel.geometry, self.platform.geometry_names)]
+        whole = [*inputs, (self.made.geometry.symbols, self.made.geometry.names)]
 
         def lines(i: int, prefix: str) -> list[str]:
             emitter = Emitter.of(self.real, whole, ca.vertcat(*values), prefix=prefix)
@@ -210,22 +133,24 @@ class RodSource:
         return [line for i in range(6) for line in lines(i, f"t{i}_")]
 
     @property
-    def _rod_values(self) -> str:
-        """NAME_rod_values: joint values at a pose, for the inverse problem."""
-        return fill("rod_values.c", self._common | {"lines": indent(self._rod_value_lines)})
+    def _inverse(self) -> list[str]:
+        """NAME_inverse and NAME_jacobian, and NAME_line where rods have limits."""
+        jacobian, stores = self._jacobian
+        own = {
+            "jacobian": indent(jacobian, 2),
+            "store_jacobian": indent(stores, 3),
+            "copy_joints": indent(copy("joints", "w.k", 6), 3),
+        }
+        line = rod_line(self._ranges, self.real, self.values) if self.made.has_limits else ""
+        return [fill("rod_inverse.c", self.values | own), line]
 
     @property
-    def _inverse(self) -> str:
-        """NAME_inverse and NAME_jacobian."""
-        options = self.platform.options
-        if options.compact and not options.home_relative:
-            looped = {
-                "jacobian": indent(self._looped_jacobian, 2),
-                "store_jacobian": indent(copy_loop("jacobian", "rows", 36), 3),
-            }
-            return fill("rod_inverse.c", self.values | looped)
-        x, size = ca.SX.sym("x", 7), self.platform.mechanism.characteristic_length
-        arms, d, _ = rod_vectors(self.rods, x[:3], x[3:])
+    def _jacobian(self) -> tuple[list[str], list[str]]:
+        """Statements of the Jacobian, and of its copy."""
+        if self.made.options.compact and not self.made.options.home_relative:
+            return self._looped_jacobian, copy_loop("jacobian", "rows", 36)
+        x, size = ca.SX.sym("x", 7), self.made.mechanism.characteristic_length
+        arms, d, _ = rod_vectors(self._rods, x[:3], x[3:])
         squared = [dot(v, v) for v in d]
         inverses = [1 / ca.sqrt(s) for s in squared]
         rows = [
@@ -234,13 +159,11 @@ class RodSource:
         ]
         # zero where a rod has no length; in units of the size, so that twelve do not overflow
         shortest = prod((square / size**2 for square in squared[1:]), start=squared[0] / size**2)
-        inputs = [(x, "x"), (self.kernel.geometry, self.platform.geometry_names)]
+        inputs = [(x, "x"), (self.made.geometry.symbols, self.made.geometry.names)]
         emitter = Emitter.of(self.real, inputs, ca.vertcat(*rows), shortest)
         text, texts = emitter.value(1, 0), emitter.values(0)
-        lines = [*emitter.lines, f"const {self.real.type} shortest = {text};"]
         stores = [f"jacobian[{k}] = {text};" for k, text in enumerate(texts)]
-        own = {"jacobian": indent(lines, 2), "store_jacobian": indent(stores, 3)}
-        return fill("rod_inverse.c", self.values | own)
+        return [*emitter.lines, f"const {self.real.type} shortest = {text};"], stores
 
     @property
     def _looped_jacobian(self) -> list[str]:
@@ -248,7 +171,7 @@ class RodSource:
         direct problem's rows: with d = p + R a - b the moment (R a) x d is (b - p) x d.
         """
         kind, literal, sqrt = self.real.type, self.real.literal, self.real.call("sqrt")
-        table, b = _bases(self.platform, 1.0)
+        table, b = _bases(self.made, 1.0)
         towards = [
             f"const {kind} {axis} = {b[k] + ' - ' if k in b else '-'}x[{k}];"
             for k, axis in enumerate(("forth", "aside", "up"))
@@ -260,7 +183,7 @@ class RodSource:
             f"{kind} shortest = {self._common['huge']};",
             *copy_loop("w.x", "x", 7),
             *(f"w.k[{i}] = {literal(0.0)};" for i in range(6)),
-            f"{self.name}_direct_rows({self._common['ga']}&w);",
+            f"{self.name}_direct_rows({self._ga}&w);",
             "for (int i = 0; i < 6; ++i) {",
             f"    const {kind} *const d = &w.d[3 * i];",
             f"    {kind} *const row = &rows[6 * i];",
@@ -312,7 +235,7 @@ def _bases(platform: RodPlatform, factor: float) -> tuple[list[str], dict[int, s
     if platform.options.geometry == "struct":
         return [], {k: f"geometry->base[i][{k}]" for k in range(3)}
     real, size = platform.real, platform.mechanism.characteristic_length
-    rows = platform.geometry_values.reshape(6, 7)[:, :3]
+    rows = platform.geometry.rows[:, :3]
     kept = [k for k in range(3) if np.any(rows[:, k] != 0.0)] or [0]
     numbers = ", ".join(
         "{ " + ", ".join(real.literal(factor * snap(float(row[k]), size)) for k in kept) + " }"

@@ -68,7 +68,7 @@ class Vectors:
     blamed: list[int]
 
 
-def build_vectors(kind: RodPlatform | LimbPlatform | SerialArm | JointMap) -> Vectors:
+def build_vectors(kind: LimbPlatform | SerialArm | JointMap) -> Vectors:
     """The vectors of a machine, the same bytes on every computer, because answers are rounded.
     Raises InputError where there is not one case.
     """
@@ -100,7 +100,7 @@ def _bound(real: Real, size: float, condition: float, *, of_map: bool = False) -
 class _Sides:
     """The two sides of a machine with loops: joints, and a pose or the found values of a map."""
 
-    kind: RodPlatform | LimbPlatform | JointMap
+    kind: LimbPlatform | JointMap
 
     @cached_property
     def direct(self) -> Problem:
@@ -158,8 +158,7 @@ class _Sides:
             first, second = (np.round(part, 9).ravel() + 0.0 for part in derivatives(kind, values))
             return {"jacobians": first, "seconds": second}
         rates = _rates(self.inverse, values)
-        told = kind.told_rates(rates) if isinstance(kind, LimbPlatform) else rates
-        return {"jacobians": tidied(told, self.size).ravel()}
+        return {"jacobians": tidied(kind.told_rates(rates), self.size).ravel()}
 
     def condition(self, values: np.ndarray) -> float:
         """The larger condition of the two directions."""
@@ -174,7 +173,6 @@ class _Sides:
         joints: about home, and nearer ones if they are few.
         """
         kind, found = self.kind, list[np.ndarray]()
-        limits = [] if isinstance(kind, RodPlatform) else kind.passive_limits
         for part in _PARTS:
             spread = _SPREAD * part
             if isinstance(kind, JointMap):
@@ -185,7 +183,7 @@ class _Sides:
             found += [
                 case.values
                 for case in near
-                if keeps_limits(limits, self.direct.closure, case.values)
+                if keeps_limits(kind.passive_limits, self.direct.closure, case.values)
             ]
             if len(found) >= COUNT:
                 break
@@ -273,15 +271,13 @@ def _of_loops(sides: _Sides) -> Vectors:
     return Vectors(answers, refused, places, np.array(bounds), blamed)
 
 
-def _infeasible_poses(sides: _Sides, kind: RodPlatform | LimbPlatform) -> np.ndarray:
+def _infeasible_poses(sides: _Sides, kind: LimbPlatform) -> np.ndarray:
     """Poses (n, 7) that the platform cannot take: off its motion, open in a limb, or with a passive
     joint beyond its limits.
     """
-    found = list[np.ndarray]()
-    if isinstance(kind, LimbPlatform):
-        found = [tidied_pose(kind.stated(p), sides.size) for p in off_motion(kind, sides.cases)]
-        values = infeasible(sides.inverse, sides.cases, MOST - len(found))
-        found += map(sides.found, (*values, *beyond_passive(kind)))
+    found = [tidied_pose(kind.stated(p), sides.size) for p in off_motion(kind, sides.cases)]
+    values = infeasible(sides.inverse, sides.cases, MOST - len(found))
+    found += map(sides.found, (*values, *beyond_passive(kind)))
     return np.array(found).reshape(-1, 7)
 
 
