@@ -11,39 +11,39 @@ from symkin.codegen.text.templates import fill, substitute
 
 _PLATFORM = {
     "about": "where the platform is",
-    "answer": "@{p}_pose pose",
+    "answer": "name_pose pose",
     "pose": "",
     "known": "values",
     "next": "&next.pose",
     "last": "&state->pose",
     "track": "track",
     "solve": "direct",
-    "home": "@{p}_vector_home",
+    "home": "name_vector_home",
     "begin": """\
-    @{p}_real begin[@{P}_JOINTS];
-    if (@{p}_inverse(@{ga}&state.pose, begin) != @{P}_OK) {
+    name_real begin[NAME_JOINTS];
+    if (name_inverse(@{ga}&state.pose, begin) != NAME_OK) {
         (void)fprintf(stderr, "home cannot be taken; the machine must not move\\n");
         return 1;
     }""",
     "way": "the joints move from home in a straight line",
-    "goal": "@{p}_vector_joints",
+    "goal": "name_vector_joints",
     "end": "",
     "told": "position %.6f %.6f %.6f",
     "numbers": ", ".join(f"(double)state.pose.position[{i}]" for i in range(3)),
 }
 _ARM = _PLATFORM | {
     "about": "joint values of tool poses",
-    "answer": "@{p}_real joints[@{P}_JOINTS]",
+    "answer": "name_real joints[NAME_JOINTS]",
     "pose": """\
     /* the pose that is wanted: that of joint values here */
-    @{p}_pose pose = { { (@{p}_real)NAN }, { (@{p}_real)NAN } };
-    (void)@{p}_direct(@{ga}values, &pose);""",
+    name_pose pose = { { (name_real)NAN }, { (name_real)NAN } };
+    (void)name_direct(@{ga}values, &pose);""",
     "known": "&pose",
     "next": "next.joints",
     "last": "state->joints",
     "solve": "inverse",
-    "home": "@{p}_vector_guesses[0]",
-    "begin": "    const @{p}_real *const begin = home;",
+    "home": "name_vector_guesses[0]",
+    "begin": "    const name_real *const begin = home;",
     "way": "the tool moves to another pose",
     "told": "first joint %.6f",
     "numbers": "(double)state.joints[0]",
@@ -53,20 +53,20 @@ _MAP = _ARM | {
     "pose": "",
     "known": "values",
     "track": "track_inverse",
-    "home": "@{p}_vector_home_joints",
-    "begin": "    const @{p}_real *const begin = @{p}_vector_home_found;",
+    "home": "name_vector_home_joints",
+    "begin": "    const name_real *const begin = name_vector_home_found;",
     "way": "the found values move from home in a straight line",
-    "goal": "@{p}_vector_found",
+    "goal": "name_vector_found",
     "end": """\
     /* where they have come to, and what the joints hold of one unit at each found coordinate */
-    @{p}_real found[@{P}_FOUND];
-    @{p}_real load[@{P}_FOUND];
-    @{p}_real torques[@{P}_JOINTS];
-    for (int i = 0; i < @{P}_JOINTS; ++i) {
-        load[i] = (@{p}_real)1;
+    name_real found[NAME_FOUND];
+    name_real load[NAME_FOUND];
+    name_real torques[NAME_JOINTS];
+    for (int i = 0; i < NAME_JOINTS; ++i) {
+        load[i] = (name_real)1;
     }
-    if ((@{p}_direct(NULL, state.joints, begin, found, NULL) != @{P}_OK)
-        || (@{p}_torques(state.joints, found, load, torques) != @{P}_OK)) {
+    if ((name_direct(NULL, state.joints, begin, found, NULL) != NAME_OK)
+        || (name_torques(state.joints, found, load, torques) != NAME_OK)) {
         (void)fprintf(stderr, "no answer; the machine must not move\\n");
         return 1;
     }""",

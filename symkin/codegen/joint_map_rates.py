@@ -88,7 +88,7 @@ _APPLIED = (
         "@{zero}",
         "found_limits",
         1,
-        ("result[i] = @{p}_alone(&jacobian[@{nq} * i], 1, joint_limits);",),
+        ("result[i] = name_alone(&jacobian[@{nq} * i], 1, joint_limits);",),
     ),
     _Applied(
         "rate_limits",
@@ -98,7 +98,7 @@ _APPLIED = (
         "@{zero}",
         "found_limits",
         1,
-        ("result[i] = @{p}_alone(&inverse_jacobian[i], @{nq}, joint_limits);",),
+        ("result[i] = name_alone(&inverse_jacobian[i], @{nq}, joint_limits);",),
     ),
 )
 

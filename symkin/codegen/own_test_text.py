@@ -238,7 +238,7 @@ def _call(function: Function, joints: int, *, struct: bool) -> str:
     """
     lines, arguments = [], ["config"] if function.config else []
     if struct:
-        lines.append("const @{p}_geometry nominal = @{P}_NOMINAL;")
+        lines.append("const name_geometry nominal = NAME_NOMINAL;")
         arguments = ["&nominal", *arguments]
     place = {"given": 0, "result": 0}
     poses = list[str]()
@@ -248,7 +248,7 @@ def _call(function: Function, joints: int, *, struct: bool) -> str:
     ):
         at = f"&{array}[{place[array]}]" if place.get(array) else array
         if not value.count:
-            lines.append(f"@{{p}}_pose {array}_pose = pose_from({at});")
+            lines.append(f"name_pose {array}_pose = pose_from({at});")
             at = f"&{array}_pose"
             poses.append(array)
         arguments.append(at)
@@ -263,13 +263,13 @@ def _call(function: Function, joints: int, *, struct: bool) -> str:
     body = [
         *lines,
         *(f"(void){name};" for name, used in unused.items() if not used),
-        f"const @{{p}}_status status = @{{p}}_{function.name}({', '.join(arguments)});",
+        f"const name_status status = name_{function.name}({', '.join(arguments)});",
         *(["numbers_of(&result_pose, result);"] if "result" in poses else []),
         "return status;",
     ]
     head = (
-        f"static @{{p}}_status ask_{function.name}(const @{{p}}_config *config, const @{{p}}_real "
-        f"*given, const @{{p}}_real *guess, @{{p}}_real *result, @{{p}}_info *info)"
+        f"static name_status ask_{function.name}(const name_config *config, const name_real "
+        f"*given, const name_real *guess, name_real *result, name_info *info)"
     )
     return f"{head}\n{{\n{indent(body)}\n}}\n"
 

@@ -38,7 +38,7 @@ def speeds_text(
     `joints`, times the other one; and NAME_feed.
     """
     count, of_twist = values["nq"], function == "rates"
-    declared = {"pose": "const @{p}_pose *pose", "joints": f"const @{{real}} joints[{count}]"}
+    declared = {"pose": "const name_pose *pose", "joints": f"const name_real joints[{count}]"}
     shown = {
         **values,
         "function": function,

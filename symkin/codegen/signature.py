@@ -12,7 +12,7 @@ from math import prod
 from symkin.codegen.text.templates import substitute
 from symkin.computed_once import cached_property
 
-_JOINTS, _FOUND = "@{P}_JOINTS", "@{P}_FOUND"
+_JOINTS, _FOUND = "NAME_JOINTS", "NAME_FOUND"
 _COUNTS = {
     **dict.fromkeys(("joints", "rates", "rate_limits"), _JOINTS),
     **dict.fromkeys(("joint_rates", "joint_torques", "joint_inertias", "joint_limits"), _JOINTS),
@@ -60,12 +60,12 @@ class Value:
         const = "const " if given else ""
         match self.count:
             case "":
-                return f"{const}@{{p}}_pose *{self.name}"
+                return f"{const}name_pose *{self.name}"
             case "1":
-                return f"@{{p}}_real *{self.name}"
+                return f"name_real *{self.name}"
             case "number":
                 return f"unsigned int {self.name}"
-        return f"{const}@{{p}}_real {self.name}[{self.count}]"
+        return f"{const}name_real {self.name}[{self.count}]"
 
     @property
     def type(self) -> str:
@@ -115,15 +115,15 @@ class Function:
     def prototype(self) -> str:
         """Its declaration in C."""
         parts = [
-            *(["const @{p}_config *config"] if self.config else []),
+            *(["const name_config *config"] if self.config else []),
             *(value.declared(given=True) for value in self.takes),
             *(value.declared(given=False) for value in self.gives),
-            *(["@{p}_info *info"] if self.info else []),
+            *(["name_info *info"] if self.info else []),
         ]
-        return f"@{{p}}_status @{{p}}_{self.name}(@{{gpd}}{', '.join(parts)});"
+        return f"name_status name_{self.name}(@{{gpd}}{', '.join(parts)});"
 
 
-_LIMIT = "#define @{P}_TRACK_LIMIT ((@{p}_real)@{track_limit}) /* @{unit} */"
+_LIMIT = "#define NAME_TRACK_LIMIT ((name_real)@{track_limit}) /* @{unit} */"
 
 PLATFORM = (
     Function(
@@ -131,7 +131,7 @@ PLATFORM = (
         "config, joints, guess: pose -> pose, info",
         "The pose that the machine reaches from `guess` when its joints move in a straight "
         "line from the guess's joint values to the given ones without meeting a "
-        "singularity; where that is not assured, @{P}_WRONG_BRANCH. The guess need not fit "
+        "singularity; where that is not assured, NAME_WRONG_BRANCH. The guess need not fit "
         "any joint values that were read: an error of it moves the beginning of the line by"
         " as much. @{guess_precision}",
     ),
@@ -159,11 +159,11 @@ LINE = Function(
     "config, from, to -> info",
     "Whether the joints keep their limits while the platform goes from one pose to "
     "another in a straight line: its position linearly, its quaternion as q0 + t (q1 - "
-    "q0) over its length, the shortest turn. @{P}_OK: they do, at all points; by "
-    "bounds, not by samples. @{P}_OUT_OF_RANGE: the joint info->joint leaves its "
-    "limits, or comes so near that this is not decided (@{P}_JOINTS: a pose cannot be "
+    "q0) over its length, the shortest turn. NAME_OK: they do, at all points; by "
+    "bounds, not by samples. NAME_OUT_OF_RANGE: the joint info->joint leaves its "
+    "limits, or comes so near that this is not decided (NAME_JOINTS: a pose cannot be "
     "taken). Of a config max_iterations is read: the parts that are looked at, "
-    "info->iterations. info->residual is 0 with @{P}_OK. Singularities are not looked "
+    "info->iterations. info->residual is 0 with NAME_OK. Singularities are not looked "
     "for.",
 )
 PLATFORM_SPEEDS = (
@@ -171,12 +171,12 @@ PLATFORM_SPEEDS = (
         "rates",
         "pose, twist -> rates",
         "Joint rates of a twist (velocity of the platform's origin, angular velocity) at a "
-        "pose. Speeds above @{fastest_text} are @{P}_OUT_OF_RANGE.",
+        "pose. Speeds above @{fastest_text} are NAME_OUT_OF_RANGE.",
     ),
     Function(
         "twist",
         "pose, rates -> twist",
-        "The twist of joint rates at a pose; @{P}_SINGULAR where they do not decide it.",
+        "The twist of joint rates at a pose; NAME_SINGULAR where they do not decide it.",
     ),
     Function(
         "feed",
@@ -197,7 +197,7 @@ ARM = (
         "The joint values that the arm reaches from `guess` when its tool moves from the "
         "guess's pose to the given one, positions in a straight line and orientations along"
         " the shorter arc, without meeting a singularity; where that is not assured, "
-        "@{P}_WRONG_BRANCH. Angles are near the guess's, not wrapped. Any joint values will"
+        "NAME_WRONG_BRANCH. Angles are near the guess's, not wrapped. Any joint values will"
         " do as a guess: an error of them moves the beginning of the line by as much. "
         "@{meaning} @{line_words}",
     ),
@@ -206,7 +206,7 @@ CLOSED_ARM = (
     Function(
         "inverse_branch",
         "pose, branch -> joints",
-        "The joint values of one branch. @{P}_OUT_OF_RANGE where it has none, @{P}_SINGULAR"
+        "The joint values of one branch. NAME_OUT_OF_RANGE where it has none, NAME_SINGULAR"
         " where nothing decides a joint.",
         before="@{branches_told}",
     ),
@@ -214,8 +214,8 @@ CLOSED_ARM = (
         "inverse_nearest",
         "pose, guess: joints -> joints",
         "The joint values nearest to the guess, one choice after the other, angles near the"
-        " guess's. Whether the arm can move there from the guess is not asked: @{p}_inverse"
-        " does. Statuses as of @{p}_inverse_branch.",
+        " guess's. Whether the arm can move there from the guess is not asked: name_inverse"
+        " does. Statuses as of name_inverse_branch.",
     ),
 )
 ARM_SPEEDS = (
@@ -233,7 +233,7 @@ ARM_SPEEDS = (
         "singularity, that is where info->min_pivot is below @{damped_below}. "
         "info->residual is how far the twist of these rates is from the given one (@{unit} "
         "for each unit of time, angles times the size): a loop that must keep to its path "
-        "slows down or stops by it. Speeds above @{fastest_text} are @{P}_OUT_OF_RANGE.",
+        "slows down or stops by it. Speeds above @{fastest_text} are NAME_OUT_OF_RANGE.",
     ),
     Function(
         "twist",
@@ -243,7 +243,7 @@ ARM_SPEEDS = (
     Function(
         "feed",
         "joints, twist, rate_limits -> feed",
-        "The largest factor, 0 to 1, by which a twist keeps the rates of @{p}_rates within "
+        "The largest factor, 0 to 1, by which a twist keeps the rates of name_rates within "
         "their limits (0 or more, in @{unit} or radians for each unit of time).",
     ),
     Function(
@@ -251,10 +251,10 @@ ARM_SPEEDS = (
         "pose -> joints, info",
         "For a control loop: one damped step from the last joint values (joints) towards "
         "the pose, which becomes the next ones. It goes on through and beside "
-        "singularities, where the arm cannot follow every pose: @{P}_OK says that the joint"
+        "singularities, where the arm cannot follow every pose: NAME_OK says that the joint"
         " values are within their ranges, and info->residual how far their tool pose is "
         "from the given one, as measured (@{unit}, angles times the size). While it is "
-        "below @{P}_TRACK_LIMIT the next step reaches an unmoved pose; farther away steps "
+        "below NAME_TRACK_LIMIT the next step reaches an unmoved pose; farther away steps "
         "are cut to @{most_turn} rad (slides: of the size). It never makes the error "
         "larger.",
         moves=True,
@@ -267,9 +267,9 @@ MAP = (
         "config, joints, guess: found -> found, info",
         "The found values that the machine reaches from `guess` when its joints move in a "
         "straight line from their values at the guess to the given ones, each point of it "
-        "real and regular; where that is not assured, @{P}_WRONG_BRANCH. Angles are near "
+        "real and regular; where that is not assured, NAME_WRONG_BRANCH. Angles are near "
         "the guess's, not wrapped. @{passive_note}",
-        before="#define @{P}_FOUND (@{nq})",
+        before="#define NAME_FOUND (@{nq})",
     ),
     Function(
         "inverse",
@@ -283,8 +283,8 @@ MAP = (
         "joints -> found, info",
         "For servo loops: one step from the last found values to those of the joints, and "
         "from the last joints to those of the found values. info->residual is the predicted"
-        " error: up to @{P}_TRACK_LIMIT another call with the same values brings it below "
-        "the tolerance; beyond it, and where a step is not small (@{P}_WRONG_BRANCH), call "
+        " error: up to NAME_TRACK_LIMIT another call with the same values brings it below "
+        "the tolerance; beyond it, and where a step is not small (NAME_WRONG_BRANCH), call "
         "the function above. No line is checked.",
         moves=True,
         before=_LIMIT,
@@ -319,7 +319,7 @@ MAP = (
     Function(
         "second",
         "joints, found -> jacobian: map_jacobian, second",
-        "The Jacobian, which may be NULL, and second[(i * @{P}_JOINTS + j) * @{P}_JOINTS + "
+        "The Jacobian, which may be NULL, and second[(i * NAME_JOINTS + j) * NAME_JOINTS + "
         "k], the second derivative of found i by joints j and k: found accelerations = "
         "jacobian * joint accelerations + sum of second * joint_rates[j] * joint_rates[k].",
     ),

@@ -1,5 +1,5 @@
 /* What the rows read of the known values: coefficients, by the numbers of these. */
-static @{SHARED} void @{k}_coefficients(const @{real} numbers[@{numbers}], @{real} k[@{nk}])
+static @{SHARED} void solver_coefficients(const name_real numbers[@{numbers}], name_real k[@{nk}])
 {
 @{lines}
 }

@@ -1,12 +1,12 @@
 /* Joint centres on the base (base frame) and on the platform (platform frame), and rod lengths at zero. */
 typedef struct {
-    @{p}_real base[6][3];
-    @{p}_real platform[6][3];
-    @{p}_real offset[6];
-} @{p}_geometry;
+    name_real base[6][3];
+    name_real platform[6][3];
+    name_real offset[6];
+} name_geometry;
 
 /* Nominal geometry, as an initialiser. */
-#define @{P}_NOMINAL \
+#define NAME_NOMINAL \
     { { @{base} }, \
       { @{ends} }, \
       { @{offsets} } }

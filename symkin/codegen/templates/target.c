@@ -1,5 +1,5 @@
 /* Sets w->k, the known values aimed at@{aimed}. */
-static @{SHARED} void @{k}_set_target(@{gp}@{k}_work *w, const @{real} to[@{nto}]@{part})
+static @{SHARED} void solver_set_target(@{gp}solver_work *w, const name_real to[@{nto}]@{part})
 {
 @{use}
 @{target}

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from importlib import resources
-from string import Template
 
 import numpy as np
 
@@ -16,10 +16,11 @@ below the largest float.
 """
 
 
-class _C(Template):
-    """Templates of C: @{name}; a name without a value is an error."""
-
-    delimiter = "@"
+_NAMES = re.compile(r"@(?:\{(\w+)\}|@)?|\b(?:name|NAME|solver)(?=_)")
+"""What stands for something in a template: @{value}, @@, and what begins words of the machine, name_
+and NAME_, and of one of its iterations, solver_.
+"""
+_PREFIXES = {"name": "p", "NAME": "P", "solver": "k"}
 
 
 def fill(template: str, values: Mapping[str, object]) -> str:
@@ -37,8 +38,15 @@ def template_text(template: str) -> str:
 
 
 def substitute(text: str, values: Mapping[str, object]) -> str:
-    """Replace the names in a text; lines whose name stands for nothing are left out."""
-    lines = [(line, _C(line).substitute(values).rstrip()) for line in text.split("\n")]
+    """Put values in the places of @{value} in a text, and names in those of name_, NAME_ and
+    solver_; @@ is @, what has no value an error. Lines whose names stand for nothing are left out.
+    """
+
+    def value(found: re.Match[str]) -> str:
+        text = found[0]
+        return "@" if text == "@@" else str(values[found[1] or _PREFIXES.get(text, text)])
+
+    lines = [(line, _NAMES.sub(value, line).rstrip()) for line in text.split("\n")]
     return "\n".join(filled for line, filled in lines if filled or not line)
 
 
