@@ -13,10 +13,10 @@ from dataclasses import dataclass
 import casadi as ca
 import numpy as np
 
-from symkin.codegen.direct_answer import AnswerText
-from symkin.codegen.direct_guess import GuessText
-from symkin.codegen.direct_values import DirectValues
-from symkin.codegen.newton_kernel import rounded
+from symkin.codegen.map.direct_answer import AnswerText
+from symkin.codegen.map.direct_guess import GuessText
+from symkin.codegen.map.direct_values import DirectValues
+from symkin.codegen.steps.newton_kernel import rounded
 from symkin.codegen.text.angles import lifted
 from symkin.codegen.text.c import Emitter, indent
 from symkin.codegen.text.gathered import gathered

@@ -14,9 +14,11 @@ import casadi as ca
 import numpy as np
 
 from symkin.closure.snapping import snapped_expression
-from symkin.codegen.composed import Composed, Condition, Part
-from symkin.codegen.guard_text import GuardText
-from symkin.codegen.guards import (
+from symkin.codegen.line_bounds import Span
+from symkin.codegen.map.joint_map import Direction, JointMap
+from symkin.codegen.steps.composed import Composed, Condition, Part
+from symkin.codegen.steps.guard_text import GuardText
+from symkin.codegen.steps.guards import (
     SLIDE_PARTS,
     Bound,
     Guard,
@@ -25,9 +27,7 @@ from symkin.codegen.guards import (
     sampled_bound,
     share_of,
 )
-from symkin.codegen.joint_map import Direction, JointMap
-from symkin.codegen.line_bounds import Span
-from symkin.codegen.newton_kernel import rounded
+from symkin.codegen.steps.newton_kernel import rounded
 from symkin.codegen.text.angles import Numbers, number_counts, numbers_by_name
 from symkin.codegen.text.c import Emitter, Real, indent
 from symkin.codegen.text.templates import fill

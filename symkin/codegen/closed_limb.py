@@ -15,9 +15,9 @@ import casadi as ca
 import numpy as np
 
 from symkin.closure.snapping import snapped_expression
-from symkin.codegen.formula_guards import RESOLVED
-from symkin.codegen.limb_platform import LimbBlock, LimbPlatform
-from symkin.codegen.newton_kernel import rounded
+from symkin.codegen.map.limb_platform import LimbBlock, LimbPlatform
+from symkin.codegen.steps.formula_guards import RESOLVED
+from symkin.codegen.steps.newton_kernel import rounded
 from symkin.codegen.text.c import Emitter, Real, indent, indented_by_braces, indexed
 from symkin.codegen.text.templates import fill
 from symkin.computed_once import cached_property

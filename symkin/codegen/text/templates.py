@@ -17,8 +17,8 @@ below the largest float.
 
 
 _NAMES = re.compile(r"@(?:\{(\w+)\}|@)?|\b(?:name|NAME|solver)(?=_)")
-"""What stands for something in a template: @{value}, @@, and what begins words of the machine, name_
-and NAME_, and of one of its iterations, solver_.
+"""What stands for something in a template: @{value}, @@, and beginnings of words: of the machine
+name_ and NAME_, of one of its iterations solver_.
 """
 _PREFIXES = {"name": "p", "NAME": "P", "solver": "k"}
 
