@@ -29,7 +29,7 @@ from symkin.codegen.steps.guards import (
 )
 from symkin.codegen.steps.newton_kernel import rounded
 from symkin.codegen.text.angles import Numbers, number_counts, numbers_by_name
-from symkin.codegen.text.c import Emitter, Real, indent
+from symkin.codegen.text.c import Emitter, Real
 from symkin.codegen.text.templates import fill
 from symkin.computed_once import cached_property
 from symkin.model.joint import units_of
@@ -348,9 +348,9 @@ class ClosedDirection:
             f"{k}_formulas(w->k, w->sign, w->x, w->guard);",
         ]
         own = {
-            "reach": indent(self._reach_lines),
-            "formulas": indent(self._formula_lines),
-            "told": indent(self._told_lines),
+            "reach": self._reach_lines,
+            "formulas": self._formula_lines,
+            "told": self._told_lines,
             "walk": self.guard_text.text(self.values, aim, 1.0),
         }
         return fill("map_closed.c", self.values | own)

@@ -60,7 +60,7 @@ def linuxcnc_text(program: Program, home: np.ndarray | None) -> str:
         "turns_told": _TURNS[motion],
         "memory": "" if home is None else _memory(program, home),
         "pins": _pins_text(name, pins),
-        "new_pins": indent(_new_pins(name, pins)),
+        "new_pins": _new_pins(name, pins),
         "pins_told": f"\n * HAL pins {name}_kins.* hold the geometry ({unit}, radians)."
         if pins
         else "",
@@ -70,12 +70,12 @@ def linuxcnc_text(program: Program, home: np.ndarray | None) -> str:
         )
         if pins
         else "",
-        "positions": indent(
-            [f"pose.position[{i}] = world->tran.{'xyz'[i]} / {name.upper()}_MM;" for i in moved]
-        ),
-        "from_home": indent(
-            [f"pose.position[{i}] = {name}_home.position[{i}];" for i in range(3) if i not in moved]
-        ),
+        "positions": [
+            f"pose.position[{i}] = world->tran.{'xyz'[i]} / {name.upper()}_MM;" for i in moved
+        ],
+        "from_home": [
+            f"pose.position[{i}] = {name}_home.position[{i}];" for i in range(3) if i not in moved
+        ],
     }
     conversions = fill(f"kins_{_CONVERSIONS[motion]}.c", shown).rstrip()
     return fill(

@@ -315,8 +315,8 @@ def own_test_text(program: Program, vectors: Vectors) -> str:
             "wrappers": substitute(
                 "\n".join(_call(f, joints, struct=struct) for f in called), values
             ),
-            "tables": indent(tables),
-            "calls": indent([*calls, *rows]),
+            "tables": tables,
+            "calls": [*calls, *rows],
             "refuse_rows": fill("refuse_rows.c", values) if rows else "",
             "more": more,
         },
@@ -376,7 +376,7 @@ def _values(program: Program) -> dict[str, object]:
         "most": "(N * N * N + N * N + 7)" if of_map else "(6 * N + 13)",
         "far": real.literal(1e4 * max(size, 1.0)),
         "configuration": configuration,
-        "configuration_of_k": indent(read),
+        "configuration_of_k": read,
         "nominal": nominal(program),
         "no_info": "" if exact else ", NULL",
         "entries": "N * N" if of_map else "6 * N",
@@ -384,7 +384,7 @@ def _values(program: Program) -> dict[str, object]:
         "jacobian_bound": "1e-4" if is_float else "1e-8",
         "speed_unit": "" if of_map else _speed_unit(program),
         "speeds_law": "Rates of the twist of rates are these rates." if exact else "",
-        "speeds_compared": indent(compared) if exact else "",
+        "speeds_compared": compared if exact else "",
     }
 
 

@@ -12,7 +12,7 @@ import casadi as ca
 from symkin.codegen.map.map_direction import DirectionSource
 from symkin.codegen.map.rates import row_bends, row_derivatives, step_columns, step_text
 from symkin.codegen.steps.linear_solver import singular_condition
-from symkin.codegen.text.c import Emitter, indent
+from symkin.codegen.text.c import Emitter
 from symkin.codegen.text.templates import fill, substitute
 from symkin.model.joint import Coordinate
 
@@ -118,7 +118,7 @@ def rates_text(direct: DirectionSource, inverse: DirectionSource) -> str:
             | {
                 "count": n**one.power,
                 "least": filled(one.least),
-                "body": indent([filled(line) for line in one.body], 3),
+                "body": [filled(line) for line in one.body],
             },
         )
         for one in _APPLIED
@@ -170,7 +170,7 @@ def _names(way: DirectionSource) -> dict[str, object]:
 
 def _columns(way: DirectionSource) -> str:
     lines = _emitted(way, row_derivatives(way.direction))
-    return fill("map_columns.c", _names(way) | {"sides": indent(lines)})
+    return fill("map_columns.c", _names(way) | {"sides": lines})
 
 
 def _jacobian(
@@ -195,16 +195,14 @@ def _jacobian(
         "most_sides": values["nsides"],
         "nrates": nj,
         "kept": "",
-        "y": indent(y),
-        "state": indent(state),
-        "set": indent(set_, 2),
+        "y": y,
+        "state": state,
+        "set": set_,
         "near": literal(_BELONG * made.size),
         "singular": singular_condition(way.kernel, way.k, "&w"),
         "more": "",
-        "store": indent(
-            [f"for (int i = 0; i < {nj}; ++i) {{", f"    {function}[i] = rates[i];", "}"], 2
-        ),
-        "rates": indent([*rates, *steps], 4),
+        "store": [f"for (int i = 0; i < {nj}; ++i) {{", f"    {function}[i] = rates[i];", "}"],
+        "rates": [*rates, *steps],
     }
     return fill("map_jacobian.c", values | shown | more)
 
@@ -230,8 +228,8 @@ def _second(way: DirectionSource) -> str:
         "pairs": pairs,
         "nsteps": n * freedom,
         "nbends": m * pairs,
-        "bends": indent(_emitted(way, row_bends(way.direction), moved)),
-        "seconds": indent(_stores(way, way.wanted, "rates", pairs, n * n)),
+        "bends": _emitted(way, row_bends(way.direction), moved),
+        "seconds": _stores(way, way.wanted, "rates", pairs, n * n),
     }
     return fill("map_bends.c", values) + _jacobian(
         way,
@@ -245,7 +243,7 @@ def _second(way: DirectionSource) -> str:
         written=f"{real} jacobian[{n * n}], {real} second[{n**3}]",
         most_sides=m * max(n, pairs),
         nrates=n * n + n * pairs,
-        kept=indent([f"{real} steps[{n * freedom}];"]),
-        more=indent(fill("map_second.c", values).splitlines(), 3),
-        store=indent(fill("map_give_second.c", values).splitlines(), 2),
+        kept=[f"{real} steps[{n * freedom}];"],
+        more=fill("map_second.c", values).splitlines(),
+        store=fill("map_give_second.c", values).splitlines(),
     )

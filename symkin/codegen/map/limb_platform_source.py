@@ -31,7 +31,7 @@ from symkin.codegen.steps.newton_kernel import rounded
 from symkin.codegen.steps.newton_source import NewtonCode, tracked_error
 from symkin.codegen.steps.passive_limits import limit_lines
 from symkin.codegen.steps.pose_coordinates import COLUMNS, pose_coordinates_text, pose_text
-from symkin.codegen.text.c import Emitter, Real, indent, indexed
+from symkin.codegen.text.c import Emitter, Real, indexed
 from symkin.codegen.text.templates import common_values, copy, farthest, fill, normalise_pose
 from symkin.computed_once import cached_property
 from symkin.model.joint import Coordinate
@@ -209,12 +209,12 @@ class LimbPlatformSource:
         if part == "twist":
             about, given, passed, found = "The twist of joint rates", rates, "rates, ", "twist"
             count = 1
-        shown = {"part": part, "own": self._names[part], "turned_row": indent(lines, 2)}
+        shown = {"part": part, "own": self._names[part], "turned_row": lines}
         said = {"about": about, "given": given, "rates": passed, "found": found, "count": count}
         return fill("turned.c", self._common | shown | said)
 
     @property
-    def _passive_checks(self) -> dict[str, str]:
+    def _passive_checks(self) -> dict[str, object]:
         """Statements that hold joints which are not actuated against their limits, or ask whether
         they exist: of an inverse, of Newton's method, of formulas.
         """
@@ -222,7 +222,7 @@ class LimbPlatformSource:
         write, check = f"{self.name}_write_pose({ga}&w, pose);", f"{self.name}_check_passive({ga}"
         if not self.made.passive_checks:
             names = ("inverse_passive", "direct_passive", "check_answer")
-            return dict.fromkeys(names, "") | {"write_tracked": indent([write], 4)}
+            return dict.fromkeys(names, "") | {"write_tracked": [write]}
 
         def if_ok(statement: str) -> list[str]:
             return [f"if (status == {self._ok}) {{", f"    {statement}", "}"]
@@ -230,10 +230,10 @@ class LimbPlatformSource:
         count = sum(c.width for c in self.made.passive)
         of_state = f"status = {check}&w.x[{count}], given, w.x);"
         return {
-            "inverse_passive": indent(if_ok(f"status = {check}c, q, passive);"), 2),
-            "direct_passive": indent(if_ok(of_state), 2),
-            "write_tracked": indent([of_state, *if_ok(write)], 4),
-            "check_answer": indent(if_ok(f"status = {self.name}_check_answer(&answer);"), 2),
+            "inverse_passive": if_ok(f"status = {check}c, q, passive);"),
+            "direct_passive": if_ok(of_state),
+            "write_tracked": [of_state, *if_ok(write)],
+            "check_answer": if_ok(f"status = {self.name}_check_answer(&answer);"),
         }
 
     @property
@@ -278,7 +278,7 @@ class LimbPlatformSource:
         }
 
     @property
-    def _line(self) -> dict[str, str]:
+    def _line(self) -> dict[str, object]:
         """Statements of the line: from the guess, by joints near its own, to the pose; and what is
         asked of the limbs' branches.
         """
@@ -296,12 +296,12 @@ class LimbPlatformSource:
         ]
         known = made.direct_kernel.known.numel()
         return {
-            "check_branch": indent(branch, 2) if made.has_dead_centres else "",
-            "stand": indent(self._stand_lines(branch), 2) if made.has_dead_centres else "",
-            "unwrap": indent(unwrap, 2),
-            "enter": indent(self._enter_lines(passive)),
-            "leave": indent([f"{p}_pose_from_coordinates({ga}&w->x[{passive}], pose);"]),
-            "keep_known": indent(copy("w.k0", "w.k", known), 2) if self._keeps_known else "",
+            "check_branch": branch if made.has_dead_centres else "",
+            "stand": self._stand_lines(branch) if made.has_dead_centres else "",
+            "unwrap": unwrap,
+            "enter": self._enter_lines(passive),
+            "leave": [f"{p}_pose_from_coordinates({ga}&w->x[{passive}], pose);"],
+            "keep_known": copy("w.k0", "w.k", known) if self._keeps_known else "",
             "to": "given",
             "whole": ", " + self.real.one,
         }
@@ -358,7 +358,7 @@ class LimbPlatformSource:
         lines = [line for limb in self._limbs for line in limb.joint_lines]
         if self.made.conditions.rows.numel():
             lines += self._condition_lines(self.made.conditions)
-        return fill("solve_limbs.c", self._common | {"limbs": indent(lines)})
+        return fill("solve_limbs.c", self._common | {"limbs": lines})
 
     def _condition_lines(self, conditions: System) -> list[str]:
         """Statements that refuse a pose which violates rows that no joint enters."""
@@ -404,7 +404,7 @@ class LimbPlatformSource:
             f"{self.name.upper()}_OUT_OF_RANGE",
         )
         asked = "are within their limits" if made.passive_limits else "exist where the rows hold"
-        text = fill("check_passive.c", self._common | {"lines": indent(lines), "asked": asked})
+        text = fill("check_passive.c", self._common | {"lines": lines, "asked": asked})
         if made.direct_formulas is None:
             return text
         return text + fill(
@@ -432,7 +432,7 @@ class LimbPlatformSource:
         within = [f"{self.name}_turn_into_limits(q, given);"] if any(made.limited_angles) else []
         values = self._common | {
             "near": ", ".join(self.real.literal(rounded(float(v))) for v in near),
-            "within_given": indent(within, 2),
+            "within_given": within,
         }
         text = fill("check_given.c", values)
         return text + (
@@ -470,9 +470,9 @@ class LimbPlatformSource:
         """NAME_inverse and NAME_jacobian."""
         lines = [line for limb in self._limbs for line in limb.rate_lines]
         own = {
-            "within_middle": indent(self._to_middle, 3),
-            "rates": indent(lines, 2),
-            "copy_joints": indent(copy("joints", "q", len(self.made.actuated)), 3),
+            "within_middle": self._to_middle,
+            "rates": lines,
+            "copy_joints": copy("joints", "q", len(self.made.actuated)),
         }
         return [fill("limb_inverse.c", self._common | own), "\n"]
 

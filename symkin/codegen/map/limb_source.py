@@ -119,7 +119,7 @@ class LimbSource:
             "k": self.k,
             "count": block.system.width,
             "rates": count,
-            "joints_lines": indent(written.joints),
+            "joints_lines": written.joints,
             "within": within,
             "within_words": "; its rows may be off by `within`" if within else "",
         }
@@ -130,7 +130,7 @@ class LimbSource:
         if not any(re.search(r"\bc\[", line) for line in rates):
             # of slides in a direction that no pose turns
             rates = ["(void)c;", *rates]
-        return text + fill("closed_rates.c", values | {"rates_lines": indent(rates)})
+        return text + fill("closed_rates.c", values | {"rates_lines": rates})
 
     def _twist_columns(self, kernel: Kernel) -> str:
         """The function of the right-hand sides of the joint rates, row by row."""
@@ -144,7 +144,7 @@ class LimbSource:
         lines = Emitter.of(self.real, inputs, sides).stored("sides")
         unread = [] if any("w->" in line for line in lines) else ["(void)w;"]
         lines = [*lines[:-count], *unread, *lines[-count:]]
-        own = {"k": self.k, "sides": indent(lines), "count": count}
+        own = {"k": self.k, "sides": lines, "count": count}
         return fill("twist_columns.c", {**self.common, **own})
 
     def _newton_code(self, kernel: Kernel) -> NewtonCode:

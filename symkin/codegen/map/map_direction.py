@@ -201,7 +201,7 @@ class DirectionSource(MapValues):
         inputs = [(circles.numbers, "numbers")]
         lines = Emitter.of(self.real, inputs, circles.coefficients).stored("k")
         own = {"numbers": circles.numbers.numel(), "nk": circles.coefficients.numel()}
-        return fill("map_coefficients.c", self.names | own | {"lines": indent(lines)})
+        return fill("map_coefficients.c", self.names | own | {"lines": lines})
 
     @property
     def solver_text(self) -> str:
@@ -240,7 +240,7 @@ class DirectionSource(MapValues):
             places = places_among(self.unknown, self.wanted)
             lines += self.circles(out, self.wanted, "w->x", places)
             source = f"the {out} as they were last"
-        return fill("map_place.c", self.names | {"lines": indent(lines), "source": source})
+        return fill("map_place.c", self.names | {"lines": lines, "source": source})
 
     # --- configurations ---------------------------------------------------------------------------
 
@@ -268,7 +268,7 @@ class DirectionSource(MapValues):
             solve = [f"{self.k}_work w;", *self._followed_lines]
             known, state, other = self.numbers_of_known.replace("->", "."), "w.x", list[str]()
         copies = [*self.into_y(known, self.known), *self.into_y(state, self.unknown)]
-        return fill("map_state.c", self.names | {"lines": indent([*solve, *copies, *other])})
+        return fill("map_state.c", self.names | {"lines": [*solve, *copies, *other]})
 
     @property
     def _followed_lines(self) -> list[str]:
@@ -348,7 +348,7 @@ class DirectionSource(MapValues):
             f"({self.real.call('fabs')}(u{i}) <= {literal(float(v))})"
             for i, v in enumerate(sheet.reach)
         ]
-        own = {"count": self.n, "lines": indent(lines), "within": " && ".join(within)}
+        own = {"count": self.n, "lines": lines, "within": " && ".join(within)}
         return fill("map_sheet.c", self.names | own)
 
     def _other_lines(self, state: str) -> list[str]:
@@ -407,14 +407,14 @@ class DirectionSource(MapValues):
             "f": self.k,
             "track": f"{name}_track" if self._is_direct else f"{name}_track_inverse",
             "begin": indent(begin),
-            "follow": indent(follow),
-            "line_results": indent([*unused, *self._results("w->x", "guess")], 2),
-            "track_results": indent([f"{kind} result[{n}];", *self._results("w.x", out)], 2),
-            "store": indent([f"{out}[{i}] = result[{i}];" for i in range(n)], 3),
+            "follow": follow,
+            "line_results": [*unused, *self._results("w->x", "guess")],
+            "track_results": [f"{kind} result[{n}];", *self._results("w.x", out)],
+            "store": [f"{out}[{i}] = result[{i}];" for i in range(n)],
             "blame_values": f"        {name}_blame(info, joints);" if self._is_direct else "",
-            "blame_result": "" if self._is_direct else indent(blame, 2),
-            "change": indent(change, 2),
-            "stand_at": indent(stand_at),
+            "blame_result": "" if self._is_direct else blame,
+            "change": change,
+            "stand_at": stand_at,
             # of the checks that a guess, or an answer, stands where the known values are
             "stands2": literal(stands**2),
             "held2": literal(self.real.epsilon * size**2),
@@ -444,7 +444,7 @@ class DirectionSource(MapValues):
                 f"const {kind} way{i} = {weight} * ({other} - guess[{i}]);",
                 f"away2 += way{i} * way{i};",
             ]
-        return fill("map_away.c", self.names | {"away": indent(lines)})
+        return fill("map_away.c", self.names | {"away": lines})
 
     @property
     def _passive_call(self) -> str:
@@ -470,7 +470,7 @@ class DirectionSource(MapValues):
         beyond = f"{self.name.upper()}_OUT_OF_RANGE"
         fixed = Geometry(closure, at_run_time=False)
         lines = limit_lines(limits, variables, fixed, self.real, beyond)
-        return fill("map_passive.c", self.names | {"lines": indent(lines)})
+        return fill("map_passive.c", self.names | {"lines": lines})
 
     def state_of(self, side: str) -> tuple[list[str], list[str]]:
         """Members and statements that set y to the configuration of the joints or of the found
@@ -491,7 +491,7 @@ class DirectionSource(MapValues):
         return f"{self.k}_place(&w, {self.words[0]}, {self.names['from']});"
 
     @property
-    def _step(self) -> dict[str, str]:
+    def _step(self) -> dict[str, list[str]]:
         """Statements of one step: from the last values' configuration, by Newton's method or by
         formulas.
         """
@@ -528,4 +528,4 @@ class DirectionSource(MapValues):
                 f"status = (least > {literal(_NOT_DECIDED)}) ? {k}_finish(&w, 1U, least, &usual, "
                 f"info) : {prefix}_SINGULAR;",
             ]
-        return {"y": indent(y), "last": indent(last), "step": indent(step, 2)}
+        return {"y": y, "last": last, "step": step}

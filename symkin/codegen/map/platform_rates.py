@@ -16,7 +16,7 @@ from symkin.codegen.steps.linear_solver import SINGULAR, singular_condition
 from symkin.codegen.steps.newton_kernel import Kernel, system_kernel
 from symkin.codegen.steps.newton_source import NewtonCode
 from symkin.codegen.steps.pose_coordinates import COLUMNS
-from symkin.codegen.text.c import Emitter, Real, indent
+from symkin.codegen.text.c import Emitter, Real
 from symkin.codegen.text.templates import copy, fill, substitute
 from symkin.model.mechanism import Mechanism
 
@@ -69,7 +69,7 @@ def square_twist(mechanism: Mechanism, real: Real, values: Mapping[str, object])
         "row_scales": ", ".join(scales),
         "columns": ", ".join(f"{c}U" for c in columns),
         "column_scales": ", ".join(real.literal(1.0 / size if c > 2 else 1.0) for c in columns),
-        "others": indent([f"twist[{c}] = {real.zero};" for c in range(6) if c not in columns], 2),
+        "others": [f"twist[{c}] = {real.zero};" for c in range(6) if c not in columns],
         "least_pivots": ", ".join([real.literal(SINGULAR * real.epsilon)] * len(columns)),
     }
     return fill("square_twist.c", {**values, **shown})
@@ -120,11 +120,11 @@ def closure_twist(made: LimbPlatform, values: Mapping[str, object], driver: Kern
     shown = {
         "k": k,
         "into": into,
-        "state": indent([*state, *aim], 2),
-        "sides": indent(sides, 3),
+        "state": [*state, *aim],
+        "sides": sides,
         "singular_there": singular_condition(kernel, k, "w", ga, compact=made.options.compact),
         "nf": kernel.n,
-        "store": indent(store, 2),
+        "store": store,
     }
     return text + fill("closure_twist.c", {**values, **shown})
 

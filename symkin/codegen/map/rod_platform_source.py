@@ -18,7 +18,7 @@ from symkin.codegen.map.rod_platform import RodPlatform
 from symkin.codegen.steps.joint_ranges import Range, range_functions
 from symkin.codegen.steps.rod_kernel import Rods, rod_vectors
 from symkin.codegen.steps.rod_line import rod_line
-from symkin.codegen.text.c import Emitter, indent
+from symkin.codegen.text.c import Emitter
 from symkin.codegen.text.templates import FARTHEST, copy, copy_loop, fill
 from symkin.computed_once import cached_property
 from symkin.spatial.backend import cross, dot
@@ -44,7 +44,7 @@ class RodSource(LimbPlatformSource):
         }
 
     @property
-    def _line(self) -> dict[str, str]:
+    def _line(self) -> dict[str, object]:
         p, ga = self.name, self._ga
         leave = [
             *copy("pose->position", "w->x", 3),
@@ -52,8 +52,8 @@ class RodSource(LimbPlatformSource):
         ]
         enter = ["w->guess = guess;", f"status = {p}_normalise_pose({ga}guess, w->x);"]
         return {
-            "enter": indent(enter),
-            "leave": indent(leave),
+            "enter": enter,
+            "leave": leave,
             "unwrap": "",
             "to": "joints",
             "whole": "",
@@ -70,7 +70,7 @@ class RodSource(LimbPlatformSource):
         return [
             code.work,
             code.functions,
-            fill("rod_values.c", self._common | {"lines": indent(self._rod_value_lines)}),
+            fill("rod_values.c", self._common | {"lines": self._rod_value_lines}),
             code.target,
             code.linear.text,
             fill("retarget.c", self.values),
@@ -137,9 +137,9 @@ class RodSource(LimbPlatformSource):
         """NAME_inverse and NAME_jacobian, and NAME_line where rods have limits."""
         jacobian, stores = self._jacobian
         own = {
-            "jacobian": indent(jacobian, 2),
-            "store_jacobian": indent(stores, 3),
-            "copy_joints": indent(copy("joints", "w.k", 6), 3),
+            "jacobian": jacobian,
+            "store_jacobian": stores,
+            "copy_joints": copy("joints", "w.k", 6),
         }
         line = rod_line(self._ranges, self.real, self.values) if self.made.has_limits else ""
         return [fill("rod_inverse.c", self.values | own), line]

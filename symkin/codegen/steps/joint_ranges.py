@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from symkin.codegen.text.c import Real, indent
+from symkin.codegen.text.c import Real
 from symkin.codegen.text.templates import FARTHEST, fill
 from symkin.model.joint import Coordinate
 
@@ -52,7 +52,7 @@ def range_functions(
     alike are checked in a loop.
     """
     tables, inside = _by_number(ranges, real)
-    named = fill("first_beyond.c", {**values, "tables": indent(tables), "inside": inside})
+    named = fill("first_beyond.c", {**values, "tables": tables, "inside": inside})
     tests = "\n        && ".join(r.test(i) for i, r in enumerate(ranges))
     shared = str(values["SHARED"]) + " "
     if real.name == "float" and len(ranges) > 1 and len(set(ranges)) == 1:

@@ -294,8 +294,8 @@ def linear_solver(
     pivots = choose_pivots(matrices)
     lu = UnrolledLU(Emitter(kernel.jacobian_function(), inputs, real), pivots)
     shown = {
-        "factor": indent(lu.factor()),
-        "solve": indent(lu.solve()),
+        "factor": lu.factor(),
+        "solve": lu.solve(),
         "sign": ">" if pivots.parity > 0 else "<",
     }
     return LinearSolver(
@@ -326,7 +326,7 @@ def _qr(
     )
 
 
-def _loops_over_columns(n: int, m: int, real: Real) -> dict[str, str]:
+def _loops_over_columns(n: int, m: int, real: Real) -> dict[str, object]:
     """Loops over further columns; a single column has none."""
     if n == 1:
         return {"others": "", "above": ""}
@@ -347,7 +347,7 @@ def _loops_over_columns(n: int, m: int, real: Real) -> dict[str, str]:
         f"    y[c] -= w->r[{n} * c + j] * w->f[j];",
         "}",
     ]
-    return {"others": indent(others, 2), "above": indent(above, 2)}
+    return {"others": others, "above": above}
 
 
 def dense_statements(

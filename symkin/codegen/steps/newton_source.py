@@ -133,16 +133,16 @@ class NewtonCode:
             "functions.c",
             self._values
             | {
-                "residual": indent(self._residual_lines),
-                "rows": indent(self._rows.lines),
-                "move": indent(self._move[1]),
+                "residual": self._residual_lines,
+                "rows": self._rows.lines,
+                "move": self._move[1],
             },
         )
 
     @property
     def target(self) -> str:
         """The function that sets the known values aimed at."""
-        return fill("target.c", self._values | {"target": indent(self.target_lines)})
+        return fill("target.c", self._values | {"target": self.target_lines})
 
     @cached_property
     def linear(self) -> LinearSolver:
@@ -421,21 +421,20 @@ class NewtonCode:
 
         keeping = indent(["if (taken > 0U) {", *("    " + line for line in keep), "}"], 3)
         return {
-            "begin_target": indent(begin_target),
+            "begin_target": begin_target,
             "part": "" if by_call else f", {self.real.type} part",
             "aimed": "" if by_call else ": a part of the line from the guess's to `to`",
             "at_done": keeping if kept else first(done),
             "at_aim": first(aim),
             "save0": indent(save0),
-            "advance": indent([*copy_loop("w->x0", "w->x", state), *keep, self.retarget or aim], 4),
-            "retreat": indent(
-                [self.retarget] if by_call else [*copy_loop("w->x", "w->x0", state), *back, aim],
-                3,
-            ),
+            "advance": [*copy_loop("w->x0", "w->x", state), *keep, self.retarget or aim],
+            "retreat": [self.retarget]
+            if by_call
+            else [*copy_loop("w->x", "w->x0", state), *back, aim],
         }
 
     @property
-    def _still(self) -> dict[str, str]:
+    def _still(self) -> dict[str, object]:
         """Below which squared length a step is rounding: what the rows' rounding makes of it where
         pivots are small, and where they are so small that this could reach a singularity, an eighth
         of the way to that, which the least pivot tells. Of rods, whose matrix is well scaled, a
@@ -450,7 +449,7 @@ class NewtonCode:
         noise = f"(w->spread < {literal(far)}) ? ({rounding} * w->spread) : ({eighth} / w->spread)"
         # what follows a step that is rounding or nothing tells no ratio of steps
         line = literal((_LINE * epsilon * self.kernel.characteristic_length) ** 2)
-        common = {
+        common: dict[str, object] = {
             "row_noise2": line,
             "moved": " && (before > still2)",
             "by_kappa": f"(fresh || !(before > {literal(0.0)}))",
@@ -458,11 +457,11 @@ class NewtonCode:
         if not self.retarget:
             return common | {
                 "still2": "still2",
-                "still_variable": indent(
-                    [f"{self.real.type} still2 = {floor}; /* square of a step that is rounding */"]
-                ),
-                "noise": indent([f"still2 = ({test}) ? ({noise}) : {floor};"], 3),
-                "stay": indent(copy_loop("w->x", "w->x0", state), 3),
+                "still_variable": [
+                    f"{self.real.type} still2 = {floor}; /* square of a step that is rounding */"
+                ],
+                "noise": [f"still2 = ({test}) ? ({noise}) : {floor};"],
+                "stay": copy_loop("w->x", "w->x0", state),
             }
         put_back = [f"{self.k}_retarget({self._ga}w, to, {literal(1.0)}, {literal(0.0)});"]
         return common | {
@@ -471,19 +470,18 @@ class NewtonCode:
             "noise": "",
             "moved": "",
             "by_kappa": "fresh",
-            "stay": indent(put_back, 3),
+            "stay": put_back,
         }
 
     @property
     def _parts(self) -> LineParts:
         """How far parts of the line reach."""
-        still2 = self._still["still2"]
         return LineParts(
             self.kernel,
             self.real,
             self.k,
             self._ga,
-            still2,
+            str(self._still["still2"]),
             self.bends,
             self.first_turn,
             self.measured,

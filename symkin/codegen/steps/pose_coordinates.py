@@ -10,7 +10,7 @@ import numpy as np
 from symkin.closure.snapping import snapped_expression
 from symkin.codegen.steps.formula_guards import feasible_error
 from symkin.codegen.steps.geometry import Geometry
-from symkin.codegen.text.c import Emitter, Real, indent, indexed
+from symkin.codegen.text.c import Emitter, Real, indexed
 from symkin.codegen.text.templates import fill
 from symkin.model.keys import ABOUT_Z
 from symkin.spatial.backend import stacked
@@ -97,7 +97,7 @@ def pose_coordinates_text(geometry: Geometry, real: Real, values: dict[str, obje
     if tests:
         refused = f"    status = {values['P']}_OUT_OF_RANGE;"
         body += [f"if (!({' && '.join(tests)})) {{", refused, "}"]
-    return fill("pose_coordinates.c", values | {"count": count, "body": indent(body, 2)})
+    return fill("pose_coordinates.c", values | {"count": count, "body": body})
 
 
 def pose_text(geometry: Geometry, real: Real, values: dict[str, object]) -> str:
@@ -107,7 +107,7 @@ def pose_text(geometry: Geometry, real: Real, values: dict[str, object]) -> str:
     expression = snapped_expression(geometry.pose, [symbols, geometry.symbols])
     count = symbols.numel()
     inputs = [(symbols, "c"), (geometry.symbols, geometry.names)]
-    body = indent(Emitter.of(real, inputs, expression).stored(POSE))
+    body = Emitter.of(real, inputs, expression).stored(POSE)
     return fill("pose_from_coordinates.c", values | {"count": count, "body": body})
 
 

@@ -16,7 +16,7 @@ static @{COLD} name_status name_check_given(@{gp}const name_real x[@{nc}], const
         status = name_solve_limbs(@{ga}c, q, passive@{feasible});
     }
     if (status == NAME_OK) {
-@{within_given}
+        @{within_given}
         name_unwrap_joints(q, given, turned);
         for (int i = 0; i < @{nq}; ++i) {
             if (!(@{fabs}(turned[i] - q[i]) <= near[i])) {

@@ -7,6 +7,6 @@ static name_status name_check_passive(@{gp}const name_real c[@{nc}], const name_
     (void)q;
     (void)passive;
 @{use}
-@{lines}
+    @{lines}
     return status;
 }

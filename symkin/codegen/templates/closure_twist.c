@@ -11,17 +11,17 @@
     }
     status = name_check_speeds(rates, @{nq}, status);
     if (status == NAME_OK) {
-@{state}
+        @{state}
         if (@{singular_there}) {
             status = NAME_SINGULAR;
         } else {
-@{sides}
+            @{sides}
             solver_solve(w);
             status = name_check_finite(w->f, @{nf}, NAME_OK);
         }
     }
     if (status == NAME_OK) {
-@{store}
+        @{store}
     }
     return status;
 }

@@ -2,13 +2,13 @@
 static void solver_rows(@{gp}solver_work *w)
 {
 @{use}
-@{rows}
+    @{rows}
 }
 
 /* Norm of the rows in w->f as a length: no row is further from zero. */
 static @{SHARED} name_real solver_residual(const solver_work *w)
 {
-@{residual}
+    @{residual}
 }
 
 /* Adds the step in w->f to the state: lengths and joint values are added to, quaternions are turned. Returns the squared
@@ -16,6 +16,6 @@ static @{SHARED} name_real solver_residual(const solver_work *w)
 static name_real solver_apply_step(@{gp}solver_work *w)
 {
 @{use}
-@{move}
+    @{move}
 }
 

@@ -87,7 +87,7 @@ int rtapi_app_main(void)
     if (name_component < 0) {
         return name_component;
     }
-@{new_pins}
+    @{new_pins}
     if (fault == 0) {
         (void)hal_ready(name_component);
     } else {

@@ -14,7 +14,7 @@ static @{ALONE} void solver_solve(solver_work *w)
     }
     /* back substitution with R */
     for (int c = @{last}; c >= 0; --c) {
-@{above}
+        @{above}
         w->f[c] = y[c] * w->r[@{n} * c + c];
     }
 }

@@ -10,12 +10,12 @@ name_status name_inverse(@{gp}const name_pose *pose, name_real joints[@{nq}])
         if (status != NAME_OK) {
             status = NAME_OUT_OF_RANGE;
         } else {
-@{within_middle}
+            @{within_middle}
             status = name_check_limits(@{ga}q);
         }
-@{inverse_passive}
+        @{inverse_passive}
         if (status == NAME_OK) {
-@{copy_joints}
+            @{copy_joints}
         }
     }
     return status;
@@ -28,7 +28,7 @@ name_status name_inverse(@{gp}const name_pose *pose, name_real joints[@{nq}])
     name_real jacobian[@{nq} * 6] = { @{zero} };
     name_status status = name_pose_coordinates(@{ga}pose, c);
     if (status == NAME_OK) {
-@{rates}
+        @{rates}
         if ((status == NAME_OK) && (name_check_finite(jacobian, @{nq} * 6, NAME_OK) != NAME_OK)) {
             status = NAME_SINGULAR;
         }

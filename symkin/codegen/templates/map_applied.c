@@ -9,7 +9,7 @@ name_status name_@{function}(const name_real joints[@{nq}], const name_real foun
     if (status == NAME_OK) {
         name_real result[@{count}];
         for (int i = 0; i < @{count}; ++i) {
-@{body}
+            @{body}
         }
         status = name_give(result, @{asked}, @{count});
     }

@@ -2,7 +2,7 @@
 static @{ALONE} name_real name_@{out}_away2(const name_real other[@{nout}], const name_real guess[@{nout}])
 {
     name_real away2 = @{zero};
-@{away}
+    @{away}
     return away2;
 }
 

@@ -4,6 +4,6 @@ static void name_joint_bends(const solver_work *w, const name_real steps[@{nstep
 {
     (void)w;
     (void)steps;
-@{bends}
+    @{bends}
 }
 

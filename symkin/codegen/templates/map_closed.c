@@ -5,7 +5,7 @@ static @{SHARED} void solver_formulas(const name_real k[@{nk}], const name_real 
     (void)k;
     (void)sign;
     (void)d;
-@{formulas}
+    @{formulas}
 }
 
 /* The signs of a configuration in the formulas, and their conditions there: what tells a sign is its root. */
@@ -14,7 +14,7 @@ static @{SHARED} void solver_signs(const name_real k[@{nk}], const name_real x[@
     (void)k;
     (void)x;
     (void)d;
-@{told}
+    @{told}
 }
 @{walk}/* The end of the straight line of known values from w->at, where the state is w->x at w->k, to `to`, if no condition vanishes on the way.
  * Then the rows are held against the answer. */
@@ -22,7 +22,7 @@ static name_status solver_follow(solver_work *w, const name_real to[@{nto}], con
 {
     name_real least = @{one};
     unsigned int count = 0U;
-@{reach}
+    @{reach}
     solver_signs(w->k, w->x, w->sign, w->left);
     name_status status = solver_walk(w, w->at, to, (unsigned int)config->max_iterations, &count);
     if (status == NAME_OK) {

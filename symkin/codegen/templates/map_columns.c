@@ -2,6 +2,6 @@
 static void name_@{columns}(const solver_work *w, name_real sides[@{nsides}])
 {
     (void)w;
-@{sides}
+    @{sides}
 }
 

@@ -13,7 +13,7 @@ static double product(const name_real *a, int apart, const name_real *b, int fro
 /* The law of virtual power: joint torques on joint rates do what found torques do on found rates. */
 static void power_of(int k)
 {
-@{configuration_of_k}
+    @{configuration_of_k}
     name_real torques[N];
     name_real rates[N];
     name_real of_found[N];
@@ -34,7 +34,7 @@ static void power_of(int k)
  * found torque, and a rate, at its limit has one joint at its own, and none beyond. */
 static void derivatives_of(int k)
 {
-@{configuration_of_k}
+    @{configuration_of_k}
     name_real own[N];
     name_real jacobian[N * N];
     name_real inverse[N * N];

@@ -6,7 +6,7 @@ static @{COLD} bool @{f}_stands(const name_real @{values}[@{nto}], const name_re
     if (name_state_of_@{values}(@{values}, y, other) != NAME_OK) {
         return false;
     }
-@{stand_at}
+    @{stand_at}
     return name_@{out}_away2(other, guess) <= @{stands2};
 }
 
@@ -16,9 +16,9 @@ static @{SHARED} name_status @{f}_line(solver_work *w, const name_real @{values}
 {
     name_status status;
 @{begin}
-@{follow}
+    @{follow}
     if (status == NAME_OK) {
-@{line_results}
+        @{line_results}
     }
     return status;
 }
@@ -100,9 +100,9 @@ name_status @{f}(const name_config *config, const name_real @{values}[@{nto}], c
         status = name_limit_@{out}(status, result);
 @{passive}
         if (status == NAME_OK) {
-@{store}
+            @{store}
         }
-@{blame_result}
+        @{blame_result}
     }
     return status;
 }
@@ -111,28 +111,28 @@ name_status @{f}(const name_config *config, const name_real @{values}[@{nto}], c
 name_status @{track}(const name_real @{values}[@{nto}], name_real @{out}[@{nout}], name_info *info)
 {
     solver_work w;
-@{y}
+    @{y}
     name_status status = name_limit_@{values}(NAME_OK, @{values});
     status = name_bound_@{out}(status, @{out});
-@{last}
+    @{last}
     if (status == NAME_OK) {
-@{step}
+        @{step}
     } else {
         name_write_info(info, 0U, @{huge}, @{zero}, @{zero});
 @{blame_values}
     }
     if (status == NAME_OK) {
-@{track_results}
+        @{track_results}
         name_real change2 = @{zero};
-@{change}
+        @{change}
         /* beyond a small step the branch is not assured */
         status = (change2 <= @{track2}) ? NAME_OK : NAME_WRONG_BRANCH;
         status = name_limit_@{out}(status, result);
 @{passive}
         if (status == NAME_OK) {
-@{store}
+            @{store}
         }
-@{blame_result}
+        @{blame_result}
     }
     return status;
 }

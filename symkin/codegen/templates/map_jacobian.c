@@ -4,13 +4,13 @@ name_status name_@{function}(const name_real joints[@{nq}], const name_real foun
     solver_work w;
     name_real sides[@{most_sides}];
     name_real rates[@{nrates}];
-@{y}
-@{kept}
+    @{y}
+    @{kept}
     name_status status = name_limit_joints(NAME_OK, joints);
     status = name_limit_found(status, found);
-@{state}
+    @{state}
     if (status == NAME_OK) {
-@{set}
+        @{set}
         solver_rows(&w);
         if (!(solver_residual(&w) <= @{near})) {
             status = NAME_OUT_OF_RANGE; /* no configuration has both */
@@ -23,14 +23,14 @@ name_status name_@{function}(const name_real joints[@{nq}], const name_real foun
                     w.f[i] = sides[@{nq} * i + j];
                 }
                 solver_solve(&w);
-@{rates}
+                @{rates}
             }
-@{more}
+            @{more}
             status = (name_check_finite(rates, @{nrates}, NAME_OK) == NAME_OK) ? NAME_OK : NAME_SINGULAR;
         }
     }
     if (status == NAME_OK) {
-@{store}
+        @{store}
     }
     return status;
 }

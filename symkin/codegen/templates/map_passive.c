@@ -4,7 +4,7 @@ static @{SHARED} name_status solver_check_passive(const solver_work *w, const na
     name_status status = NAME_OK;
     (void)w;
     (void)@{values};
-@{lines}
+    @{lines}
     return status;
 }
 

@@ -4,5 +4,5 @@ for (int j = 0; j < @{pairs}; ++j) {
         w.f[i] = sides[@{pairs} * i + j];
     }
     solver_solve(&w);
-@{seconds}
+    @{seconds}
 }

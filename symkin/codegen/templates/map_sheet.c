@@ -2,7 +2,7 @@
  * the wanted ones. */
 static @{SHARED} bool solver_near_home(const name_real values[@{nto}], name_real wanted[@{count}])
 {
-@{lines}
+    @{lines}
     return @{within};
 }
 

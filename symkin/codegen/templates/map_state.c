@@ -3,7 +3,7 @@
 static @{SHARED} name_status name_state_of_@{values}(const name_real values[@{nto}], name_real y[@{ny}], name_real other[@{nto}])
 {
     name_status status = NAME_OK;
-@{lines}
+    @{lines}
     return status;
 }
 

@@ -24,7 +24,7 @@ static name_status solver_newton(@{gp}solver_work *w, const name_real to[@{nto}]
     name_real limit;
     name_real residual = @{huge};
     name_real room = @{noise_of_rows}; /* residual that rounding is allowed; after one more step, of new factors, that of any matrix */
-@{still_variable}
+    @{still_variable}
     int sign = 0; /* of the determinant: a change at the part that is done means that a singularity lies between */
     bool beside = false; /* whether the last step has led beyond a singularity: it is refused, as one that is too long */
     unsigned int count = 0U;
@@ -40,7 +40,7 @@ static name_status solver_newton(@{gp}solver_work *w, const name_real to[@{nto}]
     w->spread = @{zero};
 @{no_side}
 @{turn}
-@{begin_target}
+    @{begin_target}
 @{save0}
     for (;;) {
         solver_rows(@{ga}w);
@@ -76,7 +76,7 @@ static name_status solver_newton(@{gp}solver_work *w, const name_real to[@{nto}]
                 break;
             }
             sign = beside ? sign : turn;
-@{noise}
+            @{noise}
         }
         /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4 to 1/8, later 3/8 to 3/10 (README.md) */
         solver_solve(w);
@@ -132,13 +132,13 @@ static name_status solver_newton(@{gp}solver_work *w, const name_real to[@{nto}]
                 if (aim > @{near_one}) {
                     aim = @{one};
                 }
-@{advance}
+                @{advance}
                 taken = 0U;
                 fresh = true;
             }
         } else if (!stayed && (taken > 0U) && (aim - done >= @{one}) && (before <= @{row_noise2} * w->spread)) {
             /* the whole line may be rounding, which small pivots have made long: the state stays where it was, if its rows vanish there */
-@{stay}
+            @{stay}
             stayed = true;
             room = @{rounding};
             verify = true;
@@ -147,7 +147,7 @@ static name_status solver_newton(@{gp}solver_work *w, const name_real to[@{nto}]
         } else if (aim - done > @{least_part}) {
             /* refused: back to the part that is done, and aim nearer */
 @{nearer}
-@{retreat}
+            @{retreat}
             fresh = settling || !kept;
             taken = 0U;
             settling = false;

@@ -3,7 +3,7 @@ static @{SHARED} name_status name_read_guess(@{gp}name_direct_work *w, const nam
 {
     const name_status limits = name_check_limits(@{ga}joints);
     name_status status;
-@{enter}
+    @{enter}
     /* NaN or infinity anywhere comes first */
     return ((status == NAME_OK) || (limits == NAME_NONFINITE)) ? limits : status;
 }
@@ -12,7 +12,7 @@ static @{SHARED} name_status name_read_guess(@{gp}name_direct_work *w, const nam
 static @{SHARED} void name_write_pose(@{gp}const name_direct_work *w, name_pose *pose)
 {
 @{use}
-@{leave}
+    @{leave}
 }
 
 name_status name_direct(@{gp}const name_config *config, const name_real joints[@{nq}], const name_pose *guess, name_pose *pose, name_info *info)
@@ -24,11 +24,11 @@ name_status name_direct(@{gp}const name_config *config, const name_real joints[@
         status = name_check_config(config, status);
     }
     if (status == NAME_OK) {
-@{unwrap}
+        @{unwrap}
         status = name_direct_newton(@{ga}&w, @{to}, (config != NULL) ? config : &usual, info);
-@{check_branch}
-@{stand}
-@{direct_passive}
+        @{check_branch}
+        @{stand}
+        @{direct_passive}
         if (status == NAME_OK) {
             name_write_pose(@{ga}&w, pose);
         }
@@ -44,10 +44,10 @@ name_status name_track(@{gp}const name_real joints[@{nq}], name_pose *pose, name
     name_status status = name_read_guess(@{ga}&w, joints, pose);
     bool stepped = false;
     if (status == NAME_OK) {
-@{unwrap}
+        @{unwrap}
         /* one step of Newton's method from the last pose */
         name_direct_set_target(@{ga}&w, @{to}@{whole});
-@{keep_known}
+        @{keep_known}
         name_direct_rows(@{ga}&w);
         if (@{track_factor}) {
             status = NAME_SINGULAR;
@@ -57,7 +57,7 @@ name_status name_track(@{gp}const name_real joints[@{nq}], name_pose *pose, name
             const name_real size = name_direct_apply_step(@{ga}&w);
             name_write_info(info, 1U, @{kappa} * size, size, w.spread);
             if (size <= @{track2}) {
-@{write_tracked}
+                @{write_tracked}
             } else {
                 status = NAME_WRONG_BRANCH;
             }

@@ -4,7 +4,7 @@ static name_status name_pose_coordinates(@{gp}const name_pose *pose, name_real c
     name_real x[7];
     name_status status = name_normalise_pose(@{ga}pose, x);
     if (status == NAME_OK) {
-@{body}
+        @{body}
     }
     return status;
 }

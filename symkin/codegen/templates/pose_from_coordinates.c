@@ -2,6 +2,6 @@
 static void name_pose_from_coordinates(@{gp}const name_real c[@{count}], name_pose *pose)
 {
 @{use}
-@{body}
+    @{body}
 }
 

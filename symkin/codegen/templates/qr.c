@@ -27,7 +27,7 @@ static int solver_factor(@{gp}solver_work *w)
         for (int i = 0; i < @{m}; ++i) {
             w->a[@{n} * i + c] *= inverse;
         }
-@{others}
+        @{others}
     }
     return 1;
 }

@@ -7,7 +7,7 @@ name_status name_inverse(@{gp}const name_pose *pose, name_real joints[6])
         name_rod_values(@{ga}&w);
         status = name_check_limits(@{ga}w.k);
         if (status == NAME_OK) {
-@{copy_joints}
+            @{copy_joints}
         }
     }
     return status;
@@ -19,12 +19,12 @@ name_status name_jacobian(@{gp}const name_pose *pose, name_real jacobian[36])
     name_real x[7];
     name_status status = name_normalise_pose(@{ga}pose, x);
     if (status == NAME_OK) {
-@{jacobian}
+        @{jacobian}
         /* where a rod has no length there is no direction */
         if (!(shortest > @{zero})) {
             status = NAME_SINGULAR;
         } else {
-@{store_jacobian}
+            @{store_jacobian}
         }
     }
     return status;

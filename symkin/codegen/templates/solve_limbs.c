@@ -4,7 +4,7 @@ static name_status name_solve_limbs(@{gp}const name_real c[@{nc}], name_real q[@
     name_status status = NAME_OK;
     (void)passive;
 @{use}
-@{limbs}
+    @{limbs}
     return status;
 }
 

@@ -2,7 +2,7 @@
 static void speeds_of(int k)
 {
 @{nominal}
-@{configuration_of_k}
+    @{configuration_of_k}
     name_real rates[N];
     name_real again[N];
     name_real twist[6] = { @{zero} };
@@ -13,7 +13,7 @@ static void speeds_of(int k)
     }
     expect(name_twist(@{ga}@{configuration}, rates, twist) == NAME_OK, "twist", "OK", k);
     expect(name_rates(@{ga}@{configuration}, twist, again@{no_info}) == NAME_OK, "rates", "OK", k);
-@{speeds_compared}
+    @{speeds_compared}
     for (int part = 0; part < 2; ++part) {
         const double limit = (part == 0) ? 0.125 : 4.0;
         double largest = 0.0;

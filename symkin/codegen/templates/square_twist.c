@@ -23,7 +23,7 @@
     }
     if (status == NAME_OK) {
         name_lu_solve(a, order, f, @{nq});
-@{others}
+        @{others}
         for (int i = 0; i < @{nq}; ++i) {
             twist[column[i]] = f[i] * column_scale[i];
         }

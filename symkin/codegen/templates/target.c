@@ -2,6 +2,6 @@
 static @{SHARED} void solver_set_target(@{gp}solver_work *w, const name_real to[@{nto}]@{part})
 {
 @{use}
-@{target}
+    @{target}
 }
 

@@ -188,7 +188,7 @@ static void jacobian_of(int k)
     const double most = @{jacobian_most};
     name_real jacobian[MOST];
 @{nominal}
-@{configuration_of_k}
+    @{configuration_of_k}
     expect(name_jacobian(@{ga}@{configuration}, jacobian) == NAME_OK, "jacobian", "OK", k);
     for (int i = 0; i < @{entries}; ++i) {
         const double wanted = (double)name_vector_jacobians[k][i];
@@ -199,8 +199,8 @@ static void jacobian_of(int k)
 @{more}
 int main(void)
 {
-@{tables}
-@{calls}
+    @{tables}
+    @{calls}
     (void)printf("@{p}: %d cases, %d failures\n", NAME_VECTORS, failures);
     return (failures == 0) ? 0 : 1;
 }

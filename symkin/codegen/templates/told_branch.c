@@ -9,7 +9,7 @@ static @{COLD} name_status name_check_branch(@{gp}const name_real x[@{count}], c
     bool firm = true;
     bool told = true;
     (void)x;
-@{told}
+    @{told}
     for (int i = 0; (i < @{nq}) && !told; ++i) {
         if (!(@{fabs}(given[i] - at[i]) <= near[i])) {
             status = NAME_WRONG_BRANCH;

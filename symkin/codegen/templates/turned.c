@@ -7,7 +7,7 @@ name_status name_@{part}(const name_pose *pose, @{given}name_real @{found}[@{cou
     for (int i = 0; (i < @{count}) && (status == NAME_OK); ++i) {
         const name_real *const a = &own[6 * i];
         name_real *const b = &@{found}[6 * i];
-@{turned_row}
+        @{turned_row}
     }
     return status;
 }

@@ -2,6 +2,6 @@
 static void solver_twist_columns(@{gp}const solver_work *w, name_real sides[@{count}])
 {
 @{use}
-@{sides}
+    @{sides}
 }
 

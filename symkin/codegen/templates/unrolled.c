@@ -6,7 +6,7 @@ static int solver_factor(@{gp}solver_work *w)
     name_real det;
 @{use}
     w->pivoted = false;
-@{factor}
+    @{factor}
     return (w->spread < @{guard}) ? ((det @{sign} @{zero}) ? 1 : -1) : 0;
 }
 
@@ -17,6 +17,6 @@ static void solver_solve(solver_work *w)
         name_lu_solve(w->a, w->order, w->f, @{n});
         return;
     }
-@{solve}
+    @{solve}
 }
 

@@ -20,6 +20,7 @@ _NAMES = re.compile(r"@(?:\{(\w+)\}|@)?|\b(?:name|NAME|solver)(?=_)")
 """What stands for something in a template: @{value}, @@, and beginnings of words: of the machine
 name_ and NAME_, of one of its iterations solver_.
 """
+_ALONE = re.compile(r"( *)@\{(\w+)\}")
 _PREFIXES = {"name": "p", "NAME": "P", "solver": "k"}
 
 
@@ -39,15 +40,24 @@ def template_text(template: str) -> str:
 
 def substitute(text: str, values: Mapping[str, object]) -> str:
     """Put values in the places of @{value} in a text, and names in those of name_, NAME_ and
-    solver_; @@ is @, what has no value an error. Lines whose names stand for nothing are left out.
+    solver_; @@ is @, what has no value an error. A value alone on its line, a text or lines, stands
+    as deep as its name. Lines whose names stand for nothing are left out.
     """
 
     def value(found: re.Match[str]) -> str:
         text = found[0]
         return "@" if text == "@@" else str(values[found[1] or _PREFIXES.get(text, text)])
 
-    lines = [(line, _NAMES.sub(value, line).rstrip()) for line in text.split("\n")]
-    return "\n".join(filled for line, filled in lines if filled or not line)
+    filled = list[str]()
+    for line in text.split("\n"):
+        alone = _ALONE.fullmatch(line)
+        given = values[alone[2]] if alone else _NAMES.sub(value, line)
+        parts = given if isinstance(given, list) else str(given).rstrip().split("\n")
+        depth = alone[1] if alone else ""
+        filled += [
+            depth + part if part else "" for part in parts if part or parts != [""] or not line
+        ]
+    return "\n".join(filled)
 
 
 def common_values(name: str, real: Real, *, struct: bool) -> dict[str, object]:
