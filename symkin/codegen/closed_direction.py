@@ -184,7 +184,7 @@ class ClosedDirection:
         values = np.array(
             [np.asarray(function(s.values[places])).ravel() for s in self.made.samples]
         )
-        return np.array([rounded(float(v)) for v in np.median(values, axis=0)])
+        return np.array([rounded(v) for v in np.median(values, axis=0)])
 
     @cached_property
     def _known_values(self) -> ca.SX:
@@ -311,7 +311,7 @@ class ClosedDirection:
             "conditions": count,
             "resolved": literal(_RESOLVED * self.real.epsilon),
             "home_signs": ", ".join(
-                literal(float(s))
+                literal(s)
                 for s in (*self.reference_signs, *(self._factors[j] for j in self.divisors))
             )
             or literal(1.0),

@@ -109,7 +109,7 @@ def _calls(name: str, shown: Mapping[str, object], *, serial: bool) -> dict[str,
 
 def _memory(program: Program, home: np.ndarray) -> str:
     """Home, and the last pose, from which the direct problem begins."""
-    name, numbers = program.mechanism.name, [program.real.literal(float(v)) for v in home]
+    name, numbers = program.mechanism.name, [program.real.literal(v) for v in home]
     pose = f"{{ {{ {', '.join(numbers[:3])} }}, {{ {', '.join(numbers[3:])} }} }}"
     return (
         f"static const {name}_pose {name}_home = {pose};\n"

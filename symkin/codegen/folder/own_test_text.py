@@ -105,7 +105,7 @@ def _table(head: str, rows: np.ndarray, name: str, real: Real) -> list[str]:
 
 
 def _row(row: np.ndarray, real: Real) -> str:
-    return ", ".join(real.hexadecimal(float(v)) for v in row)
+    return ", ".join(real.hexadecimal(v) for v in row)
 
 
 # --- functions ------------------------------------------------------------------------------------

@@ -269,7 +269,7 @@ class LimbPlatformSource:
                 self._ga,
                 compact=made.options.compact,
             ),
-            "kappa": literal(float(np.sqrt(self.code.tuning.kappa2))),
+            "kappa": literal(np.sqrt(self.code.tuning.kappa2)),
             "track2": literal((made.closure.characteristic_length / 24) ** 2),
             "check_branch": "",
             "stand": "",
@@ -431,7 +431,7 @@ class LimbPlatformSource:
         ]
         within = [f"{self.name}_turn_into_limits(q, given);"] if any(made.limited_angles) else []
         values = self._common | {
-            "near": ", ".join(self.real.literal(rounded(float(v))) for v in near),
+            "near": ", ".join(self.real.literal(rounded(v)) for v in near),
             "within_given": within,
         }
         text = fill("check_given.c", values)
@@ -451,8 +451,8 @@ class LimbPlatformSource:
             self._common
             | {
                 "limited": _flags(made.limited_angles),
-                "low": ", ".join(literal(float(low)) for low, _ in limits),
-                "high": ", ".join(literal(float(high)) for _, high in limits),
+                "low": ", ".join(literal(low) for low, _ in limits),
+                "high": ", ".join(literal(high) for _, high in limits),
             },
         )
 

@@ -102,7 +102,7 @@ class LimbSource:
             ("w->at", self.made.inverse.known_coordinates),
         )
         begin = [
-            f"{array}[{i}] = {self.real.literal(float(v))};"
+            f"{array}[{i}] = {self.real.literal(v)};"
             for array, coordinates in parts
             for i, v in enumerate(self.made.inverse.select_values(reference, coordinates))
         ]

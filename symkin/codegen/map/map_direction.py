@@ -292,7 +292,7 @@ class DirectionSource(MapValues):
             "/* along the line from the reference configuration; an error of a guess moves the "
             "beginning of the line by as much */",
             *(
-                f"w.{array}[{i}] = {literal(float(v))};"
+                f"w.{array}[{i}] = {literal(v)};"
                 for array, values in starts.items()
                 for i, v in enumerate(values)
             ),
@@ -340,13 +340,12 @@ class DirectionSource(MapValues):
             return ""
         inputs = [(sheet.known, [f"u{i}" for i in range(self.n)])]
         begin = [
-            f"const {self.real.type} u{i} = values[{i}] - {literal(float(v))};"
+            f"const {self.real.type} u{i} = values[{i}] - {literal(v)};"
             for i, v in enumerate(self.made.reference_of(self.known))
         ]
         lines = [*begin, *Emitter.of(self.real, inputs, sheet.values).stored("wanted")]
         within = [
-            f"({self.real.call('fabs')}(u{i}) <= {literal(float(v))})"
-            for i, v in enumerate(sheet.reach)
+            f"({self.real.call('fabs')}(u{i}) <= {literal(v)})" for i, v in enumerate(sheet.reach)
         ]
         own = {"count": self.n, "lines": lines, "within": " && ".join(within)}
         return fill("map_sheet.c", self.names | own)
@@ -373,7 +372,7 @@ class DirectionSource(MapValues):
         if self.closed is not None:
             # formulas tell an answer anywhere, so that the line to it begins at the reference
             solve, begun, of_known = "follow", "home", self.copies("w->k", known)
-            home = ", ".join(literal(float(v)) for v in self.made.reference_of(known))
+            home = ", ".join(literal(v) for v in self.made.reference_of(known))
             stand_at = [
                 f"static const {kind} home[{n}] = {{ {home} }};",
                 f"{kind} there[{n}];",
@@ -499,7 +498,7 @@ class DirectionSource(MapValues):
         code, closed = self.code, self.closed
         y, last = self.state_of(self.words[1])
         if closed is None:
-            kappa = literal(float(np.sqrt(code.tuning.kappa2)))
+            kappa = literal(np.sqrt(code.tuning.kappa2))
             step = [
                 self.placed,
                 f"{k}_rows(&w);",

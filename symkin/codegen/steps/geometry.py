@@ -126,7 +126,7 @@ class Geometry:
         members = [f"    {name}_real {member};" for member in self.members]
         last = len(self.members) - 1
         numbers = [
-            f"        {real.literal(float(v))}{',' if k < last else ''} /* {member} */ \\"
+            f"        {real.literal(v)}{',' if k < last else ''} /* {member} */ \\"
             for k, (member, v) in enumerate(zip(self.members, self.values, strict=True))
         ]
         return "\n".join(

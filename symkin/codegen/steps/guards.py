@@ -280,7 +280,7 @@ def even_units(
         rows = np.median(sizes, axis=0).max(axis=1)
         if np.isfinite(rows).all() and rows.max() > 0.0:
             share = np.maximum(share, np.sqrt(rows / rows.max()))
-    return scales * [rounded(float(1.0 / v)) if v < _ALIKE else 1.0 for v in share]
+    return scales * [rounded(1.0 / v) if v < _ALIKE else 1.0 for v in share]
 
 
 def _largest(

@@ -277,7 +277,7 @@ def linear_solver(
     if not kernel.is_square:
         return _qr(kernel, real, {**values, "matrix": matrix}, dense.operations)
     _, column_scale = scales(matrices)
-    rounded_scales = [rounded(float(s)) for s in column_scale]
+    rounded_scales = [rounded(s) for s in column_scale]
     tables = {
         "column_scales": ", ".join(map(real.literal, rounded_scales)),
         "least_pivots": ", ".join(

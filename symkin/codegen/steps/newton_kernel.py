@@ -231,7 +231,7 @@ def curvature(
         change = (kernel.matrix(np.asarray(there).ravel(), k, geometry) - here) @ step
         second = np.linalg.lstsq(here, change, rcond=None)[0]
         found.append(0.5 * np.sqrt(float(move(state, second, geometry)[1])) / float(squared))
-    return rounded(float(np.quantile(found, 0.9)))
+    return rounded(np.quantile(found, 0.9))
 
 
 def sampled(

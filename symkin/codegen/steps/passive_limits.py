@@ -79,12 +79,11 @@ class PassiveLimit:
         if len(self.parts) == 1:
             return f"({texts[0]} >= {literal(low)}) && ({texts[0]} <= {literal(high)})"
         if len(texts) == 1:
-            return f"{texts[0]} >= {literal(float(np.cos(half)))}"
+            return f"{texts[0]} >= {literal(np.cos(half))}"
         cosine, sine = texts
         beyond, join = ("<=", "&&") if half < 0.5 * np.pi else (">=", "||")
         return (
-            f"({cosine} > {literal(0.0)}) {join} ({fabs}({sine}) {beyond} "
-            f"{literal(float(np.sin(half)))})"
+            f"({cosine} > {literal(0.0)}) {join} ({fabs}({sine}) {beyond} {literal(np.sin(half))})"
         )
 
 

@@ -1,7 +1,7 @@
 /* Checks the pose of an answer, as it is written: whether the limbs there, solved as name_inverse does, have the given joint values. Else
  * a limb has passed a dead centre on the way, which is a singularity, or the line of poses from the reference does not lead
  * to this one: the pose alone would not say where the limb stands. */
-static @{COLD} name_status name_check_given(@{gp}const name_real x[@{nc}], const name_real given[@{nq}])
+static NAME_COLD name_status name_check_given(@{gp}const name_real x[@{nc}], const name_real given[@{nq}])
 {
     static const name_real near[@{nq}] = { @{near} };
     name_real q[@{nq}] = { @{zero} };

@@ -6,7 +6,7 @@ static void solver_rows(@{gp}solver_work *w)
 }
 
 /* Norm of the rows in w->f as a length: no row is further from zero. */
-static @{SHARED} name_real solver_residual(const solver_work *w)
+static NAME_SHARED name_real solver_residual(const solver_work *w)
 {
     @{residual}
 }

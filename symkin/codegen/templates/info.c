@@ -1,6 +1,6 @@
 /* Writes the info of a call: steps taken, predicted error, root of the squared last step, smallest pivot from the spread of
  * the pivots. Never a NaN. */
-static @{COLD} void name_write_info(name_info *info, unsigned int count, name_real residual, name_real size, name_real spread)
+static NAME_COLD void name_write_info(name_info *info, unsigned int count, name_real residual, name_real size, name_real spread)
 {
     if (info != NULL) {
         info->iterations = (uint8_t)count;
@@ -12,7 +12,7 @@ static @{COLD} void name_write_info(name_info *info, unsigned int count, name_re
 }
 
 /* Checks a config; `before` is the status of the other inputs. NaN and infinities come first. */
-static @{COLD} name_status name_check_config(const name_config *config, name_status before)
+static NAME_COLD name_status name_check_config(const name_config *config, name_status before)
 {
     const name_real tolerance = config->tolerance;
     const name_real longest = config->max_step;

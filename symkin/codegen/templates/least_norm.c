@@ -1,5 +1,5 @@
 /* The shortest step among those that solve the @{n} rows, from w->f into w->f: Q y with y R = the rows. */
-static @{ALONE} void solver_solve(solver_work *w)
+static NAME_ALONE void solver_solve(solver_work *w)
 {
     name_real y[@{n}];
     /* forward substitution with R transposed */

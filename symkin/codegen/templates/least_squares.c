@@ -1,5 +1,5 @@
 /* The least-squares step from w->f into the first @{n} entries of w->f. */
-static @{ALONE} void solver_solve(solver_work *w)
+static NAME_ALONE void solver_solve(solver_work *w)
 {
     name_real y[@{n}];
     /* y = Q^T f, and f less its part along each column */

@@ -1,6 +1,6 @@
 /* LU in loops of the n x n matrix a, row by row, with partial pivoting: reciprocals of pivots on the diagonal, `order` the exchanges of
  * rows. The sign of the determinant, 0 where no entry of a column is above its `least`. */
-static @{COLD} int name_lu(name_real *a, uint8_t *order, const name_real *least, int n)
+static NAME_COLD int name_lu(name_real *a, uint8_t *order, const name_real *least, int n)
 {
     int sign = 1;
     for (int c = 0; c < n; ++c) {
@@ -44,7 +44,7 @@ static @{COLD} int name_lu(name_real *a, uint8_t *order, const name_real *least,
 }
 
 /* Solves for the right side f, in place, with the factors of name_lu. */
-static @{COLD} void name_lu_solve(const name_real *a, const uint8_t *order, name_real *f, int n)
+static NAME_COLD void name_lu_solve(const name_real *a, const uint8_t *order, name_real *f, int n)
 {
     /* forward substitution with the exchanges of rows */
     for (int c = 0; c < n; ++c) {

@@ -1,5 +1,5 @@
 /* Writes the first joint, from 0, that is outside its range or not finite; the number of joints where none is. */
-static @{COLD} void name_blame(name_info *info, const name_real joints[@{nq}])
+static NAME_COLD void name_blame(name_info *info, const name_real joints[@{nq}])
 {
     static const name_real low[@{nq}] = { @{low} };
     static const name_real high[@{nq}] = { @{high} };

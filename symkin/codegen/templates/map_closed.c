@@ -1,6 +1,6 @@
 /* Formulas of the @{which} problem (README.md): numbers x of the unknowns for known numbers k, by a sign for each choice between two
  * values. Conditions d are above 0 where all is real and nothing vanishes that is divided by; they are 1 at a usual place. */
-static @{SHARED} void solver_formulas(const name_real k[@{nk}], const name_real sign[@{signs}], name_real x[@{ns}], name_real d[@{conditions}])
+static NAME_SHARED void solver_formulas(const name_real k[@{nk}], const name_real sign[@{signs}], name_real x[@{ns}], name_real d[@{conditions}])
 {
     (void)k;
     (void)sign;
@@ -9,7 +9,7 @@ static @{SHARED} void solver_formulas(const name_real k[@{nk}], const name_real 
 }
 
 /* The signs of a configuration in the formulas, and their conditions there: what tells a sign is its root. */
-static @{SHARED} void solver_signs(const name_real k[@{nk}], const name_real x[@{ns}], name_real sign[@{signs}], name_real d[@{conditions}])
+static NAME_SHARED void solver_signs(const name_real k[@{nk}], const name_real x[@{ns}], name_real sign[@{signs}], name_real d[@{conditions}])
 {
     (void)k;
     (void)x;

@@ -1,5 +1,5 @@
 /* Holds the rows against the formulas' answer; one step of Newton's method where rounding has left more than the tolerance. */
-static @{SHARED} name_status solver_finish(solver_work *w, unsigned int count, name_real least, const name_config *config, name_info *info)
+static NAME_SHARED name_status solver_finish(solver_work *w, unsigned int count, name_real least, const name_config *config, name_info *info)
 {
     name_real size = @{zero};
     solver_rows(w);

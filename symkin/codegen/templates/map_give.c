@@ -1,5 +1,5 @@
 /* Copies results that are finite. */
-static @{SHARED} name_status name_give(const name_real *result, name_real *given, int count)
+static NAME_SHARED name_status name_give(const name_real *result, name_real *given, int count)
 {
     const name_status status = (name_check_finite(result, count, NAME_OK) == NAME_OK) ? NAME_OK : NAME_OUT_OF_RANGE;
     if (status == NAME_OK) {

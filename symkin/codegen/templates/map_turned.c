@@ -1,5 +1,5 @@
 /* An angle moved by whole turns: the one next to `near` within the limits, where they hold one. */
-static @{SHARED} name_real name_turned(name_real angle, name_real near, name_real low, name_real high)
+static NAME_SHARED name_real name_turned(name_real angle, name_real near, name_real low, name_real high)
 {
     name_real moved = angle;
     if (@{fabs}(near - angle) > @{half_turn}) {

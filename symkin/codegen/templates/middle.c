@@ -1,7 +1,7 @@
 /* Whether the middle of the part that is tried is reached as its end is: three steps from the part's begin with its factors, each
  * judged by the next. Where known values turn, the rows' change is bent: both ends of a part may have a configuration, and
  * points between them none. */
-static @{COLD} bool solver_reaches_middle(@{gp}solver_work *w, const name_real to[@{nto}], name_real middle, name_real still2)
+static NAME_COLD bool solver_reaches_middle(@{gp}solver_work *w, const name_real to[@{nto}], name_real middle, name_real still2)
 {
     name_real end[@{ns}];
     name_real size[3];

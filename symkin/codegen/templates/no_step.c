@@ -1,6 +1,6 @@
 /* Writes the info of a call that takes no step: no number is known but which joint is the first that is outside its range or not
  * finite. */
-static @{COLD} void name_write_no_step(@{gp}name_info *info, const name_real joints[@{nq}])
+static NAME_COLD void name_write_no_step(@{gp}name_info *info, const name_real joints[@{nq}])
 {
     name_write_info(info, 0U, @{huge}, @{zero}, @{zero});
     if (info != NULL) {

@@ -1,5 +1,5 @@
 /* Reads joints and guess: checks both and sets the state to the guess's. What passes is finite and within bounds. */
-static @{SHARED} name_status name_read_guess(@{gp}name_direct_work *w, const name_real joints[@{nq}], const name_pose *guess)
+static NAME_SHARED name_status name_read_guess(@{gp}name_direct_work *w, const name_real joints[@{nq}], const name_pose *guess)
 {
     const name_status limits = name_check_limits(@{ga}joints);
     name_status status;
@@ -9,7 +9,7 @@ static @{SHARED} name_status name_read_guess(@{gp}name_direct_work *w, const nam
 }
 
 /* Writes the pose of the state. */
-static @{SHARED} void name_write_pose(@{gp}const name_direct_work *w, name_pose *pose)
+static NAME_SHARED void name_write_pose(@{gp}const name_direct_work *w, name_pose *pose)
 {
 @{use}
     @{leave}

@@ -7,7 +7,7 @@ static void solver_matrix(@{gp}solver_work *w)
 }
 
 /* The factors in loops; the sign of the determinant, 0 where the matrix is singular. */
-static @{COLD} int solver_pivoted(@{gp}solver_work *w)
+static NAME_COLD int solver_pivoted(@{gp}solver_work *w)
 {
     static const name_real scale[@{n}] = { @{column_scales} };
     static const name_real least[@{n}] = { @{least_pivots} };

@@ -1,6 +1,6 @@
 /* Aims anew at a part of the line from the guess's joint values to the given ones, and puts the state back to the part
  * that is done. The guess's joint values are computed again, which takes less room than to keep them. */
-static @{COLD} void name_direct_retarget(@{gp}name_direct_work *w, const name_real to[6], name_real part, name_real done)
+static NAME_COLD void name_direct_retarget(@{gp}name_direct_work *w, const name_real to[6], name_real part, name_real done)
 {
     const name_real *goal = to;
     (void)name_normalise_pose(@{ga}w->guess, w->x);
