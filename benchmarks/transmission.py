@@ -64,7 +64,7 @@ def _file() -> Callable[[Any], Any]:
     """What a training loop asks of the file, the way that it iterates."""
     import jax.numpy as jnp
 
-    from symkin.codegen.transmission_array import array_source
+    from symkin.codegen.map.transmission_array import array_source
 
     robot = symkin.load(MODEL)
     ankle = symkin.transmission(robot, ranges={"roll_joint": (-0.26, 0.26)}).found[0]

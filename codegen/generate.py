@@ -19,8 +19,8 @@ import re
 from collections.abc import Collection, Mapping
 from pathlib import Path
 
-from symkin.codegen.folder import folder_files, write_folder
-from symkin.codegen.options import Options
+from symkin.codegen.folder.folder import folder_files, write_folder
+from symkin.codegen.map.options import Options
 from symkin.files.written_files import MANIFEST, digest
 from symkin.formats.load import load
 from symkin.model.shipped import shipped_names

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from symkin.calibration.data.measurements import Measurements, Reading
     from symkin.calibration.design.planning import plan_measurements
     from symkin.calibration.judge.result import Calibration
-    from symkin.codegen.folder import write_firmware
+    from symkin.codegen.folder.folder import write_firmware
     from symkin.following.mode_graph import ModeGraph, mode_graph
     from symkin.following.track import track
     from symkin.following.track_result import Track
@@ -170,7 +170,7 @@ _LATER = {
     "track": "symkin.following.track",
     "transmission": "symkin.transmissions.transmission",
     "view": "symkin.page.result_views",
-    "write_firmware": "symkin.codegen.folder",
+    "write_firmware": "symkin.codegen.folder.folder",
 }
 """Modules that are imported at the first use of a name, since no run needs them all, and a command
 hears Ctrl-C before the first of them. `Newton` and

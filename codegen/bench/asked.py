@@ -13,9 +13,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from symkin.codegen.folder import write_folder
-from symkin.codegen.options import Options
-from symkin.codegen.program import Program, build_program
+from symkin.codegen.folder.folder import write_folder
+from symkin.codegen.map.options import Options
+from symkin.codegen.map.program import Program, build_program
 from symkin.machine.limbs import with_limbs
 from symkin.model.mechanism import Mechanism
 

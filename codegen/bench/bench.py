@@ -17,7 +17,7 @@ from harness import harness_of
 from processors import HOST, measure
 from readme import README, written
 from subjects import HOME, machine_of
-from symkin.codegen.options import Options
+from symkin.codegen.map.options import Options
 
 PARALLEL = (("ren2008", "m"), ("zhao2000", "mm"), ("zhao2000_links", "mm"), ("delta", "mm"))
 SERIAL = ("gluon_6l3", "yao2020", "ur5e", "scara")

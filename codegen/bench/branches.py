@@ -33,7 +33,7 @@ from directions import Direction, Outcome, direction_of
 from goals import MIDDLE, SMALL, WIDEST, Reach
 from readme import written
 from subjects import machine_of
-from symkin.codegen.options import Options
+from symkin.codegen.map.options import Options
 from symkin.model.mechanism import Mechanism
 
 STUDIED = (

@@ -15,10 +15,10 @@ import numpy as np
 from asked import STATUSES, Answers, Asked, Machine, built
 from continuation import LONGEST, Ends, Walker
 from goals import Reach, goals_about, goals_anywhere
-from symkin.codegen.joint_map import JointMap
-from symkin.codegen.limb_platform import LimbPlatform
-from symkin.codegen.program import Kind
-from symkin.codegen.rod_platform import RodPlatform
+from symkin.codegen.map.joint_map import JointMap
+from symkin.codegen.map.limb_platform import LimbPlatform
+from symkin.codegen.map.program import Kind
+from symkin.codegen.map.rod_platform import RodPlatform
 from symkin.codegen.serial_arm import SerialArm
 from symkin.codegen.text.c import Real
 from symkin.model.joint import Coordinate

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from symkin.codegen.program import Kind
-from symkin.codegen.rod_platform import RodPlatform
+from symkin.codegen.map.program import Kind
+from symkin.codegen.map.rod_platform import RodPlatform
 from symkin.codegen.serial_arm import SerialArm
 from symkin.model.mechanism import Mechanism
 from symkin.spatial.pose import Pose

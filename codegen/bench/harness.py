@@ -20,14 +20,14 @@ from typing import NamedTuple
 import numpy as np
 
 from subjects import HOME
-from symkin.codegen.folder import write_folder
-from symkin.codegen.options import Options
-from symkin.codegen.program import Program, build_program
-from symkin.codegen.rod_platform import RodPlatform, sample_poses
-from symkin.codegen.samples import rounded_to
-from symkin.codegen.signature import Function
+from symkin.codegen.folder.folder import write_folder
+from symkin.codegen.folder.vectors import build_vectors
+from symkin.codegen.map.options import Options
+from symkin.codegen.map.program import Program, build_program
+from symkin.codegen.map.rod_platform import RodPlatform, sample_poses
+from symkin.codegen.map.signature import Function
+from symkin.codegen.steps.samples import rounded_to
 from symkin.codegen.text.c import Real
-from symkin.codegen.vectors import build_vectors
 from symkin.formats.load import load
 from symkin.position.problem import actuated_names, build_problem
 from symkin.spatial.rotation import multiply

@@ -24,8 +24,8 @@ import casadi as ca
 import numpy as np
 
 import symkin
-from symkin.codegen.folder import write_folder
-from symkin.codegen.options import Options
+from symkin.codegen.folder.folder import write_folder
+from symkin.codegen.map.options import Options
 
 if __name__ == "__main__":  # run as a file: modules are named from the folder that holds studies
     sys.path[0] = str(Path(__file__).resolve().parents[2])

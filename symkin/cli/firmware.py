@@ -9,7 +9,7 @@ from symkin.cli.poses import PoseForm
 from symkin.cli.reading import say_left_out
 from symkin.cli.streams import say
 from symkin.cli.values import Asked
-from symkin.codegen.firmware_options import FirmwareOptions
+from symkin.codegen.map.firmware_options import FirmwareOptions
 from symkin.formats.read_options import ReadOptions
 from symkin.verb_options import OUTPUT, Option
 
@@ -37,8 +37,8 @@ def firmware(
     With --given and --find: the map between joints of any mechanism, both ways, with Jacobian,
     rates and torques.
     """
-    from symkin.codegen.folder import write_firmware
-    from symkin.codegen.own_test import can_run
+    from symkin.codegen.folder.folder import write_firmware
+    from symkin.codegen.folder.own_test import can_run
 
     asked = Asked.of(mech, read, form)
     values = asked.values(FirmwareOptions, options, "home")

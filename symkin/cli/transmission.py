@@ -140,8 +140,8 @@ def _short(value: Any) -> str:
 
 def _written(several: list[Transmission], folder: Path, language: str) -> list[Path]:
     """Write the files of all transmissions, C of several into a folder each."""
-    from symkin.codegen.folder import write_firmware
-    from symkin.codegen.transmission_array import array_source
+    from symkin.codegen.folder.folder import write_firmware
+    from symkin.codegen.map.transmission_array import array_source
     from symkin.files.outputs import write_output
     from symkin.model.names import identifiers
     from symkin.transmissions.found import with_twins

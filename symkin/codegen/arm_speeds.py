@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from symkin.codegen.platform_rates import speeds_text
+from symkin.codegen.map.platform_rates import speeds_text
 from symkin.codegen.text.c import Real, indent
 from symkin.codegen.text.templates import fill
 from symkin.model.joint import Coordinate

@@ -10,8 +10,8 @@ from typing import NamedTuple
 import casadi as ca
 import numpy as np
 
-from symkin.codegen.samples import MORE, followed, pose_scales, rounded_to, tidied_pose
 from symkin.codegen.serial_arm import NEARLY, SerialArm, closed_misfit
+from symkin.codegen.steps.samples import MORE, followed, pose_scales, rounded_to, tidied_pose
 from symkin.model.joint import Coordinate, units_of
 from symkin.numeric.mapped import Mapped
 from symkin.numeric.newton import Polished

@@ -13,12 +13,12 @@ from dataclasses import dataclass
 import casadi as ca
 import numpy as np
 
-from symkin.codegen.direct_answer import AnswerText
-from symkin.codegen.direct_guess import GuessText
-from symkin.codegen.direct_values import DirectValues
-from symkin.codegen.newton_kernel import rounded
+from symkin.codegen.map.direct_answer import AnswerText
+from symkin.codegen.map.direct_guess import GuessText
+from symkin.codegen.map.direct_values import DirectValues
+from symkin.codegen.steps.newton_kernel import rounded
 from symkin.codegen.text.angles import lifted
-from symkin.codegen.text.c import Emitter, indent
+from symkin.codegen.text.c import Emitter
 from symkin.codegen.text.gathered import gathered
 from symkin.codegen.text.templates import fill
 from symkin.codegen.text.turns import angle_of_direction, cosine_and_sine
@@ -69,16 +69,16 @@ class ClosedDirectSource(DirectValues):
             "nto": len(made.actuated),
             "k": f"{made.name}_direct",
             "ny": self.y.numel(),
-            "guess_lines": indent(GuessText(self.made, self.found).lines, 2),
-            "formula_lines": indent(self._formula_lines),
-            "set_lines": indent(self._set_lines),
-            "guard_members": indent(self.guards.members),
+            "guess_lines": GuessText(self.made, self.found).lines,
+            "formula_lines": self._formula_lines,
+            "set_lines": self._set_lines,
+            "guard_members": self.guards.members,
             "aimed": f"const {real.type} joints[{len(made.actuated)}], ",
             "walk_members": f"    {real.type} at_end[{len(made.actuated)}];",
-            "at_lines": indent(self._at_lines, 3),
-            "span_lines": indent(self._span_lines),
-            "change_lines": indent(self._change_lines, 3),
-            "same_signs": indent(self._same_signs),
+            "at_lines": self._at_lines,
+            "span_lines": self._span_lines,
+            "change_lines": self._change_lines,
+            "same_signs": self._same_signs,
             "near": "false" if any(wide) else "true",
             # limits of more than half a turn: the line within them need not be the nearer way
             # round, and is walked
@@ -86,7 +86,7 @@ class ClosedDirectSource(DirectValues):
             if any(wide)
             else "one evaluation",
             "evaluation_count": 2 if any(wide) else 1,
-            "half_lines": indent(self._answer.half_lines),
+            "half_lines": self._answer.half_lines,
             "rounding": literal(rounded(64 * real.epsilon * made.closure.characteristic_length)),
             **self._answer.lines,
         }

@@ -14,9 +14,11 @@ import casadi as ca
 import numpy as np
 
 from symkin.closure.snapping import snapped_expression
-from symkin.codegen.composed import Composed, Condition, Part
-from symkin.codegen.guard_text import GuardText
-from symkin.codegen.guards import (
+from symkin.codegen.line_bounds import Span
+from symkin.codegen.map.joint_map import Direction, JointMap
+from symkin.codegen.steps.composed import Composed, Condition, Part
+from symkin.codegen.steps.guard_text import GuardText
+from symkin.codegen.steps.guards import (
     SLIDE_PARTS,
     Bound,
     Guard,
@@ -25,11 +27,9 @@ from symkin.codegen.guards import (
     sampled_bound,
     share_of,
 )
-from symkin.codegen.joint_map import Direction, JointMap
-from symkin.codegen.line_bounds import Span
-from symkin.codegen.newton_kernel import rounded
+from symkin.codegen.steps.newton_kernel import rounded
 from symkin.codegen.text.angles import Numbers, number_counts, numbers_by_name
-from symkin.codegen.text.c import Emitter, Real, indent
+from symkin.codegen.text.c import Emitter, Real
 from symkin.codegen.text.templates import fill
 from symkin.computed_once import cached_property
 from symkin.model.joint import units_of
@@ -184,7 +184,7 @@ class ClosedDirection:
         values = np.array(
             [np.asarray(function(s.values[places])).ravel() for s in self.made.samples]
         )
-        return np.array([rounded(float(v)) for v in np.median(values, axis=0)])
+        return np.array([rounded(v) for v in np.median(values, axis=0)])
 
     @cached_property
     def _known_values(self) -> ca.SX:
@@ -311,7 +311,7 @@ class ClosedDirection:
             "conditions": count,
             "resolved": literal(_RESOLVED * self.real.epsilon),
             "home_signs": ", ".join(
-                literal(float(s))
+                literal(s)
                 for s in (*self.reference_signs, *(self._factors[j] for j in self.divisors))
             )
             or literal(1.0),
@@ -348,9 +348,9 @@ class ClosedDirection:
             f"{k}_formulas(w->k, w->sign, w->x, w->guard);",
         ]
         own = {
-            "reach": indent(self._reach_lines),
-            "formulas": indent(self._formula_lines),
-            "told": indent(self._told_lines),
+            "reach": self._reach_lines,
+            "formulas": self._formula_lines,
+            "told": self._told_lines,
             "walk": self.guard_text.text(self.values, aim, 1.0),
         }
         return fill("map_closed.c", self.values | own)

@@ -15,10 +15,10 @@ import casadi as ca
 import numpy as np
 
 from symkin.closure.snapping import snapped_expression
-from symkin.codegen.formula_guards import RESOLVED
-from symkin.codegen.limb_platform import LimbBlock, LimbPlatform
-from symkin.codegen.newton_kernel import rounded
-from symkin.codegen.text.c import Emitter, Real, indent, indented_by_braces, indexed
+from symkin.codegen.map.limb_platform import LimbBlock, LimbPlatform
+from symkin.codegen.steps.formula_guards import RESOLVED
+from symkin.codegen.steps.newton_kernel import rounded
+from symkin.codegen.text.c import Emitter, Real, indented_by_braces, indexed
 from symkin.codegen.text.templates import fill
 from symkin.computed_once import cached_property
 from symkin.elimination.closed_form import ClosedForm
@@ -243,6 +243,4 @@ def branch_text(made: LimbPlatform, common: Mapping[str, object], tolerance: flo
             tests += [f"told = told && ({text} > {made.real.literal(rounded(near))});"]
         lines += [*emitter.lines, *tests]
     answer = f"&x[{place - sum(c.width for c in known)}]"
-    return fill(
-        "told_branch.c", {**common, "count": place, "told": indent(lines), "answer": answer}
-    )
+    return fill("told_branch.c", {**common, "count": place, "told": lines, "answer": answer})

@@ -6,7 +6,7 @@ second derivative.
 from __future__ import annotations
 
 from symkin.codegen.closed_line import RAISED, ClosedLine, LimitCheck
-from symkin.codegen.joint_ranges import range_of
+from symkin.codegen.steps.joint_ranges import range_of
 from symkin.codegen.text.c import indent
 from symkin.codegen.text.templates import fill
 

@@ -23,9 +23,9 @@ from symkin.closed.plan import Plan
 from symkin.codegen.arm_bounds import ArmBounds, Stepped
 from symkin.codegen.arm_motion import ArmMotion
 from symkin.codegen.closed_source import LEAST, SAME, ClosedCode
-from symkin.codegen.guard_text import GuardText
-from symkin.codegen.guards import Bound, Guard
-from symkin.codegen.newton_kernel import rounded, rounded_up
+from symkin.codegen.steps.guard_text import GuardText
+from symkin.codegen.steps.guards import Bound, Guard
+from symkin.codegen.steps.newton_kernel import rounded, rounded_up
 from symkin.codegen.text.c import Emitter, Real, indent, indexed
 from symkin.codegen.text.templates import copy, fill
 from symkin.computed_once import cached_property

@@ -19,7 +19,7 @@ from symkin.closed.geometry import across
 from symkin.closed.plan import Plan, forward
 from symkin.closed.steps import TOOL, Factor, Operand, Step, Word
 from symkin.closure.snapping import snapped_expression
-from symkin.codegen.newton_source import NewtonCode
+from symkin.codegen.steps.newton_source import NewtonCode
 from symkin.codegen.text.c import Emitter, Real, indent, indented_by_braces, indexed
 from symkin.codegen.text.templates import fill
 from symkin.codegen.text.turns import angle_of_direction, rough_sine

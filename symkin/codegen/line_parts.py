@@ -6,8 +6,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from symkin.codegen.newton_kernel import Kernel
-from symkin.codegen.pose_kernel import PoseKernel
+from symkin.codegen.steps.newton_kernel import Kernel
+from symkin.codegen.steps.pose_kernel import PoseKernel
 from symkin.codegen.text.c import Emitter, Real, indent, indexed
 
 FIRST_TURN = 0.5

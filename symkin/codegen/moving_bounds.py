@@ -10,7 +10,7 @@ import casadi as ca
 import numpy as np
 
 from symkin.closed.screws import Screw
-from symkin.codegen.newton_kernel import rounded_up
+from symkin.codegen.steps.newton_kernel import rounded_up
 
 _ON_AXIS = 1e-12
 """Distance (of the size) and sine of points and directions that lie on an axis: rounding."""

@@ -21,15 +21,15 @@ from symkin.codegen.arm_speeds import arm_error, arm_speeds
 from symkin.codegen.closed_limits import limit_check
 from symkin.codegen.closed_line import ClosedLine
 from symkin.codegen.closed_source import ClosedCode
-from symkin.codegen.geometry import Geometry
-from symkin.codegen.guard_text import Watched
-from symkin.codegen.guards import DETERMINANT
-from symkin.codegen.joint_ranges import range_functions, ranges_of
 from symkin.codegen.line_parts import line_target
-from symkin.codegen.linear_solver import is_unrolled
-from symkin.codegen.newton_kernel import Kernel, curvature, system_kernel
-from symkin.codegen.newton_source import NewtonCode, tolerance_of
-from symkin.codegen.options import Options
+from symkin.codegen.map.options import Options
+from symkin.codegen.steps.geometry import Geometry
+from symkin.codegen.steps.guard_text import Watched
+from symkin.codegen.steps.guards import DETERMINANT
+from symkin.codegen.steps.joint_ranges import range_functions, ranges_of
+from symkin.codegen.steps.linear_solver import is_unrolled
+from symkin.codegen.steps.newton_kernel import Kernel, curvature, system_kernel
+from symkin.codegen.steps.newton_source import NewtonCode, tolerance_of
 from symkin.codegen.text.c import Emitter, Real, indent, indexed
 from symkin.codegen.text.templates import (
     FARTHEST,

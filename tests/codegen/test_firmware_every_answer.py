@@ -100,7 +100,7 @@ def test_geometry_that_is_not_finite_is_refused_by_every_function(name, library)
             assert getattr(code, f"{name}_{function}")(geometry, *arguments) == 3, (k, function)
 
 
-HOSTILE = "q1*/injected/*"
+HOSTILE = "q1*/injected/* name_x"
 
 
 def _arm(name):
@@ -134,7 +134,7 @@ def _four_bar(name):
 @pytest.mark.parametrize("kind", in_gate(["arm", "map"], ["map"]))
 def test_a_name_stays_in_its_comment(kind):
     """What a name says is never code: without comments and strings no file of the folder holds
-    it.
+    it; nor is it a word of a template.
     """
     if kind == "arm":
         files = folder_files(_arm(HOSTILE), Options("double", also=("cpp",)))
@@ -144,6 +144,7 @@ def test_a_name_stays_in_its_comment(kind):
         if Path(file).suffix in (".c", ".h", ".hpp"):
             code = re.sub(r'/\*.*?\*/|//[^\n]*|"(?:[^"\\\n]|\\.)*"', "", text, flags=re.DOTALL)
             assert "injected" not in code, file
+    assert "name_x" in next(text for file, text in files.items() if file.endswith(".c"))
 
 
 @pytest.mark.long

@@ -25,6 +25,8 @@ COMMANDS = "symkin.cli"
 """An option is made of each parameter of a command: these functions have as many as the command
 line has options.
 """
+PARTS = ("text", "steps", "map", "folder")
+"""Packages of codegen, each of which reads those before it."""
 PUBLIC = "symkin"
 """What it exports and takes a mechanism is a verb, and so is what commands call: its keywords are a
 command's options.
@@ -107,6 +109,14 @@ def layer_of(module: str) -> int:
     )
 
 
+@cache
+def part_of(module: str) -> int:
+    """The number of a module's package in codegen; -1 for modules elsewhere."""
+    names = module.split(".")
+    inside_codegen = names[:2] == ["symkin", "codegen"] and len(names) > 3
+    return PARTS.index(names[2]) if inside_codegen else -1
+
+
 def test_the_page_lists_every_package_once() -> None:
     listed = sorted(name for line in layers()[1:] for name in line)
     assert listed == sorted(path.parent.name for path in PACKAGE.glob("*/__init__.py"))
@@ -125,7 +135,7 @@ def upward_imports() -> Iterator[str]:
         yield from (
             f"{module} imports {other}, a layer above"
             for other in others
-            if layer_of(other) > layer_of(module)
+            if layer_of(other) > layer_of(module) or part_of(other) > part_of(module) >= 0
         )
 
 

@@ -8,27 +8,27 @@
 #include <stddef.h>
 
 #if defined(__GNUC__)
-#define @{P}_COLD __attribute__((noinline, cold, unused))
-#define @{P}_SHARED __attribute__((noinline))
+#define NAME_COLD __attribute__((noinline, cold, unused))
+#define NAME_SHARED __attribute__((noinline))
 #else
-#define @{P}_COLD
-#define @{P}_SHARED
+#define NAME_COLD
+#define NAME_SHARED
 #endif
 #if defined(__GNUC__) && !defined(__clang__) && (__GNUC__ >= 8)
 /* GCC 12 takes what nested loops of such a function store to be less than it is */
-#define @{P}_ALONE __attribute__((noipa))
+#define NAME_ALONE __attribute__((noipa))
 #else
-#define @{P}_ALONE
+#define NAME_ALONE
 #endif
 
 /* The status of refused input: NONFINITE where one of the values is NaN or infinite, else `otherwise`. */
-static @{P}_COLD @{p}_status @{p}_check_finite(const @{real} values[], int count, @{p}_status otherwise)
+static NAME_COLD name_status name_check_finite(const name_real values[], int count, name_status otherwise)
 {
-    @{p}_status status = otherwise;
+    name_status status = otherwise;
     for (int i = 0; i < count; ++i) {
-        const @{real} none = values[i] - values[i]; /* 0, but NaN for NaN and infinities */
+        const name_real none = values[i] - values[i]; /* 0, but NaN for NaN and infinities */
         if (!(none <= @{zero})) {
-            status = @{P}_NONFINITE;
+            status = NAME_NONFINITE;
         }
     }
     return status;

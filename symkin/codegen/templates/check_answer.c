@@ -1,16 +1,16 @@
 
 /* Whether a pose leaves the joints that are not actuated within their limits. */
-static @{p}_status @{p}_check_answer(const @{p}_pose *pose)
+static name_status name_check_answer(const name_pose *pose)
 {
-    @{real} c[@{nc}];
-    @{real} q[@{nq}] = { @{zero} };
-    @{real} passive[@{np}] = { @{zero} };
-    @{p}_status status = @{p}_pose_coordinates(pose, c);
-    if (status == @{P}_OK) {
-        status = @{p}_solve_limbs(c, q, passive@{of_answer});
+    name_real c[@{nc}];
+    name_real q[@{nq}] = { @{zero} };
+    name_real passive[@{np}] = { @{zero} };
+    name_status status = name_pose_coordinates(pose, c);
+    if (status == NAME_OK) {
+        status = name_solve_limbs(c, q, passive@{of_answer});
     }
-    if (status == @{P}_OK) {
-        status = @{p}_check_passive(c, q, passive);
+    if (status == NAME_OK) {
+        status = name_check_passive(c, q, passive);
     }
     return status;
 }

@@ -1,10 +1,10 @@
 /* Checks whether joint values are within their ranges@{positive}. */
-static @{shared}@{p}_status @{p}_check_limits(@{gp}const @{real} joints[@{nq}])
+static @{shared}name_status name_check_limits(@{gp}const name_real joints[@{nq}])
 {
-    @{p}_status status = @{P}_OK;
+    name_status status = NAME_OK;
 @{use}
     if (!(@{ranges})) {
-        status = @{p}_check_finite(joints, @{nq}, @{P}_OUT_OF_RANGE);
+        status = name_check_finite(joints, @{nq}, NAME_OUT_OF_RANGE);
     }
     return @{checked};
 }

@@ -1,12 +1,12 @@
 
 /* Whether joints that are not actuated @{asked}. */
-static @{p}_status @{p}_check_passive(@{gp}const @{real} c[@{nc}], const @{real} q[@{nq}], const @{real} passive[@{np}])
+static name_status name_check_passive(@{gp}const name_real c[@{nc}], const name_real q[@{nq}], const name_real passive[@{np}])
 {
-    @{p}_status status = @{P}_OK;
+    name_status status = NAME_OK;
     (void)c;
     (void)q;
     (void)passive;
 @{use}
-@{lines}
+    @{lines}
     return status;
 }

@@ -1,10 +1,10 @@
 /* The status of rates or of a twist: NONFINITE, or OUT_OF_RANGE for numbers whose products could overflow. */
-static @{p}_status @{p}_check_speeds(const @{real} speeds[], int count, @{p}_status status)
+static name_status name_check_speeds(const name_real speeds[], int count, name_status status)
 {
-    @{p}_status found = @{p}_check_finite(speeds, count, status);
+    name_status found = name_check_finite(speeds, count, status);
     for (int i = 0; i < count; ++i) {
-        if ((found == @{P}_OK) && (@{fabs}(speeds[i]) > @{fastest})) {
-            found = @{P}_OUT_OF_RANGE;
+        if ((found == NAME_OK) && (@{fabs}(speeds[i]) > @{fastest})) {
+            found = NAME_OUT_OF_RANGE;
         }
     }
     return found;

@@ -7,7 +7,7 @@ typedef struct {
     @{real} sign[@{nk}];
     @{real} y[@{ny}];
     @{real} share;
-@{guard_members}
+    @{guard_members}
 } @{p}_direct_work;
 
 /* Reads the guess: its joints by the limbs' formulas, and the signs of the direct problem's. */
@@ -16,7 +16,7 @@ static @{p}_status @{p}_read_guess(@{p}_direct_work *w, const @{p}_pose *guess)
     @{real} x[7];
     @{p}_status status = @{p}_normalise_pose(guess, x);
     if (status == @{P}_OK) {
-@{guess_lines}
+        @{guess_lines}
     }
     return status;
 }
@@ -24,13 +24,13 @@ static @{p}_status @{p}_read_guess(@{p}_direct_work *w, const @{p}_pose *guess)
 /* The formulas (README.md) at w->u: unknowns and guards. */
 static void @{p}_direct_formulas(@{p}_direct_work *w)
 {
-@{formula_lines}
+    @{formula_lines}
 }
 
 /* Sets w->u to joint values. */
 static void @{p}_direct_set(@{p}_direct_work *w, const @{real} joints[@{nq}])
 {
-@{set_lines}
+    @{set_lines}
 }
 
 @{walk}/* Follows the line from the guess that was read to joint values: the formulas there with the guess's signs, where the line keeps them. */
@@ -38,7 +38,7 @@ static @{SHARED} @{p}_status @{p}_direct_line(@{p}_direct_work *w, const @{real}
 {
     @{p}_status status = @{P}_OK;
     w->share = @{zero};
-@{span_lines}
+    @{span_lines}
     if (status == @{P}_OK) {
         @{real} change[@{nq}];
         bool kept = false;
@@ -48,13 +48,13 @@ static @{SHARED} @{p}_status @{p}_direct_line(@{p}_direct_work *w, const @{real}
             *count = 1U;
             /* squares of changes, of an angle by its chord's, up to a right angle */
             kept = @{near};
-@{change_lines}
+            @{change_lines}
             kept = kept && @{k}_keeps(w, change);
         }
         if (!kept) {
             @{real} at[@{nq}];
             @{real} given[@{nq}];
-@{at_lines}
+            @{at_lines}
             status = @{k}_walk(w, at, given, joints, most, count);
         }
     }
@@ -71,7 +71,7 @@ static @{COLD} @{p}_status @{p}_direct_stays(const @{p}_direct_work *w, const @{
     if (status == @{P}_OK) {
         status = @{p}_direct_line(&again, joints, 2U, &count);
     }
-@{same_signs}
+    @{same_signs}
     return (status == @{P}_OK) ? @{P}_OK : @{P}_WRONG_BRANCH;
 }
 
@@ -105,7 +105,7 @@ static @{p}_status @{p}_direct_reach(const @{real} joints[@{nq}], const @{p}_pos
         if ((status == @{P}_OK) && !firm) {
             status = @{p}_direct_stays(&w, joints, &answer);
         }
-@{check_answer}
+        @{check_answer}
         if (status == @{P}_OK) {
             *pose = answer;
         }

@@ -3,7 +3,7 @@
 static @{p}_status @{p}_direct_answer(const @{p}_direct_work *w, @{real} tolerance, @{p}_pose *pose, @{real} *residual, bool *is_firm)
 {
     @{p}_status status = @{P}_OK;
-@{half_lines}
+    @{half_lines}
 @{residual_lines}
     if (!(*residual <= tolerance + @{rounding})) {
         status = @{P}_SINGULAR;

@@ -1,27 +1,27 @@
 /* The twist of joint rates: the closure's linear system at the pose. */
-@{static_own}@{p}_status @{twist}(@{gp}const @{p}_pose *pose, const @{real} rates[@{nq}], @{real} twist[6])
+@{static_own}name_status @{twist}(@{gp}const name_pose *pose, const name_real rates[@{nq}], name_real twist[6])
 {
-    @{k}_work work;
-    @{k}_work *const w = &work;
-    @{real} c[@{nc}];
-    @{real} passive[@{np}] = { @{zero} };
-    @{p}_status status = @{p}_pose_coordinates(@{ga}pose, c);
-    if (status == @{P}_OK) {
-        status = (@{p}_solve_limbs(@{ga}c, @{into}, passive@{feasible}) == @{P}_OK) ? @{P}_OK : @{P}_OUT_OF_RANGE;
+    solver_work work;
+    solver_work *const w = &work;
+    name_real c[@{nc}];
+    name_real passive[@{np}] = { @{zero} };
+    name_status status = name_pose_coordinates(@{ga}pose, c);
+    if (status == NAME_OK) {
+        status = (name_solve_limbs(@{ga}c, @{into}, passive@{feasible}) == NAME_OK) ? NAME_OK : NAME_OUT_OF_RANGE;
     }
-    status = @{p}_check_speeds(rates, @{nq}, status);
-    if (status == @{P}_OK) {
-@{state}
+    status = name_check_speeds(rates, @{nq}, status);
+    if (status == NAME_OK) {
+        @{state}
         if (@{singular_there}) {
-            status = @{P}_SINGULAR;
+            status = NAME_SINGULAR;
         } else {
-@{sides}
-            @{k}_solve(w);
-            status = @{p}_check_finite(w->f, @{nf}, @{P}_OK);
+            @{sides}
+            solver_solve(w);
+            status = name_check_finite(w->f, @{nf}, NAME_OK);
         }
     }
-    if (status == @{P}_OK) {
-@{store}
+    if (status == NAME_OK) {
+        @{store}
     }
     return status;
 }

@@ -1,7 +1,7 @@
 /* A control loop with @{p}: @{about}, cycle after cycle, and what to do when there is none.
  * SPDX-License-Identifier: MIT */
 #include "@{p}.h"
-#include "@{p}_vectors.h"
+#include "name_vectors.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -17,20 +17,20 @@ typedef struct {
 } loop_state;
 
 /* One cycle. */
-static void cycle(@{gpe}loop_state *state, const @{p}_real values[@{P}_JOINTS])
+static void cycle(@{gpe}loop_state *state, const name_real values[NAME_JOINTS])
 {
     loop_state next = *state;
-    @{p}_info info;
+    name_info info;
 @{pose}
-    if ((@{p}_@{track}(@{ga}@{known}, @{next}, &info) == @{P}_OK) && (info.residual <= @{P}_TRACK_LIMIT)) {
+    if ((name_@{track}(@{ga}@{known}, @{next}, &info) == NAME_OK) && (info.residual <= NAME_TRACK_LIMIT)) {
         ++next.tracked;
     } else {
         /* too long a step, as after a gap */
         next = *state;
-        if (@{p}_@{solve}(@{ga}NULL, @{known}, @{last}, @{next}, &info) == @{P}_OK) {
+        if (name_@{solve}(@{ga}NULL, @{known}, @{last}, @{next}, &info) == NAME_OK) {
             ++next.recovered;
         } else {
-            /* joint info.joint is to blame, if it is below @{P}_JOINTS; the answer stays the last good one */
+            /* joint info.joint is to blame, if it is below NAME_JOINTS; the answer stays the last good one */
             ++next.held;
         }
     }
@@ -39,19 +39,19 @@ static void cycle(@{gpe}loop_state *state, const @{p}_real values[@{P}_JOINTS])
 
 int main(void)
 {
-    const @{p}_real *const home = @{home};
+    const name_real *const home = @{home};
 @{nominal}
     loop_state state = { @{first}, 0, 0, 0 };
 @{begin}
     /* @{way}; values 40 to 69 are lost, of value 80 a number is none */
     for (int k = 1; k <= CYCLES; ++k) {
-        const @{p}_real part = (@{p}_real)k / (@{p}_real)CYCLES;
-        @{p}_real values[@{P}_JOINTS];
-        for (int i = 0; i < @{P}_JOINTS; ++i) {
+        const name_real part = (name_real)k / (name_real)CYCLES;
+        name_real values[NAME_JOINTS];
+        for (int i = 0; i < NAME_JOINTS; ++i) {
             values[i] = begin[i] + part * (@{goal}[0][i] - begin[i]);
         }
         if (k == 80) {
-            values[0] = (@{p}_real)NAN;
+            values[0] = (name_real)NAN;
         }
         if ((k < 40) || (k >= 70)) {
             cycle(@{ga}&state, values);

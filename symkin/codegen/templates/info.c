@@ -1,6 +1,6 @@
 /* Writes the info of a call: steps taken, predicted error, root of the squared last step, smallest pivot from the spread of
  * the pivots. Never a NaN. */
-static @{COLD} void @{p}_write_info(@{p}_info *info, unsigned int count, @{real} residual, @{real} size, @{real} spread)
+static NAME_COLD void name_write_info(name_info *info, unsigned int count, name_real residual, name_real size, name_real spread)
 {
     if (info != NULL) {
         info->iterations = (uint8_t)count;
@@ -12,14 +12,14 @@ static @{COLD} void @{p}_write_info(@{p}_info *info, unsigned int count, @{real}
 }
 
 /* Checks a config; `before` is the status of the other inputs. NaN and infinities come first. */
-static @{COLD} @{p}_status @{p}_check_config(const @{p}_config *config, @{p}_status before)
+static NAME_COLD name_status name_check_config(const name_config *config, name_status before)
 {
-    const @{real} tolerance = config->tolerance;
-    const @{real} longest = config->max_step;
-    @{p}_status status = before;
-    if (!((tolerance > @{zero}) && (longest > @{zero}) && (tolerance <= @{farthest} - longest)) && (before != @{P}_NONFINITE)) {
-        const @{real} none = (tolerance - tolerance) + (longest - longest); /* 0, but NaN for NaN and infinities */
-        status = (none <= @{zero}) ? @{P}_OUT_OF_RANGE : @{P}_NONFINITE;
+    const name_real tolerance = config->tolerance;
+    const name_real longest = config->max_step;
+    name_status status = before;
+    if (!((tolerance > @{zero}) && (longest > @{zero}) && (tolerance <= @{farthest} - longest)) && (before != NAME_NONFINITE)) {
+        const name_real none = (tolerance - tolerance) + (longest - longest); /* 0, but NaN for NaN and infinities */
+        status = (none <= @{zero}) ? NAME_OUT_OF_RANGE : NAME_NONFINITE;
     }
     return status;
 }

@@ -2,8 +2,8 @@
  * @{stamp}
  * SPDX-License-Identifier: MIT
  *
- *     halcompile --install @{p}_kins.c
- *     [KINS] KINEMATICS = @{p}_kins, JOINTS = @{nq}; [TRAJ] LINEAR_UNITS = mm, ANGULAR_UNITS = degree
+ *     halcompile --install name_kins.c
+ *     [KINS] KINEMATICS = name_kins, JOINTS = @{nq}; [TRAJ] LINEAR_UNITS = mm, ANGULAR_UNITS = degree
  *
  * @{turns_told}@{pins_told}
  */
@@ -22,10 +22,10 @@ EXPORT_SYMBOL(kinematicsForward);
 EXPORT_SYMBOL(kinematicsInverse);
 MODULE_LICENSE("Dual MIT/GPL");
 
-#define @{P}_DEGREES (57.29577951308232) /* of a radian */
-#define @{P}_MM (@{mm}) /* of a unit of length */
+#define NAME_DEGREES (57.29577951308232) /* of a radian */
+#define NAME_MM (@{mm}) /* of a unit of length */
 
-static int @{p}_component;
+static int name_component;
 @{memory}
 @{pins}
 @{conversions}
@@ -38,8 +38,8 @@ int kinematicsForward(const double *joint, EmcPose *world, const KINEMATICS_FORW
 {
     static const double unit[@{nq}] = { @{joint_units} };
     double joints[@{nq}];
-    @{p}_pose pose;
-    @{p}_status status;
+    name_pose pose;
+    name_status status;
 @{geometry}
     (void)fflags;
     (void)iflags;
@@ -47,14 +47,14 @@ int kinematicsForward(const double *joint, EmcPose *world, const KINEMATICS_FORW
         joints[i] = joint[i] / unit[i];
     }
 @{forward}
-    if (status != @{P}_OK) {
+    if (status != NAME_OK) {
         return -1;
     }
 @{remembered}
-    world->tran.x = pose.position[0] * @{P}_MM;
-    world->tran.y = pose.position[1] * @{P}_MM;
-    world->tran.z = pose.position[2] * @{P}_MM;
-    @{p}_world_of(&pose, world);
+    world->tran.x = pose.position[0] * NAME_MM;
+    world->tran.y = pose.position[1] * NAME_MM;
+    world->tran.z = pose.position[2] * NAME_MM;
+    name_world_of(&pose, world);
     return 0;
 }
 
@@ -62,7 +62,7 @@ int kinematicsForward(const double *joint, EmcPose *world, const KINEMATICS_FORW
 int kinematicsInverse(const EmcPose *world, double *joint, const KINEMATICS_INVERSE_FLAGS *iflags, KINEMATICS_FORWARD_FLAGS *fflags)
 {
     static const double unit[@{nq}] = { @{joint_units} };
-    const @{p}_pose pose = @{p}_pose_of(world);
+    const name_pose pose = name_pose_of(world);
     double joints[@{nq}];
 @{geometry}
     (void)iflags;
@@ -70,7 +70,7 @@ int kinematicsInverse(const EmcPose *world, double *joint, const KINEMATICS_INVE
     for (int i = 0; i < @{nq}; ++i) {
         joints[i] = joint[i] / unit[i];
     }
-    if (@{p}_inverse(@{ga}@{inverse}) != @{P}_OK) {
+    if (name_inverse(@{ga}@{inverse}) != NAME_OK) {
         return -1;
     }
     for (int i = 0; i < @{nq}; ++i) {
@@ -83,20 +83,20 @@ int kinematicsInverse(const EmcPose *world, double *joint, const KINEMATICS_INVE
 int rtapi_app_main(void)
 {
     int fault = 0;
-    @{p}_component = hal_init("@{p}_kins");
-    if (@{p}_component < 0) {
-        return @{p}_component;
+    name_component = hal_init("name_kins");
+    if (name_component < 0) {
+        return name_component;
     }
-@{new_pins}
+    @{new_pins}
     if (fault == 0) {
-        (void)hal_ready(@{p}_component);
+        (void)hal_ready(name_component);
     } else {
-        (void)hal_exit(@{p}_component);
+        (void)hal_exit(name_component);
     }
     return fault;
 }
 
 void rtapi_app_exit(void)
 {
-    (void)hal_exit(@{p}_component);
+    (void)hal_exit(name_component);
 }

@@ -1,13 +1,13 @@
 /* The pose of world coordinates: the orientation is that of home. */
-static @{p}_pose @{p}_pose_of(const EmcPose *world)
+static name_pose name_pose_of(const EmcPose *world)
 {
-    @{p}_pose pose = @{p}_home;
-@{positions}
+    name_pose pose = name_home;
+    @{positions}
     return pose;
 }
 
 /* World angles of a pose. */
-static void @{p}_world_of(const @{p}_pose *pose, EmcPose *world)
+static void name_world_of(const name_pose *pose, EmcPose *world)
 {
     (void)pose;
     world->a = 0.0;

@@ -1,7 +1,7 @@
 /* The shortest step among those that solve the @{n} rows, from w->f into w->f: Q y with y R = the rows. */
-static @{ALONE} void @{k}_solve(@{k}_work *w)
+static NAME_ALONE void solver_solve(solver_work *w)
 {
-    @{real} y[@{n}];
+    name_real y[@{n}];
     /* forward substitution with R transposed */
     for (int c = 0; c < @{n}; ++c) {
         y[c] = w->f[c];

@@ -1,7 +1,7 @@
 /* The least-squares step from w->f into the first @{n} entries of w->f. */
-static @{ALONE} void @{k}_solve(@{k}_work *w)
+static NAME_ALONE void solver_solve(solver_work *w)
 {
-    @{real} y[@{n}];
+    name_real y[@{n}];
     /* y = Q^T f, and f less its part along each column */
     for (int c = 0; c < @{n}; ++c) {
         y[c] = @{zero};
@@ -14,7 +14,7 @@ static @{ALONE} void @{k}_solve(@{k}_work *w)
     }
     /* back substitution with R */
     for (int c = @{last}; c >= 0; --c) {
-@{above}
+        @{above}
         w->f[c] = y[c] * w->r[@{n} * c + c];
     }
 }

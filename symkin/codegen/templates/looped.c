@@ -1,6 +1,6 @@
 /* The step from w->f into w->f. */
-static void @{k}_solve(@{k}_work *w)
+static void solver_solve(solver_work *w)
 {
-    @{p}_lu_solve(w->a, w->order, w->f, @{n});
+    name_lu_solve(w->a, w->order, w->f, @{n});
 }
 

@@ -1,14 +1,14 @@
 /* LU in loops of the n x n matrix a, row by row, with partial pivoting: reciprocals of pivots on the diagonal, `order` the exchanges of
  * rows. The sign of the determinant, 0 where no entry of a column is above its `least`. */
-static @{COLD} int @{p}_lu(@{real} *a, uint8_t *order, const @{real} *least, int n)
+static NAME_COLD int name_lu(name_real *a, uint8_t *order, const name_real *least, int n)
 {
     int sign = 1;
     for (int c = 0; c < n; ++c) {
         /* the largest entry of the column becomes the pivot */
         int best = c;
-        @{real} largest = @{zero};
+        name_real largest = @{zero};
         for (int r = c; r < n; ++r) {
-            const @{real} size = @{fabs}(a[n * r + c]);
+            const name_real size = @{fabs}(a[n * r + c]);
             if (size > largest) {
                 largest = size;
                 best = r;
@@ -21,7 +21,7 @@ static @{COLD} int @{p}_lu(@{real} *a, uint8_t *order, const @{real} *least, int
         if (best != c) {
             sign = -sign;
             for (int j = c; j < n; ++j) {
-                const @{real} t = a[n * c + j];
+                const name_real t = a[n * c + j];
                 a[n * c + j] = a[n * best + j];
                 a[n * best + j] = t;
             }
@@ -30,10 +30,10 @@ static @{COLD} int @{p}_lu(@{real} *a, uint8_t *order, const @{real} *least, int
             sign = -sign;
         }
         /* reduce the rows below */
-        const @{real} inverse = @{one} / a[n * c + c];
+        const name_real inverse = @{one} / a[n * c + c];
         a[n * c + c] = inverse;
         for (int r = c + 1; r < n; ++r) {
-            const @{real} factor = a[n * r + c] * inverse;
+            const name_real factor = a[n * r + c] * inverse;
             a[n * r + c] = factor;
             for (int j = c + 1; j < n; ++j) {
                 a[n * r + j] -= factor * a[n * c + j];
@@ -43,13 +43,13 @@ static @{COLD} int @{p}_lu(@{real} *a, uint8_t *order, const @{real} *least, int
     return sign;
 }
 
-/* Solves for the right side f, in place, with the factors of @{p}_lu. */
-static @{COLD} void @{p}_lu_solve(const @{real} *a, const uint8_t *order, @{real} *f, int n)
+/* Solves for the right side f, in place, with the factors of name_lu. */
+static NAME_COLD void name_lu_solve(const name_real *a, const uint8_t *order, name_real *f, int n)
 {
     /* forward substitution with the exchanges of rows */
     for (int c = 0; c < n; ++c) {
         const int best = (int)order[c];
-        const @{real} t = f[best];
+        const name_real t = f[best];
         f[best] = f[c];
         f[c] = t;
         for (int r = c + 1; r < n; ++r) {
@@ -58,7 +58,7 @@ static @{COLD} void @{p}_lu_solve(const @{real} *a, const uint8_t *order, @{real
     }
     /* back substitution */
     for (int c = n - 1; c >= 0; --c) {
-        const @{real} t = f[c] * a[n * c + c];
+        const name_real t = f[c] * a[n * c + c];
         f[c] = t;
         for (int r = 0; r < c; ++r) {
             f[r] -= a[n * r + c] * t;

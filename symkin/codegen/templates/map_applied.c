@@ -1,17 +1,17 @@
 /* @{about} */
-@{p}_status @{p}_@{function}(const @{real} joints[@{nq}], const @{real} found[@{nq}], const @{real} @{given}[@{nq}], @{real} @{asked}[@{count}])
+name_status name_@{function}(const name_real joints[@{nq}], const name_real found[@{nq}], const name_real @{given}[@{nq}], name_real @{asked}[@{count}])
 {
-    @{real} @{matrix}[@{nj}];
-    @{p}_status status = @{p}_check_sizes(@{given}, @{least});
-    if (status == @{P}_OK) {
-        status = @{p}_@{matrix}(joints, found, @{matrix});
+    name_real @{matrix}[@{nj}];
+    name_status status = name_check_sizes(@{given}, @{least});
+    if (status == NAME_OK) {
+        status = name_@{matrix}(joints, found, @{matrix});
     }
-    if (status == @{P}_OK) {
-        @{real} result[@{count}];
+    if (status == NAME_OK) {
+        name_real result[@{count}];
         for (int i = 0; i < @{count}; ++i) {
-@{body}
+            @{body}
         }
-        status = @{p}_give(result, @{asked}, @{count});
+        status = name_give(result, @{asked}, @{count});
     }
     return status;
 }

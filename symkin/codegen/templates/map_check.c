@@ -1,9 +1,9 @@
 /* Whether @{what} are finite and within their @{ranges_word}: NONFINITE comes before what was found so far, OUT_OF_RANGE after. */
-static @{p}_status @{p}_@{function}(@{p}_status before, const @{real} values[@{nq}])
+static name_status name_@{function}(name_status before, const name_real values[@{nq}])
 {
-    @{p}_status status = before;
+    name_status status = before;
     if (!(@{within})) {
-        status = @{p}_check_finite(values, @{nq}, (before == @{P}_OK) ? @{P}_OUT_OF_RANGE : before);
+        status = name_check_finite(values, @{nq}, (before == NAME_OK) ? NAME_OUT_OF_RANGE : before);
     }
     return status;
 }

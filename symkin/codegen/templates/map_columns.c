@@ -1,7 +1,7 @@
 /* Derivatives of the rows by the @{of}, row by row. */
-static void @{p}_@{columns}(const @{k}_work *w, @{real} sides[@{nsides}])
+static void name_@{columns}(const solver_work *w, name_real sides[@{nsides}])
 {
     (void)w;
-@{sides}
+    @{sides}
 }
 

@@ -1,5 +1,5 @@
 /* The sum of products of N numbers each, which stand so far apart, and in *size of their magnitudes. */
-static double product(const @{p}_real *a, int apart, const @{p}_real *b, int from, double *size)
+static double product(const name_real *a, int apart, const name_real *b, int from, double *size)
 {
     double sum = 0.0;
     *size = 1.0;
@@ -13,19 +13,19 @@ static double product(const @{p}_real *a, int apart, const @{p}_real *b, int fro
 /* The law of virtual power: joint torques on joint rates do what found torques do on found rates. */
 static void power_of(int k)
 {
-@{configuration_of_k}
-    @{p}_real torques[N];
-    @{p}_real rates[N];
-    @{p}_real of_found[N];
-    @{p}_real of_joints[N];
+    @{configuration_of_k}
+    name_real torques[N];
+    name_real rates[N];
+    name_real of_found[N];
+    name_real of_joints[N];
     double size;
     double other;
     for (int i = 0; i < N; ++i) {
-        torques[i] = (@{p}_real)(1 + i);
-        rates[i] = (@{p}_real)(2 - i);
+        torques[i] = (name_real)(1 + i);
+        rates[i] = (name_real)(2 - i);
     }
-    expect(@{p}_rates(@{configuration}, rates, of_found) == @{P}_OK, "rates", "OK", k);
-    expect(@{p}_torques(@{configuration}, torques, of_joints) == @{P}_OK, "torques", "OK", k);
+    expect(name_rates(@{configuration}, rates, of_found) == NAME_OK, "rates", "OK", k);
+    expect(name_torques(@{configuration}, torques, of_joints) == NAME_OK, "torques", "OK", k);
     const double power = product(torques, 1, of_found, 1, &size) - product(of_joints, 1, rates, 1, &other);
     expect(fabs(power) <= @{jacobian_bound} * size, "torques", "power", k);
 }
@@ -34,36 +34,36 @@ static void power_of(int k)
  * found torque, and a rate, at its limit has one joint at its own, and none beyond. */
 static void derivatives_of(int k)
 {
-@{configuration_of_k}
-    @{p}_real own[N];
-    @{p}_real jacobian[N * N];
-    @{p}_real inverse[N * N];
-    @{p}_real inertia[N * N];
-    @{p}_real again[N * N];
-    @{p}_real second[N * N * N];
-    @{p}_real torques[N];
-    @{p}_real rates[N];
+    @{configuration_of_k}
+    name_real own[N];
+    name_real jacobian[N * N];
+    name_real inverse[N * N];
+    name_real inertia[N * N];
+    name_real again[N * N];
+    name_real second[N * N * N];
+    name_real torques[N];
+    name_real rates[N];
     double most = 1.0;
     double size;
     for (int i = 0; i < N; ++i) {
-        own[i] = (@{p}_real)(1 + i);
+        own[i] = (name_real)(1 + i);
     }
-    expect(@{p}_jacobian(@{configuration}, jacobian) == @{P}_OK, "jacobian", "OK", k);
-    expect(@{p}_inverse_jacobian(@{configuration}, inverse) == @{P}_OK, "inverse_jacobian", "OK", k);
-    expect(@{p}_second(@{configuration}, NULL, second) == @{P}_OK, "second", "without a jacobian", k);
-    expect(@{p}_second(@{configuration}, again, second) == @{P}_OK, "second", "OK", k);
-    expect(@{p}_inertia(@{configuration}, own, inertia) == @{P}_OK, "inertia", "OK", k);
-    expect(@{p}_torque_limits(@{configuration}, own, torques) == @{P}_OK, "torque_limits", "OK", k);
-    expect(@{p}_rate_limits(@{configuration}, own, rates) == @{P}_OK, "rate_limits", "OK", k);
+    expect(name_jacobian(@{configuration}, jacobian) == NAME_OK, "jacobian", "OK", k);
+    expect(name_inverse_jacobian(@{configuration}, inverse) == NAME_OK, "inverse_jacobian", "OK", k);
+    expect(name_second(@{configuration}, NULL, second) == NAME_OK, "second", "without a jacobian", k);
+    expect(name_second(@{configuration}, again, second) == NAME_OK, "second", "OK", k);
+    expect(name_inertia(@{configuration}, own, inertia) == NAME_OK, "inertia", "OK", k);
+    expect(name_torque_limits(@{configuration}, own, torques) == NAME_OK, "torque_limits", "OK", k);
+    expect(name_rate_limits(@{configuration}, own, rates) == NAME_OK, "rate_limits", "OK", k);
     for (int i = 0; i < N * N * N; ++i) {
-        most = fmax(most, fabs((double)@{p}_vector_seconds[k][i]));
+        most = fmax(most, fabs((double)name_vector_seconds[k][i]));
     }
     for (int i = 0; i < N * N * N; ++i) {
-        const double off = (double)second[i] - (double)@{p}_vector_seconds[k][i];
+        const double off = (double)second[i] - (double)name_vector_seconds[k][i];
         expect(fabs(off) <= 10.0 * @{jacobian_bound} * most, "second", "entry", i);
     }
     for (int i = 0; i < N; ++i) {
-        const @{p}_real *const row = &jacobian[N * i];
+        const name_real *const row = &jacobian[N * i];
         double torque = 0.0;
         double rate = 0.0;
         for (int j = 0; j < N; ++j) {

@@ -1,20 +1,20 @@
 /* Holds the rows against the formulas' answer; one step of Newton's method where rounding has left more than the tolerance. */
-static @{SHARED} @{p}_status @{k}_finish(@{k}_work *w, unsigned int count, @{real} least, const @{p}_config *config, @{p}_info *info)
+static NAME_SHARED name_status solver_finish(solver_work *w, unsigned int count, name_real least, const name_config *config, name_info *info)
 {
-    @{real} size = @{zero};
-    @{k}_rows(w);
-    @{real} residual = @{k}_residual(w);
+    name_real size = @{zero};
+    solver_rows(w);
+    name_real residual = solver_residual(w);
     if (!(residual <= config->tolerance + @{noise})) {
         if (@{singular}) {
-            @{p}_write_info(info, count, residual, @{zero}, @{zero});
-            return @{P}_SINGULAR;
+            name_write_info(info, count, residual, @{zero}, @{zero});
+            return NAME_SINGULAR;
         }
-        @{k}_solve(w);
-        size = @{k}_apply_step(w);
-        @{k}_rows(w);
-        residual = @{k}_residual(w);
+        solver_solve(w);
+        size = solver_apply_step(w);
+        solver_rows(w);
+        residual = solver_residual(w);
     }
-    @{p}_write_info(info, count, residual, size, (least > @{zero}) ? (@{one} / least) : @{zero});
-    return (residual <= config->tolerance + @{rounding}) ? @{P}_OK : @{P}_MAX_ITERATIONS;
+    name_write_info(info, count, residual, size, (least > @{zero}) ? (@{one} / least) : @{zero});
+    return (residual <= config->tolerance + @{rounding}) ? NAME_OK : NAME_MAX_ITERATIONS;
 }
 

@@ -1,8 +1,8 @@
 /* Copies results that are finite. */
-static @{SHARED} @{p}_status @{p}_give(const @{real} *result, @{real} *given, int count)
+static NAME_SHARED name_status name_give(const name_real *result, name_real *given, int count)
 {
-    const @{p}_status status = (@{p}_check_finite(result, count, @{P}_OK) == @{P}_OK) ? @{P}_OK : @{P}_OUT_OF_RANGE;
-    if (status == @{P}_OK) {
+    const name_status status = (name_check_finite(result, count, NAME_OK) == NAME_OK) ? NAME_OK : NAME_OUT_OF_RANGE;
+    if (status == NAME_OK) {
         for (int i = 0; i < count; ++i) {
             given[i] = result[i];
         }

@@ -1,36 +1,36 @@
 /* @{about} */
-@{p}_status @{p}_@{function}(const @{real} joints[@{nq}], const @{real} found[@{nq}], @{written})
+name_status name_@{function}(const name_real joints[@{nq}], const name_real found[@{nq}], @{written})
 {
-    @{k}_work w;
-    @{real} sides[@{most_sides}];
-    @{real} rates[@{nrates}];
-@{y}
-@{kept}
-    @{p}_status status = @{p}_limit_joints(@{P}_OK, joints);
-    status = @{p}_limit_found(status, found);
-@{state}
-    if (status == @{P}_OK) {
-@{set}
-        @{k}_rows(&w);
-        if (!(@{k}_residual(&w) <= @{near})) {
-            status = @{P}_OUT_OF_RANGE; /* no configuration has both */
+    solver_work w;
+    name_real sides[@{most_sides}];
+    name_real rates[@{nrates}];
+    @{y}
+    @{kept}
+    name_status status = name_limit_joints(NAME_OK, joints);
+    status = name_limit_found(status, found);
+    @{state}
+    if (status == NAME_OK) {
+        @{set}
+        solver_rows(&w);
+        if (!(solver_residual(&w) <= @{near})) {
+            status = NAME_OUT_OF_RANGE; /* no configuration has both */
         } else if (@{singular}) {
-            status = @{P}_SINGULAR;
+            status = NAME_SINGULAR;
         } else {
-            @{p}_@{columns}(&w, sides);
+            name_@{columns}(&w, sides);
             for (int j = 0; j < @{nq}; ++j) {
                 for (int i = 0; i < @{m}; ++i) {
                     w.f[i] = sides[@{nq} * i + j];
                 }
-                @{k}_solve(&w);
-@{rates}
+                solver_solve(&w);
+                @{rates}
             }
-@{more}
-            status = (@{p}_check_finite(rates, @{nrates}, @{P}_OK) == @{P}_OK) ? @{P}_OK : @{P}_SINGULAR;
+            @{more}
+            status = (name_check_finite(rates, @{nrates}, NAME_OK) == NAME_OK) ? NAME_OK : NAME_SINGULAR;
         }
     }
-    if (status == @{P}_OK) {
-@{store}
+    if (status == NAME_OK) {
+        @{store}
     }
     return status;
 }

@@ -1,10 +1,10 @@
 /* Whether the joints that are neither given nor found are within their limits in a state w of known values. */
-static @{SHARED} @{p}_status @{k}_check_passive(const @{k}_work *w, const @{real} @{values}[@{nto}])
+static NAME_SHARED name_status solver_check_passive(const solver_work *w, const name_real @{values}[@{nto}])
 {
-    @{p}_status status = @{P}_OK;
+    name_status status = NAME_OK;
     (void)w;
     (void)@{values};
-@{lines}
+    @{lines}
     return status;
 }
 

@@ -1,6 +1,6 @@
 /* Sets known values and state: @{values} as they are given, and @{source}. */
-static @{SHARED} void @{k}_place(@{k}_work *w, const @{real} @{values}[@{nto}], const @{real} @{from}[@{nfrom}])
+static NAME_SHARED void solver_place(solver_work *w, const name_real @{values}[@{nto}], const name_real @{from}[@{nfrom}])
 {
-@{lines}
+    @{lines}
 }
 

@@ -1,10 +1,10 @@
 /* An angle moved by whole turns: the one next to `near` within the limits, where they hold one. */
-static @{SHARED} @{real} @{p}_turned(@{real} angle, @{real} near, @{real} low, @{real} high)
+static NAME_SHARED name_real name_turned(name_real angle, name_real near, name_real low, name_real high)
 {
-    @{real} moved = angle;
+    name_real moved = angle;
     if (@{fabs}(near - angle) > @{half_turn}) {
-        const @{real} number = (near - angle) * @{per_turn};
-        moved += @{turn} * (@{real})(int)(number + ((number < @{zero}) ? @{minus_half} : @{half}));
+        const name_real number = (near - angle) * @{per_turn};
+        moved += @{turn} * (name_real)(int)(number + ((number < @{zero}) ? @{minus_half} : @{half}));
     }
     if (moved > high) {
         moved -= @{turn};

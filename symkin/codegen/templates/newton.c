@@ -5,26 +5,26 @@
  * the one before (two twenty-fifths after new factors), the theorem of Newton and Kantorovich does not tie the point to the part that is done (README.md says what
  * is proved): the state is put back and a nearer point of the line is aimed at. Factors are kept for one more step where that is predicted to
  * reach the tolerance. The answer's rows are evaluated before it is called OK. */
-static @{p}_status @{k}_newton(@{gp}@{k}_work *w, const @{real} to[@{nto}], const @{p}_config *config, @{p}_info *info)
+static name_status solver_newton(@{gp}solver_work *w, const name_real to[@{nto}], const name_config *config, name_info *info)
 {
     /* squares of lengths and of ratios of lengths, so that no step needs a root; ratio2: the largest ones that are accepted, of the
      * second step, of later ones after new factors, and of others, as the first step is near, far or very far */
-    static const @{real} ratio2[3][3] = {
+    static const name_real ratio2[3][3] = {
         { @{contraction2}, @{later_fresh2}, @{later2} }, { @{far2}, @{later_fresh2}, @{later2} }, { @{very_far2}, @{very_far_fresh2}, @{very_far_later2} }
     };
-    const @{real} tolerance2 = config->tolerance * config->tolerance;
-    const @{real} longest2 = config->max_step * config->max_step;
-    @{p}_status status = @{P}_MAX_ITERATIONS;
+    const name_real tolerance2 = config->tolerance * config->tolerance;
+    const name_real longest2 = config->max_step * config->max_step;
+    name_status status = NAME_MAX_ITERATIONS;
     /* parts of the line, 0 to 1: where the state is known to lie, and what is aimed at */
-    @{real} done = @{zero};
-    @{real} aim = @{one};
+    name_real done = @{zero};
+    name_real aim = @{one};
     /* squares of: the last step, kappa, the longest step allowed */
-    @{real} size = @{zero};
-    @{real} kappa2 = @{kappa2};
-    @{real} limit;
-    @{real} residual = @{huge};
-    @{real} room = @{noise_of_rows}; /* residual that rounding is allowed; after one more step, of new factors, that of any matrix */
-@{still_variable}
+    name_real size = @{zero};
+    name_real kappa2 = @{kappa2};
+    name_real limit;
+    name_real residual = @{huge};
+    name_real room = @{noise_of_rows}; /* residual that rounding is allowed; after one more step, of new factors, that of any matrix */
+    @{still_variable}
     int sign = 0; /* of the determinant: a change at the part that is done means that a singularity lies between */
     bool beside = false; /* whether the last step has led beyond a singularity: it is refused, as one that is too long */
     unsigned int count = 0U;
@@ -40,14 +40,14 @@ static @{p}_status @{k}_newton(@{gp}@{k}_work *w, const @{real} to[@{nto}], cons
     w->spread = @{zero};
 @{no_side}
 @{turn}
-@{begin_target}
+    @{begin_target}
 @{save0}
     for (;;) {
-        @{k}_rows(@{ga}w);
+        solver_rows(@{ga}w);
         if (verify) {
-            residual = @{k}_residual(w);
+            residual = solver_residual(w);
             if (residual <= config->tolerance + room) {
-                status = @{P}_OK;
+                status = NAME_OK;
                 break;
             }
             room = @{rounding};
@@ -67,24 +67,24 @@ static @{p}_status @{k}_newton(@{gp}@{k}_work *w, const @{real} to[@{nto}], cons
 @{at_aim}
             kept = (taken == 0U);
             if (turn == 0) {
-                status = @{P}_SINGULAR;
+                status = NAME_SINGULAR;
                 break;
             }
             beside = (turn + sign == 0);
             if (beside && kept) {
-                status = @{P}_WRONG_BRANCH;
+                status = NAME_WRONG_BRANCH;
                 break;
             }
             sign = beside ? sign : turn;
-@{noise}
+            @{noise}
         }
         /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4 to 1/8, later 3/8 to 3/10 (README.md) */
-        @{k}_solve(w);
-        const @{real} before = size;
-        size = @{k}_apply_step(@{ga}w);
+        solver_solve(w);
+        const name_real before = size;
+        size = solver_apply_step(@{ga}w);
         if (taken == 0U) {
             limit = longest2;
-            const @{real} reach = size * w->spread;
+            const name_real reach = size * w->spread;
             far = (reach > @{size2}) ? ((reach > @{ten} * @{size2}) ? 2U : 1U) : 0U;
         } else {
             int later = was_fresh ? 1 : 2;
@@ -103,8 +103,8 @@ static @{p}_status @{k}_newton(@{gp}@{k}_work *w, const @{real} to[@{nto}], cons
         if (accepted) {
             if (aim >= @{one}) {
                 /* accepted at the end of the line: predict the error, decide on new factors */
-                @{real} error2;
-                @{real} gain2;
+                name_real error2;
+                name_real gain2;
                 if (taken > 0U) {
                     settling = true;
                     if (was_fresh@{moved}) {
@@ -126,19 +126,19 @@ static @{p}_status @{k}_newton(@{gp}@{k}_work *w, const @{real} to[@{nto}], cons
                 ++taken;
             } else {
                 /* accepted at a point of the line: go on from here, by up to twice the part where convergence was quick */
-                const @{real} part = aim - done;
+                const name_real part = aim - done;
                 done = aim;
                 aim += @{next_part};
                 if (aim > @{near_one}) {
                     aim = @{one};
                 }
-@{advance}
+                @{advance}
                 taken = 0U;
                 fresh = true;
             }
         } else if (!stayed && (taken > 0U) && (aim - done >= @{one}) && (before <= @{row_noise2} * w->spread)) {
             /* the whole line may be rounding, which small pivots have made long: the state stays where it was, if its rows vanish there */
-@{stay}
+            @{stay}
             stayed = true;
             room = @{rounding};
             verify = true;
@@ -147,16 +147,16 @@ static @{p}_status @{k}_newton(@{gp}@{k}_work *w, const @{real} to[@{nto}], cons
         } else if (aim - done > @{least_part}) {
             /* refused: back to the part that is done, and aim nearer */
 @{nearer}
-@{retreat}
+            @{retreat}
             fresh = settling || !kept;
             taken = 0U;
             settling = false;
         } else {
             /* parts have become too short: the line is not assured to be regular */
-            status = @{P}_WRONG_BRANCH;
+            status = NAME_WRONG_BRANCH;
             break;
         }
     }
-    @{p}_write_info(info, count, residual, size, w->spread);
+    name_write_info(info, count, residual, size, w->spread);
     return status;
 }

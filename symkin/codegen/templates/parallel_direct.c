@@ -1,70 +1,70 @@
 /* Reads joints and guess: checks both and sets the state to the guess's. What passes is finite and within bounds. */
-static @{SHARED} @{p}_status @{p}_read_guess(@{gp}@{p}_direct_work *w, const @{real} joints[@{nq}], const @{p}_pose *guess)
+static NAME_SHARED name_status name_read_guess(@{gp}name_direct_work *w, const name_real joints[@{nq}], const name_pose *guess)
 {
-    const @{p}_status limits = @{p}_check_limits(@{ga}joints);
-    @{p}_status status;
-@{enter}
+    const name_status limits = name_check_limits(@{ga}joints);
+    name_status status;
+    @{enter}
     /* NaN or infinity anywhere comes first */
-    return ((status == @{P}_OK) || (limits == @{P}_NONFINITE)) ? limits : status;
+    return ((status == NAME_OK) || (limits == NAME_NONFINITE)) ? limits : status;
 }
 
 /* Writes the pose of the state. */
-static @{SHARED} void @{p}_write_pose(@{gp}const @{p}_direct_work *w, @{p}_pose *pose)
+static NAME_SHARED void name_write_pose(@{gp}const name_direct_work *w, name_pose *pose)
 {
 @{use}
-@{leave}
+    @{leave}
 }
 
-@{p}_status @{p}_direct(@{gp}const @{p}_config *config, const @{real} joints[@{nq}], const @{p}_pose *guess, @{p}_pose *pose, @{p}_info *info)
+name_status name_direct(@{gp}const name_config *config, const name_real joints[@{nq}], const name_pose *guess, name_pose *pose, name_info *info)
 {
-    static const @{p}_config usual = { @{P}_TOLERANCE, @{P}_MAX_STEPS, @{P}_MAX_STEP };
-    @{p}_direct_work w;
-    @{p}_status status = @{p}_read_guess(@{ga}&w, joints, guess);
+    static const name_config usual = { NAME_TOLERANCE, NAME_MAX_STEPS, NAME_MAX_STEP };
+    name_direct_work w;
+    name_status status = name_read_guess(@{ga}&w, joints, guess);
     if (config != NULL) {
-        status = @{p}_check_config(config, status);
+        status = name_check_config(config, status);
     }
-    if (status == @{P}_OK) {
-@{unwrap}
-        status = @{p}_direct_newton(@{ga}&w, @{to}, (config != NULL) ? config : &usual, info);
-@{check_branch}
-@{stand}
-@{direct_passive}
-        if (status == @{P}_OK) {
-            @{p}_write_pose(@{ga}&w, pose);
+    if (status == NAME_OK) {
+        @{unwrap}
+        status = name_direct_newton(@{ga}&w, @{to}, (config != NULL) ? config : &usual, info);
+        @{check_branch}
+        @{stand}
+        @{direct_passive}
+        if (status == NAME_OK) {
+            name_write_pose(@{ga}&w, pose);
         }
     } else {
-        @{p}_write_no_step(@{ga}info, joints);
+        name_write_no_step(@{ga}info, joints);
     }
     return status;
 }
 
-@{p}_status @{p}_track(@{gp}const @{real} joints[@{nq}], @{p}_pose *pose, @{p}_info *info)
+name_status name_track(@{gp}const name_real joints[@{nq}], name_pose *pose, name_info *info)
 {
-    @{p}_direct_work w;
-    @{p}_status status = @{p}_read_guess(@{ga}&w, joints, pose);
+    name_direct_work w;
+    name_status status = name_read_guess(@{ga}&w, joints, pose);
     bool stepped = false;
-    if (status == @{P}_OK) {
-@{unwrap}
+    if (status == NAME_OK) {
+        @{unwrap}
         /* one step of Newton's method from the last pose */
-        @{p}_direct_set_target(@{ga}&w, @{to}@{whole});
-@{keep_known}
-        @{p}_direct_rows(@{ga}&w);
+        name_direct_set_target(@{ga}&w, @{to}@{whole});
+        @{keep_known}
+        name_direct_rows(@{ga}&w);
         if (@{track_factor}) {
-            status = @{P}_SINGULAR;
+            status = NAME_SINGULAR;
         } else {
             stepped = true;
-            @{p}_direct_solve(&w);
-            const @{real} size = @{p}_direct_apply_step(@{ga}&w);
-            @{p}_write_info(info, 1U, @{kappa} * size, size, w.spread);
+            name_direct_solve(&w);
+            const name_real size = name_direct_apply_step(@{ga}&w);
+            name_write_info(info, 1U, @{kappa} * size, size, w.spread);
             if (size <= @{track2}) {
-@{write_tracked}
+                @{write_tracked}
             } else {
-                status = @{P}_WRONG_BRANCH;
+                status = NAME_WRONG_BRANCH;
             }
         }
     }
     if (!stepped) {
-        @{p}_write_no_step(@{ga}info, joints);
+        name_write_no_step(@{ga}info, joints);
     }
     return status;
 }

@@ -1,11 +1,11 @@
 /* Normalises a pose: (x, y, z, qw, qx, qy, qz) with a quaternion of unit length. Lengths off by more than 1e-2 are refused,
  * and positions so far away that squares could overflow. */
-static @{p}_status @{p}_normalise_pose(@{gp}const @{p}_pose *pose, @{real} x[7])
+static name_status name_normalise_pose(@{gp}const name_pose *pose, name_real x[7])
 {
-    const @{real} *const q = pose->quaternion;
-    @{p}_status status = @{P}_OK;
-    @{real} squared = @{zero};
-    @{real} inverse = @{one};
+    const name_real *const q = pose->quaternion;
+    name_status status = NAME_OK;
+    name_real squared = @{zero};
+    name_real inverse = @{one};
     x[0] = pose->position[0];
     x[1] = pose->position[1];
     x[2] = pose->position[2];
@@ -15,7 +15,7 @@ static @{p}_status @{p}_normalise_pose(@{gp}const @{p}_pose *pose, @{real} x[7])
     if ((squared >= @{least_norm}) && (squared <= @{most_norm})) {
         inverse = @{one} / @{sqrt}(squared);
     } else {
-        status = @{p}_check_finite(q, 4, @{p}_check_finite(x, 3, @{P}_OUT_OF_RANGE));
+        status = name_check_finite(q, 4, name_check_finite(x, 3, NAME_OUT_OF_RANGE));
     }
     x[3] = q[0] * inverse;
     x[4] = q[1] * inverse;

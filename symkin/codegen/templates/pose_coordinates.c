@@ -1,10 +1,10 @@
 /* Pose coordinates of a pose. */
-static @{p}_status @{p}_pose_coordinates(@{gp}const @{p}_pose *pose, @{real} c[@{count}])
+static name_status name_pose_coordinates(@{gp}const name_pose *pose, name_real c[@{count}])
 {
-    @{real} x[7];
-    @{p}_status status = @{p}_normalise_pose(@{ga}pose, x);
-    if (status == @{P}_OK) {
-@{body}
+    name_real x[7];
+    name_status status = name_normalise_pose(@{ga}pose, x);
+    if (status == NAME_OK) {
+        @{body}
     }
     return status;
 }

@@ -1,12 +1,12 @@
-static @{p}_pose pose_from(const @{p}_real *numbers)
+static name_pose pose_from(const name_real *numbers)
 {
-    @{p}_pose pose;
+    name_pose pose;
     copy(numbers, pose.position, 3);
     copy(&numbers[3], pose.quaternion, 4);
     return pose;
 }
 
-static void numbers_of(const @{p}_pose *pose, @{p}_real *numbers)
+static void numbers_of(const name_pose *pose, name_real *numbers)
 {
     copy(pose->position, numbers, 3);
     copy(pose->quaternion, &numbers[3], 4);

@@ -1,5 +1,5 @@
 /* The @{which} into w->a, row by row. */
-static void @{k}_matrix(@{gp}@{k}_work *w)
+static void solver_matrix(@{gp}solver_work *w)
 {
 @{use}
 @{matrix}
@@ -7,13 +7,13 @@ static void @{k}_matrix(@{gp}@{k}_work *w)
 
 /* QR of the @{m} x @{n} @{which} by modified Gram-Schmidt: Q in w->a, R in w->r with reciprocals on the diagonal; 0 where
  * its columns are dependent. */
-static int @{k}_factor(@{gp}@{k}_work *w)
+static int solver_factor(@{gp}solver_work *w)
 {
-    @{k}_matrix(@{ga}w);
+    solver_matrix(@{ga}w);
     w->spread = @{zero};
     for (int c = 0; c < @{n}; ++c) {
         /* the length of the column, its reciprocal on R's diagonal */
-        @{real} squared = @{zero};
+        name_real squared = @{zero};
         for (int i = 0; i < @{m}; ++i) {
             squared += w->a[@{n} * i + c] * w->a[@{n} * i + c];
         }
@@ -21,13 +21,13 @@ static int @{k}_factor(@{gp}@{k}_work *w)
             w->spread = @{zero};
             return 0;
         }
-        const @{real} inverse = @{one} / @{sqrt}(squared);
+        const name_real inverse = @{one} / @{sqrt}(squared);
         w->r[@{n} * c + c] = inverse;
         w->spread += inverse * inverse;
         for (int i = 0; i < @{m}; ++i) {
             w->a[@{n} * i + c] *= inverse;
         }
-@{others}
+        @{others}
     }
     return 1;
 }

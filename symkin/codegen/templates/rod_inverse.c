@@ -1,30 +1,30 @@
 /* Joint values of a pose: lengths of the rod vectors, less the offsets. */
-@{p}_status @{p}_inverse(@{gp}const @{p}_pose *pose, @{real} joints[6])
+name_status name_inverse(@{gp}const name_pose *pose, name_real joints[6])
 {
-    @{p}_direct_work w;
-    @{p}_status status = @{p}_normalise_pose(@{ga}pose, w.x);
-    if (status == @{P}_OK) {
-        @{p}_rod_values(@{ga}&w);
-        status = @{p}_check_limits(@{ga}w.k);
-        if (status == @{P}_OK) {
-@{copy_joints}
+    name_direct_work w;
+    name_status status = name_normalise_pose(@{ga}pose, w.x);
+    if (status == NAME_OK) {
+        name_rod_values(@{ga}&w);
+        status = name_check_limits(@{ga}w.k);
+        if (status == NAME_OK) {
+            @{copy_joints}
         }
     }
     return status;
 }
 
 /* Rows (u_i, (R a_i) x u_i), u_i the unit vector along rod i: its rate by the platform's twist. */
-@{p}_status @{p}_jacobian(@{gp}const @{p}_pose *pose, @{real} jacobian[36])
+name_status name_jacobian(@{gp}const name_pose *pose, name_real jacobian[36])
 {
-    @{real} x[7];
-    @{p}_status status = @{p}_normalise_pose(@{ga}pose, x);
-    if (status == @{P}_OK) {
-@{jacobian}
+    name_real x[7];
+    name_status status = name_normalise_pose(@{ga}pose, x);
+    if (status == NAME_OK) {
+        @{jacobian}
         /* where a rod has no length there is no direction */
         if (!(shortest > @{zero})) {
-            status = @{P}_SINGULAR;
+            status = NAME_SINGULAR;
         } else {
-@{store_jacobian}
+            @{store_jacobian}
         }
     }
     return status;

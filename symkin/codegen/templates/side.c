@@ -1,10 +1,10 @@
 /* The sign of the determinant beside the one where the line began, 0 where it is not decided. Of more rows than unknowns it is that of
  * Q0^T Q, Q0 the factors of the part that is done: where branches meet a column of the matrix goes through 0 and comes back reversed.
  * keep: these factors are those of the part that is done. */
-static int @{k}_side(@{k}_work *w, bool keep)
+static int solver_side(solver_work *w, bool keep)
 {
-    static const @{real} least[@{n}] = { @{least_sides} };
-    @{real} d[@{n} * @{n}];
+    static const name_real least[@{n}] = { @{least_sides} };
+    name_real d[@{n} * @{n}];
     uint8_t order[@{n}];
     int side = 1;
     if (w->side != 0) {
@@ -16,7 +16,7 @@ static int @{k}_side(@{k}_work *w, bool keep)
                 }
             }
         }
-        const int turned = @{p}_lu(d, order, least, @{n});
+        const int turned = name_lu(d, order, least, @{n});
         side = (w->side < 0) ? -turned : turned;
     }
     if (keep) {

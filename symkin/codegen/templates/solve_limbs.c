@@ -1,10 +1,10 @@
 /* Solves the limbs for pose coordinates: actuated and passive joints, on the branches of the reference configuration. */
-static @{p}_status @{p}_solve_limbs(@{gp}const @{real} c[@{nc}], @{real} q[@{nq}], @{real} passive[@{np}]@{within})
+static name_status name_solve_limbs(@{gp}const name_real c[@{nc}], name_real q[@{nq}], name_real passive[@{np}]@{within})
 {
-    @{p}_status status = @{P}_OK;
+    name_status status = NAME_OK;
     (void)passive;
 @{use}
-@{limbs}
+    @{limbs}
     return status;
 }
 

@@ -1,12 +1,12 @@
 /* @{about}: the Jacobian times the @{given}. */
-@{p}_status @{p}_@{function}(@{gp}@{at}, const @{real} @{given}[@{columns}], @{real} @{function}[@{rows}])
+name_status name_@{function}(@{gp}@{at}, const name_real @{given}[@{columns}], name_real @{function}[@{rows}])
 {
-    @{real} jacobian[@{nq} * 6];
-    @{real} found[@{rows}];
-    const @{p}_status status = @{p}_check_speeds(@{given}, @{columns}, @{p}_jacobian(@{ga}@{at_name}, jacobian));
-    if (status == @{P}_OK) {
+    name_real jacobian[@{nq} * 6];
+    name_real found[@{rows}];
+    const name_status status = name_check_speeds(@{given}, @{columns}, name_jacobian(@{ga}@{at_name}, jacobian));
+    if (status == NAME_OK) {
         for (int i = 0; i < @{rows}; ++i) {
-            @{real} sum = @{zero};
+            name_real sum = @{zero};
             for (int j = 0; j < @{columns}; ++j) {
                 sum += jacobian[@{columns} * i + j] * @{given}[j];
             }
@@ -21,22 +21,22 @@
 }
 
 /* The largest factor, up to 1, by which a twist keeps all joint rates within their limits. */
-@{p}_status @{p}_feed(@{gp}@{at}, const @{real} twist[6], const @{real} rate_limits[@{nq}], @{real} *feed)
+name_status name_feed(@{gp}@{at}, const name_real twist[6], const name_real rate_limits[@{nq}], name_real *feed)
 {
-    @{real} rates[@{nq}];
-    @{p}_status status = @{p}_check_finite(rate_limits, @{nq}, @{p}_rates(@{ga}@{at_name}, twist, rates@{no_info}));
-    @{real} most = @{one};
-    for (int i = 0; (i < @{nq}) && (status == @{P}_OK); ++i) {
-        const @{real} rate = @{fabs}(rates[i]);
+    name_real rates[@{nq}];
+    name_status status = name_check_finite(rate_limits, @{nq}, name_rates(@{ga}@{at_name}, twist, rates@{no_info}));
+    name_real most = @{one};
+    for (int i = 0; (i < @{nq}) && (status == NAME_OK); ++i) {
+        const name_real rate = @{fabs}(rates[i]);
         if (rate_limits[i] < @{zero}) {
-            status = @{P}_OUT_OF_RANGE;
+            status = NAME_OUT_OF_RANGE;
         } else if (rate * most > rate_limits[i]) {
             most = rate_limits[i] / rate;
         } else {
             /* within its limit */
         }
     }
-    if (status == @{P}_OK) {
+    if (status == NAME_OK) {
         *feed = most;
     }
     return status;

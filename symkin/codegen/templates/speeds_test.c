@@ -2,25 +2,25 @@
 static void speeds_of(int k)
 {
 @{nominal}
-@{configuration_of_k}
-    @{p}_real rates[N];
-    @{p}_real again[N];
-    @{p}_real twist[6] = { @{zero} };
-    @{p}_real limits[N];
-    @{p}_real feed = @{zero};
+    @{configuration_of_k}
+    name_real rates[N];
+    name_real again[N];
+    name_real twist[6] = { @{zero} };
+    name_real limits[N];
+    name_real feed = @{zero};
     for (int i = 0; i < N; ++i) {
-        rates[i] = (@{p}_real)(((i % 3 == 0) ? 1.0 : (i % 3 == 1) ? -0.5 : 0.25) * (@{speed_unit}));
+        rates[i] = (name_real)(((i % 3 == 0) ? 1.0 : (i % 3 == 1) ? -0.5 : 0.25) * (@{speed_unit}));
     }
-    expect(@{p}_twist(@{ga}@{configuration}, rates, twist) == @{P}_OK, "twist", "OK", k);
-    expect(@{p}_rates(@{ga}@{configuration}, twist, again@{no_info}) == @{P}_OK, "rates", "OK", k);
-@{speeds_compared}
+    expect(name_twist(@{ga}@{configuration}, rates, twist) == NAME_OK, "twist", "OK", k);
+    expect(name_rates(@{ga}@{configuration}, twist, again@{no_info}) == NAME_OK, "rates", "OK", k);
+    @{speeds_compared}
     for (int part = 0; part < 2; ++part) {
         const double limit = (part == 0) ? 0.125 : 4.0;
         double largest = 0.0;
         for (int i = 0; i < N; ++i) {
-            limits[i] = (@{p}_real)(limit * (@{speed_unit}));
+            limits[i] = (name_real)(limit * (@{speed_unit}));
         }
-        expect(@{p}_feed(@{ga}@{configuration}, twist, limits, &feed) == @{P}_OK, "feed", "OK", k);
+        expect(name_feed(@{ga}@{configuration}, twist, limits, &feed) == NAME_OK, "feed", "OK", k);
         for (int i = 0; i < N; ++i) {
             largest = fmax(largest, fabs((double)feed * (double)again[i]) / (@{speed_unit}));
         }

@@ -1,7 +1,7 @@
 /* Sets w->k, the known values aimed at@{aimed}. */
-static @{SHARED} void @{k}_set_target(@{gp}@{k}_work *w, const @{real} to[@{nto}]@{part})
+static NAME_SHARED void solver_set_target(@{gp}solver_work *w, const name_real to[@{nto}]@{part})
 {
 @{use}
-@{target}
+    @{target}
 }
 

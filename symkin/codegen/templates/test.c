@@ -1,13 +1,13 @@
 /* Test of @{p}.c against vectors from Python. Prints what failed; exit status 0 when nothing did.
  * SPDX-License-Identifier: MIT */
 #include "@{p}.h"
-#include "@{p}_vectors.h"
+#include "name_vectors.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
-#define N @{P}_JOINTS
+#define N NAME_JOINTS
 #define MOST @{most} /* numbers that any function takes or gives */
 
 /* A function of plain numbers, of which a pose has seven. kinds: of each number that is given, and then guessed, c: a coordinate, s: a
@@ -16,15 +16,15 @@
  * more. Where nothing is solved there are no answers, where nothing is guessed no guesses. */
 typedef struct function {
     const char *name;
-    @{p}_status (*ask)(const @{p}_config *config, const @{p}_real *given, const @{p}_real *guess, @{p}_real *result, @{p}_info *info);
+    name_status (*ask)(const name_config *config, const name_real *given, const name_real *guess, name_real *result, name_info *info);
     const char *kinds;
     int given;
     int found;
-    const @{p}_real *values;
-    const @{p}_real *guesses;
-    const @{p}_real *answers;
+    const name_real *values;
+    const name_real *guesses;
+    const name_real *answers;
     const double *weights;
-    @{p}_status (*step)(const @{p}_config *config, const @{p}_real *given, const @{p}_real *guess, @{p}_real *result, @{p}_info *info);
+    name_status (*step)(const name_config *config, const name_real *given, const name_real *guess, name_real *result, name_info *info);
     const struct function *opposite;
     int informs; /* whether a config is read and an info written */
     int blamed; /* which values info->joint is about: 1 given ones, 2 the guess, 0 neither */
@@ -33,7 +33,7 @@ typedef struct function {
     double within;
 } function;
 
-static const @{p}_real wrong[3] = { (@{p}_real)NAN, (@{p}_real)INFINITY, -(@{p}_real)INFINITY };
+static const name_real wrong[3] = { (name_real)NAN, (name_real)INFINITY, -(name_real)INFINITY };
 static int failures = 0;
 
 static void expect(int right, const char *of, const char *what, int number)
@@ -44,14 +44,14 @@ static void expect(int right, const char *of, const char *what, int number)
     }
 }
 
-static void copy(const @{p}_real *from, @{p}_real *to, int count)
+static void copy(const name_real *from, name_real *to, int count)
 {
     for (int i = 0; i < count; ++i) {
         to[i] = from[i];
     }
 }
 
-static int all_are(const @{p}_real *values, int count, @{p}_real value)
+static int all_are(const name_real *values, int count, name_real value)
 {
     int same = 1;
     for (int i = 0; i < count; ++i) {
@@ -63,7 +63,7 @@ static int all_are(const @{p}_real *values, int count, @{p}_real value)
 @{poses}
 @{wrappers}
 /* Largest weighed difference; of q and -q, one rotation, the nearer one. NaN is the largest. */
-static double away(const function *asked, const @{p}_real *a, const @{p}_real *b)
+static double away(const function *asked, const name_real *a, const name_real *b)
 {
     double largest = 0.0;
     double cosine = 0.0;
@@ -82,53 +82,53 @@ static double away(const function *asked, const @{p}_real *a, const @{p}_real *b
 static void solve_all(const function *asked)
 {
     const char *const name = asked->name;
-    for (int k = 0; k < @{P}_VECTORS; ++k) {
-        const double bound = @{p}_vector_bounds[k];
+    for (int k = 0; k < NAME_VECTORS; ++k) {
+        const double bound = name_vector_bounds[k];
         const double most = asked->share * bound + asked->within;
-        const @{p}_real *const given = &asked->values[asked->given * k];
-        const @{p}_real *const guess = (asked->guesses == NULL) ? NULL : &asked->guesses[asked->found * k];
-        const @{p}_real *const answer = &asked->answers[asked->found * k];
-        @{p}_real result[MOST];
-        @{p}_real again[MOST];
-        @{p}_info info;
+        const name_real *const given = &asked->values[asked->given * k];
+        const name_real *const guess = (asked->guesses == NULL) ? NULL : &asked->guesses[asked->found * k];
+        const name_real *const answer = &asked->answers[asked->found * k];
+        name_real result[MOST];
+        name_real again[MOST];
+        name_info info;
         for (int i = 0; i < asked->found; ++i) {
             result[i] = (guess != NULL) ? guess[i] : @{four};
         }
-        expect(asked->ask(NULL, given, asked->informs ? result : guess, result, &info) == @{P}_OK, name, "OK", k);
+        expect(asked->ask(NULL, given, asked->informs ? result : guess, result, &info) == NAME_OK, name, "OK", k);
         expect(away(asked, result, answer) <= most, name, "answer", k);
         if (asked->informs) {
             expect((double)info.residual <= 16.0 * bound, name, "residual", k);
             expect(info.min_pivot > @{zero}, name, "smallest pivot", k);
             expect(info.joint == N, name, "no joint to blame", k);
-            expect(asked->ask(NULL, given, guess, again, NULL) == @{P}_OK, name, "without info", k);
+            expect(asked->ask(NULL, given, guess, again, NULL) == NAME_OK, name, "without info", k);
             copy(result, again, asked->found);
-            expect(asked->ask(NULL, given, again, again, &info) == @{P}_OK, name, "standing still", k);
+            expect(asked->ask(NULL, given, again, again, &info) == NAME_OK, name, "standing still", k);
             expect(away(asked, again, answer) <= most, name, "answer of standing still", k);
         }
         if (asked->step != NULL) {
             copy(result, again, asked->found);
-            expect(asked->step(NULL, given, NULL, again, &info) == @{P}_OK, name, "track", k);
+            expect(asked->step(NULL, given, NULL, again, &info) == NAME_OK, name, "track", k);
             expect(away(asked, again, answer) <= most, name, "answer of track", k);
         }
         if (asked->opposite != NULL) {
-            expect(asked->opposite->ask(NULL, result, NULL, again, NULL) == @{P}_OK, name, "asked back", k);
+            expect(asked->opposite->ask(NULL, result, NULL, again, NULL) == NAME_OK, name, "asked back", k);
             expect(away(asked->opposite, again, given) <= bound, name, "answer asked back", k);
         }
     }
 }
 
 /* Values that are refused: the status (OK: any but this), the joint that is blamed, the result untouched, info written. */
-static void refuse(const function *asked, const @{p}_real *given, const @{p}_real *guess, @{p}_status wanted, int joint, int number)
+static void refuse(const function *asked, const name_real *given, const name_real *guess, name_status wanted, int joint, int number)
 {
-    @{p}_real result[MOST];
-    @{p}_info info;
+    name_real result[MOST];
+    name_info info;
     for (int i = 0; i < MOST; ++i) {
         result[i] = @{four};
     }
     info.iterations = 255U;
     info.joint = N;
-    const @{p}_status status = asked->ask(NULL, given, guess, result, &info);
-    expect((wanted == @{P}_OK) ? (status != @{P}_OK) : (status == wanted), asked->name, "status of a refusal", number);
+    const name_status status = asked->ask(NULL, given, guess, result, &info);
+    expect((wanted == NAME_OK) ? (status != NAME_OK) : (status == wanted), asked->name, "status of a refusal", number);
     expect(all_are(result, MOST, @{four}), asked->name, "result untouched by a refusal", number);
     if (asked->informs) {
         expect(info.iterations != 255U, asked->name, "info of a refusal", number);
@@ -137,9 +137,9 @@ static void refuse(const function *asked, const @{p}_real *given, const @{p}_rea
 }
 
 /* A step that is refused: the status, the result untouched. */
-static void refuse_step(const function *asked, const @{p}_real *given, const @{p}_real *last, @{p}_status wanted, int number)
+static void refuse_step(const function *asked, const name_real *given, const name_real *last, name_status wanted, int number)
 {
-    @{p}_real result[MOST];
+    name_real result[MOST];
     copy(last, result, asked->found);
     expect(asked->step(NULL, given, NULL, result, NULL) == wanted, asked->name, "status of a step refused", number);
     expect(memcmp(last, result, (size_t)asked->found * sizeof result[0]) == 0, asked->name, "result untouched by a step refused", number);
@@ -148,16 +148,16 @@ static void refuse_step(const function *asked, const @{p}_real *given, const @{p
 /* Each number that is given or guessed in turn not finite, or out of all bounds; wrong configs, and too few steps. */
 static void refuse_values(const function *asked)
 {
-    const @{p}_real bad[4] = { @{zero}, -@{one}, wrong[0], wrong[1] };
+    const name_real bad[4] = { @{zero}, -@{one}, wrong[0], wrong[1] };
     const int count = (int)strlen(asked->kinds);
-    @{p}_real given[MOST];
-    @{p}_real guess[MOST];
+    name_real given[MOST];
+    name_real guess[MOST];
     for (int i = 0; i < count; ++i) {
-        const @{p}_real out = (asked->kinds[i] == 'c') ? @{far} : ((asked->kinds[i] == 's') ? (@{p}_real)1e30 : -@{one});
+        const name_real out = (asked->kinds[i] == 'c') ? @{far} : ((asked->kinds[i] == 's') ? (name_real)1e30 : -@{one});
         for (int k = 0; k < ((asked->kinds[i] == 'f') ? 3 : 5); ++k) {
             const int place = (i < asked->given) ? i : (i - asked->given);
             const int joint = (asked->blamed == ((i < asked->given) ? 1 : 2)) ? place : -1;
-            const @{p}_status status = (k < 3) ? @{P}_NONFINITE : @{P}_OUT_OF_RANGE;
+            const name_status status = (k < 3) ? NAME_NONFINITE : NAME_OUT_OF_RANGE;
             copy(asked->values, given, asked->given);
             if (asked->guesses != NULL) {
                 copy(asked->guesses, guess, asked->found);
@@ -170,14 +170,14 @@ static void refuse_values(const function *asked)
         }
     }
     for (int i = 0; (i < 8) && asked->informs; ++i) {
-        const @{p}_config config = { (i < 4) ? bad[i] : @{P}_TOLERANCE, @{P}_MAX_STEPS, (i < 4) ? @{P}_MAX_STEP : bad[i - 4] };
-        const @{p}_status status = asked->ask(&config, asked->values, asked->guesses, guess, NULL);
-        expect(status == ((i % 4 < 2) ? @{P}_OUT_OF_RANGE : @{P}_NONFINITE), asked->name, "status of a wrong config", i);
+        const name_config config = { (i < 4) ? bad[i] : NAME_TOLERANCE, NAME_MAX_STEPS, (i < 4) ? NAME_MAX_STEP : bad[i - 4] };
+        const name_status status = asked->ask(&config, asked->values, asked->guesses, guess, NULL);
+        expect(status == ((i % 4 < 2) ? NAME_OUT_OF_RANGE : NAME_NONFINITE), asked->name, "status of a wrong config", i);
     }
     for (unsigned int steps = 0U; (steps <= asked->few) && asked->informs; ++steps) {
-        const @{p}_config config = { @{P}_TOLERANCE, (uint8_t)steps, @{P}_MAX_STEP };
-        const @{p}_status status = asked->ask(&config, asked->values, asked->guesses, guess, NULL);
-        expect(status == @{P}_MAX_ITERATIONS, asked->name, "status of too few steps", (int)steps);
+        const name_config config = { NAME_TOLERANCE, (uint8_t)steps, NAME_MAX_STEP };
+        const name_status status = asked->ask(&config, asked->values, asked->guesses, guess, NULL);
+        expect(status == NAME_MAX_ITERATIONS, asked->name, "status of too few steps", (int)steps);
     }
 }
 
@@ -186,12 +186,12 @@ static void refuse_values(const function *asked)
 static void jacobian_of(int k)
 {
     const double most = @{jacobian_most};
-    @{p}_real jacobian[MOST];
+    name_real jacobian[MOST];
 @{nominal}
-@{configuration_of_k}
-    expect(@{p}_jacobian(@{ga}@{configuration}, jacobian) == @{P}_OK, "jacobian", "OK", k);
+    @{configuration_of_k}
+    expect(name_jacobian(@{ga}@{configuration}, jacobian) == NAME_OK, "jacobian", "OK", k);
     for (int i = 0; i < @{entries}; ++i) {
-        const double wanted = (double)@{p}_vector_jacobians[k][i];
+        const double wanted = (double)name_vector_jacobians[k][i];
         expect(fabs((double)jacobian[i] - wanted) <= most * (1.0 + fabs(wanted)), "jacobian", "entry", i);
     }
 }
@@ -199,8 +199,8 @@ static void jacobian_of(int k)
 @{more}
 int main(void)
 {
-@{tables}
-@{calls}
-    (void)printf("@{p}: %d cases, %d failures\n", @{P}_VECTORS, failures);
+    @{tables}
+    @{calls}
+    (void)printf("@{p}: %d cases, %d failures\n", NAME_VECTORS, failures);
     return (failures == 0) ? 0 : 1;
 }

@@ -1,22 +1,22 @@
 /* LU of the matrix, unrolled in an order of pivots chosen over sampled poses; the sign of the determinant, 0 where a
- * pivot is far below its usual size, which is left to @{k}_pivoted. What is added to pivots is below the rounding of any other, and
+ * pivot is far below its usual size, which is left to solver_pivoted. What is added to pivots is below the rounding of any other, and
  * keeps divisions by zero away. */
-static int @{k}_factor(@{gp}@{k}_work *w)
+static int solver_factor(@{gp}solver_work *w)
 {
-    @{real} det;
+    name_real det;
 @{use}
     w->pivoted = false;
-@{factor}
+    @{factor}
     return (w->spread < @{guard}) ? ((det @{sign} @{zero}) ? 1 : -1) : 0;
 }
 
 /* The step from w->f into w->f: forward and back substitution. */
-static void @{k}_solve(@{k}_work *w)
+static void solver_solve(solver_work *w)
 {
     if (w->pivoted) {
-        @{p}_lu_solve(w->a, w->order, w->f, @{n});
+        name_lu_solve(w->a, w->order, w->f, @{n});
         return;
     }
-@{solve}
+    @{solve}
 }
 

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from importlib import resources
-from string import Template
 
 import numpy as np
 
@@ -16,10 +16,12 @@ below the largest float.
 """
 
 
-class _C(Template):
-    """Templates of C: @{name}; a name without a value is an error."""
-
-    delimiter = "@"
+_NAMES = re.compile(r"@(?:\{(\w+)\}|@)?|\b(?:name|NAME|solver)(?=_)")
+"""What stands for something in a template: @{value}, @@, and beginnings of words: of the machine
+name_ and NAME_, of one of its iterations solver_.
+"""
+_ALONE = re.compile(r"( *)@\{(\w+)\}")
+_PREFIXES = {"name": "p", "NAME": "P", "solver": "k"}
 
 
 def fill(template: str, values: Mapping[str, object]) -> str:
@@ -37,9 +39,25 @@ def template_text(template: str) -> str:
 
 
 def substitute(text: str, values: Mapping[str, object]) -> str:
-    """Replace the names in a text; lines whose name stands for nothing are left out."""
-    lines = [(line, _C(line).substitute(values).rstrip()) for line in text.split("\n")]
-    return "\n".join(filled for line, filled in lines if filled or not line)
+    """Put values in the places of @{value} in a text, and names in those of name_, NAME_ and
+    solver_; @@ is @, what has no value an error. A value alone on its line, a text or lines, stands
+    as deep as its name. Lines whose names stand for nothing are left out.
+    """
+
+    def value(found: re.Match[str]) -> str:
+        text = found[0]
+        return "@" if text == "@@" else str(values[found[1] or _PREFIXES.get(text, text)])
+
+    filled = list[str]()
+    for line in text.split("\n"):
+        alone = _ALONE.fullmatch(line)
+        given = values[alone[2]] if alone else _NAMES.sub(value, line)
+        parts = given if isinstance(given, list) else str(given).rstrip().split("\n")
+        depth = alone[1] if alone else ""
+        filled += [
+            depth + part if part else "" for part in parts if part or parts != [""] or not line
+        ]
+    return "\n".join(filled)
 
 
 def common_values(name: str, real: Real, *, struct: bool) -> dict[str, object]:

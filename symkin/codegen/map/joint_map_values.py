@@ -1,0 +1,122 @@
+"""Write the C of a map's values and their numbers: of an angle cosine and sine, in a configuration
+y, in states and beside limits.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from symkin.codegen.map.joint_map import JointMap
+from symkin.codegen.steps.joint_ranges import range_of
+from symkin.codegen.text.angles import number_counts
+from symkin.codegen.text.c import Real, indexed
+from symkin.codegen.text.templates import FARTHEST
+from symkin.model.joint import Coordinate, units_of
+
+
+def places_among(coordinates: Sequence[Coordinate], wanted: Sequence[Coordinate]) -> list[int]:
+    """Places of the numbers of wanted coordinates among those of coordinates that stand beside each
+    other.
+    """
+    places, start = {}, 0
+    for c, count in zip(coordinates, number_counts(coordinates), strict=True):
+        places[c.name] = list(range(start, start + count))
+        start += count
+    return [i for c in wanted for i in places[c.name]]
+
+
+@dataclass(frozen=True, eq=False)
+class MapValues:
+    """Statements and C text of one map's values."""
+
+    made: JointMap
+
+    @property
+    def real(self) -> Real:
+        return self.made.real
+
+    @property
+    def name(self) -> str:
+        return self.made.name
+
+    def limits(
+        self, coordinates: Sequence[Coordinate], *, bounded: bool = True
+    ) -> list[tuple[float, float]]:
+        """Least and largest value of each coordinate: its limits with slack if `bounded`, else how
+        far it may be.
+        """
+        size, far = self.made.size, np.array(units_of(coordinates, self.made.size)) * FARTHEST
+        return [
+            range_of(c, self.real, size) if bounded and c.limits else (-most, most)
+            for c, most in zip(coordinates, far.tolist(), strict=True)
+        ]
+
+    def places(self, coordinates: Sequence[Coordinate]) -> list[int]:
+        """Where the numbers of coordinates stand in y."""
+        return places_among(self.made.coordinates, coordinates)
+
+    def copies(self, target: str, coordinates: Sequence[Coordinate]) -> list[str]:
+        """Statements that copy numbers of coordinates from y."""
+        return [f"{target}[{i}] = y[{place}];" for i, place in enumerate(self.places(coordinates))]
+
+    def into_y(self, source: str, coordinates: Sequence[Coordinate]) -> list[str]:
+        """Statements that copy numbers of coordinates into y."""
+        return [f"y[{place}] = {source}[{i}];" for i, place in enumerate(self.places(coordinates))]
+
+    def circles(
+        self, values: str, coordinates: Sequence[Coordinate], target: str, places: Sequence[int]
+    ) -> list[str]:
+        """Statements that set the numbers of coordinates by an array of their values."""
+        return self.circles_of(indexed(values, len(coordinates)), coordinates, target, places)
+
+    def circles_of(
+        self,
+        values: Sequence[str],
+        coordinates: Sequence[Coordinate],
+        target: str,
+        places: Sequence[int],
+    ) -> list[str]:
+        """Statements that set the numbers of coordinates by C text of their values."""
+        lines, place = [], iter(places)
+        for c, value in zip(coordinates, values, strict=True):
+            entry = f"{target}[{next(place)}]"
+            if c.kind == "angle":
+                lines.append(f"{self.name}_cosine_and_sine({value}, &{entry});")
+                next(place)
+            else:
+                lines.append(f"{entry} = {value};")
+        return lines
+
+    def turned(self, c: Coordinate, angle: str, near: str) -> str:
+        """C text of an angle moved by whole turns next to another, within its limits."""
+        ((low, high),) = self.limits([c])
+        literal = self.real.literal
+        return f"{self.name}_turned({angle}, {near}, {literal(low)}, {literal(high)})"
+
+    def nearest(self, c: Coordinate, value: str, near: str) -> str:
+        """C text of a value; of an angle's, the one of its whole turns that is nearest to another
+        value.
+        """
+        return self.turned(c, value, near) if c.kind == "angle" else value
+
+    def plain_values(self, coordinates: Sequence[Coordinate], numbers: Sequence[str]) -> list[str]:
+        """C text of the values of coordinates by their numbers, angles within half a turn of 0."""
+        angle = f"{self.name}_angle" if self.real.name == "float" else "atan2"
+        entry, found = iter(numbers), list[str]()
+        for c in coordinates:
+            first = next(entry)
+            found.append(f"{angle}({next(entry)}, {first})" if c.kind == "angle" else first)
+        return found
+
+    def values_of(
+        self, coordinates: Sequence[Coordinate], numbers: Sequence[str], near: str
+    ) -> list[str]:
+        """C text of the values of coordinates by their numbers, angles next to `near`."""
+        plain = self.plain_values(coordinates, numbers)
+        return [
+            self.nearest(c, value, f"{near}[{i}]")
+            for i, (c, value) in enumerate(zip(coordinates, plain, strict=True))
+        ]

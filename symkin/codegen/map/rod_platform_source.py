@@ -1,0 +1,270 @@
+"""Write the C of a platform on six rods: explicit inverse, direct problem by Newton on the pose, no
+trigonometry.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import prod
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+from symkin.closure.snapping import snap
+from symkin.codegen.map.limb_platform_source import LimbPlatformSource
+from symkin.codegen.map.rod_platform import RodPlatform
+from symkin.codegen.steps.joint_ranges import Range, range_functions
+from symkin.codegen.steps.rod_kernel import Rods, rod_vectors
+from symkin.codegen.steps.rod_line import rod_line
+from symkin.codegen.text.c import Emitter
+from symkin.codegen.text.templates import FARTHEST, copy, copy_loop, fill
+from symkin.computed_once import cached_property
+from symkin.spatial.backend import cross, dot
+
+
+@dataclass(frozen=True, eq=False)
+class RodSource(LimbPlatformSource):
+    """The C of one platform on six rods, function by function."""
+
+    made: RodPlatform
+
+    @property
+    def _rods(self) -> Rods:
+        return self.made.rods
+
+    @property
+    def _driver(self) -> dict[str, Any]:
+        retarget = f"{self.name}_direct_retarget({self._ga}w, to, aim, done);"
+        return {
+            "members": [f"const {self.name}_pose *guess; /* where the line begins */"],
+            "matrix": _matrix_lines(self.made),
+            "retarget": retarget,
+        }
+
+    @property
+    def _line(self) -> dict[str, object]:
+        p, ga = self.name, self._ga
+        leave = [
+            *copy("pose->position", "w->x", 3),
+            *(f"pose->quaternion[{i}] = w->x[{3 + i}];" for i in range(4)),
+        ]
+        enter = ["w->guess = guess;", f"status = {p}_normalise_pose({ga}guess, w->x);"]
+        return {
+            "enter": enter,
+            "leave": leave,
+            "unwrap": "",
+            "to": "joints",
+            "whole": "",
+        }
+
+    @property
+    def _at_pose(self) -> list[str]:
+        words = " and rods longer than zero"
+        return [range_functions(self._ranges, self.real, self.values, words)]
+
+    @property
+    def _direct(self) -> list[str]:
+        code = self.code
+        return [
+            code.work,
+            code.functions,
+            fill("rod_values.c", self._common | {"lines": self._rod_value_lines}),
+            code.target,
+            code.linear.text,
+            fill("retarget.c", self.values),
+            code.driver,
+            fill("no_step.c", self.values),
+            fill("parallel_direct.c", self.values),
+        ]
+
+    @cached_property
+    def _ranges(self) -> list[Range]:
+        return _ranges(self.made)
+
+    @property
+    def _target_lines(self) -> list[str]:
+        """Statements that set w->k: squared lengths L^2, or (2 L0 + dL) dL."""
+        joints = ca.SX.sym("j", 6)
+        if self.made.options.home_relative:
+            values = [(2 * self._rods.home_lengths[i] + joints[i]) * joints[i] for i in range(6)]
+        else:
+            values = [(joints[i] + self._rods.offsets[i]) ** 2 for i in range(6)]
+        inputs = [(joints, "to")]
+        return self._rolled(inputs, values)
+
+    @property
+    def _rod_value_lines(self) -> list[str]:
+        """Statements of joint values from the rows: with w->k = 0 these are -d.d, or -(2 d0 +
+        delta).delta in the home-relative form.
+        """
+        f, rods = ca.SX.sym("f", 6), self._rods
+        if rods.home is None:
+            joints = [ca.sqrt(-f[i]) - rods.offsets[i] for i in range(6)]
+        else:
+            # L - L0 = (L^2 - L0^2) / (L + L0): no large numbers cancel
+            joints = [
+                -f[i] / (ca.sqrt(length**2 - f[i]) + length)
+                for i, length in enumerate(rods.home_lengths)
+            ]
+        return [
+            *(f"w->k[{i}] = {self.real.zero};" for i in range(6)),
+            f"{self.name}_direct_rows({self._ga}w);",
+            *self._rolled([(f, "w->f")], joints),
+        ]
+
+    def _rolled(
+        self, inputs: Sequence[tuple[ca.SX, Sequence[str]]], values: Sequence[ca.SX]
+    ) -> list[str]:
+        """Statements that set w->k to a value for each rod: a loop where all six are alike, which
+        takes less room.
+        """
+        whole = [*inputs, (self.made.geometry.symbols, self.made.geometry.names)]
+
+        def lines(i: int, prefix: str) -> list[str]:
+            emitter = Emitter.of(self.real, whole, ca.vertcat(*values), prefix=prefix)
+            text = emitter.value(0, i)
+            return [*emitter.lines, f"w->k[{i}] = {text};"]
+
+        each = [[line.replace(f"[{i}]", "[i]") for line in lines(i, "t")] for i in range(6)]
+        if all(found == each[0] for found in each):
+            return ["for (int i = 0; i < 6; ++i) {", *("    " + line for line in each[0]), "}"]
+        return [line for i in range(6) for line in lines(i, f"t{i}_")]
+
+    @property
+    def _inverse(self) -> list[str]:
+        """NAME_inverse and NAME_jacobian, and NAME_line where rods have limits."""
+        jacobian, stores = self._jacobian
+        own = {
+            "jacobian": jacobian,
+            "store_jacobian": stores,
+            "copy_joints": copy("joints", "w.k", 6),
+        }
+        line = rod_line(self._ranges, self.real, self.values) if self.made.has_limits else ""
+        return [fill("rod_inverse.c", self.values | own), line]
+
+    @property
+    def _jacobian(self) -> tuple[list[str], list[str]]:
+        """Statements of the Jacobian, and of its copy."""
+        if self.made.options.compact and not self.made.options.home_relative:
+            return self._looped_jacobian, copy_loop("jacobian", "rows", 36)
+        x, size = ca.SX.sym("x", 7), self.made.mechanism.characteristic_length
+        arms, d, _ = rod_vectors(self._rods, x[:3], x[3:])
+        squared = [dot(v, v) for v in d]
+        inverses = [1 / ca.sqrt(s) for s in squared]
+        rows = [
+            ca.vertcat(v * inverse, cross(arm, v) * inverse)
+            for arm, v, inverse in zip(arms, d, inverses, strict=True)
+        ]
+        # zero where a rod has no length; in units of the size, so that twelve do not overflow
+        shortest = prod((square / size**2 for square in squared[1:]), start=squared[0] / size**2)
+        inputs = [(x, "x"), (self.made.geometry.symbols, self.made.geometry.names)]
+        emitter = Emitter.of(self.real, inputs, ca.vertcat(*rows), shortest)
+        text, texts = emitter.value(1, 0), emitter.values(0)
+        stores = [f"jacobian[{k}] = {text};" for k, text in enumerate(texts)]
+        return [*emitter.lines, f"const {self.real.type} shortest = {text};"], stores
+
+    @property
+    def _looped_jacobian(self) -> list[str]:
+        """Statements of the Jacobian's rows in a loop over the rods, whose vectors are those of the
+        direct problem's rows: with d = p + R a - b the moment (R a) x d is (b - p) x d.
+        """
+        kind, literal, sqrt = self.real.type, self.real.literal, self.real.call("sqrt")
+        table, b = _bases(self.made, 1.0)
+        towards = [
+            f"const {kind} {axis} = {b[k] + ' - ' if k in b else '-'}x[{k}];"
+            for k, axis in enumerate(("forth", "aside", "up"))
+        ]
+        return [
+            *table,
+            f"{self.name}_direct_work w;",
+            f"{kind} rows[36];",
+            f"{kind} shortest = {self._common['huge']};",
+            *copy_loop("w.x", "x", 7),
+            *(f"w.k[{i}] = {literal(0.0)};" for i in range(6)),
+            f"{self.name}_direct_rows({self._ga}&w);",
+            "for (int i = 0; i < 6; ++i) {",
+            f"    const {kind} *const d = &w.d[3 * i];",
+            f"    {kind} *const row = &rows[6 * i];",
+            *("    " + line for line in towards),
+            f"    const {kind} squared = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];",
+            f"    const {kind} inverse = {literal(1.0)} / {sqrt}((squared > {literal(0.0)}) ? "
+            f"squared : {literal(1.0)});",
+            "    shortest = (squared < shortest) ? squared : shortest;",
+            *(f"    row[{k}] = d[{k}] * inverse;" for k in range(3)),
+            "    row[3] = aside * row[2] - up * row[1];",
+            "    row[4] = up * row[0] - forth * row[2];",
+            "    row[5] = forth * row[1] - aside * row[0];",
+            "}",
+        ]
+
+
+def _matrix_lines(platform: RodPlatform) -> list[str]:
+    """Statements for [d, 4 b x d] in a loop: the fallback's matrix, where time does not matter but
+    room does. The table holds 4 b without coordinates that are zero for all bases.
+    """
+    real = platform.real
+    struct = platform.options.geometry == "struct"
+    table, b = _bases(platform, 4.0)
+    four = f"{real.literal(4.0)} * " if struct else ""
+    entries = [f"row[{k}] = d[{k}];" for k in range(3)]
+    for k, m, n in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
+        plus = f"{four}{b[m]} * d[{n}]" if m in b else ""
+        minus = f"{four}{b[n]} * d[{m}]" if n in b else ""
+        text = (
+            f"{plus} - {minus}"
+            if plus and minus
+            else plus or (f"-({minus})" if minus else real.zero)
+        )
+        entries.append(f"row[{3 + k}] = {text};")
+    return [
+        *table,
+        "for (int i = 0; i < 6; ++i) {",
+        f"    const {real.type} *const d = &w->d[3 * i];",
+        f"    {real.type} *const row = &w->a[6 * i];",
+        *("    " + text for text in entries),
+        "}",
+    ]
+
+
+def _bases(platform: RodPlatform, factor: float) -> tuple[list[str], dict[int, str]]:
+    """Statement of a table of the bases' points times a factor, without coordinates that are zero
+    for all of them, and C text of each coordinate; of a geometry struct no table, and no factor.
+    """
+    if platform.options.geometry == "struct":
+        return [], {k: f"geometry->base[i][{k}]" for k in range(3)}
+    real, size = platform.real, platform.mechanism.characteristic_length
+    rows = platform.geometry.rows[:, :3]
+    kept = [k for k in range(3) if np.any(rows[:, k] != 0.0)] or [0]
+    numbers = ", ".join(
+        "{ " + ", ".join(real.literal(factor * snap(float(row[k]), size)) for k in kept) + " }"
+        for row in rows
+    )
+    table = f"static const {real.type} base[6][{len(kept)}] = {{ {numbers} }};"
+    return [table + (" /* 4 b */" if factor == 4.0 else "")], {
+        k: f"base[i][{place}]" for place, k in enumerate(kept)
+    }
+
+
+def _ranges(platform: RodPlatform) -> list[Range]:
+    """Ranges: the limbs' own, and lengths that are positive."""
+    real, size = platform.real, platform.mechanism.characteristic_length
+    slack = max(1e-9, 16 * real.epsilon) * size
+    zero = platform.zero + np.zeros(6)
+    found = []
+    for i, bar in enumerate(platform.mechanism.bars):
+        limits = platform.mechanism.actuated[i].limits
+        low = max(-bar.offset + 1e-6 * size, limits[0] - slack if limits else -np.inf) - zero[i]
+        high = real.literal(limits[1] + slack - zero[i] if limits else FARTHEST * size)
+        if (
+            platform.options.geometry == "struct"
+            and not limits
+            and not platform.options.home_relative
+        ):
+            found.append(
+                Range(real.literal(1e-6 * size), high, "joints[{i}] + geometry->offset[{i}]")
+            )
+        else:
+            found.append(Range(real.literal(low), high))
+    return found

@@ -1,0 +1,218 @@
+"""The few equations of a transmission from which array code is written: rows R(m, j) = 0 over
+motors and joints alone, and formulas of one by the other where elimination finds them.
+
+They are rows that each loop implies without its passive joints, distances mostly; else, where
+formulas give the motors, R = m - f(j), and where they give the joints, R = j - g(m).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import casadi as ca
+import numpy as np
+
+from symkin.codegen.closed_direction import ClosedDirection
+from symkin.codegen.map.joint_map import Direction, JointMap
+from symkin.codegen.map.options import Options
+from symkin.codegen.text.c import Real
+from symkin.computed_once import cached_property
+from symkin.elimination.implied_rows import PointRow, implied_rows
+from symkin.elimination.product_rows import ProductRow
+from symkin.errors import InputError
+from symkin.model.joint import Coordinate
+from symkin.numeric.rank import independent_rows
+from symkin.numeric.system import System
+from symkin.position.groups import dependence_of
+from symkin.position.problem import Problem
+from symkin.spatial.backend import stacked
+from symkin.transmissions.linkage import Linkage
+
+_OF_POINTS = ("distance", "point")
+"""Relations of rows from which spheres are implied."""
+
+
+@dataclass(frozen=True, eq=False)
+class Formula:
+    """Values of coordinates as expressions of known ones and of signs, with the signs that the
+    reference has.
+    """
+
+    values: ca.SX
+    signs: ca.SX
+    at_reference: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class TransmissionRows:
+    """Rows and formulas of a linkage of as many motors as joints; `m` and `j` are their symbols."""
+
+    linkage: Linkage
+
+    @cached_property
+    def m(self) -> ca.SX:
+        return ca.SX.sym("m", len(self.linkage.motors))
+
+    @cached_property
+    def j(self) -> ca.SX:
+        return ca.SX.sym("j", len(self.linkage.joints))
+
+    @cached_property
+    def motors_of(self) -> Formula | None:
+        """Motors by joints."""
+        return self._formula("inverse", self.j)
+
+    @cached_property
+    def joints_of(self) -> Formula | None:
+        """Joints by motors."""
+        return self._formula("direct", self.m)
+
+    @cached_property
+    def rows(self) -> ca.SX:
+        """R(m, j), as many as motors, explicit ones at the signs of the reference. Raises
+        InputError.
+        """
+        if self._implied:
+            return self._chosen
+        if self.motors_of is not None:
+            return self.m - _at_reference(self.motors_of)
+        if self.joints_of is not None:
+            return self.j - _at_reference(self.joints_of)
+        raise InputError(
+            f"{', '.join(self.linkage.joints)}: no formula and no row without passive joints was "
+            f"found for this linkage, so that no array file is written; C has its Newton iteration"
+        )
+
+    # --- formulas ---------------------------------------------------------------------------------
+
+    @cached_property
+    def _map(self) -> JointMap:
+        linkage = self.linkage
+        options = Options(given=linkage.motors, find=linkage.joints)
+        return JointMap(linkage.mechanism, options, Real("double"))
+
+    def _formula(self, name: Literal["direct", "inverse"], known: ca.SX) -> Formula | None:
+        """The formula of a direction, by all rows or else by implied ones."""
+        made: JointMap = self._map
+        direction = made.direct if name == "direct" else made.inverse
+        if self._implied:
+            direction = Direction(name, self._implied_problem(name))
+        if not direction.is_closed:
+            return None
+        closed = ClosedDirection(made, direction, {})
+        wanted = self.linkage.joints if name == "direct" else self.linkage.motors
+        reference = dict(zip(wanted, self._reference(wanted), strict=True))
+        told = {c.name: known[k] for k, c in enumerate(direction.known)}
+        values = []
+        for one in wanted:
+            number = closed.numbers[one][0]
+            turned = number.value
+            if number.cosine is not None and number.sine is not None:
+                about = float(reference[one])
+                turned = _angle_about(number.cosine, number.sine, about) + about
+            values.append(told[one] if one in told else closed.with_roots(turned, known))
+        return Formula(ca.vertcat(*values), closed.signs, closed.reference_signs)
+
+    def _reference(self, names: tuple[str, ...]) -> np.ndarray:
+        return np.asarray(self.linkage.reference[self.linkage.places_of(names)])
+
+    # --- implied rows -----------------------------------------------------------------------------
+
+    @cached_property
+    def _implied(self) -> tuple[PointRow | ProductRow, ...]:
+        """What each loop says without the joints that it alone holds, where that is enough."""
+        problem = self.linkage.problem
+        closure, ends = problem.closure, {*self.linkage.motors, *self.linkage.joints}
+        held: dict[str, set[str]] = {}
+        for source, line in zip(
+            closure.row_sources, dependence_of(closure.bound(closure.rows), closure), strict=True
+        ):
+            if source.relation not in _OF_POINTS:
+                return ()
+            held.setdefault(source.limb, set()).update(
+                c.name for c in closure.coordinates if line[closure.slices[c.name]].any()
+            )
+        found: list[PointRow | ProductRow] = []
+        for branch, names in held.items():
+            others = set().union(*(n for b, n in held.items() if b != branch))
+            found += implied_rows(closure, branch, names - ends - others)
+        known = {c.name for c in self._coordinates(ends)}
+        rows = stacked(row.row for row in found)
+        own = [
+            row
+            for row, line in zip(found, dependence_of(rows, closure), strict=True)
+            if all(
+                c.name in known for c in closure.coordinates if line[closure.slices[c.name]].any()
+            )
+        ]
+        return tuple(own) if len(self._independent(own)) == self._needed else ()
+
+    @property
+    def _needed(self) -> int:
+        """Rows that tie motors and joints: those that are both need none."""
+        return len({*self.linkage.motors} - {*self.linkage.joints})
+
+    def _coordinates(self, names: set[str]) -> list[Coordinate]:
+        return [c for c in self.linkage.problem.closure.coordinates if c.name in names]
+
+    def _independent(self, rows: Sequence[PointRow | ProductRow]) -> list[int]:
+        if not rows:
+            return []
+        closure = self.linkage.problem.closure
+        names = {*self.linkage.motors, *self.linkage.joints}
+        symbols = closure.symbols(self._coordinates(names))
+        slopes = ca.Function("s", [closure.variables], [ca.jacobian(self._scaled(rows), symbols)])
+        matrix = np.asarray(slopes(self.linkage.reference)).reshape(len(rows), -1)
+        return sorted(independent_rows(matrix, 1e-6, groups=range(len(rows))))
+
+    def _scaled(self, rows: Sequence[PointRow | ProductRow]) -> ca.SX:
+        size = self.linkage.size
+        return ca.vertcat(*(r.row / (2 * size * size if r.is_sphere else size) for r in rows))
+
+    def _implied_problem(self, name: Literal["direct", "inverse"]) -> Problem:
+        linkage = self.linkage
+        problem, closure = linkage.problem, linkage.problem.closure
+        known = linkage.motors if name == "direct" else linkage.joints
+        names = {*linkage.motors, *linkage.joints} - {*known}
+        parts = [self._coordinates(names), linkage.coordinates_of(known)]
+        unknown, given = (closure.symbols(part) for part in parts)
+        rows = linkage.size * self._scaled(list(self._implied))
+        system = System(tuple(parts[0]), unknown, given, rows, rows, closure.characteristic_length)
+        return replace(
+            problem,
+            system=system,
+            known_coordinates=tuple(parts[1]),
+            row_places=(),
+            implied=self._implied,
+        )
+
+    @cached_property
+    def _chosen(self) -> ca.SX:
+        """As many implied rows as motors, over `m` and `j`; what is motor and joint is equal."""
+        linkage, closure = self.linkage, self.linkage.problem.closure
+        rows = self._scaled([self._implied[k] for k in self._independent(list(self._implied))])
+        both = [n for n in linkage.joints if n in linkage.motors]
+        same = [self.j[linkage.joints.index(n)] - self.m[linkage.motors.index(n)] for n in both]
+        names = (*linkage.motors, *(n for n in linkage.joints if n not in both))
+        symbols = [closure.variables[closure.slices[n]] for n in names]
+        mine = [
+            self.m[linkage.motors.index(n)]
+            if n in linkage.motors
+            else self.j[linkage.joints.index(n)]
+            for n in names
+        ]
+        return ca.vertcat(ca.substitute(rows, ca.vertcat(*symbols), ca.vertcat(*mine)), *same)
+
+
+def _at_reference(formula: Formula) -> ca.SX:
+    return ca.substitute(formula.values, formula.signs, ca.SX(ca.DM(formula.at_reference)))
+
+
+def _angle_about(cosine: ca.SX, sine: ca.SX, about: float) -> ca.SX:
+    """The angle less `about`, within half a turn."""
+    if not about:
+        return ca.atan2(sine, cosine)
+    c, s = float(np.cos(about)), float(np.sin(about))
+    return ca.atan2(sine * c - cosine * s, cosine * c + sine * s)

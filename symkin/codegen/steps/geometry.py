@@ -1,0 +1,182 @@
+"""Give generated code its geometry: numbers folded into it, or the members of a struct given at run
+time.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import casadi as ca
+import numpy as np
+
+from symkin.closure.closure import Closure
+from symkin.codegen.text.c import Real
+from symkin.computed_once import cached_property
+from symkin.errors import InputError
+from symkin.machine.frame import Frames
+from symkin.model.names import identifiers
+from symkin.numeric.system import System
+from symkin.position.problem import Problem
+from symkin.spatial.rotation import conjugate, multiply
+
+_ROUNDING = 1e-15
+"""Of numbers of a rotation."""
+_LARGEST = 100.0
+"""Sizes of the machine, beyond which a float's rounding of a length is above a hundred times the
+rounding of the machine's own.
+"""
+
+
+@dataclass(frozen=True, eq=False)
+class Geometry:
+    """The parameters p of a closure: none of them symbols where `at_run_time` is false. Poses are
+    told in the `frames` of a description (None: in those of the closure).
+    """
+
+    closure: Closure
+    at_run_time: bool
+    frames: Frames | None = None
+
+    @property
+    def symbols(self) -> ca.SX:
+        return self.closure.parameters if self.at_run_time else ca.SX(0, 1)
+
+    @property
+    def values(self) -> np.ndarray:
+        """Nominal numbers in the order of the symbols."""
+        return self.closure.parameter_values if self.at_run_time else np.zeros(0)
+
+    @cached_property
+    def rotation(self) -> np.ndarray | None:
+        """The matrix that turns vectors as they are told into those of the closure, whose numbers
+        are 0 and 1 where they are so to rounding.
+        """
+        return None if self.frames is None else _exact(self.frames.base.rotation)
+
+    @cached_property
+    def _turn(self) -> np.ndarray:
+        """The matrix that turns quaternions of the closure into those as they are told."""
+        assert self.frames is not None  # noqa: S101 - the caller has looked
+        base, own = self.frames.base.quaternion, self.frames.platform.quaternion
+        return _exact(
+            np.array([multiply(multiply(conjugate(base), unit), own) for unit in np.eye(4)]).T
+        )
+
+    @cached_property
+    def pose(self) -> ca.SX:
+        """Position and quaternion of the platform as they are told, over the pose coordinates."""
+        pose, rotation = self.closure.pose, self.rotation
+        position, quaternion = pose.position, pose.quaternion
+        if rotation is not None:
+            position = ca.mtimes(ca.DM(rotation.T), position)
+            quaternion = ca.mtimes(ca.DM(self._turn), quaternion)
+        return self.of(ca.vertcat(position, quaternion))
+
+    def taken(self, x: ca.SX) -> ca.SX:
+        """The seven numbers of a pose as it is told as the closure has them."""
+        if self.rotation is None:
+            return x
+        turned = (ca.mtimes(ca.DM(self.rotation), x[:3]), ca.mtimes(ca.DM(self._turn.T), x[3:]))
+        return ca.vertcat(*turned)
+
+    @cached_property
+    def members(self) -> list[str]:
+        """Members of the struct: key paths with C's letters, `leg1.base.x` as `leg1_base_x`."""
+        return identifiers(self.closure.parameter_names) if self.at_run_time else []
+
+    @property
+    def names(self) -> list[str]:
+        """C text of each symbol."""
+        return [f"geometry->{member}" for member in self.members]
+
+    def of(self, expression: ca.SX) -> ca.SX:
+        """An expression of the closure with numbers in place of p, unless p comes at run time."""
+        return expression if self.at_run_time else self.closure.bound(expression)
+
+    def system(self, problem: Problem) -> System:
+        """The problem's system over p."""
+        bound, closure = problem.system, self.closure
+        return System(
+            bound.unknowns,
+            bound.unknown,
+            bound.known,
+            self.of(closure.rows),
+            self.of(closure.errors),
+            bound.characteristic_length,
+        )
+
+    def check(self, real: Real) -> None:
+        """Raises InputError where a struct in this type cannot hold numbers that cancel to the size
+        of the machine.
+        """
+        largest, mechanism = float(np.max(np.abs(self.values), initial=0.0)), self.closure.mechanism
+        if real.name == "float" and largest > _LARGEST * max(mechanism.characteristic_length, 1.0):
+            raise InputError(
+                f"{mechanism.name}: a number of its geometry is {largest:g}, over {_LARGEST:g} "
+                f"times its size of "
+                f"{mechanism.characteristic_length:.3g} {mechanism.length_unit}: a float holds it "
+                f"too coarsely; "
+                "use --real double, or leave --geometry struct out, which folds it into the code"
+            )
+
+    def declaration(self, name: str, real: Real) -> str:
+        """The struct and its nominal values, for the header."""
+        prefix = name.upper()
+        members = [f"    {name}_real {member};" for member in self.members]
+        last = len(self.members) - 1
+        numbers = [
+            f"        {real.literal(v)}{',' if k < last else ''} /* {member} */ \\"
+            for k, (member, v) in enumerate(zip(self.members, self.values, strict=True))
+        ]
+        return "\n".join(
+            [
+                "/* Geometry by the model's key paths: lengths, angles in radians, directions and "
+                "quaternions of any length. Branches",
+                " * and pivots were chosen for the nominal values: give what a calibration finds, "
+                "not another machine. Where constraints",
+                " * depend on one another, values that contradict them leave no pose, and no call "
+                "is OK. */",
+                "typedef struct {",
+                *members,
+                f"}} {name}_geometry;",
+                "",
+                "/* Nominal geometry, as an initialiser. */",
+                f"#define {prefix}_NOMINAL \\",
+                "    { \\",
+                *numbers,
+                "    }",
+                "",
+            ]
+        )
+
+
+def _exact(numbers: np.ndarray) -> np.ndarray:
+    """Numbers of rotations that are 0, 1 or -1 to rounding so to the last digit."""
+    return np.where(np.abs(numbers - np.round(numbers)) <= _ROUNDING, np.round(numbers), numbers)
+
+
+def finite_check(name: str, numbers: Sequence[str], real: Real) -> str:
+    """Write NAME_check_geometry, which keeps a status where all numbers of the struct are finite;
+    nothing without a struct.
+    """
+    if not numbers:
+        return ""
+    members = [
+        f"        {text}{',' if k + 1 < len(numbers) else ''}" for k, text in enumerate(numbers)
+    ]
+    return "\n".join(
+        [
+            "/* NONFINITE where a number of the geometry is NaN or infinite, else `otherwise`. */",
+            f"static {name}_status {name}_check_geometry(const {name}_geometry *geometry, "
+            f"{name}_status otherwise)",
+            "{",
+            f"    const {real.type} values[{len(members)}] = {{",
+            *members,
+            "    };",
+            f"    return {name}_check_finite(values, {len(members)}, otherwise);",
+            "}",
+            "",
+            "",
+        ]
+    )

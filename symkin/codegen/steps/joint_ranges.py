@@ -1,0 +1,80 @@
+"""Write the C that checks joint values against their ranges, and that names the first one
+outside.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from symkin.codegen.text.c import Real
+from symkin.codegen.text.templates import FARTHEST, fill
+from symkin.model.joint import Coordinate
+
+
+@dataclass(frozen=True)
+class Range:
+    """C text of one joint's range: what is compared with `low`, the joint's value where nothing
+    else is told, and `high`.
+    """
+
+    low: str
+    high: str
+    above: str = "joints[{i}]"
+
+    def test(self, i: int | str) -> str:
+        """C condition that joint i is within its range."""
+        return f"(({self.above.format(i=i)} >= {self.low}) && (joints[{i}] <= {self.high}))"
+
+
+def ranges_of(coordinates: Sequence[Coordinate], real: Real, size: float) -> list[Range]:
+    """The limits, with room for rounding; rods are not shorter than zero; without limits a value is
+    at least finite.
+    """
+    return [Range(*map(real.literal, range_of(c, real, size))) for c in coordinates]
+
+
+def range_of(c: Coordinate, real: Real, size: float) -> tuple[float, float]:
+    """Least and largest value of one joint."""
+    slack = max(1e-9, 16 * real.epsilon) * (1.0 if c.is_angular else size)
+    low, high = c.limits or (
+        (-FARTHEST, FARTHEST) if c.is_angular else (-FARTHEST * size, FARTHEST * size)
+    )
+    if c.least is not None:
+        low = max(low, c.least + 1e-6 * size)
+    return low - slack, high + slack
+
+
+def range_functions(
+    ranges: Sequence[Range], real: Real, values: Mapping[str, object], positive: str = ""
+) -> str:
+    """NAME_first_beyond and NAME_check_limits. In float, where room counts, ranges that are all
+    alike are checked in a loop.
+    """
+    tables, inside = _by_number(ranges, real)
+    named = fill("first_beyond.c", {**values, "tables": tables, "inside": inside})
+    tests = "\n        && ".join(r.test(i) for i, r in enumerate(ranges))
+    shared = str(values["SHARED"]) + " "
+    if real.name == "float" and len(ranges) > 1 and len(set(ranges)) == 1:
+        shared = ""
+        tests = f"{values['p']}_first_beyond({values['ga']}joints) == {len(ranges)}U"
+    return named + fill(
+        "check_limits.c", {**values, "ranges": tests, "positive": positive, "shared": shared}
+    )
+
+
+def _by_number(ranges: Sequence[Range], real: Real) -> tuple[list[str], str]:
+    """Tables of limits, and the C condition that the joint of number `joint` is within them."""
+    if len({r.above for r in ranges}) > 1:
+        return [], "(" + " || ".join(
+            f"((joint == {i}U) && {r.test(i)})" for i, r in enumerate(ranges)
+        ) + ")"
+    tables, ends = [], []
+    for end in ("low", "high"):
+        texts = [getattr(r, end) for r in ranges]
+        ends.append(texts[0] if len(set(texts)) == 1 else f"{end}[joint]")
+        if len(set(texts)) > 1:
+            tables.append(
+                f"static const {real.type} {end}[{len(ranges)}] = {{ {', '.join(texts)} }};"
+            )
+    return tables, Range(ends[0], ends[1], ranges[0].above).test("joint")
