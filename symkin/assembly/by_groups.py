@@ -47,7 +47,7 @@ class GroupedModes:
     told: Told | None
     listed: SolutionList
     owner: np.ndarray
-    total: tuple[int, ...]
+    total: np.ndarray
     statement: np.ndarray
     account: Account
 
@@ -105,7 +105,7 @@ class GroupedModes:
             groups=tuple(account.group_of(number, k, groups[k]) for k in reached)
             if self.problem.by_name
             else (),
-            count=self.total[number],
+            count=int(self.total[number]),
         )
 
 
@@ -230,7 +230,7 @@ class _Combined:
     owner: np.ndarray
     hits: np.ndarray
     proofs: PartProofs
-    total: tuple[int, ...]
+    total: np.ndarray
 
 
 def _combined(begin: np.ndarray, parts: list[Tree]) -> _Combined:
@@ -242,7 +242,7 @@ def _combined(begin: np.ndarray, parts: list[Tree]) -> _Combined:
         (part,) = parts
         values = begin[part.owner]
         values[:, part.columns] = part.values
-        total = tuple(np.bincount(part.owner, minlength=n).tolist())
+        total = np.bincount(part.owner, minlength=n)
         return _Combined(values, part.owner, part.hits, part.proofs, total)
     sizes = np.array([np.bincount(part.owner, minlength=n) for part in parts], dtype=int).reshape(
         len(parts), n
@@ -268,7 +268,7 @@ def _combined(begin: np.ndarray, parts: list[Tree]) -> _Combined:
         values[:, part.columns] = part.values[row]
         hits = np.minimum(hits, part.hits[row])
         proofs = proofs.beside(part.proofs.of(row))
-    total = tuple(prod(column) for column in sizes.T.tolist())
+    total = np.array([prod(column) for column in sizes.T.tolist()], dtype=object)
     return _Combined(values, owner, hits, proofs, total)
 
 
@@ -315,6 +315,5 @@ def _checked(
     statement = np.max(account.statement, axis=1, initial=0)
     statement = np.where(left_out, np.maximum(statement, STATEMENTS.index("incomplete")), statement)
     counts = np.bincount(owner, minlength=n)
-    total = np.where(account.whole, np.array(combined.total, dtype=object), 0)
-    whole = tuple(int(count) for count in np.where(left_out, counts, total))
-    return GroupedModes(problem, search, told, listed, owner, whole, statement, account)
+    total = np.where(left_out, counts, np.where(account.whole, combined.total, 0))
+    return GroupedModes(problem, search, told, listed, owner, total, statement, account)
