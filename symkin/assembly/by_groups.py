@@ -47,7 +47,7 @@ class GroupedModes:
     told: Told | None
     listed: SolutionList
     owner: np.ndarray
-    total: tuple[int, ...]
+    total: np.ndarray
     statement: np.ndarray
     account: Account
 
@@ -105,7 +105,7 @@ class GroupedModes:
             groups=tuple(account.group_of(number, k, groups[k]) for k in reached)
             if self.problem.by_name
             else (),
-            count=self.total[number],
+            count=int(self.total[number]),
         )
 
 
@@ -205,7 +205,7 @@ def _too_many(problem: Problem, groups: Sequence[Problem], number: int) -> str:
     )
 
 
-def _combined(begin: np.ndarray, parts: list[Tree]) -> tuple[Tree, tuple[int, ...]]:
+def _combined(begin: np.ndarray, parts: list[Tree]) -> tuple[Tree, np.ndarray]:
     """Every combination of the parts' solutions of each input, the last part fastest, or, where
     these are too many, the first of each with every one of one part; and how many each input has,
     listed or not.
@@ -215,7 +215,7 @@ def _combined(begin: np.ndarray, parts: list[Tree]) -> tuple[Tree, tuple[int, ..
         (part,) = parts
         values = begin[part.owner]
         values[:, part.columns] = part.values
-        return replace(part, values=values), tuple(np.bincount(part.owner, minlength=n).tolist())
+        return replace(part, values=values), np.bincount(part.owner, minlength=n)
     sizes = np.array([np.bincount(part.owner, minlength=n) for part in parts], dtype=int).reshape(
         len(parts), n
     )
@@ -240,7 +240,7 @@ def _combined(begin: np.ndarray, parts: list[Tree]) -> tuple[Tree, tuple[int, ..
         values[:, part.columns] = part.values[row]
         hits = np.minimum(hits, part.hits[row])
         proofs = proofs.beside(part.proofs.of(row))
-    total = tuple(prod(column) for column in sizes.T.tolist())
+    total = np.array([prod(column) for column in sizes.T.tolist()], dtype=object)
     return Tree(values, np.zeros(values.shape), owner, hits, proofs), total
 
 
@@ -263,7 +263,7 @@ def _checked(
     problem: Problem,
     search: Search,
     account: Account,
-    combined: tuple[Tree, tuple[int, ...]],
+    combined: tuple[Tree, np.ndarray],
     told: Told | None,
     *,
     certify: bool,
@@ -288,6 +288,5 @@ def _checked(
     statement = np.max(account.statement, axis=1, initial=0)
     statement = np.where(left_out, np.maximum(statement, STATEMENTS.index("incomplete")), statement)
     counts = np.bincount(owner, minlength=n)
-    total = np.where(account.whole, np.array(every, dtype=object), 0)
-    whole = tuple(int(count) for count in np.where(left_out, counts, total))
-    return GroupedModes(problem, search, told, listed, owner, whole, statement, account)
+    total = np.where(left_out, counts, np.where(account.whole, every, 0))
+    return GroupedModes(problem, search, told, listed, owner, total, statement, account)

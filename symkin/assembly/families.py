@@ -12,6 +12,7 @@ from dataclasses import dataclass, field, replace
 import casadi as ca
 import numpy as np
 
+from symkin.assembly.laid_loops import LaidLoop, laid_loop
 from symkin.closure.expression_graph import instructions, rebuilt
 from symkin.computed_once import lru_cache
 from symkin.homotopy.systems import joint_rows
@@ -33,23 +34,29 @@ _ROUNDING = 2.0**-50
 @dataclass(frozen=True, eq=False)
 class Member:
     """A group as a member of a `family`, whose known values have the member's `numbers` behind its
-    own.
+    own. Those of a `laid` loop are rounded: proofs are of its own rows.
     """
 
     family: Problem
     numbers: np.ndarray
+    laid: LaidLoop | None
 
     def known(self, known: np.ndarray) -> np.ndarray:
         """Known values of the family from those of the group (n, known)."""
+        known = known if self.laid is None else self.laid.known(known)
         return np.hstack([known, np.tile(self.numbers, (len(known), 1))])
 
 
 @lru_cache(maxsize=32)
 def members_of(groups: tuple[Problem, ...]) -> dict[Problem, Member]:
     """Those of some groups that are members of large families."""
-    if len(groups) < _FEWEST:
+    many = len(groups) >= _FEWEST
+    candidates = [group for group in groups if many and _may_be_member(group)]
+    if len(candidates) < _FEWEST:
         return {}
-    taken = {group: _Numbers.of(group) for group in groups if _may_be_member(group)}
+    laid = {group: None if _is_whole(group) else laid_loop(group) for group in candidates}
+    alike = {group: group if own is None else own.problem for group, own in laid.items()}
+    taken = {group: _Numbers.of(own) for group, own in alike.items() if _is_whole(own)}
     families: dict[Hashable, list[Problem]] = {}
     for group, numbers in taken.items():
         families.setdefault(numbers.key, []).append(group)
@@ -57,17 +64,29 @@ def members_of(groups: tuple[Problem, ...]) -> dict[Problem, Member]:
     for members in families.values():
         if len(members) < _FEWEST:
             continue
-        units = np.exp2(np.floor(np.log2(np.abs(taken[members[0]].values))))
-        family = _family(members[0], taken[members[0]], units)
-        found |= {group: Member(family, np.array(taken[group].values) / units) for group in members}
+        first = members[0]
+        units = np.exp2(np.floor(np.log2(np.abs(taken[first].values))))
+        family = _family(first, alike[first], taken[first], units)
+        found |= {
+            group: Member(family, np.array(taken[group].values) / units, laid[group])
+            for group in members
+        }
     return found
+
+
+def _is_whole(group: Problem) -> bool:
+    """Whether a group has no more rows than unknowns, and turns as a family."""
+    return (
+        int(group.system.rows.shape[0]) == group.system.freedom
+        and _turns_as_family(group)
+        and int(joint_rows(group).shape[0]) == group.system.freedom
+    )
 
 
 def _may_be_member(group: Problem) -> bool:
     system = group.system
     return (
         system.freedom <= _MOST_UNKNOWNS
-        and int(system.rows.shape[0]) == system.freedom
         and not group.implied
         and not group.closure.partition.geometry
         and all(c.body is None and c.kind in ("angle", "length") for c in system.unknowns)
@@ -75,8 +94,6 @@ def _may_be_member(group: Problem) -> bool:
         # whose solutions are told by their own numbers, without a search
         and gear_train(group) is None
         and not is_linear(group)
-        and _turns_as_family(group)
-        and int(joint_rows(group).shape[0]) == system.freedom
     )
 
 
@@ -143,8 +160,10 @@ def _function(group: Problem) -> ca.Function:
     return ca.Function("rows", [system.unknown, system.known], [both])
 
 
-def _family(group: Problem, numbers: _Numbers, units: np.ndarray) -> Problem:
-    """The problem of a group with its numbers, in their `units`, among the known values."""
+def _family(group: Problem, alike: Problem, numbers: _Numbers, units: np.ndarray) -> Problem:
+    """The problem of a group by the rows of the one that it is `alike`, with their numbers, in
+    their `units`, among the known values.
+    """
     system, closure = group.system, group.closure
     symbols = ca.SX.sym("number", len(units))
     values = (np.array(numbers.values) / units).tolist()
@@ -156,10 +175,10 @@ def _family(group: Problem, numbers: _Numbers, units: np.ndarray) -> Problem:
         sign, place = numbers.signed_place(number)
         return ca.SX(sign) if place < 0 else sign * units[place] * symbols[place]
 
-    whole = rebuilt(_function(group), [system.unknown, system.known], lifted, lambda value: value)
-    count = int(system.rows.shape[0])
+    whole = rebuilt(_function(alike), [system.unknown, system.known], lifted, lambda value: value)
+    count = int(alike.system.rows.shape[0])
     # what is known of a body is any numbers to its rows
-    plain = (replace(c, role="geometry") if c.body else c for c in group.known_coordinates)
+    plain = (replace(c, role="geometry") if c.body else c for c in alike.known_coordinates)
     known = (*plain, *more)
     rows, errors = whole[:count], whole[count:]
     return replace(
@@ -173,7 +192,7 @@ def _family(group: Problem, numbers: _Numbers, units: np.ndarray) -> Problem:
             parameters=ca.SX(0, 1),
             parameter_names=(),
             parameter_values=np.zeros(0),
-            row_sources=tuple(closure.row_sources[k] for k in group.places_of_rows),
+            row_sources=tuple(closure.row_sources[k] for k in group.places_of_rows)[:count],
             row_numbers=(),
             error_sources=(),
         ),

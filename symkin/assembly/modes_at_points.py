@@ -104,9 +104,9 @@ class ModeFinder:
         with np.errstate(all="ignore"):
             found, places = self._together(known[feasible])
             places = feasible[places]
-            others = np.setdiff1d(np.arange(len(known)), places)
-            if not others.size:
+            if len(places) == len(known):
                 return found
+            others = np.setdiff1d(np.arange(len(known)), places)
             alone = [self._one(known[i], float(off[i])) for i in others.tolist()]
             return ModeTable.joined([found, *alone]).at(np.argsort(np.append(places, others)))
 
@@ -203,8 +203,8 @@ class GroupFinder:
     def _table(self, known: np.ndarray, certify: bool, told: Told | None) -> ModeTable:
         found = modes_by_groups(self.problem, known, self.search, certify=certify, told=told)
         listed = np.bincount(found.owner, minlength=len(known))
-        total, account = np.array(found.total, dtype=object), found.account
-        many = (account.too_many != FEW) | np.array(listed < total, dtype=bool)
+        account = found.account
+        many = (account.too_many != FEW) | np.array(listed < found.total, dtype=bool)
         complex_counts = np.where(
             account.whole & ~many, np.prod(account.complex_count, axis=1), NOT_KNOWN
         )
@@ -213,7 +213,7 @@ class GroupFinder:
         ]
         return ModeTable(
             found.asked,
-            found.listed.chosen(~many[found.owner]),
+            found.listed.chosen(~many[found.owner]) if many.any() else found.listed,
             count=np.where(many, -1, listed),
             completeness=np.where(many, COMPLETENESS.index("too many to list"), said),
             unresolved=stored_counts(account.unresolved.sum(axis=1)),

@@ -12,7 +12,7 @@ from symkin.assembly.account import FEW, Account
 from symkin.assembly.closed_roots import ClosedBlock
 from symkin.assembly.continuation import least_error
 from symkin.assembly.families import Member, members_of
-from symkin.assembly.group_roots import STATEMENTS, GroupRoots, checked_roots
+from symkin.assembly.group_roots import NO_ENDS, STATEMENTS, GroupRoots, checked_roots
 from symkin.assembly.group_search import geared_roots, linear_roots, searched_alone
 from symkin.assembly.group_solvers import any_paths, group_solver, most_roots, solved_parts
 from symkin.assembly.mode_proofs import PartProofs, proofs_of_group
@@ -246,6 +246,19 @@ def _of_family(
             left = rows.known[mine - place.start]
             alone = group_roots(rows.step.group, left, solving.search)
             solved = solved.with_rows(mine, alone)
+    if any(one.laid is not None for one in own):
+        # complex roots are those of the family's system
+        plain = replace(solved, ends=NO_ENDS, ends_of=solved.ends_of[:0], origin=None)
+        return [
+            _proved(
+                rows.step.group,
+                plain.at(np.arange(place.start, place.stop)),
+                rows.known,
+                rows.away,
+                solving,
+            )
+            for place, rows in zip(places, asked, strict=True)
+        ]
     found = _proved(family, solved, known, away, solving)
     owner = found.roots.owner
     return [

@@ -57,7 +57,7 @@ def _errors_of_given(problem: Problem, known: np.ndarray) -> np.ndarray:
     """The errors (n,) of rows without unknowns at given values (n, known). Rows of a problem whose
     coordinates are told by name are left to its groups.
     """
-    if problem.by_name or not problem.conditions.errors.shape[0]:
+    if problem.by_name or problem.conditions.errors.is_zero():
         return np.zeros(len(known))
     return problem.conditions.residuals(np.zeros((len(known), 0)), known)
 

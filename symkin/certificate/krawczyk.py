@@ -33,6 +33,8 @@ _INSIDE = 0.99
 """The image lies in the box shrunk by this factor, hence in its interior."""
 _REFINEMENTS = 10
 """Newton steps at most; from a good start each doubles the digits."""
+_NEARLY_THERE = 1e-6
+"""Steps below this that do not halve any more are rounding: the precision gives no more digits."""
 _BITS = 64
 """Precision at which a box about a point in double precision is handled."""
 _NEARLY_ZERO = 1e-10
@@ -178,7 +180,7 @@ def _refine(
     """Newton's method on midpoints at the present precision; the centre and the last inverse, None
     if it does not settle.
     """
-    inverse = None
+    inverse, last = None, _NEARLY_THERE
     for _ in range(_REFINEMENTS):
         inverse = chart.matrix(ring, balls.jacobian(ring, centre)).mid().inv(nonstop=True).mid()
         step = (inverse * ring.column(_chosen_rows(balls, chart, ring, centre))).entries()
@@ -187,8 +189,9 @@ def _refine(
             return centre, None
         for j, s in zip(chart.columns, step, strict=True):
             centre[j] = (centre[j] - s).mid()
-        if size < 2.0 ** (-0.6 * ctx.prec):
+        if size < 2.0 ** (-0.6 * ctx.prec) or 0.5 * last < size < _NEARLY_THERE:
             break
+        last = size
     return centre, inverse
 
 

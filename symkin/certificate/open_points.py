@@ -17,6 +17,8 @@ from symkin.numeric.balls import COMPLEX, REAL, RINGS
 
 _BITS = (64, 128, 256)
 """Precisions tried in turn; up to 64 bits a number is one machine word."""
+_DOUBLE = 53
+"""Bits of a centre in double precision."""
 _NEWTON_STEPS, _SMALL_STEP = 2, 1e-10
 """Newton steps in double precision at most, and the largest one that is not followed by another."""
 _CONJUGATE = 1e-9
@@ -74,9 +76,14 @@ def _prove(
             "(`symkin show` names the motion that removes some, where there is one)"
         )
     box = None
-    if inverse is not None and chart.is_whole:
+    if inverse is not None and chart.is_whole and _may_hold(inverse, _DOUBLE):
         box = enclose(balls, chart, REAL if near else COMPLEX, centre, _BITS[0], inverse)
-    trials = ((bits, ring) for bits in _BITS for ring in (RINGS if near else RINGS[1:]))
+    trials = (
+        (bits, ring)
+        for bits in _BITS
+        if inverse is None or _may_hold(inverse, bits)
+        for ring in (RINGS if near else RINGS[1:])
+    )
     while box is None and (trial := next(trials, None)) is not None:
         bits, ring = trial
         box = enclose(balls, chart, ring, given.real if ring.is_real else given, bits)
@@ -84,6 +91,14 @@ def _prove(
         f"no proof by {_BITS[-1]} bits: the point is no root, or one that is singular or nearly so"
     )
     return box, "" if box is not None else reason
+
+
+def _may_hold(inverse: np.ndarray, bits: int) -> bool:
+    """Whether a box may hold its image at a precision: its radius is |Y| times what that leaves of
+    rows of order one, and |Y| times as much is what the derivatives change by in it; by measurement
+    |Y|^2.5 2^-bits is about one where boxes begin to fail.
+    """
+    return bool(np.max(np.abs(inverse)) < 2.0 ** (0.4 * bits))
 
 
 def prove_pose(balls: BallSystem, point: np.ndarray, half: float, *, is_real: bool) -> bool:

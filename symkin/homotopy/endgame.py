@@ -100,9 +100,10 @@ def finish(system: AlgebraicSystem, start: Fibre, target: np.ndarray, tracked: T
     start's known values and the target.
     """
     with np.errstate(all="ignore"):
-        if are_regular(system, tracked, target).all():
+        regular = are_regular(system, tracked, target)
+        if regular.all():
             return Ends(tracked.z, SingularRoots.none(system.width), 0, ())
-        done = _with_far_roots(system, start, target, tracked)
+        done = _with_far_roots(system, start, target, tracked, (~regular).nonzero()[0])
         if done is not None:
             return done
         best = _attempt(system, start.z, start.k, target, tracked, 1e-4)
@@ -161,20 +162,20 @@ def _direction(width: int) -> np.ndarray:
 
 
 def _with_far_roots(
-    system: AlgebraicSystem, start: Fibre, target: np.ndarray, tracked: Tracked
+    system: AlgebraicSystem, start: Fibre, target: np.ndarray, tracked: Tracked, left: np.ndarray
 ) -> Ends | None:
-    """Ends where all that did not arrive are regular roots far from the real ones, which Newton's
-    method with more bits finds; else None. Those that are no pose to the last digits are at
-    infinity.
+    """Ends where all paths that are `left` lead to regular roots far from the real ones, which
+    Newton's method with more bits finds where they arrived, or do so by shorter steps; else None.
+    Those that are no pose to the last digits are at infinity.
     """
     from symkin.homotopy.far_roots import are_far, are_infinite, completed, is_square, settled
 
     z = tracked.z.copy()
-    left = np.flatnonzero(~are_regular(system, tracked, target))
     if not is_square(system) or not are_far(system, z[:, left]).all():
         return None
-    found, z[:, left] = settled(system, z[:, left], target)
-    end, missing = aligned(system, start.k, target), left[~found]
+    came = tracked.arrived[left]
+    came[came], z[:, left[came]] = settled(system, z[:, left[came]], target)
+    end, missing = aligned(system, start.k, target), left[~came]
     for _ in range(2):
         if completed(system, start, z, missing, end).size:
             return None

@@ -16,7 +16,7 @@ import numpy as np
 
 from symkin.computed_once import lru_cache
 from symkin.homotopy.algebraic import AlgebraicSystem
-from symkin.homotopy.circles import distances
+from symkin.homotopy.circles import distances, gaps
 from symkin.homotopy.engine import track
 from symkin.homotopy.monodromy import Fibre
 from symkin.homotopy.point_checks import is_no_pose
@@ -69,12 +69,17 @@ def are_far(system: AlgebraicSystem, z: np.ndarray) -> np.ndarray:
 def settled(system: AlgebraicSystem, z: np.ndarray, k: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Points (width, n) moved to the regular roots nearby where Newton's method with more bits
     settles, and which of them do: about a multiple root it halves its steps, and does not come down
-    to the last digits.
+    to the last digits. Of conjugates at real known values one is settled.
     """
     found, points = np.zeros(z.shape[1], dtype=bool), z.copy()
     if not is_square(system):
         return found, points
     for i in range(z.shape[1]):
+        mates = points[:, found].conj() if not np.imag(k).any() else points[:, :0]
+        mates = mates[:, gaps(system, mates, z[:, [i]]) < _NEAREST]
+        if mates.size:
+            points[:, i], found[i] = mates[:, 0], True
+            continue
         root = _settle(system, z[:, i], k)
         if root is not None and np.max(np.abs(root - z[:, i])) < _NEAREST:
             points[:, i], found[i] = root, True

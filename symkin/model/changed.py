@@ -37,19 +37,30 @@ def scaled(mechanism: Mechanism, factor: float) -> Mechanism:
     )
 
 
-def displaced(mechanism: Mechanism, by: Pose) -> Mechanism:
+def displaced(mechanism: Mechanism, by: Pose, rounding: float = 0.0) -> Mechanism:
     """The same machine with every point and axis, and the platform, moved by a displacement of the
-    base frame, without its table of DH and its example.
+    base frame, without its table of DH and its example. Components of directions within `rounding`
+    of 0 and 1, and of points within so much of the size of 0, are that.
 
     >>> import symkin
     >>> up = symkin.Pose.from_euler([0.0, 0.0, 50.0], [0.0, 0.0, 0.0])
     >>> displaced(symkin.load("zhang2009"), up).limbs[0].base
     (0.0, -275.0, 50.0)
     """
-    moved = _Changed(lambda _, p: by.apply(p), lambda _, v: by.turn(v)).mechanism(mechanism)
+    size = mechanism.characteristic_length
+    moved = _Changed(
+        lambda _, p: _rounded(by.apply(p), rounding * size, 0.0),
+        lambda _, v: _rounded(by.turn(v), rounding, 1.0),
+    ).mechanism(mechanism)
     # without a platform there is no frame to move
     without = mechanism.platform_link is None and not mechanism.serial
     return moved if without else with_platform_at(moved, by @ mechanism.reference_pose)
+
+
+def _rounded(numbers: np.ndarray, rounding: float, most: float) -> np.ndarray:
+    """Numbers, with the nearest whole one, up to `most`, in place of those that nearly are it."""
+    near = np.clip(np.rint(numbers), -most, most)
+    return np.where(np.abs(numbers - near) <= rounding, near, numbers)
 
 
 def described_at(

@@ -35,29 +35,24 @@ def variables_elsewhere(closure: Closure, solution: Solution) -> np.ndarray:
 
 def many_elsewhere(closure: Closure, own: Closure, values: np.ndarray) -> np.ndarray:
     """Full vectors of a closure's variables (m, variables) at configurations (m, own variables) of
-    another one; these themselves where both hold the same.
+    another one, those that this one leaves out in their standard writing; these themselves where
+    both hold the same.
     """
-    same = (closure.mechanism, closure.partition) == (own.mechanism, own.partition)
-    return values if same else _transferred(closure, own, values)
+    if (closure.mechanism, closure.partition) == (own.mechanism, own.partition):
+        return values
+    found = _transfer(closure, own, None)(values)[0][:, :, 0]
+    held = {c.name for c in own.coordinates}
+    read = [c for c in closure.coordinates if c.role == "pose" or c.name not in held]
+    return canonical(read, closure.slices, found)
 
 
 def many_as_written(
     closure: Closure, own: Closure, values: np.ndarray, lowered: Lowered
 ) -> np.ndarray:
     """Full vectors of the variables of a closure of the description (m, variables) at
-    configurations (m, own variables) of its machine.
+    configurations (m, own variables) of its machine, as these are written there.
     """
-    return _transferred(closure, own, values, lowered)
-
-
-def _transferred(
-    closure: Closure, own: Closure, values: np.ndarray, lowered: Lowered | None = None
-) -> np.ndarray:
-    """Full vectors of variables, those that `own` leaves out in their standard writing."""
-    found = _transfer(closure, own, lowered)(values)[0][:, :, 0]
-    held = {c.name for c in own.coordinates}
-    read = [c for c in closure.coordinates if c.role == "pose" or c.name not in held]
-    return canonical(read, closure.slices, found)
+    return _transfer(closure, own, lowered)(values)[0][:, :, 0]
 
 
 @lru_cache(maxsize=64)
