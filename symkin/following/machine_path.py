@@ -18,7 +18,7 @@ from symkin.machine.lower import Lowered
 from symkin.model.joint import Coordinate
 from symkin.position.given import Given, in_order
 from symkin.position.pose_coordinates import ON_MOTION, pose_coordinates
-from symkin.position.problem import pose_names
+from symkin.position.problem import Problem, pose_names
 from symkin.position.readings import left_out, readings_at
 from symkin.position.transfer import many_as_written, many_elsewhere, many_of_machine
 from symkin.spatial.pose import Pose
@@ -86,27 +86,28 @@ def machine_path(trajectory: Trajectory) -> MachinePath:
     mechanism, names = trajectory.mechanism, tuple(c.name for c in trajectory.coordinates)
     first = Given(names, trajectory.samples[0], {})
     low = machine_of(mechanism, first, frozenset(trajectory.limited))
-    samples = None if low is None else _samples(low, trajectory)
-    if low is None or samples is None:
+    if low is None:
         return MachinePath(trajectory, trajectory)
-    problem = path_problem(low.machine, in_order(low.machine, first).names, trajectory.limited)
+    of_pose = names == pose_names(mechanism)
+    known = pose_names(low.machine) if of_pose else in_order(low.machine, first).names
+    problem = path_problem(low.machine, known, trajectory.limited)
+    if of_pose:
+        samples = _poses(low, problem, trajectory.samples)
+    else:
+        samples = trajectory.samples[:, [names.index(name) for name in known]]
+    if samples is None:
+        return MachinePath(trajectory, trajectory)
     return MachinePath(trajectory, replace(trajectory, problem=problem, samples=samples), low)
 
 
-def _samples(low: Lowered, trajectory: Trajectory) -> np.ndarray | None:
-    """The samples as the machine has them; None where poses are off its motion."""
-    names = tuple(c.name for c in trajectory.coordinates)
-    if names != pose_names(low.written):
-        return np.array(
-            [in_order(low.machine, Given(names, v, {})).values for v in trajectory.samples]
-        )
+def _poses(low: Lowered, problem: Problem, samples: np.ndarray) -> np.ndarray | None:
+    """Poses of the description as the machine has them; None where some are off its motion."""
     if low.frames is None and low.machine.motion == low.written.motion:
-        return trajectory.samples
+        return samples
     found = list[np.ndarray]()
-    for v in trajectory.samples:
+    for v in samples:
         values, off = pose_coordinates(low.machine, low.taken(Pose(v[:3], v[3:])))
         if off > ON_MOTION * low.machine.characteristic_length:
             return None
-        known = path_problem(low.machine, pose_names(low.machine), ()).known_coordinates
-        found.append(continued(known, found[-1], values) if found else values)
+        found.append(continued(problem.known_coordinates, found[-1], values) if found else values)
     return np.array(found)
