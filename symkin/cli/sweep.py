@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, nullcontext
 from pathlib import Path
 from typing import Annotated, Any
@@ -123,7 +123,7 @@ def sweep(
     check_map_is_left(cuts, values)
     drawn = _drawn(of, slices, plot, loci=loci)
     if loci and poses:
-        _check_pose_loci(mechanism)
+        _check_pose_loci(mechanism, list(values))
     if plot is not None:
         from symkin.plots.picture_file import check_picture_path
 
@@ -179,18 +179,20 @@ def _drawn(of: str | None, slices: str | None, plot: Path | None, *, loci: bool)
     return names
 
 
-def _check_pose_loci(mechanism: Mechanism) -> None:
+def _check_pose_loci(mechanism: Mechanism, names: Sequence[str]) -> None:
     """Raise InputError where no loci are traced over poses; known before the sweep, which may take
     long.
     """
-    from symkin.singularities.locus_system import has_pose_planes
+    from symkin.singularities.locus_system import pose_planes
+    from symkin.singularities.singular_loci import check_poses_vary
 
-    if not has_pose_planes(mechanism):
+    found = pose_planes(mechanism)
+    if found is None:
         raise InputError(
-            f"--loci with --poses: {mechanism.name} is a graph of links, whose loci are traced "
-            f"over joints; sweep joints with --grid or "
-            "--given, or leave --loci out"
+            f"--loci with --poses: {mechanism.name} is no platform on limbs, and its loci are "
+            f"traced over joints; sweep joints with --grid or --given, or leave --loci out"
         )
+    check_poses_vary(found[0], names)
 
 
 @contextmanager

@@ -42,7 +42,8 @@ class PathPoint:
 @dataclass(frozen=True, eq=False)
 class Way:
     """Configurations (u, unknowns) that lead from the beginning of an interval to a place of it:
-    those of `turn`, after which they are the same, so many times, and then those of `rest`."""
+    those of `turn`, after which they are the same, so many times, and then those of `rest`.
+    """
 
     turn: tuple[tuple[float, np.ndarray], ...]
     times: int
@@ -75,19 +76,39 @@ class Branch:
         return max((block.tightest for block in self.blocks), default=0.0)
 
     def way(self, row: int, u: float) -> Way:
-        """The configurations that lead to a place of an interval, where all unknowns are one
-        block of coordinates told by name; of others, none."""
-        block = self.blocks[0] if len(self.blocks) == 1 else None
-        if block is None or not block.system.problem.by_name:
+        """The configurations that lead to a place of an interval; none where one of several blocks
+        comes back to itself.
+        """
+        turning = [block.closed_branches.get(row) for block in self.blocks]
+        if not self.blocks or (len(self.blocks) > 1 and any(turning)):
             return Way((), 0, ())
-        closed = block.closed_branches.get(row)
+        closed = turning[0]
         place, times = (u, 0) if closed is None else closed.folded(u)
-        first, last = (
-            side(block.passed, row, key=lambda s: s.row) for side in (bisect_left, bisect_right)
-        )
-        ends = [(s.u, block.system.unknown(s.z)) for s in block.passed[first:last]]
+        ends = self._ends(row)
         turn = [end for end in ends if closed is not None and end[0] <= closed.period]
         return Way(tuple(turn), times, tuple(end for end in ends if end[0] <= place))
+
+    def _ends(self, row: int) -> list[tuple[float, np.ndarray]]:
+        """The configurations (u, unknowns) at the ends of all blocks' steps on an interval: between
+        its own ends a block is where it goes straight, near enough to tell turns.
+        """
+        passed = [
+            block.passed[
+                bisect_left(block.passed, row, key=lambda s: s.row) : bisect_right(
+                    block.passed, row, key=lambda s: s.row
+                )
+            ]
+            for block in self.blocks
+        ]
+        if not all(passed):
+            return []
+        shares = sorted({station.u for stations in passed for station in stations})
+        unknown = np.empty((len(shares), self.last.unknown.size))
+        for block, stations in zip(self.blocks, passed, strict=True):
+            z, own = np.array([s.z for s in stations]), [s.u for s in stations]
+            at = [np.interp(shares, own, column) for column in z.T]
+            unknown[:, block.system.places] = block.system.unknowns(np.array(at).T)
+        return list(zip(shares, unknown, strict=True))
 
     @property
     def is_square(self) -> bool:

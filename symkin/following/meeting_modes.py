@@ -16,6 +16,7 @@ from symkin.assembly.modes_result import Completeness, Modes
 from symkin.errors import SymkinError
 from symkin.following.block_follower import BlockFollower
 from symkin.following.follow import Branch, joined
+from symkin.following.machine_path import MachinePath
 from symkin.following.path_system import PathSystem
 from symkin.following.singular_point import SingularPoint
 from symkin.following.trajectory import Trajectory
@@ -23,7 +24,6 @@ from symkin.numeric.tolerances import DISTINCT_ROOTS
 from symkin.position.problem import Problem
 from symkin.position.roots import features
 from symkin.position.solution import pose_of
-from symkin.position.transfer import variables_elsewhere
 
 _LOOK_BACK = 1e-4
 """Modes are enumerated this far before the singular point (share of an interval), or half way to
@@ -94,7 +94,7 @@ class Meeting:
         return f"{own} {listed} meets mode {last}{signs[self.opposite_signs]}"
 
 
-def meeting_modes(problem: Problem, trajectory: Trajectory, branch: Branch) -> Meeting | None:
+def meeting_modes(path: MachinePath, branch: Branch) -> Meeting | None:
     """The modes that meet where a branch ends at a singular point. None where nothing lies before
     it or the enumeration refuses.
     """
@@ -102,19 +102,20 @@ def meeting_modes(problem: Problem, trajectory: Trajectory, branch: Branch) -> M
     back = min(_LOOK_BACK, 0.5 * u)
     if back <= 0.0:
         return None
-    given = user_values(trajectory, trajectory.at(row, u - back))
+    written, problem = path.written, path.trajectory.problem
+    given = user_values(written, written.at(row, u - back))
     try:
-        found = modes(problem.mechanism, **given)
+        found = modes(written.mechanism, **given)
     except SymkinError:
         return None
     turning = [block for block in branch.stopped if _is_turning(block)]
     folds_only = len(turning) == len(branch.stopped) and len(turning) <= _MOST_COMBINED
-    listed = listed_unknowns(problem, found)
+    listed = listed_unknowns(path, found)
     own, near, signs = (_across_folds if folds_only else _near_by)(
         problem, branch, listed, u - back
     )
     return Meeting(
-        parameter=trajectory.parameter(row, u - back),
+        parameter=written.parameter(row, u - back),
         given=given,
         own=None if own is None else own + 1,
         others=tuple(sorted({k + 1 for k in near if k != own})),
@@ -188,13 +189,9 @@ def user_values(trajectory: Trajectory, known: np.ndarray) -> dict[str, Any]:
     return {"pose": values["pose"]} if trajectory.kind == "inverse" else {"given": values}
 
 
-def listed_unknowns(problem: Problem, modes: Modes) -> np.ndarray:
-    """The unknowns (n, w) of a problem at the modes of a list."""
-    listed = [
-        problem.select_values(variables_elsewhere(problem.closure, mode), problem.system.unknowns)
-        for mode in modes
-    ]
-    return np.array(listed).reshape(-1, problem.system.width)
+def listed_unknowns(path: MachinePath, modes: Modes) -> np.ndarray:
+    """The followed unknowns (n, w) of a path at the modes of a list."""
+    return path.unknowns(modes.modes.closure, modes.modes.values)
 
 
 def nearest_mode(problem: Problem, listed: np.ndarray, unknown: np.ndarray) -> int | None:

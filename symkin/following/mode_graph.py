@@ -23,6 +23,7 @@ from symkin.assembly.modes import modes, modes_on_grid
 from symkin.assembly.modes_result import Modes
 from symkin.errors import InputError
 from symkin.following.follow import carried
+from symkin.following.machine_path import MachinePath, machine_path
 from symkin.following.meeting_modes import listed_unknowns, nearest_mode
 from symkin.following.options import GraphOptions
 from symkin.following.path_system import path_systems
@@ -30,7 +31,7 @@ from symkin.following.track import branch_from
 from symkin.following.trajectory import Trajectory, make_trajectory
 from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.position.given import Joints, Values, given_by_name, read_given
-from symkin.position.problem import Problem, plain_kind
+from symkin.position.problem import plain_kind
 from symkin.result import Result, Summary
 from symkin.text import meant
 from symkin.verb import verb
@@ -256,17 +257,16 @@ def _carried(
     and how many lines are done.
     """
     paths = [_path(mechanism, names, inputs[list(line)]) for line in lines]
-    problem = paths[0].problem
-    unknowns = [listed_unknowns(problem, there) for there in found]
+    unknowns = [listed_unknowns(paths[0], there) for there in found]
     ways_out: list[_WayOut] = []
     for done, (line, path) in enumerate(zip(lines, paths, strict=True), start=1):
         ways_out += [
-            _WayOut(path, row, (a, k), b)
+            _WayOut(path.trajectory, row, (a, k), b)
             for row, (a, b) in enumerate(pairwise(line))
             for k in range(len(found[a]))
         ]
         if len(ways_out) >= _MOST_TOGETHER or done == len(lines):
-            yield done, _ends(problem, found, unknowns, ways_out)
+            yield done, _ends(unknowns, ways_out)
             ways_out = []
 
 
@@ -284,13 +284,11 @@ class _WayOut:
         return replace(self.path, samples=self.path.samples[self.row : self.row + 2])
 
 
-def _ends(
-    problem: Problem,
-    found: Sequence[Modes],
-    unknowns: Sequence[np.ndarray],
-    ways_out: Sequence[_WayOut],
-) -> list[Carried]:
+def _ends(unknowns: Sequence[np.ndarray], ways_out: Sequence[_WayOut]) -> list[Carried]:
     """What the modes become, those that are easy to follow all at once, the others one by one."""
+    if not ways_out:
+        return []
+    problem = ways_out[0].path.problem
     begin = np.array([unknowns[w.node[0]][w.node[1]] for w in ways_out])
     begin = begin.reshape(len(ways_out), problem.system.width)
     samples = [(w.path.samples[w.row], w.path.samples[w.row + 1]) for w in ways_out]
@@ -301,8 +299,7 @@ def _ends(
     for k, w in enumerate(ways_out):
         proved = square
         if not there.reached[k]:
-            mode, known = found[w.node[0]][w.node[1]], there.steps_of(k)
-            branch = branch_from(mode, w.alone(), limits=False, known=known)
+            branch = branch_from(begin[k], w.alone(), limits=False, known=there.steps_of(k))
             if branch.ending != "reached":
                 ends.append((w.node, "stopped", False))
                 continue
@@ -312,11 +309,10 @@ def _ends(
     return ends
 
 
-def _path(mechanism: Mechanism, names: Sequence[str], rows: np.ndarray) -> Trajectory:
+def _path(mechanism: Mechanism, names: Sequence[str], rows: np.ndarray) -> MachinePath:
     """The path along a line of points."""
-    return make_trajectory(
-        mechanism, given=dict(zip(names, rows.T.tolist(), strict=True)), limits=False
-    )
+    given = dict(zip(names, rows.T.tolist(), strict=True))
+    return machine_path(make_trajectory(mechanism, given=given, limits=False))
 
 
 def _chosen_input(

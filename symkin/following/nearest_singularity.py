@@ -8,7 +8,6 @@ from symkin.following.block_follower import BlockFollower
 from symkin.following.follow import Branch, PathPoint, joined
 from symkin.following.station import Station, interval_of, singular_values_near, station_near
 from symkin.following.trajectory import Trajectory
-from symkin.position.problem import Problem
 
 _PLACES, _ROUNDS = 17, 9
 """Places at which an interval that holds the least value is looked at, and how often that is
@@ -18,9 +17,7 @@ _SAME = 1e-9
 """Singular values that differ by less than this share are the same."""
 
 
-def nearest_to_singularity(
-    branch: Branch, problem: Problem, trajectory: Trajectory
-) -> PathPoint | None:
+def nearest_to_singularity(branch: Branch, trajectory: Trajectory) -> PathPoint | None:
     """Where the smallest singular value of the blocks' unknowns is least among the ends of steps
     and, at places that grow denser, between the neighbours of the least one; the singular stop
     where there is one, None where no step was needed.
@@ -38,7 +35,7 @@ def nearest_to_singularity(
         1:
     ]
     parts = (_between(each, trajectory, there.row, u) for each in branch.blocks)
-    unknown = joined(problem, branch.blocks, parts)
+    unknown = joined(trajectory.problem, branch.blocks, parts)
     return PathPoint(there.row, u, unknown, None)
 
 

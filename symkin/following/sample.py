@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -12,11 +11,11 @@ import numpy as np
 from symkin.closure.link_poses import link_poses
 from symkin.computed_once import cached_property
 from symkin.following.follow import PathPoint, Way
-from symkin.following.trajectory import Trajectory
+from symkin.following.machine_path import MachinePath
 from symkin.model.joint import Coordinate
 from symkin.numeric.linear_algebra import singular_values
 from symkin.position.problem import Problem
-from symkin.position.readings import left_out, points_at, readings_at
+from symkin.position.readings import points_at
 from symkin.position.solution import Solution, in_units, named_values, pose_dict, pose_of
 from symkin.position.solution_list import make_solution
 from symkin.spatial.pose import Pose
@@ -108,88 +107,73 @@ def listed_joints(problem: Problem) -> tuple[Coordinate, ...]:
 
 
 def make_sample(
-    trajectory: Trajectory,
-    problem: Problem,
+    path: MachinePath,
     place: PathPoint,
     before: Sample | None,
     way: Way | None = None,
-    read: dict[str, np.ndarray] | None = None,
+    values: np.ndarray | None = None,
 ) -> Sample:
-    """One configuration of the path with its checks; its quaternion continues the one before,
-    and what angles of joints that the closure leaves out have turned is counted along the
-    `way` from there. `read` are the coordinates of joints there, where they are known."""
+    """One configuration of the path with its checks; what is told in its standard writing goes on
+    from the one before, with what angles have turned along the `way` from there. `values` are the
+    description's variables there, where they are known.
+    """
     row, u, unknown = place.row, place.u, place.unknown
-    if read is None:
-        (read,) = places_read(trajectory, problem, [place])
-    known = trajectory.at(row, u)
-    values = problem.join_values(unknown, known)
-    pose = pose_of(problem.closure, values)
+    written, followed = path.written.problem, path.trajectory.problem
+    values = np.array(path.told([place])[0] if values is None else values)
+    read = {name: part[0] for name, part in path.read(values[None]).items()}
+    if before is not None:
+        read = _continued(path, read, before, _turned(path, row, way))
+    for name in [name for name in read if name in written.closure.slices]:
+        values[written.closure.slices[name]] = read.pop(name)
+    pose = pose_of(written.closure, values)
     if before is not None and np.dot(pose.quaternion, before.pose.quaternion) < 0.0:
         pose = Pose(pose.position, -np.asarray(pose.quaternion))
-    singular = singular_values(problem.system.linearise_one(unknown, known)[1])
+    known = path.trajectory.at(row, u)
+    singular = singular_values(followed.system.linearise_one(unknown, known)[1])
     return Sample(
-        problem=problem,
-        parameter=trajectory.parameter(row, u),
-        time=trajectory.time(row, u),
+        problem=written,
+        parameter=path.written.parameter(row, u),
+        time=path.written.time(row, u),
         values=values,
         pose=pose,
-        residual=problem.system.residual(unknown, known),
-        condition=problem.system.condition(unknown, known),
+        residual=written.system.residual(
+            written.select_values(values, written.system.unknowns), path.written.at(row, u)
+        ),
+        condition=followed.system.condition(unknown, known),
         smallest_singular_value=float(singular[-1]) if singular.size else 1.0,
         radius=place.radius,
-        readings=_continued(problem, read, before, _turned(trajectory, problem, row, way))
-        if problem.by_name
-        else {},
+        readings=read,
     )
 
 
-def places_read(
-    trajectory: Trajectory, problem: Problem, places: Sequence[PathPoint]
-) -> list[dict[str, np.ndarray]]:
-    """The coordinates of joints at several places, read together; nothing where the closure has
-    all that are told."""
-    if not problem.by_name:
-        return [{} for _ in places]
-    values = [problem.join_values(p.unknown, trajectory.at(p.row, p.u)) for p in places]
-    read = readings_at(problem.closure, np.array(values))
-    return [{name: part[k] for name, part in read.items()} for k in range(len(places))]
-
-
 def _continued(
-    problem: Problem,
-    read: dict[str, np.ndarray],
-    before: Sample | None,
-    turned: dict[str, float],
+    path: MachinePath, read: dict[str, np.ndarray], before: Sample, turned: dict[str, float]
 ) -> dict[str, np.ndarray]:
-    """Coordinates of joints that the closure leaves out, as near as possible to those before and
-    what they have turned since."""
-    read = dict(read)
-    for c in left_out(problem.closure) if before is not None else ():
-        last = before.readings[c.name]  # type: ignore[union-attr]
+    """Coordinates that what is followed leaves out, as near as possible to those before and what
+    they have turned since.
+    """
+    slices, found = before.problem.closure.slices, dict(read)
+    for c in path.rewritten:
+        here = read[c.name]
+        last = before.values[slices[c.name]] if c.name in slices else before.readings[c.name]
         if c.is_rotation:
-            read[c.name] = read[c.name] if read[c.name] @ last >= 0.0 else -read[c.name]
+            found[c.name] = here if here @ last >= 0.0 else -here
         elif c.is_periodic:
             near = last + turned.get(c.name, 0.0)
-            read[c.name] = near + np.array(
-                [math.remainder(v, 2 * math.pi) for v in read[c.name] - near]
-            )
-    return read
+            found[c.name] = near + np.array([math.remainder(v, 2 * math.pi) for v in here - near])
+    return found
 
 
-def _turned(
-    trajectory: Trajectory, problem: Problem, row: int, way: Way | None
-) -> dict[str, float]:
-    """What angles of joints that the closure leaves out turn by along a way."""
-    angles = [c.name for c in left_out(problem.closure) if c.is_periodic]
+def _turned(path: MachinePath, row: int, way: Way | None) -> dict[str, float]:
+    """What angles that what is followed leaves out turn by along a way."""
+    angles = [c.name for c in path.rewritten if c.is_periodic]
     if way is None or not angles:
         return {}
     found = dict.fromkeys(angles, 0.0)
     for ends, times in ((way.turn, way.times), (way.rest, 1)):
         if len(ends) > 1 and times:
-            values = np.array(
-                [problem.join_values(unknown, trajectory.at(row, u)) for u, unknown in ends]
-            )
-            read = readings_at(problem.closure, values)
+            places = [PathPoint(row, u, unknown, None) for u, unknown in ends]
+            read = path.read(path.told(places))
             for name in angles:
                 steps = np.diff(read[name][:, 0])
                 found[name] += times * float(

@@ -10,9 +10,10 @@ import numpy as np
 from symkin.following.block_follower import MOST_EFFORT
 from symkin.following.follow import Branch
 from symkin.following.joint_limits import Limit
+from symkin.following.machine_path import MachinePath
 from symkin.following.meeting_modes import Meeting, meeting_modes
 from symkin.following.sample import Sample, make_sample
-from symkin.following.trajectory import Trajectory
+from symkin.model.mechanism import Mechanism
 from symkin.numeric.tolerances import SINGULAR_VALUE, SUSPECT_CONDITION
 from symkin.position.problem import Problem, build_problem
 from symkin.position.transfer import variables_elsewhere
@@ -83,33 +84,31 @@ class Stop:
         return f"{named}{place}: {what}" + (f"; {self.meeting}" if self.meeting is not None else "")
 
 
-def stop_of(
-    trajectory: Trajectory, problem: Problem, branch: Branch, kept: list[Sample], name_modes: bool
-) -> Stop | None:
+def stop_of(path: MachinePath, branch: Branch, kept: list[Sample], name_modes: bool) -> Stop | None:
     """Why a branch ends before its path; None where it does not. `kept` are the samples before the
     end.
     """
     if branch.ending == "reached":
         return None
     last, singular = branch.last, branch.ending == "singular" and bool(branch.stopped)
-    if singular and trajectory.parameter(last.row, last.u) > _AT_START:
-        return _singular_stop(trajectory, problem, branch, kept, name_modes)
+    if singular and path.written.parameter(last.row, last.u) > _AT_START:
+        return _singular_stop(path, branch, kept, name_modes)
     last = branch.places[0] if singular else last
-    place = make_sample(trajectory, problem, last, kept[-1], branch.way(last.row, last.u))
+    place = make_sample(path, last, kept[-1], branch.way(last.row, last.u))
     reasons = {
         "singular": "singular start",
         "limit": "limit",
         "open": "open loops",
         "unproved": "unproved",
     }
-    kind, text = reasons[branch.ending], _why(branch, trajectory)
+    kind, text = reasons[branch.ending], _why(branch, path.written.mechanism)
     if branch.ending == "unproved" and branch.steps == 0 and place.condition > SUSPECT_CONDITION:
         kind, text = "singular start", _SINGULAR_TEXT
     return Stop(kind, last.row, last.u, place, text, limit=branch.limit)
 
 
-def _why(branch: Branch, trajectory: Trajectory) -> str:
-    unit = trajectory.mechanism.length_unit
+def _why(branch: Branch, mechanism: Mechanism) -> str:
+    unit = mechanism.length_unit
     match branch.ending:
         case "singular":
             return _SINGULAR_TEXT
@@ -131,17 +130,14 @@ def _why(branch: Branch, trajectory: Trajectory) -> str:
                 "is very near"
             )
         case _:
-            return "" if branch.limit is None else branch.limit.text(trajectory.mechanism)
+            return "" if branch.limit is None else branch.limit.text(mechanism)
 
 
-def _singular_stop(
-    trajectory: Trajectory, problem: Problem, branch: Branch, kept: list[Sample], name_modes: bool
-) -> Stop:
+def _singular_stop(path: MachinePath, branch: Branch, kept: list[Sample], name_modes: bool) -> Stop:
+    problem, last = path.written.problem, branch.last
     stops = [b.stop for b in branch.stopped if b.stop is not None]
     points = [s.singular for s in stops if s.singular is not None]
-    place = make_sample(
-        trajectory, problem, branch.last, kept[-1], branch.way(branch.last.row, branch.last.u)
-    )
+    place = make_sample(path, last, kept[-1], branch.way(last.row, last.u))
     found = classify(place.solution, roles=roles_followed(problem))
     errors = [None if s.fold is None else s.fold.error for s in stops]
     return Stop(
@@ -149,14 +145,14 @@ def _singular_stop(
             (k for k in ("bifurcation", "degenerate") if any(p.kind == k for p in points)),
             "turning point",
         ),
-        row=branch.last.row,
-        u=branch.last.u,
+        row=last.row,
+        u=last.u,
         place=place,
         text="",
         type=_type(branch),
         kinds=found.kinds,
         groups=_groups(problem, place),
-        meeting=meeting_modes(problem, trajectory, branch) if name_modes else None,
+        meeting=meeting_modes(path, branch) if name_modes else None,
         error=None if None in errors else max(e for e in errors if e is not None),
         blocks=len(points),
     )

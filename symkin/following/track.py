@@ -13,9 +13,10 @@ import numpy as np
 from symkin.errors import InputError
 from symkin.following.follow import Branch, PathPoint, evaluate_formula, follow, ground, is_formula
 from symkin.following.joint_limits import LimitWatch
+from symkin.following.machine_path import MachinePath, machine_path
 from symkin.following.nearest_singularity import nearest_to_singularity
 from symkin.following.options import PathOptions, TrackOptions
-from symkin.following.sample import Sample, make_sample, places_read
+from symkin.following.sample import Sample, make_sample
 from symkin.following.steps import Step
 from symkin.following.stop import Stop, stop_of
 from symkin.following.track_result import Track
@@ -28,7 +29,7 @@ from symkin.position.problem import Problem
 from symkin.position.solution import Solution
 from symkin.position.solve import solve
 from symkin.position.starts import start_notes
-from symkin.position.transfer import variables_elsewhere
+from symkin.position.transfer import own_closure, variables_elsewhere
 from symkin.spatial.pose import Pose
 from symkin.verb import verb
 from symkin.verb_options import options_of, takes
@@ -85,31 +86,29 @@ def track(mechanism: Mechanism, **options: Unpack[TrackOptions]) -> Track:
 
 
 def _track(trajectory: Trajectory, options: TrackOptions) -> Track:
-    problem = trajectory.problem
-    _check_isolated(problem)
+    _check_isolated(trajectory.problem)
     mode, notes = _start_mode(trajectory, options["start"])
     if mode is None:
-        return _not_begun(trajectory, problem, "; ".join(notes))
-    trajectory = replace(trajectory, notes=(*trajectory.notes, *notes))
-    branch = branch_from(mode, trajectory, limits=options["limits"], progress=options["progress"])
-    return _result(trajectory, problem, branch, options["name_modes"])
+        return _not_begun(trajectory, "; ".join(notes))
+    path = machine_path(replace(trajectory, notes=(*trajectory.notes, *notes)))
+    begin = path.unknowns(own_closure(mode), mode.variables[None])[0]
+    limits, progress = options["limits"], options["progress"]
+    branch = branch_from(begin, path.trajectory, limits=limits, progress=progress)
+    return _result(path, branch, options["name_modes"])
 
 
 def branch_from(
-    mode: Solution,
+    unknown: np.ndarray,
     trajectory: Trajectory,
     *,
     limits: bool,
     progress: Callable[[int, int], None] | None = None,
     known: Sequence[list[Step]] = (),
 ) -> Branch:
-    """Follow the branch of a mode of the path's first sample; `known` are proved steps of each
-    block on the first interval.
+    """Follow the branch through the unknowns at the path's first sample; `known` are proved steps
+    of each block on the first interval.
     """
     problem = trajectory.problem
-    unknown = problem.select_values(
-        variables_elsewhere(problem.closure, mode), problem.system.unknowns
-    )
     watch = LimitWatch(problem, trajectory, off=not limits)
     limit = watch.start(problem.join_values(unknown, trajectory.samples[0]))
     if (
@@ -192,10 +191,10 @@ def _check_start(trajectory: Trajectory, mode: Solution) -> None:
 # --- the result -----------------------------------------------------------------------------------
 
 
-def _not_begun(trajectory: Trajectory, problem: Problem, failure: str) -> Track:
+def _not_begun(trajectory: Trajectory, failure: str) -> Track:
     return Track(
         trajectory=trajectory,
-        problem=problem,
+        problem=trajectory.problem,
         samples=(),
         stop=Stop("no start", row=0, u=0.0, place=None, text=failure),
         certified=False,
@@ -208,29 +207,20 @@ def _not_begun(trajectory: Trajectory, problem: Problem, failure: str) -> Track:
     )
 
 
-def _result(trajectory: Trajectory, problem: Problem, branch: Branch, name_modes: bool) -> Track:
+def _result(path: MachinePath, branch: Branch, name_modes: bool) -> Track:
     kept: list[Sample] = []
-    read = places_read(trajectory, problem, branch.places)
-    for place, there in zip(branch.places, read, strict=True):
-        kept.append(
-            make_sample(
-                trajectory,
-                problem,
-                place,
-                kept[-1] if kept else None,
-                branch.way(place.row, place.u),
-                there,
-            )
-        )
-    stop = stop_of(trajectory, problem, branch, kept, name_modes)
+    for place, values in zip(branch.places, path.told(branch.places), strict=True):
+        way, before = branch.way(place.row, place.u), kept[-1] if kept else None
+        kept.append(make_sample(path, place, before, way, values))
+    stop = stop_of(path, branch, kept, name_modes)
     if stop is not None and stop.place is not None and stop.place.parameter > kept[-1].parameter:
         kept.append(stop.place)
-    near = nearest_to_singularity(branch, problem, trajectory)
+    near = nearest_to_singularity(branch, path.trajectory)
     certified = branch.proved and (stop is None or stop.kind != "singular start")
     residual = max(s.residual for s in kept)
     return Track(
-        trajectory=trajectory,
-        problem=problem,
+        trajectory=path.written,
+        problem=path.written.problem,
         samples=tuple(kept),
         stop=stop,
         certified=certified,
@@ -238,7 +228,7 @@ def _result(trajectory: Trajectory, problem: Problem, branch: Branch, name_modes
         steps=branch.steps,
         tightest=branch.tightest,
         residual=residual,
-        ground=ground(branch, certified, residual, trajectory.mechanism.length_unit),
+        ground=ground(branch, certified, residual, path.written.mechanism.length_unit),
         elapsed_s=0.0,
-        nearest=None if near is None else make_sample(trajectory, problem, near, None),
+        nearest=None if near is None else make_sample(path, near, None),
     )

@@ -51,7 +51,7 @@ class Trajectory:
     """Samples (n, w) of the known coordinates of a problem, in radians and the length unit: angles
     continue over whole turns, consecutive quaternions have a scalar product that is not negative.
     `times` (n,) or None. `given` are the first and the last sample as the user wrote them:
-    arguments of `solve`.
+    arguments of `solve`. The closure holds the joints that are `limited`.
     """
 
     problem: Problem
@@ -59,6 +59,7 @@ class Trajectory:
     times: np.ndarray | None
     given: tuple[dict[str, Any], dict[str, Any]]
     notes: tuple[str, ...] = ()
+    limited: tuple[str, ...] = ()
 
     @property
     def mechanism(self) -> Mechanism:
@@ -115,15 +116,14 @@ def make_trajectory(mechanism: Mechanism, **options: Unpack[PathOptions]) -> Tra
     if not rows:
         raise InputError("the path has no samples; at least one is needed")
     read = [_READ[form](mechanism, row, k) for k, row in enumerate(rows, start=1)]
-    problem = _problem(mechanism, read[0].names, options["limits"])
+    limited = _limited(mechanism, read[0].names) if options["limits"] else ()
+    problem = path_problem(mechanism, read[0].names, limited)
     samples: list[np.ndarray] = []
     for k, one in enumerate(read, start=1):
         if one.off_motion > ON_MOTION * mechanism.characteristic_length:
             raise InputError(_off_motion(mechanism, k, one.off_motion))
         samples.append(
-            _continued(problem.known_coordinates, samples[-1], one.values)
-            if samples
-            else one.values
+            continued(problem.known_coordinates, samples[-1], one.values) if samples else one.values
         )
     furthest = max(one.off_motion for one in read)
     projected = furthest > _ROUNDED * mechanism.characteristic_length
@@ -137,6 +137,7 @@ def make_trajectory(mechanism: Mechanism, **options: Unpack[PathOptions]) -> Tra
         _times(options["times"], len(rows)),
         (read[0].echo, read[-1].echo),
         (note,) if projected else (),
+        limited,
     )
     return trajectory if count is None else _refined(trajectory, count)
 
@@ -166,16 +167,17 @@ def _rows(
     return "pose", list(poses)
 
 
-def _problem(mechanism: Mechanism, names: tuple[str, ...], limits: bool) -> Problem:
-    """The problem of known coordinates; its closure holds joints that have limits, so that these
+def _limited(mechanism: Mechanism, names: tuple[str, ...]) -> tuple[str, ...]:
+    """The joints that have limits, but for known ones."""
+    limited = (c.name for c in mechanism.coordinates if c.limits is not None)
+    return tuple(name for name in limited if name not in names)
+
+
+def path_problem(mechanism: Mechanism, names: tuple[str, ...], limited: tuple[str, ...]) -> Problem:
+    """The problem of known coordinates; its closure holds joints that are limited, so that these
     are seen: all of them where one would be left out, since a loop that is not cut there may be cut
     at another.
     """
-    limited = tuple(
-        c.name
-        for c in mechanism.coordinates
-        if limits and c.limits is not None and c.name not in names
-    )
     if plain_kind(mechanism, names) is None:
         return build_problem(mechanism, names, limited)
     left = {c.name for c in left_out(build_problem(mechanism, names).closure)}
@@ -280,7 +282,7 @@ def _off_motion(mechanism: Mechanism, number: int, off: float) -> str:
     )
 
 
-def _continued(
+def continued(
     coordinates: tuple[Coordinate, ...], before: np.ndarray, values: np.ndarray
 ) -> np.ndarray:
     """The same pose, its quaternion and angle written as near as possible to those before; other

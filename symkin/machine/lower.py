@@ -50,9 +50,13 @@ class Lowered:
 
 @lru_cache(maxsize=128)
 def lowered(
-    mechanism: Mechanism, kept: frozenset[str] = frozenset(), *, pose: bool = True
+    mechanism: Mechanism,
+    given: frozenset[str] = frozenset(),
+    *,
+    pose: bool = True,
+    kept: frozenset[str] = frozenset(),
 ) -> Lowered | None:
-    """The machine of a description whose coordinates `kept` stay, since they are given, and whose
+    """The machine of a description whose coordinates `given` stay, as those `kept`, and whose
     platform's `pose` is a coordinate or not; None where it is the description itself. A graph is
     the limbs that it is where all of its driven joints, or the whole pose, are given.
     """
@@ -60,13 +64,13 @@ def lowered(
     arm = arm_of(bare) if pose and bare.is_graph else None
     if arm is not None and {c.name for c in arm.coordinates} >= {c.name for c in bare.coordinates}:
         return Lowered(mechanism, arm, None, ())
-    whole = pose if not kept else kept == {c.name for c in mechanism.actuated}
+    whole = pose if not given else given == {c.name for c in mechanism.actuated}
     limbs = limbs_of(bare) if bare.is_graph and whole else None
     plain = mechanism if bare.is_graph else bare
     plain = plain if limbs is None else limbs.mechanism
     placed, frames = with_own_motion(plain, declare=pose or not plain.is_graph)
     alone, guides = without_guides(placed) if whole else (placed, ())
-    machine, readings = with_universal_joints(alone, kept)
+    machine, readings = with_universal_joints(alone, given | kept)
     if machine is mechanism:
         return None
     links = {} if limbs is None else limbs.links

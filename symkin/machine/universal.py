@@ -4,7 +4,7 @@ meet at right angles: the links between them hold nothing else.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
@@ -44,6 +44,10 @@ class Reading:
         """What is read at a value of the machine's coordinate."""
         return {self.name: value + self.zero}
 
+    def value(self, read: Mapping[str, ca.SX]) -> ca.SX:
+        """The machine's coordinate where this is read."""
+        return read[self.name] - self.zero
+
 
 @dataclass(frozen=True)
 class BallReading:
@@ -78,6 +82,13 @@ class BallReading:
         third = 2.0 * atan2(dot(c, rest[1:]), rest[0])
         angles = (first, second, _wrapped(third))
         return {j.name: j.zero + t for j, t in zip(self.joints, angles, strict=True)}
+
+    def value(self, read: Mapping[str, ca.SX]) -> ca.SX:
+        """The unit quaternion of the ball where these are read."""
+        one, two, three = (
+            quaternion_from_axis_angle(ca.DM(_axis(j)), read[j.name] - j.zero) for j in self.joints
+        )
+        return multiply(multiply(one, two), three)
 
 
 def _wrapped(angle: ca.SX) -> ca.SX:

@@ -29,8 +29,12 @@ def variables_elsewhere(closure: Closure, solution: Solution) -> np.ndarray:
     """The full vector of a closure's variables at a solution, its own where the closure is the
     solution's.
     """
-    own = build_closure(solution.mechanism, solution.partition)
-    return np.asarray(many_elsewhere(closure, own, solution.variables[None])[0])
+    return np.asarray(many_elsewhere(closure, own_closure(solution), solution.variables[None])[0])
+
+
+def own_closure(solution: Solution) -> Closure:
+    """The closure whose variables a solution has."""
+    return build_closure(solution.mechanism, solution.partition)
 
 
 def many_elsewhere(closure: Closure, own: Closure, values: np.ndarray) -> np.ndarray:
@@ -40,10 +44,7 @@ def many_elsewhere(closure: Closure, own: Closure, values: np.ndarray) -> np.nda
     """
     if (closure.mechanism, closure.partition) == (own.mechanism, own.partition):
         return values
-    found = _transfer(closure, own, None)(values)[0][:, :, 0]
-    held = {c.name for c in own.coordinates}
-    read = [c for c in closure.coordinates if c.role == "pose" or c.name not in held]
-    return canonical(read, closure.slices, found)
+    return rewritten(closure, own, _transfer(closure, own)(values)[0][:, :, 0])
 
 
 def many_as_written(
@@ -55,8 +56,29 @@ def many_as_written(
     return _transfer(closure, own, lowered)(values)[0][:, :, 0]
 
 
+def many_of_machine(
+    closure: Closure, own: Closure, values: np.ndarray, lowered: Lowered
+) -> np.ndarray:
+    """Full vectors of the variables of a closure of the machine (m, variables) at configurations
+    (m, own variables) of its description.
+    """
+    found = _transfer(closure, own, lowered, to_machine=True)(values)[0][:, :, 0]
+    return rewritten(closure, own, found)
+
+
+def rewritten(closure: Closure, own: Closure, values: np.ndarray) -> np.ndarray:
+    """A closure's variables (m, variables), those that `own` leaves out in their standard
+    writing.
+    """
+    held = {c.name for c in own.coordinates}
+    read = [c for c in closure.coordinates if c.role == "pose" or c.name not in held]
+    return canonical(read, closure.slices, values)
+
+
 @lru_cache(maxsize=64)
-def _transfer(closure: Closure, own: Closure, lowered: Lowered | None) -> Mapped:
+def _transfer(
+    closure: Closure, own: Closure, lowered: Lowered | None = None, *, to_machine: bool = False
+) -> Mapped:
     """The variables of a closure over those of another one."""
     read = {c.name: own.variables[own.slices[c.name]] for c in own.coordinates}
     pose = Pose(*(own.bound(part) for part in (own.pose.position, own.pose.quaternion)))
@@ -66,15 +88,19 @@ def _transfer(closure: Closure, own: Closure, lowered: Lowered | None) -> Mapped
         links = link_expressions(own)
         told = joint_expressions(own, links)
         read |= {name: value for name, value in told.items() if name not in read}
-    if lowered is not None:
+    described = pose
+    if lowered is not None and not to_machine:
         pose, links, read = _as_described(lowered, pose, links, read)
+        described = pose
+    elif lowered is not None:
+        pose, links, read = _as_machine(lowered, pose, links, read)
     numbers = iter(
         ca.vertsplit(motion_coordinates(closure.mechanism, pose.position, pose.quaternion))
     )
     found = [
         ca.vertcat(*islice(numbers, c.width))
         if c.role == "pose"
-        else _value(closure, c, pose, links, read)
+        else _value(closure, c, described, links, read)
         for c in closure.coordinates
     ]
     return Mapped.of([own.variables], [ca.vertcat(*found)])
@@ -98,6 +124,21 @@ def _as_described(
     return pose, links | called, read
 
 
+def _as_machine(
+    lowered: Lowered, pose: Pose, links: Mapping[str, Pose], read: Mapping[str, ca.SX]
+) -> tuple[Pose, dict[str, Pose], dict[str, ca.SX]]:
+    """The platform, links and joints of a description as those of its machine."""
+    links, read = dict(links), dict(read)
+    for reading in lowered.readings:
+        read |= {reading.of: reading.value(read)} if {*reading.names} <= {*read} else {}
+    links |= {own: links[name] for name, own in lowered.links.items() if name in links}
+    if lowered.frames is not None:
+        base, platform = map(_constant, (lowered.frames.base, lowered.frames.platform))
+        links = {link: Frames(base, base).taken(at) for link, at in links.items()}
+        pose = Frames(base, platform).taken(pose)
+    return pose, links, read
+
+
 def _constant(pose: Pose) -> Pose:
     """A pose among expressions."""
     return Pose(ca.SX(ca.DM(pose.position)), ca.SX(ca.DM(pose.quaternion)))
@@ -106,13 +147,13 @@ def _constant(pose: Pose) -> Pose:
 def _needs_links(closure: Closure, own: Closure, lowered: Lowered | None) -> bool:
     """Whether a closure holds coordinates that another one leaves out, or bodies."""
     held = {c.name for c in own.coordinates}
-    called: dict[str, str] = {}
+    for reading in () if lowered is None else lowered.readings:
+        one, several = {reading.of}, {*reading.names}
+        held |= (several if one <= held else set()) | (one if several <= held else set())
     if lowered is not None:
         held |= {joint.name for guide in lowered.guides for joint in guide.joints}
-        called = {name: reading.of for reading in lowered.readings for name in reading.names}
     return any(
-        c.role == "body"
-        or (c.role not in ("pose", "given", "geometry") and called.get(c.name, c.name) not in held)
+        c.role == "body" or (c.role not in ("pose", "given", "geometry") and c.name not in held)
         for c in closure.coordinates
     )
 

@@ -27,7 +27,8 @@ _SAME_PLACE = 1e-6
 @dataclass(frozen=True, eq=False)
 class Locus:
     """One curve, or one point over a single coordinate: `points` (n, 2), (1, 1), in the plane and
-    `configurations` (n, width of the unknowns `names`), every one a zero.
+    `configurations` (n, width of the unknowns `names`, those of the machine that is meant), every
+    one a zero.
 
     Where passive joints alone lose the rank, the kind is "passive". `hits` counts the starts.
     Curves of other working modes and mirror images with the same picture are not listed again.
@@ -102,7 +103,7 @@ def make_locus(
     points = curve.points[:, system.uv] * factors
     return Locus(
         kind=kind,
-        limb=system.limb,
+        limb=system.plane.limb_name(system.limb),
         points=points,
         closed=curve.closed,
         in_mode=in_mode,

@@ -262,7 +262,7 @@ def _signs(blocks: Sequence[ca.Function], z: np.ndarray) -> np.ndarray:
 
 def _blocks(system: LocusSystem) -> list[ca.Function]:
     """dF_i/d(q_i, x_i) of the limbs where it is square, as functions of (free, u, v)."""
-    if system.plane.known or (system.kind == "type 1" and system.plane.of_pose):
+    if system.plane.by_name or (system.kind == "type 1" and system.plane.of_pose):
         return []
     plane = system.plane
     closure, whole = plane.closure, whole_system(plane.closure)

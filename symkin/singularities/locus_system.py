@@ -22,17 +22,24 @@ from typing import Any, Literal
 import casadi as ca
 import numpy as np
 
+from symkin.assembly.as_written import machine_of
 from symkin.closure.closure import Closure
 from symkin.errors import InputError
+from symkin.machine.lower import Lowered, lowered
 from symkin.model.joint import Coordinate
 from symkin.model.joint_forms import Kind
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.system import System
 from symkin.position.closed_configurations import closed_configurations, whole_system
 from symkin.position.determination import refuse_unless_determined
+from symkin.position.given import Given
 from symkin.position.problem import Problem, actuated_names, build_problem, plain_kind, pose_names
-from symkin.position.solution import Solution
-from symkin.position.transfer import variables_elsewhere
+from symkin.position.solution import Solution, named_values
+from symkin.position.transfer import (
+    many_elsewhere,
+    many_of_machine,
+    own_closure,
+)
 from symkin.position.varied_pose import POSE_AXES, TURNS, given_at, varied_pose
 from symkin.singularities.rank_loss import RankLoss, generic_matrix
 from symkin.text import meant
@@ -47,23 +54,24 @@ class Plane:
     """Two coordinates that vary (or one), all others of their family held: pose coordinates,
     actuated joints, or known coordinates by name.
 
-    `known` are the names of the family where they are told, `problem` is the one for which they are
-    known; `here` are the closure's variables at the solution. `values` are the closure's variables
-    with the symbols `u`, `v` in place of the plane's coordinates, the held ones as numbers, and
-    `free` (the rest) as symbols of the closure. Pose coordinates have the meaning of
-    `position.varied_pose`: x, y, z, gamma, and the rotation vector rx, ry, rz before the
-    configuration's orientation.
+    `told` are the names of the coordinates that are given, `problem` is the one of the machine
+    `low` (None: the description itself) for which they are known; `here` are its closure's
+    variables at the solution. `values` are these with the symbols `u`, `v` in place of the plane's
+    coordinates, the held ones as numbers, and `free` (the rest) as symbols of the closure. Pose
+    coordinates have the meaning of `position.varied_pose`: x, y, z, gamma, and the rotation vector
+    rx, ry, rz before the configuration's orientation.
     """
 
     problem: Problem
     solution: Solution
+    low: Lowered | None
     here: np.ndarray
     names: tuple[str, ...]
+    told: tuple[str, ...]
     coordinates: tuple[Coordinate, ...]
     symbols: ca.SX
     values: ca.SX
     free: tuple[Coordinate, ...]
-    of_pose: bool
 
     @property
     def closure(self) -> Closure:
@@ -71,21 +79,23 @@ class Plane:
 
     @property
     def mechanism(self) -> Mechanism:
-        return self.closure.mechanism
+        """The mechanism as it is written."""
+        return self.solution.mechanism
 
     @property
-    def known(self) -> tuple[str, ...]:
-        """The known coordinates, where they are told by name."""
-        return tuple(c.name for c in self.problem.known_coordinates) if self.problem.by_name else ()
+    def of_pose(self) -> bool:
+        """Whether coordinates of the pose vary."""
+        return self.problem.of_pose
+
+    @property
+    def by_name(self) -> bool:
+        """Whether the known coordinates are neither all actuated joints of limbs nor their pose."""
+        return self.problem.by_name
 
     @property
     def family(self) -> tuple[Coordinate, ...]:
         """The coordinates of which two vary."""
-        return (
-            self.problem.known_coordinates
-            if self.known
-            else self.closure.role("pose" if self.of_pose else "actuated")
-        )
+        return self.problem.known_coordinates
 
     def value(self, coordinate: Coordinate) -> np.ndarray:
         """A coordinate's numbers at the configuration."""
@@ -97,57 +107,69 @@ class Plane:
         """
         varied = {name: float(value) for name, value in zip(self.names, point, strict=True)}
         base: Any = self.solution.actuated_values
-        if self.known:
+        if self.of_pose:
+            base = (*self.solution.position, *self.solution.quaternion)
+        elif plain_kind(self.mechanism, self.told) is None:
             base = {
                 c.name: self.mechanism.value_out(c, float(self.value(c)[0])) for c in self.family
             }
-        elif self.of_pose:
-            base = (*self.solution.position, *self.solution.quaternion)
         return given_at(self.mechanism, base, varied, of_pose=self.of_pose)
+
+    def limb_name(self, limb: str | None) -> str | None:
+        """A limb of the machine as the description calls it; a graph has the names of joints."""
+        own = next((one for one in self.closure.mechanism.limbs if one.name == limb), None)
+        if own is None or not self.mechanism.is_graph or not own.joints:
+            return limb
+        return ", ".join(joint.name for joint in own.joints)
 
     def __reduce__(self) -> tuple[Callable[..., Any], tuple[Any, ...]]:
         """Pickle as the configuration and the names, from which the symbols are built anew."""
-        return plane_of, (self.solution, self.names, self.known or None)
+        return plane_of, (self.solution, self.names, None if self.of_pose else self.told)
 
 
-def has_pose_planes(mechanism: Mechanism) -> bool:
-    """Whether loci may be asked for over pose coordinates: of a platform on limbs; a graph of links
-    has those of what is given.
+def pose_planes(mechanism: Mechanism) -> tuple[Mechanism, Lowered | None] | None:
+    """The machine over whose pose coordinates loci may be asked for, a platform on limbs, in the
+    frame of its description; None of another one.
     """
-    return plain_kind(mechanism, pose_names(mechanism)) is not None
+    low = lowered(mechanism)
+    if low is None or low.frames is not None:
+        low, machine = None, mechanism
+    else:
+        machine = low.machine
+    return (machine, low) if plain_kind(machine, pose_names(machine)) is not None else None
 
 
 def plane_of(solution: Solution, names: Sequence[str], known: Sequence[str] | None = None) -> Plane:
-    """The plane of two named coordinates through a configuration; `known` are all coordinates that
-    are given, of which they are two. Raises InputError for names that do not fit.
+    """The plane of two named coordinates through a configuration, or a line of one; `known` are all
+    coordinates that are given, of which they are some. Raises InputError for names that do not fit.
     """
     mechanism = solution.mechanism
-    told = (
-        tuple(c.name for c in mechanism.actuated)
-        if known is None
-        else checked_names(mechanism, known, "given")
-    )
-    by_name = plain_kind(mechanism, told) is None and (
-        known is not None or not has_pose_planes(mechanism)
-    )
-    if not (1 if by_name else 2) <= len(names) <= 2 or len(set(names)) < len(names):
+    joints = actuated_names(mechanism)
+    told = joints if known is None else checked_names(mechanism, known, "given")
+    of_poses = pose_planes(mechanism) if known is None else None
+    axes = () if of_poses is None else POSE_AXES[of_poses[0].motion]
+    if not 1 <= len(names) <= 2 or len(set(names)) < len(names):
         raise InputError(
-            f"plane = {', '.join(names)!r}; {'one or ' * by_name}two different coordinates are "
-            f"needed"
+            f"plane = {', '.join(names)!r}; one or two different coordinates are needed"
         )
-    return _plane_of_known(solution, names, told) if by_name else _plane_of_limbs(solution, names)
-
-
-def _plane_of_known(solution: Solution, names: Sequence[str], known: tuple[str, ...]) -> Plane:
-    """A plane of two coordinates of those that are told by name, or a line of one."""
-    problem = build_problem(solution.mechanism, known)
-    if not set(names) <= set(known) or any(name.startswith("pose.") for name in known):
+    # a joint that is named as a coordinate of the pose is the joint, as among values by name
+    if of_poses is not None and not set(names) <= set(told) and set(names) <= set(axes):
+        return _plane_of_pose(solution, names, *of_poses)
+    if not set(names) <= set(told) or any(name.startswith("pose.") for name in told):
+        poses = f"two of {', '.join(axes)} (pose), or " if axes else ""
+        what = "actuated joints" if known is None else "coordinates that are given"
         raise InputError(
-            f"plane = {', '.join(names)!r}{_guess(names, known)}; allowed: one or two of the "
-            f"coordinates that are given, {', '.join(known) or 'none'}"
+            f"plane = {', '.join(names)!r}{_guess(names, [*axes, *told])}; allowed: {poses}one or "
+            f"two of the {what}, {', '.join(told) or 'none'}"
         )
-    refuse_unless_determined(problem)
-    return _plane(problem, solution, names, of_pose=False)
+    problem = build_problem(mechanism, told)
+    if problem.by_name:
+        refuse_unless_determined(problem)
+        return _plane(problem, solution, None, names, told)
+    low = machine_of(mechanism, Given(told, problem.reference_known, {}))
+    if low is not None:
+        problem = build_problem(low.machine, actuated_names(mechanism))
+    return _plane(problem, solution, low, names, told)
 
 
 def _guess(names: Sequence[str], known: Sequence[str]) -> str:
@@ -156,53 +178,53 @@ def _guess(names: Sequence[str], known: Sequence[str]) -> str:
     return meant(wrong[0], known) if wrong else ""
 
 
-def _plane_of_limbs(solution: Solution, names: Sequence[str]) -> Plane:
-    """A plane of two actuated joints, or of two pose coordinates."""
-    mechanism = solution.mechanism
-    axes, joints = POSE_AXES[mechanism.motion], actuated_names(mechanism)
-    # a joint that is named as a coordinate of the pose is the joint, as among values by name
-    of_joints = all(name in joints for name in names)
-    of_pose = not of_joints and all(name in axes for name in names)
-    if not of_joints and not of_pose:
-        raise InputError(
-            f"plane = {', '.join(names)!r}{_guess(names, [*axes, *joints])}; allowed: two of "
-            f"{', '.join(axes)} (pose), or two of {', '.join(joints) or 'no'} (actuated joints)"
-        )
-    if of_pose and set(names) == {"gamma", "rz"}:
-        raise InputError(
-            f"plane = {', '.join(names)!r}; they are the same angle: two different coordinates are "
-            f"needed"
-        )
-    known = pose_names(mechanism) if of_pose else joints
-    return _plane(build_problem(mechanism, known), solution, names, of_pose)
+def _plane_of_pose(
+    solution: Solution, names: Sequence[str], machine: Mechanism, low: Lowered | None
+) -> Plane:
+    """A plane of two coordinates of the pose."""
+    if len(names) < 2 or set(names) == {"gamma", "rz"}:
+        same = "; they are the same angle: " if len(names) == 2 else "; "
+        raise InputError(f"plane = {', '.join(names)!r}{same}two different coordinates are needed")
+    return _plane(build_problem(machine, pose_names(machine)), solution, low, names, ())
 
 
-def _plane(problem: Problem, solution: Solution, names: Sequence[str], of_pose: bool) -> Plane:
-    here, u = variables_elsewhere(problem.closure, solution), ca.SX.sym("uv", len(names))
-    values, coordinates = (
-        _pose_values(problem.closure, solution, names, u)
-        if of_pose
-        else _known_values(problem, here, names, u)
+def _plane(
+    problem: Problem,
+    solution: Solution,
+    low: Lowered | None,
+    names: Sequence[str],
+    told: tuple[str, ...],
+) -> Plane:
+    closure, own = problem.closure, own_closure(solution)
+    here = (
+        many_elsewhere(closure, own, solution.variables[None])
+        if low is None
+        else many_of_machine(closure, own, solution.variables[None], low)
+    )[0]
+    u = ca.SX.sym("uv", len(names))
+    values, coordinates = (_pose_values if problem.of_pose else _known_values)(
+        problem, here, names, u
     )
     family = {c.name for c in problem.known_coordinates}
-    free = tuple(c for c in problem.closure.coordinates if c.name not in family)
-    return Plane(problem, solution, here, tuple(names), coordinates, u, values, free, of_pose)
+    free = tuple(c for c in closure.coordinates if c.name not in family)
+    told = told or pose_names(solution.mechanism)
+    return Plane(problem, solution, low, here, tuple(names), told, coordinates, u, values, free)
 
 
 def _pose_values(
-    closure: Closure, solution: Solution, names: Sequence[str], u: ca.SX
-) -> tuple[ca.SX, tuple[Coordinate, Coordinate]]:
-    values = ca.SX(closure.variables)
-    coordinates = closure.role("pose")
-    varied = varied_pose(closure, solution.values, {names[k]: u[k] for k in range(2)})
-    for c, value in zip(coordinates, varied, strict=True):
+    problem: Problem, here: np.ndarray, names: Sequence[str], u: ca.SX
+) -> tuple[ca.SX, tuple[Coordinate, ...]]:
+    closure = problem.closure
+    values, held = ca.SX(closure.variables), named_values(closure, here)
+    varied = varied_pose(closure, held, {names[k]: u[k] for k in range(2)})
+    for c, value in zip(closure.role("pose"), varied, strict=True):
         values[closure.slices[c.name]] = value
     first, second = (
         Coordinate(
             f"plane.{n}",
             _pose_kind(n, names),
             "pose",
-            (0.0 if n in TURNS else float(solution.values[f"pose.{n}"]),),
+            (0.0 if n in TURNS else float(held[f"pose.{n}"]),),
         )
         for n in names
     )
@@ -305,7 +327,7 @@ def locus_systems(plane: Plane, kinds: Sequence[LocusKind]) -> list[LocusSystem]
     if "type 2" in kinds and not closure.mechanism.serial:
         family = (
             {c.name for c in plane.family}
-            if plane.known
+            if plane.by_name
             else {c.name for c in closure.role("actuated")}
         )
         owners = [c.name for c in closure.coordinates for _ in range(c.freedom)]
@@ -315,7 +337,7 @@ def locus_systems(plane: Plane, kinds: Sequence[LocusKind]) -> list[LocusSystem]
                 plane, whole, "type 2", None, list(range(int(closure.rows.shape[0]))), kept, generic
             )
         )
-    if "type 1" in kinds and not plane.known:
+    if "type 1" in kinds and not plane.by_name:
         for block in limb_blocks(closure):
             if block.actuated:
                 systems.append(
@@ -347,7 +369,11 @@ def _system(
     loss = RankLoss(
         ca.Function("kernel", [fixed], [ca.densify(jacobian)], {"cse": True}),
         generic_matrix(generic, rows, columns),
-        [k for k, column in enumerate(columns) if plane.known or per_freedom[column].role == role],
+        [
+            k
+            for k, column in enumerate(columns)
+            if plane.by_name or per_freedom[column].role == role
+        ],
     )
     closed = System((*free, *plane.coordinates), fixed, nothing, closed_rows, closed_rows, size)
     return LocusSystem(

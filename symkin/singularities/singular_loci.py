@@ -16,7 +16,9 @@ from typing import Unpack
 
 import numpy as np
 
+from symkin.closure.closure import build_closure
 from symkin.errors import InputError
+from symkin.model.mechanism import Mechanism
 from symkin.position.pose_conditions import condition_sentence
 from symkin.position.solution import Solution
 from symkin.singularities.loci import LOST_OVER_PLANE, MISSING, NONE_MET, Loci
@@ -106,24 +108,24 @@ def _check(plane: Plane, kinds: Sequence[str], starts: int, seed: int) -> None:
         raise InputError(f"starts = {starts}; allowed: 1 to {MOST_STARTS}")
     if not kinds or any(kind not in ("type 1", "type 2") for kind in kinds):
         raise InputError(f"kinds = {', '.join(kinds)!r}; allowed: type 1, type 2")
-    if plane.known and "type 2" not in kinds:
+    if plane.by_name and "type 2" not in kinds:
         raise InputError(
             "kinds = 'type 1': over given coordinates curves are type 2, where these do not decide "
             "the others"
         )
     if plane.of_pose:
-        _check_pose(plane)
+        check_poses_vary(plane.closure.mechanism, plane.names)
 
 
-def _check_pose(plane: Plane) -> None:
-    """Every pose near the configuration must be one that the mechanism takes."""
-    freedoms = generic_ranks(plane.mechanism).outputs
-    wanted = sum(c.freedom for c in plane.closure.role("pose"))
+def check_poses_vary(machine: Mechanism, names: Sequence[str]) -> None:
+    """Raise InputError unless every pose near a configuration is one that the machine takes."""
+    freedoms = generic_ranks(machine).outputs
+    wanted = sum(c.freedom for c in build_closure(machine).role("pose"))
     if freedoms < wanted:
         sentence = condition_sentence(
-            plane.mechanism, "pose coordinates in general", "two actuated joints", freedoms, wanted
+            machine, "pose coordinates in general", "two actuated joints", freedoms, wanted
         )
-        raise InputError(f"plane = {', '.join(plane.names)!r}: {sentence}")
+        raise InputError(f"plane = {', '.join(names)!r}: {sentence}")
 
 
 def _window(plane: Plane, ranges: Sequence[Sequence[float]] | None) -> np.ndarray:

@@ -164,7 +164,7 @@ def test_loci_over_poses_of_a_graph_are_refused_before_the_sweep(tmp_path, capsy
     ]
     status, _, err = run(capsys, *words, "--plot", tmp_path / "a.png", "--loci")
     assert status == 2
-    assert "whose loci are traced over joints" in err
+    assert "pose coordinates in general cannot vary alone" in err
     assert not (tmp_path / "s").exists()
 
 
