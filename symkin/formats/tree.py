@@ -16,6 +16,7 @@ import casadi as ca
 import numpy as np
 
 from symkin.closure.chain import Ball, Chain, JointSymbols, Side, Turn, relative_sides
+from symkin.closure.closure import nonzero_rows
 from symkin.closure.parameters import ParameterTable
 from symkin.closure.rows import Cut, rows_of_joint
 from symkin.closure.written_once import written_once
@@ -25,12 +26,10 @@ from symkin.formats.robot import Robot, RobotJoint
 from symkin.model.graph import Coupling
 from symkin.model.joint import BASE, Coordinate, Joint
 from symkin.numeric.mapped import Mapped
-from symkin.numeric.system import System
+from symkin.numeric.system import NOTHING, System
 from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import multiply, rotate
 
-NOTHING = np.zeros(0)
-"""Known values: none."""
 STILL = Chain(())
 """Where the base is."""
 _ONE_POINT = 1e-12
@@ -95,6 +94,13 @@ class Tree:
             ca.vertcat(ca.SX(0, 1), *errors),
             self.size,
         )
+
+    @cached_property
+    def constraints(self) -> System:
+        """The same without the rows of rounding that two hinges with one axis leave."""
+        rows = self.system.rows
+        kept = nonzero_rows(lambda z: self.system.linearise_one(z)[0], self.coordinates, self.size)
+        return replace(self.system, rows=rows[list(kept), 0])
 
     def misfits(self, values: np.ndarray) -> dict[str, float]:
         """What each closure and coupling leaves open (metres), by its name."""
