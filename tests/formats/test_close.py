@@ -24,7 +24,7 @@ name = "cranks"
 length_unit = "m"
 angle_unit = "rad"
 joint = [
-    {name = "a", type = "R", links = ["base", "p"], point = [0, 0, 0], axis = [0, 0, 1], actuated = true},
+    {name = "a", type = "R", links = ["base", "p"], point = [0, 0, 0], axis = [0, 0, 1]},
     {name = "b", type = "R", links = ["base", "q"], point = [3, 0, 0], axis = [0, 0, 1]},
 ]
 rod = [{name = "r", links = ["p", "q"], from = [0, 1, 0], to = [3, 2, 0], length = 2.5}]

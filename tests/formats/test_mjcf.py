@@ -71,6 +71,15 @@ def check_against_mujoco(path: Path, neighbours: int) -> tuple[Robot, Closed]:
     return robot, closed
 
 
+def test_a_suffix_in_capitals_is_read_like_another(tmp_path: Path) -> None:
+    """With what it includes from its own folder."""
+    in_file(tmp_path, f"<mujoco>{body('b', '0 0 0', joint('k'))}</mujoco>", "part.xml")
+    text = file_text('<include file="part.xml"/>' + body("a", "0 0 0", joint("j")))
+    robots = [read_mjcf(in_file(tmp_path, text, name)) for name in ("m.xml", "M.XML")]
+    names = [[entry.joint.name for entry in robot.tree] for robot in robots]
+    assert names == [["k", "j"]] * 2
+
+
 @pytest.mark.parametrize("name", SMALL)
 def test_models_of_the_tests(name: str, tmp_path: Path) -> None:
     text, rank, mobility = SMALL[name]
