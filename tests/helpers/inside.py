@@ -424,6 +424,7 @@ NAMES = {
     "max_outliers": "symkin.calibration.judge.outliers",
     "screen_readings": "symkin.calibration.judge.outliers",
     "pose_slopes": "symkin.calibration.judge.accuracy",
+    "pose_sigma_at": "symkin.calibration.judge.accuracy",
     "predict_pose_sigma": "symkin.calibration.judge.accuracy",
     "covariance_root": "symkin.calibration.judge.prediction",
     "predict_readings": "symkin.calibration.judge.prediction",
