@@ -16,7 +16,6 @@ from helpers.inside import (
     NearestRoot,
     Robot,
     RobotJoint,
-    Tree,
     assembled,
     build_closure,
     close_robot,
@@ -284,14 +283,6 @@ def test_loops_that_nothing_closes() -> None:
         symkin.MechanismError, match=r"leaves 1 m, most of it in the loop of end \(line 9\)"
     ):
         mechanism_of(four_bar(reach=9.0))
-
-
-def test_joints_that_form_no_tree_are_refused() -> None:
-    lone = RobotJoint(Joint("lone", "R", (0, 0, 0), Z), ("elsewhere", "arm"))
-    with pytest.raises(
-        symkin.MechanismError, match="'lone': its link 'elsewhere' hangs on nothing"
-    ):
-        Tree(Robot("r", {"base": Pose.identity()}, (lone,))).coordinates  # noqa: B018
 
 
 @pytest.mark.parametrize("turns", [-4, 2, 3])
