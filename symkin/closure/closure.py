@@ -257,24 +257,27 @@ def _nonzero_rows(
     """Numbers of the rows that a restricted motion leaves, or a loop that is planar or spherical:
     those that vanish identically at the nominal geometry are dropped.
     """
-    rows = ca.vertcat(*builder.rows)
     if builder.mechanism.motion == "spatial" and all(
         branch.carries or set(branch.ends) & set(builder.layout.floating)
         for branch in builder.layout.branches
     ):
         # rows that hold a body of six freedoms depend on its pose
-        return tuple(range(rows.shape[0]))
-    evaluate = ca.Function("rows", [variables, symbols], [rows])
+        return tuple(range(len(builder.rows)))
+    evaluate = ca.Function("rows", [variables, symbols], [ca.vertcat(*builder.rows)])
+    size = builder.mechanism.characteristic_length
+    return nonzero_rows(lambda sample: evaluate(sample, values), coordinates, size)
+
+
+def nonzero_rows(
+    evaluate: Callable[[np.ndarray], Any], coordinates: Sequence[Coordinate], size: float
+) -> tuple[int, ...]:
+    """Numbers of the rows that do not vanish at random points: those that do are zero everywhere,
+    with probability one.
+    """
     rng = np.random.default_rng(0)
-    largest = np.zeros(rows.shape[0])
-    # a row that vanishes at random points is zero everywhere, with probability one
-    for _ in range(3):
-        sample = random_values(coordinates, builder.mechanism.characteristic_length, rng)
-        largest = np.maximum(largest, np.abs(np.asarray(evaluate(sample, values))).ravel())
-    return tuple(
-        int(k)
-        for k in np.flatnonzero(largest > _ZERO_ROW * builder.mechanism.characteristic_length)
-    )
+    samples = [np.asarray(evaluate(random_values(coordinates, size, rng))) for _ in range(3)]
+    largest = np.max(np.abs(samples), axis=0).ravel()
+    return tuple(int(k) for k in np.flatnonzero(largest > _ZERO_ROW * size))
 
 
 def random_values(
@@ -283,7 +286,7 @@ def random_values(
     """Random coordinate values about the reference: lengths by the size, angles and rotations
     anywhere.
     """
-    parts = []
+    parts = [np.zeros(0)]
     for c in coordinates:
         match c.kind:
             case "length":

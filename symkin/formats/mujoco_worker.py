@@ -7,6 +7,7 @@ inertias replaced. This file imports nothing of symkin, so that the child starts
 """
 
 import math
+import os
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -35,6 +36,15 @@ parts.
 """
 
 
+def _spec(mujoco: Any, path: Path) -> Any:
+    """The file as the library reads it, which tells formats by suffixes in small letters."""
+    if path.suffix == ".xml":
+        return mujoco.MjSpec.from_file(str(path))
+    text = path.read_text("utf-8", errors="replace")
+    os.chdir(path.parent)
+    return mujoco.MjSpec.from_string(text)
+
+
 def work(task: dict[str, Any]) -> dict[str, Any]:
     """The model of the file `task["path"]`, or `error`, the compiler's words."""
     try:
@@ -43,7 +53,7 @@ def work(task: dict[str, Any]) -> dict[str, Any]:
         return {"error": f"the package mujoco cannot be imported: {error}"}
     mujoco.set_mju_user_warning(lambda _text: None)  # else they are written to MUJOCO_LOG.TXT
     try:
-        spec = mujoco.MjSpec.from_file(task["path"])
+        spec = _spec(mujoco, Path(task["path"]))
         idle = {
             "contact pair": len(spec.pairs),
             "flex": len(spec.flexes),

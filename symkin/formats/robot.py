@@ -79,12 +79,13 @@ class Mesh:
 
 @dataclass(frozen=True)
 class Robot:
-    """Links by name with their frames at the file's configuration, joints in radians and metres,
-    those of the tree before those that close loops, couplings of joints, and what was left out of
-    the file, a sentence each (`notes`). The root link is "base". Links that are `floating` hang on
-    no joint, only on closures. Bodies that fixed joints make part of a link are `merged`: by their
-    name in the file, the link and their frame. `meshes` show links and merged bodies, by name.
-    `parts` tells which joints are parts of one.
+    """Links by name with their frames at the file's configuration, joints in radians and
+    metres, those of the tree, each behind the one that carries its first link, before those that
+    close loops, couplings of joints, and what was left out of the file, a sentence each (`notes`).
+    The root link is "base". Links that are `floating` hang on no joint, only on closures. Bodies
+    that fixed joints make part of a link are `merged`: by their name in the file, the link and
+    their frame. `meshes` show links and merged bodies, by name. `parts` tells which joints are
+    parts of one.
     """
 
     name: str

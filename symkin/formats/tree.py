@@ -9,28 +9,26 @@ three slides and a ball.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import casadi as ca
 import numpy as np
 
 from symkin.closure.chain import Ball, Chain, JointSymbols, Side, Turn, relative_sides
+from symkin.closure.closure import nonzero_rows
 from symkin.closure.parameters import ParameterTable
 from symkin.closure.rows import Cut, rows_of_joint
 from symkin.closure.written_once import written_once
 from symkin.computed_once import cached_property
-from symkin.errors import MechanismError
 from symkin.formats.robot import Robot, RobotJoint
 from symkin.model.graph import Coupling
 from symkin.model.joint import BASE, Coordinate, Joint
 from symkin.numeric.mapped import Mapped
-from symkin.numeric.system import System
+from symkin.numeric.system import NOTHING, System
 from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import multiply, rotate
 
-NOTHING = np.zeros(0)
-"""Known values: none."""
 STILL = Chain(())
 """Where the base is."""
 _ONE_POINT = 1e-12
@@ -44,6 +42,14 @@ class _Hung:
     carrier: str
     link: str
     joints: tuple[tuple[JointSymbols, tuple[Coordinate, ...]], ...]
+
+    @staticmethod
+    def of(links: Sequence[str], joints: Iterable[Joint], *, backward: bool = False) -> _Hung:
+        """The second link by joints, which lead the other way in the mechanism where they are
+        `backward`.
+        """
+        own = ((_symbols_of(j), tuple(_seen_from(j, backward=backward))) for j in joints)
+        return _Hung(links[0], links[1], tuple(own))
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,6 +101,13 @@ class Tree:
             ca.vertcat(ca.SX(0, 1), *errors),
             self.size,
         )
+
+    @cached_property
+    def constraints(self) -> System:
+        """The same without the rows of rounding that two hinges with one axis leave."""
+        rows = self.system.rows
+        kept = nonzero_rows(lambda z: self.system.linearise_one(z)[0], self.coordinates, self.size)
+        return replace(self.system, rows=rows[list(kept), 0])
 
     def misfits(self, values: np.ndarray) -> dict[str, float]:
         """What each closure and coupling leaves open (metres), by its name."""
@@ -176,27 +189,10 @@ class Tree:
     def _hung(self) -> tuple[_Hung, ...]:
         """The links in an order in which each stands after the one that carries it."""
         robot = self.robot
-        found = [_free(link, robot.links[link]) for link in robot.floating]
-        placed, waiting = {BASE, *robot.floating}, list(robot.tree)
-        while waiting:
-            ready = [entry for entry in waiting if entry.links[0] in placed]
-            if not ready:
-                raise MechanismError(
-                    f"joint {waiting[0].joint.name!r}: its link {waiting[0].links[0]!r} hangs on "
-                    f"nothing; the tree begins at {BASE!r}"
-                )
-            for entry in ready:
-                joint, (carrier, link) = entry.joint, entry.links
-                if link in placed:
-                    raise MechanismError(
-                        f"joint {joint.name!r}: the link {link!r} hangs on two "
-                        f"joints of the tree; a loop is a closure"
-                    )
-                own = tuple(_seen_from(joint, backward=entry.backward))
-                found.append(_Hung(carrier, link, ((_symbols_of(joint), own),)))
-                placed.add(link)
-            waiting = [entry for entry in waiting if entry not in ready]
-        return tuple(found)
+        return (
+            *(_free(link, robot.links[link]) for link in robot.floating),
+            *(_Hung.of(e.links, [e.joint], backward=e.backward) for e in robot.tree),
+        )
 
 
 def rows_and_checks(
@@ -240,5 +236,4 @@ def _free(link: str, frame: Pose) -> _Hung:
         Joint(f"{link}.{key}", "P", point, axis)
         for key, axis in zip("xyz", np.eye(3).tolist(), strict=True)
     ]
-    joints = [*slides, Joint(f"{link}.turn", "S", point)]
-    return _Hung(BASE, link, tuple((_symbols_of(j), tuple(j.coordinates)) for j in joints))
+    return _Hung.of((BASE, link), [*slides, Joint(f"{link}.turn", "S", point)])

@@ -94,6 +94,12 @@ CLOSED_CONFIGURATION = 1e-10
 there, not to be answers.
 """
 
+FILE_DIGITS = 1e-5
+"""Of the size: loops that leave less at least-squares configurations are closed to the digits of a
+file; and the share of the largest singular value below which others are zero to these digits. Files
+are written with five digits and more.
+"""
+
 ROOT_POLISHED = 1e-9
 """Largest last Newton step, relative to max(1, |z|), of a path that has arrived: the next one, its
 square, is rounding.

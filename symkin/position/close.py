@@ -11,24 +11,24 @@ import numpy as np
 from symkin.closure.closure import Closure, build_closure
 from symkin.closure.link_poses import link_poses
 from symkin.formats.assembled import assembled, open_sentence
-from symkin.formats.closing import (
-    DIGITS,
-    RANK_SHARE,
-    Closed,
-    GenericRank,
-    generic_rank,
-    nearest_closed,
-    rank_at,
-    row_count,
-)
+from symkin.formats.closing import Closed, nearest_closed
 from symkin.formats.load import is_robot, load, read_robot
 from symkin.formats.read_options import AS_IT_IS, ReadOptions
 from symkin.formats.robot import Robot
 from symkin.model.mechanism import Mechanism
-from symkin.numeric.tolerances import CLOSURE_TOLERANCE, LIMIT_SLACK
+from symkin.numeric.nearest_root import NearestRoot
+from symkin.numeric.rank import Rank
+from symkin.numeric.tolerances import (
+    CLEAR_GAP,
+    CLOSURE_TOLERANCE,
+    FILE_DIGITS,
+    LIMIT_SLACK,
+    RANK_TOLERANCE,
+    SINGULAR_VALUE,
+)
 from symkin.position.close_result import ClosedConfiguration, LoopGap
-from symkin.position.closed_configurations import nearest_closed as nearest_closed_values
-from symkin.position.closed_configurations import whole_system
+from symkin.position.closed_configurations import Assembly, whole_system
+from symkin.position.generic_rank import GenericRank, generic_rank
 from symkin.position.gruebler import counts
 from symkin.position.mobility import mobility
 from symkin.position.moved_reference import with_reference_at
@@ -69,9 +69,12 @@ def close_robot(robot: Robot, *, seed: int = 0) -> ClosedConfiguration:
     """As `close`, of a robot that is read."""
     found = nearest_closed(robot)
     tree = found.tree
-    share = RANK_SHARE if found.closed else DIGITS
-    rank, rows = rank_at(tree, found.state, share), row_count(tree)
-    generic = generic_rank(found, seed) if found.to_digits else None
+    rows = int(tree.system.rows.shape[0])
+    _, jacobian = tree.constraints.linearise_one(found.state)
+    rank = Rank.of(jacobian, RANK_TOLERANCE if found.closed else FILE_DIGITS).value
+    generic = (
+        generic_rank(Assembly(tree.constraints, found.state), seed) if found.to_digits else None
+    )
     displaced = found.displacements
     poses = {link: displaced[link] @ frame for link, frame in robot.links.items()}
     poses |= {name: displaced[link] @ frame for name, (link, frame) in robot.merged.items()}
@@ -84,7 +87,7 @@ def close_robot(robot: Robot, *, seed: int = 0) -> ClosedConfiguration:
         rows=rows,
         rank=rank,
         redundant=rows - rank,
-        generic_rank=None if generic is None else generic.value,
+        generic_rank=None if generic is None else _clear_value(generic),
         actuated=tuple(c.name for e in robot.tree if e.joint.actuated for c in e.joint.coordinates),
         loops=tuple(LoopGap(name, found.gaps[name], found.residuals[name]) for name in found.gaps),
         open_by=found.open_by,
@@ -94,7 +97,16 @@ def close_robot(robot: Robot, *, seed: int = 0) -> ClosedConfiguration:
         link_poses=poses,
         notes=(*_closing_notes(found, rank, generic), *_limit_notes(robot, found), *robot.notes),
         reference=assembled(robot, found) if found.to_digits and _moves(robot) else None,
+        infinitesimal=0 if generic is None else generic.infinitesimal,
     )
+
+
+def _clear_value(generic: GenericRank) -> int | None:
+    """The generic rank, to digits where loops close to these alone; None where it is not clear."""
+    if generic.digits is not None:
+        return generic.digits.rank
+    rank = generic.rank
+    return rank.value if rank.least >= SINGULAR_VALUE and rank.gap >= CLEAR_GAP else None
 
 
 def _moves(robot: Robot) -> bool:
@@ -125,23 +137,24 @@ def _closing_notes(found: Closed, rank: int, generic: GenericRank | None) -> lis
             f"the loops close only to the digits of the file: the nearest configuration leaves "
             f"{found.residual:.1e} m"
         )
-    if generic is None:
+    value = None if generic is None else _clear_value(generic)
+    if generic is None or value is None:
         notes.append(
             "the rank at closed configurations beside this one is not clear: freedoms here may be "
             "lost away from it, or not"
         )
-    elif rank > generic.value:
+    elif rank > value:
         notes.append(
             f"the digits of the file make constraints of what is redundant: the rank is {rank} "
-            f"here, and {generic.value} at configurations "
+            f"here, and {value} at configurations "
             "beside this one, which close to those digits"
         )
-    elif rank != generic.value:
-        digits = ", which close to the digits of the file" if generic.to_digits else ""
+    elif rank != value:
+        digits = ", which close to the digits of the file" if generic.digits is not None else ""
         notes.append(
-            f"this configuration is singular: the rank is {rank} here, and {generic.value} at "
+            f"this configuration is singular: the rank is {rank} here, and {value} at "
             f"closed configurations beside it{digits}: "
-            f"the mobility is {freedom - rank} here, and {freedom - generic.value} there"
+            f"the mobility is {freedom - rank} here, and {freedom - value} there"
         )
     return notes
 
@@ -168,11 +181,14 @@ def _of_mechanism(mechanism: Mechanism, seed: int) -> ClosedConfiguration:
     """The same of a mechanism, from its reference."""
     closure, account = build_closure(mechanism), mobility(mechanism, seed=seed)
     system, size = whole_system(closure), closure.characteristic_length
-    open_by, values = system.residual(closure.reference), nearest_closed_values(closure)
+    open_by, values = system.residual(closure.reference), closure.reference
+    if open_by > CLOSURE_TOLERANCE * size:
+        counted = {name for c in mechanism.couplings for name in (c.joint, *c.names)}
+        values = NearestRoot(system, values, counted).found()
     if system.residual(values) > CLOSURE_TOLERANCE * size:
         values = min((values, account.values), key=system.residual)
     residual = system.residual(values)
-    closed = residual <= (DIGITS if account.digits is not None else CLOSURE_TOLERANCE) * size
+    closed = residual <= (FILE_DIGITS if account.digits is not None else CLOSURE_TOLERANCE) * size
     moved = mechanism if open_by <= CLOSURE_TOLERANCE * size else with_reference_at(closure, values)
     links, joints, _ = counts(mechanism)
     rank = account.rank.value if account.reference_rank is None else account.reference_rank.value

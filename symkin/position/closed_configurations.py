@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import casadi as ca
 import numpy as np
 
@@ -28,29 +30,43 @@ def whole_system(closure: Closure) -> System:
     )
 
 
+@dataclass(frozen=True, eq=False)
+class Assembly:
+    """A system of all coordinates as unknowns, and the configuration that a file describes."""
+
+    system: System
+    reference: np.ndarray
+
+
 @lru_cache(maxsize=128)
-def nearest_closed(closure: Closure) -> np.ndarray:
+def assembly_of(closure: Closure) -> Assembly:
+    """That of a mechanism."""
+    return Assembly(whole_system(closure), closure.reference)
+
+
+@lru_cache(maxsize=128)
+def nearest_closed(assembly: Assembly) -> np.ndarray:
     """The reference, or where least squares from there ends if that is open."""
-    system, start = whole_system(closure), closure.reference
-    if system.residual(start) <= CLOSURE_TOLERANCE * closure.characteristic_length:
+    system, start = assembly.system, assembly.reference
+    if system.residual(start) <= CLOSURE_TOLERANCE * system.characteristic_length:
         return start
     batch = levenberg_marquardt(system, start[None], NOTHING, max_iterations=200)
     return np.asarray(system.polish_many(batch.points).points[0])
 
 
 @lru_cache(maxsize=128)
-def own_component(closure: Closure, seed: int) -> Component | None:
+def own_component(assembly: Assembly, seed: int) -> Component | None:
     """Configurations of the assembly that the reference belongs to, or the nearest that closes
     where the reference is open; None where least squares from there ends open.
     """
-    system, start = whole_system(closure), nearest_closed(closure)
-    if not system.residual(start) <= CLOSED_CONFIGURATION * closure.characteristic_length:
+    system, start = assembly.system, nearest_closed(assembly)
+    if not system.residual(start) <= CLOSED_CONFIGURATION * system.characteristic_length:
         return None
     found = regular_component(system, start, seed)
     if found.infinitesimal:
         # a singular file of few digits: what closes exactly beside it is less than what its digits
         # mean
-        digits = rank_to_digits(system, least_squares_ends(closure, 0), found.rank.value)
+        digits = rank_to_digits(system, least_squares_ends(assembly, 0), found.rank.value)
         return found if digits is not None else component_at_singular(system, start, seed)
     return found
 
@@ -59,16 +75,17 @@ def closed_configurations(closure: Closure, seed: int) -> list[np.ndarray]:
     """Generic closed configurations of the reference's own assembly; of a reference that is open
     and near to none, those where least squares ends, or itself where none closes.
     """
-    own = own_component(closure, seed)
+    assembly = assembly_of(closure)
+    own = own_component(assembly, seed)
     if own is not None:
         return list(own.points)
-    ends = least_squares_ends(closure, seed)
+    ends = least_squares_ends(assembly, seed)
     return list(ends.points[ends.closed]) or [closure.reference]
 
 
 @lru_cache(maxsize=128)
-def least_squares_ends(closure: Closure, seed: int) -> LeastSquaresEnds:
+def least_squares_ends(assembly: Assembly, seed: int) -> LeastSquaresEnds:
     """Where least squares on all rows from random steps off the reference ends, in whatever
     assembly.
     """
-    return least_squares_from(whole_system(closure), closure.reference, seed)
+    return least_squares_from(assembly.system, assembly.reference, seed)

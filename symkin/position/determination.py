@@ -15,6 +15,7 @@ from symkin.model.joint import POSE_CONDITIONS, Coordinate
 from symkin.numeric.rank import Rank, generic, independent_rows, null_space
 from symkin.numeric.tolerances import CLOSURE_TOLERANCE, RANK_TOLERANCE
 from symkin.position.closed_configurations import (
+    assembly_of,
     closed_configurations,
     least_squares_ends,
     whole_system,
@@ -200,7 +201,7 @@ def _beside_singular(closure: Closure, rank: int) -> tuple[np.ndarray, float, fl
     configuration beside it that closes to the digits of a file, the share below which its singular
     values are zero, and the closure error. None elsewhere.
     """
-    system, ends = whole_system(closure), least_squares_ends(closure, 0)
+    system, ends = whole_system(closure), least_squares_ends(assembly_of(closure), 0)
     digits = rank_to_digits(system, ends, rank)
     if digits is None or digits.at_reference is None:
         return None
@@ -224,7 +225,7 @@ def _nearly_closed(closure: Closure) -> tuple[np.ndarray, float] | None:
     error, and that error, among those where it is more than rounding and no more than that of
     digits.
     """
-    ends, size = least_squares_ends(closure, 0), closure.characteristic_length
+    ends, size = least_squares_ends(assembly_of(closure), 0), closure.characteristic_length
     left = ends.misfits
     near = np.flatnonzero((left > CLOSURE_TOLERANCE * size) & (left <= DIGITS * size))
     if not near.size:

@@ -12,13 +12,8 @@ from symkin.numeric.levenberg import levenberg_marquardt
 from symkin.numeric.linear_algebra import parts_of_pattern
 from symkin.numeric.rank import Rank
 from symkin.numeric.system import NOTHING, System
-from symkin.numeric.tolerances import CLOSED_CONFIGURATION
+from symkin.numeric.tolerances import CLOSED_CONFIGURATION, FILE_DIGITS
 
-FILE_DIGITS = 1e-5
-"""Of the size: loops that leave less at least-squares configurations are closed to the digits of a
-file; and the share of the largest singular value below which others are zero to these digits. Files
-are written with five digits and more.
-"""
 _CLEAR_DROP = 2e-2
 """Of the smallest singular value that counts: what the next one has at most where a rank to the
 digits of a file is clear.
@@ -38,6 +33,8 @@ larger than their shortest links.
 """
 _WALKS, _WALK = 3, 0.1
 """Steps along what is free to digits, and their length (of the size)."""
+_CLOSING_STEPS = 8
+"""Steps of Gauss-Newton from there: each squares what is left of a tenth."""
 _STARTS, _FEW_STARTS, _MANY_FREEDOMS = 8, 2, 40
 """Random steps of each of three lengths; of a mechanism of many freedoms, whose single steps take
 long, fewer.
@@ -85,51 +82,65 @@ def _ends(system: System, starts: np.ndarray) -> LeastSquaresEnds:
     return LeastSquaresEnds(points, misfits, closed)
 
 
-def _walked_on(system: System, ends: LeastSquaresEnds) -> LeastSquaresEnds:
-    """Ends from steps along what is free to digits at those that close to them. Singular places are
-    left so: at generic ones less is free, and steps along that end at generic ones again.
+def _walked_on(system: System, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Configurations from steps along what is free to digits at others, and their misfits, the
+    least ones nearby where these do not close exactly. Singular places are left so: at generic ones
+    less is free, and steps along that end at generic ones again. Those from which no step leads are
+    left out: at a double point loops stay closed to digits nearby.
     """
     size, rng = system.characteristic_length, np.random.default_rng(0)
-    points = ends.points[ends.misfits <= FILE_DIGITS * size]
+    went = np.zeros(len(points), dtype=bool)
     for _ in range(_WALKS):
         _, values, right = np.linalg.svd(system.linearise(points)[1])
         held = np.zeros(right.shape[:2], dtype=bool)
         held[:, : values.shape[1]] = values > FILE_DIGITS * values[:, :1]
         steps = rng.normal(size=held.shape) * ~held
         starts = system.move(points, _WALK * size * np.einsum("nk,nkj->nj", steps, right))
-        found = _ends(system, starts)
-        near = found.misfits <= FILE_DIGITS * size
-        points = np.where(near[:, None], found.points, points)
-    return _ends(system, points)
+        ends = _closed_to_digits(system, starts)
+        near = system.residuals(ends) <= FILE_DIGITS * size
+        points = np.where(near[:, None], ends, points)
+        went |= near
+    points = points[went]
+    least = _ends(system, points)
+    points = np.where(least.closed[:, None], points, least.points)
+    return points, system.residuals(points)
+
+
+def _closed_to_digits(system: System, points: np.ndarray) -> np.ndarray:
+    """Gauss-Newton on what moves the rows to digits: steps along what does not would lead back to
+    where loops close exactly.
+    """
+    for _ in range(_CLOSING_STEPS):
+        rows, jacobians = system.linearise(points)
+        inverses = np.linalg.pinv(jacobians, rcond=FILE_DIGITS)
+        points = system.move(points, -(inverses @ rows[:, :, None])[:, :, 0])
+    return points
 
 
 def rank_to_digits(system: System, ends: LeastSquaresEnds, rank: int | None) -> ToDigits | None:
-    """What holds at ends that close the loops only to the digits of a file, where more moves there
-    than exactly (`rank`), or where nothing closes exactly, or nothing but a singular reference, at
-    which more moves than beside it.
+    """What holds at configurations that close the loops only to the digits of a file, where more
+    moves there than exactly (`rank`), or where nothing closes exactly, or nothing but a singular
+    reference, at which more moves than beside it.
 
     Loops that share no joint are judged each by itself: few ends are clear in all of them at once.
     """
     size = system.characteristic_length
-    if not np.any(_to_digits_alone(ends, size)):
+    begun = ends.points[ends.misfits <= FILE_DIGITS * size]
+    if not len(begun):
         return None
-    ends = _walked_on(system, ends)
-    misfits, near = ends.misfits, np.flatnonzero(_to_digits_alone(ends, size))
-    if not near.size:
+    points, misfits = _walked_on(system, begun)
+    near = (misfits > CLOSED_CONFIGURATION * size) & (misfits <= FILE_DIGITS * size)
+    if not near.any():
         return None
-    _, jacobians = system.linearise(ends.points[near])
-    zero = np.maximum(FILE_DIGITS, BLUR * misfits[near] / size)
-    ranks = [_generic(part, zero) for part in _parts(jacobians)]
-    found, misfit = sum(count for count, _ in ranks), float(misfits[near].max())
+    points, misfits = points[near], misfits[near]
+    zero = np.maximum(FILE_DIGITS, BLUR * misfits / size)
+    ranks = [_generic(part, zero) for part in _parts(system.linearise(points)[1])]
+    found, misfit = sum(count for count, _ in ranks), float(misfits.max())
     if rank is None or found < rank:
         return ToDigits(misfit, found)
     exact = system.linearise(ends.points[ends.closed])[1]
     alone = all(clear for _, clear in ranks) and not any(Rank.of(j).is_clear for j in exact)
     return ToDigits(misfit, found, rank) if found > rank and alone else None
-
-
-def _to_digits_alone(ends: LeastSquaresEnds, size: float) -> np.ndarray:
-    return (ends.misfits > CLOSED_CONFIGURATION * size) & (ends.misfits <= FILE_DIGITS * size)
 
 
 def _parts(jacobians: np.ndarray) -> list[np.ndarray]:

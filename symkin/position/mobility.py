@@ -2,29 +2,21 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from symkin.closure.closure import Closure, build_closure
 from symkin.computed_once import lru_cache
 from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.numeric.rank import Rank
-from symkin.numeric.rank import generic as generic_one
 from symkin.numeric.system import System
 from symkin.numeric.tolerances import CLOSURE_TOLERANCE
 from symkin.position.closed_configurations import (
+    assembly_of,
     least_squares_ends,
-    own_component,
     whole_system,
 )
-from symkin.position.file_digits import (
-    BLUR,
-    FILE_DIGITS,
-    LeastSquaresEnds,
-    ToDigits,
-    rank_to_digits,
-)
+from symkin.position.file_digits import LeastSquaresEnds
+from symkin.position.generic_rank import generic_rank
 from symkin.position.gruebler import gruebler_kutzbach
 from symkin.position.limb_screws import limb_screws, per_freedom, platform_screws
 from symkin.position.loops import loops_at
@@ -34,7 +26,6 @@ from symkin.position.mobility_result import (
     count_rows,
     redundant_constraints,
 )
-from symkin.position.own_component import Component
 from symkin.verb import verb
 
 
@@ -59,11 +50,10 @@ def mobility(mechanism: Mechanism, *, seed: int = 0) -> Mobility:
     require_mechanism(mechanism)
     closure = build_closure(mechanism)
     system, size = whole_system(closure), closure.characteristic_length
-    reference, own = closure.reference, own_component(closure, seed)
-    reference_rank = None
+    reference, reference_rank = closure.reference, None
     if system.residual(reference) <= CLOSURE_TOLERANCE * size:
         reference_rank = Rank.of(system.linearise_one(reference)[1])
-    found = _by_least_squares(closure) if own is None else _of_component(closure, own)
+    found = generic_rank(assembly_of(closure), seed)
     values, rank = found.values, found.rank
     generic = Rank(rank.value + found.above, float("inf")) if found.above else rank
     unknown = [c.role != "actuated" for c in per_freedom(closure.coordinates)]
@@ -92,83 +82,12 @@ def mobility(mechanism: Mechanism, *, seed: int = 0) -> Mobility:
         reference_rank=reference_rank,
         digits=found.digits,
         other_ranks=found.other_ranks,
-        misfit=_misfit(closure, system, least_squares_ends(closure, 0))
+        misfit=_misfit(closure, system, least_squares_ends(assembly_of(closure), 0))
         if not found.closed and found.digits is None
         else None,
         infinitesimal=found.infinitesimal,
         ranks_apart=found.ranks_apart,
     )
-
-
-@dataclass(frozen=True, eq=False)
-class _Generic:
-    """A generic configuration and the rank there, and what `Mobility` says beside that."""
-
-    values: np.ndarray
-    rank: Rank
-    closed: bool = True
-    digits: ToDigits | None = None
-    infinitesimal: int = 0
-    other_ranks: tuple[int, ...] = ()
-    ranks_apart: tuple[int, ...] = ()
-
-    @property
-    def above(self) -> int:
-        """How much more the rank to digits is than that here, where nothing beside it closes."""
-        digits = self.digits
-        return 0 if digits is None or digits.at_reference is None else digits.rank - self.rank.value
-
-
-def _of_component(closure: Closure, own: Component) -> _Generic:
-    """The assembly that the reference belongs to. Least squares from far off is asked where
-    singular values are small everywhere, or no motion leads away, as of loops that close to a
-    file's digits; and for other assemblies.
-    """
-    system = whole_system(closure)
-    small = all(
-        Rank.of(jacobian, BLUR * FILE_DIGITS).value < own.rank.value
-        for jacobian in system.linearise(own.points)[1]
-    )
-    digits = None
-    if small or (own.infinitesimal and len(own.points) == 1):
-        digits = rank_to_digits(system, least_squares_ends(closure, 0), own.rank.value)
-    apart = (
-        tuple(v for v in _ranks_apart(closure) if v not in (own.rank.value, *own.other_ranks))
-        if digits is None
-        else ()
-    )
-    return _Generic(
-        own.points[0],
-        own.rank,
-        True,
-        digits,
-        own.infinitesimal if digits is None else 0,
-        own.other_ranks,
-        apart,
-    )
-
-
-def _by_least_squares(closure: Closure) -> _Generic:
-    """Where least squares ends, of a reference that is open and near to no closed configuration."""
-    system, ends = whole_system(closure), least_squares_ends(closure, 0)
-    candidates = [*ends.points[ends.closed]] or [closure.reference]
-    ranks = [Rank.of(system.linearise_one(z)[1]) for z in candidates]
-    best, closed = generic_one(ranks), bool(ends.closed.any())
-    digits = rank_to_digits(system, ends, ranks[best].value if closed else None)
-    values = (
-        candidates[best] if closed or digits is None else ends.points[int(np.argmin(ends.misfits))]
-    )
-    return _Generic(values, ranks[best], closed, digits)
-
-
-def _ranks_apart(closure: Closure) -> tuple[int, ...]:
-    """Ranks that are clear at two closed configurations or more, wherever least squares from far
-    off ends; of seed 0, so that what is said does not depend on the seed.
-    """
-    system, ends = whole_system(closure), least_squares_ends(closure, 0)
-    jacobians = system.linearise(ends.points[ends.closed])[1]
-    clear = [rank.value for rank in map(Rank.of, jacobians) if rank.is_clear]
-    return tuple(sorted({value for value in clear if clear.count(value) > 1}))
 
 
 @lru_cache(maxsize=64)

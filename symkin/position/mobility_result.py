@@ -10,8 +10,8 @@ import numpy as np
 from symkin.closure.closure import Closure
 from symkin.computed_once import cached_property
 from symkin.numeric.rank import Rank
-from symkin.numeric.tolerances import CLEAR_GAP, RANK_TOLERANCE
-from symkin.position.file_digits import FILE_DIGITS, ToDigits
+from symkin.numeric.tolerances import CLEAR_GAP, FILE_DIGITS, RANK_TOLERANCE
+from symkin.position.file_digits import ToDigits
 from symkin.position.gruebler import counts
 from symkin.position.limb_screws import LimbScrews, in_space
 from symkin.position.loops import Loop, loops_at

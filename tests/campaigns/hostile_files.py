@@ -32,7 +32,17 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 import symkin
 from helpers.hexapods import matrices
-from helpers.inside import FitReport, calibrated_mechanism, fit_file, pose_sigma, read_measurements
+from helpers.inside import (
+    ClosedConfigurations,
+    FitReport,
+    build_closure,
+    calibrated_mechanism,
+    fit_file,
+    pose_sigma_at,
+    read_measurements,
+    variables_of,
+    with_parameters,
+)
 from symkin import SymkinError
 
 MOST = 5.0
@@ -347,14 +357,19 @@ def largest_miss(
     written = Path(report.data).with_name("written.toml")
     written.write_text(calibrated_mechanism(report).to_toml())
     made, misses = symkin.load(str(written)), []
-    try:
-        stated = pose_sigma(report.fit, legs, starts)
-    except SymkinError:
+    results = [
+        symkin.solve(made, joints=given, start=start, check=False)
+        for given, start in zip(legs, starts, strict=True)
+    ]
+    if any(found.status != "ok" for found in results):
         return np.inf
-    for k, start in enumerate(starts):
-        found = symkin.solve(made, joints=legs[k], start=start, check=False)
-        if found.status != "ok":
-            return np.inf
+    fit = report.fit
+    identified = with_parameters(replace(fit.mechanism, example=None), fit.values)
+    closure = build_closure(identified)
+    values = np.array([variables_of(closure, found.solution.values) for found in results])
+    poses = np.array([[*r.solution.position, *r.solution.quaternion] for r in results])
+    stated = pose_sigma_at(fit, identified, ClosedConfigurations(values, legs, poses), "").sigma
+    for k, found in enumerate(results):
         off = np.asarray(found.solution.position) - position[k]
         turn = matrices(q[k : k + 1])[0].T @ np.asarray(found.solution.pose.rotation)
         angle = 0.5 * np.array(

@@ -239,7 +239,7 @@ def many_parameters() -> Iterator[str]:
 
 def test_tests_come_in_by_one_door() -> None:
     """Only `inside.py` names what is below the public names, in imports and in strings; it names
-    nothing that no file uses.
+    nothing that no file uses, and all that a file takes from it.
     """
     below = re.compile(
         rf"(?:from|import) symkin\.\w|\bsymkin\.(?:{'|'.join(sorted(inner_names()))})\.\w"
@@ -255,6 +255,14 @@ def test_tests_come_in_by_one_door() -> None:
         for line in text.splitlines()
         if below.search(line)
     ] == []
+    taken = {
+        f"{path.relative_to(TESTS)}: {name}"
+        for path, text in texts.items()
+        for names in re.findall(r"from helpers\.inside import (\([^)]*\)|[^(\n]+)", text)
+        for name in re.findall(r"\w+", re.sub(r" as \w+|#.*", "", names))
+        if name not in {*inside.NAMES, *inside.MODULES, *vars(inside)}
+    }
+    assert taken == set()
     words = {word for text in texts.values() for word in re.findall(r"\w+", text)}
     assert [name for name in [*inside.NAMES, *inside.MODULES] if name not in words] == []
 

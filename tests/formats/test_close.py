@@ -18,6 +18,19 @@ from helpers.mjcf_models import MODELS, REAL, SMALL, body, file_text, joint
 pytest.importorskip("mujoco")
 
 
+CRANKS = """
+format = 1
+name = "cranks"
+length_unit = "m"
+angle_unit = "rad"
+joint = [
+    {name = "a", type = "R", links = ["base", "p"], point = [0, 0, 0], axis = [0, 0, 1]},
+    {name = "b", type = "R", links = ["base", "q"], point = [3, 0, 0], axis = [0, 0, 1]},
+]
+rod = [{name = "r", links = ["p", "q"], from = [0, 1, 0], to = [3, 2, 0], length = 2.5}]
+"""
+
+
 def open_four_bar(folder: Path, reach: float, name: str = "open.xml") -> Path:
     """Crank 0.2 at `reach` from the hip of a leg of 0.3 and 0.4; closed where the ends meet."""
     leg = body(
@@ -280,6 +293,21 @@ def test_mechanism_files(name: str) -> None:
     assert found["closed"]
     assert found["generic"]["mobility"] == account.mobility
     assert set(found["joints"]) == {c.name for c in symkin.load(name).coordinates}
+
+
+def test_an_open_mechanism_file_closes_at_the_nearest(tmp_path: Path) -> None:
+    """Two cranks and a rod of another length than their ends have: no closed configuration beside
+    the one told turns the cranks by less.
+    """
+    path = tmp_path / "cranks.toml"
+    path.write_text(CRANKS, encoding="utf-8")
+    found, machine = symkin.close(path), symkin.load(path)
+    assert found.closed
+    assert found.open_by > 0.1
+    first, second = (float(found.joints[name]) for name in ("a", "b"))
+    for step in (-1e-3, 1e-3):
+        near = symkin.solve(machine, given={"a": first + step}, start={"b": second}).solution
+        assert np.hypot(near.joints["a"], near.joints["b"]) > np.hypot(first, second)
 
 
 @pytest.mark.parametrize(

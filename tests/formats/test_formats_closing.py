@@ -13,25 +13,19 @@ import pytest
 
 import symkin
 from helpers.inside import (
+    NearestRoot,
     Robot,
     RobotJoint,
-    Tree,
     assembled,
     build_closure,
     close_robot,
-    closed_neighbours,
-    closing,
-    generic_rank,
     joint_at,
     mechanism_of,
     nearest_closed,
-    rank_at,
-    row_count,
-    way_between,
     whole_system,
 )
 from helpers.laws import axis_turn, chain
-from helpers.robot_files import closure_misfit
+from helpers.robot_files import closed_neighbours, closure_misfit, rank_at
 from symkin import Coupling, Joint, Pose
 
 Z = (0.0, 0.0, 1.0)
@@ -136,9 +130,9 @@ def test_ranks_are_the_constraints_of_the_type(kind: str) -> None:
     """
     robot = spatial_loop(kind, 0.05)
     found = nearest_closed(robot)
-    assert found.rank() == ROWS[kind] + 3 + 2 == row_count(found.tree)
+    assert rank_at(found.tree, found.state) == ROWS[kind] + 3 + 2 == found.tree.system.rows.shape[0]
     assert [rank_at(found.tree, state) for state in closed_neighbours(found, 2, 0)] == [
-        found.rank()
+        rank_at(found.tree, found.state)
     ] * 2
 
 
@@ -150,7 +144,7 @@ def test_the_nearest_closed_configuration(kind: str) -> None:
     found = nearest_closed(spatial_loop(kind, 0.1))
     assert found.closed
     assert found.open_by > 0.01
-    way = way_between(found.tree, found.tree.own, found.state)
+    way = NearestRoot(found.tree.system, found.tree.own).way_from(found.state)
     _, s, vt = np.linalg.svd(found.tree.system.linearise_one(found.state, np.zeros(0))[1])
     free = vt[int(np.sum(s > 1e-8 * s[0])) :]
     assert np.linalg.norm(free @ way) <= 1e-3 * np.linalg.norm(way)
@@ -177,7 +171,11 @@ def test_the_assembled_mechanism_is_closed_and_has_the_mobility(kind: str) -> No
     closure = build_closure(mechanism)
     assert whole_system(closure).residual(closure.reference, np.zeros(0)) <= 1e-9 * found.tree.size
     counted = symkin.mobility(mechanism)
-    assert counted.mobility <= found.tree.freedom - found.rank() <= counted.mobility + 3
+    assert (
+        counted.mobility
+        <= found.tree.freedom - rank_at(found.tree, found.state)
+        <= counted.mobility + 3
+    )
     zeros = {
         e.joint.name: e.joint.zero
         for e in mechanism.link_joints
@@ -238,11 +236,13 @@ def test_two_hinges_with_one_axis_forbid_nothing() -> None:
         {"base": Pose.identity(), "door": Pose.identity()},
         (hinge, RobotJoint(joint_at(frame, "other", "R"), ("base", "door"), (frame, frame))),
     )
-    assert nearest_closed(robot).rank() == 0
+    found = nearest_closed(robot)
+    assert rank_at(found.tree, found.state) == 0
     assert symkin.mobility(mechanism_of(robot)).mobility == 1
     tilted_hinge = replace(hinge, joint=replace(hinge.joint, axis=tilted))
     across = replace(robot, joints=(tilted_hinge, *robot.closures))
-    assert nearest_closed(across).rank() == 1
+    found = nearest_closed(across)
+    assert rank_at(found.tree, found.state) == 1
 
 
 def test_digits_that_make_constraints_of_redundant_ones_are_told() -> None:
@@ -254,7 +254,10 @@ def test_digits_that_make_constraints_of_redundant_ones_are_told() -> None:
     off = replace(follower.joint, axis=(1e-7, 0.0, 1.0))
     (end,) = robot.closures
     closed = replace(end, frames=(end.frames[0], end.frames[0]))
-    found = close_robot(replace(robot, joints=(*others, RobotJoint(off, follower.links), closed)))
+    robot = replace(robot, joints=(*others, RobotJoint(off, follower.links), closed))
+    found, account = close_robot(robot), symkin.mobility(mechanism_of(robot))
+    assert (account.mobility, account.to_dict()["to_digits"]["mobility"]) == (0, 1)
+    assert "close only to the digits of the file" in account.warnings[0]
     assert (found.rank, found.generic_rank) == (3, 2)
     assert any(
         "the digits of the file make constraints of what is redundant: the rank is 3 here, and 2"
@@ -282,14 +285,6 @@ def test_loops_that_nothing_closes() -> None:
         mechanism_of(four_bar(reach=9.0))
 
 
-def test_joints_that_form_no_tree_are_refused() -> None:
-    lone = RobotJoint(Joint("lone", "R", (0, 0, 0), Z), ("elsewhere", "arm"))
-    with pytest.raises(
-        symkin.MechanismError, match="'lone': its link 'elsewhere' hangs on nothing"
-    ):
-        Tree(Robot("r", {"base": Pose.identity()}, (lone,))).coordinates  # noqa: B018
-
-
 @pytest.mark.parametrize("turns", [-4, 2, 3])
 def test_turns_of_coupled_joints_count_while_loops_close(turns: int) -> None:
     """A pinion coupled to a lever of a loop, several turns off in the file: whole turns of coupled
@@ -307,21 +302,5 @@ def test_turns_of_coupled_joints_count_while_loops_close(turns: int) -> None:
     assert abs(values["pinion"]) > 1.1 * np.pi
     assert values["pinion"] == pytest.approx(1.5 * values["follower"] + 2 * np.pi * turns, abs=1e-9)
     far = found.state + [6 * np.pi * (c.name == "knee") for c in found.tree.coordinates]
-    np.testing.assert_allclose(closing._without_turns(found.tree, far), found.state, atol=1e-9)
-
-
-def test_the_generic_rank_to_digits_is_that_of_most_neighbours(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    """Of loops that close to the digits of a file alone, where single neighbours may lie at
-    singular places and others be blurred by the misfit; of those that close, the rank is the
-    largest, which is lost at singular places only.
-    """
-    rng = np.random.default_rng(0)
-    exact, rounded = nearest_closed(four_bar(open_by=-2.0)), too_long()
-    monkeypatch.setattr(closing, "_ends_aside", lambda *_: [])
-    for _ in range(20):
-        ranks = rng.permutation([7, 7, *rng.choice([5, 6, 8, 9], 2, replace=False)]).tolist()
-        monkeypatch.setattr(closing, "_clear_ranks", lambda *_, found=ranks: list(found))
-        assert generic_rank(exact, 0) == closing.GenericRank(max(ranks), False)
-        assert generic_rank(rounded, 0) == closing.GenericRank(7, True)
+    search = NearestRoot(found.tree.system, found.tree.own, {"pinion", "follower"})
+    np.testing.assert_allclose(search.without_turns(far), found.state, atol=1e-9)

@@ -16,8 +16,9 @@ import pytest
 
 import symkin
 from helpers.gate import each_once, in_gate
-from helpers.inside import Robot, Tree, rank_at, read_robot
+from helpers.inside import Robot, Tree, read_robot
 from helpers.made_robots import MACHINES, Machine, humanoid, opened
+from helpers.robot_files import rank_at
 from helpers.robot_texts import write
 from oracle.robot_accounts import MuJoCo, Pinocchio, ball_values, freedom, rank
 

@@ -12,9 +12,13 @@ from typing import Any
 import numpy as np
 
 from helpers.inside import (
+    Closed,
+    Rank,
     Robot,
     RobotJoint,
+    Tree,
     exponential,
+    levenberg_marquardt,
     prismatic_screw,
     quaternion_from_axis_angle,
     revolute_screw,
@@ -24,6 +28,8 @@ from symkin import Joint, Pose
 MODELS = Path(__file__).resolve().parent.parent / "data" / "models"
 ROBOTS = sorted(path for ending in ("xml", "urdf", "sdf") for path in MODELS.glob(f"*/*.{ending}"))
 """The real models."""
+CLOSED = 1e-10
+"""Of the size: what closed loops are open by."""
 LARGEST = [path for path in ROBOTS if path.stem == "strandbeest"]
 """Those that take seconds to load."""
 
@@ -157,3 +163,25 @@ def poses_at(robot: Robot, values: Mapping[str, Any]) -> dict[str, Pose]:
     """The frame of every link and merged body in the base frame."""
     moved = displaced(robot, values)
     return {name: moved[link] @ pose for name, (link, pose) in all_frames(robot).items()}
+
+
+def rank_at(tree: Tree, state: np.ndarray, share: float = 1e-8) -> int:
+    """Rank of the derivative of all closures and couplings, lengths and angles times the size
+    alike.
+    """
+    return Rank.of(tree.constraints.linearise_one(state)[1], share).value
+
+
+def closed_neighbours(closed: Closed, count: int, seed: int, step: float = 0.1) -> list[np.ndarray]:
+    """Configurations, closed as well as another one, from random steps off it; those searches that
+    stay open are left out.
+    """
+    tree, rng = closed.tree, np.random.default_rng(seed)
+    steps = step * tree.size * rng.normal(size=(count, tree.freedom))
+    begun = tree.system.move(np.tile(closed.state, (count, 1)), steps)
+    batch = levenberg_marquardt(
+        tree.system, begun, np.zeros(0), tolerance=1e-14, max_iterations=300
+    )
+    bound = max(CLOSED * tree.size, closed.residual)
+    ends = tree.system.polish_many(batch.points).points
+    return [end for end in ends if max(tree.misfits(end).values(), default=0.0) <= bound]

@@ -15,6 +15,7 @@ import symkin
 from campaigns.mobility_families import FAMILIES, Machine, drawn, wrong
 from helpers.gate import in_gate
 from helpers.inside import (
+    assembly_of,
     build_closure,
     closed_configurations,
     describe,
@@ -132,7 +133,7 @@ def test_configurations_are_closed_apart_and_of_one_rank(name: str) -> None:
     assert len(np.unique(points.round(9), axis=0)) == len(points) > 12
     values = np.linalg.svd(system.linearise(points, np.zeros(0))[1], compute_uv=False)
     assert set((values > 1e-8 * values[:, :1]).sum(axis=1)) <= {
-        own_component(closure, 5).rank.value
+        own_component(assembly_of(closure), 5).rank.value
     }  # type: ignore[union-attr]
 
 

@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from helpers.inside import BASE, DIGITS, RANK_SHARE, Robot, Tree, nearest_closed, rank_at
+from helpers.inside import BASE, FILE_DIGITS, Robot, Tree, nearest_closed
+from helpers.robot_files import rank_at
 from symkin import Pose
 
 _POSE = 1e-9
@@ -83,8 +84,8 @@ def mujoco_agreement(path: Path, robot: Robot) -> str:
         if columns and len(errors)
         else np.zeros(0)
     )
-    ours = rank_at(closed.tree, closed.state, RANK_SHARE if closed.closed else DIGITS)
-    theirs = int(np.sum(s > (1e-8 if closed.closed else DIGITS) * max(s[:1], default=0.0)))
+    ours = rank_at(closed.tree, closed.state, 1e-8 if closed.closed else FILE_DIGITS)
+    theirs = int(np.sum(s > (1e-8 if closed.closed else FILE_DIGITS) * max(s[:1], default=0.0)))
     open_by = float(np.abs(errors).max(initial=0.0))
     if open_by > max(1e-8, 10.0 * closed.residual) * max(closed.tree.size, 1.0):
         raise DisagreementError(

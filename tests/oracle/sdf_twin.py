@@ -12,7 +12,8 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from helpers.inside import Robot, Tree, rank_at
+from helpers.inside import Robot, Tree
+from helpers.robot_files import rank_at
 from oracle.robot_twins import DisagreementError
 
 _POSE = 1e-9

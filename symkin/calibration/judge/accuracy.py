@@ -95,15 +95,18 @@ def predict_pose_sigma(fit: Calibration, seed: int = 0) -> PoseSigma:
         try:
             drawn = home.draw(home.inclinations(_ACCURACY_POSES, rng), rng, held=False)
             text = f"{_ACCURACY_POSES} random poses about home"
-            about_home = _pose_sigma_at(fit, identified, drawn, text)
+            about_home = pose_sigma_at(fit, identified, drawn, text)
         except SymkinError:
             pass
-    return replace(_pose_sigma_at(fit, identified, made, where), about_home=about_home)
+    return replace(pose_sigma_at(fit, identified, made, where), about_home=about_home)
 
 
-def _pose_sigma_at(
+def pose_sigma_at(
     fit: Calibration, identified: Mechanism, made: ClosedConfigurations, where: str
 ) -> PoseSigma:
+    """Standard deviations of the poses at closed configurations of the identified machine; `where`
+    says which these are.
+    """
     slopes, _ = pose_slopes(identified, made, fit.problem.names)
     slopes = less_frames(slopes, made.poses, lever(identified))
     # what noise drowns is known by the prior alone
