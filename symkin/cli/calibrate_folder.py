@@ -91,15 +91,15 @@ def _drawn(report: FitReport) -> dict[str, bytes]:
     """Draw the pictures of a report, by file name."""
     from symkin.plots.calibration_plot import (
         parameter_figure,
-        png,
         pose_sigma_figure,
         residual_figure,
     )
+    from symkin.plots.picture_file import picture
 
     figures = [residual_figure(report.fit), parameter_figure(report.fit)]
     if report.usable:
         figures.append(pose_sigma_figure(report.fit, report.sigma))
-    return {name: png(figure) for name, figure in zip(PICTURES, figures, strict=False)}
+    return {name: picture(figure) for name, figure in zip(PICTURES, figures, strict=False)}
 
 
 def write_unfitted(

@@ -13,6 +13,8 @@ COLOURS = {
     "motion": "#8c2d9c",
     "slide": "#b8c2cc",
     "actuated slide": "#f6cdb5",
+    "bar": "#9cc3e4",
+    "pale": "#cfe0ee",
     "grid": "#dde3ea",
     "pane": "#fafbfc",
     "axis": "#9aa5b1",

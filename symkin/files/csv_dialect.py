@@ -13,6 +13,8 @@ from pathlib import Path
 from symkin.errors import InputError
 from symkin.regular_file import content_of
 
+_SPREADSHEETS = (b"PK\x03\x04", b"\xd0\xcf\x11\xe0")
+"""How .xlsx and .ods, and .xls, begin."""
 SEPARATORS = {",": "commas", ";": "semicolons", "\t": "tabs"}
 _NAMED = re.compile(r"sep=(.)", re.IGNORECASE)
 """A first line by which spreadsheets name the separator."""
@@ -41,6 +43,10 @@ _LISTED = 5
 def read_text(path: str | Path) -> tuple[str, tuple[str, ...]]:
     """A file's text, UTF-8 or else Windows-1252, and a note on the latter."""
     content = content_of(path)
+    if content.startswith(_SPREADSHEETS):
+        raise InputError(
+            f"{path}: the file is a spreadsheet; a CSV file is needed; save the sheet as one"
+        )
     try:
         return content.decode("utf-8-sig"), ()
     except UnicodeDecodeError:
@@ -52,7 +58,7 @@ def read_text(path: str | Path) -> tuple[str, tuple[str, ...]]:
     if "\0" in text:
         raise InputError(
             f"{path}: the file is not UTF-8 text; a CSV file with a header of names and units is "
-            f"needed"
+            f"needed, which spreadsheets save as CSV UTF-8"
         )
     return text, ("the file is not UTF-8 text; it was read as Windows-1252",)
 

@@ -235,6 +235,11 @@ def read_table(path: str | Path) -> Table:
             f"leg1[mm],theta[deg]"
         )
     headers = [cell.strip() for cell in rows[0][1]]
+    if all(plain_number(cell) is not None for cell in headers):
+        raise InputError(
+            f"{path}, line {rows[0][0]}: there are numbers where a header of names and units is "
+            f"needed, as in leg1[mm],theta[deg]"
+        )
     for line, row in rows[1:]:
         _check_width(str(path), line, row, len(headers), separator)
     cells = (
@@ -277,6 +282,8 @@ def _check_width(path: str, line: int, row: list[str], width: int, separator: st
         if other and len(row) < width
         else hint
     )
+    if width == 1:
+        hint = "; the first line is the header, unless it begins with #"
     raise InputError(f"{path}, line {line}: {len(row)} cells where the header has {width}{hint}")
 
 

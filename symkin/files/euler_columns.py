@@ -61,12 +61,14 @@ def sequenced_columns(table: Table, names: Collection[str]) -> dict[str, str]:
 
 
 def _roll_pitch_yaw(table: Table, names: Collection[str]) -> dict[str, str]:
-    written = {name.casefold(): name for name in table.columns}
-    if not all(angle in written for angle in _ROLL_PITCH_YAW) or any(
-        angle in names for angle in _ROLL_PITCH_YAW
-    ):
+    angles = {name.casefold(): name for name in table.columns if name.casefold() in _ROLL_PITCH_YAW}
+    if not angles or any(angle in names for angle in _ROLL_PITCH_YAW):
         return {}
-    return {
-        written[angle]: f"euler_xyz_{number}"
-        for number, angle in enumerate(_ROLL_PITCH_YAW, start=1)
-    }
+    missing = [angle for angle in _ROLL_PITCH_YAW if angle not in angles]
+    if missing:
+        raise InputError(
+            f"{table.path}: column {next(iter(angles.values()))!r} stands there without "
+            f"{' and '.join(missing)}; roll, pitch and yaw are read together; rename it where it "
+            f"is to be left out"
+        )
+    return {angles[a]: f"euler_xyz_{k}" for k, a in enumerate(_ROLL_PITCH_YAW, start=1)}

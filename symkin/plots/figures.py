@@ -21,7 +21,7 @@ from symkin.model.mechanism import Mechanism
 from symkin.plots.label_placement import Page
 from symkin.plots.labels import draw_labels, lengths_of
 from symkin.plots.legend import draw_legend
-from symkin.plots.painter import Painter
+from symkin.plots.painter import FRAME, Painter
 from symkin.plots.picture_file import check_picture_path, write_picture
 from symkin.plots.picture_options import Names, names_from
 from symkin.plots.raised import circle_notes, raised
@@ -199,6 +199,18 @@ class _Side:
     def extent(self) -> np.ndarray:
         return np.asarray(self.high - self.low)
 
+    def frames_above(self, layout: Layout, scale: float) -> float:
+        """Pixels by which axes of frames reach above the bounds, in panels."""
+        origins = [(np.zeros(3), np.eye(3))] * self.origin
+        if layout.pose is not None:
+            origins.append((np.asarray(layout.pose.position), np.asarray(layout.pose.rotation)))
+        places = [
+            scale * self.camera.flat(origin)[1] + FRAME * _PANEL_SYMBOL * max(0.0, *up)
+            for origin, rotation in origins
+            for up in [self.camera.flat(rotation.T)[:, 1]]
+        ]
+        return float(max(0.0, *(place - scale * self.high[1] for place in places)))
+
     def painted(
         self,
         ax: Any,
@@ -249,9 +261,9 @@ class Block:
         width, height = map(float, scale * largest)
         cell_wide = max(width, _LEAST_CELL) + _PANEL_GAP
         across = columns or _columns(len(panels), len(sides), cell_wide)
-        text = _PANEL_TITLE + _PANEL_LINE * max(
-            len(_wrapped(panel.text, cell_wide)) for panel in panels
-        )
+        lines = max(len(_wrapped(panel.text, cell_wide)) for panel in panels)
+        over = max(side.frames_above(layout, scale) for side in sides for layout in layouts)
+        text = _PANEL_TITLE + _PANEL_LINE * lines + over
         cell = (cell_wide, height + text + _PANEL_GAP)
         return Block(mechanism, panels, names, sides, across, scale, cell, text)
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from symkin.drawing.palette import COLOURS
 from symkin.errors import InputError
-from symkin.plots.sheet import colour_bar, head, new_figure
+from symkin.plots.sheet import colour_bar, head, new_figure, subtitle
 from symkin.plots.style import drawing
 from symkin.position.given import given_coordinates
 from symkin.position.solve_result import SolveError
@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 
 _MOST_WRITTEN = 144
 """Entries whose numbers are written into their cells."""
+_ROUNDING = 1e-13
+"""Entries of no more than this share of the largest are written as 0."""
 
 
 def figure_of_jacobian(jacobian: Jacobian, *, at: Values | None = None) -> Figure:
@@ -83,8 +85,10 @@ def _matrix_figure(jacobian: Jacobian, matrix: np.ndarray, title: str) -> Figure
             for (i, j), value in np.ndenumerate(matrix):
                 look = {"color": "white" if abs(shade[i, j]) > 0.6 * reach else COLOURS["text"]}
                 look |= {"ha": "center", "va": "center"}
-                ax.text(j, i, f"{value + 0.0:.3g}", fontsize=7.5, **look)
+                written = value if abs(shade[i, j]) > _ROUNDING * reach else 0.0
+                ax.text(j, i, f"{written + 0.0:.3g}", fontsize=7.5, **look)
         colour_bar(ax, image, "colours: angles\ntimes the size", shrink=0.9)
+        subtitle(ax, f"lengths in {jacobian.mechanism.length_unit}, angles in rad", 8.0)
         head(figure, title, 11)
     return figure
 

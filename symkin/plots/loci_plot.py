@@ -108,7 +108,8 @@ def draw_locus(axes: Any, curve: Locus, *, emphasise: bool, words: str = "", **l
         marker, what = (
             ("s", "self-motion") if curve.self_motion else ("D", "curves that nearly touch")
         )
-        axes.plot(*points[:1].T, marker, ms=6, label=f"{name}, {what}", zorder=4, **style)
+        look = {"ms": 6, "zorder": 4, "clip_on": False}
+        axes.plot(*points[:1].T, marker, label=f"{name}, {what}", **look, **style)
         return
     if curve.closed:
         points, mode = np.vstack([points, points[:1]]), np.append(mode, mode[0])

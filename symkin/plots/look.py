@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import zip_longest
 
 import numpy as np
 
@@ -29,19 +30,19 @@ def _joints_text(solution: Solution, given: Sequence[str]) -> str:
     """The first few single joint coordinates that were not given; below them where the platform's
     link is.
     """
-    values = {
-        name: v for name, v in solution.joints.items() if isinstance(v, float) and name not in given
-    }
-    size = solution.mechanism.characteristic_length
-    scale = {c.name: c.unit(size) for c in solution.mechanism.coordinates}
-    first = list(values)[:_MOST_VALUES]
-    clean = [_clean([values[name]], scale[name])[0] for name in first]
-    shown = ", ".join(
-        f"{name}\N{NO-BREAK SPACE}{v + 0.0:.5g}" for name, v in zip(first, clean, strict=True)
-    )
-    more = ",\N{NO-BREAK SPACE}..." if len(values) > _MOST_VALUES else ""
+    mechanism, size = solution.mechanism, solution.mechanism.characteristic_length
+    own = [c for c in mechanism.coordinates if c.width == 1 and c.name not in given]
+    texts = []
+    for c, after in zip_longest(own[:_MOST_VALUES], own[1:_MOST_VALUES]):
+        (value,) = _clean([mechanism.value_in(c, solution.joints[c.name])], c.unit(size))
+        unit = mechanism.unit_of(c)
+        told = "" if after is not None and mechanism.unit_of(after) == unit else f" {unit}"
+        texts.append(f"{c.name} {mechanism.value_out(c, value):.5g}{told}")
+    more = ["..."] if len(own) > _MOST_VALUES else []
+    # a line breaks between joints alone
+    shown = ", ".join(text.replace(" ", "\N{NO-BREAK SPACE}") for text in [*texts, *more])
     pose = _pose_text(solution) if solution.has_platform else ""
-    return "\n".join(line for line in (shown + more, pose) if line)
+    return "\n".join(line for line in (shown, pose) if line)
 
 
 _MOST_VALUES = 4
@@ -73,13 +74,11 @@ def _pose_text(solution: Solution) -> str:
     )
     leaves = leaves_motion(mechanism, solution.position[None], solution.quaternion[None])
     if mechanism.motion in ABOUT_Z and not leaves:
-        (angle,) = _clean([mechanism.angle_out(solution.gamma)], 1.0)
+        angle = mechanism.angle_out(*_clean([solution.gamma], 1.0))
         return f"{text.removeprefix('position ')}, gamma {angle:.5g} {mechanism.angle_unit}"
-    turn = euler_from_quaternion(np.asarray(solution.quaternion), "xyz")
-    angles = (
-        f"roll, pitch, yaw {listed(_clean([mechanism.angle_out(float(v)) for v in turn], 1.0))} "
-        f"{mechanism.angle_unit}"
-    )
+    turn = _clean(euler_from_quaternion(np.asarray(solution.quaternion), "xyz"), 1.0)
+    turned = listed([mechanism.angle_out(angle) for angle in turn])
+    angles = f"roll, pitch, yaw {turned} {mechanism.angle_unit}"
     return {"spherical": angles, "translation": text}.get(
         "" if leaves else mechanism.motion, f"{text}\n{angles}"
     )

@@ -30,7 +30,7 @@ _ROD_END = 0.7
 """Length of the symbols at a rod's ends, of a joint's."""
 _AXIS = 1.35
 """Half length of the line along a joint's axis, of its symbol."""
-_FRAME, _ARROW = 1.5, 2.1
+FRAME, _ARROW = 1.5, 2.1
 """Length of the axes of frames, of a joint's symbol: of strokes, and of arrows."""
 _GAP, _REACH = 3.0, 7.0
 """Width (points) that a white edge adds to a line where it passes over another, and half its length
@@ -250,7 +250,10 @@ class Painter:
     def _joint(self, mark: JointMark) -> None:
         axes, place = [self.seen(axis) for axis in mark.axes], self.at(mark.centre)
         order = 6.0 + self.depth(mark.centre) + (0.5 if mark.actuated else 0.0)
-        if self.large and mark.type in "RCH" and np.linalg.norm(axes[0]) > _NEAR:
+        turns = mark.type in "RCH"
+        end_on = turns and bool(np.linalg.norm(axes[0]) <= _NEAR)
+        order += 0.6 * (end_on and self.camera.planar)  # a pin is seen in its slide
+        if self.large and turns and not end_on:
             reach = _AXIS * self.symbol * axes[0]
             dashes = (0, (7.0, 2.0, 1.5, 2.0))
             self._flat(place - reach, place + reach, 0.8, COLOURS["quiet"], "axis", 5.0, dashes)
@@ -337,7 +340,7 @@ class Painter:
 
     def tips(self, origin: np.ndarray, rotation: np.ndarray) -> list[np.ndarray | None]:
         """Where the axes of a frame end in the picture; None of one that points to the eye."""
-        length = (_ARROW if self.large else _FRAME) * self.symbol
+        length = (_ARROW if self.large else FRAME) * self.symbol
         seen = [self.seen(axis) for axis in rotation.T]
         return [
             self.at(origin) + length * way if np.linalg.norm(way) > 0.1 else None for way in seen

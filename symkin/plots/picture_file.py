@@ -23,18 +23,18 @@ _NOT_DRAWN = ("pgf", "raw", "rgba")
 """Formats of matplotlib that no viewer shows, or that want LaTeX."""
 
 
+def picture(figure: Figure, suffix: str = ".png") -> bytes:
+    """A figure as the content of a file with a suffix."""
+    content, suffix = io.BytesIO(), suffix.lower()
+    with drawing(), warnings_ignored("Glyph .* missing"):
+        figure.savefig(content, dpi=_DPI, format=suffix[1:], metadata=_UNDATED.get(suffix))
+    return content.getvalue()
+
+
 def write_picture(figure: Figure, target: Path) -> None:
     """Write a figure whole or not at all, in the format of the path's suffix. Raises InputError."""
-    content = io.BytesIO()
     try:
-        with drawing(), warnings_ignored("Glyph .* missing"):
-            figure.savefig(
-                content,
-                dpi=_DPI,
-                format=target.suffix[1:].lower(),
-                metadata=_UNDATED.get(target.suffix.lower()),
-            )
-        write_output(target, content.getvalue())
+        write_output(target, picture(figure, target.suffix))
     except OSError as error:
         raise InputError(
             f"plot: {str(target)!r} cannot be written ({error.strerror or error})"

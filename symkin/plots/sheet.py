@@ -14,6 +14,8 @@ if TYPE_CHECKING:
 
 SHEET_DPI = 150
 """Pixels an inch."""
+_BORDER = 0.1
+"""Inches about axes with their texts."""
 _APART = 8.0
 """Pixels below which two symbols stand at one place."""
 
@@ -30,7 +32,10 @@ def blank_figure(width: float, height: float, **look: Any) -> Figure:
 
 def new_figure(width: float, height: float, **look: Any) -> Figure:
     """A figure of some inches whose axes lay themselves out."""
-    return blank_figure(width, height, layout="constrained", **look)
+    from matplotlib.layout_engine import ConstrainedLayoutEngine
+
+    layout = ConstrainedLayoutEngine(w_pad=_BORDER, h_pad=_BORDER)
+    return blank_figure(width, height, layout=layout, **look)
 
 
 def foot_legend(figure: Figure, entries: Mapping[str, Any], columns: int) -> None:

@@ -7,7 +7,7 @@ from __future__ import annotations
 import math
 import textwrap
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -19,6 +19,10 @@ from symkin.model.joint import Coordinate
 from symkin.singularities.classification import classify
 from symkin.spatial.rotation import conjugate, euler_from_quaternion, multiply
 
+_ONE_LINE = 0.004
+"""Distance over the range of all curves below which two are one line throughout, with the names of
+both.
+"""
 _STILL = 1e-9
 """Motion over the size, or in rad, below which a quantity stands."""
 _MOST_DISTANCES = 41
@@ -81,17 +85,22 @@ def inputs_of(track: Track) -> list[Input]:
     return found
 
 
+def drawn_panels(track: Track) -> list[CurvePanel]:
+    """The panels that hold a curve; what stands in the others is told in the first of them."""
+    panels = list(panels_of(track))
+    first, *more = [panel for panel in panels if panel.curves] or panels[:1]
+    still = [text for panel in panels if not panel.curves for text in panel.stands]
+    return [replace(first, stands=(*first.stands, *still)), *more]
+
+
 def panels_of(track: Track) -> Iterator[CurvePanel]:
     """The panels from above: what moves, then the distances."""
     mechanism, samples = track.trajectory.mechanism, track.samples
     if track.trajectory.kind == "direct" and samples[0].has_platform:
         places = np.array([np.asarray(s.pose.position) for s in samples], dtype=float)
         size = _STILL * mechanism.characteristic_length
-        yield _from_start(
-            f"{mechanism.frame_name}, from its\nstart [{mechanism.length_unit}]",
-            dict(zip("xyz", places.T, strict=True)),
-            size,
-        )
+        moved = dict(zip("xyz", places.T, strict=True))
+        yield _from_start(f"{mechanism.frame_name}, from its", mechanism.length_unit, moved, size)
         yield _turning(track)
     else:
         yield from _joint_panels(track)
@@ -102,7 +111,7 @@ def panels_of(track: Track) -> Iterator[CurvePanel]:
         }
         if named:
             size = _STILL * mechanism.characteristic_length
-            yield _from_start(f"points, from their\nstart [{mechanism.length_unit}]", named, size)
+            yield _from_start("points, from their", mechanism.length_unit, named, size)
     yield _singular(track)
     yield from _limits(track)
 
@@ -127,27 +136,27 @@ def _joint_panels(track: Track) -> Iterator[CurvePanel]:
                 c.name: np.array([s.joints[c.name] for s in track.samples], dtype=float)
                 for c in chosen
             }
-            yield _from_start(f"joints, from their\nstart [{unit}]", values, still)
+            yield _from_start("joints, from their", unit, values, still)
 
 
-def _from_start(label: str, values: dict[str, np.ndarray], still: float) -> CurvePanel:
+def _from_start(label: str, unit: str, values: dict[str, np.ndarray], still: float) -> CurvePanel:
     """Changes from the first sample; what moves by less than `still` stands."""
-    moving = {name: v for name, v in values.items() if np.ptp(v) > still}
-    stands = tuple(
-        f"{name} stays {_zero(float(v[0]), still):.5g}"
-        for name, v in values.items()
-        if name not in moving
-    )
-    starts = {name: f", from {_zero(float(v[0]), still):.5g}" for name, v in moving.items()}
+    first = {name: f"{_zero(float(v[0]), still):.5g}" for name, v in values.items()}
+    away = {name: v - v[0] for name, v in values.items() if np.ptp(v) > still}
+    stands = tuple(f"{name} stays {first[name]} {unit}" for name in values if name not in away)
     curves = []
-    # one line that has the names of all curves that are one hides none
-    away = ((name, v - v[0]) for name, v in moving.items())
-    for together, v in grouped(away, still, np.inf):
-        told = {starts[name] for name in together}
-        curves.append(
-            Curve(_joined(together) + (told.pop() if len(told) == 1 else ""), v, np.arange(len(v)))
-        )
-    return CurvePanel(label, tuple(curves), stands)
+    for names, v in _lines(away, still):
+        told = {first[name] for name in names}
+        own = names if len(told) == 1 else [f"{name} from {first[name]}" for name in names]
+        common = f", from {told.pop()}" if len(told) == 1 else ""
+        curves.append(Curve(_joined(own) + common, v, np.arange(len(v))))
+    return CurvePanel(f"{label}\nstart [{unit}]", tuple(curves), stands)
+
+
+def _lines(values: dict[str, np.ndarray], near: float) -> list[tuple[list[str], np.ndarray]]:
+    """Curves by name; one line that has the names of all that cannot be told apart hides none."""
+    reach = max((float(np.abs(v).max()) for v in values.values()), default=0.0)
+    return grouped(values.items(), max(near, _ONE_LINE * reach), np.inf)
 
 
 def _turning(track: Track) -> CurvePanel:
@@ -219,9 +228,7 @@ def _limits(track: Track) -> Iterator[CurvePanel]:
             found[c.name] = shares
     if not found:
         return
-    nearest = sorted(
-        grouped(found.items(), _STILL, np.inf), key=lambda entry: float(entry[1].min())
-    )
+    nearest = sorted(_lines(found, _STILL), key=lambda entry: float(entry[1].min()))
     curves = tuple(
         Curve(_joined(names), values, np.arange(len(values)))
         for names, values in nearest[:_MOST_LIMITED]

@@ -19,7 +19,7 @@ from symkin.plots.look import panel_of
 from symkin.plots.picture_options import looks_of
 from symkin.plots.sheet import SHEET_DPI, labelled, new_figure, own_legend, sheet_axes
 from symkin.plots.style import drawing
-from symkin.plots.track_curves import Curve, CurvePanel, Input, inputs_of, panels_of
+from symkin.plots.track_curves import Curve, CurvePanel, Input, drawn_panels, inputs_of
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -30,11 +30,13 @@ _PANEL, _ROW, _FOOT = 275.0, 28.0, 68.0
 """Pixels of a panel of curves with what is between two, of a row of inputs below them, and of the
 rest there.
 """
+_BETWEEN = 0.04
+"""Inches above and below a panel of curves."""
 _LEGEND, _BELOW = 112.0, 30.0
 """Pixels of the robots' legend, and of it what is below its last row."""
 _TICKS_APART = 0.09
 """Share of the axis between the tick at a stop and others."""
-_MOST_NAMED, _MOST_STANDING, _MOST_INPUTS = 8, 3, 7
+_MOST_NAMED, _MOST_STANDING, _MOST_INPUTS = 8, 4, 7
 """Curves, quantities that stand and inputs that are named; of more, the first ones."""
 _BESIDE = 0.02
 """Share of the path below which the place nearest to a singularity counts as the start or the
@@ -92,7 +94,7 @@ def _places(track: Track) -> list[tuple[str, str, Sample]]:
 
 def _figure(track: Track, block: Block) -> Figure:
     """Robots above curves, on one sheet."""
-    panels, path = list(panels_of(track)), _Path.of(track)
+    panels, path = drawn_panels(track), _Path.of(track)
     width = max(_LEAST_WIDTH, block.pixels[0] + _MARGIN)
     facts = [_what(track), track.statement[0].upper() + track.statement[1:]]
     curves = len(panels) * _PANEL + _FOOT + _ROW * len(path.inputs)
@@ -104,7 +106,7 @@ def _figure(track: Track, block: Block) -> Figure:
     block.paint(sheet, 0.5 * width, top)
     block.paint_legend(sheet, width, curves + _BELOW)
     layout: Any = figure.get_layout_engine()
-    layout.set(rect=(0.01, 0.0, 0.98, curves / height))
+    layout.set(rect=(0.01, 0.0, 0.98, curves / height), h_pad=_BETWEEN)
     axes = figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
     for ax, panel in zip(axes, panels, strict=True):
         _panel(ax, panel, path)
@@ -167,18 +169,11 @@ def _panel(ax: Any, panel: CurvePanel, path: _Path) -> None:
 
 
 def _name_marks(ax: Any, path: _Path) -> None:
-    """The names of the marks, above the first panel."""
-    for text, (place, _, style) in path.marks.items():
-        stop = style == "--"
-        _note(
-            ax,
-            text,
-            (place, 1.0),
-            (0, 3 if stop else 13),
-            xycoords=("data", "axes fraction"),
-            ha="right" if stop or place > float(np.mean(ax.get_xlim())) else "left",
-            color=COLOURS["quiet"],
-        )
+    """The names of the marks, above the first panel, one above the other."""
+    for k, (text, (place, _, style)) in enumerate(path.marks.items()):
+        left = style == "--" or place > float(np.mean(ax.get_xlim()))
+        look = {"ha": "right" if left else "left", "color": COLOURS["quiet"]}
+        _note(ax, text, (place, 1.0), (0, 3 + 10 * k), xycoords=("data", "axes fraction"), **look)
 
 
 def _note(ax: Any, text: str, at: tuple[float, float], away: tuple[int, int], **look: Any) -> None:
@@ -258,27 +253,29 @@ def _covers(later: Curve, curve: Curve, span: float) -> np.ndarray:
 
 def _entries(panel: CurvePanel) -> list[str]:
     """The texts of a panel's legend."""
-    named = [curve.name for curve in panel.curves[:_MOST_NAMED]]
-    named += (
-        [f"and {len(panel.curves) - _MOST_NAMED} more"] if len(panel.curves) > _MOST_NAMED else []
-    )
-    standing = list(panel.stands[:_MOST_STANDING])
-    return (
-        named
-        + standing
-        + (
-            [f"{len(panel.stands) - _MOST_STANDING} more stand"]
-            if len(panel.stands) > _MOST_STANDING
-            else []
-        )
-    )
+    named, standing = [curve.name for curve in panel.curves], list(panel.stands)
+    more, others = len(named) - _MOST_NAMED, len(standing) - _MOST_STANDING
+    return [
+        *named[:_MOST_NAMED],
+        *([f"and {more} more"] if more > 0 else []),
+        *standing[:_MOST_STANDING],
+        *([f"{others} more stand"] if others > 0 else []),
+    ]
 
 
 def _legend(ax: Any, panel: CurvePanel) -> None:
     from matplotlib.lines import Line2D
 
     handles = list(labelled(ax).values())[:_MOST_NAMED]
-    thin = [Line2D([], [], color=handle.get_color(), linewidth=2.0) for handle in handles]
+    looks = [
+        {
+            "color": h.get_color(),
+            "marker": h.get_marker(),
+            "linewidth": min(2.0, len(h.get_xdata()) - 1),
+        }
+        for h in handles
+    ]
+    thin = [Line2D([], [], **look) for look in looks]
     texts = _entries(panel)
     blank = [Line2D([], [], linewidth=0.0) for _ in texts[len(thin) :]]
     own_legend(

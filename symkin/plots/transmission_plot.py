@@ -11,6 +11,7 @@ import numpy as np
 from symkin.drawing.palette import COLOURS, SERIES
 from symkin.plots.sheet import (
     colour_bar,
+    head,
     labelled,
     name_axes,
     new_figure,
@@ -28,6 +29,8 @@ _PANEL = (4.0, 3.7)
 """Inches of a panel."""
 _CURVE = 101
 """Points of a curve."""
+_DASHES = ("-", "--", ":")
+"""Lines of motors in turn, so that of two alike each is seen."""
 _SPREAD = 95.0
 """Percentile of torques at which colours and axes end: near a dead centre they grow without
 bound.
@@ -57,6 +60,7 @@ def _figure(several: list[Transmission]) -> Figure:
             _draw(one, axes[2 * k : 2 * k + 2])
             for ax in axes[2 * k : 2 * k + 2, _columns(one) :].flat:
                 ax.set_axis_off()
+        head(figure, f"{several[0].linkage.mechanism.name}: motors to joints", 12)
     return figure
 
 
@@ -85,6 +89,14 @@ def _unit(one: Transmission, i: int) -> str:
 def _position(one: Transmission, i: int) -> str:
     """A joint and the unit of its values."""
     return f"{one.joints[i]}, {_unit(one, i)}"
+
+
+def _per(one: Transmission, i: int) -> str:
+    """The units of motors' rates by a joint's, where these are of another kind than the joint's."""
+    (joint,), motors = (one.linkage.coordinates_of(n) for n in ((one.joints[i],), one.motors))
+    angle, length = "rad", one.linkage.mechanism.length_unit
+    own, other = (angle, length) if joint.is_angular else (length, angle)
+    return f", {other}/{own}" * any(m.is_angular != joint.is_angular for m in motors)
 
 
 def _effect(one: Transmission, i: int, kind: str) -> str:
@@ -146,13 +158,14 @@ def _ratios(one: Transmission, ax: Any, i: int) -> None:
     line[:, i] = np.linspace(low, high, _CURVE)
     ratios = one.states(joints=line, check=False).inverse_jacobian[:, :, i]
     for a, name in enumerate(one.motors):
-        ax.plot(line[:, i], ratios[:, a], color=SERIES[a % len(SERIES)], label=name)
+        look = {"color": SERIES[a % len(SERIES)], "linestyle": _DASHES[a % len(_DASHES)]}
+        ax.plot(line[:, i], ratios[:, a], label=name, **look)
     known = ratios[np.isfinite(ratios)]
     if known.size:
         least, most = np.percentile(known, [100.0 - _SPREAD, _SPREAD])
         margin = 0.2 * (most - least) + 0.05
         ax.set_ylim(least - margin, most + margin)
-    title = f"rates of motors by that of {one.joints[i]}"
+    title = f"rates of motors by that of {one.joints[i]}{_per(one, i)}"
     if survey.backlash is not None:
         title += f"\nplay at most {survey.out(i, survey.backlash[i]):.3g} {_unit(one, i)}"
     subtitle(ax, title)
@@ -170,7 +183,8 @@ def _polytopes(one: Transmission, ax: Any, kind: str, rows: list[int]) -> None:
             corners = torque_vertices(g, data.torque_limits)
         else:
             corners = between_planes(g, *data.speed_limits.T)
-        name = "at " + ", ".join(f"{v:.2g}" for v in joints[row]) if row else "at the reference"
+        first, second = (f"{v:.2g} {_unit(one, i)}" for i, v in enumerate(joints[row]))
+        name = f"at {first}, {second}" if row else "at the reference"
         ax.fill(*corners.T, facecolor="none", edgecolor=colour, linewidth=1.6, label=name)
         if not row:
             reach = 1.6 * np.abs(corners).max(axis=0)
@@ -181,4 +195,4 @@ def _polytopes(one: Transmission, ax: Any, kind: str, rows: list[int]) -> None:
     subtitle(ax, f"{'torques' if kind == 'torque' else 'rates'} of both together")
     name_axes(ax, *(f"{n}, {_effect(one, i, kind)}" for i, n in enumerate(one.joints)))
     ax.grid(True)
-    _legend(ax, columns=3)
+    _legend(ax, columns=1)

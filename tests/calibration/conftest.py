@@ -17,4 +17,4 @@ def rasterised():
 def _no_pixels(request, monkeypatch):
     """Figures are made; of their files only the signature is written."""
     if "rasterised" not in request.fixturenames:
-        monkeypatch.setattr(inside.calibration_plot, "png", lambda _: PICTURE)
+        monkeypatch.setattr(inside.picture_file, "picture", lambda *_: PICTURE)

@@ -9,7 +9,7 @@ from helpers.inside import (
     MEASURING_FRAMES,
     default_parameters,
     parameter_figure,
-    png,
+    picture,
     pose_sigma_figure,
     predict_pose_sigma,
 )
@@ -75,4 +75,4 @@ def test_unknown_sigma_is_said():
     )
     figure = parameter_figure(fit)
     assert figure.axes[1].get_title(loc="left") == "sigma unknown"
-    assert png(figure).startswith(b"\x89PNG")
+    assert picture(figure).startswith(b"\x89PNG")

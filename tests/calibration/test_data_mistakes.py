@@ -115,6 +115,10 @@ MISTAKES = {
         positions_only(column_times(2, -1.0)),
         "the sign of z looks reversed",
     ),
+    "one position column in metres": (
+        positions_only(column_times(2, 1e-3)),
+        "the readings of z look a factor of 1000 too small",
+    ),
 }
 
 
@@ -171,6 +175,10 @@ MISTAKES_OF_ARMS = {
         with_joints(lambda q: np.where([c.is_angular for c in ARM.actuated], np.radians(q), q)),
         "look radians taken for degrees",
     ),
+    "one joint in radians": (
+        with_joints(column_times(0, np.pi / 180)),
+        "the readings of shoulder look radians taken for degrees",
+    ),
 }
 
 
@@ -221,6 +229,13 @@ def test_a_unit_is_named_whichever_sequence_was_found(poses: Measurements, hopel
     """
     case = case_of_angles(poses, "ZYX", hopeless, np.radians)
     assert "radians taken for degrees" in diagnose(replace(case, sought=True))[0]
+
+
+def test_what_shrinks_everything_explains_nothing(arm: Measurements) -> None:
+    """Millimetres under inches: divided by a thousand the positions would be nearer to the
+    machine's, and still nowhere.
+    """
+    assert diagnose(Case(ARM, replace(arm, position=25.4 * arm.position))) == ()
 
 
 def case_of_angles(m: Measurements, sequence: str, header: str, spoil) -> Case:

@@ -76,6 +76,9 @@ def test_written_numbers_are_read(tmp_path_factory, rows):
         ("a,b\n1;2\n", ["line 2", "looks separated by semicolons, the header by commas"]),
         ("a,b\n1,5,2\n", ["line 2", "3 cells", "decimal commas"]),
         ("a;b,c\n1;2,3\n", ["commas and semicolons stand in the header"]),
+        ("1,2\n3,4\n", ["line 1", "numbers where a header", "leg1[mm]"]),
+        ("Log of May 3\n\na,b\n1,2\n", ["line 3", "2 cells", "header", "begins with #"]),
+        ("PK\3\4", ["spreadsheet", "CSV"]),
     ],
 )
 def test_mistakes_of_a_file_are_sentences(tmp_path, text, words):

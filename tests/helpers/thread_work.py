@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 
 import symkin
-from helpers.inside import Options, describe, png, residual_figure, write_folder
+from helpers.inside import Options, describe, picture, residual_figure, write_folder
 from symkin import Measurements, singular_loci
 
 Verb = Callable[[symkin.Mechanism, Path], Any]
@@ -141,7 +141,7 @@ def calibrate(machine: symkin.Mechanism, folder: Path) -> Any:
         str(fit.status),
         fit.chi_square,
         by_ipopt.chi_square,
-        hashlib.sha256(png(residual_figure(fit))).hexdigest(),
+        hashlib.sha256(picture(residual_figure(fit))).hexdigest(),
     ]
 
 

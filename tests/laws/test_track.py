@@ -197,7 +197,7 @@ def test_orientations_that_a_file_leaves_open_are_refused(tmp_path, capsys):
             "zhang2009",
             "x[mm],y[mm],z[mm],roll[deg],pitch[deg]",
             "1,2,3,4,5",
-            "no columns of the orientation",
+            "'roll' stands there without yaw",
         ),
         (
             "zhang2009",

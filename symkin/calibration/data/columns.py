@@ -94,7 +94,9 @@ class ColumnReader:
             if lacking:
                 what = f"the actuated joint {lacking[0]!r}"
             joints = first_of([c.name for c in self.mechanism.actuated], _MAX_LISTED_JOINTS)
+            slips = [meant(name.partition("[")[0], lacking) for name in made.left_out]
             unknown = f"; unknown: {listed(made.left_out)}" if made.left_out else ""
+            unknown += next(filter(None, slips), "")
             raise InputError(
                 f"{made.path}: there is no column of {what}{unknown}; known: {joints} (the "
                 f"actuated joints), {known_readings(self.mechanism)}, and "

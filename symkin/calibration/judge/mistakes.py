@@ -40,6 +40,10 @@ _EXAMINED_CONFIGURATIONS = 40
 """Configurations that are looked at, spread evenly over the file: enough to see a mistake of all
 rows.
 """
+_EXPLAINED_SHARE = 0.2
+"""Misfit, over the size, that readings put right have less of: factors below one make any misfit
+smaller, and explain nothing.
+"""
 _MAX_SENTENCES = 3
 """Mistakes that are named at most: further ones are likely to follow from these."""
 _LENGTH_UNITS = {
@@ -210,6 +214,7 @@ def _sentences(case: Case, stage: Stage) -> list[str]:
     if not judged:
         return []
     as_read, unit = case.trial(), case.mechanism.length_unit
+    most = _EXPLAINED_SHARE * case.mechanism.characteristic_length
     tried: dict[str, Trial] = {}
     for trial, text in sorted(((case.trial(m), t) for t, m in judged), key=lambda t: t[0].score):
         tried.setdefault(text, trial)
@@ -217,7 +222,7 @@ def _sentences(case: Case, stage: Stage) -> list[str]:
         f"{text}: the misfit at the nominal geometry would fall from {as_read.score**0.5:.3g} to "
         f"{trial.score**0.5:.3g} {unit} (angles times the size)"
         for text, trial in tried.items()
-        if trial.better_than(as_read)
+        if trial.better_than(as_read) and trial.score**0.5 < most
     ]
 
 
@@ -285,12 +290,17 @@ def _in_another_unit(block: Block) -> Changes:
         yield f"{called} look {text}", block.times(factor, block.columns)
 
 
-def _in_radians(block: Block) -> Changes:
-    """Angles in radians, which spread as degrees may. Of other units the spread tells; and factors
+def _in_larger_unit(block: Block) -> Changes:
+    """Radians, which spread as degrees may, or metres. Of other units the spread tells; and factors
     below one make any misfit smaller.
     """
-    if block.angular[block.columns[0]]:
-        yield next(_in_another_unit(block))
+    yield next(_in_another_unit(block))
+
+
+def _one_in_larger_unit(block: Block) -> Changes:
+    """Each column by itself."""
+    for k in block.columns:
+        yield from _in_larger_unit(replace(block, columns=[k], called=""))
 
 
 def _joints(case: Case) -> Iterator[Block]:
@@ -306,6 +316,10 @@ def _kinds_of_joints(case: Case) -> Iterator[Block]:
     for angular in (False, True):
         if columns := [k for k, its in enumerate(block.angular) if its == angular]:
             yield replace(block, columns=columns)
+
+
+def _angles_of_joints(case: Case) -> Iterator[Block]:
+    return (block for block in _kinds_of_joints(case) if block.angular[block.columns[0]])
 
 
 def _odd_lengths(case: Case) -> Iterator[Block]:
@@ -628,7 +642,8 @@ RULES = (
             ("two joint columns exchanged", Stage.CORRECTION, _joints, _exchanged),
             ("the sign of a joint reversed", Stage.CORRECTION, _joints, _reversed),
             ("the signs of all joints reversed", Stage.CORRECTION, _joints, _all_reversed),
-            ("angles of joints in radians", Stage.CORRECTION, _kinds_of_joints, _in_radians),
+            ("angles of joints in radians", Stage.CORRECTION, _angles_of_joints, _in_larger_unit),
+            ("one joint in radians", Stage.CORRECTION, _angles_of_joints, _one_in_larger_unit),
             ("positions in another unit", Stage.CORRECTION, _positions, _in_another_unit),
             ("distances in another unit", Stage.CORRECTION, _distances, _in_another_unit),
             (
@@ -644,6 +659,7 @@ RULES = (
             ("two position columns exchanged", Stage.POSITION, _positions, _exchanged),
             ("position columns in another order", Stage.POSITION, _positions, _turned_round),
             ("the sign of a position column reversed", Stage.POSITION, _positions, _reversed),
+            ("one position column in metres", Stage.POSITION, _positions, _one_in_larger_unit),
         )
     ),
     Rule("orientations of the base in the platform", Stage.CORRECTION, _inverted_orientations),
