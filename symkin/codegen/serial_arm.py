@@ -18,7 +18,6 @@ from symkin.closed.screws import arm_screws
 from symkin.closure.snapping import snapped_expression
 from symkin.codegen.arm_motion import ArmMotion
 from symkin.codegen.arm_speeds import arm_error, arm_speeds
-from symkin.codegen.closed_limits import limit_check
 from symkin.codegen.closed_line import ClosedLine
 from symkin.codegen.closed_source import ClosedCode
 from symkin.codegen.geometry import Geometry
@@ -403,7 +402,7 @@ class ArmSource:
         )
         newton = "" if self.line is not None else self.code.text
         closed = "" if self.closed is None else self.closed.text
-        line = "" if self.line is None else self.line.text(limit_check(self.line))
+        line = "" if self.line is None else self.line.text()
         return "".join(
             [
                 normalise_pose(values),
