@@ -1676,8 +1676,8 @@ static GLUON_6L3_SHARED gluon_6l3_status gluon_6l3_inverse_walk(gluon_6l3_invers
                 w->left[j] = w->guard[j];
             }
             done = end;
-            part = refused ? part : (part * ((w->bent < 0.16 * w->most)
-                ? 2.0 : (0.8 * sqrt(w->most / w->bent))));
+            part = refused ? part : (part * ((w->bent < 0.148 * w->most)
+                ? 1.3 : (0.5 * sqrt(w->most / w->bent))));
             refused = false;
             if (done >= 1.0) {
                 status = GLUON_6L3_OK;

@@ -1653,8 +1653,8 @@ static UR5E_SHARED ur5e_status ur5e_inverse_walk(ur5e_inverse_work *w, const ur5
                 w->left[j] = w->guard[j];
             }
             done = end;
-            part = refused ? part : (part * ((w->bent < 0.16 * w->most)
-                ? 2.0 : (0.8 * sqrt(w->most / w->bent))));
+            part = refused ? part : (part * ((w->bent < 0.148 * w->most)
+                ? 1.3 : (0.5 * sqrt(w->most / w->bent))));
             refused = false;
             if (done >= 1.0) {
                 status = UR5E_OK;

@@ -1449,8 +1449,8 @@ static YAO2020_SHARED yao2020_status yao2020_inverse_walk(yao2020_inverse_work *
                 w->left[j] = w->guard[j];
             }
             done = end;
-            part = refused ? part : (part * ((w->bent < 0.16f * w->most)
-                ? 2.0f : (0.8f * sqrtf(w->most / w->bent))));
+            part = refused ? part : (part * ((w->bent < 0.148f * w->most)
+                ? 1.3f : (0.5f * sqrtf(w->most / w->bent))));
             refused = false;
             if (done >= 1.0f) {
                 status = YAO2020_OK;
