@@ -846,13 +846,40 @@ ur5e_status ur5e_inverse_nearest(const ur5e_pose *pose, const ur5e_real guess[6]
     return status;
 }
 
+/* The angle in (-pi, pi] of a direction that is not zero, to 4e-8 and rounding: the polynomial of
+ * least error for atan up to 1. */
+static ur5e_real ur5e_angle(ur5e_real s, ur5e_real c)
+{
+    const ur5e_real x = fabs(c);
+    const ur5e_real y = fabs(s);
+    const bool steep = y > x;
+    const ur5e_real ratio = steep ? (x / y) : (y / x);
+    const ur5e_real square = ratio * ratio;
+    ur5e_real angle = ratio * (0.9999993443489075 + square * (-0.33329859375953674
+        + square * (0.19946563243865967 + square * (-0.13908618688583374
+        + square * (0.09642169624567032 + square * (-0.05591192841529846
+        + square * (0.02186267077922821 + square * -0.004054484888911247)))))));
+    if (steep) {
+        angle = 1.5707963267948966 - angle;
+    }
+    if (c < 0.0) {
+        angle = 3.141592653589793 - angle;
+    }
+    return (s < 0.0) ? -angle : angle;
+}
+
 /* A point of the line: joints where it is done, which begin at the guess, those found where it is
- * tried, and the squares left and guard of the closed form's steps at both; way: how far each joint
- * goes from one to the other (angles; slides over the size), way2: the sum of the squares. Of the
- * part between: bounds of the joints' speeds and of how these change, and whether it is kept. */
+ * tried, turned and aimed: cosine and sine of each angle from its zero, up to a factor above zero,
+ * or the slide and 0, and the squares left and guard of the closed form's steps at both; sign: the
+ * guess's branch; way: how far each joint goes from one to the other (angles; slides over the
+ * size), way2: the sum of the squares. Of the part between: bounds of the joints' speeds and of how
+ * these change, and whether it is kept. */
 typedef struct {
     ur5e_real joints[6];
-    ur5e_real found[1][6];
+    ur5e_real found[6];
+    ur5e_real turned[6][2];
+    ur5e_real aimed[6][2];
+    ur5e_real sign[3];
     ur5e_real way[6];
     ur5e_real way2;
     ur5e_real speed[6];
@@ -864,14 +891,19 @@ typedef struct {
     ur5e_real most;
 } ur5e_inverse_work;
 
-/* Tool pose (x, y, z, qw, qx, qy, qz) of joint values, the squares `margin` of the closed form's
- * steps there (README.md), and the bits of the branch on which they lie. */
-static unsigned int ur5e_read_joints(const ur5e_real joints[6], ur5e_real x[7], ur5e_real margin[4])
+/* Begins a line at joint values: their tool pose x (x, y, z, qw, qx, qy, qz), the squares of the
+ * closed form's steps there (README.md), and the branch on which they lie. */
+static void ur5e_inverse_begin(ur5e_inverse_work *w, const ur5e_real joints[6], ur5e_real x[7])
 {
     ur5e_real u[12];
-    unsigned int wanted = 0U;
     ur5e_half_turns(joints, u);
     ur5e_pose_of_turns(u, x);
+    for (int i = 0; i < 6; ++i) {
+        w->joints[i] = joints[i];
+    }
+    w->way2 = 0.0;
+    w->left[0] = 1.0;
+    w->guard[0] = 1.0;
     /* q2, q3, q4 have parallel axes: a level along them, which they do not change, tells q1 */
     const ur5e_real t0 = x[5] * x[6];
     const ur5e_real t1 = x[3] * x[4];
@@ -893,20 +925,20 @@ static unsigned int ur5e_read_joints(const ur5e_real joints[6], ur5e_real x[7], 
     const ur5e_real t17 = t7 + t16;
     const ur5e_real t18 = t17 * 0.0011851211647507592;
     const ur5e_real t19 = -t18;
-    margin[0] = t19 * t19;
-    wanted |= (t19 < 0.0) ? 2U : 1U;
+    w->left[0] = t19 * t19;
+    w->sign[0] = (t19 < 0.0) ? -1.0 : 1.0;
     /* the normal of q2, q3, q4: its level along the axis of q6 tells q5 */
     const ur5e_real t22 = u[8] + u[8];
     const ur5e_real t23 = t22 * u[9];
-    margin[1] = t23 * t23;
-    wanted |= (t23 < 0.0) ? 8U : 4U;
+    w->left[1] = t23 * t23;
+    w->sign[1] = (t23 < 0.0) ? -1.0 : 1.0;
     /* a point of the axis of q4: its distance from the axis of q2 tells q3 */
     const ur5e_real t26 = u[4] + u[4];
     const ur5e_real t27 = t26 * u[5];
     const ur5e_real t28 = 166685.0 * t27;
     const ur5e_real t29 = t28 * 1.4045121751401963e-06;
-    margin[2] = t29 * t29;
-    wanted |= (t29 < 0.0) ? 32U : 16U;
+    w->left[2] = t29 * t29;
+    w->sign[2] = (t29 < 0.0) ? -1.0 : 1.0;
     /* q2 turns a point of the axis of q4 to where it must be */
     const ur5e_real t32 = u[4] * u[4];
     const ur5e_real t33 = u[5] * u[5];
@@ -983,33 +1015,344 @@ static unsigned int ur5e_read_joints(const ur5e_real joints[6], ur5e_real x[7], 
     const ur5e_real t104 = t99 + t103;
     const ur5e_real t105 = sqrt(t104);
     const ur5e_real t106 = t105 * 1.4045121751401963e-06;
-    margin[3] = t106;
-    return wanted;
+    w->left[3] = t106;
+    w->turned[0][0] = t15;
+    w->turned[0][1] = t6;
+    const ur5e_real t110 = u[2] * u[2];
+    const ur5e_real t111 = u[3] * u[3];
+    const ur5e_real t112 = t110 - t111;
+    w->turned[1][0] = t112;
+    const ur5e_real t114 = u[2] + u[2];
+    const ur5e_real t115 = t114 * u[3];
+    w->turned[1][1] = t115;
+    w->turned[2][0] = t34;
+    w->turned[2][1] = t27;
+    const ur5e_real t119 = u[6] * u[6];
+    const ur5e_real t120 = u[7] * u[7];
+    const ur5e_real t121 = t119 - t120;
+    w->turned[3][0] = t121;
+    const ur5e_real t123 = u[6] + u[6];
+    const ur5e_real t124 = t123 * u[7];
+    w->turned[3][1] = t124;
+    const ur5e_real t126 = u[8] * u[8];
+    const ur5e_real t127 = u[9] * u[9];
+    const ur5e_real t128 = t126 - t127;
+    w->turned[4][0] = t128;
+    w->turned[4][1] = t23;
+    w->turned[5][0] = t54;
+    w->turned[5][1] = t43;
+}
+
+/* The value of a joint by the pair of its angle or slide, an angle within half a turn of
+ * `about`. */
+static ur5e_real ur5e_inverse_joint(int i, const ur5e_real pair[2], ur5e_real about)
+{
+    static const ur5e_real zeros[6] = { 0.0, 0.0, 0.0, 0.0, 0.0, 0.0 };
+    static const bool angular[6] = { true, true, true, true, true, true };
+    ur5e_real value = zeros[i] + pair[0];
+    if (angular[i]) {
+        value = zeros[i] + atan2(pair[1], pair[0]);
+        const ur5e_real number = (about - value) * 0.15915494309189535;
+        if (fabs(number) > 0.5) {
+            value += 6.283185307179586 * (ur5e_real)(int)(number + ((number < 0.0) ? -0.5 : 0.5));
+        }
+    }
+    return value;
+}
+
+/* The angle from one direction to another; up to an eighth of a turn by a polynomial, never less
+ * and by at most 7e-5 of it more. */
+static ur5e_real ur5e_inverse_turn(const ur5e_real a[2], const ur5e_real b[2])
+{
+    const ur5e_real s = b[1] * a[0] - b[0] * a[1];
+    const ur5e_real c = b[0] * a[0] + b[1] * a[1];
+    ur5e_real way;
+    if (fabs(s) < c) {
+        const ur5e_real ratio = s / c;
+        const ur5e_real square = ratio * ratio;
+        way = ratio * (1.0000016977664334 + square * (-0.33171134678251
+            + square * (0.18522155110672184 + square * (-0.09192949937020677
+            + square * 0.023864165672267342))));
+    } else {
+        way = ur5e_angle(s, c);
+    }
+    return way;
+}
+
+/* The closed form at a tool pose x of the line, on the guess's branch; SINGULAR or OUT_OF_RANGE
+ * where that does not reach it. */
+static ur5e_status ur5e_inverse_reach(ur5e_inverse_work *w, const ur5e_real x[7])
+{
+    ur5e_status status = UR5E_OUT_OF_RANGE;
+    /* q2, q3, q4 have parallel axes: a level along them, which they do not change, tells q1 */
+    const ur5e_real t0 = x[5] * x[6];
+    const ur5e_real t1 = x[3] * x[4];
+    const ur5e_real t2 = t0 - t1;
+    const ur5e_real t3 = -199.2 * t2;
+    const ur5e_real t4 = t3 + x[1];
+    const ur5e_real t5 = t4 * t4;
+    const ur5e_real t6 = x[4] * x[6];
+    const ur5e_real t7 = x[3] * x[5];
+    const ur5e_real t8 = t6 + t7;
+    const ur5e_real t9 = -199.2 * t8;
+    const ur5e_real t10 = t9 + x[0];
+    const ur5e_real t11 = t10 * t10;
+    const ur5e_real t12 = t5 + t11;
+    const ur5e_real t13 = t12 * 1.4045121751401963e-06;
+    if (t13 > 2.842170943040401e-14) {
+        const ur5e_real t15 = t12 - 17768.89;
+        const ur5e_real t16 = t15 * 1.4045121751401963e-06;
+        if (t16 > 2.842170943040401e-14) {
+            /* the normal of q2, q3, q4: its level along the axis of q6 tells q5 */
+            const ur5e_real t18 = t8 + t8;
+            const ur5e_real t19 = 133.3 * t10;
+            const ur5e_real t20 = fabs(t15);
+            const ur5e_real t21 = t15 + t20;
+            const ur5e_real t22 = 0.5 * t21;
+            const ur5e_real t23 = sqrt(t22);
+            const ur5e_real t24 = w->sign[0] * t23;
+            const ur5e_real t25 = t4 * t24;
+            const ur5e_real t26 = t19 - t25;
+            const ur5e_real t27 = 1.0 / t12;
+            const ur5e_real t28 = t26 * t27;
+            const ur5e_real t29 = t18 * t28;
+            const ur5e_real t30 = t2 + t2;
+            const ur5e_real t31 = 133.3 * t4;
+            const ur5e_real t32 = t10 * t24;
+            const ur5e_real t33 = t31 + t32;
+            const ur5e_real t34 = t33 * t27;
+            const ur5e_real t35 = t30 * t34;
+            const ur5e_real t36 = t29 + t35;
+            const ur5e_real t37 = t36 * t36;
+            const ur5e_real t38 = 1.0 - t37;
+            if (t38 > 2.842170943040401e-14) {
+                /* q6 turns the normal of q2, q3, q4 to where it must be */
+                const ur5e_real t40 = x[5] * x[5];
+                const ur5e_real t41 = x[6] * x[6];
+                const ur5e_real t42 = t40 + t41;
+                const ur5e_real t43 = t42 + t42;
+                const ur5e_real t44 = 1.0 - t43;
+                const ur5e_real t45 = t44 * t28;
+                const ur5e_real t46 = x[4] * x[5];
+                const ur5e_real t47 = x[3] * x[6];
+                const ur5e_real t48 = t46 + t47;
+                const ur5e_real t49 = t48 + t48;
+                const ur5e_real t50 = t49 * t34;
+                const ur5e_real t51 = t45 + t50;
+                const ur5e_real t52 = fabs(t38);
+                const ur5e_real t53 = t38 + t52;
+                const ur5e_real t54 = 0.5 * t53;
+                const ur5e_real t55 = sqrt(t54);
+                const ur5e_real t56 = w->sign[1] * t55;
+                const ur5e_real t57 = t51 * t56;
+                const ur5e_real t58 = t57 * t57;
+                const ur5e_real t59 = t46 - t47;
+                const ur5e_real t60 = t59 + t59;
+                const ur5e_real t61 = t60 * t28;
+                const ur5e_real t62 = x[4] * x[4];
+                const ur5e_real t63 = t62 + t41;
+                const ur5e_real t64 = t63 + t63;
+                const ur5e_real t65 = 1.0 - t64;
+                const ur5e_real t66 = t65 * t34;
+                const ur5e_real t67 = t61 + t66;
+                const ur5e_real t68 = t67 * t56;
+                const ur5e_real t69 = t68 * t68;
+                const ur5e_real t70 = t58 + t69;
+                const ur5e_real t71 = sqrt(t70);
+                if (t71 > 2.842170943040401e-14) {
+                    /* a point of the axis of q4: its distance from the axis of q2 tells q3 */
+                    const ur5e_real t73 = 1.0 / t71;
+                    const ur5e_real t74 = t68 * t73;
+                    const ur5e_real t75 = -99.7 * t74;
+                    const ur5e_real t76 = t49 * t75;
+                    const ur5e_real t77 = t57 * t73;
+                    const ur5e_real t78 = 99.7 * t77;
+                    const ur5e_real t79 = t65 * t78;
+                    const ur5e_real t80 = t76 + t79;
+                    const ur5e_real t81 = t80 + t3;
+                    const ur5e_real t82 = t81 + x[1];
+                    const ur5e_real t83 = t28 * t82;
+                    const ur5e_real t84 = t44 * t75;
+                    const ur5e_real t85 = t60 * t78;
+                    const ur5e_real t86 = t84 + t85;
+                    const ur5e_real t87 = t86 + t9;
+                    const ur5e_real t88 = t87 + x[0];
+                    const ur5e_real t89 = t34 * t88;
+                    const ur5e_real t90 = t83 - t89;
+                    const ur5e_real t91 = t90 * t90;
+                    const ur5e_real t92 = t34 * t82;
+                    const ur5e_real t93 = t28 * t88;
+                    const ur5e_real t94 = t92 + t93;
+                    const ur5e_real t95 = t94 * t94;
+                    const ur5e_real t96 = t91 + t95;
+                    const ur5e_real t97 = t6 - t7;
+                    const ur5e_real t98 = t97 + t97;
+                    const ur5e_real t99 = t98 * t75;
+                    const ur5e_real t100 = t0 + t1;
+                    const ur5e_real t101 = t100 + t100;
+                    const ur5e_real t102 = t101 * t78;
+                    const ur5e_real t103 = t99 + t102;
+                    const ur5e_real t104 = t62 + t40;
+                    const ur5e_real t105 = t104 + t104;
+                    const ur5e_real t106 = 1.0 - t105;
+                    const ur5e_real t107 = -99.6 * t106;
+                    const ur5e_real t108 = t103 + t107;
+                    const ur5e_real t109 = t108 + x[2];
+                    const ur5e_real t110 = t109 - 162.5;
+                    const ur5e_real t111 = t110 * t110;
+                    const ur5e_real t112 = t96 + t111;
+                    const ur5e_real t113 = t112 - 352214.73;
+                    const ur5e_real t114 = 0.5 * t113;
+                    const ur5e_real t115 = t114 * t114;
+                    const ur5e_real t116 = 27783889225.0 - t115;
+                    const ur5e_real t117 = t116 * 1.9726544501170443e-12;
+                    if (t117 > 2.842170943040401e-14) {
+                        /* q2 turns a point of the axis of q4 to where it must be */
+                        const ur5e_real t119 = -0.001176470588235294 * t113;
+                        const ur5e_real t120 = t119 - 425.0;
+                        const ur5e_real t121 = t120 * t90;
+                        const ur5e_real t122 = -133.3 * t94;
+                        const ur5e_real t123 = t121 - t122;
+                        const ur5e_real t124 = fabs(t116);
+                        const ur5e_real t125 = t116 + t124;
+                        const ur5e_real t126 = 0.5 * t125;
+                        const ur5e_real t127 = sqrt(t126);
+                        const ur5e_real t128 = w->sign[2] * t127;
+                        const ur5e_real t129 = -0.002352941176470588 * t128;
+                        const ur5e_real t130 = t129 * t110;
+                        const ur5e_real t131 = t123 + t130;
+                        const ur5e_real t132 = 133.3 * t94;
+                        const ur5e_real t133 = t131 - t132;
+                        const ur5e_real t134 = t133 * t133;
+                        const ur5e_real t135 = t129 * t90;
+                        const ur5e_real t136 = t120 * t110;
+                        const ur5e_real t137 = t135 - t136;
+                        const ur5e_real t138 = t137 * t137;
+                        const ur5e_real t139 = t134 + t138;
+                        const ur5e_real t140 = sqrt(t139);
+                        const ur5e_real t141 = t140 * 1.4045121751401963e-06;
+                        if (t141 > 2.842170943040401e-14) {
+                            /* q4 turns a direction of the tool to where it must be */
+                            const ur5e_real t143 = 2.9996700362960067e-06 * t113;
+                            const ur5e_real t144 = 1.0 / t140;
+                            const ur5e_real t145 = t133 * t144;
+                            const ur5e_real t146 = t77 * t36;
+                            const ur5e_real t147 = t49 * t146;
+                            const ur5e_real t148 = t74 * t36;
+                            const ur5e_real t149 = t65 * t148;
+                            const ur5e_real t150 = t147 + t149;
+                            const ur5e_real t151 = t30 * t56;
+                            const ur5e_real t152 = t150 - t151;
+                            const ur5e_real t153 = t28 * t152;
+                            const ur5e_real t154 = t44 * t146;
+                            const ur5e_real t155 = t60 * t148;
+                            const ur5e_real t156 = t154 + t155;
+                            const ur5e_real t157 = t18 * t56;
+                            const ur5e_real t158 = t156 - t157;
+                            const ur5e_real t159 = t34 * t158;
+                            const ur5e_real t160 = t153 - t159;
+                            const ur5e_real t161 = t145 * t160;
+                            const ur5e_real t162 = t137 * t144;
+                            const ur5e_real t163 = t98 * t146;
+                            const ur5e_real t164 = t101 * t148;
+                            const ur5e_real t165 = t163 + t164;
+                            const ur5e_real t166 = t106 * t56;
+                            const ur5e_real t167 = t165 - t166;
+                            const ur5e_real t168 = t162 * t167;
+                            const ur5e_real t169 = t161 - t168;
+                            const ur5e_real t170 = t143 * t169;
+                            const ur5e_real t171 = 5.999340072592013e-06 * t128;
+                            const ur5e_real t172 = t145 * t167;
+                            const ur5e_real t173 = t162 * t160;
+                            const ur5e_real t174 = t172 + t173;
+                            const ur5e_real t175 = t171 * t174;
+                            const ur5e_real t176 = t170 + t175;
+                            const ur5e_real t177 = t176 * t176;
+                            const ur5e_real t178 = t143 * t174;
+                            const ur5e_real t179 = t171 * t169;
+                            const ur5e_real t180 = t178 - t179;
+                            const ur5e_real t181 = t180 * t180;
+                            const ur5e_real t182 = t177 + t181;
+                            const ur5e_real t183 = sqrt(t182);
+                            if (t183 > 2.842170943040401e-14) {
+                                const ur5e_real t185 = -t34;
+                                const ur5e_real t186 = -t137;
+                                const ur5e_real t187 = -t68;
+                                w->guard[0] = t16;
+                                w->guard[1] = t38;
+                                w->guard[2] = t117;
+                                w->guard[3] = t141;
+                                w->aimed[0][0] = t185;
+                                w->aimed[0][1] = t28;
+                                w->aimed[1][0] = t133;
+                                w->aimed[1][1] = t186;
+                                w->aimed[2][0] = t143;
+                                w->aimed[2][1] = t171;
+                                w->aimed[3][0] = t176;
+                                w->aimed[3][1] = t180;
+                                w->aimed[4][0] = t36;
+                                w->aimed[4][1] = t56;
+                                w->aimed[5][0] = t57;
+                                w->aimed[5][1] = t187;
+                                status = UR5E_OK;
+                            } else {
+                                status = UR5E_SINGULAR;
+                            }
+                        } else {
+                            status = UR5E_SINGULAR;
+                        }
+                    } else if (t117 > -2.842170943040401e-14) {
+                        status = UR5E_SINGULAR;
+                    } else {
+                        /* out of reach */
+                    }
+                } else {
+                    status = UR5E_SINGULAR;
+                }
+            } else if (t38 > -2.842170943040401e-14) {
+                status = UR5E_SINGULAR;
+            } else {
+                /* out of reach */
+            }
+        } else if (t16 > -2.842170943040401e-14) {
+            status = UR5E_SINGULAR;
+        } else {
+            /* out of reach */
+        }
+    } else {
+        status = UR5E_SINGULAR;
+    }
+    return status;
 }
 
 /* The joints at a tool pose x of the line, angles within half a turn of where it is done, and their
- * ways; SINGULAR or OUT_OF_RANGE where the guess's branch does not reach it. */
-static ur5e_status ur5e_inverse_aim(ur5e_inverse_work *w, const ur5e_real x[7], unsigned int wanted)
+ * ways; slides and joints with limits are exact, other angles go on by their ways. */
+static ur5e_status ur5e_inverse_aim(ur5e_inverse_work *w, const ur5e_real x[7])
 {
-    static const ur5e_real per_length[6] = { 1.0, 1.0, 1.0, 1.0, 1.0, 1.0 };
-    static const bool angular[6] = { true, true, true, true, true, true };
-    static const ur5e_real near[6] = { 0.0 };
-    bool undecided = false;
-    if (ur5e_branches(x, near, wanted, w->found, &undecided, w->guard) != 1) {
-        return undecided ? UR5E_SINGULAR : UR5E_OUT_OF_RANGE;
+    const ur5e_status status = ur5e_inverse_reach(w, x);
+    if (status == UR5E_OK) {
+        const ur5e_real way0 = ur5e_inverse_turn(w->turned[0], w->aimed[0]);
+        w->found[0] = w->joints[0] + way0;
+        w->way[0] = fabs(way0);
+        const ur5e_real way1 = ur5e_inverse_turn(w->turned[1], w->aimed[1]);
+        w->found[1] = w->joints[1] + way1;
+        w->way[1] = fabs(way1);
+        const ur5e_real way2 = ur5e_inverse_turn(w->turned[2], w->aimed[2]);
+        w->found[2] = w->joints[2] + way2;
+        w->way[2] = fabs(way2);
+        const ur5e_real way3 = ur5e_inverse_turn(w->turned[3], w->aimed[3]);
+        w->found[3] = w->joints[3] + way3;
+        w->way[3] = fabs(way3);
+        const ur5e_real way4 = ur5e_inverse_turn(w->turned[4], w->aimed[4]);
+        w->found[4] = w->joints[4] + way4;
+        w->way[4] = fabs(way4);
+        const ur5e_real way5 = ur5e_inverse_turn(w->turned[5], w->aimed[5]);
+        w->found[5] = w->joints[5] + way5;
+        w->way[5] = fabs(way5);
+        w->way2 = w->way[0] * w->way[0] + w->way[1] * w->way[1] + w->way[2] * w->way[2]
+            + w->way[3] * w->way[3] + w->way[4] * w->way[4] + w->way[5] * w->way[5];
     }
-    w->way2 = 0.0;
-    for (int i = 0; i < 6; ++i) {
-        ur5e_real way = w->found[0][i] - w->joints[i];
-        const ur5e_real number = way * 0.15915494309189535;
-        if (angular[i] && (fabs(number) > 0.5)) {
-            way -= 6.283185307179586 * (ur5e_real)(int)(number + ((number < 0.0) ? -0.5 : 0.5));
-        }
-        w->found[0][i] = w->joints[i] + way;
-        w->way[i] = fabs(way) * per_length[i];
-        w->way2 += w->way[i] * w->way[i];
-    }
-    return UR5E_OK;
+    return status;
 }
 
 /* Takes a bend of a part against the most that keeps it; the largest of these shares is what cuts
@@ -1107,6 +1450,7 @@ static bool ur5e_inverse_keeps(ur5e_inverse_work *w, const ur5e_real change[2])
     w->kept = true;
     w->bent = 0.0;
     w->most = 1.0;
+    ur5e_real most = 0.0;
     const ur5e_real place = sqrt(change[0]);
     const ur5e_real turn = sqrt(change[1]);
     /* q2, q3, q4 have parallel axes: a level along them, which they do not change, tells q1:
@@ -1123,109 +1467,115 @@ static bool ur5e_inverse_keeps(ur5e_inverse_work *w, const ur5e_real change[2])
     const ur5e_real root0 = sqrt(ur5e_inverse_least(w, 0, 1.1031289659513277e-14, t8));
     const ur5e_real t10 = 1.0 / root0;
     const ur5e_real t11 = t1 * t10;
-    ur5e_inverse_take(w, (t11 + w->way[0]) * (t11 + w->way[0]), 39.4384);
+    const ur5e_real t12 = t11 + w->way[0];
+    most = (t12 > most) ? t12 : most;
+    if (!(most < 6.28)) {
+        ur5e_inverse_take(w, most * most, 39.4384);
+    }
+    const ur5e_real t17 = t6 * t10;
     w->speed[0] = t11;
-    const ur5e_real t14 = 0.158 * t10;
-    const ur5e_real t15 = t6 * t10;
-    ur5e_inverse_bounds(w, 0, t14, t11, t15);
+    const ur5e_real t19 = 0.158 * t10;
+    ur5e_inverse_bounds(w, 0, t19, t11, t17);
     /* the normal of q2, q3, q4: its level along the axis of q6 tells q5: proved */
-    const ur5e_real t17 = w->speed[0] + turn;
-    const ur5e_real root1 = ur5e_inverse_least_sine(w, 1, 7.105427357601002e-15, t17);
-    ur5e_inverse_take(w, (t17 + w->way[4]) * (t17 + w->way[4]), 39.4384);
-    w->speed[4] = t17;
-    const ur5e_real t21 = w->speed[0] * w->speed[0];
-    const ur5e_real t22 = w->change[0] + t21;
-    const ur5e_real t23 = turn + turn;
-    const ur5e_real t24 = t23 * w->speed[0];
-    const ur5e_real t25 = t22 + t24;
-    const ur5e_real t26 = t25 + t5;
-    const ur5e_real t27 = t17 * t17;
-    const ur5e_real t28 = t27 / root1;
-    const ur5e_real t29 = t26 + t28;
-    ur5e_inverse_bounds(w, 4, 0.0, 0.0, t29);
+    const ur5e_real t21 = w->speed[0] + turn;
+    const ur5e_real root1 = ur5e_inverse_least_sine(w, 1, 7.105427357601002e-15, t21);
+    const ur5e_real t23 = t21 + w->way[4];
+    most = (t23 > most) ? t23 : most;
+    if (!(most < 6.28)) {
+        ur5e_inverse_take(w, most * most, 39.4384);
+    }
+    const ur5e_real t28 = w->speed[0] * w->speed[0];
+    const ur5e_real t29 = w->change[0] + t28;
+    const ur5e_real t30 = turn + turn;
+    const ur5e_real t31 = t30 * w->speed[0];
+    const ur5e_real t32 = t29 + t31;
+    const ur5e_real t33 = t32 + t5;
+    const ur5e_real t34 = t21 * t21;
+    const ur5e_real t35 = 1.0 / root1;
+    const ur5e_real t36 = t34 * t35;
+    const ur5e_real t37 = t33 + t36;
+    const ur5e_real way4 = w->way[4] + 0.5 * t37;
+    w->speed[4] = (way4 < t21) ? way4 : t21;
+    w->change[4] = t37;
     /* q6 turns the normal of q2, q3, q4 to where it must be: proved */
-    const ur5e_real t31 = 1.0 / root1;
-    const ur5e_real t32 = t17 * t31;
-    if (!((1.001 * t17 * t17 < w->left[1] + w->guard[1] + 2.0 * ((w->left[1] < w->guard[1])
-        ? w->left[1] : w->guard[1])))) {
-        ur5e_inverse_take(w, (t32 + w->way[5]) * (t32 + w->way[5]), 39.4384);
+    const ur5e_real t41 = t21 * t35;
+    const ur5e_real t42 = t41 + w->way[5];
+    most = ((t42 > most) && !((1.001 * t21 * t21 < w->left[1] + w->guard[1]
+        + 2.0 * ((w->left[1] < w->guard[1]) ? w->left[1] : w->guard[1])))) ? t42 : most;
+    if (!(most < 6.28)) {
+        ur5e_inverse_take(w, most * most, 39.4384);
     }
-    w->speed[5] = t32;
-    const ur5e_real t37 = w->speed[4] * t31;
-    const ur5e_real t38 = t26 * t31;
-    ur5e_inverse_bounds(w, 5, 0.0, t37, t38);
+    const ur5e_real t47 = t33 * t35;
+    w->speed[5] = t41;
+    const ur5e_real t49 = w->speed[4] * t35;
+    ur5e_inverse_bounds(w, 5, 0.0, t49, t47);
     /* a point of the axis of q4: its distance from the axis of q2 tells q3: proved */
-    const ur5e_real t40 = 0.119 * w->speed[5];
-    const ur5e_real t41 = 0.238 * turn;
-    const ur5e_real t42 = t40 + t41;
-    const ur5e_real t43 = t42 + place;
-    const ur5e_real t44 = t43 * t43;
-    const ur5e_real t45 = w->speed[5] * w->speed[5];
-    const ur5e_real t46 = w->change[5] + t45;
-    const ur5e_real t47 = 0.119 * t46;
-    const ur5e_real t48 = t23 * t40;
-    const ur5e_real t49 = t47 + t48;
-    const ur5e_real t50 = 0.238 * t5;
-    const ur5e_real t51 = t49 + t50;
-    const ur5e_real t52 = 0.993 * t51;
-    const ur5e_real t53 = t44 + t52;
-    const ur5e_real t54 = 0.23436 * t53;
-    const ur5e_real root3 = sqrt(ur5e_inverse_least(w, 2, 3.9026282365739467e-16, t54));
-    const ur5e_real t56 = 0.993 * t43;
-    const ur5e_real t57 = 1.0 / root3;
-    const ur5e_real t58 = t56 * t57;
-    ur5e_inverse_take(w, (t58 + w->way[2]) * (t58 + w->way[2]), 39.4384);
-    w->speed[2] = t58;
-    const ur5e_real t61 = 0.23436 * t57;
-    const ur5e_real t62 = t53 * t57;
-    ur5e_inverse_bounds(w, 2, t61, 0.0, t62);
-    /* q2 turns a point of the axis of q4 to where it must be: proved */
-    const ur5e_real t64 = 0.465 * w->speed[2];
-    const ur5e_real root4 = ur5e_inverse_least_length(w, 3, 6.6717191771203954e-15, t64, 0.034);
-    const ur5e_real t66 = 0.5 * t43;
-    const ur5e_real t67 = t66 + 1.127;
-    const ur5e_real t68 = w->speed[0] * t67;
-    const ur5e_real t69 = t43 + t68;
-    const ur5e_real t70 = 0.5 * t69;
-    const ur5e_real t71 = t70 + 0.158;
-    const ur5e_real t72 = w->speed[0] * t71;
-    const ur5e_real t73 = t43 + t72;
-    const ur5e_real t74 = t64 + t73;
-    const ur5e_real t75 = 1.0 / root4;
-    const ur5e_real t76 = t74 * t75;
-    if (!((1.001 * t64 * t64 < w->left[3] + w->guard[3])
-        && (1.001 * t73 * t73 < w->left[3] + w->guard[3]))) {
-        ur5e_inverse_take(w, (t76 + w->way[1]) * (t76 + w->way[1]), 39.4384);
+    const ur5e_real t51 = 0.119 * w->speed[5];
+    const ur5e_real t52 = 0.238 * turn;
+    const ur5e_real t53 = t51 + t52;
+    const ur5e_real t54 = t53 + place;
+    const ur5e_real t55 = t54 * t54;
+    const ur5e_real t56 = w->speed[5] * w->speed[5];
+    const ur5e_real t57 = w->change[5] + t56;
+    const ur5e_real t58 = 0.119 * t57;
+    const ur5e_real t59 = t30 * t51;
+    const ur5e_real t60 = t58 + t59;
+    const ur5e_real t61 = 0.238 * t5;
+    const ur5e_real t62 = t60 + t61;
+    const ur5e_real t63 = 0.993 * t62;
+    const ur5e_real t64 = t55 + t63;
+    const ur5e_real t65 = 0.23436 * t64;
+    const ur5e_real root3 = sqrt(ur5e_inverse_least(w, 2, 3.9026282365739467e-16, t65));
+    const ur5e_real t67 = 0.993 * t54;
+    const ur5e_real t68 = 1.0 / root3;
+    const ur5e_real t69 = t67 * t68;
+    const ur5e_real t70 = t69 + w->way[2];
+    most = (t70 > most) ? t70 : most;
+    if (!(most < 6.28)) {
+        ur5e_inverse_take(w, most * most, 39.4384);
     }
-    w->speed[1] = t76;
-    const ur5e_real t81 = t64 * t75;
-    const ur5e_real t82 = w->speed[2] * w->speed[2];
-    const ur5e_real t83 = w->change[2] + t82;
-    const ur5e_real t84 = 0.465 * t83;
-    const ur5e_real t85 = w->speed[0] + w->speed[0];
-    const ur5e_real t86 = t85 * t43;
-    const ur5e_real t87 = t51 + t86;
-    const ur5e_real t88 = w->change[0] * t71;
-    const ur5e_real t89 = t87 + t88;
-    const ur5e_real t90 = t21 * t67;
-    const ur5e_real t91 = t89 + t90;
-    const ur5e_real t92 = t84 + t91;
-    const ur5e_real t93 = t92 * t75;
-    ur5e_inverse_bounds(w, 1, 0.0, t81, t93);
+    const ur5e_real t75 = t64 * t68;
+    w->speed[2] = t69;
+    const ur5e_real t77 = 0.23436 * t68;
+    ur5e_inverse_bounds(w, 2, t77, 0.0, t75);
+    /* q2 turns a point of the axis of q4 to where it must be: proved */
+    const ur5e_real t79 = 0.465 * w->speed[2];
+    const ur5e_real root4 = ur5e_inverse_least_length(w, 3, 6.6717191771203954e-15, t79, 0.034);
+    const ur5e_real t81 = 0.5 * t54;
+    const ur5e_real t82 = t81 + 1.127;
+    const ur5e_real t83 = w->speed[0] * t82;
+    const ur5e_real t84 = t54 + t83;
+    const ur5e_real t85 = 0.5 * t84;
+    const ur5e_real t86 = t85 + 0.158;
+    const ur5e_real t87 = w->speed[0] * t86;
+    const ur5e_real t88 = t54 + t87;
+    const ur5e_real t89 = t79 + t88;
+    const ur5e_real t90 = t89 / root4;
+    const ur5e_real t91 = t90 + w->way[1];
+    most = ((t91 > most) && !((1.001 * t79 * t79 < w->left[3] + w->guard[3])
+        && (1.001 * t88 * t88 < w->left[3] + w->guard[3]))) ? t91 : most;
+    if (!(most < 6.28)) {
+        ur5e_inverse_take(w, most * most, 39.4384);
+    }
     /* q4 turns a direction of the tool to where it must be: proved */
-    const ur5e_real t95 = w->way[2] + w->way[1];
-    const ur5e_real t96 = t95 + w->speed[0];
-    const ur5e_real t97 = t96 + turn;
-    const ur5e_real t98 = t97 + w->speed[5];
-    const ur5e_real t99 = t98 + w->speed[4];
-    ur5e_inverse_take(w, (t99 + w->way[3]) * (t99 + w->way[3]), 39.4384);
+    const ur5e_real t96 = w->way[2] + w->way[1];
+    const ur5e_real t97 = t96 + w->speed[0];
+    const ur5e_real t98 = t97 + turn;
+    const ur5e_real t99 = t98 + w->speed[5];
+    const ur5e_real t100 = t99 + w->speed[4];
+    const ur5e_real t101 = t100 + w->way[3];
+    most = (t101 > most) ? t101 : most;
+    if (!(most < 6.28)) {
+        ur5e_inverse_take(w, most * most, 39.4384);
+    }
+    ur5e_inverse_take(w, most * most, 39.4384);
     return w->kept;
 }
 
 /* Follows the line of known values from `at`, where the guards are w->left, to `to` in parts that
  * are kept, and are cut where they are not. */
-static UR5E_COLD ur5e_status ur5e_inverse_walk(ur5e_inverse_work *w, const ur5e_real at[7],
-    const ur5e_real to[7], unsigned int wanted, ur5e_real most2, unsigned int most,
+static UR5E_SHARED ur5e_status ur5e_inverse_walk(ur5e_inverse_work *w, const ur5e_real at[7],
+    const ur5e_real to[7], ur5e_real most2, unsigned int most,
     unsigned int *count)
 {
     ur5e_real way2[2];
@@ -1237,11 +1587,12 @@ static UR5E_COLD ur5e_status ur5e_inverse_walk(ur5e_inverse_work *w, const ur5e_
     /* of q and -q, one rotation, the one on the guess's side */
     const ur5e_real cosine = at[3] * to[3] + at[4] * to[4] + at[5] * to[5] + at[6] * to[6];
     const ur5e_real side = (cosine < 0.0) ? -1.0 : 1.0;
+    ur5e_real move[7];
     way2[0] = 0.0;
     way2[1] = 4.440892098500626e-16;
     for (int i = 0; i < 7; ++i) {
-        const ur5e_real goal = (i < 3) ? to[i] : (side * to[i]);
-        way2[(i < 3) ? 0 : 1] += (goal - at[i]) * (goal - at[i]);
+        move[i] = ((i < 3) ? to[i] : (side * to[i])) - at[i];
+        way2[(i < 3) ? 0 : 1] += move[i] * move[i];
     }
     way2[0] *= 1.4045121751401959e-06;
     /* the square of the largest speed of the turn between them, of which they are the chord */
@@ -1257,8 +1608,7 @@ static UR5E_COLD ur5e_status ur5e_inverse_walk(ur5e_inverse_work *w, const ur5e_
         }
         ur5e_real x[7];
         for (int i = 0; i < 7; ++i) {
-            const ur5e_real goal = (i < 3) ? to[i] : (side * to[i]);
-            x[i] = (end < 1.0) ? (at[i] + end * (goal - at[i])) : goal;
+            x[i] = at[i] + end * move[i];
         }
         if (end < 1.0) {
             const ur5e_real inverse = 1.0 / sqrt(x[3] * x[3] + x[4] * x[4] + x[5] * x[5]
@@ -1266,32 +1616,45 @@ static UR5E_COLD ur5e_status ur5e_inverse_walk(ur5e_inverse_work *w, const ur5e_
             for (int i = 3; i < 7; ++i) {
                 x[i] *= inverse;
             }
+        } else {
+            for (int i = 0; i < 7; ++i) {
+                x[i] = (i < 3) ? to[i] : (side * to[i]);
+            }
         }
-        const ur5e_status reached = ur5e_inverse_aim(w, x, wanted);
+        const ur5e_status reached = ur5e_inverse_aim(w, x);
         above = (reached == UR5E_OK);
         ++*count;
         w->bent = 4.0;
         w->most = 1.0;
-        for (int j = 0; j < 4; ++j) {
-            above = above && (w->guard[j] > 0.0);
-        }
         if (!above) {
             /* a point of the line without a configuration, or a singular one */
             status = ((reached == UR5E_SINGULAR) || ((reached == UR5E_OUT_OF_RANGE)
                 && (end >= 1.0))) ? reached : UR5E_WRONG_BRANCH;
         } else if (ur5e_inverse_keeps(w, change) && ur5e_inverse_follows(w, most2)) {
-            w->joints[0] = w->found[0][0];
-            w->joints[1] = w->found[0][1];
-            w->joints[2] = w->found[0][2];
-            w->joints[3] = w->found[0][3];
-            w->joints[4] = w->found[0][4];
-            w->joints[5] = w->found[0][5];
+            w->joints[0] = w->found[0];
+            w->joints[1] = w->found[1];
+            w->joints[2] = w->found[2];
+            w->joints[3] = w->found[3];
+            w->joints[4] = w->found[4];
+            w->joints[5] = w->found[5];
+            w->turned[0][0] = w->aimed[0][0];
+            w->turned[0][1] = w->aimed[0][1];
+            w->turned[1][0] = w->aimed[1][0];
+            w->turned[1][1] = w->aimed[1][1];
+            w->turned[2][0] = w->aimed[2][0];
+            w->turned[2][1] = w->aimed[2][1];
+            w->turned[3][0] = w->aimed[3][0];
+            w->turned[3][1] = w->aimed[3][1];
+            w->turned[4][0] = w->aimed[4][0];
+            w->turned[4][1] = w->aimed[4][1];
+            w->turned[5][0] = w->aimed[5][0];
+            w->turned[5][1] = w->aimed[5][1];
             for (int j = 0; j < 4; ++j) {
                 w->left[j] = w->guard[j];
             }
             done = end;
-            part = refused ? part : (part * ((w->bent < 0.16 * w->most)
-                ? 2.0 : (0.8 * sqrt(w->most / w->bent))));
+            part = refused ? part : (part * ((w->bent < 0.148 * w->most)
+                ? 1.3 : (0.5 * sqrt(w->most / w->bent))));
             refused = false;
             if (done >= 1.0) {
                 status = UR5E_OK;
@@ -1321,13 +1684,7 @@ static ur5e_status ur5e_inverse_along(const ur5e_real to[7], const ur5e_config *
     ur5e_real residual = HUGE_VAL;
     unsigned int count = 0U;
     ur5e_status status = UR5E_OK;
-    w->way2 = 0.0;
-    w->left[0] = 1.0;
-    w->guard[0] = 1.0;
-    const unsigned int wanted = ur5e_read_joints(joints, at, w->left);
-    for (int i = 0; i < 6; ++i) {
-        w->joints[i] = joints[i];
-    }
+    ur5e_inverse_begin(w, joints, at);
     for (int k = 0; k < 4; ++k) {
         if (!(w->left[k] > 2.842170943040401e-14)) {
             status = UR5E_SINGULAR;
@@ -1335,15 +1692,14 @@ static ur5e_status ur5e_inverse_along(const ur5e_real to[7], const ur5e_config *
     }
     if (status == UR5E_OK) {
         const ur5e_real most2 = config->max_step * config->max_step * 1.4045121751401959e-06;
-        status = ur5e_inverse_walk(w, at, to, wanted, most2, (unsigned int)config->max_iterations,
-            &count);
+        status = ur5e_inverse_walk(w, at, to, most2, (unsigned int)config->max_iterations, &count);
     }
     for (int k = 0; k < 4; ++k) {
         least = (w->left[k] < least) ? w->left[k] : least;
     }
     if (status == UR5E_OK) {
         for (int i = 0; i < 6; ++i) {
-            joints[i] = w->joints[i];
+            joints[i] = ur5e_inverse_joint(i, w->turned[i], w->joints[i]);
         }
         status = ur5e_hold(to, joints, &residual);
     }

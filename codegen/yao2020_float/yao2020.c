@@ -821,12 +821,17 @@ yao2020_status yao2020_inverse_nearest(const yao2020_pose *pose, const yao2020_r
 }
 
 /* A point of the line: joints where it is done, which begin at the guess, those found where it is
- * tried, and the squares left and guard of the closed form's steps at both; way: how far each joint
- * goes from one to the other (angles; slides over the size), way2: the sum of the squares. Of the
- * part between: bounds of the joints' speeds and of how these change, and whether it is kept. */
+ * tried, turned and aimed: cosine and sine of each angle from its zero, up to a factor above zero,
+ * or the slide and 0, and the squares left and guard of the closed form's steps at both; sign: the
+ * guess's branch; way: how far each joint goes from one to the other (angles; slides over the
+ * size), way2: the sum of the squares. Of the part between: bounds of the joints' speeds and of how
+ * these change, and whether it is kept. */
 typedef struct {
     yao2020_real joints[6];
-    yao2020_real found[1][6];
+    yao2020_real found[6];
+    yao2020_real turned[6][2];
+    yao2020_real aimed[6][2];
+    yao2020_real sign[3];
     yao2020_real way[6];
     yao2020_real way2;
     yao2020_real speed[6];
@@ -838,66 +843,337 @@ typedef struct {
     yao2020_real most;
 } yao2020_inverse_work;
 
-/* Tool pose (x, y, z, qw, qx, qy, qz) of joint values, the squares `margin` of the closed form's
- * steps there (README.md), and the bits of the branch on which they lie. */
-static unsigned int yao2020_read_joints(const yao2020_real joints[6], yao2020_real x[7],
-    yao2020_real margin[3])
+/* Begins a line at joint values: their tool pose x (x, y, z, qw, qx, qy, qz), the squares of the
+ * closed form's steps there (README.md), and the branch on which they lie. */
+static void yao2020_inverse_begin(yao2020_inverse_work *w, const yao2020_real joints[6],
+    yao2020_real x[7])
 {
     yao2020_real u[12];
-    unsigned int wanted = 0U;
     yao2020_half_turns(joints, u);
     yao2020_pose_of_turns(u, x);
+    for (int i = 0; i < 6; ++i) {
+        w->joints[i] = joints[i];
+    }
+    w->way2 = 0.0f;
+    w->left[0] = 1.0f;
+    w->guard[0] = 1.0f;
     /* the point where the axes of theta3, theta2, theta1 meet: its level normal to the plane of L6
      * and theta5 tells theta4 */
-    const yao2020_real t0 = 600.0f * u[6];
-    const yao2020_real t1 = u[6] * t0;
-    const yao2020_real t2 = t1 - 300.0f;
-    const yao2020_real t3 = t2 * 0.0018017287f;
-    const yao2020_real t4 = -t3;
-    margin[0] = t4 * t4;
-    wanted |= (t4 < 0.0f) ? 2U : 1U;
+    const yao2020_real t0 = u[6] * u[6];
+    const yao2020_real t1 = u[7] * u[7];
+    const yao2020_real t2 = t0 - t1;
+    const yao2020_real t3 = 300.0f * t2;
+    const yao2020_real t4 = t3 * 0.0018017287f;
+    const yao2020_real t5 = -t4;
+    w->left[0] = t5 * t5;
+    w->sign[0] = (t5 < 0.0f) ? -1.0f : 1.0f;
     /* the point where the axes of theta3, theta2, theta1 meet: its level across L6 tells theta5 */
-    const yao2020_real t7 = t1 - 215.0f;
-    const yao2020_real t8 = u[8] + u[8];
-    const yao2020_real t9 = u[8] * t8;
-    const yao2020_real t10 = t9 - 1.0f;
-    const yao2020_real t11 = t7 * t10;
-    const yao2020_real t12 = t11 * 0.0018017287f;
-    margin[1] = t12 * t12;
-    wanted |= (t12 < 0.0f) ? 8U : 4U;
+    const yao2020_real t8 = t3 + 85.0f;
+    const yao2020_real t9 = u[8] * u[8];
+    const yao2020_real t10 = u[9] * u[9];
+    const yao2020_real t11 = t9 - t10;
+    const yao2020_real t12 = t8 * t11;
+    const yao2020_real t13 = t12 * 0.0018017287f;
+    w->left[1] = t13 * t13;
+    w->sign[1] = (t13 < 0.0f) ? -1.0f : 1.0f;
     /* the axis of theta3: its level along the axis of theta1 tells theta2 */
-    const yao2020_real t15 = u[2] + u[2];
-    const yao2020_real t16 = u[2] * t15;
-    const yao2020_real t17 = t16 - 1.0f;
-    margin[2] = t17 * t17;
-    wanted |= (t17 < 0.0f) ? 32U : 16U;
-    return wanted;
+    const yao2020_real t16 = u[2] * u[2];
+    const yao2020_real t17 = u[3] * u[3];
+    const yao2020_real t18 = t16 - t17;
+    w->left[2] = t18 * t18;
+    w->sign[2] = (t18 < 0.0f) ? -1.0f : 1.0f;
+    const yao2020_real t21 = u[0] * u[0];
+    const yao2020_real t22 = u[1] * u[1];
+    const yao2020_real t23 = t21 - t22;
+    w->turned[0][0] = t23;
+    const yao2020_real t25 = u[0] + u[0];
+    const yao2020_real t26 = t25 * u[1];
+    w->turned[0][1] = t26;
+    w->turned[1][0] = t18;
+    const yao2020_real t29 = u[2] + u[2];
+    const yao2020_real t30 = t29 * u[3];
+    w->turned[1][1] = t30;
+    const yao2020_real t32 = u[4] * u[4];
+    const yao2020_real t33 = u[5] * u[5];
+    const yao2020_real t34 = t32 - t33;
+    w->turned[2][0] = t34;
+    const yao2020_real t36 = u[4] + u[4];
+    const yao2020_real t37 = t36 * u[5];
+    w->turned[2][1] = t37;
+    w->turned[3][0] = t2;
+    const yao2020_real t40 = u[6] + u[6];
+    const yao2020_real t41 = t40 * u[7];
+    w->turned[3][1] = t41;
+    w->turned[4][0] = t11;
+    const yao2020_real t44 = u[8] + u[8];
+    const yao2020_real t45 = t44 * u[9];
+    w->turned[4][1] = t45;
+    w->turned[5][0] = u[10];
+    w->turned[5][1] = 0.0f;
+}
+
+/* The value of a joint by the pair of its angle or slide, an angle within half a turn of
+ * `about`. */
+static yao2020_real yao2020_inverse_joint(int i, const yao2020_real pair[2], yao2020_real about)
+{
+    static const yao2020_real zeros[6] = { 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f };
+    static const bool angular[6] = { true, true, true, true, true, false };
+    yao2020_real value = zeros[i] + pair[0];
+    if (angular[i]) {
+        value = zeros[i] + yao2020_angle(pair[1], pair[0]);
+        const yao2020_real number = (about - value) * 0.15915494f;
+        if (fabsf(number) > 0.5f) {
+            value += 6.2831855f * (yao2020_real)(int)(number + ((number < 0.0f) ? -0.5f : 0.5f));
+        }
+    }
+    return value;
+}
+
+/* The angle from one direction to another; up to an eighth of a turn by a polynomial, never less
+ * and by at most 7e-5 of it more. */
+static yao2020_real yao2020_inverse_turn(const yao2020_real a[2], const yao2020_real b[2])
+{
+    const yao2020_real s = b[1] * a[0] - b[0] * a[1];
+    const yao2020_real c = b[0] * a[0] + b[1] * a[1];
+    yao2020_real way;
+    if (fabsf(s) < c) {
+        const yao2020_real ratio = s / c;
+        const yao2020_real square = ratio * ratio;
+        way = ratio * (1.0000017f + square * (-0.33171135f + square * (0.18522155f
+            + square * (-0.0919295f + square * 0.023864165f))));
+    } else {
+        way = yao2020_angle(s, c);
+    }
+    return way;
+}
+
+/* The closed form at a tool pose x of the line, on the guess's branch; SINGULAR or OUT_OF_RANGE
+ * where that does not reach it. */
+static yao2020_status yao2020_inverse_reach(yao2020_inverse_work *w, const yao2020_real x[7])
+{
+    yao2020_status status = YAO2020_OUT_OF_RANGE;
+    /* the point where the axes of theta3, theta2, theta1 meet: its level normal to the plane of L6
+     * and theta5 tells theta4 */
+    const yao2020_real t0 = x[4] * x[6];
+    const yao2020_real t1 = x[3] * x[5];
+    const yao2020_real t2 = t0 + t1;
+    const yao2020_real t3 = t2 + t2;
+    const yao2020_real t4 = t3 * x[0];
+    const yao2020_real t5 = x[5] * x[6];
+    const yao2020_real t6 = x[3] * x[4];
+    const yao2020_real t7 = t5 - t6;
+    const yao2020_real t8 = t7 + t7;
+    const yao2020_real t9 = t8 * x[1];
+    const yao2020_real t10 = t4 + t9;
+    const yao2020_real t11 = x[4] * x[4];
+    const yao2020_real t12 = x[5] * x[5];
+    const yao2020_real t13 = t11 + t12;
+    const yao2020_real t14 = t13 + t13;
+    const yao2020_real t15 = 1.0f - t14;
+    const yao2020_real t16 = t15 * x[2];
+    const yao2020_real t17 = t10 + t16;
+    const yao2020_real t18 = 105.0f - t17;
+    const yao2020_real t19 = t18 * t18;
+    const yao2020_real t20 = 90000.0f - t19;
+    const yao2020_real t21 = t20 * 3.2462262e-06f;
+    if (t21 > 1.5258789e-05f) {
+        /* the point where the axes of theta3, theta2, theta1 meet: its level across L6 tells
+         * theta5 */
+        const yao2020_real t23 = fabsf(t20);
+        const yao2020_real t24 = t20 + t23;
+        const yao2020_real t25 = 0.5f * t24;
+        const yao2020_real t26 = sqrtf(t25);
+        const yao2020_real t27 = w->sign[0] * t26;
+        const yao2020_real t28 = -300.0f - t27;
+        const yao2020_real t29 = t28 + 385.0f;
+        const yao2020_real t30 = t29 * t29;
+        const yao2020_real t31 = t30 * 3.2462262e-06f;
+        if (t31 > 1.5258789e-05f) {
+            const yao2020_real t33 = x[4] * x[5];
+            const yao2020_real t34 = x[3] * x[6];
+            const yao2020_real t35 = t33 - t34;
+            const yao2020_real t36 = t35 + t35;
+            const yao2020_real t37 = t36 * x[0];
+            const yao2020_real t38 = x[6] * x[6];
+            const yao2020_real t39 = t11 + t38;
+            const yao2020_real t40 = t39 + t39;
+            const yao2020_real t41 = 1.0f - t40;
+            const yao2020_real t42 = t41 * x[1];
+            const yao2020_real t43 = t37 + t42;
+            const yao2020_real t44 = t5 + t6;
+            const yao2020_real t45 = t44 + t44;
+            const yao2020_real t46 = t45 * x[2];
+            const yao2020_real t47 = t43 + t46;
+            const yao2020_real t48 = t47 * t47;
+            const yao2020_real t49 = t30 - t48;
+            const yao2020_real t50 = t49 * 3.2462262e-06f;
+            if (t50 > 1.5258789e-05f) {
+                /* L6 slides the point where the axes of theta3, theta2, theta1 meet to where it
+                 * must be */
+                /* the axis of theta3: its level along the axis of theta1 tells theta2 */
+                const yao2020_real t52 = t29 * t47;
+                const yao2020_real t53 = 1.0f / t30;
+                const yao2020_real t54 = t52 * t53;
+                const yao2020_real t55 = 0.0033333334f * t27;
+                const yao2020_real t56 = t54 * t55;
+                const yao2020_real t57 = t45 * t56;
+                const yao2020_real t58 = t0 - t1;
+                const yao2020_real t59 = t58 + t58;
+                const yao2020_real t60 = fabsf(t49);
+                const yao2020_real t61 = t49 + t60;
+                const yao2020_real t62 = 0.5f * t61;
+                const yao2020_real t63 = sqrtf(t62);
+                const yao2020_real t64 = w->sign[1] * t63;
+                const yao2020_real t65 = t29 * t64;
+                const yao2020_real t66 = t65 * t53;
+                const yao2020_real t67 = t66 * t55;
+                const yao2020_real t68 = t59 * t67;
+                const yao2020_real t69 = t57 - t68;
+                const yao2020_real t70 = 0.0033333334f * t18;
+                const yao2020_real t71 = t15 * t70;
+                const yao2020_real t72 = t69 + t71;
+                const yao2020_real t73 = t72 * t72;
+                const yao2020_real t74 = 1.0f - t73;
+                if (t74 > 1.5258789e-05f) {
+                    /* theta1 turns the axis of theta3 to where it must be */
+                    const yao2020_real t76 = fabsf(t74);
+                    const yao2020_real t77 = t74 + t76;
+                    const yao2020_real t78 = 0.5f * t77;
+                    const yao2020_real t79 = sqrtf(t78);
+                    const yao2020_real t80 = w->sign[2] * t79;
+                    const yao2020_real t81 = t36 * t56;
+                    const yao2020_real t82 = t12 + t38;
+                    const yao2020_real t83 = t82 + t82;
+                    const yao2020_real t84 = 1.0f - t83;
+                    const yao2020_real t85 = t84 * t67;
+                    const yao2020_real t86 = t81 - t85;
+                    const yao2020_real t87 = t3 * t70;
+                    const yao2020_real t88 = t86 + t87;
+                    const yao2020_real t89 = t80 * t88;
+                    const yao2020_real t90 = t89 * t89;
+                    const yao2020_real t91 = t41 * t56;
+                    const yao2020_real t92 = t33 + t34;
+                    const yao2020_real t93 = t92 + t92;
+                    const yao2020_real t94 = t93 * t67;
+                    const yao2020_real t95 = t91 - t94;
+                    const yao2020_real t96 = t8 * t70;
+                    const yao2020_real t97 = t95 + t96;
+                    const yao2020_real t98 = t80 * t97;
+                    const yao2020_real t99 = t98 * t98;
+                    const yao2020_real t100 = t90 + t99;
+                    const yao2020_real t101 = sqrtf(t100);
+                    if (t101 > 1.5258789e-05f) {
+                        /* theta3 turns a direction of the tool to where it must be */
+                        const yao2020_real t103 = 1.0f / t101;
+                        const yao2020_real t104 = t89 * t103;
+                        const yao2020_real t105 = t93 * t54;
+                        const yao2020_real t106 = t41 * t66;
+                        const yao2020_real t107 = t105 + t106;
+                        const yao2020_real t108 = t104 * t107;
+                        const yao2020_real t109 = t98 * t103;
+                        const yao2020_real t110 = t84 * t54;
+                        const yao2020_real t111 = t36 * t66;
+                        const yao2020_real t112 = t110 + t111;
+                        const yao2020_real t113 = t109 * t112;
+                        const yao2020_real t114 = t108 - t113;
+                        const yao2020_real t115 = t114 * t114;
+                        const yao2020_real t116 = t59 * t54;
+                        const yao2020_real t117 = t45 * t66;
+                        const yao2020_real t118 = t116 + t117;
+                        const yao2020_real t119 = t80 * t118;
+                        const yao2020_real t120 = t104 * t112;
+                        const yao2020_real t121 = t109 * t107;
+                        const yao2020_real t122 = t120 + t121;
+                        const yao2020_real t123 = t72 * t122;
+                        const yao2020_real t124 = t119 - t123;
+                        const yao2020_real t125 = t124 * t124;
+                        const yao2020_real t126 = t115 + t125;
+                        const yao2020_real t127 = sqrtf(t126);
+                        if (t127 > 1.5258789e-05f) {
+                            const yao2020_real t129 = -t72;
+                            const yao2020_real t130 = -t55;
+                            const yao2020_real t131 = t84 * x[0];
+                            const yao2020_real t132 = t93 * x[1];
+                            const yao2020_real t133 = t131 + t132;
+                            const yao2020_real t134 = t59 * x[2];
+                            const yao2020_real t135 = t133 + t134;
+                            const yao2020_real t136 = -545.0f - t135;
+                            const yao2020_real t137 = t66 * t29;
+                            const yao2020_real t138 = t137 - 385.0f;
+                            const yao2020_real t139 = t136 - t138;
+                            const yao2020_real t140 = -t139;
+                            w->guard[0] = t21;
+                            w->guard[1] = t50;
+                            w->guard[2] = t74;
+                            w->aimed[0][0] = t89;
+                            w->aimed[0][1] = t98;
+                            w->aimed[1][0] = t80;
+                            w->aimed[1][1] = t129;
+                            w->aimed[2][0] = t114;
+                            w->aimed[2][1] = t124;
+                            w->aimed[3][0] = t130;
+                            w->aimed[3][1] = t70;
+                            w->aimed[4][0] = t66;
+                            w->aimed[4][1] = t54;
+                            w->aimed[5][0] = t140;
+                            w->aimed[5][1] = 0.0f;
+                            status = YAO2020_OK;
+                        } else {
+                            status = YAO2020_SINGULAR;
+                        }
+                    } else {
+                        status = YAO2020_SINGULAR;
+                    }
+                } else if (t74 > -1.5258789e-05f) {
+                    status = YAO2020_SINGULAR;
+                } else {
+                    /* out of reach */
+                }
+            } else if (t50 > -1.5258789e-05f) {
+                status = YAO2020_SINGULAR;
+            } else {
+                /* out of reach */
+            }
+        } else {
+            status = YAO2020_SINGULAR;
+        }
+    } else if (t21 > -1.5258789e-05f) {
+        status = YAO2020_SINGULAR;
+    } else {
+        /* out of reach */
+    }
+    return status;
 }
 
 /* The joints at a tool pose x of the line, angles within half a turn of where it is done, and their
- * ways; SINGULAR or OUT_OF_RANGE where the guess's branch does not reach it. */
-static yao2020_status yao2020_inverse_aim(yao2020_inverse_work *w, const yao2020_real x[7],
-    unsigned int wanted)
+ * ways; slides and joints with limits are exact, other angles go on by their ways. */
+static yao2020_status yao2020_inverse_aim(yao2020_inverse_work *w, const yao2020_real x[7])
 {
-    static const yao2020_real per_length[6] = { 1.0f, 1.0f, 1.0f, 1.0f, 1.0f, 0.0018017287f };
-    static const bool angular[6] = { true, true, true, true, true, false };
-    static const yao2020_real near[6] = { 0.0f };
-    bool undecided = false;
-    if (yao2020_branches(x, near, wanted, w->found, &undecided, w->guard) != 1) {
-        return undecided ? YAO2020_SINGULAR : YAO2020_OUT_OF_RANGE;
+    const yao2020_status status = yao2020_inverse_reach(w, x);
+    if (status == YAO2020_OK) {
+        const yao2020_real way0 = yao2020_inverse_turn(w->turned[0], w->aimed[0]);
+        w->found[0] = w->joints[0] + way0;
+        w->way[0] = fabsf(way0);
+        const yao2020_real way1 = yao2020_inverse_turn(w->turned[1], w->aimed[1]);
+        w->found[1] = w->joints[1] + way1;
+        w->way[1] = fabsf(way1);
+        const yao2020_real way2 = yao2020_inverse_turn(w->turned[2], w->aimed[2]);
+        w->found[2] = w->joints[2] + way2;
+        w->way[2] = fabsf(way2);
+        const yao2020_real way3 = yao2020_inverse_turn(w->turned[3], w->aimed[3]);
+        w->found[3] = w->joints[3] + way3;
+        w->way[3] = fabsf(way3);
+        const yao2020_real way4 = yao2020_inverse_turn(w->turned[4], w->aimed[4]);
+        w->found[4] = w->joints[4] + way4;
+        w->way[4] = fabsf(way4);
+        const yao2020_real way5 = yao2020_inverse_joint(5, w->aimed[5],
+            w->joints[5]) - w->joints[5];
+        w->found[5] = w->joints[5] + way5;
+        w->way[5] = fabsf(way5) * 0.0018017287f;
+        w->way2 = w->way[0] * w->way[0] + w->way[1] * w->way[1] + w->way[2] * w->way[2]
+            + w->way[3] * w->way[3] + w->way[4] * w->way[4] + w->way[5] * w->way[5];
     }
-    w->way2 = 0.0f;
-    for (int i = 0; i < 6; ++i) {
-        yao2020_real way = w->found[0][i] - w->joints[i];
-        const yao2020_real number = way * 0.15915494f;
-        if (angular[i] && (fabsf(number) > 0.5f)) {
-            way -= 6.2831855f * (yao2020_real)(int)(number + ((number < 0.0f) ? -0.5f : 0.5f));
-        }
-        w->found[0][i] = w->joints[i] + way;
-        w->way[i] = fabsf(way) * per_length[i];
-        w->way2 += w->way[i] * w->way[i];
-    }
-    return YAO2020_OK;
+    return status;
 }
 
 /* Takes a bend of a part against the most that keeps it; the largest of these shares is what cuts
@@ -981,10 +1257,11 @@ static bool yao2020_inverse_keeps(yao2020_inverse_work *w, const yao2020_real ch
     w->kept = true;
     w->bent = 0.0f;
     w->most = 1.0f;
+    yao2020_real most = 0.0f;
     const yao2020_real place = sqrtf(change[0]);
     const yao2020_real turn = sqrtf(change[1]);
-    const yao2020_real begin5 = fabsf(w->joints[5]) * 0.0018017287f;
-    const yao2020_real goal5 = fabsf(w->found[0][5]) * 0.0018017287f;
+    const yao2020_real begin5 = fabsf(w->turned[5][0]) * 0.0018017287f;
+    const yao2020_real goal5 = fabsf(w->aimed[5][0]) * 0.0018017287f;
     const yao2020_real end5 = (begin5 < goal5) ? goal5 : begin5;
     /* the point where the axes of theta3, theta2, theta1 meet: its level normal to the plane of L6
      * and theta5 tells theta4: proved */
@@ -1002,80 +1279,99 @@ static bool yao2020_inverse_keeps(yao2020_inverse_work *w, const yao2020_real ch
     const yao2020_real t11 = place + t10;
     const yao2020_real t12 = 1.0f / root0;
     const yao2020_real t13 = t11 * t12;
-    yao2020_inverse_take(w, (t13 + w->way[3]) * (t13 + w->way[3]), 39.4384f);
+    const yao2020_real t14 = t13 + w->way[3];
+    most = (t14 > most) ? t14 : most;
+    if (!(most < 6.28f)) {
+        yao2020_inverse_take(w, most * most, 39.4384f);
+    }
+    const yao2020_real t19 = t7 * t12;
     w->speed[3] = t13;
-    const yao2020_real t16 = 0.541f * t12;
-    const yao2020_real t17 = t7 * t12;
-    yao2020_inverse_bounds(w, 3, t16, 0.0f, t17);
+    const yao2020_real t21 = 0.541f * t12;
+    yao2020_inverse_bounds(w, 3, t21, 0.0f, t19);
     /* the point where the axes of theta3, theta2, theta1 meet: its level across L6 tells theta5:
      * proved */
-    const yao2020_real t19 = 0.541f * w->speed[3];
-    const yao2020_real t20 = t19 * t19;
-    const yao2020_real t21 = w->speed[3] * w->speed[3];
-    const yao2020_real t22 = w->change[3] + t21;
-    const yao2020_real t23 = 0.375995f * t22;
-    const yao2020_real t24 = t20 + t23;
-    const yao2020_real t25 = 0.5f * t11;
-    const yao2020_real t26 = t25 + 0.695f;
-    const yao2020_real t27 = t26 * t7;
+    const yao2020_real t23 = 0.541f * w->speed[3];
+    const yao2020_real t24 = t23 * t23;
+    const yao2020_real t25 = w->speed[3] * w->speed[3];
+    const yao2020_real t26 = w->change[3] + t25;
+    const yao2020_real t27 = 0.375995f * t26;
     const yao2020_real t28 = t24 + t27;
-    const yao2020_real root1 = sqrtf(yao2020_inverse_least(w, 1, 1.8425942e-06f, t28));
-    const yao2020_real t30 = t19 + t11;
-    const yao2020_real t31 = 1.0f / root1;
-    const yao2020_real t32 = t30 * t31;
-    yao2020_inverse_take(w, (t32 + w->way[4]) * (t32 + w->way[4]), 39.4384f);
-    w->speed[4] = t32;
-    const yao2020_real t35 = 0.695f * t31;
-    const yao2020_real t36 = t19 * t31;
-    const yao2020_real t37 = 0.541f * t22;
-    const yao2020_real t38 = t37 + t7;
-    const yao2020_real t39 = t38 * t31;
-    yao2020_inverse_bounds(w, 4, t35, t36, t39);
+    const yao2020_real t29 = 0.5f * t11;
+    const yao2020_real t30 = t29 + 0.695f;
+    const yao2020_real t31 = t30 * t7;
+    const yao2020_real t32 = t28 + t31;
+    const yao2020_real root1 = sqrtf(yao2020_inverse_least(w, 1, 1.8425942e-06f, t32));
+    const yao2020_real t34 = t23 + t11;
+    const yao2020_real t35 = 1.0f / root1;
+    const yao2020_real t36 = t34 * t35;
+    const yao2020_real t37 = t36 + w->way[4];
+    most = (t37 > most) ? t37 : most;
+    if (!(most < 6.28f)) {
+        yao2020_inverse_take(w, most * most, 39.4384f);
+    }
+    const yao2020_real t42 = 0.541f * t26;
+    const yao2020_real t43 = t42 + t7;
+    const yao2020_real t44 = t43 * t35;
+    w->speed[4] = t36;
+    const yao2020_real t46 = 0.695f * t35;
+    const yao2020_real t47 = t23 * t35;
+    yao2020_inverse_bounds(w, 4, t46, t47, t44);
     /* L6 slides the point where the axes of theta3, theta2, theta1 meet to where it must be:
      * proved */
     /* the axis of theta3: its level along the axis of theta1 tells theta2: proved */
-    const yao2020_real t41 = w->speed[3] + w->speed[4];
-    const yao2020_real t42 = t41 + turn;
-    const yao2020_real root3 = yao2020_inverse_least_sine(w, 2, 3.8146973e-06f, t42);
-    yao2020_inverse_take(w, (t42 + w->way[1]) * (t42 + w->way[1]), 39.4384f);
-    w->speed[1] = t42;
-    const yao2020_real t46 = w->speed[4] + w->speed[4];
-    const yao2020_real t47 = w->speed[4] * w->speed[4];
-    const yao2020_real t48 = w->change[4] + t47;
-    const yao2020_real t49 = t46 * w->speed[3];
-    const yao2020_real t50 = t22 + t49;
-    const yao2020_real t51 = t50 + t48;
-    const yao2020_real t52 = t0 * t41;
-    const yao2020_real t53 = t51 + t52;
-    const yao2020_real t54 = t53 + t2;
-    const yao2020_real t55 = t42 * t42;
-    const yao2020_real t56 = t55 / root3;
-    const yao2020_real t57 = t54 + t56;
-    yao2020_inverse_bounds(w, 1, 0.0f, 0.0f, t57);
-    /* theta1 turns the axis of theta3 to where it must be: proved */
-    const yao2020_real t59 = 1.0f / root3;
-    const yao2020_real t60 = t42 * t59;
-    if (!((1.001f * t42 * t42 < w->left[2] + w->guard[2] + 2.0f * ((w->left[2] < w->guard[2])
-        ? w->left[2] : w->guard[2])))) {
-        yao2020_inverse_take(w, (t60 + w->way[0]) * (t60 + w->way[0]), 39.4384f);
+    const yao2020_real t49 = w->speed[3] + w->speed[4];
+    const yao2020_real t50 = t49 + turn;
+    const yao2020_real root3 = yao2020_inverse_least_sine(w, 2, 3.8146973e-06f, t50);
+    const yao2020_real t52 = t50 + w->way[1];
+    most = (t52 > most) ? t52 : most;
+    if (!(most < 6.28f)) {
+        yao2020_inverse_take(w, most * most, 39.4384f);
     }
-    w->speed[0] = t60;
-    const yao2020_real t65 = w->speed[1] * t59;
-    const yao2020_real t66 = t54 * t59;
-    yao2020_inverse_bounds(w, 0, 0.0f, t65, t66);
+    const yao2020_real t57 = w->speed[4] + w->speed[4];
+    const yao2020_real t58 = t57 * w->speed[3];
+    const yao2020_real t59 = t26 + t58;
+    const yao2020_real t60 = w->speed[4] * w->speed[4];
+    const yao2020_real t61 = w->change[4] + t60;
+    const yao2020_real t62 = t59 + t61;
+    const yao2020_real t63 = t0 * t49;
+    const yao2020_real t64 = t62 + t63;
+    const yao2020_real t65 = t64 + t2;
+    const yao2020_real t66 = t50 * t50;
+    const yao2020_real t67 = 1.0f / root3;
+    const yao2020_real t68 = t66 * t67;
+    const yao2020_real t69 = t65 + t68;
+    const yao2020_real way1 = w->way[1] + 0.5f * t69;
+    w->speed[1] = (way1 < t50) ? way1 : t50;
+    w->change[1] = t69;
+    /* theta1 turns the axis of theta3 to where it must be: proved */
+    const yao2020_real t73 = t50 * t67;
+    const yao2020_real t74 = t73 + w->way[0];
+    most = ((t74 > most) && !((1.001f * t50 * t50 < w->left[2] + w->guard[2]
+        + 2.0f * ((w->left[2] < w->guard[2]) ? w->left[2] : w->guard[2])))) ? t74 : most;
+    if (!(most < 6.28f)) {
+        yao2020_inverse_take(w, most * most, 39.4384f);
+    }
+    const yao2020_real t79 = t65 * t67;
+    w->speed[0] = t73;
+    const yao2020_real t81 = w->speed[1] * t67;
+    yao2020_inverse_bounds(w, 0, 0.0f, t81, t79);
     /* theta3 turns a direction of the tool to where it must be: proved */
-    const yao2020_real t68 = w->speed[0] + turn;
-    const yao2020_real t69 = t68 + w->speed[4];
-    const yao2020_real t70 = t69 + w->speed[3];
-    yao2020_inverse_take(w, (t70 + w->way[2]) * (t70 + w->way[2]), 39.4384f);
+    const yao2020_real t83 = w->speed[0] + turn;
+    const yao2020_real t84 = t83 + w->speed[4];
+    const yao2020_real t85 = t84 + w->speed[3];
+    const yao2020_real t86 = t85 + w->way[2];
+    most = (t86 > most) ? t86 : most;
+    if (!(most < 6.28f)) {
+        yao2020_inverse_take(w, most * most, 39.4384f);
+    }
+    yao2020_inverse_take(w, most * most, 39.4384f);
     return w->kept;
 }
 
 /* Follows the line of known values from `at`, where the guards are w->left, to `to` in parts that
  * are kept, and are cut where they are not. */
-static YAO2020_COLD yao2020_status yao2020_inverse_walk(yao2020_inverse_work *w,
-    const yao2020_real at[7], const yao2020_real to[7], unsigned int wanted, yao2020_real most2,
-    unsigned int most,
+static YAO2020_SHARED yao2020_status yao2020_inverse_walk(yao2020_inverse_work *w,
+    const yao2020_real at[7], const yao2020_real to[7], yao2020_real most2, unsigned int most,
     unsigned int *count)
 {
     yao2020_real way2[2];
@@ -1087,11 +1383,12 @@ static YAO2020_COLD yao2020_status yao2020_inverse_walk(yao2020_inverse_work *w,
     /* of q and -q, one rotation, the one on the guess's side */
     const yao2020_real cosine = at[3] * to[3] + at[4] * to[4] + at[5] * to[5] + at[6] * to[6];
     const yao2020_real side = (cosine < 0.0f) ? -1.0f : 1.0f;
+    yao2020_real move[7];
     way2[0] = 0.0f;
     way2[1] = 2.3841858e-07f;
     for (int i = 0; i < 7; ++i) {
-        const yao2020_real goal = (i < 3) ? to[i] : (side * to[i]);
-        way2[(i < 3) ? 0 : 1] += (goal - at[i]) * (goal - at[i]);
+        move[i] = ((i < 3) ? to[i] : (side * to[i])) - at[i];
+        way2[(i < 3) ? 0 : 1] += move[i] * move[i];
     }
     way2[0] *= 3.2462262e-06f;
     /* the square of the largest speed of the turn between them, of which they are the chord */
@@ -1107,8 +1404,7 @@ static YAO2020_COLD yao2020_status yao2020_inverse_walk(yao2020_inverse_work *w,
         }
         yao2020_real x[7];
         for (int i = 0; i < 7; ++i) {
-            const yao2020_real goal = (i < 3) ? to[i] : (side * to[i]);
-            x[i] = (end < 1.0f) ? (at[i] + end * (goal - at[i])) : goal;
+            x[i] = at[i] + end * move[i];
         }
         if (end < 1.0f) {
             const yao2020_real inverse = 1.0f / sqrtf(x[3] * x[3] + x[4] * x[4] + x[5] * x[5]
@@ -1116,32 +1412,45 @@ static YAO2020_COLD yao2020_status yao2020_inverse_walk(yao2020_inverse_work *w,
             for (int i = 3; i < 7; ++i) {
                 x[i] *= inverse;
             }
+        } else {
+            for (int i = 0; i < 7; ++i) {
+                x[i] = (i < 3) ? to[i] : (side * to[i]);
+            }
         }
-        const yao2020_status reached = yao2020_inverse_aim(w, x, wanted);
+        const yao2020_status reached = yao2020_inverse_aim(w, x);
         above = (reached == YAO2020_OK);
         ++*count;
         w->bent = 4.0f;
         w->most = 1.0f;
-        for (int j = 0; j < 3; ++j) {
-            above = above && (w->guard[j] > 0.0f);
-        }
         if (!above) {
             /* a point of the line without a configuration, or a singular one */
             status = ((reached == YAO2020_SINGULAR) || ((reached == YAO2020_OUT_OF_RANGE)
                 && (end >= 1.0f))) ? reached : YAO2020_WRONG_BRANCH;
         } else if (yao2020_inverse_keeps(w, change) && yao2020_inverse_follows(w, most2)) {
-            w->joints[0] = w->found[0][0];
-            w->joints[1] = w->found[0][1];
-            w->joints[2] = w->found[0][2];
-            w->joints[3] = w->found[0][3];
-            w->joints[4] = w->found[0][4];
-            w->joints[5] = w->found[0][5];
+            w->joints[0] = w->found[0];
+            w->joints[1] = w->found[1];
+            w->joints[2] = w->found[2];
+            w->joints[3] = w->found[3];
+            w->joints[4] = w->found[4];
+            w->joints[5] = w->found[5];
+            w->turned[0][0] = w->aimed[0][0];
+            w->turned[0][1] = w->aimed[0][1];
+            w->turned[1][0] = w->aimed[1][0];
+            w->turned[1][1] = w->aimed[1][1];
+            w->turned[2][0] = w->aimed[2][0];
+            w->turned[2][1] = w->aimed[2][1];
+            w->turned[3][0] = w->aimed[3][0];
+            w->turned[3][1] = w->aimed[3][1];
+            w->turned[4][0] = w->aimed[4][0];
+            w->turned[4][1] = w->aimed[4][1];
+            w->turned[5][0] = w->aimed[5][0];
+            w->turned[5][1] = w->aimed[5][1];
             for (int j = 0; j < 3; ++j) {
                 w->left[j] = w->guard[j];
             }
             done = end;
-            part = refused ? part : (part * ((w->bent < 0.16f * w->most)
-                ? 2.0f : (0.8f * sqrtf(w->most / w->bent))));
+            part = refused ? part : (part * ((w->bent < 0.148f * w->most)
+                ? 1.3f : (0.5f * sqrtf(w->most / w->bent))));
             refused = false;
             if (done >= 1.0f) {
                 status = YAO2020_OK;
@@ -1171,13 +1480,7 @@ static yao2020_status yao2020_inverse_along(const yao2020_real to[7], const yao2
     yao2020_real residual = HUGE_VALF;
     unsigned int count = 0U;
     yao2020_status status = YAO2020_OK;
-    w->way2 = 0.0f;
-    w->left[0] = 1.0f;
-    w->guard[0] = 1.0f;
-    const unsigned int wanted = yao2020_read_joints(joints, at, w->left);
-    for (int i = 0; i < 6; ++i) {
-        w->joints[i] = joints[i];
-    }
+    yao2020_inverse_begin(w, joints, at);
     for (int k = 0; k < 3; ++k) {
         if (!(w->left[k] > 1.5258789e-05f)) {
             status = YAO2020_SINGULAR;
@@ -1185,15 +1488,15 @@ static yao2020_status yao2020_inverse_along(const yao2020_real to[7], const yao2
     }
     if (status == YAO2020_OK) {
         const yao2020_real most2 = config->max_step * config->max_step * 3.2462262e-06f;
-        status = yao2020_inverse_walk(w, at, to, wanted, most2,
-            (unsigned int)config->max_iterations, &count);
+        status = yao2020_inverse_walk(w, at, to, most2, (unsigned int)config->max_iterations,
+            &count);
     }
     for (int k = 0; k < 3; ++k) {
         least = (w->left[k] < least) ? w->left[k] : least;
     }
     if (status == YAO2020_OK) {
         for (int i = 0; i < 6; ++i) {
-            joints[i] = w->joints[i];
+            joints[i] = yao2020_inverse_joint(i, w->turned[i], w->joints[i]);
         }
         status = yao2020_hold(to, joints, &residual);
     }

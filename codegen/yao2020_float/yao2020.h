@@ -24,24 +24,12 @@
  *   inverse_branch: 1629 add, 2008 mul, 117 div, 33 sqrt
  *   inverse_nearest: 1656 add, 2029 mul, 117 div, 33 sqrt
  *   direct: 102 add, 144 mul, 1 div, 1 sqrt
- *   inverse: 100 iterations, 63246 add, 79754 mul, 8249 div, 3807 sqrt
+ *   inverse: 100 iterations, 24128 add, 31032 mul, 2261 div, 1307 sqrt
  *   jacobian: 120 add, 178 mul
  *   twist: 162 add, 214 mul
  *   feed: 916 add, 1107 mul, 53 div, 5 sqrt
  *   rates: 910 add, 1101 mul, 47 div, 5 sqrt
  *   track: 1484 add, 1923 mul, 49 div, 10 sqrt
- *   measured (Cortex-M4F, GCC 12.2.1 -O2, 12135 inputs, seed 1): instructions, bytes of stack with
- *     callees, bytes of code with callees but without those of libm:
- *   inverse_all: 81370 instructions, 696 stack, 5928 code
- *   inverse_branch: 11280 instructions, 720 stack, 6000 code
- *   inverse_nearest: 11415 instructions, 768 stack, 6196 code
- *   direct: 625 instructions, 112 stack, 1304 code
- *   inverse: 163935 instructions, 960 stack, 8912 code
- *   jacobian: 690 instructions, 112 stack, 1564 code
- *   twist: 1080 instructions, 288 stack, 1708 code
- *   feed: 9870 instructions, 656 stack, 3128 code
- *   rates: 9755 instructions, 616 stack, 3024 code
- *   track: 12295 instructions, 696 stack, 4452 code
  *
  * Model SHA-256 98eb777f285bb0f01202bb6155b0345518c2eb31f42fdf259ae851aac40d2594
  */

@@ -36,6 +36,16 @@ class Motion:
         scale = 1 / ca.sqrt(cosine * cosine + sine * sine)
         return Motion(ca.atan2(sine, cosine), scale * cosine, scale * sine)
 
+    @property
+    def pair(self) -> tuple[ca.SX, ca.SX]:
+        """Cosine and sine of the angle, of one that a step decides up to one factor above zero; a
+        slide and 0.
+        """
+        if self.value.is_op(ca.OP_ATAN2):
+            return self.value.dep(1), self.value.dep(0)
+        slides = self.sine.is_zero() and self.cosine.is_one()
+        return (self.value, ca.SX(0)) if slides else (self.cosine, self.sine)
+
 
 @dataclass(frozen=True, eq=False)
 class Decision:

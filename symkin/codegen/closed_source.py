@@ -9,6 +9,7 @@ q = C the one on the side of the guess g that A sin g - B cos g tells.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import casadi as ca
@@ -135,16 +136,22 @@ class ClosedCode:
         """
         return len(self.plan.arm) < 6 and self.newton is None
 
-    @cached_property
-    def _outputs(self) -> ca.SX:
+    def _emitter(self, signs: Sequence[str], *, is_line: bool = False) -> Emitter:
+        """Emitter of what the steps decide by, how far the joints' pose is from the given one, and
+        the joint values, or, on a line, their pairs.
+        """
         written, at = self._steps
         outputs = [
             e for w in written for e in (w.decision.strength, w.decision.discriminant, w.lean)
         ]
-        values = [at.motions[i].value + screw.zero for i, screw in enumerate(self.plan.arm.screws)]
+        motions = [at.motions[i] for i in range(len(self.plan.arm))]
+        values = [m.value + s.zero for m, s in zip(motions, self.plan.arm.screws, strict=True)]
+        told = [e for motion in motions for e in motion.pair] if is_line else values
         symbols = [self._pose, self._signs, self._near]
         gap = self._gap(at) if self.is_checked else ca.SX(0)
-        return snapped_expression(ca.vertcat(*outputs, *values, gap), symbols)
+        expression = snapped_expression(ca.vertcat(*outputs, gap, *told), symbols)
+        texts = ["x", signs, indexed("near", 2 * len(signs))]
+        return Emitter.of(self.real, list(zip(symbols, texts, strict=True)), expression)
 
     @cached_property
     def squares(self) -> list[Square]:
@@ -186,86 +193,94 @@ class ClosedCode:
         """
         return _own(self.squares)
 
-    @cached_property
-    def _emitter(self) -> Emitter:
-        signs = [f"sign{i}" for i in range(len(self.plan.branches))]
-        inputs = [
-            (self._pose, "x"),
-            (self._signs, signs),
-            (self._near, indexed("near", 2 * len(signs))),
-        ]
-        return Emitter.of(self.real, inputs, self._outputs)
-
     # --- text -------------------------------------------------------------------------------------
 
     @cached_property
     def body(self) -> list[str]:
         """Statements of the function of all branches."""
-        emitter, steps, number = self._emitter, self.plan.steps, 0
-        opened: list[str] = []
+        emitter, n = self._emitter([f"sign{i}" for i in range(len(self.plan.branches))]), 0
+        opened, first = list[str](), 3 * len(self.plan.steps) + 1
         joints: dict[int, str] = {}
-        for i, step in enumerate(steps):
-            emitter.comment(step.reason)
-            self._open_conditions(emitter.value(0, 3 * i), 3 * i + 1, opened)
+        for i, step in enumerate(self.plan.steps):
+            opened += self._conditions(emitter, i, "*undecided = true;")
             if i in self.guarded:
-                self._raw(f"margin[{self.guarded.index(i)}] = {self._margin(i)};")
+                square = self._square(emitter, i)
+                emitter.lines.append(f"margin[{self.guarded.index(i)}] = {square};")
             if step.branch is not None:
-                self._open_choice(number, emitter.value(0, 3 * i + 2))
+                emitter.lines += self._choice_lines(n, emitter.value(0, 3 * i + 2))
                 opened += ["}", "}"]
-                number += 1
-            joints |= {k: emitter.value(0, 3 * len(steps) + k) for k in step.joints}
-        n = len(self.plan.arm)
-        if self.is_checked:
-            self._raw(
-                f"if ({emitter.value(0, 3 * len(steps) + n)} < "
-                f"{self.real.literal(self.misfit**2)}) {{"
-            )
-            opened.append("}")
-        for k in range(n):
-            self._raw(f"found[count][{k}] = {joints[k]};")
-        self._raw("++count;")
-        for closing in reversed(opened):
-            self._raw(closing)
-        text = "\n".join(emitter.lines)
+                n += 1
+            joints |= {k: emitter.value(0, first + k) for k in step.joints}
+        found = [f"found[count][{k}] = {joints[k]};" for k in range(len(self.plan.arm))]
+        text = "\n".join(self._closed_text(emitter, opened, [*found, "++count;"]))
         if self.real.name == "float":
             text = text.replace("atan2f(", f"{self.values['p']}_angle(")
         return indented_by_braces(text.split("\n"))
 
-    def _open_conditions(self, strength: str, discriminant: int, opened: list[str]) -> None:
-        """What must hold before a step's solutions are formed, and what is said where it does not:
+    @property
+    def line_body(self) -> list[str]:
+        """Statements that set the pairs and squares of one branch at a point of a line, whose signs
+        are known, and the status.
+        """
+        emitter = self._emitter(indexed("w->sign", len(self.plan.branches)), is_line=True)
+        capital, n = self.values["P"], len(self.plan.arm)
+        opened = list[str]()
+        for i in range(len(self.plan.steps)):
+            opened += self._conditions(emitter, i, f"status = {capital}_SINGULAR;")
+        squares = {f"w->guard[{k}]": self._square(emitter, i) for k, i in enumerate(self.guarded)}
+        first = 3 * len(self.plan.steps) + 1
+        pairs = {f"w->aimed[{k // 2}][{k % 2}]": emitter.value(0, first + k) for k in range(2 * n)}
+        told = [f"{target} = {text};" for target, text in (squares | pairs).items()]
+        closed = self._closed_text(emitter, opened, [*told, f"status = {capital}_OK;"])
+        return indented_by_braces("\n".join(closed).split("\n"))
+
+    def _conditions(self, emitter: Emitter, i: int, undecided: str) -> list[str]:
+        """Add what must hold before a step's solutions are formed; what is said where it does not:
         nothing decides the joint, two solutions meet, or there is none.
         """
-        least, undecided = self.real.literal(LEAST * self.real.epsilon), "*undecided = true;"
+        least, opened = self.real.literal(LEAST * self.real.epsilon), list[str]()
+        emitter.comment(self.plan.steps[i].reason)
+        strength = emitter.value(0, 3 * i)
         if not _is_number(strength):
-            self._raw(f"if ({strength} > {least}) {{")
+            emitter.lines.append(f"if ({strength} > {least}) {{")
             opened.append(f"}} else {{\n{undecided}\n}}")
-        text = self._emitter.value(0, discriminant)
+        text = emitter.value(0, 3 * i + 1)
         if not _is_number(text):
-            self._raw(f"if ({text} > {least}) {{")
+            emitter.lines.append(f"if ({text} > {least}) {{")
             opened.append(
                 f"}} else if ({text} > -{least}) {{\n{undecided}\n}} else {{\n/* out of reach */\n"
                 f"}}"
             )
+        return opened
 
-    def _margin(self, i: int) -> str:
+    def _closed_text(
+        self, emitter: Emitter, opened: list[str], innermost: Sequence[str]
+    ) -> list[str]:
+        """All statements, the innermost ones where the joints meet the pose, each bracket
+        closed.
+        """
+        if self.is_checked:
+            gap = emitter.value(0, 3 * len(self.plan.steps))
+            emitter.lines.append(f"if ({gap} < {self.real.literal(self.misfit**2)}) {{")
+            opened = [*opened, "}"]
+        return [*emitter.lines, *innermost, *reversed(opened)]
+
+    def _square(self, emitter: Emitter, i: int) -> str:
         """C text of a square that is zero where a step is not decided: what `ClosedLine`
         follows.
         """
-        return self._emitter.value(0, 3 * i + (self.plan.steps[i].branch is not None))
+        return emitter.value(0, 3 * i + (self.plan.steps[i].branch is not None))
 
-    def _raw(self, text: str) -> None:
-        self._emitter.lines.append(text)
-
-    def _open_choice(self, number: int, lean: str) -> None:
+    def _choice_lines(self, number: int, lean: str) -> list[str]:
         """The loop over the solutions of one choice."""
-        zero, one = self.real.zero, self.real.one
-        self._raw(f"const unsigned int bits{number} = (wanted >> {2 * number}U) & 3U;")
-        self._raw(f"const unsigned int side{number} = ({lean} < {zero}) ? 2U : 1U;")
-        self._raw(f"for (unsigned int k{number} = 1U; k{number} <= 2U; ++k{number}) {{")
-        self._raw(
-            f"if ((((bits{number} != 0U) ? bits{number} : side{number}) & k{number}) != 0U) {{"
-        )
-        self._raw(f"const {self.real.type} sign{number} = (k{number} == 1U) ? {one} : -{one};")
+        zero, one, k = self.real.zero, self.real.one, f"k{number}"
+        return [
+            f"const unsigned int bits{number} = (wanted >> {2 * number}U) & 3U;",
+            f"const unsigned int side{number} = ({lean} < {zero}) ? 2U : 1U;",
+            f"for (unsigned int {k} = 1U; {k} <= 2U; ++{k}) {{",
+            f"if ((((bits{number} != 0U) ? bits{number} : side{number}) & {k}) != 0U) {{",
+            f"const {self.real.type} sign{number} = ({k} == 1U) ? {one} : -{one};",
+        ]
 
     @property
     def _near_lines(self) -> list[str]:

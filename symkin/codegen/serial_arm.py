@@ -7,18 +7,18 @@ orientations along the shorter arc.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import casadi as ca
 import numpy as np
 
 from symkin.closed.plan import Plan, plan_of
-from symkin.closed.screws import arm_screws
+from symkin.closed.screws import ArmScrews, arm_screws
 from symkin.closure.snapping import snapped_expression
+from symkin.codegen.arm_frame import ArmFrame, unturned
 from symkin.codegen.arm_motion import ArmMotion
 from symkin.codegen.arm_speeds import arm_error, arm_speeds
-from symkin.codegen.closed_limits import limit_check
 from symkin.codegen.closed_line import ClosedLine
 from symkin.codegen.closed_source import ClosedCode
 from symkin.codegen.line_parts import line_target
@@ -279,18 +279,40 @@ class ArmSource:
             size, self.arm.forward_at(np.array([c.reference[0] for c in self.arm.actuated]))[:3]
         )
         literal = self.arm.real.literal
-        return common | {
-            "nq": nq,
-            "last_joint": nq - 1,
-            "ns": nq,
-            "nj": 6 * nq,
-            "meaning": _meaning(self.arm),
-            "farthest": literal(far),
-            "farthest_joint": literal(FARTHEST * max(size, 1.0)),
-            "per_size": literal(1.0 / size),
-            "branches_told": "" if self.closed is None else self.closed.header,
-            "line_words": self._line_words,
-        }
+        return (
+            common
+            | {
+                "nq": nq,
+                "last_joint": nq - 1,
+                "ns": nq,
+                "nj": 6 * nq,
+                "meaning": _meaning(self.arm),
+                "farthest": literal(far),
+                "farthest_joint": literal(FARTHEST * max(size, 1.0)),
+                "per_size": literal(1.0 / size),
+                "branches_told": "" if self.closed is None else self.closed.header,
+                "line_words": self._line_words,
+            }
+            | self._frame_names
+        )
+
+    @cached_property
+    def _frame(self) -> ArmFrame | None:
+        """The border of an arm that is solved by its closed form in a frame of its own."""
+        arm = self.arm
+        if not arm.follows_closed_form or arm.plan is None or arm.plan[0].arm.base is None:
+            return None
+        nq = len(arm.actuated)
+        values = common_values(arm.name, arm.real, struct=False) | {"nq": nq, "nj": 6 * nq}
+        return ArmFrame(arm.plan[0].arm.base, arm.real, values)
+
+    @cached_property
+    def _frame_names(self) -> dict[str, object]:
+        return unturned(self.arm.name) if self._frame is None else self._frame.names
+
+    def _in_own(self, screws: ArmScrews) -> ArmScrews:
+        """The screws, of an arm with a border without the turn that this makes."""
+        return screws if self._frame is None else replace(screws, base=None)
 
     @property
     def _line_words(self) -> str:
@@ -322,9 +344,14 @@ class ArmSource:
             return None
         plan, nearly = arm.plan
         misfit = closed_misfit(arm.real, arm.mechanism.characteristic_length)
-        common = common_values(arm.name, arm.real, struct=False)
+        common = common_values(arm.name, arm.real, struct=False) | self._frame_names
         return ClosedCode(
-            plan, arm.actuated, arm.real, common, misfit, self.code if nearly else None
+            replace(plan, arm=self._in_own(plan.arm)),
+            arm.actuated,
+            arm.real,
+            common,
+            misfit,
+            self.code if nearly else None,
         )
 
     @cached_property
@@ -337,7 +364,9 @@ class ArmSource:
         return (
             None
             if screws is None
-            else ArmMotion(screws, arm.real, common_values(arm.name, arm.real, struct=False))
+            else ArmMotion(
+                self._in_own(screws), arm.real, common_values(arm.name, arm.real, struct=False)
+            )
         )
 
     @cached_property
@@ -403,9 +432,11 @@ class ArmSource:
         )
         newton = "" if self.line is not None else self.code.text
         closed = "" if self.closed is None else self.closed.text
-        line = "" if self.line is None else self.line.text(limit_check(self.line))
+        line = "" if self.line is None else self.line.text()
+        frame = self._frame
         return "".join(
             [
+                "" if frame is None else frame.declaration,
                 normalise_pose(values),
                 fill("info.c", values),
                 range_functions(ranges, arm.real, values),
@@ -415,6 +446,7 @@ class ArmSource:
                 closed,
                 line,
                 functions,
+                "" if frame is None else frame.jacobian,
                 self._speeds,
             ]
         )

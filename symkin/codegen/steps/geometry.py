@@ -52,14 +52,14 @@ class Geometry:
         """The matrix that turns vectors as they are told into those of the closure, whose numbers
         are 0 and 1 where they are so to rounding.
         """
-        return None if self.frames is None else _exact(self.frames.base.rotation)
+        return None if self.frames is None else exact_turn(self.frames.base.rotation)
 
     @cached_property
     def _turn(self) -> np.ndarray:
         """The matrix that turns quaternions of the closure into those as they are told."""
         assert self.frames is not None  # noqa: S101 - the caller has looked
         base, own = self.frames.base.quaternion, self.frames.platform.quaternion
-        return _exact(
+        return exact_turn(
             np.array([multiply(multiply(conjugate(base), unit), own) for unit in np.eye(4)]).T
         )
 
@@ -151,7 +151,7 @@ class Geometry:
         )
 
 
-def _exact(numbers: np.ndarray) -> np.ndarray:
+def exact_turn(numbers: np.ndarray) -> np.ndarray:
     """Numbers of rotations that are 0, 1 or -1 to rounding so to the last digit."""
     return np.where(np.abs(numbers - np.round(numbers)) <= _ROUNDING, np.round(numbers), numbers)
 

@@ -34,6 +34,11 @@ _WAYS = """\
         way2[i] = (to[i] - at[i]) * (to[i] - at[i]);
     }"""
 
+_HOLD_GUARDS = """\
+        for (int j = 0; j < @{ng}; ++j) {
+            above = above && (w->guard[j] > @{zero});
+        }"""
+
 
 @dataclass(frozen=True, eq=False)
 class GuardText:
@@ -97,15 +102,20 @@ class GuardText:
         """
         call, wrong = self.real.literal, f"{values['P']}_WRONG_BRANCH"
         plain = {"unreached": wrong, "refused": wrong, "nat": values["nto"], "nways": values["nto"]}
+        own = {"ng": max(1, len(self.guards)), "walks": values["COLD"]}
+        plain |= {
+            "ways": substitute(_WAYS, values),
+            "hold_guards": substitute(_HOLD_GUARDS, {**values, **own}),
+            "shorter": indent(self.shorter_lines, 3),
+        }
         return fill(
             "guarded_line.c",
             _STRAIGHT
+            | own
             | plain
-            | {"ways": substitute(_WAYS, values), "shorter": indent(self.shorter_lines, 3)}
             | ({} if "keep_lines" in values else {"keep_lines": indent(self._keep_lines)})
             | dict(values)
             | {
-                "ng": max(1, len(self.guards)),
                 "aim": indent(aim, 2),
                 "first_part": call(first_part),
                 "near_one": call(0.9999),

@@ -2,18 +2,19 @@
 @{p}_status @{p}_rates(@{gp}const @{real} joints[@{nq}], const @{real} twist[6], @{real} rates[@{nq}], @{p}_info *info)
 {
     @{real} jacobian[@{nj}];
-    const @{p}_status status = @{p}_check_speeds(twist, 6, @{p}_jacobian(@{ga}joints, jacobian));
+    const @{p}_status status = @{p}_check_speeds(twist, 6, @{own_jacobian}(@{ga}joints, jacobian));
     @{p}_write_info(info, 0U, @{huge}, @{zero}, @{zero});
     if (status == @{P}_OK) {
         @{real} e[6];
         @{real} found[@{nq}];
+@{twist_taken}
         for (int i = 0; i < 6; ++i) {
-            e[i] = twist[i] * ((i < 3) ? @{per_size} : @{one});
+            e[i] = @{given}[i] * ((i < 3) ? @{per_size} : @{one});
         }
         const @{real} pivot = @{p}_damped(jacobian, e, found);
         /* what is missing of the twist */
         for (int i = 0; i < 6; ++i) {
-            @{real} sum = twist[i];
+            @{real} sum = @{given}[i];
             for (int j = 0; j < @{nq}; ++j) {
                 sum -= jacobian[@{nq} * i + j] * found[j];
             }
@@ -34,7 +35,7 @@
     @{real} to[7];
     @{real} jacobian[@{nj}];
     @{p}_status status = @{p}_normalise_pose(@{ga}pose, to);
-    const @{p}_status started = @{p}_jacobian(@{ga}joints, jacobian);
+    const @{p}_status started = @{own_jacobian}(@{ga}joints, jacobian);
     @{p}_write_info(info, 0U, @{huge}, @{zero}, @{zero});
     if ((started != @{P}_OK) && (status != @{P}_NONFINITE)) {
         status = started;

@@ -7,7 +7,7 @@ static @{p}_status @{p}_hold(const @{real} x[7], @{real} joints[@{nn}], @{real} 
     if (!(*residual <= @{answer_rounding})) {
         @{real} jacobian[6 * @{nn}];
         @{real} step[@{nn}];
-        status = @{p}_jacobian(joints, jacobian);
+        status = @{own_jacobian}(joints, jacobian);
         if (status == @{P}_OK) {
             (void)@{p}_damped(jacobian, e, step);
             for (int i = 0; i < @{nn}; ++i) {

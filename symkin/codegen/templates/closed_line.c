@@ -1,9 +1,13 @@
-/* A point of the line: joints where it is done, which begin at the guess, those found where it is tried, and the squares left and guard of
- * the closed form's steps at both; way: how far each joint goes from one to the other (angles; slides over the size), way2: the sum of the
- * squares. Of the part between: bounds of the joints' speeds and of how these change, and whether it is kept. */
+/* A point of the line: joints where it is done, which begin at the guess, those found where it is tried, turned and aimed: cosine and sine of each
+ * angle from its zero, up to a factor above zero, or the slide and 0, and the squares left and guard of the closed form's steps at both; sign: the
+ * guess's branch; way: how far each joint goes from one to the other (angles; slides over the size), way2: the sum of the squares. Of the part
+ * between: bounds of the joints' speeds and of how these change, and whether it is kept. */
 typedef struct {
     @{real} joints[@{nn}];
-    @{real} found[1][@{nn}];
+    @{real} found[@{nn}];
+    @{real} turned[@{nn}][2];
+    @{real} aimed[@{nn}][2];
+    @{real} sign[@{choices}];
     @{real} way[@{nn}];
     @{real} way2;
     @{real} speed[@{nn}];
@@ -12,41 +16,39 @@ typedef struct {
 @{members}
 } @{k}_work;
 
-/* Tool pose (x, y, z, qw, qx, qy, qz) of joint values, the squares `margin` of the closed form's steps there (README.md), and the
- * bits of the branch on which they lie. */
-static unsigned int @{p}_read_joints(const @{real} joints[@{nn}], @{real} x[7], @{real} margin[@{margins}])
+/* Begins a line at joint values: their tool pose x (x, y, z, qw, qx, qy, qz), the squares of the closed form's steps there (README.md), and the
+ * branch on which they lie. */
+static void @{k}_begin(@{k}_work *w, const @{real} joints[@{nn}], @{real} x[7])
 {
     @{real} u[@{turns}];
-    unsigned int wanted = 0U;
     @{p}_half_turns(joints, u);
     @{p}_pose_of_turns(u, x);
-@{read}
-    return wanted;
-}
-
-/* The joints at a tool pose x of the line, angles within half a turn of where it is done, and their ways; SINGULAR or OUT_OF_RANGE where
- * the guess's branch does not reach it. */
-static @{p}_status @{k}_aim(@{k}_work *w, const @{real} x[7], unsigned int wanted)
-{
-    static const @{real} per_length[@{nn}] = { @{per_lengths} };
-    static const bool angular[@{nn}] = { @{angular} };
-    static const @{real} near[@{nears}] = { @{zero} };
-    bool undecided = false;
-    if (@{p}_branches(x, near, wanted, w->found, &undecided, w->guard) != 1) {
-        return undecided ? @{P}_SINGULAR : @{P}_OUT_OF_RANGE;
+    for (int i = 0; i < @{nn}; ++i) {
+        w->joints[i] = joints[i];
     }
     w->way2 = @{zero};
-    for (int i = 0; i < @{nn}; ++i) {
-        @{real} way = w->found[0][i] - w->joints[i];
-        const @{real} number = way * @{per_turn};
-        if (angular[i] && (@{fabs}(number) > @{half})) {
-            way -= @{turn} * (@{real})(int)(number + ((number < @{zero}) ? @{minus_half} : @{half}));
-        }
-        w->found[0][i] = w->joints[i] + way;
-        w->way[i] = @{fabs}(way) * per_length[i];
-        w->way2 += w->way[i] * w->way[i];
+    w->left[0] = @{one};
+    w->guard[0] = @{one};
+@{read}
+}
+
+@{joint}@{turn_between}/* The closed form at a tool pose x of the line, on the guess's branch; SINGULAR or OUT_OF_RANGE where that does not reach it. */
+static @{p}_status @{k}_reach(@{k}_work *w, const @{real} x[7])
+{
+    @{p}_status status = @{P}_OUT_OF_RANGE;
+@{reach}
+    return status;
+}
+
+/* The joints at a tool pose x of the line, angles within half a turn of where it is done, and their ways; slides and joints with limits are exact,
+ * other angles go on by their ways. */
+static @{p}_status @{k}_aim(@{k}_work *w, const @{real} x[7])
+{
+    const @{p}_status status = @{k}_reach(w, x);
+    if (status == @{P}_OK) {
+@{way_lines}
     }
-    return @{P}_OK;
+    return status;
 }
 
 @{helpers}@{limits}/* Whether the joints' last way is within what the config allows@{and_within}. */
@@ -71,13 +73,7 @@ static @{p}_status @{k}_along(const @{real} to[7], const @{p}_config *config, @{
     @{real} residual = @{huge};
     unsigned int count = 0U;
     @{p}_status status = @{P}_OK;
-    w->way2 = @{zero};
-    w->left[0] = @{one};
-    w->guard[0] = @{one};
-    const unsigned int wanted = @{p}_read_joints(joints, at, w->left);
-    for (int i = 0; i < @{nn}; ++i) {
-        w->joints[i] = joints[i];
-    }
+    @{k}_begin(w, joints, at);
     for (int k = 0; k < @{margins}; ++k) {
         if (!(w->left[k] > @{least})) {
             status = @{P}_SINGULAR;
@@ -86,14 +82,14 @@ static @{p}_status @{k}_along(const @{real} to[7], const @{p}_config *config, @{
 @{guess_beyond}
     if (status == @{P}_OK) {
         const @{real} most2 = config->max_step * config->max_step * @{per_size2};
-        status = @{k}_walk(w, at, to, wanted, most2, (unsigned int)config->max_iterations, &count);
+        status = @{k}_walk(w, at, to, most2, (unsigned int)config->max_iterations, &count);
     }
     for (int k = 0; k < @{margins}; ++k) {
         least = (w->left[k] < least) ? w->left[k] : least;
     }
     if (status == @{P}_OK) {
         for (int i = 0; i < @{nn}; ++i) {
-            joints[i] = w->joints[i];
+            joints[i] = @{k}_joint(i, w->turned[i], w->joints[i]);
         }
         status = @{p}_hold(to, joints, &residual);
     }

@@ -7,7 +7,7 @@ static bool @{k}_keeps(@{k}_work *w, const @{real} change[@{nto}])
 
 /* Follows the line of known values from `at`, where the guards are w->left, to `to` in parts that are kept, and are cut where they are
  * not. */
-static @{COLD} @{p}_status @{k}_walk(@{k}_work *w, const @{real} at[@{nat}], const @{real} to[@{nat}], @{aimed}unsigned int most,
+static @{walks} @{p}_status @{k}_walk(@{k}_work *w, const @{real} at[@{nat}], const @{real} to[@{nat}], @{aimed}unsigned int most,
     unsigned int *count)
 {
     @{real} way2[@{nways}];
@@ -30,9 +30,7 @@ static @{COLD} @{p}_status @{k}_walk(@{k}_work *w, const @{real} at[@{nat}], con
 @{aim}
         ++*count;
 @{not_measured}
-        for (int j = 0; j < @{ng}; ++j) {
-            above = above && (w->guard[j] > @{zero});
-        }
+@{hold_guards}
         if (!above) {
             /* a point of the line without a configuration, or a singular one */
             status = @{unreached};

@@ -1,11 +1,12 @@
     /* of q and -q, one rotation, the one on the guess's side */
     const @{real} cosine = at[3] * to[3] + at[4] * to[4] + at[5] * to[5] + at[6] * to[6];
     const @{real} side = (cosine < @{zero}) ? -@{one} : @{one};
+    @{real} move[7];
     way2[0] = @{zero};
     way2[1] = @{turn_noise};
     for (int i = 0; i < 7; ++i) {
-        const @{real} goal = (i < 3) ? to[i] : (side * to[i]);
-        way2[(i < 3) ? 0 : 1] += (goal - at[i]) * (goal - at[i]);
+        move[i] = ((i < 3) ? to[i] : (side * to[i])) - at[i];
+        way2[(i < 3) ? 0 : 1] += move[i] * move[i];
     }
     way2[0] *= @{per_size2};
     /* the square of the largest speed of the turn between them, of which they are the chord */

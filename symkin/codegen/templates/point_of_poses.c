@@ -1,13 +1,16 @@
 @{real} x[7];
 for (int i = 0; i < 7; ++i) {
-    const @{real} goal = (i < 3) ? to[i] : (side * to[i]);
-    x[i] = (end < @{one}) ? (at[i] + end * (goal - at[i])) : goal;
+    x[i] = at[i] + end * move[i];
 }
 if (end < @{one}) {
     const @{real} inverse = @{one} / @{sqrt}(x[3] * x[3] + x[4] * x[4] + x[5] * x[5] + x[6] * x[6]);
     for (int i = 3; i < 7; ++i) {
         x[i] *= inverse;
     }
+} else {
+    for (int i = 0; i < 7; ++i) {
+        x[i] = (i < 3) ? to[i] : (side * to[i]);
+    }
 }
-const @{p}_status reached = @{k}_aim(w, x, wanted);
+const @{p}_status reached = @{k}_aim(w, x);
 above = (reached == @{P}_OK);

@@ -21,6 +21,7 @@ static name_status name_normalise_pose(@{gp}const name_pose *pose, name_real x[7
     x[4] = q[1] * inverse;
     x[5] = q[2] * inverse;
     x[6] = q[3] * inverse;
+@{taken}
     return @{checked};
 }
 

@@ -5,6 +5,7 @@
     if (status == @{P}_OK) {
         @{real} x[7];
         @{p}_forward(@{ga}joints, x);
+@{told}
         const @{real} sign = (x[3] < @{zero}) ? -@{one} : @{one};
         const @{real} inverse = sign / @{sqrt}(x[3] * x[3] + x[4] * x[4] + x[5] * x[5] + x[6] * x[6]);
         pose->position[0] = x[0];
@@ -53,8 +54,8 @@
     return status;
 }
 
-/* Twist of the tool by joint rates, from the derivative of the tool's pose. */
-@{p}_status @{p}_jacobian(@{gp}const @{real} joints[@{nq}], @{real} jacobian[@{nj}])
+/* Twist of the tool by joint rates, from the derivative of the tool's pose@{in_own}. */
+@{static_own}@{p}_status @{own_jacobian}(@{gp}const @{real} joints[@{nq}], @{real} jacobian[@{nj}])
 {
     @{p}_status status = @{p}_check_limits(@{ga}joints);
 @{use}

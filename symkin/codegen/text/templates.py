@@ -103,7 +103,7 @@ def normalise_pose(values: Mapping[str, object]) -> str:
     """
     near = [f"({values['fabs']}(q[{i}]) <= {values['two']})" for i in range(4)]
     near += [f"({values['fabs']}(pose->position[{i}]) <= {values['farthest']})" for i in range(3)]
-    return fill("pose.c", {**values, "bounded": "\n        && ".join(near)})
+    return fill("pose.c", {"taken": "", **values, "bounded": "\n        && ".join(near)})
 
 
 def farthest(size: float, reference: Sequence[float] | np.ndarray) -> float:

@@ -1,0 +1,75 @@
+"""Write the border of an arm whose own frame, in which its numbers are simplest, is turned from the
+described one: poses and twists are turned there, and all other functions are of the own frame.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import casadi as ca
+
+from symkin.codegen.steps.geometry import exact_turn
+from symkin.codegen.text.c import Emitter, Real, indent, indexed
+from symkin.codegen.text.templates import fill
+from symkin.spatial.pose import Pose
+from symkin.spatial.rotation import multiply
+
+
+def unturned(name: str) -> dict[str, object]:
+    """What the templates ask of an arm that stands as it is described."""
+    nothing = dict.fromkeys(("taken", "told", "static_own", "in_own", "twist_taken"), "")
+    return {**nothing, "own_jacobian": f"{name}_jacobian", "given": "twist"}
+
+
+@dataclass(frozen=True, eq=False)
+class ArmFrame:
+    """The turn of the described frame into an arm's own, `base`; `values` are those of the names
+    that every template knows.
+    """
+
+    base: Pose
+    real: Real
+    values: Mapping[str, object]
+
+    @property
+    def names(self) -> dict[str, object]:
+        """Values of names in the templates: statements that turn a pose x or a twist."""
+        name, ok = self.values["p"], f"if (status == {self.values['P']}_OK) {{"
+        return {
+            "taken": indent([ok, *(f"    {line}" for line in self._pose_lines(self.base)), "}"]),
+            "told": indent(self._pose_lines(self.base.inverse()), 2),
+            "static_own": "static ",
+            "in_own": ", in the arm's own frame",
+            "own_jacobian": f"{name}_own_jacobian",
+            "given": "own",
+            "twist_taken": indent(
+                [f"{self.real.type} own[6];", *self._twist_lines(self.base, "twist", "own")], 2
+            ),
+        }
+
+    @property
+    def declaration(self) -> str:
+        """The declaration of the own Jacobian, which others call before it is written."""
+        real, n = self.real.type, self.values["nq"]
+        return (
+            f"static {self.values['p']}_status {self.names['own_jacobian']}(const {real} "
+            f"joints[{n}], {real} jacobian[{self.values['nj']}]);\n\n"
+        )
+
+    @property
+    def jacobian(self) -> str:
+        """NAME_jacobian: the columns of the own one, turned."""
+        lines = self._twist_lines(self.base.inverse(), "a", "b")
+        return fill("arm_turned.c", {**self.values, **self.names, "turn": indent(lines, 2)})
+
+    def _pose_lines(self, turn: Pose) -> list[str]:
+        x = ca.SX.sym("x", 7)
+        quaternion = multiply(ca.DM(exact_turn(turn.quaternion)), x[3:])
+        turned = ca.vertcat(ca.mtimes(ca.DM(exact_turn(turn.rotation)), x[:3]), quaternion)
+        return Emitter.of(self.real, [(x, "x")], turned).stored("x")
+
+    def _twist_lines(self, turn: Pose, given: str, found: str) -> list[str]:
+        a, rotation = ca.SX.sym("a", 6), ca.DM(exact_turn(turn.rotation))
+        turned = ca.vertcat(ca.mtimes(rotation, a[:3]), ca.mtimes(rotation, a[3:]))
+        return Emitter.of(self.real, [(a, given)], turned).stored(indexed(found, 6))
