@@ -22,8 +22,8 @@ from symkin.homotopy.symmetry import Orbits
 from symkin.homotopy.tracker import TrackSettings
 from symkin.numeric.levenberg import Progress
 
-MOST_ROOTS = 130
-MOST_WORK = 4e7
+MOST_ROOTS = 600
+MOST_WORK = 2.5e8
 """More roots than MOST_ROOTS, or more work than MOST_WORK - steps of all loops times the
 instructions of a step's evaluation, weighed by the count of paths - and a search is given up. A
 count, not a clock, so that the same input gives the same answer.
