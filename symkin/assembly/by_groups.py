@@ -151,7 +151,8 @@ def modes_by_groups(
     done = []
     for tree, numbers in zip(trees, parts, strict=True):
         columns = np.concatenate([groups[number].unknown_places for number in numbers])
-        done.append(replace(tree, values=tree.values[:, columns], columns=columns))
+        own = tree.values[:, columns]
+        done.append(Tree(own, tree.away, tree.owner, tree.hits, tree.proofs, columns))
     return _checked(problem, search, account, _combined(begin, done), told, certify=certify)
 
 
@@ -215,7 +216,8 @@ def _combined(begin: np.ndarray, parts: list[Tree]) -> tuple[Tree, np.ndarray]:
         (part,) = parts
         values = begin[part.owner]
         values[:, part.columns] = part.values
-        return replace(part, values=values), np.bincount(part.owner, minlength=n)
+        whole = Tree(values, part.away, part.owner, part.hits, part.proofs)
+        return whole, np.bincount(part.owner, minlength=n)
     sizes = np.array([np.bincount(part.owner, minlength=n) for part in parts], dtype=int).reshape(
         len(parts), n
     )

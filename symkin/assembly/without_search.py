@@ -15,7 +15,7 @@ from symkin.errors import InputError
 from symkin.homotopy.systems import unsuitable
 from symkin.numeric.tolerances import CLOSURE_TOLERANCE
 from symkin.position.given import Given
-from symkin.position.groups import structure_groups
+from symkin.position.groups import independent_problems
 from symkin.position.problem import Problem
 from symkin.position.solution_list import SolutionList, checked_solutions
 from symkin.position.starts import begun
@@ -41,7 +41,7 @@ def _certified(problem: Problem, one: SolutionList, values: np.ndarray) -> Solut
         return one
     known, owner = values[:, problem.known_places], np.zeros(1, dtype=int)
     proofs = PartProofs.of_nothing(1)
-    for part in structure_groups(problem):
+    for part in independent_problems(problem):
         roots = GroupRoots.of_all(values[:, part.unknown_places], owner, np.ones(1))
         proofs = proofs.beside(proofs_of_group(part, roots, known, np.zeros(known.shape))[0])
     return one.chosen(slice(None), **proofs.told())

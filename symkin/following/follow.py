@@ -1,7 +1,7 @@
 """Follow one configuration along a trajectory: its independent blocks one by one on each interval,
 up to the first stop.
 
-Limbs whose platform pose is given are blocks of their own (see `Problem.blocks`); each has its own
+Limbs whose platform pose is given are blocks of their own (see `split_blocks`); each has its own
 steps and proof (see `block_follower`). Blocks that stop at the same place stop the configuration
 together.
 """

@@ -42,8 +42,7 @@ _ZERO = 1e-9
 @lru_cache(maxsize=128)
 def structure_groups(problem: Problem) -> tuple[Problem, ...]:
     """The parts of a problem in the order of their solution, each a problem of its own: unknown are
-    its coordinates, known those of the given ones and of earlier parts that its rows hold. A
-    problem of limbs that is one part stays what it is, but for rows that no unknown enters.
+    its coordinates, known those of the given ones and of earlier parts that its rows hold.
     """
     return _decomposed(problem)
 
@@ -75,11 +74,25 @@ def independent_problems(problem: Problem) -> tuple[Problem, ...]:
 @lru_cache(maxsize=128)
 def joined_groups(problem: Problem, groups: tuple[Problem, ...]) -> Problem:
     """Groups of a problem that read no others' values as one."""
-    if len(groups) == 1:
-        return groups[0]
     names = {c.name for group in groups for c in group.system.unknowns}
     unknowns = tuple(c for c in problem.system.unknowns if c.name in names)
-    return _part(problem, unknowns, (), _dependences(problem))
+    places, checks = (
+        [k for k, held in enumerate(part) if held & names] for part in _dependences(problem)
+    )
+    system, own = problem.system, problem.places_of_rows
+    if (len(places), len(checks)) == (int(system.rows.shape[0]), int(system.errors.shape[0])):
+        return problem
+    return replace(
+        problem,
+        system=replace(
+            system,
+            unknowns=unknowns,
+            unknown=problem.closure.symbols(unknowns),
+            rows=system.rows[places, 0],
+            errors=system.errors[checks, 0],
+        ),
+        row_places=tuple(own[k] for k in places) if problem.by_name else None,
+    )
 
 
 @lru_cache(maxsize=256)
@@ -184,10 +197,6 @@ def _part(
     found = {c.name: c for c in (*unknowns, *problem.known_coordinates, *earlier)}
     places, checks = (_rows_of(held, unknowns, found) for held in dependence)
     rows, errors = problem.system.rows[places, 0], problem.system.errors[checks, 0]
-    if not problem.by_name and len(unknowns) == len(problem.system.unknowns):
-        if (len(places), len(checks)) == tuple(map(len, dependence)):
-            return problem
-        return replace(problem, system=replace(problem.system, rows=rows, errors=errors))
     rows, errors = (without_later(part, closure, found) for part in (rows, errors))
     held = _coordinates_in(ca.vertcat(rows, errors), closure)
     known = tuple(c for name, c in found.items() if name in held and c not in unknowns)
