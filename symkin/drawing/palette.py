@@ -34,7 +34,7 @@ SERIES = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#3e
 """Colours of curves and groups in turn, which stay apart for all kinds of colour vision (Okabe and
 Ito).
 """
-KIND_COLOURS = {"type 1": "#d55e00", "type 2": "#0072b2", "passive": "#009e73"}
+KIND_COLOURS = dict(zip(("type 2", "type 1", "passive"), SERIES, strict=False))
 """Of singular curves, which stay apart for all kinds of colour vision."""
 FRAME_COLOURS = ("#c0392b", "#2e8b57", "#2c5fa8")
 """Axes x, y, z of a frame."""

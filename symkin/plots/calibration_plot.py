@@ -16,10 +16,12 @@ from symkin.drawing.palette import COLOURS, SERIES
 from symkin.errors import InputError
 from symkin.plots.sheet import (
     colour_bar,
+    foot_legend,
     head,
     labelled,
     name_axes,
     new_figure,
+    open_axes,
     own_legend,
     subtitle,
 )
@@ -63,7 +65,7 @@ def residual_figure(fit: Calibration) -> Figure:
     """Normalised residuals by posture, and their distribution beside the normal one."""
     rows = [r for r in fit.residuals if r.normalised is not None]
     figure = new_figure(11.0, 4.4)
-    left, right = _open_axes(figure, (3, 1), sharey=True)
+    left, right = open_axes(figure, (3, 1), sharey=True)
     for kind, colour in zip(dict.fromkeys(r.kind for r in rows), cycle(SERIES)):
         own = [r for r in rows if r.kind == kind]
         look = {"label": "inclination in its group" if kind == "group" else kind, "color": colour}
@@ -83,14 +85,6 @@ def residual_figure(fit: Calibration) -> Figure:
     _distribution(right, values, reach)
     head(figure, f"{fit.mechanism.name}: residuals of the calibration", 12)
     return figure
-
-
-def _open_axes(figure: Figure, ratios: tuple[float, ...], **shared: Any) -> Any:
-    """Axes side by side, open above and at the right."""
-    found = figure.subplots(1, len(ratios), width_ratios=ratios, **shared)
-    for ax in found:
-        ax.spines[["top", "right"]].set_visible(False)
-    return found
 
 
 def _legend(ax: Axes, **options: Any) -> None:
@@ -142,7 +136,7 @@ def parameter_figure(fit: Calibration) -> Figure:
     shown = {k: _most_changed([p for p in own if p.kind == k]) for k in kinds}
     rows = max(len(kept) for kept in shown.values())
     figure = new_figure(2.0 + 6.0 * len(kinds), 1.9 + 0.19 * rows)
-    panels = iter(_open_axes(figure, (3, 2) * len(kinds)))
+    panels = iter(open_axes(figure, (3, 2) * len(kinds)))
     for kind, kept in shown.items():
         free = sum(p.kind == kind for p in own)
         title = f"{len(kept)} of {free} {kind}s, bars of two sigma"
@@ -215,7 +209,7 @@ def pose_sigma_figure(fit: Calibration, sigma: PoseSigma) -> Figure:
         (1, sigma.position, "position", m.length_unit, "above"),
         (2, angles, "orientation", m.angle_unit, "the side"),
     )
-    for ax, (up, values, what, unit, side) in zip(_open_axes(figure, (1, 1)), shown, strict=True):
+    for ax, (up, values, what, unit, side) in zip(open_axes(figure, (1, 1)), shown, strict=True):
         dots = ax.scatter(sigma.poses[:, 0], sigma.poses[:, up], c=values, s=22, cmap="viridis")
         look = {"ms": 4, "mew": 0.9, "color": COLOURS["accent"]}
         ax.plot(*measured[:, [0, up]].T, "x", label=f"measured, {told} postures", **look)
@@ -223,7 +217,7 @@ def pose_sigma_figure(fit: Calibration, sigma: PoseSigma) -> Figure:
         name_axes(ax, *(f"{axis} of {judged} [{m.length_unit}]" for axis in ("x", "xyz"[up])))
         subtitle(ax, f"sigma of the {what}, seen from {side}", loc="left")
         ax.set_aspect("equal", adjustable="datalim")
-        _legend(ax, handletextpad=0.2)
+    foot_legend(figure, labelled(ax), 1)
     head(figure, f"{m.name}: how well poses are known after the calibration", 12)
     return figure
 

@@ -21,7 +21,7 @@ from symkin.model.mechanism import Mechanism
 from symkin.plots.label_placement import Page
 from symkin.plots.labels import draw_labels, lengths_of
 from symkin.plots.legend import draw_legend
-from symkin.plots.painter import FRAME, Painter
+from symkin.plots.painter import FRAME, Painter, frames_of
 from symkin.plots.picture_file import check_picture_path, write_picture
 from symkin.plots.picture_options import Names, names_from
 from symkin.plots.raised import circle_notes, raised
@@ -201,15 +201,12 @@ class _Side:
 
     def frames_above(self, layout: Layout, scale: float) -> float:
         """Pixels by which axes of frames reach above the bounds, in panels."""
-        origins = [(np.zeros(3), np.eye(3))] * self.origin
-        if layout.pose is not None:
-            origins.append((np.asarray(layout.pose.position), np.asarray(layout.pose.rotation)))
         places = [
             scale * self.camera.flat(origin)[1] + FRAME * _PANEL_SYMBOL * max(0.0, *up)
-            for origin, rotation in origins
+            for origin, rotation in frames_of(layout, base=self.origin)
             for up in [self.camera.flat(rotation.T)[:, 1]]
         ]
-        return float(max(0.0, *(place - scale * self.high[1] for place in places)))
+        return max([0.0, *(float(place - scale * self.high[1]) for place in places)])
 
     def painted(
         self,

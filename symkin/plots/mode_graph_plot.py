@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from symkin.drawing.palette import COLOURS
+from symkin.drawing.palette import COLOURS, SERIES
 from symkin.plots.loci_plot import draw_cross
 from symkin.plots.sheet import foot_legend, head, name_axes, new_figure, subtitle
 from symkin.plots.style import drawing
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 _MOST_PANELS = 8
 """Sheets that are drawn, the largest first."""
-_COLOURS = ("#dde3ea", "#56b4e9", "#0072b2", "#d55e00")
+_COLOURS = (COLOURS["grid"], SERIES[4], SERIES[0], SERIES[1])
 """Colours for none, one, two and more modes of a sheet at one point."""
 _COUNTS = ("no mode of the sheet", "one", "two", "three or more")
 """What the colours mean."""

@@ -20,6 +20,7 @@ from symkin.model.joint_forms import JointType
 from symkin.plots.crossings import Piece, pieces
 from symkin.plots.joint_symbols import draw_symbol, reach_of
 from symkin.singularities.named_screw import NamedScrew
+from symkin.spatial.pose import Pose
 
 RING = 0.72
 """Radius over the symbol's length of the ring around a joint that closes a loop."""
@@ -333,10 +334,7 @@ class Painter:
     @property
     def frames(self) -> list[tuple[np.ndarray, np.ndarray]]:
         """Origins (3,) and rotations (3, 3) of the frames that are drawn."""
-        pose = self.layout.pose
-        return [(np.zeros(3), np.eye(3))] * self.origin + (
-            [] if pose is None else [(np.asarray(pose.position), np.asarray(pose.rotation))]
-        )
+        return frames_of(self.layout, base=self.origin)
 
     def tips(self, origin: np.ndarray, rotation: np.ndarray) -> list[np.ndarray | None]:
         """Where the axes of a frame end in the picture; None of one that points to the eye."""
@@ -457,3 +455,11 @@ class Painter:
             zorder=order,
             gid=gid or None,
         )
+
+
+def frames_of(layout: Layout, *, base: bool) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Origins (3,) and rotations (3, 3) of the base frame, where it is meant, and of the
+    platform's or tool's, where there is one.
+    """
+    poses = [Pose.identity()] * base + ([] if layout.pose is None else [layout.pose])
+    return [(np.asarray(pose.position), np.asarray(pose.rotation)) for pose in poses]

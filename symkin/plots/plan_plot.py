@@ -10,7 +10,7 @@ import numpy as np
 
 from symkin.calibration.design.planning import Plan
 from symkin.drawing.palette import COLOURS, SERIES
-from symkin.plots.sheet import foot_legend, head, labelled, new_figure
+from symkin.plots.sheet import foot_legend, head, labelled, name_axes, new_figure, note, open_axes
 from symkin.plots.style import drawing
 
 if TYPE_CHECKING:
@@ -29,7 +29,7 @@ def figure_of_plan(plan: Plan) -> Figure:
     """
     m = plan.mechanism
     figure = new_figure(11.0, 4.6)
-    first, second, third, fourth = figure.subplots(1, 4, width_ratios=(3, 3, 1, 1))
+    first, second, third, fourth = open_axes(figure, (3, 3, 1.4, 1.4))
     for ax, (u, v) in ((first, (0, 1)), (second, (0, 2))):
         _places(ax, plan, u, v)
     _errors(third, f"position [{m.length_unit}]", [plan.accuracy.position, plan.random.position])
@@ -51,16 +51,8 @@ def _places(ax: Any, plan: Plan, u: int, v: int) -> None:
         name = "" if group < 0 else f"group {group + 1}"
         ax.plot(*here.T, "o", ms=5, color=SERIES[int(group) % len(SERIES)], label=name or None)
     for numbers, point in _numbered(points):
-        ax.annotate(
-            numbers,
-            point,
-            xytext=(4, 3),
-            textcoords="offset points",
-            fontsize=7,
-            color=COLOURS["quiet"],
-        )
-    unit = plan.mechanism.length_unit
-    ax.set(xlabel=f"{'xyz'[u]} [{unit}]", ylabel=f"{'xyz'[v]} [{unit}]")
+        note(ax, numbers, point, (4, 3), fontsize=7, color=COLOURS["quiet"])
+    name_axes(ax, *(f"{'xyz'[k]} [{plan.mechanism.length_unit}]" for k in (u, v)))
     ax.set_aspect("equal", adjustable="datalim")
     ax.grid(color=COLOURS["grid"], lw=0.6)
 
@@ -90,5 +82,4 @@ def _errors(ax: Any, label: str, values: list[float]) -> None:
         bars, labels=[f"{value:.3g}" for value in values], fontsize=8, color=COLOURS["text"]
     )
     ax.set_ylabel(f"expected error of {label}")
-    ax.spines[["top", "right"]].set_visible(False)
-    ax.margins(y=0.12)
+    ax.margins(0.12, 0.12)

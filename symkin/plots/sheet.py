@@ -72,6 +72,20 @@ def subtitle(ax: Any, text: str, size: float = 9.0, **look: Any) -> None:
     ax.set_title(text, fontsize=size, color=COLOURS["quiet"], parse_math=False, **look)
 
 
+def note(ax: Any, text: str, at: Any, away: tuple[int, int], **look: Any) -> None:
+    """A text some points away from a place."""
+    style: dict[str, Any] = {"fontsize": 8, "parse_math": False, "textcoords": "offset points"}
+    ax.annotate(text, at, xytext=away, **style | look)
+
+
+def open_axes(figure: Figure, ratios: tuple[float, ...], **shared: Any) -> Any:
+    """Axes side by side, open above and at the right."""
+    found = figure.subplots(1, len(ratios), width_ratios=ratios, **shared)
+    for ax in found:
+        ax.spines[["top", "right"]].set_visible(False)
+    return found
+
+
 def colour_bar(ax: Any, drawn: Any, what: str, **look: Any) -> Any:
     """What the colours of a map mean, beside it."""
     bar = ax.figure.colorbar(drawn, ax=ax, pad=0.02, **look)

@@ -8,7 +8,7 @@ from typing import Any
 
 from symkin.drawing.palette import COLOURS, KIND_COLOURS
 from symkin.plots.loci_plot import draw_locus
-from symkin.plots.sheet import foot_legend, labelled
+from symkin.plots.sheet import foot_legend, labelled, note
 from symkin.singularities.loci import MISSING, NONE_MET, Loci
 
 _WORDS = "singular, "
@@ -39,18 +39,8 @@ def draw_loci(ax: Any, loci: Loci, names: Sequence[str]) -> None:
     ax.set(xlim=limits[0], ylim=limits[1])
     missing = {MISSING, NONE_MET} & set(loci.notes)
     told = "" if loci.curves else f"{loci.without_curves}; "
-    note = f"{told}curves may be missing" if missing else told.removesuffix("; ")
-    if note:
-        ax.annotate(
-            note,
-            (1.0, 1.0),
-            xycoords="axes fraction",
-            xytext=(0, -4),
-            textcoords="offset points",
-            ha="right",
-            va="top",
-            fontsize=8,
-            color=COLOURS["text"],
-            path_effects=edge,
-        )
+    text = f"{told}curves may be missing" if missing else told.removesuffix("; ")
+    if text:
+        look = {"ha": "right", "va": "top", "color": COLOURS["text"], "path_effects": edge}
+        note(ax, text, (1.0, 1.0), (0, -4), xycoords="axes fraction", **look)
     foot_legend(ax.figure, labelled(ax), 3)

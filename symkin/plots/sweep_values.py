@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from symkin.drawing.palette import COLOURS
+from symkin.drawing.palette import SERIES
 from symkin.model.file import parse
 from symkin.model.mechanism import Mechanism
 from symkin.plots.sheet import colour_bar, labelled, name_axes, new_figure, own_legend
@@ -27,15 +27,6 @@ from symkin.sweeps.map_slice import cut_at
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-_LINES = (
-    COLOURS["platform edge"],
-    COLOURS["accent"],
-    "#3a7d44",
-    "#7a4b9e",
-    "#b03a48",
-    COLOURS["link"],
-)
-"""Colours of the lines of several points or joints."""
 _NEAREST = 0.5
 """A mode goes on to the nearest one of the next sample where it is nearer than this share of the
 distance of the second.
@@ -204,7 +195,7 @@ def _paths(ax: Any, modes: _Modes, attributes: Mapping[str, Any], names: Sequenc
         drawn = _dots(ax, flat[:, across[0]], flat[:, across[1]], c=values[owner], cmap="viridis")
         if (modes.line >= 0).any():
             path = _along(points[:, :, k], modes.line)
-            look = {"color": _LINES[k % len(_LINES)], "linewidth": 1.6}
+            look = {"color": SERIES[k % len(SERIES)], "linewidth": 1.6}
             ax.plot(*path[:, across].T, label=f"{point}, assembly of the file", **look)
     colour_bar(ax, drawn, axis_text(attributes, name, swept_unit))
     ax.set_aspect("equal", adjustable="datalim")
@@ -219,7 +210,7 @@ def _curves(ax: Any, modes: _Modes, attributes: Mapping[str, Any], names: Sequen
     name, unit, values = modes.first
     owner = np.nonzero(modes.there)[0][:_MOST_DOTS]
     for k, joint in enumerate(names):
-        place, colour = listed.index(joint), _LINES[k % len(_LINES)]
+        place, colour = listed.index(joint), SERIES[k % len(SERIES)]
         flat = joints[:, :, place][modes.there][:_MOST_DOTS]
         _dots(ax, values[owner], flat, color=colour, alpha=0.6)
         if (modes.line >= 0).any():

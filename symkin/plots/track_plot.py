@@ -17,7 +17,7 @@ from symkin.following.track_result import Track
 from symkin.plots.figures import Block, head_of, heading
 from symkin.plots.look import panel_of
 from symkin.plots.picture_options import looks_of
-from symkin.plots.sheet import SHEET_DPI, labelled, new_figure, own_legend, sheet_axes
+from symkin.plots.sheet import SHEET_DPI, labelled, new_figure, note, own_legend, sheet_axes
 from symkin.plots.style import drawing
 from symkin.plots.track_curves import Curve, CurvePanel, Input, drawn_panels, inputs_of
 
@@ -173,13 +173,7 @@ def _name_marks(ax: Any, path: _Path) -> None:
     for k, (text, (place, _, style)) in enumerate(path.marks.items()):
         left = style == "--" or place > float(np.mean(ax.get_xlim()))
         look = {"ha": "right" if left else "left", "color": COLOURS["quiet"]}
-        _note(ax, text, (place, 1.0), (0, 3 + 10 * k), xycoords=("data", "axes fraction"), **look)
-
-
-def _note(ax: Any, text: str, at: tuple[float, float], away: tuple[int, int], **look: Any) -> None:
-    """A text some points away from a place."""
-    style = {"xytext": away, "textcoords": "offset points", "fontsize": 8, "parse_math": False}
-    ax.annotate(text, at, **style, **look)
+        note(ax, text, (place, 1.0), (0, 3 + 10 * k), xycoords=("data", "axes fraction"), **look)
 
 
 def _ticks(ax: Any, path: _Path) -> None:
@@ -202,7 +196,7 @@ def _ticks(ax: Any, path: _Path) -> None:
     names = "\n".join([path.title, *(i.title for i in path.inputs)])
     # beside the first label, whose half width is kept free
     look = {"ha": "right", "va": "top", "linespacing": 1.35, "color": COLOURS["text"]}
-    _note(ax, names, (0.0, 0.0), (-16, -7), xycoords="axes fraction", **look)
+    note(ax, names, (0.0, 0.0), (-16, -7), xycoords="axes fraction", **look)
 
 
 def _draw_curves(ax: Any, panel: CurvePanel, x: np.ndarray) -> None:

@@ -336,6 +336,46 @@ def test_pictures_are_written(tmp_path, suffix):
     assert target.stat().st_size > 5000
 
 
+def test_frames_stay_below_the_text_of_their_panel():
+    """The tool of a level arm stands above all joints; of a machine that is far from the base frame
+    no frame is drawn.
+    """
+    five_bar, four_bar = symkin.load("pantograph_five_bar"), symkin.load("four_bar")
+    sheet = symkin.solve(five_bar).plot().axes[0]
+    told = min(text.get_position()[1] for text in sheet.texts if "roll" in text.get_text())
+    lines = 3 * 19.0  # three lines of text hang from there
+    tips = [line.get_ydata()[1] for line in sheet.lines if line.get_gid() == "frame"]
+    assert len(tips) == 4
+    assert max(tips) < told - lines
+    moved = [
+        replace(e, joint=replace(e.joint, point=tuple(np.add(e.joint.point, (1e4, 0.0, 0.0)))))
+        for e in four_bar.link_joints
+    ]
+    far = symkin.solve(replace(four_bar, link_joints=moved), given={"crank": 60.0}).plot()
+    assert not any(line.get_gid() == "frame" for line in far.axes[0].lines)
+
+
+def test_a_pin_is_seen_in_its_slide_and_joints_have_units():
+    """The revolute joint on the axis of a piston is drawn over it; angles and lengths are told with
+    their unit.
+    """
+    sheet = symkin.solve(symkin.load("slider_crank"), given={"crank": 90.0}).plot().axes[0]
+    order = {
+        name: max(a.get_zorder() for a in sheet.get_children() if name in str(a.get_gid()))
+        for name in ("joint R small_end", "joint P piston")
+    }
+    assert order["joint R small_end"] > order["joint P piston"]
+    (told,) = (text.get_text() for text in sheet.texts if "piston" in text.get_text())
+    assert told.replace("\N{NO-BREAK SPACE}", " ").endswith("small_end 0 deg, piston 75 mm")
+
+
+def test_a_jacobians_rounding_is_written_as_0_and_its_units_are_told():
+    """What is nothing beside the largest entry has no digits of its own."""
+    ax = symkin.jacobian(symkin.load("delta")).plot().axes[0]
+    assert not any("e-" in text.get_text() for text in ax.texts)
+    assert ax.get_title() == "lengths in mm, angles in rad"
+
+
 def test_titles_in_other_scripts_and_long_titles(tmp_path):
     """Neither a missing glyph nor a long title stops or overfills a picture; matplotlib's
     mathematics is off.

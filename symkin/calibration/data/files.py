@@ -59,8 +59,8 @@ from symkin.text import first_of, not_among
 
 @dataclass(frozen=True, eq=False)
 class DataFile:
-    """The content of a file: measurements in radians and the mechanism's length unit, and the line
-    of each configuration. `sequence` is the Euler sequence that the
+    """The content of a file: measurements in radians and the mechanism's length unit, whose
+    labels name the lines. `sequence` is the Euler sequence that the
     header names; where it names none, the measurements have no orientation yet. `euler` (n, 3)
     holds the angles (radians) of any sequence, `wedges` (n, 2) a plan's inclinations, `copies` rows
     (from 0) that repeat an earlier one in every cell, with that one.
@@ -68,7 +68,6 @@ class DataFile:
 
     path: str
     measurements: Measurements
-    lines: tuple[int, ...]
     sequence: str | None
     wedges: np.ndarray | None
     notes: tuple[str, ...]
@@ -81,7 +80,6 @@ class DataFile:
         return replace(
             self,
             measurements=self.measurements.subset(rows),
-            lines=tuple(self.lines[k] for k in rows),
             wedges=None if self.wedges is None else self.wedges[rows],
             euler=None if self.euler is None else self.euler[rows],
             copies=(),
@@ -94,13 +92,12 @@ class DataFile:
         """
         if not self.copies:
             return self
-        kept = np.setdiff1d(np.arange(len(self.lines)), [row for row, _ in self.copies])
-        pairs = [
-            f"line {self.lines[row]} of line {self.lines[first]}" for row, first in self.copies
-        ]
+        labels = self.measurements.labels
+        kept = np.setdiff1d(np.arange(len(labels)), [row for row, _ in self.copies])
+        pairs = [f"{labels[row]} of {labels[first]}" for row, first in self.copies]
         if len(kept) == 1:
             raise InputError(
-                f"{self.path}: all rows are copies of line {self.lines[0]}; one posture determines "
+                f"{self.path}: all rows are copies of {labels[0]}; one posture determines "
                 f"no geometry"
             )
         note = (
@@ -159,7 +156,6 @@ def read_measurements(
     return DataFile(
         path=str(path),
         measurements=measurements,
-        lines=table.lines,
         sequence=sequence,
         wedges=reader.together(WEDGE, "angle"),
         notes=tuple(reader.notes),

@@ -298,8 +298,8 @@ def _in_larger_unit(block: Block) -> Changes:
 
 
 def _one_in_larger_unit(block: Block) -> Changes:
-    """Each column by itself."""
-    for k in block.columns:
+    """Each of several columns by itself."""
+    for k in block.columns if len(block.columns) > 1 else ():
         yield from _in_larger_unit(replace(block, columns=[k], called=""))
 
 
