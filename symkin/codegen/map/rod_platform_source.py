@@ -16,7 +16,7 @@ from symkin.closure.snapping import snap
 from symkin.codegen.map.limb_platform_source import LimbPlatformSource
 from symkin.codegen.map.rod_platform import RodPlatform
 from symkin.codegen.steps.joint_ranges import Range, range_functions
-from symkin.codegen.steps.rod_kernel import Rods, rod_vectors
+from symkin.codegen.steps.rod_kernel import rod_vectors
 from symkin.codegen.steps.rod_line import rod_line
 from symkin.codegen.text.c import Emitter
 from symkin.codegen.text.templates import FARTHEST, copy, copy_loop, fill
@@ -29,10 +29,6 @@ class RodSource(LimbPlatformSource):
     """The C of one platform on six rods, function by function."""
 
     made: RodPlatform
-
-    @property
-    def _rods(self) -> Rods:
-        return self.made.rods
 
     @property
     def _driver(self) -> dict[str, Any]:
@@ -51,13 +47,7 @@ class RodSource(LimbPlatformSource):
             *(f"pose->quaternion[{i}] = w->x[{3 + i}];" for i in range(4)),
         ]
         enter = ["w->guess = guess;", f"status = {p}_normalise_pose({ga}guess, w->x);"]
-        return {
-            "enter": enter,
-            "leave": leave,
-            "unwrap": "",
-            "to": "joints",
-            "whole": "",
-        }
+        return {"enter": enter, "leave": leave, "unwrap": "", "to": "joints", "whole": ""}
 
     @property
     def _at_pose(self) -> list[str]:
@@ -88,9 +78,11 @@ class RodSource(LimbPlatformSource):
         """Statements that set w->k: squared lengths L^2, or (2 L0 + dL) dL."""
         joints = ca.SX.sym("j", 6)
         if self.made.options.home_relative:
-            values = [(2 * self._rods.home_lengths[i] + joints[i]) * joints[i] for i in range(6)]
+            values = [
+                (2 * self.made.rods.home_lengths[i] + joints[i]) * joints[i] for i in range(6)
+            ]
         else:
-            values = [(joints[i] + self._rods.offsets[i]) ** 2 for i in range(6)]
+            values = [(joints[i] + self.made.rods.offsets[i]) ** 2 for i in range(6)]
         inputs = [(joints, "to")]
         return self._rolled(inputs, values)
 
@@ -99,7 +91,7 @@ class RodSource(LimbPlatformSource):
         """Statements of joint values from the rows: with w->k = 0 these are -d.d, or -(2 d0 +
         delta).delta in the home-relative form.
         """
-        f, rods = ca.SX.sym("f", 6), self._rods
+        f, rods = ca.SX.sym("f", 6), self.made.rods
         if rods.home is None:
             joints = [ca.sqrt(-f[i]) - rods.offsets[i] for i in range(6)]
         else:
@@ -150,7 +142,7 @@ class RodSource(LimbPlatformSource):
         if self.made.options.compact and not self.made.options.home_relative:
             return self._looped_jacobian, copy_loop("jacobian", "rows", 36)
         x, size = ca.SX.sym("x", 7), self.made.mechanism.characteristic_length
-        arms, d, _ = rod_vectors(self._rods, x[:3], x[3:])
+        arms, d, _ = rod_vectors(self.made.rods, x[:3], x[3:])
         squared = [dot(v, v) for v in d]
         inverses = [1 / ca.sqrt(s) for s in squared]
         rows = [
