@@ -217,6 +217,7 @@ NAMES = {
     # paths of complex solutions
     "AlgebraicSystem": "symkin.homotopy.algebraic",
     "complex_normal": "symkin.homotopy.algebraic",
+    "known_root": "symkin.homotopy.algebraic",
     "bases_beside": "symkin.homotopy.best_start",
     "best_start": "symkin.homotopy.best_start",
     "distances": "symkin.homotopy.circles",
@@ -275,8 +276,7 @@ NAMES = {
     "BallSystem": "symkin.certificate.ball_system",
     "bound_of": "symkin.certificate.bounds",
     "proves": "symkin.certificate.bounds",
-    "row_steps": "symkin.certificate.bounds",
-    "univariate_degree": "symkin.certificate.bounds",
+    "root_counts": "symkin.certificate.triangular",
     "CertificateBatch": "symkin.certificate.certificate",
     "certify_batch": "symkin.certificate.certificate",
     "in_phase": "symkin.certificate.coordinates",

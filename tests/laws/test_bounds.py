@@ -22,9 +22,8 @@ from helpers.inside import (
     known_values,
     knowns_of,
     proves,
-    row_steps,
+    root_counts,
     system_of,
-    univariate_degree,
 )
 from helpers.known_roots import DIETMAIER, case, complex_roots, dietmaier
 from helpers.samples import five_bar, unit
@@ -171,7 +170,8 @@ def test_rod_lengths_are_proved_alone():
 
 def test_rows_with_one_unknown_more_each_are_bounded_together():
     """y^2 = x, cos(a) = y, x^2 = k: 4 roots (x, y) and 8 with the angle. All of them are complete,
-    one less is not; combinations of the first two that hold y^2 and y have no such bound.
+    one less is not; x put into x y = k leaves 3 and 6; where x too stands squared there is no such
+    bound.
     """
     z, k = ca.SX.sym("z", 3), ca.SX.sym("k")
     unknowns = tuple(
@@ -192,8 +192,11 @@ def test_rows_with_one_unknown_more_each_are_bounded_together():
     roots = np.array(points).T
     assert is_complete(certify(system, roots, np.array([0.09])), bound)
     assert not is_complete(certify(system, roots[:, 1:], np.array([0.09])), bound)
-    both = ca.vertcat(z[0] ** 2 - z[2], ca.cos(z[1]) - z[0], z[2] * z[0] - k)
-    assert bound_of(build_problem(five_bar(), "direct"), replace(system, rows=both)) is None
+    problem = build_problem(five_bar(), "direct")
+    for square, count in ((z[2], 6), (z[2] ** 2, None)):
+        both = ca.vertcat(z[0] ** 2 - square, ca.cos(z[1]) - z[0], z[2] * z[0] - k)
+        found = bound_of(problem, replace(system, rows=both))
+        assert (None if found is None else found.theorem.count) == count
 
 
 def test_a_chain_of_such_rows_is_proved_in_every_spelling(tmp_path):
@@ -238,16 +241,61 @@ def test_known_balls_hold_the_quotients():
         ("angle", lambda z, k: ca.sin(0.5 * z) - k, None),
         ("angle", lambda z, k: ca.sin(0.5 * z) * ca.cos(0.5 * z) - k, 2),
         ("angle", lambda z, k: ca.cos(0.5 * z) ** 2 + k * ca.sin(z), 2),
-        ("angle", lambda z, k: ca.cos(0.5 * z) * k, None),
+        ("angle", lambda z, k: ca.cos(0.5 * z) * k, 1),
+        ("angle", lambda z, k: ca.sin(z - k) * ca.cos(k) + ca.cos(z - k) * ca.sin(k) - 0.5, 2),
         ("angle", lambda z, k: ca.sin(z) - k * z, None),
         ("angle", lambda z, k: ca.sin(k * z) - 0.5, None),
         ("angle", lambda z, k: ca.sin(k) - 0.5 + 0 * z, None),
     ],
 )
 def test_degrees_bound_the_roots_of_one_row(kind, row, degree):
-    """Polynomials in z, and in exp(i z) for angles, have their degree; anything else has no
-    bound.
+    """Polynomials in z, and in exp(i z) for angles, have their degree, half angles too where a
+    whole turn changes the row's sign alone; anything else has no bound.
     """
     z, k = ca.SX.sym("z"), ca.SX.sym("k")
     system = AlgebraicSystem(1.0, (Coordinate("x", kind, "passive"),), z, k, row(z, k), ())
-    assert univariate_degree(system, row_steps(system, 0), 0) == degree
+    assert root_counts(system) == (None if degree is None else {"x": degree})
+
+
+@pytest.mark.parametrize(
+    ("kinds", "rows", "counts"),
+    [
+        # a joint that closes a planar loop: sin((a + b - k) / 2) = 0, and a circle along its frame
+        (
+            "aa",
+            lambda z, k: [ca.sin((z[0] - z[1] + k) / 2), ca.cos(z[0]) + ca.sin(z[1]) - k],
+            (1, 2),
+        ),
+        ("aa", lambda z, k: [ca.sin(z[0] - z[1]), ca.cos(z[0]) + ca.sin(z[1]) - k], None),
+        ("aa", lambda z, k: [ca.sin((z[0] - z[1]) / 2), ca.sin((z[0] + z[1]) / 2) - k], None),
+        ("aa", lambda z, k: [ca.sin(z[0] - z[1]) - 0.5, ca.cos(z[0]) + ca.sin(z[1]) - k], None),
+        ("aa", lambda z, k: [k * ca.sin((z[0] - z[1]) / 2), ca.cos(z[0]) + ca.sin(z[1])], (1, 2)),
+        ("al", lambda z, k: [z[1] - k * ca.cos(z[0]), z[1] + ca.sin(z[0]) - k], (2, 1)),
+        ("al", lambda z, k: [k * z[1] - ca.cos(z[0]), k * z[1] + ca.sin(z[0]) - k], None),
+        ("ll", lambda z, k: [z[0] - z[1] ** 2, z[0] * z[1] - k], (1, 3)),
+        ("ll", lambda z, k: [z[0] * z[1] - 1, k * z[0] + k * z[1]], None),
+        ("al", lambda z, k: [z[1] * ca.sin(z[0] / 2), z[1] * ca.cos(z[0] / 2) - k], None),
+    ],
+)
+def test_what_one_row_gives_is_put_into_others(kinds, rows, counts):
+    """An angle that a row of two terms makes a sum of others, a length that is there once with a
+    number that is not zero: the counts of what is left bound the roots.
+    """
+    z, k = ca.SX.sym("z", 2), ca.SX.sym("k")
+    named = {"a": "angle", "l": "length"}
+    unknowns = tuple(Coordinate(f"x{i}", named[kind], "passive") for i, kind in enumerate(kinds))
+    found = root_counts(AlgebraicSystem(1.0, unknowns, z, k, ca.vertcat(*rows(z, k)), ()))
+    assert found == (None if counts is None else {f"x{i}": n for i, n in enumerate(counts)})
+
+
+def test_lengths_of_rods_are_halved_where_both_signs_are_roots():
+    """(3 x - 0.7)^2 = k has one rod; with a length tied to another one, whose square is not
+    mirrored, both values count.
+    """
+    z, k = ca.SX.sym("z", 2), ca.SX.sym("k")
+    rods = tuple(Coordinate(n, "length", "actuated", least=v) for n, v in (("a", 0.7), ("b", 0.2)))
+    square = (3.0 * z[0] - 0.7) ** 2 - k
+    alone = ca.vertcat(square, (3.0 * z[1] - 0.2) ** 2 - k)
+    tied = ca.vertcat(square - (3.0 * z[1] - 0.2) ** 2, z[1] - 2 * z[0])
+    assert root_counts(AlgebraicSystem(3.0, rods, z, k, alone, ())) == {"a": 1, "b": 1}
+    assert root_counts(AlgebraicSystem(3.0, rods, z, k, tied, ())) == {"a": 1, "b": 2}

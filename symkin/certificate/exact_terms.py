@@ -1,0 +1,174 @@
+"""Write closure rows as sums of terms, whose numbers are exact, to see which powers they hold.
+
+An angle z is known to rows by t = exp(i z), which is never zero: cos z = (t + 1/t) / 2, sin z =
+(t - 1/t) / (2 i). Known angles, and constant ones, have such a t too, so that the addition theorems
+cancel what they cancel; other functions of known values are known values of their own. Numbers are
+those of the floats in the rows, as fractions: a term that is not there is zero whatever is given.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import casadi as ca
+from flint import fmpq
+
+from symkin.closure.expression_graph import walk
+
+_MOST_PRODUCTS = 40_000
+"""Products of two terms at most, some 0.1 s: rows of turns about general axes in space have
+millions, and no bound.
+"""
+_HALF, _ONE = fmpq(1, 2), fmpq(1)
+
+
+class Factor(NamedTuple):
+    """What a term is a power of: an unknown `z` or a known value `k` by its number, the t of one of
+    these (`z turn`, `k turn`) or of a constant angle (`turn`), a function of known values
+    (`known`), the imaginary unit (`i`).
+    """
+
+    kind: str
+    number: int | tuple[int, int] = 0
+
+
+Term = tuple[tuple[Factor, fmpq], ...]
+"""Factors, each once and in order, with their exponents."""
+Terms = dict[Term, fmpq]
+"""A sum: terms with their coefficients, none of which is zero."""
+_I = Factor("i")
+
+
+class NotTermsError(Exception):
+    """Rows are no such sums, or of too many terms."""
+
+
+def terms_of(rows: Sequence[ca.SX], unknown: ca.SX, known: ca.SX) -> list[Terms] | None:
+    """Each row as a sum of terms; None where some row is none, or has too many."""
+    function = ca.Function("rows", [unknown, known], [ca.densify(ca.vertcat(*rows))], {"cse": True})
+    reader = _Reader()
+    try:
+        walk(function, reader)
+    except NotTermsError:
+        return None
+    return [reader.found[k] for k in range(len(rows))]
+
+
+def plus(first: Terms, second: Terms, factor: int = 1) -> Terms:
+    """A sum of terms and `factor` times another."""
+    found = dict(first)
+    for term, number in second.items():
+        found[term] = found.get(term, fmpq(0)) + factor * number
+    return {term: number for term, number in found.items() if number != 0}
+
+
+def times(first: Terms, second: Terms) -> Terms:
+    """The product of two sums of terms."""
+    found: Terms = {}
+    for a, x in first.items():
+        for b, y in second.items():
+            term, sign = product_of_terms(a, b)
+            found[term] = found.get(term, fmpq(0)) + sign * x * y
+    return {term: number for term, number in found.items() if number != 0}
+
+
+def product_of_terms(first: Term, second: Term) -> tuple[Term, int]:
+    """The product of two terms, and its sign: i^2 = -1."""
+    powers, sign = dict(first), 1
+    for factor, exponent in second:
+        powers[factor] = powers.get(factor, fmpq(0)) + exponent
+    if powers.get(_I) == 2:
+        sign = -1
+        del powers[_I]
+    return tuple(sorted((f, e) for f, e in powers.items() if e != 0)), sign
+
+
+@dataclass
+class _Reader:
+    """Evaluator that makes sums of terms."""
+
+    found: dict[int, Terms] = field(default_factory=dict)
+    products: int = 0
+    functions: int = 0
+
+    def input(self, number: int, nonzero: int) -> Terms:
+        return {((Factor("zk"[number], nonzero), _ONE),): _ONE}
+
+    def constant(self, number: float) -> Terms:
+        return {(): fmpq(*number.as_integer_ratio())} if number else {}
+
+    def output(self, number: int, nonzero: int, value: Terms) -> None:  # noqa: ARG002 - there is one output
+        self.found[nonzero] = value
+
+    def operation(self, op: int, operands: list[Terms]) -> Terms:
+        first, last = operands[0], operands[-1]
+        if op in (ca.OP_ADD, ca.OP_SUB):
+            return plus(first, last, 1 if op == ca.OP_ADD else -1)
+        if op in (ca.OP_NEG, ca.OP_TWICE, ca.OP_ASSIGN):
+            return plus({}, first, {ca.OP_NEG: -1, ca.OP_TWICE: 2}.get(op, 1))
+        if op in (ca.OP_MUL, ca.OP_SQ):
+            return self._product(first, last)
+        if op in (ca.OP_SIN, ca.OP_COS) and (turn := _turn(first)) is not None:
+            return _sine(turn) if op == ca.OP_SIN else _cosine(turn)
+        if op == ca.OP_DIV and not _is_unknown(last):
+            inverse: Terms = {(): 1 / last[()]} if last.keys() == {()} else self._function()
+            return self._product(first, inverse)
+        if any(map(_is_unknown, operands)):
+            raise NotTermsError
+        return self._function()
+
+    def _function(self) -> Terms:
+        """A function of known values, of which nothing else is said."""
+        self.functions += 1
+        return {((Factor("known", self.functions), _ONE),): _ONE}
+
+    def _product(self, first: Terms, second: Terms) -> Terms:
+        self.products += len(first) * len(second)
+        if self.products > _MOST_PRODUCTS:
+            raise NotTermsError
+        return times(first, second)
+
+
+def _is_unknown(terms: Terms) -> bool:
+    return any(factor.kind.startswith("z") for term in terms for factor, _ in term)
+
+
+def _turn(angle: Terms) -> Term | None:
+    """exp(i angle) of a sum of coordinates, each times a number, and of a constant; None of
+    anything else.
+    """
+    powers: dict[Factor, fmpq] = {}
+    for term, number in angle.items():
+        if not term:
+            factor, exponent = _constant_turn(number)
+        elif len(term) == 1 and term[0][0].kind in "zk" and term[0][1] == 1:
+            factor, exponent = Factor(f"{term[0][0].kind} turn", term[0][0].number), number
+        else:
+            return None
+        powers[factor] = exponent
+    return tuple(sorted(powers.items()))
+
+
+def _constant_turn(angle: fmpq) -> tuple[Factor, fmpq]:
+    """exp(i angle) as a power of that of an odd number, which half and twice the angle share."""
+    top, bottom, exponent = int(abs(angle.p)), int(angle.q), _ONE
+    while top % 2 == 0:
+        top, exponent = top // 2, 2 * exponent
+    while bottom % 2 == 0:
+        bottom, exponent = bottom // 2, exponent / 2
+    return Factor("turn", (top, bottom)), exponent if angle > 0 else -exponent
+
+
+def _inverse(turn: Term) -> Term:
+    return tuple((factor, -exponent) for factor, exponent in turn)
+
+
+def _cosine(turn: Term) -> Terms:
+    return plus({turn: _HALF}, {_inverse(turn): _HALF})
+
+
+def _sine(turn: Term) -> Terms:
+    """(t - 1/t) / (2 i) = (1/t - t) i / 2."""
+    return times(plus({_inverse(turn): _HALF}, {turn: _HALF}, -1), {((_I, _ONE),): _ONE})

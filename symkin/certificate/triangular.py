@@ -1,0 +1,187 @@
+"""Bound the roots of rows that hold one unknown more each than those before: every root of the
+first ones goes on to as many as the next row's degree.
+
+Before that a length that stands in a row once, and an angle that a row of two terms makes a sum of
+others, are taken from the other rows.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+import casadi as ca
+from flint import fmpq
+
+from symkin.certificate.exact_terms import (
+    Factor,
+    Term,
+    Terms,
+    plus,
+    product_of_terms,
+    terms_of,
+    times,
+)
+from symkin.homotopy.algebraic import AlgebraicSystem
+
+_NEVER_ZERO = ("z turn", "k turn", "turn", "i")
+"""Kinds of factors that no value makes zero."""
+_ZERO, _ONE = fmpq(0), fmpq(1)
+
+
+def root_counts(system: AlgebraicSystem) -> dict[str, int] | None:
+    """The most values of each unknown for values of those before it, in the order in which the rows
+    give them; None where they are no such rows.
+
+    Where a row vanishes for some values of the unknowns before it, no root is isolated there;
+    where a leading coefficient does, there are fewer.
+    """
+    if system.projective or system.count != system.width:
+        return None
+    rows = terms_of(ca.vertsplit(system.rows), system.z, system.k)
+    if rows is None or any(_degree(row, k) is None for row in rows for k in range(system.width)):
+        return None
+    chain = _Chain(system, rows, set(range(system.width)))
+    while chain.rows:
+        if not (chain.alone() or chain.length_once() or chain.sum_of_angles()):
+            return None
+    return chain.found
+
+
+@dataclass
+class _Chain:
+    """Rows, the unknowns that they are to give, and what has been `found`; whether it is known
+    which terms of the rows are zero (`is_exact`).
+    """
+
+    system: AlgebraicSystem
+    rows: list[Terms]
+    left: set[int]
+    found: dict[str, int] = field(default_factory=dict)
+    is_exact: bool = True
+
+    def alone(self) -> bool:
+        """A row with a single unknown left: its degree."""
+        for row in self.rows:
+            held = [k for k in self.left if _degree(row, k) != 0]
+            if len(held) == 1:
+                count = self._root_count(row, held[0])
+                if count is not None:
+                    self._take(row, held[0], count)
+                return count is not None
+        return False
+
+    def length_once(self) -> bool:
+        """A length in one term of a row, times what is never zero, is put into the other rows."""
+        for row in self.rows if self.is_exact else ():
+            for k in self.left:
+                length = Factor("z", k)
+                own = [term for term in row if length in dict(term)]
+                if len(own) == 1 and _is_once(own[0], length):
+                    value = _solved(row, own[0], length)
+                    self._take(row, k, 1)
+                    self.rows = [_with_length(other, length, value) for other in self.rows]
+                    return True
+        return False
+
+    def sum_of_angles(self) -> bool:
+        """A row of two terms whose quotient is a product of turns: one of these, as a product of
+        the others, is put into the other rows. Roots of turns change the signs of whole rows alone.
+        """
+        for row in self.rows:
+            for turn, value in _turns_given(row):
+                if turn.number in self.left:
+                    self._take(row, int(turn.number), 1)
+                    self.rows = [_with_turn(other, turn, value) for other in self.rows]
+                    self.is_exact = False
+                    return True
+        return False
+
+    def _root_count(self, row: Terms, unknown: int) -> int | None:
+        """How many values of an unknown a row allows at most, of a rod's length but for its
+        sign.
+        """
+        degree, coordinate = _degree(row, unknown), self.system.unknowns[unknown]
+        turns = any(_exponents(row, Factor("z turn", unknown)))
+        if degree is None or turns != coordinate.is_periodic:
+            return None
+        if coordinate.least is None or not (self.is_exact or coordinate.least == 0.0):
+            return degree
+        middle = fmpq(*coordinate.least.as_integer_ratio())
+        middle /= fmpq(*self.system.characteristic_length.as_integer_ratio())
+        length = Factor("z", unknown)
+        other_side: Terms = plus({(): 2 * middle}, {((length, _ONE),): _ONE}, -1)
+        mirrored = _with_length(row, length, other_side)
+        return (degree + 1) // 2 if not plus(row, mirrored, (-1) ** (degree + 1)) else degree
+
+    def _take(self, row: Terms, unknown: int, count: int) -> None:
+        self.rows = [other for other in self.rows if other is not row]
+        self.left.discard(unknown)
+        self.found[self.system.unknowns[unknown].name] = count
+
+
+def _is_once(term: Term, length: Factor) -> bool:
+    """Whether a term is a length times what is never zero."""
+    return all(e == 1 if f == length else f.kind in _NEVER_ZERO for f, e in term)
+
+
+def _solved(row: Terms, own: Term, length: Factor) -> Terms:
+    """The value of a length that a row holds in its `own` term alone."""
+    others = {term: number / -row[own] for term, number in row.items() if term != own}
+    divisor, sign = product_of_terms(tuple((f, -e) for f, e in own), ((length, _ONE),))
+    return times(others, {divisor: fmpq(sign)})
+
+
+def _with_length(row: Terms, length: Factor, value: Terms) -> Terms:
+    found: Terms = {}
+    for term, number in row.items():
+        powers = dict(term)
+        count = int(powers.pop(length, _ZERO).p)
+        part: Terms = {tuple(sorted(powers.items())): number}
+        for _ in range(count):
+            part = times(part, value)
+        found = plus(found, part)
+    return found
+
+
+def _turns_given(row: Terms) -> Iterator[tuple[Factor, Term]]:
+    """The turns that a row of two terms gives, with what they are but for a number."""
+    if len(row) != 2 or any(factor.kind == "z" for term in row for factor, _ in term):
+        return
+    first, second = row
+    ratio, _ = product_of_terms(first, tuple((factor, -e) for factor, e in second))
+    if all(factor.kind in _NEVER_ZERO for factor, _ in ratio):
+        for turn, exponent in ratio:
+            if turn.kind == "z turn" and abs(exponent) == 1:
+                others = ((f, e) for f, e in ratio if f != turn and f.kind != "i")
+                yield turn, tuple((f, -e / exponent) for f, e in others)
+
+
+def _with_turn(row: Terms, turn: Factor, value: Term) -> Terms:
+    """The terms of a row with a turn put in, but for their numbers, of which none are zero then:
+    there are no more terms than these.
+    """
+    found: Terms = {}
+    for term in row:
+        count = dict(term).get(turn, _ZERO)
+        others = tuple((f, e) for f, e in term if f not in (turn, Factor("i")))
+        put_in = tuple((f, e * count) for f, e in value)
+        found[product_of_terms(others, put_in)[0]] = _ONE
+    return found
+
+
+def _exponents(row: Terms, factor: Factor) -> list[fmpq]:
+    return [dict(term).get(factor, _ZERO) for term in row]
+
+
+def _degree(row: Terms, unknown: int) -> int | None:
+    """The degree of a row in an unknown, or in its exp(i z), the others known: a bound on its
+    roots, modulo whole turns. None where it is no polynomial in one of these, or changes not its
+    sign alone where z moves by a whole turn.
+    """
+    values, turns = (_exponents(row, Factor(kind, unknown)) for kind in ("z", "z turn"))
+    if not any(turns):
+        return int(max(values, default=_ZERO).p)
+    span = max(turns) - min(turns)
+    whole = all((e - min(turns)).q == 1 for e in turns)
+    return int(span.p) if whole and not any(values) else None
