@@ -104,16 +104,16 @@ class AlgebraicSystem:
 
     def features(self, z: np.ndarray) -> np.ndarray:
         """Coordinates (n, any) in which equal roots are equal: cos and sin of angles, squares of
-        rod lengths, the projector of the ray.
+        rod lengths, the projector of the ray; large ones relative to their size.
         """
         parts: list[np.ndarray] = []
         for i, c in enumerate(self.unknowns):
             if c.is_periodic:
-                parts += [np.cos(z[i]), np.sin(z[i])]
+                parts += _within_reach(np.cos(z[i]), np.sin(z[i]))
+            elif c.least is None:
+                parts += _within_reach(z[i])
             else:
-                parts.append(
-                    z[i] if c.least is None else (z[i] - c.least / self.characteristic_length) ** 2
-                )
+                parts += _within_reach((z[i] - c.least / self.characteristic_length) ** 2)
         if self.projective:
             ray = z[list(self.projective)]
             ray = ray / np.linalg.norm(ray, axis=0)
@@ -136,6 +136,14 @@ class AlgebraicSystem:
             if c.is_periodic:
                 z[i] -= 2 * np.pi * np.round(z[i].real / (2 * np.pi))
         return z
+
+
+def _within_reach(*values: np.ndarray) -> list[np.ndarray]:
+    """Numbers over the largest of them, if that is above 1, and how large it is: differences of far
+    roots count as far as their digits do.
+    """
+    size = np.maximum(1.0, np.max(np.abs(values), axis=0))
+    return [*(value / size for value in values), np.log(size)]
 
 
 def complex_normal(count: int, rng: np.random.Generator) -> np.ndarray:
