@@ -113,7 +113,7 @@ class _Reader:
         if op in (ca.OP_SIN, ca.OP_COS) and (turn := _turn(first)) is not None:
             return _sine(turn) if op == ca.OP_SIN else _cosine(turn)
         if op == ca.OP_DIV and not _is_unknown(last):
-            inverse = {(): 1 / last[()]} if last.keys() == {()} else self._function()
+            inverse: Terms = {(): 1 / last[()]} if last.keys() == {()} else self._function()
             return self._product(first, inverse)
         if any(map(_is_unknown, operands)):
             raise NotTermsError

@@ -39,7 +39,7 @@ def root_counts(system: AlgebraicSystem) -> dict[str, int] | None:
     if system.projective or system.count != system.width:
         return None
     rows = terms_of(ca.vertsplit(system.rows), system.z, system.k)
-    if rows is None:
+    if rows is None or any(_degree(row, k) is None for row in rows for k in range(system.width)):
         return None
     chain = _Chain(system, rows, set(range(system.width)))
     while chain.rows:
@@ -86,12 +86,12 @@ class _Chain:
 
     def sum_of_angles(self) -> bool:
         """A row of two terms whose quotient is a product of turns: one of these, as a product of
-        the others, is put into the other rows.
+        the others, is put into the other rows. Roots of turns change the signs of whole rows alone.
         """
         for row in self.rows:
             for turn, value in _turns_given(row):
                 if turn.number in self.left:
-                    self._take(row, int(turn.number), 1)  # type: ignore[arg-type]
+                    self._take(row, int(turn.number), 1)
                     self.rows = [_with_turn(other, turn, value) for other in self.rows]
                     self.is_exact = False
                     return True

@@ -25,7 +25,8 @@ from symkin.numeric.levenberg import Progress
 MOST_ROOTS = 600
 MOST_WORK = 2.5e8
 """More roots than MOST_ROOTS, or more work than MOST_WORK - steps of all loops times the
-instructions of a step's evaluation, weighed by the count of paths - and a search is given up. A
+instructions of a step's evaluation, weighed by the count of paths - and a search is given up: some
+10 s, and once for a machine. A delta of six freedoms has 512 roots for the place of its platform. A
 count, not a clock, so that the same input gives the same answer.
 """
 _SEEDS = 72

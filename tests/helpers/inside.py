@@ -215,6 +215,7 @@ NAMES = {
     # paths of complex solutions
     "AlgebraicSystem": "symkin.homotopy.algebraic",
     "complex_normal": "symkin.homotopy.algebraic",
+    "known_root": "symkin.homotopy.algebraic",
     "bases_beside": "symkin.homotopy.best_start",
     "best_start": "symkin.homotopy.best_start",
     "distances": "symkin.homotopy.circles",

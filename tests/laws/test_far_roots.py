@@ -9,8 +9,16 @@ import numpy as np
 import pytest
 
 import symkin
-from helpers.inside import AlgebraicSystem, Coordinate, far_roots
+from helpers.inside import (
+    AlgebraicSystem,
+    Coordinate,
+    build_problem,
+    far_roots,
+    known_root,
+    system_of,
+)
 from helpers.samples import delta
+from helpers.spellings import MACHINES, named, spellings
 
 BEGIN = np.array([1.3 + 0.4j, 0.7 - 0.2j])
 
@@ -87,3 +95,47 @@ def test_shorter_steps_and_conjugates_leave_little_to_follow(apart, steps):
     found = symkin.modes(replace(delta(), motion="spatial"), joints=[0.1, 0.03, 0.1 + apart])
     assert found.complex_count == 40
     assert len(steps) <= 20
+
+
+def test_far_roots_are_one_by_their_digits():
+    """At an imaginary part of 9.5 cosines are 6,700: two writings of one root, 1e-9 apart, have
+    cosines that differ by 7e-6, and are one root; those 1e-4 apart are two.
+    """
+    far = np.array([[0.3 + 9.5j]])
+    for apart, same in ((1e-9, True), (1e-4, False), (1e-4j, False)):
+        assert (known_root(system(), far, far + apart)[0] == 0) == same
+    assert known_root(system(), far, far + 2 * np.pi)[0] == 0
+
+
+@pytest.mark.parametrize(("share", "far"), [(5e-4, True), (0.1, False)])
+def test_a_platform_2000_sizes_away_is_far(share, far):
+    """Derivatives there have lost four times the digits of the distance: double precision takes
+    such a regular root for one that others surround.
+    """
+    block = system_of(build_problem(replace(delta(), motion="spatial"), "direct"))
+    ray = np.array([share, 0, 0, 0, 0, 0, 0, 1.0]) + 0j
+    assert far_roots.are_far(block, ray[:, None])[0] == far
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(
+    "joints", [(0.0229, -0.094, -0.0786), (-0.0604, 0.1304, -0.1315), (0.0036, 0.039, 0.0071)]
+)
+def test_a_free_delta_by_universal_joints_is_complete_near_its_reference(joints):
+    """Complex solutions some thousand sizes away are no sets: all 84 x 8 are told."""
+    free = replace(MACHINES["3-RUU"]().home, motion="spatial")
+    found = symkin.modes(free, joints=list(joints))
+    assert (found.complex_count, found.completeness) == (672, "probability one")
+
+
+@pytest.mark.long
+def test_a_free_delta_is_complete_by_the_place_of_its_platform(tmp_path):
+    """Without its arms each limb is a row of degree 8 in the platform's quaternion: the rows have
+    8^3 solutions.
+    """
+    machine = MACHINES["delta"]()
+    for one in named(list(spellings(machine, tmp_path)), ["limbs", "graph"]):
+        found, _ = one.by_name(machine, ("x", "y", "z"))
+        assert (len(found), found.complex_count) == (54, 512)
+        assert found.completeness == "probability one"
+        assert all(mode.certified for mode in found)
