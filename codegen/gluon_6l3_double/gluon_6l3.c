@@ -863,28 +863,6 @@ gluon_6l3_status gluon_6l3_inverse_nearest(const gluon_6l3_pose *pose,
     return status;
 }
 
-/* The angle in (-pi, pi] of a direction that is not zero, to 4e-8 and rounding: the polynomial of
- * least error for atan up to 1. */
-static gluon_6l3_real gluon_6l3_angle(gluon_6l3_real s, gluon_6l3_real c)
-{
-    const gluon_6l3_real x = fabs(c);
-    const gluon_6l3_real y = fabs(s);
-    const bool steep = y > x;
-    const gluon_6l3_real ratio = steep ? (x / y) : (y / x);
-    const gluon_6l3_real square = ratio * ratio;
-    gluon_6l3_real angle = ratio * (0.9999993443489075 + square * (-0.33329859375953674
-        + square * (0.19946563243865967 + square * (-0.13908618688583374
-        + square * (0.09642169624567032 + square * (-0.05591192841529846
-        + square * (0.02186267077922821 + square * -0.004054484888911247)))))));
-    if (steep) {
-        angle = 1.5707963267948966 - angle;
-    }
-    if (c < 0.0) {
-        angle = 3.141592653589793 - angle;
-    }
-    return (s < 0.0) ? -angle : angle;
-}
-
 /* A point of the line: joints where it is done, which begin at the guess, those found where it is
  * tried, turned and aimed: cosine and sine of each angle from its zero, up to a factor above zero,
  * or the slide and 0, and the squares left and guard of the closed form's steps at both; sign: the
@@ -1082,17 +1060,17 @@ static gluon_6l3_real gluon_6l3_inverse_joint(int i, const gluon_6l3_real pair[2
  * and by at most 7e-5 of it more. */
 static gluon_6l3_real gluon_6l3_inverse_turn(const gluon_6l3_real a[2], const gluon_6l3_real b[2])
 {
-    const gluon_6l3_real s = b[1] * a[0] - b[0] * a[1];
-    const gluon_6l3_real c = b[0] * a[0] + b[1] * a[1];
+    const gluon_6l3_real s = (b[1] * a[0]) - (b[0] * a[1]);
+    const gluon_6l3_real c = (b[0] * a[0]) + (b[1] * a[1]);
     gluon_6l3_real way;
     if (fabs(s) < c) {
         const gluon_6l3_real ratio = s / c;
         const gluon_6l3_real square = ratio * ratio;
-        way = ratio * (1.0000016977664334 + square * (-0.33171134678251
-            + square * (0.18522155110672184 + square * (-0.09192949937020677
-            + square * 0.023864165672267342))));
+        way = ratio * (1.0000016977664334 + (square * (-0.33171134678251
+            + (square * (0.18522155110672184 + (square * (-0.09192949937020677
+            + (square * 0.023864165672267342))))))));
     } else {
-        way = gluon_6l3_angle(s, c);
+        way = atan2(s, c);
     }
     return way;
 }
@@ -1368,8 +1346,8 @@ static gluon_6l3_status gluon_6l3_inverse_aim(gluon_6l3_inverse_work *w, const g
         const gluon_6l3_real way5 = gluon_6l3_inverse_turn(w->turned[5], w->aimed[5]);
         w->found[5] = w->joints[5] + way5;
         w->way[5] = fabs(way5);
-        w->way2 = w->way[0] * w->way[0] + w->way[1] * w->way[1] + w->way[2] * w->way[2]
-            + w->way[3] * w->way[3] + w->way[4] * w->way[4] + w->way[5] * w->way[5];
+        w->way2 = (w->way[0] * w->way[0]) + (w->way[1] * w->way[1]) + (w->way[2] * w->way[2])
+            + (w->way[3] * w->way[3]) + (w->way[4] * w->way[4]) + (w->way[5] * w->way[5]);
     }
     return status;
 }
@@ -1516,14 +1494,14 @@ static bool gluon_6l3_inverse_keeps(gluon_6l3_inverse_work *w, const gluon_6l3_r
     const gluon_6l3_real t35 = 1.0 / root1;
     const gluon_6l3_real t36 = t34 * t35;
     const gluon_6l3_real t37 = t33 + t36;
-    const gluon_6l3_real way4 = w->way[4] + 0.5 * t37;
+    const gluon_6l3_real way4 = w->way[4] + (0.5 * t37);
     w->speed[4] = (way4 < t21) ? way4 : t21;
     w->change[4] = t37;
     /* q6 turns the normal of q2, q3, q4 to where it must be: proved */
     const gluon_6l3_real t41 = t21 * t35;
     const gluon_6l3_real t42 = t41 + w->way[5];
     most = ((t42 > most) && !((1.001 * t21 * t21 < w->left[1] + w->guard[1]
-        + 2.0 * ((w->left[1] < w->guard[1]) ? w->left[1] : w->guard[1])))) ? t42 : most;
+        + (2.0 * ((w->left[1] < w->guard[1]) ? w->left[1] : w->guard[1]))))) ? t42 : most;
     if (!(most < 6.28)) {
         gluon_6l3_inverse_take(w, most * most, 39.4384);
     }
@@ -1608,7 +1586,8 @@ static GLUON_6L3_SHARED gluon_6l3_status gluon_6l3_inverse_walk(gluon_6l3_invers
     bool refused = true;
     gluon_6l3_status status = GLUON_6L3_MAX_ITERATIONS;
     /* of q and -q, one rotation, the one on the guess's side */
-    const gluon_6l3_real cosine = at[3] * to[3] + at[4] * to[4] + at[5] * to[5] + at[6] * to[6];
+    const gluon_6l3_real cosine = (at[3] * to[3]) + (at[4] * to[4]) + (at[5] * to[5])
+        + (at[6] * to[6]);
     const gluon_6l3_real side = (cosine < 0.0) ? -1.0 : 1.0;
     gluon_6l3_real move[7];
     way2[0] = 0.0;
@@ -1619,7 +1598,7 @@ static GLUON_6L3_SHARED gluon_6l3_status gluon_6l3_inverse_walk(gluon_6l3_invers
     }
     way2[0] *= 3.438343587714008e-06;
     /* the square of the largest speed of the turn between them, of which they are the chord */
-    way2[1] *= 8.0 / (1.0 + side * cosine);
+    way2[1] *= 8.0 / (1.0 + (side * cosine));
     while ((status == GLUON_6L3_MAX_ITERATIONS) && (*count < most)) {
         const gluon_6l3_real next = done + part;
         const gluon_6l3_real end = (next < 0.9999) ? next : 1.0;
@@ -1631,11 +1610,11 @@ static GLUON_6L3_SHARED gluon_6l3_status gluon_6l3_inverse_walk(gluon_6l3_invers
         }
         gluon_6l3_real x[7];
         for (int i = 0; i < 7; ++i) {
-            x[i] = at[i] + end * move[i];
+            x[i] = at[i] + (end * move[i]);
         }
         if (end < 1.0) {
-            const gluon_6l3_real inverse = 1.0 / sqrt(x[3] * x[3] + x[4] * x[4] + x[5] * x[5]
-                + x[6] * x[6]);
+            const gluon_6l3_real inverse = 1.0 / sqrt((x[3] * x[3]) + (x[4] * x[4])
+                + (x[5] * x[5]) + (x[6] * x[6]));
             for (int i = 3; i < 7; ++i) {
                 x[i] *= inverse;
             }

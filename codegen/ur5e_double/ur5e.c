@@ -846,28 +846,6 @@ ur5e_status ur5e_inverse_nearest(const ur5e_pose *pose, const ur5e_real guess[6]
     return status;
 }
 
-/* The angle in (-pi, pi] of a direction that is not zero, to 4e-8 and rounding: the polynomial of
- * least error for atan up to 1. */
-static ur5e_real ur5e_angle(ur5e_real s, ur5e_real c)
-{
-    const ur5e_real x = fabs(c);
-    const ur5e_real y = fabs(s);
-    const bool steep = y > x;
-    const ur5e_real ratio = steep ? (x / y) : (y / x);
-    const ur5e_real square = ratio * ratio;
-    ur5e_real angle = ratio * (0.9999993443489075 + square * (-0.33329859375953674
-        + square * (0.19946563243865967 + square * (-0.13908618688583374
-        + square * (0.09642169624567032 + square * (-0.05591192841529846
-        + square * (0.02186267077922821 + square * -0.004054484888911247)))))));
-    if (steep) {
-        angle = 1.5707963267948966 - angle;
-    }
-    if (c < 0.0) {
-        angle = 3.141592653589793 - angle;
-    }
-    return (s < 0.0) ? -angle : angle;
-}
-
 /* A point of the line: joints where it is done, which begin at the guess, those found where it is
  * tried, turned and aimed: cosine and sine of each angle from its zero, up to a factor above zero,
  * or the slide and 0, and the squares left and guard of the closed form's steps at both; sign: the
@@ -1064,17 +1042,17 @@ static ur5e_real ur5e_inverse_joint(int i, const ur5e_real pair[2], ur5e_real ab
  * and by at most 7e-5 of it more. */
 static ur5e_real ur5e_inverse_turn(const ur5e_real a[2], const ur5e_real b[2])
 {
-    const ur5e_real s = b[1] * a[0] - b[0] * a[1];
-    const ur5e_real c = b[0] * a[0] + b[1] * a[1];
+    const ur5e_real s = (b[1] * a[0]) - (b[0] * a[1]);
+    const ur5e_real c = (b[0] * a[0]) + (b[1] * a[1]);
     ur5e_real way;
     if (fabs(s) < c) {
         const ur5e_real ratio = s / c;
         const ur5e_real square = ratio * ratio;
-        way = ratio * (1.0000016977664334 + square * (-0.33171134678251
-            + square * (0.18522155110672184 + square * (-0.09192949937020677
-            + square * 0.023864165672267342))));
+        way = ratio * (1.0000016977664334 + (square * (-0.33171134678251
+            + (square * (0.18522155110672184 + (square * (-0.09192949937020677
+            + (square * 0.023864165672267342))))))));
     } else {
-        way = ur5e_angle(s, c);
+        way = atan2(s, c);
     }
     return way;
 }
@@ -1349,8 +1327,8 @@ static ur5e_status ur5e_inverse_aim(ur5e_inverse_work *w, const ur5e_real x[7])
         const ur5e_real way5 = ur5e_inverse_turn(w->turned[5], w->aimed[5]);
         w->found[5] = w->joints[5] + way5;
         w->way[5] = fabs(way5);
-        w->way2 = w->way[0] * w->way[0] + w->way[1] * w->way[1] + w->way[2] * w->way[2]
-            + w->way[3] * w->way[3] + w->way[4] * w->way[4] + w->way[5] * w->way[5];
+        w->way2 = (w->way[0] * w->way[0]) + (w->way[1] * w->way[1]) + (w->way[2] * w->way[2])
+            + (w->way[3] * w->way[3]) + (w->way[4] * w->way[4]) + (w->way[5] * w->way[5]);
     }
     return status;
 }
@@ -1494,14 +1472,14 @@ static bool ur5e_inverse_keeps(ur5e_inverse_work *w, const ur5e_real change[2])
     const ur5e_real t35 = 1.0 / root1;
     const ur5e_real t36 = t34 * t35;
     const ur5e_real t37 = t33 + t36;
-    const ur5e_real way4 = w->way[4] + 0.5 * t37;
+    const ur5e_real way4 = w->way[4] + (0.5 * t37);
     w->speed[4] = (way4 < t21) ? way4 : t21;
     w->change[4] = t37;
     /* q6 turns the normal of q2, q3, q4 to where it must be: proved */
     const ur5e_real t41 = t21 * t35;
     const ur5e_real t42 = t41 + w->way[5];
     most = ((t42 > most) && !((1.001 * t21 * t21 < w->left[1] + w->guard[1]
-        + 2.0 * ((w->left[1] < w->guard[1]) ? w->left[1] : w->guard[1])))) ? t42 : most;
+        + (2.0 * ((w->left[1] < w->guard[1]) ? w->left[1] : w->guard[1]))))) ? t42 : most;
     if (!(most < 6.28)) {
         ur5e_inverse_take(w, most * most, 39.4384);
     }
@@ -1585,7 +1563,7 @@ static UR5E_SHARED ur5e_status ur5e_inverse_walk(ur5e_inverse_work *w, const ur5
     bool refused = true;
     ur5e_status status = UR5E_MAX_ITERATIONS;
     /* of q and -q, one rotation, the one on the guess's side */
-    const ur5e_real cosine = at[3] * to[3] + at[4] * to[4] + at[5] * to[5] + at[6] * to[6];
+    const ur5e_real cosine = (at[3] * to[3]) + (at[4] * to[4]) + (at[5] * to[5]) + (at[6] * to[6]);
     const ur5e_real side = (cosine < 0.0) ? -1.0 : 1.0;
     ur5e_real move[7];
     way2[0] = 0.0;
@@ -1596,7 +1574,7 @@ static UR5E_SHARED ur5e_status ur5e_inverse_walk(ur5e_inverse_work *w, const ur5
     }
     way2[0] *= 1.4045121751401959e-06;
     /* the square of the largest speed of the turn between them, of which they are the chord */
-    way2[1] *= 8.0 / (1.0 + side * cosine);
+    way2[1] *= 8.0 / (1.0 + (side * cosine));
     while ((status == UR5E_MAX_ITERATIONS) && (*count < most)) {
         const ur5e_real next = done + part;
         const ur5e_real end = (next < 0.9999) ? next : 1.0;
@@ -1608,11 +1586,11 @@ static UR5E_SHARED ur5e_status ur5e_inverse_walk(ur5e_inverse_work *w, const ur5
         }
         ur5e_real x[7];
         for (int i = 0; i < 7; ++i) {
-            x[i] = at[i] + end * move[i];
+            x[i] = at[i] + (end * move[i]);
         }
         if (end < 1.0) {
-            const ur5e_real inverse = 1.0 / sqrt(x[3] * x[3] + x[4] * x[4] + x[5] * x[5]
-                + x[6] * x[6]);
+            const ur5e_real inverse = 1.0 / sqrt((x[3] * x[3]) + (x[4] * x[4]) + (x[5] * x[5])
+                + (x[6] * x[6]));
             for (int i = 3; i < 7; ++i) {
                 x[i] *= inverse;
             }

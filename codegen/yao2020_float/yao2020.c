@@ -933,14 +933,14 @@ static yao2020_real yao2020_inverse_joint(int i, const yao2020_real pair[2], yao
  * and by at most 7e-5 of it more. */
 static yao2020_real yao2020_inverse_turn(const yao2020_real a[2], const yao2020_real b[2])
 {
-    const yao2020_real s = b[1] * a[0] - b[0] * a[1];
-    const yao2020_real c = b[0] * a[0] + b[1] * a[1];
+    const yao2020_real s = (b[1] * a[0]) - (b[0] * a[1]);
+    const yao2020_real c = (b[0] * a[0]) + (b[1] * a[1]);
     yao2020_real way;
     if (fabsf(s) < c) {
         const yao2020_real ratio = s / c;
         const yao2020_real square = ratio * ratio;
-        way = ratio * (1.0000017f + square * (-0.33171135f + square * (0.18522155f
-            + square * (-0.0919295f + square * 0.023864165f))));
+        way = ratio * (1.0000017f + (square * (-0.33171135f + (square * (0.18522155f
+            + (square * (-0.0919295f + (square * 0.023864165f))))))));
     } else {
         way = yao2020_angle(s, c);
     }
@@ -1170,8 +1170,8 @@ static yao2020_status yao2020_inverse_aim(yao2020_inverse_work *w, const yao2020
             w->joints[5]) - w->joints[5];
         w->found[5] = w->joints[5] + way5;
         w->way[5] = fabsf(way5) * 0.0018017287f;
-        w->way2 = w->way[0] * w->way[0] + w->way[1] * w->way[1] + w->way[2] * w->way[2]
-            + w->way[3] * w->way[3] + w->way[4] * w->way[4] + w->way[5] * w->way[5];
+        w->way2 = (w->way[0] * w->way[0]) + (w->way[1] * w->way[1]) + (w->way[2] * w->way[2])
+            + (w->way[3] * w->way[3]) + (w->way[4] * w->way[4]) + (w->way[5] * w->way[5]);
     }
     return status;
 }
@@ -1340,14 +1340,14 @@ static bool yao2020_inverse_keeps(yao2020_inverse_work *w, const yao2020_real ch
     const yao2020_real t67 = 1.0f / root3;
     const yao2020_real t68 = t66 * t67;
     const yao2020_real t69 = t65 + t68;
-    const yao2020_real way1 = w->way[1] + 0.5f * t69;
+    const yao2020_real way1 = w->way[1] + (0.5f * t69);
     w->speed[1] = (way1 < t50) ? way1 : t50;
     w->change[1] = t69;
     /* theta1 turns the axis of theta3 to where it must be: proved */
     const yao2020_real t73 = t50 * t67;
     const yao2020_real t74 = t73 + w->way[0];
     most = ((t74 > most) && !((1.001f * t50 * t50 < w->left[2] + w->guard[2]
-        + 2.0f * ((w->left[2] < w->guard[2]) ? w->left[2] : w->guard[2])))) ? t74 : most;
+        + (2.0f * ((w->left[2] < w->guard[2]) ? w->left[2] : w->guard[2]))))) ? t74 : most;
     if (!(most < 6.28f)) {
         yao2020_inverse_take(w, most * most, 39.4384f);
     }
@@ -1381,7 +1381,8 @@ static YAO2020_SHARED yao2020_status yao2020_inverse_walk(yao2020_inverse_work *
     bool refused = true;
     yao2020_status status = YAO2020_MAX_ITERATIONS;
     /* of q and -q, one rotation, the one on the guess's side */
-    const yao2020_real cosine = at[3] * to[3] + at[4] * to[4] + at[5] * to[5] + at[6] * to[6];
+    const yao2020_real cosine = (at[3] * to[3]) + (at[4] * to[4]) + (at[5] * to[5])
+        + (at[6] * to[6]);
     const yao2020_real side = (cosine < 0.0f) ? -1.0f : 1.0f;
     yao2020_real move[7];
     way2[0] = 0.0f;
@@ -1392,7 +1393,7 @@ static YAO2020_SHARED yao2020_status yao2020_inverse_walk(yao2020_inverse_work *
     }
     way2[0] *= 3.2462262e-06f;
     /* the square of the largest speed of the turn between them, of which they are the chord */
-    way2[1] *= 8.0f / (1.0f + side * cosine);
+    way2[1] *= 8.0f / (1.0f + (side * cosine));
     while ((status == YAO2020_MAX_ITERATIONS) && (*count < most)) {
         const yao2020_real next = done + part;
         const yao2020_real end = (next < 0.9999f) ? next : 1.0f;
@@ -1404,11 +1405,11 @@ static YAO2020_SHARED yao2020_status yao2020_inverse_walk(yao2020_inverse_work *
         }
         yao2020_real x[7];
         for (int i = 0; i < 7; ++i) {
-            x[i] = at[i] + end * move[i];
+            x[i] = at[i] + (end * move[i]);
         }
         if (end < 1.0f) {
-            const yao2020_real inverse = 1.0f / sqrtf(x[3] * x[3] + x[4] * x[4] + x[5] * x[5]
-                + x[6] * x[6]);
+            const yao2020_real inverse = 1.0f / sqrtf((x[3] * x[3]) + (x[4] * x[4])
+                + (x[5] * x[5]) + (x[6] * x[6]));
             for (int i = 3; i < 7; ++i) {
                 x[i] *= inverse;
             }

@@ -197,7 +197,7 @@ class HeldPart:
             texts = ", ".join(self._text(kind, joint) for kind in ("curved", "crossed", "own"))
             self._add(f"{self.code.values['p']}_inverse_bounds(w, {joint}, {texts});")
             return
-        self._add(f"const {self.code.real.type} way{joint} = w->way[{joint}] + {half} * {own};")
+        self._add(f"const {self.code.real.type} way{joint} = w->way[{joint}] + ({half} * {own});")
         self._add(f"{told} = (way{joint} < {speed}) ? way{joint} : {speed};")
         self._add(f"w->change[{joint}] = {own};")
 
@@ -213,7 +213,7 @@ class HeldPart:
             here, there = (f"w->{part}[{number}]" for part in ("left", "guard"))
             ends, sides = f"{here} + {there}", range(len(self.steps[i].sides))
             if len(sides) == 1:
-                ends += f" + {real.literal(2.0)} * (({here} < {there}) ? {here} : {there})"
+                ends += f" + ({real.literal(2.0)} * (({here} < {there}) ? {here} : {there}))"
             texts = [self._text(f"side {k}", i) for k in sides]
             short = [f"({real.literal(RAISED)} * {s} * {s} < {ends})" for s in texts]
             asked = f"({asked}) && !({' && '.join(short)})"

@@ -27,7 +27,7 @@ from symkin.codegen.steps.guards import Bound, Guard
 from symkin.codegen.steps.newton_kernel import rounded, rounded_up
 from symkin.codegen.text.c import Emitter, Real, indent
 from symkin.codegen.text.templates import copy, fill
-from symkin.codegen.text.turns import angle_of_direction, near_arctangent
+from symkin.codegen.text.turns import near_arctangent
 from symkin.computed_once import cached_property
 
 _HELPERS = ("take", "least", "least_length", "least_sine", "bounds")
@@ -153,7 +153,7 @@ class ClosedLine:
                 f"w->found[{i}] = w->joints[{i}] + way{i};",
                 f"w->way[{i}] = {real.call('fabs')}(way{i}){per * screw.slides};",
             ]
-        squares = (f"w->way[{i}] * w->way[{i}]" for i in range(len(self.plan.arm)))
+        squares = (f"(w->way[{i}] * w->way[{i}])" for i in range(len(self.plan.arm)))
         return [*lines, f"w->way2 = {' + '.join(squares)};"]
 
     @property
@@ -185,12 +185,9 @@ class ClosedLine:
             helpers.insert(0, fill(f"closed_{_HELPERS[0]}.c", names))
         own = {"walk": walk, "limits": limits.text, "helpers": "".join(helpers)}
         own["joint"] = fill("closed_joint.c", names)
-        angle = ""
         if not all(self._exact):
             own["turn_between"] = fill("closed_way.c", names)
-            # float code has it for all branches
-            angle = angle_of_direction(self.real, names) if self.real.name == "double" else ""
-        return angle + fill("closed_line.c", names | {"turn_between": ""} | own)
+        return fill("closed_line.c", names | {"turn_between": ""} | own)
 
     @property
     def _values(self) -> dict[str, object]:

@@ -1,5 +1,5 @@
     /* of q and -q, one rotation, the one on the guess's side */
-    const @{real} cosine = at[3] * to[3] + at[4] * to[4] + at[5] * to[5] + at[6] * to[6];
+    const @{real} cosine = (at[3] * to[3]) + (at[4] * to[4]) + (at[5] * to[5]) + (at[6] * to[6]);
     const @{real} side = (cosine < @{zero}) ? -@{one} : @{one};
     @{real} move[7];
     way2[0] = @{zero};
@@ -10,4 +10,4 @@
     }
     way2[0] *= @{per_size2};
     /* the square of the largest speed of the turn between them, of which they are the chord */
-    way2[1] *= @{eight} / (@{one} + side * cosine);
+    way2[1] *= @{eight} / (@{one} + (side * cosine));

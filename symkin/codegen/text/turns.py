@@ -75,7 +75,7 @@ def angle_of_direction(real: Real, values: Mapping[str, object]) -> str:
 
 def near_arctangent(real: Real) -> str:
     """C text of atan(x) / x in `square`, up to x = 1, that is never less."""
-    return _horner(_NEAR_ARCTANGENT, real)
+    return _horner(_NEAR_ARCTANGENT, real, product="(square * {})")
 
 
 def rough_sine(real: Real) -> str:
@@ -83,10 +83,10 @@ def rough_sine(real: Real) -> str:
     return _horner(_ROUGH_SINE, real)
 
 
-def _horner(coefficients: tuple[float, ...], real: Real) -> str:
+def _horner(coefficients: tuple[float, ...], real: Real, product: str = "square * {}") -> str:
     """C text of a polynomial in `square`, by Horner's rule."""
     *rest, last = (real.literal(c) for c in coefficients)
     text = last
     for c in reversed(rest):
-        text = f"{c} + square * {text if text == last else f'({text})'}"
+        text = f"{c} + {product.format(text if text == last else f'({text})')}"
     return text
