@@ -208,7 +208,9 @@ NAMES = {
     "SOLVERS": "symkin.position.solve",
     "random_starts": "symkin.position.starts",
     "start_values": "symkin.position.starts",
+    "many_as_written": "symkin.position.transfer",
     "many_elsewhere": "symkin.position.transfer",
+    "many_of_machine": "symkin.position.transfer",
     "variables_elsewhere": "symkin.position.transfer",
     # Jacobians
     "variables_of": "symkin.velocity.equations",
