@@ -103,7 +103,8 @@ class BlockFollower:
     interval with their tubes. `closed_branches` are the intervals (by row) on which the branch
     comes back to itself, `begun` is the first station of the present one. `ahead` holds steps that
     have been proved, by row of the path up to row `looked`, before it is known that they are
-    joined; `closed` is the largest closure error (length unit) of closed loops.
+    joined; `goes_on` tells that as many were found as are looked for at once. `closed` is the
+    largest closure error (length unit) of closed loops.
     """
 
     system: PathSystem
@@ -117,6 +118,7 @@ class BlockFollower:
     link: Link | None = None
     ahead: dict[int, list[Step]] = field(default_factory=dict)
     looked: int = -1
+    goes_on: bool = False
     curves: list[tuple[Cubic, Tubes]] = field(default_factory=list)
     begun: Station | None = None
     closed_branches: dict[int, ClosedBranch] = field(default_factory=dict)
@@ -181,10 +183,13 @@ class BlockFollower:
         if self.link is not None and not self.link.holds(self.station.half, away):
             self.stop = BlockStop("unproved", 0.0)
 
-    def _look_ahead(self, row: int) -> None:
+    def _look_ahead(self, row: int, u: float = 0.0) -> None:
         """Prove steps from here on, all at once, from points to which Newton's method leads; those
-        that turn out to be joined to the branch are part of it."""
-        pieces = list(islice(self._pieces(row), _MOST_AHEAD if self.looked >= 0 else _FIRST_AHEAD))
+        that turn out to be joined to the branch are part of it.
+        """
+        most = _MOST_AHEAD if self.looked >= 0 else _FIRST_AHEAD
+        pieces = list(islice(self._pieces(row, u), most))
+        self.goes_on = len(pieces) == most
         if not pieces:
             self.looked = row
             return
@@ -196,10 +201,10 @@ class BlockFollower:
         for k, r in enumerate(rows.tolist()):
             self.ahead.setdefault(r, []).extend(found.steps_of(r, k))
 
-    def _pieces(self, row: int) -> Iterator[tuple[int, np.ndarray, float]]:
+    def _pieces(self, row: int, u: float) -> Iterator[tuple[int, np.ndarray, float]]:
         """Where (row, y) Newton's method leads along the path, and the u to which the next step may
         go, up to a place where it leads no further."""
-        y = np.append(self.station.z, 0.0)
+        y = np.append(self.station.z, u)
         samples = self.trajectory.samples
         for r in range(row, len(samples) - 1):
             if np.array_equal(samples[r], samples[r + 1]):
@@ -207,7 +212,7 @@ class BlockFollower:
             if whole_turns(self.trajectory, r) is not None:
                 return
             interval = interval_of(self.system, self.trajectory, r)
-            y = np.append(y[:-1], 0.0)
+            y = np.append(y[:-1], u if r == row else 0.0)
             while y[-1] < 1.0:
                 slope = along(interval.evaluate(y[None], ALONE)[1])[0]
                 speed = float(np.max(np.abs(slope), initial=0.0))
@@ -263,6 +268,9 @@ class BlockFollower:
                 if self._meets_singular_point(until):
                     return
             step = self._known_step(mark)
+            if step is None and self.goes_on and not self.ahead.get(station.row):
+                self._look_ahead(station.row, station.u)
+                step = self._known_step(mark)
             if step is None:
                 end = mark if station.u + 1.01 * h >= mark else station.u + h
                 step = one_step(self.interval, station, end, pace)
