@@ -15,8 +15,8 @@ where the actuated joints of a limb have more freedom than the twist decides.
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass
-from itertools import chain
 
 import casadi as ca
 import numpy as np
@@ -26,7 +26,7 @@ from symkin.computed_once import cached_property
 from symkin.numeric.rank import most_independent
 from symkin.numeric.system import components
 from symkin.position.closed_configurations import closed_configurations
-from symkin.velocity.differential import TWIST_COLUMNS, Differential, pose_rates
+from symkin.velocity.differential import TWIST_COLUMNS, Differential
 from symkin.velocity.elimination import (
     back_substituted,
     cofactors,
@@ -36,14 +36,14 @@ from symkin.velocity.elimination import (
     without_span,
 )
 from symkin.velocity.equations import VelocityEquations
-from symkin.velocity.jacobian_names import TWIST, JacobianKind, Matrix, names_of
+from symkin.velocity.kinds import Rates
 
 _LARGEST_MINOR = 2
 """Passive joints up to which one remaining equation is made of minors, without divisions."""
 
 
 @dataclass(frozen=True, eq=False)
-class Expressions:
+class Expressions(Rates):
     """Jacobians of `equations`, from a differential of the same closure with geometry as numbers or
     symbols.
 
@@ -58,20 +58,10 @@ class Expressions:
     def closure(self) -> Closure:
         return self.equations.closure
 
-    def matrix(self, kind: JacobianKind) -> Matrix:
-        """A Jacobian of one of the kinds."""
-        joints = tuple(c.name for c in self.closure.role("actuated"))
-        expression: ca.SX = getattr(self, kind)
-        match kind:
-            case "direct":
-                return Matrix(TWIST, joints, expression)
-            case "inverse":
-                return Matrix(joints, TWIST, expression)
-            case "passive":
-                return Matrix(self.equations.passive_names, joints, expression)
-            case _:
-                pose = (names_of(c.name, c.width) for c in self.closure.role("pose"))
-                return Matrix(tuple(chain.from_iterable(pose)), joints, expression)
+    @property
+    def free(self) -> Collection[str]:  # type: ignore[override]
+        is_open = self.differential is self.equations.differential
+        return self.closure.parameter_names if is_open else ()
 
     @property
     def following(self) -> ca.SX:
@@ -83,10 +73,10 @@ class Expressions:
         """Rates of each coordinate among all rates (q'; x'; t)."""
         found, place = dict[str, ca.SX](), 0
         for c in self.closure.role("actuated", "passive"):
-            found[c.name] = rates[place : place + c.freedom]
+            found[c.name] = rates[place : place + c.freedom, :]
             place += c.freedom
         for c in self.closure.role("pose"):
-            found[c.name] = rates[[place + k for k in TWIST_COLUMNS[c.name]]]
+            found[c.name] = rates[[place + k for k in TWIST_COLUMNS[c.name]], :]
         return found
 
     @cached_property
@@ -126,14 +116,9 @@ class Expressions:
         result[:, list(self.equations.columns)] = rates
         return ca.sparsify(result)
 
-    @cached_property
-    def analytic(self) -> ca.SX:
-        """Rates of the pose coordinates by q': x' = v; the unit quaternion's are (0, w) q / 2,
-        gamma' = w_z.
-        """
-        quaternion = self.differential.pose.quaternion
-        rates = (pose_rates(c, quaternion, self.direct) for c in self.closure.role("pose"))
-        return ca.sparsify(ca.vertcat(*rates))
+    @property
+    def _quaternion(self) -> ca.SX:
+        return self.differential.pose.quaternion
 
     @property
     def _used(self) -> list[int]:

@@ -34,20 +34,18 @@ from symkin.position.problem import Problem, build_problem, pose_names
 from symkin.position.solve_result import SolveError
 from symkin.position.transfer import many_elsewhere
 from symkin.velocity.differential import (
-    TWIST_COLUMNS,
-    pose_rates,
-    rate_names,
     tangent_jacobian,
 )
 from symkin.velocity.elimination import factored
-from symkin.velocity.jacobian_names import TWIST, JacobianKind, Matrix, names_of
+from symkin.velocity.jacobian_names import JacobianKind, Matrix
+from symkin.velocity.kinds import Rates, twist_of
 
 _LEVEL = ("azimuth", "tilt")
 """Angles of a platform that have no rates where it does not tilt."""
 
 
 @dataclass(frozen=True, eq=False)
-class NamedRates:
+class NamedRates(Rates):
     """Rates of all coordinates of a problem by those of its known ones, as expressions of the
     closure's variables.
     """
@@ -72,9 +70,19 @@ class NamedRates:
         """Rates of each coordinate among all rates, those of `following`."""
         found, place = dict[str, ca.SX](), 0
         for name, part in self.of.items():
-            found[name] = rates[place : place + int(part.shape[0])]
+            found[name] = rates[place : place + int(part.shape[0]), :]
             place += int(part.shape[0])
         return found
+
+    @property
+    def direct(self) -> ca.SX:
+        return twist_of(self.of, len(self.problem.known_coordinates))
+
+    @property
+    def inverse(self) -> ca.SX:
+        size = self.closure.characteristic_length
+        lengths = ca.diag(ca.DM([1.0, 1.0, 1.0, size, size, size]))
+        return factored(ca.mtimes(lengths, self.direct), lengths).solution()
 
     def refuse_singular(self, values: np.ndarray, asked: Sequence[str]) -> None:
         """Raise SolveError where the known coordinates do not decide the rates that are asked
@@ -108,32 +116,13 @@ def graph_rates(mechanism: Mechanism, kind: JacobianKind) -> tuple[NamedRates, M
     its motion.
     """
     joints = tuple(c.name for c in mechanism.actuated)
-    held = tuple(c.name for c in mechanism.coordinates if c.name not in joints)
-    pose = () if mechanism.platform_link is None else pose_names(mechanism)
-    wanted = held if kind == "passive" else pose
-    if not joints or not wanted:
+    has_platform = mechanism.platform_link is not None
+    if not joints or (kind != "passive" and not has_platform):
         raise InputError(_no_kind(mechanism, kind, joints))
-    problem = build_problem(mechanism, joints, wanted)
+    problem = build_problem(mechanism, joints, pose_names(mechanism) if has_platform else ())
     refuse_unless_determined(problem)
-    rates, closure = NamedRates(problem), problem.closure
-    coordinates = {c.name: c for c in problem.system.unknowns}
-    if kind == "passive":
-        passive = ca.vertcat(*(rates.of[name] for name in held))
-        return rates, Matrix(rate_names([coordinates[name] for name in held]), joints, passive)
-    twist = ca.SX(6, len(joints))
-    for name in pose:
-        twist[list(TWIST_COLUMNS[name]), :] = rates.of[name]
-    if kind == "inverse":
-        size = closure.characteristic_length
-        lengths = ca.diag(ca.DM([1.0, 1.0, 1.0, size, size, size]))
-        solved = factored(ca.mtimes(lengths, twist), lengths).solution()
-        return rates, Matrix(joints, TWIST, solved)
-    if kind == "analytic":
-        quaternion = closure.symbols([coordinates[pose[-1]]])
-        told = (pose_rates(coordinates[name], quaternion, twist) for name in pose)
-        rows = tuple(v for n in pose for v in names_of(n, coordinates[n].width))
-        return rates, Matrix(rows, joints, ca.vertcat(*told))
-    return rates, Matrix(TWIST, joints, twist)
+    rates = NamedRates(problem)
+    return rates, rates.matrix(kind)
 
 
 def _no_kind(mechanism: Mechanism, kind: str, joints: tuple[str, ...]) -> str:
@@ -143,12 +132,10 @@ def _no_kind(mechanism: Mechanism, kind: str, joints: tuple[str, ...]) -> str:
             f"{mechanism.name} has no actuated joint, and a Jacobian relates their rates: mark "
             f"joints `actuated = true`"
         )
-    if kind == "passive":
-        return f"{mechanism.name} has no passive joint; name coordinates: --of NAMES --by NAMES"
     return (
-        f"{mechanism.name} has no platform link, whose rates a {kind} Jacobian relates to those of "
-        f"the actuated joints; name it by [platform] link in its mechanism file, of a robot's file "
-        f"by --platform LINK, or name coordinates: of=[...], by=[...] (--of NAMES --by NAMES)"
+        f"{mechanism.name} has no platform link, whose rates the {kind} Jacobian relates to those "
+        f"of the actuated joints; name it by [platform] link in its mechanism file, of a robot's "
+        f"file by --platform LINK, or name coordinates: of=[...], by=[...] (--of NAMES --by NAMES)"
     )
 
 
