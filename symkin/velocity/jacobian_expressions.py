@@ -24,22 +24,18 @@ import numpy as np
 from symkin.closure.closure import Closure
 from symkin.computed_once import cached_property
 from symkin.numeric.rank import most_independent
-from symkin.numeric.system import components
 from symkin.position.closed_configurations import closed_configurations
 from symkin.velocity.differential import TWIST_COLUMNS, Differential
 from symkin.velocity.elimination import (
-    back_substituted,
-    cofactors,
     factored,
+    inner_rates,
     nonzero_rows,
+    outer_rates,
     shortest,
     without_span,
 )
 from symkin.velocity.equations import VelocityEquations
 from symkin.velocity.kinds import Rates
-
-_LARGEST_MINOR = 2
-"""Passive joints up to which one remaining equation is made of minors, without divisions."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,24 +78,19 @@ class Expressions(Rates):
     @cached_property
     def direct(self) -> ca.SX:
         """J (6, n)."""
-        width = int(self._twist.shape[1])
-        rows = self._without_passive
+        minors = not self._is_loaded
         result = ca.SX(6, int(self._actuated.shape[1]))
-        result[list(self.equations.columns), :] = -factored(
-            rows[:, :width], rows[:, width:]
-        ).solution()
+        result[list(self.equations.columns), :] = outer_rates(
+            self._passive, self._twist, self._actuated, minors=minors
+        )
         return ca.sparsify(result)
 
     @cached_property
     def passive(self) -> ca.SX:
         """Jp (p, n); passive joints that are held rest."""
-        width = int(self._twist.shape[1])
-        parts = factored(self._passive, ca.horzcat(self._twist, self._actuated))
-        moved = ca.mtimes(parts.coefficients[:, :width], self.direct[self.equations.columns, :])
+        twist = self.direct[list(self.equations.columns), :]
         result = ca.SX(int(self.differential.passive.shape[1]), int(self._actuated.shape[1]))
-        result[self._used, :] = -back_substituted(
-            parts.triangular, moved + parts.coefficients[:, width:]
-        )
+        result[self._used, :] = inner_rates(self._passive, self._twist, self._actuated, twist)
         return ca.sparsify(result)
 
     @cached_property
@@ -145,26 +136,6 @@ class Expressions(Rates):
     @cached_property
     def _actuated(self) -> ca.SX:
         return ca.sparsify(ca.mtimes(self._weights, self.differential.actuated))
-
-    @cached_property
-    def _without_passive(self) -> ca.SX:
-        """The rows in t and q' that are left where P is eliminated, in parts that share no passive
-        joint; one row of a few passive joints is made of minors, without divisions.
-        """
-        both, passive = ca.horzcat(self._twist, self._actuated), self._passive
-        held: list[set[int]] = [set() for _ in range(int(passive.shape[0]))]
-        for row, column in zip(*passive.sparsity().get_triplet(), strict=True):
-            held[row].add(column)
-        found = [both[[k for k, columns in enumerate(held) if not columns], :]]
-        for part in components(held, int(passive.shape[1])):
-            rows = [k for k, columns in enumerate(held) if columns & part]
-            own, left = passive[rows, sorted(part)], both[rows, :]
-            if len(rows) - len(part) == 1 and len(part) <= _LARGEST_MINOR and not self._is_loaded:
-                found.append(ca.mtimes(cofactors(own), left))
-            elif len(rows) > len(part):
-                remainder = factored(own, left).remainder
-                found.append(remainder[nonzero_rows(remainder), :])
-        return ca.vertcat(*found)
 
     @property
     def _is_loaded(self) -> bool:

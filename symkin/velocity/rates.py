@@ -36,7 +36,7 @@ from symkin.position.transfer import many_elsewhere
 from symkin.velocity.differential import (
     tangent_jacobian,
 )
-from symkin.velocity.elimination import factored
+from symkin.velocity.elimination import factored, inner_rates, outer_rates
 from symkin.velocity.jacobian_names import JacobianKind, Matrix
 from symkin.velocity.kinds import Rates, twist_of
 
@@ -68,11 +68,8 @@ class NamedRates(Rates):
 
     def split(self, rates: ca.SX) -> dict[str, ca.SX]:
         """Rates of each coordinate among all rates, those of `following`."""
-        found, place = dict[str, ca.SX](), 0
-        for name, part in self.of.items():
-            found[name] = rates[place : place + int(part.shape[0]), :]
-            place += int(part.shape[0])
-        return found
+        problem = self.problem
+        return _by_name((*problem.known_coordinates, *problem.system.unknowns), rates)
 
     @property
     def direct(self) -> ca.SX:
@@ -116,10 +113,9 @@ def graph_rates(mechanism: Mechanism, kind: JacobianKind) -> tuple[NamedRates, M
     its motion.
     """
     joints = tuple(c.name for c in mechanism.actuated)
-    has_platform = mechanism.platform_link is not None
-    if not joints or (kind != "passive" and not has_platform):
+    if not joints or (kind != "passive" and mechanism.platform_link is None):
         raise InputError(_no_kind(mechanism, kind, joints))
-    problem = build_problem(mechanism, joints, pose_names(mechanism) if has_platform else ())
+    problem = build_problem(mechanism, joints, () if kind == "passive" else pose_names(mechanism))
     refuse_unless_determined(problem)
     rates = NamedRates(problem)
     return rates, rates.matrix(kind)
@@ -201,16 +197,28 @@ def _rates(problem: Problem) -> dict[str, ca.SX]:
     }
     for block in _blocks(problem):
         knowns = tuple(c for c in closure.coordinates if c.name in rates)
-        slopes, driving = (
-            tangent_jacobian(block.rows, closure, part) for part in (block.unknowns, knowns)
+        # joints between bodies that float go first, limb by limb
+        last = tuple(c for c in block.unknowns if c.body is not None) or block.unknowns
+        first = tuple(c for c in block.unknowns if c not in last)
+        inner, outer, driving = (
+            ca.sparsify(tangent_jacobian(block.rows, closure, part))
+            for part in (first, last, knowns)
         )
         driven = ca.mtimes(driving, ca.vertcat(*(rates[c.name] for c in knowns)))
-        solved = -factored(slopes, driven).solution()
-        place = 0
-        for c in block.unknowns:
-            rates[c.name] = solved[place : place + c.freedom, :]
-            place += c.freedom
-    return rates
+        found = outer_rates(inner, outer, driven)
+        rates |= _by_name(last, found)
+        rates |= _by_name(first, inner_rates(inner, outer, driven, found))
+    # in the order of the problem's unknowns
+    return {c.name: rates[c.name] for c in (*problem.known_coordinates, *problem.system.unknowns)}
+
+
+def _by_name(coordinates: Sequence[Coordinate], rates: ca.SX) -> dict[str, ca.SX]:
+    """The rates of each coordinate, of all of them one below the other."""
+    found, place = dict[str, ca.SX](), 0
+    for c in coordinates:
+        found[c.name] = rates[place : place + c.freedom, :]
+        place += c.freedom
+    return found
 
 
 @dataclass(frozen=True, eq=False)
