@@ -9,12 +9,7 @@ import casadi as ca
 
 from symkin.closure.closure import Closure
 from symkin.errors import InputError
-from symkin.velocity.differential import (
-    TWIST_COLUMNS,
-    passive_rates,
-    pose_rates,
-    rate_names,
-)
+from symkin.velocity.differential import passive_rates, pose_rates, rate_names
 from symkin.velocity.jacobian_names import TWIST, JacobianKind, Matrix, names_of
 
 
@@ -27,8 +22,7 @@ class Rates(ABC):
 
     @property
     @abstractmethod
-    def closure(self) -> Closure:
-        """The closure over whose variables the expressions are."""
+    def closure(self) -> Closure: ...
 
     @property
     @abstractmethod
@@ -80,12 +74,3 @@ class Rates(ABC):
     def _quaternion(self) -> ca.SX:
         closure = self.closure
         return closure.symbols([c for c in closure.role("pose") if c.is_rotation])
-
-
-def twist_of(rates: dict[str, ca.SX], known: int) -> ca.SX:
-    """(6, n): the twist of pose coordinates' rates by `known` ones."""
-    twist = ca.SX(6, known)
-    for name, columns in TWIST_COLUMNS.items():
-        if name in rates:
-            twist[list(columns), :] = rates[name]
-    return twist

@@ -38,7 +38,7 @@ from symkin.velocity.differential import (
 )
 from symkin.velocity.elimination import factored, inner_rates, outer_rates
 from symkin.velocity.jacobian_names import JacobianKind, Matrix
-from symkin.velocity.kinds import Rates, twist_of
+from symkin.velocity.kinds import Rates
 
 _LEVEL = ("azimuth", "tilt")
 """Angles of a platform that have no rates where it does not tilt."""
@@ -73,7 +73,10 @@ class NamedRates(Rates):
 
     @property
     def direct(self) -> ca.SX:
-        return twist_of(self.of, len(self.problem.known_coordinates))
+        twist = ca.SX(6, len(self.problem.known_coordinates))
+        for c in self.closure.role("pose"):
+            twist[list(TWIST_COLUMNS[c.name]), :] = self.of[c.name]
+        return twist
 
     @property
     def inverse(self) -> ca.SX:
