@@ -3,7 +3,7 @@
 With the closure F(u, k) = 0, u its unknowns and k the coordinates of `by`: F_u u' + F_k k' = 0.
 Structure groups are solved one after another, so that each expression holds no more than a group's
 own equations, and each by least squares of all its rows without a choice of pivots: expressions
-have no poles but where these rows leave a rate free.
+have no poles but where these rows leave a rate free. Joints between floating bodies go first.
 
 Square groups leave none wherever all rows together leave none, for determinants multiply.
 Redundant rows may decide more than their own group (the third crank of a parallelogram carries
@@ -33,9 +33,7 @@ from symkin.position.groups import structure_groups
 from symkin.position.problem import Problem, build_problem, pose_names
 from symkin.position.solve_result import SolveError
 from symkin.position.transfer import many_elsewhere
-from symkin.velocity.differential import (
-    tangent_jacobian,
-)
+from symkin.velocity.differential import TWIST_COLUMNS, tangent_jacobian
 from symkin.velocity.elimination import factored, inner_rates, outer_rates
 from symkin.velocity.jacobian_names import JacobianKind, Matrix
 from symkin.velocity.kinds import Rates
