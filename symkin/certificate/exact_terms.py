@@ -17,9 +17,9 @@ from flint import fmpq
 
 from symkin.closure.expression_graph import walk
 
-_MOST_PRODUCTS = 40_000
-"""Products of two terms at most, some 0.1 s: rows of turns about general axes in space have
-millions, and no bound.
+_MOST_PRODUCTS = 2_000
+"""Products of two terms at most for each row, some 10 ms: rows that are counted need 730; those of
+turns about general axes in space have millions, and no bound.
 """
 _HALF, _ONE = fmpq(1, 2), fmpq(1)
 
@@ -48,7 +48,7 @@ class NotTermsError(Exception):
 def terms_of(rows: Sequence[ca.SX], unknown: ca.SX, known: ca.SX) -> list[Terms] | None:
     """Each row as a sum of terms; None where some row is none, or has too many."""
     function = ca.Function("rows", [unknown, known], [ca.densify(ca.vertcat(*rows))], {"cse": True})
-    reader = _Reader()
+    reader = _Reader(_MOST_PRODUCTS * len(rows))
     try:
         walk(function, reader)
     except NotTermsError:
@@ -87,10 +87,10 @@ def product_of_terms(first: Term, second: Term) -> tuple[Term, int]:
 
 @dataclass
 class _Reader:
-    """Evaluator that makes sums of terms."""
+    """Evaluator that makes sums of terms, by so many `products` of two terms at most."""
 
+    products: int
     found: dict[int, Terms] = field(default_factory=dict)
-    products: int = 0
     functions: int = 0
 
     def input(self, number: int, nonzero: int) -> Terms:
@@ -125,8 +125,8 @@ class _Reader:
         return {((Factor("known", self.functions), _ONE),): _ONE}
 
     def _product(self, first: Terms, second: Terms) -> Terms:
-        self.products += len(first) * len(second)
-        if self.products > _MOST_PRODUCTS:
+        self.products -= len(first) * len(second)
+        if self.products < 0:
             raise NotTermsError
         return times(first, second)
 

@@ -233,7 +233,7 @@ class HeldPart:
 
     @property
     def _has_turns(self) -> bool:
-        return any(kind == "whole" for kind, _ in self._told)
+        return any(key[0] == "whole" for key in self._told)
 
     def _add(self, line: str) -> None:
         self._emitter.lines.append(line)

@@ -90,11 +90,11 @@ class MachinePath:
 def machine_path(trajectory: Trajectory) -> MachinePath:
     """The path of a description's machine, where that is another one and takes all of its poses."""
     mechanism, names = trajectory.mechanism, tuple(c.name for c in trajectory.coordinates)
-    first = Given(names, trajectory.samples[0], {})
-    low = machine_of(mechanism, first, frozenset(trajectory.limited))
+    first, of_pose = Given(names, trajectory.samples[0], {}), names == pose_names(mechanism)
+    is_mixed = not of_pose and any(c.role == "pose" for c in trajectory.coordinates)
+    low = None if is_mixed else machine_of(mechanism, first, frozenset(trajectory.limited))
     if low is None:
         return MachinePath(trajectory, trajectory)
-    of_pose = names == pose_names(mechanism)
     known = pose_names(low.machine) if of_pose else in_order(low.machine, first).names
     problem = path_problem(low.machine, known, trajectory.limited)
     if of_pose:
