@@ -262,7 +262,8 @@ def test_a_point_that_turns_about_any_axis_meets_a_distance_twice():
     """The squares of cosine and sine cancel but for the rounding of the axis."""
     for seed in range(5):
         rng = np.random.default_rng(seed)
-        axis, point, far = unit(rng.normal(size=3)), rng.normal(size=3), rng.normal(size=3)
+        axis, point, far = rng.normal(size=(3, 3))
+        axis = axis / np.linalg.norm(axis)
         z, k = ca.SX.sym("z"), ca.SX.sym("k")
         along = axis * (axis @ point)
         across = ca.DM(point - along) * ca.cos(z) + ca.DM(np.cross(axis, point)) * ca.sin(z)
