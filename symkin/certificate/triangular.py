@@ -23,6 +23,7 @@ from symkin.certificate.exact_terms import (
     times,
 )
 from symkin.homotopy.algebraic import AlgebraicSystem
+from symkin.model.joint import Coordinate
 
 _NEVER_ZERO = ("z turn", "k turn", "turn", "i")
 """Kinds of factors that no value makes zero."""
@@ -39,7 +40,7 @@ def root_counts(system: AlgebraicSystem) -> dict[str, int] | None:
     if system.projective or system.count != system.width:
         return None
     rows = terms_of(ca.vertsplit(system.rows), system.z, system.k)
-    if rows is None or any(_degree(row, k) is None for row in rows for k in range(system.width)):
+    if rows is None or not all(_is_algebraic(rows, k, c) for k, c in enumerate(system.unknowns)):
         return None
     chain = _Chain(system, rows, set(range(system.width)))
     while chain.rows:
@@ -102,10 +103,9 @@ class _Chain:
         sign.
         """
         degree, coordinate = _degree(row, unknown), self.system.unknowns[unknown]
-        turns = any(_exponents(row, Factor("z turn", unknown)))
-        if degree is None or turns != coordinate.is_periodic:
-            return None
-        if coordinate.least is None or not (self.is_exact or coordinate.least == 0.0):
+        if degree is None or coordinate.least is None:
+            return degree
+        if not (self.is_exact or coordinate.least == 0.0):
             return degree
         middle = fmpq(*coordinate.least.as_integer_ratio())
         middle /= fmpq(*self.system.characteristic_length.as_integer_ratio())
@@ -118,6 +118,16 @@ class _Chain:
         self.rows = [other for other in self.rows if other is not row]
         self.left.discard(unknown)
         self.found[self.system.unknowns[unknown].name] = count
+
+
+def _is_algebraic(rows: list[Terms], unknown: int, coordinate: Coordinate) -> bool:
+    """Whether rows hold an angle by its exp(i z) alone, and any other unknown by its powers: one
+    whose whole turns count would have more values than these.
+    """
+    other = Factor("z" if coordinate.is_periodic else "z turn", unknown)
+    return all(
+        not any(_exponents(row, other)) and _degree(row, unknown) is not None for row in rows
+    )
 
 
 def _is_once(term: Term, length: Factor) -> bool:

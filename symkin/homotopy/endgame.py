@@ -173,9 +173,9 @@ def _with_far_roots(
     z = tracked.z.copy()
     if not is_square(system) or not are_far(system, z[:, left]).all():
         return None
-    came = tracked.arrived[left]
-    came[came], z[:, left[came]] = settled(system, z[:, left[came]], target)
-    end, missing = aligned(system, start.k, target), left[~came]
+    came = left[tracked.arrived[left]]
+    found, z[:, came] = settled(system, z[:, came], target)
+    end, missing = aligned(system, start.k, target), np.setdiff1d(left, came[found])
     for _ in range(2):
         if completed(system, start, z, missing, end).size:
             return None

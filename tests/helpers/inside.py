@@ -140,6 +140,7 @@ NAMES = {
     "limbs_of": "symkin.machine.limbs",
     "lowered": "symkin.machine.lower",
     "lowered_limbs": "symkin.machine.lower",
+    "BallReading": "symkin.machine.universal",
     "with_limbs": "symkin.machine.limbs",
     # closure equations
     "edges_of": "symkin.closure.branches",

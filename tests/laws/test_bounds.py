@@ -19,6 +19,7 @@ from helpers.inside import (
     bound_of,
     build_problem,
     exact_known,
+    independent_problems,
     known_values,
     knowns_of,
     proves,
@@ -147,7 +148,7 @@ def test_rod_lengths_are_proved_alone():
     platform = symkin.load("zhang2009")
     problem = build_problem(platform, "inverse")
     values = np.array([10.0, 20, 300, 0.9, 0.1, -0.2, 0.05])
-    for part in problem.blocks:
+    for part in independent_problems(problem):
         system = system_of(part)
         bound = bound_of(part, system)
         assert bound is not None
@@ -257,6 +258,20 @@ def test_degrees_bound_the_roots_of_one_row(kind, row, degree):
     assert root_counts(system) == (None if degree is None else {"x": degree})
 
 
+def test_a_point_that_turns_about_any_axis_meets_a_distance_twice():
+    """The squares of cosine and sine cancel but for the rounding of the axis."""
+    for seed in range(5):
+        rng = np.random.default_rng(seed)
+        axis, point, far = rng.normal(size=(3, 3))
+        axis = axis / np.linalg.norm(axis)
+        z, k = ca.SX.sym("z"), ca.SX.sym("k")
+        along = axis * (axis @ point)
+        across = ca.DM(point - along) * ca.cos(z) + ca.DM(np.cross(axis, point)) * ca.sin(z)
+        row = ca.sumsqr(along + across - far) - k**2
+        system = AlgebraicSystem(1.0, (Coordinate("x", "angle", "passive"),), z, k, row, ())
+        assert root_counts(system) == {"x": 2}
+
+
 @pytest.mark.parametrize(
     ("kinds", "rows", "counts"),
     [
@@ -275,6 +290,9 @@ def test_degrees_bound_the_roots_of_one_row(kind, row, degree):
         ("ll", lambda z, k: [z[0] - z[1] ** 2, z[0] * z[1] - k], (1, 3)),
         ("ll", lambda z, k: [z[0] * z[1] - 1, k * z[0] + k * z[1]], None),
         ("al", lambda z, k: [z[1] * ca.sin(z[0] / 2), z[1] * ca.cos(z[0] / 2) - k], None),
+        # a rack and its pinion, and angles whose whole turns count, have more values
+        ("tl", lambda z, k: [z[0] - 2 * z[1], z[1] - k * ca.cos(z[0])], None),
+        ("ta", lambda z, k: [ca.sin((z[0] - z[1] + k) / 2), ca.cos(z[1]) - k], None),
     ],
 )
 def test_what_one_row_gives_is_put_into_others(kinds, rows, counts):
@@ -282,7 +300,7 @@ def test_what_one_row_gives_is_put_into_others(kinds, rows, counts):
     number that is not zero: the counts of what is left bound the roots.
     """
     z, k = ca.SX.sym("z", 2), ca.SX.sym("k")
-    named = {"a": "angle", "l": "length"}
+    named = {"a": "angle", "l": "length", "t": "turns"}
     unknowns = tuple(Coordinate(f"x{i}", named[kind], "passive") for i, kind in enumerate(kinds))
     found = root_counts(AlgebraicSystem(1.0, unknowns, z, k, ca.vertcat(*rows(z, k)), ()))
     assert found == (None if counts is None else {f"x{i}": n for i, n in enumerate(counts)})

@@ -61,6 +61,21 @@ def start_at(z: list[list[complex]], k: list[complex]) -> Fibre:
     )
 
 
+def test_a_far_double_root_beside_far_regular_ones_stays_told():
+    """(cos z - 1000)^2 (cos z - 500): more bits settle the regular pair, paths to the double pair
+    are told as unresolved, and each is counted once.
+    """
+    z, k = ca.SX.sym("z", 1), ca.SX.sym("k", 3)
+    system = small_system([(ca.cos(z) - k[0]) * (ca.cos(z) - k[1]) * (ca.cos(z) - k[2])], z, k)
+    system = replace(system, unknowns=(Coordinate("x", "angle", "passive"),))
+    begin = [0.3 + 0.4j, 0.8 - 0.7j, -0.2 + 0.1j]
+    first = [[sign * complex(value) for sign in (1, -1) for value in np.arccos(begin)]]
+    ends = ends_of(system, start_at(first, begin), np.array([1000.0, 1000.0, 500.0]) + 0j)
+    assert np.allclose(np.cos(ends.z), 500.0)
+    assert ends.z.shape == (1, 2)
+    assert len(ends.unresolved) == 4
+
+
 def cubic() -> tuple[AlgebraicSystem, Fibre]:
     """x^3 + p x + q = 0, k = (p, q)."""
     x, k = ca.SX.sym("x"), ca.SX.sym("k", 2)

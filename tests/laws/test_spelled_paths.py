@@ -7,11 +7,13 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
+import casadi as ca
 import numpy as np
 import pytest
 
 import symkin
 from helpers.inside import (
+    BallReading,
     build_closure,
     displaced,
     lowered,
@@ -19,7 +21,7 @@ from helpers.inside import (
     many_of_machine,
 )
 from helpers.spellings import MACHINES, Spelling, named, spellings
-from symkin import Limb, RodLimb, Track
+from symkin import Joint, Limb, RodLimb, Track
 
 SPELLED = ("limbs, motion", "limbs", "graph, turned")
 
@@ -123,3 +125,19 @@ def test_what_is_told_goes_to_the_machine_and_back(tmp_path, spelling) -> None:
     taken = many_of_machine(there, own, mode.variables[None], low)
     back = many_as_written(own, there, taken, low)
     assert np.allclose(back, mode.variables, atol=1e-9)
+
+
+def test_three_revolutes_are_the_ball_that_they_read() -> None:
+    """R(a, t1) R(b, t2) R(c, t3), b normal to a and to c: angles to a quaternion and back, the
+    second within a quarter turn of the reference.
+    """
+    rng = np.random.default_rng(0)
+    for handed in (1.0, -1.0):
+        b, other = rng.normal(size=(2, 3))
+        a = np.cross(b, other)
+        axes = zip("abc", (a, b, handed * np.cross(a, b)), strict=True)
+        joints = [Joint(n, "R", (0.0, 0.0, 0.0), tuple(v / np.linalg.norm(v))) for n, v in axes]
+        ball = BallReading((joints[0], joints[1], joints[2]), "ball")
+        told = dict(zip("abc", rng.uniform(-1.5, 1.5, 3), strict=True))
+        back = ball.values(ball.value({name: ca.SX(v) for name, v in told.items()}))
+        assert all(abs(float(back[name]) - v) < 1e-12 for name, v in told.items())

@@ -1,43 +1,43 @@
 /* Length of a twist or of an error of poses in angles and lengths over the size, as a length. */
-static @{real} @{p}_length_of(const @{real} e[6])
+static name_real name_length_of(const name_real e[6])
 {
-    @{real} sum = @{zero};
+    name_real sum = @{zero};
     for (int i = 0; i < 6; ++i) {
         sum += e[i] * e[i];
     }
-    return @{sqrt}(sum) * @{P}_SIZE;
+    return @{sqrt}(sum) * NAME_SIZE;
 }
 
 /* How far the tool pose of joint values is from `to`: lengths over the size, and twice the vector of the turn's quaternion. Returns
  * its length. */
-static @{real} @{p}_pose_error(@{gp}const @{real} q[@{nq}], const @{real} to[7], @{real} e[6])
+static name_real name_pose_error(@{gp}const name_real q[@{nq}], const name_real to[7], name_real e[6])
 {
-    @{real} x[7];
-    @{p}_forward(@{ga}q, x);
-    const @{real} w = to[3] * x[3] + to[4] * x[4] + to[5] * x[5] + to[6] * x[6];
-    const @{real} twice = (w < @{zero}) ? -@{two} : @{two};
+    name_real x[7];
+    name_forward(@{ga}q, x);
+    const name_real w = to[3] * x[3] + to[4] * x[4] + to[5] * x[5] + to[6] * x[6];
+    const name_real twice = (w < @{zero}) ? -@{two} : @{two};
     for (int i = 0; i < 3; ++i) {
         e[i] = (to[i] - x[i]) * @{per_size};
     }
     e[3] = twice * (to[4] * x[3] - to[3] * x[4] - to[5] * x[6] + to[6] * x[5]);
     e[4] = twice * (to[5] * x[3] - to[3] * x[5] - to[6] * x[4] + to[4] * x[6]);
     e[5] = twice * (to[6] * x[3] - to[3] * x[6] - to[4] * x[5] + to[5] * x[4]);
-    return @{p}_length_of(e);
+    return name_length_of(e);
 }
 
 /* Joint rates y (of slides over the size) of least |J y - e| and length, J and e in angles and lengths over the size. Solves the
  * @{nm} normal equations with exchanges on the diagonal; where their smallest pivot is below @{damped_pivot} of the mean, the
  * diagonal is raised, the more the smaller it is. Returns that pivot over the mean. */
-static @{real} @{p}_damped(const @{real} jacobian[@{nj}], const @{real} e[6], @{real} y[@{nq}])
+static name_real name_damped(const name_real jacobian[@{nj}], const name_real e[6], name_real y[@{nq}])
 {
-    static const @{real} row_scale[6] = { @{row_scales} };
-    static const @{real} column_scale[@{nq}] = { @{column_scales} };
-    @{real} a[6][@{nq}];
-    @{real} g[@{nm}][@{nm}];
-    @{real} r[@{nm}];
-    @{real} smallest = @{zero};
-    @{real} mean = @{zero};
-    @{real} raised = @{zero};
+    static const name_real row_scale[6] = { @{row_scales} };
+    static const name_real column_scale[@{nq}] = { @{column_scales} };
+    name_real a[6][@{nq}];
+    name_real g[@{nm}][@{nm}];
+    name_real r[@{nm}];
+    name_real smallest = @{zero};
+    name_real mean = @{zero};
+    name_real raised = @{zero};
     for (int i = 0; i < 6; ++i) {
         for (int j = 0; j < @{nq}; ++j) {
             a[i][j] = jacobian[@{nq} * i + j] * row_scale[i] * column_scale[j];
@@ -68,24 +68,24 @@ static @{real} @{p}_damped(const @{real} jacobian[@{nj}], const @{real} e[6], @{
                 best = (g[i][i] > g[best][best]) ? i : best;
             }
             const uint8_t name = order[c];
-            const @{real} right = r[c];
+            const name_real right = r[c];
             order[c] = order[best];
             order[best] = name;
             r[c] = r[best];
             r[best] = right;
             for (int j = 0; j < @{nm}; ++j) {
-                const @{real} t = g[c][j];
+                const name_real t = g[c][j];
                 g[c][j] = g[best][j];
                 g[best][j] = t;
             }
             for (int i = 0; i < @{nm}; ++i) {
-                const @{real} t = g[i][c];
+                const name_real t = g[i][c];
                 g[i][c] = g[i][best];
                 g[i][best] = t;
             }
             whole = g[c][c] > @{least_pivot} * mean;
             for (int i = c + 1; (i < @{nm}) && whole; ++i) {
-                const @{real} factor = g[i][c] / g[c][c];
+                const name_real factor = g[i][c] / g[c][c];
                 for (int j = c; j < @{nm}; ++j) {
                     g[i][j] -= factor * g[c][j];
                 }

@@ -1,20 +1,20 @@
 /* Joint rates next to a twist, damped near singularities. */
-@{p}_status @{p}_rates(@{gp}const @{real} joints[@{nq}], const @{real} twist[6], @{real} rates[@{nq}], @{p}_info *info)
+name_status name_rates(@{gp}const name_real joints[@{nq}], const name_real twist[6], name_real rates[@{nq}], name_info *info)
 {
-    @{real} jacobian[@{nj}];
-    const @{p}_status status = @{p}_check_speeds(twist, 6, @{own_jacobian}(@{ga}joints, jacobian));
-    @{p}_write_info(info, 0U, @{huge}, @{zero}, @{zero});
-    if (status == @{P}_OK) {
-        @{real} e[6];
-        @{real} found[@{nq}];
+    name_real jacobian[@{nj}];
+    const name_status status = name_check_speeds(twist, 6, @{own_jacobian}(@{ga}joints, jacobian));
+    name_write_info(info, 0U, @{huge}, @{zero}, @{zero});
+    if (status == NAME_OK) {
+        name_real e[6];
+        name_real found[@{nq}];
 @{twist_taken}
         for (int i = 0; i < 6; ++i) {
             e[i] = @{given}[i] * ((i < 3) ? @{per_size} : @{one});
         }
-        const @{real} pivot = @{p}_damped(jacobian, e, found);
+        const name_real pivot = name_damped(jacobian, e, found);
         /* what is missing of the twist */
         for (int i = 0; i < 6; ++i) {
-            @{real} sum = @{given}[i];
+            name_real sum = @{given}[i];
             for (int j = 0; j < @{nq}; ++j) {
                 sum -= jacobian[@{nq} * i + j] * found[j];
             }
@@ -23,38 +23,38 @@
         for (int i = 0; i < @{nq}; ++i) {
             rates[i] = found[i];
         }
-        @{p}_write_info(info, 1U, @{p}_length_of(e), @{zero}, (pivot > @{zero}) ? (@{one} / pivot) : @{zero});
+        name_write_info(info, 1U, name_length_of(e), @{zero}, (pivot > @{zero}) ? (@{one} / pivot) : @{zero});
     }
     return status;
 }
 
 /* One damped step towards a pose, shortened where the error would grow. */
-@{p}_status @{p}_track(@{gp}const @{p}_pose *pose, @{real} joints[@{nq}], @{p}_info *info)
+name_status name_track(@{gp}const name_pose *pose, name_real joints[@{nq}], name_info *info)
 {
-    static const @{real} per_turn[@{nq}] = { @{per_turns} };
-    @{real} to[7];
-    @{real} jacobian[@{nj}];
-    @{p}_status status = @{p}_normalise_pose(@{ga}pose, to);
-    const @{p}_status started = @{own_jacobian}(@{ga}joints, jacobian);
-    @{p}_write_info(info, 0U, @{huge}, @{zero}, @{zero});
-    if ((started != @{P}_OK) && (status != @{P}_NONFINITE)) {
+    static const name_real per_turn[@{nq}] = { @{per_turns} };
+    name_real to[7];
+    name_real jacobian[@{nj}];
+    name_status status = name_normalise_pose(@{ga}pose, to);
+    const name_status started = @{own_jacobian}(@{ga}joints, jacobian);
+    name_write_info(info, 0U, @{huge}, @{zero}, @{zero});
+    if ((started != NAME_OK) && (status != NAME_NONFINITE)) {
         status = started;
         if (info != NULL) {
-            info->joint = @{p}_first_beyond(@{ga}joints);
+            info->joint = name_first_beyond(@{ga}joints);
         }
     }
-    if (status == @{P}_OK) {
-        @{real} e[6];
-        @{real} step[@{nq}];
-        @{real} moved[@{nq}];
-        const @{real} before = @{p}_pose_error(@{ga}joints, to, e);
-        const @{real} pivot = @{p}_damped(jacobian, e, step);
-        @{real} after = @{huge};
-        @{real} part = @{one};
-        @{real} longest = @{zero};
-        @{real} size = @{zero};
+    if (status == NAME_OK) {
+        name_real e[6];
+        name_real step[@{nq}];
+        name_real moved[@{nq}];
+        const name_real before = name_pose_error(@{ga}joints, to, e);
+        const name_real pivot = name_damped(jacobian, e, step);
+        name_real after = @{huge};
+        name_real part = @{one};
+        name_real longest = @{zero};
+        name_real size = @{zero};
         for (int i = 0; i < @{nq}; ++i) {
-            const @{real} turn = @{fabs}(step[i]) * per_turn[i];
+            const name_real turn = @{fabs}(step[i]) * per_turn[i];
             longest = (turn > longest) ? turn : longest;
             size += turn * turn;
         }
@@ -66,7 +66,7 @@
             for (int i = 0; i < @{nq}; ++i) {
                 moved[i] = joints[i] + part * step[i];
             }
-            after = @{p}_pose_error(@{ga}moved, to, e);
+            after = name_pose_error(@{ga}moved, to, e);
         }
         if (!(after <= before + @{rounding})) {
             /* nothing is nearer: the joints stay */
@@ -76,14 +76,14 @@
                 moved[i] = joints[i];
             }
         }
-        status = @{p}_check_limits(@{ga}moved);
-        @{p}_write_info(info, 1U, after, part * part * size * @{P}_SIZE * @{P}_SIZE, (pivot > @{zero}) ? (@{one} / pivot) : @{zero});
-        if (status == @{P}_OK) {
+        status = name_check_limits(@{ga}moved);
+        name_write_info(info, 1U, after, part * part * size * NAME_SIZE * NAME_SIZE, (pivot > @{zero}) ? (@{one} / pivot) : @{zero});
+        if (status == NAME_OK) {
             for (int i = 0; i < @{nq}; ++i) {
                 joints[i] = moved[i];
             }
         } else if (info != NULL) {
-            info->joint = @{p}_first_beyond(@{ga}moved);
+            info->joint = name_first_beyond(@{ga}moved);
         } else {
             /* nobody asks which joint */
         }

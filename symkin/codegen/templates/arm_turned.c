@@ -1,10 +1,10 @@
 /* Twist of the tool by joint rates, as the description has it. */
-@{p}_status @{p}_jacobian(const @{real} joints[@{nq}], @{real} jacobian[@{nj}])
+name_status name_jacobian(const name_real joints[@{nq}], name_real jacobian[@{nj}])
 {
-    const @{p}_status status = @{own_jacobian}(joints, jacobian);
-    for (int j = 0; (j < @{nq}) && (status == @{P}_OK); ++j) {
-        @{real} a[6];
-        @{real} b[6];
+    const name_status status = @{own_jacobian}(joints, jacobian);
+    for (int j = 0; (j < @{nq}) && (status == NAME_OK); ++j) {
+        name_real a[6];
+        name_real b[6];
         for (int i = 0; i < 6; ++i) {
             a[i] = jacobian[@{nq} * i + j];
         }

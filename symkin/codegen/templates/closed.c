@@ -2,8 +2,8 @@
  * solution, 2 for its second, 0 for the one nearest to the guess; near: cosine and sine of the guess's angle, or its slide and 0, of
  * each choice. *undecided is set where nothing decides a joint; margin: squares that vanish where steps decide nothing or two solutions
  * meet. */
-static int @{p}_branches(const @{real} x[7], const @{real} near[@{nears}], unsigned int wanted, @{real} found[][@{nn}], bool *undecided,
-    @{real} margin[@{margins}])
+static int name_branches(const name_real x[7], const name_real near[@{nears}], unsigned int wanted, name_real found[][@{nn}], bool *undecided,
+    name_real margin[@{margins}])
 {
     int count = 0;
     (void)margin;
@@ -14,42 +14,42 @@ static int @{p}_branches(const @{real} x[7], const @{real} near[@{nears}], unsig
 }
 
 /* Turns angles to within half a turn of `about`, and, where that is out of range, of the middle of the range. */
-static @{p}_status @{p}_turn_near(const @{real} about[@{nn}], @{real} joints[@{nn}])
+static name_status name_turn_near(const name_real about[@{nn}], name_real joints[@{nn}])
 {
     static const bool angular[@{nn}] = { @{angular} };
-    static const @{real} middle[@{nn}] = { @{middles} };
-    @{p}_status status = @{P}_OUT_OF_RANGE;
-    for (int round = 0; (round < 2) && (status == @{P}_OUT_OF_RANGE); ++round) {
-        const @{real} *const goal = (round == 0) ? about : middle;
+    static const name_real middle[@{nn}] = { @{middles} };
+    name_status status = NAME_OUT_OF_RANGE;
+    for (int round = 0; (round < 2) && (status == NAME_OUT_OF_RANGE); ++round) {
+        const name_real *const goal = (round == 0) ? about : middle;
         for (int i = 0; i < @{nn}; ++i) {
-            const @{real} number = (goal[i] - joints[i]) * @{per_turn};
+            const name_real number = (goal[i] - joints[i]) * @{per_turn};
             if (angular[i] && (@{fabs}(number) > @{half}) && (@{fabs}(number) < @{many})) {
                 const int whole = (int)(number + ((number < @{zero}) ? @{minus_half} : @{half}));
-                joints[i] += @{turn} * (@{real})whole;
+                joints[i] += @{turn} * (name_real)whole;
             }
         }
-        status = @{p}_check_limits(joints);
+        status = name_check_limits(joints);
     }
     return status;
 }
 
 @{finish}
 /* The branch that the bits `wanted` and the guess name; results are written with OK only. */
-static @{p}_status @{p}_one_branch(const @{p}_pose *pose, const @{real} near[@{nears}], unsigned int wanted, const @{real} about[@{nn}], @{real} joints[@{nn}])
+static name_status name_one_branch(const name_pose *pose, const name_real near[@{nears}], unsigned int wanted, const name_real about[@{nn}], name_real joints[@{nn}])
 {
-    @{real} x[7];
-    @{real} found[1][@{nn}];
-    @{real} margin[@{margins}];
+    name_real x[7];
+    name_real found[1][@{nn}];
+    name_real margin[@{margins}];
     bool undecided = false;
-    @{p}_status status = @{p}_normalise_pose(pose, x);
-    if (status == @{P}_OK) {
-        if (@{p}_branches(x, near, wanted, found, &undecided, margin) == 1) {
-            status = @{p}_settle(x, about, found[0]);
+    name_status status = name_normalise_pose(pose, x);
+    if (status == NAME_OK) {
+        if (name_branches(x, near, wanted, found, &undecided, margin) == 1) {
+            status = name_settle(x, about, found[0]);
         } else {
-            status = undecided ? @{P}_SINGULAR : @{P}_OUT_OF_RANGE;
+            status = undecided ? NAME_SINGULAR : NAME_OUT_OF_RANGE;
         }
     }
-    if (status == @{P}_OK) {
+    if (status == NAME_OK) {
         for (int i = 0; i < @{nn}; ++i) {
             joints[i] = found[0][i];
         }
@@ -58,19 +58,19 @@ static @{p}_status @{p}_one_branch(const @{p}_pose *pose, const @{real} near[@{n
 }
 
 /* All branches with the given tool pose. */
-int @{p}_inverse_all(const @{p}_pose *pose, @{real} joints[@{branches}][@{nn}])
+int name_inverse_all(const name_pose *pose, name_real joints[@{branches}][@{nn}])
 {
-    static const @{real} near[@{nears}] = { @{zero} };
-    static const @{real} middle[@{nn}] = { @{middles} };
-    @{real} x[7];
+    static const name_real near[@{nears}] = { @{zero} };
+    static const name_real middle[@{nn}] = { @{middles} };
+    name_real x[7];
     int count = 0;
-    @{real} margin[@{margins}];
+    name_real margin[@{margins}];
     bool undecided = false;
-    @{p}_status status = @{p}_normalise_pose(pose, x);
-    if (status == @{P}_OK) {
-        const int all = @{p}_branches(x, near, @{both}, joints, &undecided, margin);
+    name_status status = name_normalise_pose(pose, x);
+    if (status == NAME_OK) {
+        const int all = name_branches(x, near, @{both}, joints, &undecided, margin);
         for (int k = 0; k < all; ++k) {
-            if (@{p}_settle(x, middle, joints[k]) == @{P}_OK) {
+            if (name_settle(x, middle, joints[k]) == NAME_OK) {
                 for (int i = 0; i < @{nn}; ++i) {
                     joints[count][i] = joints[k][i];
                 }
@@ -82,27 +82,27 @@ int @{p}_inverse_all(const @{p}_pose *pose, @{real} joints[@{branches}][@{nn}])
 }
 
 /* The branch named by the choices' bits. */
-@{p}_status @{p}_inverse_branch(const @{p}_pose *pose, unsigned int branch, @{real} joints[@{nn}])
+name_status name_inverse_branch(const name_pose *pose, unsigned int branch, name_real joints[@{nn}])
 {
-    static const @{real} near[@{nears}] = { @{zero} };
-    static const @{real} middle[@{nn}] = { @{middles} };
-    @{p}_status status = @{P}_OUT_OF_RANGE;
+    static const name_real near[@{nears}] = { @{zero} };
+    static const name_real middle[@{nn}] = { @{middles} };
+    name_status status = NAME_OUT_OF_RANGE;
     if (branch < @{branches}U) {
         unsigned int wanted = 0U;
 @{named}
-        status = @{p}_one_branch(pose, near, wanted, middle, joints);
+        status = name_one_branch(pose, near, wanted, middle, joints);
     }
     return status;
 }
 
 /* The branch nearest to the guess, choice by choice. */
-@{p}_status @{p}_inverse_nearest(const @{p}_pose *pose, const @{real} guess[@{nn}], @{real} joints[@{nn}])
+name_status name_inverse_nearest(const name_pose *pose, const name_real guess[@{nn}], name_real joints[@{nn}])
 {
-    @{p}_status status = @{p}_check_finite(guess, @{nn}, @{P}_OK);
-    if (status == @{P}_OK) {
-        @{real} near[@{nears}] = { @{zero} };
+    name_status status = name_check_finite(guess, @{nn}, NAME_OK);
+    if (status == NAME_OK) {
+        name_real near[@{nears}] = { @{zero} };
 @{near}
-        status = @{p}_one_branch(pose, near, 0U, guess, joints);
+        status = name_one_branch(pose, near, 0U, guess, joints);
     }
     return status;
 }

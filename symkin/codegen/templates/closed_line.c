@@ -3,26 +3,26 @@
  * guess's branch; way: how far each joint goes from one to the other (angles; slides over the size), way2: the sum of the squares. Of the part
  * between: bounds of the joints' speeds and of how these change, and whether it is kept. */
 typedef struct {
-    @{real} joints[@{nn}];
-    @{real} found[@{nn}];
-    @{real} turned[@{nn}][2];
-    @{real} aimed[@{nn}][2];
-    @{real} sign[@{choices}];
-    @{real} way[@{nn}];
-    @{real} way2;
-    @{real} speed[@{nn}];
-    @{real} change[@{nn}];
+    name_real joints[@{nn}];
+    name_real found[@{nn}];
+    name_real turned[@{nn}][2];
+    name_real aimed[@{nn}][2];
+    name_real sign[@{choices}];
+    name_real way[@{nn}];
+    name_real way2;
+    name_real speed[@{nn}];
+    name_real change[@{nn}];
     bool kept;
 @{members}
-} @{k}_work;
+} solver_work;
 
 /* Begins a line at joint values: their tool pose x (x, y, z, qw, qx, qy, qz), the squares of the closed form's steps there (README.md), and the
  * branch on which they lie. */
-static void @{k}_begin(@{k}_work *w, const @{real} joints[@{nn}], @{real} x[7])
+static void solver_begin(solver_work *w, const name_real joints[@{nn}], name_real x[7])
 {
-    @{real} u[@{turns}];
-    @{p}_half_turns(joints, u);
-    @{p}_pose_of_turns(u, x);
+    name_real u[@{turns}];
+    name_half_turns(joints, u);
+    name_pose_of_turns(u, x);
     for (int i = 0; i < @{nn}; ++i) {
         w->joints[i] = joints[i];
     }
@@ -33,26 +33,26 @@ static void @{k}_begin(@{k}_work *w, const @{real} joints[@{nn}], @{real} x[7])
 }
 
 @{joint}@{turn_between}/* The closed form at a tool pose x of the line, on the guess's branch; SINGULAR or OUT_OF_RANGE where that does not reach it. */
-static @{p}_status @{k}_reach(@{k}_work *w, const @{real} x[7])
+static name_status solver_reach(solver_work *w, const name_real x[7])
 {
-    @{p}_status status = @{P}_OUT_OF_RANGE;
+    name_status status = NAME_OUT_OF_RANGE;
 @{reach}
     return status;
 }
 
 /* The joints at a tool pose x of the line, angles within half a turn of where it is done, and their ways; slides and joints with limits are exact,
  * other angles go on by their ways. */
-static @{p}_status @{k}_aim(@{k}_work *w, const @{real} x[7])
+static name_status solver_aim(solver_work *w, const name_real x[7])
 {
-    const @{p}_status status = @{k}_reach(w, x);
-    if (status == @{P}_OK) {
+    const name_status status = solver_reach(w, x);
+    if (status == NAME_OK) {
 @{way_lines}
     }
     return status;
 }
 
 @{helpers}@{limits}/* Whether the joints' last way is within what the config allows@{and_within}. */
-static bool @{k}_follows(@{k}_work *w, @{real} most2)
+static bool solver_follows(solver_work *w, name_real most2)
 {
     const bool follows = (w->way2 <= most2);
     if (!follows) {
@@ -64,36 +64,36 @@ static bool @{k}_follows(@{k}_work *w, @{real} most2)
 
 @{walk}/* The closed form along the line of tool poses from the guess's to the given one, on the guess's branch. Angles go on from part to part,
  * whole turns included. */
-static @{p}_status @{k}_along(const @{real} to[7], const @{p}_config *config, @{real} joints[@{nn}], @{p}_info *info)
+static name_status solver_along(const name_real to[7], const name_config *config, name_real joints[@{nn}], name_info *info)
 {
-    @{k}_work work;
-    @{k}_work *const w = &work;
-    @{real} at[7];
-    @{real} least = @{one};
-    @{real} residual = @{huge};
+    solver_work work;
+    solver_work *const w = &work;
+    name_real at[7];
+    name_real least = @{one};
+    name_real residual = @{huge};
     unsigned int count = 0U;
-    @{p}_status status = @{P}_OK;
-    @{k}_begin(w, joints, at);
+    name_status status = NAME_OK;
+    solver_begin(w, joints, at);
     for (int k = 0; k < @{margins}; ++k) {
         if (!(w->left[k] > @{least})) {
-            status = @{P}_SINGULAR;
+            status = NAME_SINGULAR;
         }
     }
 @{guess_beyond}
-    if (status == @{P}_OK) {
-        const @{real} most2 = config->max_step * config->max_step * @{per_size2};
-        status = @{k}_walk(w, at, to, most2, (unsigned int)config->max_iterations, &count);
+    if (status == NAME_OK) {
+        const name_real most2 = config->max_step * config->max_step * @{per_size2};
+        status = solver_walk(w, at, to, most2, (unsigned int)config->max_iterations, &count);
     }
     for (int k = 0; k < @{margins}; ++k) {
         least = (w->left[k] < least) ? w->left[k] : least;
     }
-    if (status == @{P}_OK) {
+    if (status == NAME_OK) {
         for (int i = 0; i < @{nn}; ++i) {
-            joints[i] = @{k}_joint(i, w->turned[i], w->joints[i]);
+            joints[i] = solver_joint(i, w->turned[i], w->joints[i]);
         }
-        status = @{p}_hold(to, joints, &residual);
+        status = name_hold(to, joints, &residual);
     }
-    @{p}_write_info(info, count, residual, w->way2 * @{size2}, (least > @{least}) ? (@{one} / least) : @{zero});
+    name_write_info(info, count, residual, w->way2 * @{size2}, (least > @{least}) ? (@{one} / least) : @{zero});
 @{blame}
     return status;
 }

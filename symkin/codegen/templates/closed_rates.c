@@ -1,5 +1,5 @@
 /* Derivatives of the actuated joints by the twist of the platform, joint by joint; SINGULAR at a dead centre. */
-static @{p}_status @{k}_rates(const @{real} c[@{nc}], @{real} rates[@{rates}])
+static name_status solver_rates(const name_real c[@{nc}], name_real rates[@{rates}])
 {
     @{rates_lines}
 }

@@ -1,10 +1,10 @@
 /* Sine of a guess's angle to 1e-6, by which the nearest solution is told; 0 for angles of too many turns. */
-static @{real} @{p}_sine(@{real} angle)
+static name_real name_sine(name_real angle)
 {
-    const @{real} number = angle * @{per_turn};
-    @{real} sine = @{zero};
+    const name_real number = angle * @{per_turn};
+    name_real sine = @{zero};
     if (@{fabs}(number) < @{many}) {
-        @{real} x = angle - @{turn} * (@{real})(int)(number + ((number < @{zero}) ? @{minus_half} : @{half}));
+        name_real x = angle - @{turn} * (name_real)(int)(number + ((number < @{zero}) ? @{minus_half} : @{half}));
         if (x > @{quarter}) {
             x = @{half_turn} - x;
         } else if (x < -@{quarter}) {
@@ -12,7 +12,7 @@ static @{real} @{p}_sine(@{real} angle)
         } else {
             /* within a quarter turn */
         }
-        const @{real} square = x * x;
+        const name_real square = x * x;
         sine = x * (@{sine});
     }
     return sine;

@@ -1,28 +1,28 @@
 /* Whether no guard can reach zero between the values w->left and w->guard, on a part of the line of which `change` are the squares of
  * the known values' changes: a guard bends by no more than its weights times these allow (README.md). */
-static bool @{k}_keeps(@{k}_work *w, const @{real} change[@{nto}])
+static bool solver_keeps(solver_work *w, const name_real change[@{nto}])
 {
 @{keep_lines}
 }
 
 /* Follows the line of known values from `at`, where the guards are w->left, to `to` in parts that are kept, and are cut where they are
  * not. */
-static @{walks} @{p}_status @{k}_walk(@{k}_work *w, const @{real} at[@{nat}], const @{real} to[@{nat}], @{aimed}unsigned int most,
+static @{walks} name_status solver_walk(solver_work *w, const name_real at[@{nat}], const name_real to[@{nat}], @{aimed}unsigned int most,
     unsigned int *count)
 {
-    @{real} way2[@{nways}];
-    @{real} change[@{nto}];
-    @{real} done = @{zero};
-    @{real} part = @{first_part};
+    name_real way2[@{nways}];
+    name_real change[@{nto}];
+    name_real done = @{zero};
+    name_real part = @{first_part};
     bool refused = true;
-    @{p}_status status = @{P}_MAX_ITERATIONS;
+    name_status status = NAME_MAX_ITERATIONS;
 @{walk_members}
 @{ways}
-    while ((status == @{P}_MAX_ITERATIONS) && (*count < most)) {
-        const @{real} next = done + part;
-        const @{real} end = (next < @{near_one}) ? next : @{one};
-        const @{real} share = end - done;
-        const @{real} share2 = share * share;
+    while ((status == NAME_MAX_ITERATIONS) && (*count < most)) {
+        const name_real next = done + part;
+        const name_real end = (next < @{near_one}) ? next : @{one};
+        const name_real share = end - done;
+        const name_real share2 = share * share;
         bool above = true;
         for (int i = 0; i < @{nways}; ++i) {
             change[i] = share2 * way2[i];
@@ -34,7 +34,7 @@ static @{walks} @{p}_status @{k}_walk(@{k}_work *w, const @{real} at[@{nat}], co
         if (!above) {
             /* a point of the line without a configuration, or a singular one */
             status = @{unreached};
-        } else if (@{k}_keeps(w, change)@{and_follows}) {
+        } else if (solver_keeps(w, change)@{and_follows}) {
 @{take}
             for (int j = 0; j < @{ng}; ++j) {
                 w->left[j] = w->guard[j];
@@ -43,7 +43,7 @@ static @{walks} @{p}_status @{k}_walk(@{k}_work *w, const @{real} at[@{nat}], co
             part = refused ? part : (@{longer});
             refused = false;
             if (done >= @{one}) {
-                status = @{P}_OK;
+                status = NAME_OK;
             }
         } else {
 @{shorter}

@@ -1,7 +1,7 @@
     /* of q and -q, one rotation, the one on the guess's side */
-    const @{real} cosine = (at[3] * to[3]) + (at[4] * to[4]) + (at[5] * to[5]) + (at[6] * to[6]);
-    const @{real} side = (cosine < @{zero}) ? -@{one} : @{one};
-    @{real} move[7];
+    const name_real cosine = (at[3] * to[3]) + (at[4] * to[4]) + (at[5] * to[5]) + (at[6] * to[6]);
+    const name_real side = (cosine < @{zero}) ? -@{one} : @{one};
+    name_real move[7];
     way2[0] = @{zero};
     way2[1] = @{turn_noise};
     for (int i = 0; i < 7; ++i) {

@@ -1,9 +1,9 @@
-@{real} x[7];
+name_real x[7];
 for (int i = 0; i < 7; ++i) {
     x[i] = at[i] + (end * move[i]);
 }
 if (end < @{one}) {
-    const @{real} inverse = @{one} / @{sqrt}((x[3] * x[3]) + (x[4] * x[4]) + (x[5] * x[5]) + (x[6] * x[6]));
+    const name_real inverse = @{one} / @{sqrt}((x[3] * x[3]) + (x[4] * x[4]) + (x[5] * x[5]) + (x[6] * x[6]));
     for (int i = 3; i < 7; ++i) {
         x[i] *= inverse;
     }
@@ -12,5 +12,5 @@ if (end < @{one}) {
         x[i] = (i < 3) ? to[i] : (side * to[i]);
     }
 }
-const @{p}_status reached = @{k}_aim(w, x);
-above = (reached == @{P}_OK);
+const name_status reached = solver_aim(w, x);
+above = (reached == NAME_OK);

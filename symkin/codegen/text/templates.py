@@ -70,7 +70,6 @@ def common_values(name: str, real: Real, *, struct: bool) -> dict[str, object]:
         "real": real.type,
         "COLD": f"{name.upper()}_COLD",
         "SHARED": f"{name.upper()}_SHARED",
-        "ALONE": f"{name.upper()}_ALONE",
         "gp": f"const {name}_geometry *geometry, " if struct else "",
         "ga": "geometry, " if struct else "",
         "use": "    (void)geometry;" if struct else "",
