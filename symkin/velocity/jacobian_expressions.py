@@ -1,8 +1,8 @@
 """Derive the Jacobians of a closure as expressions, from its velocity equations.
 
 With the rows A t + P x' + B q' = 0, orthogonal elimination (see `elimination`) of P leaves
-equations in t and q', from which least squares give t by q', the direct Jacobian; elimination of P and B gives q' by t, the inverse one. A rod is q' = -A t / B,
-(d, s x d) / length.
+equations in t and q', from which least squares give t by q', the direct Jacobian; elimination of P
+and B gives q' by t, the inverse one. A rod is q' = -A t / B, (d, s x d) / length.
 
 Where these expressions have poles: the direct one where A loses rank (type 2), the inverse one
 where B does (type 1), all where P does (passive joints that move alone). Only for limbs that forbid
