@@ -3,7 +3,8 @@
 An angle z is known to rows by t = exp(i z), which is never zero: cos z = (t + 1/t) / 2, sin z =
 (t - 1/t) / (2 i). Known angles, and constant ones, have such a t too, so that the addition theorems
 cancel what they cancel; other functions of known values are known values of their own. Numbers are
-those of the floats in the rows, as fractions: a term that is not there is zero whatever is given.
+those of the floats in the rows, as fractions, and what cancels but for their rounding is zero: a
+term that is not there is zero whatever is given.
 """
 
 from __future__ import annotations
@@ -20,6 +21,10 @@ from symkin.closure.expression_graph import walk
 _MOST_PRODUCTS = 2_000
 """Products of two terms at most for each row, some 10 ms: rows that are counted need 730; those of
 turns about general axes in space have millions, and no bound.
+"""
+_ROUNDING = fmpq(1, 10**13)
+"""Share of two numbers that their sum must leave to be one: some hundreds of roundings. Axes that
+stand anywhere are unit vectors, at right angles to others, to rounding alone.
 """
 _HALF, _ONE = fmpq(1, 2), fmpq(1)
 
@@ -60,8 +65,8 @@ def plus(first: Terms, second: Terms, factor: int = 1) -> Terms:
     """A sum of terms and `factor` times another."""
     found = dict(first)
     for term, number in second.items():
-        found[term] = found.get(term, fmpq(0)) + factor * number
-    return {term: number for term, number in found.items() if number != 0}
+        _add(found, term, factor * number)
+    return found
 
 
 def times(first: Terms, second: Terms) -> Terms:
@@ -70,8 +75,18 @@ def times(first: Terms, second: Terms) -> Terms:
     for a, x in first.items():
         for b, y in second.items():
             term, sign = product_of_terms(a, b)
-            found[term] = found.get(term, fmpq(0)) + sign * x * y
-    return {term: number for term, number in found.items() if number != 0}
+            _add(found, term, sign * x * y)
+    return found
+
+
+def _add(terms: Terms, term: Term, number: fmpq) -> None:
+    """Add a term; what a sum leaves of both beyond the rounding of geometry is nothing."""
+    before = terms.get(term, fmpq(0))
+    total = before + number
+    if abs(total) <= _ROUNDING * abs(number):
+        terms.pop(term, None)
+    else:
+        terms[term] = total
 
 
 def product_of_terms(first: Term, second: Term) -> tuple[Term, int]:

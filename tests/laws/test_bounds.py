@@ -258,6 +258,20 @@ def test_degrees_bound_the_roots_of_one_row(kind, row, degree):
     assert root_counts(system) == (None if degree is None else {"x": degree})
 
 
+def test_a_point_that_turns_about_any_axis_meets_a_distance_twice():
+    """The squares of cosine and sine cancel but for the rounding of the axis."""
+    for seed in range(5):
+        rng = np.random.default_rng(seed)
+        axis, point, far = rng.normal(size=(3, 3))
+        axis = axis / np.linalg.norm(axis)
+        z, k = ca.SX.sym("z"), ca.SX.sym("k")
+        along = axis * (axis @ point)
+        across = ca.DM(point - along) * ca.cos(z) + ca.DM(np.cross(axis, point)) * ca.sin(z)
+        row = ca.sumsqr(along + across - far) - k**2
+        system = AlgebraicSystem(1.0, (Coordinate("x", "angle", "passive"),), z, k, row, ())
+        assert root_counts(system) == {"x": 2}
+
+
 @pytest.mark.parametrize(
     ("kinds", "rows", "counts"),
     [
