@@ -53,8 +53,7 @@ class Branch:
 @dataclass(frozen=True, eq=False)
 class Plan:
     """Steps that decide all joints of an arm from its tool pose, one after the other; each named
-    branch doubles the solutions. `determined`: the arm has six joints, so that each real branch is
-    a solution.
+    branch doubles the solutions.
     """
 
     arm: ArmScrews

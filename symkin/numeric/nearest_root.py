@@ -1,4 +1,9 @@
-"""The root of rows that is nearest to a start, by Levenberg-Marquardt."""
+"""The root of rows that is nearest to a start, by Levenberg-Marquardt: of those along the branch
+that a search from there comes to.
+
+Of a four-bar thrown open by up to 0.3 rad at every joint that is the nearest of all (240 of 240
+starts), of one by 1 rad it need not be (46 of 60).
+"""
 
 from __future__ import annotations
 

@@ -34,6 +34,8 @@ _GAP = 4.0
 """Least gap between two labels."""
 _CLEAR = 5.0
 """Wished gap between a label and a line."""
+_STEP = 5.0
+"""Distance of the points that stand for a line: the gap that is wished."""
 _OVER_SYMBOL, _OVER_POINT, _FAR, _TURNED = 60.0, 6.0, 0.16, 1.5
 """Costs: of a covered symbol, of a covered point of a line, of a pixel of distance, of a direction
 that is not the wished one.
@@ -92,10 +94,10 @@ class Page:
     left: float = 0.0
     foot: float = 0.0
 
-    def add_line(self, start: Sequence[float], end: Sequence[float], step: float = 5.0) -> None:
+    def add_line(self, start: Sequence[float], end: Sequence[float]) -> None:
         """Points of a line, to be kept clear."""
         a, b = np.array(start, dtype=float), np.array(end, dtype=float)
-        count = max(2, int(np.linalg.norm(b - a) / step))
+        count = max(2, int(np.linalg.norm(b - a) / _STEP))
         self.points = np.vstack([self.points, a + np.linspace(0.0, 1.0, count)[:, None] * (b - a)])
 
     def place(self, label: Label) -> Box:

@@ -39,15 +39,15 @@ def figure_of_loci(loci: Loci) -> Figure:
     return figure
 
 
-def draw_curves(axes: Any, loci: Loci, *, emphasise: bool = True) -> None:
-    """The curves, cusps and the configuration on given axes, with limits and labels; `emphasise`:
-    curves of other working modes thin.
+def draw_curves(axes: Any, loci: Loci) -> None:
+    """The curves, those of other working modes thin, cusps and the configuration on given axes,
+    with limits and labels.
     """
     if len(loci.ranges) == 1:
         _draw_points(axes, loci)
         return
     for curve in loci.curves:
-        draw_locus(axes, curve, emphasise=emphasise)
+        draw_locus(axes, curve, emphasise=True)
         ends = curve.loose_ends(loci.ranges)
         if len(ends):
             look = {"color": KIND_COLOURS[curve.kind], "ms": 6, "mew": 1.4, "zorder": 4}

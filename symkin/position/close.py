@@ -43,7 +43,8 @@ def close(
     name_or_path: str | Path | Mechanism, read: ReadOptions = AS_IT_IS, *, seed: int = 0
 ) -> ClosedConfiguration:
     """Find the closed configuration nearest to the one that a file describes, and count its
-    freedoms.
+    freedoms. Nearest is meant along the branch to which a search from there comes: of loops that
+    stand open by half a radian and more another branch may be nearer.
 
     Takes what `load` takes, with what is told of a robot beside its file (`read`), or a Mechanism.
     Rank, mobility and redundant constraints of robots in other formats (MJCF, URDF, SDF) are those

@@ -135,7 +135,7 @@ def is_rounding(problem: CalibrationProblem, state: State) -> bool:
 
 def parameters_at_poses(problem: CalibrationProblem) -> np.ndarray | None:
     """Estimate the parameters (P,) from nominal at the measured poses, without a direct problem
-    (see `_AtPoses`); None where too few poses are whole, where frames between mechanism and
+    (see `_at_poses`); None where too few poses are whole, where frames between mechanism and
     measurement are unknown, and where the joints carry the platform.
     """
     model, m = problem.model, problem.measurements

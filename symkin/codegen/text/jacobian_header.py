@@ -101,8 +101,9 @@ def allowed_names(jacobian: Jacobian, reserved: Collection[str]) -> dict[str, st
     return names
 
 
-def free_prefix(names: Collection[str], prefix: str = "v") -> str:
+def free_prefix(names: Collection[str]) -> str:
     """A beginning of numbered names that no input has."""
+    prefix = "v"
     while any(name.startswith(prefix) and name[len(prefix) :].isdigit() for name in names):
         prefix += "_"
     return prefix
