@@ -19,32 +19,18 @@
  *
  * Worst case of a call, with NULL as config (README.md says how it is known and has 255
  * iterations):
- *   direct: 400 iterations, 112400 add, 161788 mul, 6107 div, 3662 sqrt
+ *   direct: 400 iterations, 112400 add, 161778 mul, 6107 div, 3662 sqrt
  *   track: 170 add, 222 mul, 11 div, 4 sqrt
- *   inverse: 500 iterations, 81495 add, 111843 mul, 4310 div, 3064 sqrt
- *   track_inverse: 279 add, 344 mul, 17 div, 12 sqrt
+ *   inverse: 500 iterations, 81495 add, 110299 mul, 4310 div, 3064 sqrt
+ *   track_inverse: 279 add, 329 mul, 17 div, 12 sqrt
  *   jacobian: 152 add, 219 mul, 4 div, 1 sqrt
- *   inverse_jacobian: 183 add, 257 mul, 4 div, 1 sqrt
- *   second: 260 add, 383 mul, 4 div, 1 sqrt
+ *   inverse_jacobian: 183 add, 249 mul, 4 div, 1 sqrt
+ *   second: 256 add, 369 mul, 4 div, 1 sqrt
  *   rates: 160 add, 223 mul, 4 div, 1 sqrt
  *   torques: 160 add, 223 mul, 4 div, 1 sqrt
- *   inertia: 197 add, 273 mul, 4 div, 1 sqrt
+ *   inertia: 197 add, 265 mul, 4 div, 1 sqrt
  *   torque_limits: 156 add, 223 mul, 8 div, 1 sqrt
- *   rate_limits: 187 add, 261 mul, 8 div, 1 sqrt
- *   measured (Cortex-M4F, GCC 12.2.1 -O2, 18749 inputs, seed 1): instructions, bytes of stack with
- *     callees, bytes of code with callees but without those of libm:
- *   direct: 77170 instructions, 648 stack, 7996 code
- *   track: 1085 instructions, 188 stack, 3496 code
- *   inverse: 87885 instructions, 696 stack, 10952 code
- *   track_inverse: 1005 instructions, 220 stack, 4864 code
- *   jacobian: 780 instructions, 220 stack, 2944 code
- *   inverse_jacobian: 795 instructions, 236 stack, 3044 code
- *   second: 1200 instructions, 364 stack, 4124 code
- *   rates: 910 instructions, 268 stack, 3188 code
- *   torques: 910 instructions, 268 stack, 3188 code
- *   inertia: 1035 instructions, 292 stack, 3316 code
- *   torque_limits: 940 instructions, 268 stack, 3228 code
- *   rate_limits: 960 instructions, 284 stack, 3328 code
+ *   rate_limits: 187 add, 253 mul, 8 div, 1 sqrt
  *
  * Model SHA-256 04deed2052383811e7f0981a7545d222c99685967960c3c2ac2c816691947d5b
  */

@@ -14,34 +14,22 @@
  * written with GLUON_6L3_OK only; `info` always. config and info may be NULL, guess and pose the
  * same object.
  *
- * One step of Newton's method: 661 additions, 24 cos, 6 divisions, 932 multiplications, 24 sin
+ * One step of Newton's method: 661 additions, 24 cos, 6 divisions, 925 multiplications, 24 sin
  * (rows, matrix, factors, step). Predicted error of an answer: GLUON_6L3_TOLERANCE and the rounding
  * of the type, about 4.78989e-13 mm (angles times the size) where the matrix is well conditioned.
  *
  * Worst case of a call, with NULL as config (README.md says how it is known and has 255
  * iterations):
- *   inverse_all: 8587 add, 10534 mul, 367 div, 51 sqrt, 144 sin, 144 cos, 34 atan2
- *   inverse_branch: 1363 add, 1763 mul, 59 div, 37 sqrt, 18 sin, 18 cos, 34 atan2
- *   inverse_nearest: 1394 add, 1791 mul, 59 div, 37 sqrt, 18 sin, 18 cos, 34 atan2
+ *   inverse_all: 8587 add, 10526 mul, 367 div, 51 sqrt, 144 sin, 144 cos, 34 atan2
+ *   inverse_branch: 1363 add, 1755 mul, 59 div, 37 sqrt, 18 sin, 18 cos, 34 atan2
+ *   inverse_nearest: 1394 add, 1783 mul, 59 div, 37 sqrt, 18 sin, 18 cos, 34 atan2
  *   direct: 59 add, 94 mul, 1 div, 1 sqrt, 6 sin, 6 cos
- *   inverse: 100 iterations, 23060 add, 33820 mul, 1849 div, 1608 sqrt, 24 sin, 24 cos, 606 atan2
+ *   inverse: 100 iterations, 23060 add, 33719 mul, 1849 div, 1608 sqrt, 24 sin, 24 cos, 606 atan2
  *   jacobian: 94 add, 131 mul, 6 sin, 6 cos
  *   twist: 136 add, 167 mul, 6 sin, 6 cos
  *   feed: 890 add, 1060 mul, 53 div, 5 sqrt, 6 sin, 6 cos
  *   rates: 884 add, 1054 mul, 47 div, 5 sqrt, 6 sin, 6 cos
  *   track: 1243 add, 1626 mul, 49 div, 10 sqrt, 36 sin, 36 cos
- *   measured (Cortex-M7, GCC 12.2.1 -O2, 11145 inputs, seed 1): instructions, bytes of stack with
- *     callees, bytes of code with callees but without those of libm:
- *   inverse_all: 19920 instructions, 1568 stack, 6572 code
- *   inverse_branch: 2935 instructions, 1624 stack, 6656 code
- *   inverse_nearest: 3545 instructions, 1688 stack, 6876 code
- *   direct: 1680 instructions, 944 stack, 1264 code
- *   inverse: 124830 instructions, 2432 stack, 11472 code
- *   jacobian: 1775 instructions, 1040 stack, 1696 code
- *   twist: 2190 instructions, 1384 stack, 1864 code
- *   feed: 10195 instructions, 1504 stack, 3284 code
- *   rates: 10070 instructions, 1440 stack, 3184 code
- *   track: 14585 instructions, 1584 stack, 4716 code
  *
  * Model SHA-256 0a6a5e74c351eb572b3af256f5135e52918e945b40d14db040ccc931c6eb898c
  */

@@ -14,34 +14,22 @@
  * written with UR5E_OK only; `info` always. config and info may be NULL, guess and pose the same
  * object.
  *
- * One step of Newton's method: 558 additions, 24 cos, 6 divisions, 841 multiplications, 24 sin
+ * One step of Newton's method: 558 additions, 24 cos, 6 divisions, 833 multiplications, 24 sin
  * (rows, matrix, factors, step). Predicted error of an answer: UR5E_TOLERANCE and the rounding of
  * the type, about 7.49441e-13 mm (angles times the size) where the matrix is well conditioned.
  *
  * Worst case of a call, with NULL as config (README.md says how it is known and has 255
  * iterations):
- *   inverse_all: 8595 add, 10534 mul, 367 div, 51 sqrt, 144 sin, 144 cos, 34 atan2
- *   inverse_branch: 1364 add, 1763 mul, 59 div, 37 sqrt, 18 sin, 18 cos, 34 atan2
- *   inverse_nearest: 1395 add, 1791 mul, 59 div, 37 sqrt, 18 sin, 18 cos, 34 atan2
+ *   inverse_all: 8595 add, 10526 mul, 367 div, 51 sqrt, 144 sin, 144 cos, 34 atan2
+ *   inverse_branch: 1364 add, 1755 mul, 59 div, 37 sqrt, 18 sin, 18 cos, 34 atan2
+ *   inverse_nearest: 1395 add, 1783 mul, 59 div, 37 sqrt, 18 sin, 18 cos, 34 atan2
  *   direct: 58 add, 92 mul, 1 div, 1 sqrt, 6 sin, 6 cos
- *   inverse: 100 iterations, 23062 add, 33818 mul, 1849 div, 1608 sqrt, 24 sin, 24 cos, 606 atan2
+ *   inverse: 100 iterations, 23062 add, 33717 mul, 1849 div, 1608 sqrt, 24 sin, 24 cos, 606 atan2
  *   jacobian: 97 add, 135 mul, 6 sin, 6 cos
  *   twist: 139 add, 171 mul, 6 sin, 6 cos
  *   feed: 893 add, 1064 mul, 53 div, 5 sqrt, 6 sin, 6 cos
  *   rates: 887 add, 1058 mul, 47 div, 5 sqrt, 6 sin, 6 cos
  *   track: 1241 add, 1620 mul, 49 div, 10 sqrt, 36 sin, 36 cos
- *   measured (Cortex-M7, GCC 12.2.1 -O2, 10762 inputs, seed 1): instructions, bytes of stack with
- *     callees, bytes of code with callees but without those of libm:
- *   inverse_all: 19610 instructions, 1560 stack, 6508 code
- *   inverse_branch: 2925 instructions, 1616 stack, 6592 code
- *   inverse_nearest: 3560 instructions, 1680 stack, 6812 code
- *   direct: 1700 instructions, 944 stack, 1240 code
- *   inverse: 124520 instructions, 2424 stack, 11400 code
- *   jacobian: 1800 instructions, 1032 stack, 1688 code
- *   twist: 2215 instructions, 1376 stack, 1856 code
- *   feed: 10210 instructions, 1496 stack, 3276 code
- *   rates: 10085 instructions, 1432 stack, 3176 code
- *   track: 13005 instructions, 1576 stack, 4684 code
  *
  * Model SHA-256 a72b063b87bb3a08505b80421fdd2a78f08e451a852a353dab64180a7c23c55b
  */

@@ -507,8 +507,8 @@ static int yao2020_branches(const yao2020_real x[7], const yao2020_real near[6],
                 const yao2020_real t39 = yao2020_angle(t37, t38);
                 /* the point where the axes of theta3, theta2, theta1 meet: its level across L6
                  * tells theta5 */
-                const yao2020_real t40 = -300.0f - t35;
-                const yao2020_real t41 = t40 + 385.0f;
+                const yao2020_real t40 = 300.0f + t35;
+                const yao2020_real t41 = t40 - 385.0f;
                 const yao2020_real t42 = t41 * t41;
                 const yao2020_real t43 = t42 * 3.2462262e-06f;
                 if (t43 > 1.5258789e-05f) {
@@ -533,122 +533,126 @@ static int yao2020_branches(const yao2020_real x[7], const yao2020_real near[6],
                     if (t62 > 1.5258789e-05f) {
                         margin[1] = t62;
                         const yao2020_real t65 = t41 * near[2];
+                        const yao2020_real t66 = -t65;
                         const unsigned int bits1 = (wanted >> 2U) & 3U;
-                        const unsigned int side1 = (t65 < 0.0f) ? 2U : 1U;
+                        const unsigned int side1 = (t66 < 0.0f) ? 2U : 1U;
                         for (unsigned int k1 = 1U; k1 <= 2U; ++k1) {
                             if ((((bits1 != 0U) ? bits1 : side1) & k1) != 0U) {
                                 const yao2020_real sign1 = (k1 == 1U) ? 1.0f : -1.0f;
-                                const yao2020_real t71 = t41 * t59;
-                                const yao2020_real t72 = 1.0f / t42;
-                                const yao2020_real t73 = t71 * t72;
-                                const yao2020_real t74 = fabsf(t61);
-                                const yao2020_real t75 = t61 + t74;
-                                const yao2020_real t76 = 0.5f * t75;
-                                const yao2020_real t77 = sqrtf(t76);
-                                const yao2020_real t78 = sign1 * t77;
-                                const yao2020_real t79 = t41 * t78;
-                                const yao2020_real t80 = t79 * t72;
-                                const yao2020_real t81 = yao2020_angle(t73, t80);
+                                const yao2020_real t72 = t41 * t59;
+                                const yao2020_real t73 = 1.0f / t42;
+                                const yao2020_real t74 = t72 * t73;
+                                const yao2020_real t75 = -t74;
+                                const yao2020_real t76 = fabsf(t61);
+                                const yao2020_real t77 = t61 + t76;
+                                const yao2020_real t78 = 0.5f * t77;
+                                const yao2020_real t79 = sqrtf(t78);
+                                const yao2020_real t80 = sign1 * t79;
+                                const yao2020_real t81 = t41 * t80;
+                                const yao2020_real t82 = t81 * t73;
+                                const yao2020_real t83 = -t82;
+                                const yao2020_real t84 = yao2020_angle(t75, t83);
                                 /* L6 slides the point where the axes of theta3, theta2, theta1 meet
                                  * to where it must be */
-                                const yao2020_real t82 = t0 - t1;
-                                const yao2020_real t83 = t82 + t82;
-                                const yao2020_real t84 = t12 + t50;
-                                const yao2020_real t85 = t84 + t84;
-                                const yao2020_real t86 = 1.0f - t85;
-                                const yao2020_real t87 = t45 + t46;
+                                const yao2020_real t85 = t0 - t1;
+                                const yao2020_real t86 = t85 + t85;
+                                const yao2020_real t87 = t12 + t50;
                                 const yao2020_real t88 = t87 + t87;
-                                const yao2020_real t89 = t86 * x[0];
-                                const yao2020_real t90 = t88 * x[1];
-                                const yao2020_real t91 = t89 + t90;
-                                const yao2020_real t92 = t83 * x[2];
-                                const yao2020_real t93 = t91 + t92;
-                                const yao2020_real t94 = -545.0f - t93;
-                                const yao2020_real t95 = t80 * t41;
-                                const yao2020_real t96 = t95 - 385.0f;
-                                const yao2020_real t97 = t94 - t96;
-                                const yao2020_real t98 = -t97;
+                                const yao2020_real t89 = 1.0f - t88;
+                                const yao2020_real t90 = t45 + t46;
+                                const yao2020_real t91 = t90 + t90;
+                                const yao2020_real t92 = t89 * x[0];
+                                const yao2020_real t93 = t91 * x[1];
+                                const yao2020_real t94 = t92 + t93;
+                                const yao2020_real t95 = t86 * x[2];
+                                const yao2020_real t96 = t94 + t95;
+                                const yao2020_real t97 = 545.0f + t96;
+                                const yao2020_real t98 = t82 * t41;
+                                const yao2020_real t99 = t98 - 385.0f;
+                                const yao2020_real t100 = t97 + t99;
                                 /* the axis of theta3: its level along the axis of theta1 tells
                                  * theta2 */
-                                const yao2020_real t99 = t73 * t36;
-                                const yao2020_real t100 = t57 * t99;
-                                const yao2020_real t101 = t80 * t36;
-                                const yao2020_real t102 = t83 * t101;
-                                const yao2020_real t103 = t100 - t102;
-                                const yao2020_real t104 = t15 * t37;
-                                const yao2020_real t105 = t103 + t104;
-                                const yao2020_real t106 = t105 * t105;
-                                const yao2020_real t107 = 1.0f - t106;
-                                if (t107 > 1.5258789e-05f) {
-                                    margin[2] = t107;
+                                const yao2020_real t101 = t74 * t36;
+                                const yao2020_real t102 = t57 * t101;
+                                const yao2020_real t103 = t82 * t36;
+                                const yao2020_real t104 = t86 * t103;
+                                const yao2020_real t105 = t102 - t104;
+                                const yao2020_real t106 = t15 * t37;
+                                const yao2020_real t107 = t105 - t106;
+                                const yao2020_real t108 = t107 * t107;
+                                const yao2020_real t109 = 1.0f - t108;
+                                if (t109 > 1.5258789e-05f) {
+                                    margin[2] = t109;
                                     const unsigned int bits2 = (wanted >> 4U) & 3U;
                                     const unsigned int side2 = (near[4] < 0.0f) ? 2U : 1U;
                                     for (unsigned int k2 = 1U; k2 <= 2U; ++k2) {
                                         if ((((bits2 != 0U) ? bits2 : side2) & k2) != 0U) {
                                             const yao2020_real sign2 = (k2 == 1U) ? 1.0f : -1.0f;
-                                            const yao2020_real t115 = fabsf(t107);
-                                            const yao2020_real t116 = t107 + t115;
-                                            const yao2020_real t117 = 0.5f * t116;
-                                            const yao2020_real t118 = sqrtf(t117);
-                                            const yao2020_real t119 = sign2 * t118;
-                                            const yao2020_real t120 = -t105;
-                                            const yao2020_real t121 = yao2020_angle(t120, t119);
+                                            const yao2020_real t117 = fabsf(t109);
+                                            const yao2020_real t118 = t109 + t117;
+                                            const yao2020_real t119 = 0.5f * t118;
+                                            const yao2020_real t120 = sqrtf(t119);
+                                            const yao2020_real t121 = sign2 * t120;
+                                            const yao2020_real t122 = yao2020_angle(t107, t121);
                                             /* theta1 turns the axis of theta3 to where it must
                                              * be */
-                                            const yao2020_real t122 = t48 * t99;
-                                            const yao2020_real t123 = t86 * t101;
-                                            const yao2020_real t124 = t122 - t123;
-                                            const yao2020_real t125 = t3 * t37;
-                                            const yao2020_real t126 = t124 + t125;
-                                            const yao2020_real t127 = t119 * t126;
-                                            const yao2020_real t128 = t127 * t127;
-                                            const yao2020_real t129 = t53 * t99;
-                                            const yao2020_real t130 = t88 * t101;
-                                            const yao2020_real t131 = t129 - t130;
-                                            const yao2020_real t132 = t8 * t37;
-                                            const yao2020_real t133 = t131 + t132;
-                                            const yao2020_real t134 = t119 * t133;
-                                            const yao2020_real t135 = t134 * t134;
-                                            const yao2020_real t136 = t128 + t135;
-                                            const yao2020_real t137 = sqrtf(t136);
-                                            if (t137 > 1.5258789e-05f) {
-                                                const yao2020_real t139 = yao2020_angle(t134, t127);
+                                            const yao2020_real t123 = t48 * t101;
+                                            const yao2020_real t124 = t89 * t103;
+                                            const yao2020_real t125 = t123 - t124;
+                                            const yao2020_real t126 = t3 * t37;
+                                            const yao2020_real t127 = t125 - t126;
+                                            const yao2020_real t128 = t121 * t127;
+                                            const yao2020_real t129 = t128 * t128;
+                                            const yao2020_real t130 = t53 * t101;
+                                            const yao2020_real t131 = t91 * t103;
+                                            const yao2020_real t132 = t130 - t131;
+                                            const yao2020_real t133 = t8 * t37;
+                                            const yao2020_real t134 = t132 - t133;
+                                            const yao2020_real t135 = t121 * t134;
+                                            const yao2020_real t136 = t135 * t135;
+                                            const yao2020_real t137 = t129 + t136;
+                                            const yao2020_real t138 = sqrtf(t137);
+                                            if (t138 > 1.5258789e-05f) {
+                                                const yao2020_real t140 = -t128;
+                                                const yao2020_real t141 = -t135;
+                                                const yao2020_real t142 = yao2020_angle(t141, t140);
                                                 /* theta3 turns a direction of the tool to where it
                                                  * must be */
-                                                const yao2020_real t140 = 1.0f / t137;
-                                                const yao2020_real t141 = t127 * t140;
-                                                const yao2020_real t142 = t88 * t73;
-                                                const yao2020_real t143 = t53 * t80;
-                                                const yao2020_real t144 = t142 + t143;
-                                                const yao2020_real t145 = t141 * t144;
-                                                const yao2020_real t146 = t134 * t140;
-                                                const yao2020_real t147 = t86 * t73;
-                                                const yao2020_real t148 = t48 * t80;
-                                                const yao2020_real t149 = t147 + t148;
-                                                const yao2020_real t150 = t146 * t149;
-                                                const yao2020_real t151 = t145 - t150;
-                                                const yao2020_real t152 = t151 * t151;
-                                                const yao2020_real t153 = t83 * t73;
-                                                const yao2020_real t154 = t57 * t80;
-                                                const yao2020_real t155 = t153 + t154;
-                                                const yao2020_real t156 = t119 * t155;
-                                                const yao2020_real t157 = t141 * t149;
-                                                const yao2020_real t158 = t146 * t144;
-                                                const yao2020_real t159 = t157 + t158;
-                                                const yao2020_real t160 = t105 * t159;
-                                                const yao2020_real t161 = t156 - t160;
-                                                const yao2020_real t162 = t161 * t161;
-                                                const yao2020_real t163 = t152 + t162;
-                                                const yao2020_real t164 = sqrtf(t163);
-                                                if (t164 > 1.5258789e-05f) {
-                                                    const yao2020_real t166 = yao2020_angle(t161,
-                                                        t151);
-                                                    found[count][0] = t139;
-                                                    found[count][1] = t121;
-                                                    found[count][2] = t166;
+                                                const yao2020_real t143 = 1.0f / t138;
+                                                const yao2020_real t144 = t128 * t143;
+                                                const yao2020_real t145 = t91 * t74;
+                                                const yao2020_real t146 = t53 * t82;
+                                                const yao2020_real t147 = t145 + t146;
+                                                const yao2020_real t148 = t144 * t147;
+                                                const yao2020_real t149 = t135 * t143;
+                                                const yao2020_real t150 = t89 * t74;
+                                                const yao2020_real t151 = t48 * t82;
+                                                const yao2020_real t152 = t150 + t151;
+                                                const yao2020_real t153 = t149 * t152;
+                                                const yao2020_real t154 = t148 - t153;
+                                                const yao2020_real t155 = t154 * t154;
+                                                const yao2020_real t156 = t86 * t74;
+                                                const yao2020_real t157 = t57 * t82;
+                                                const yao2020_real t158 = t156 + t157;
+                                                const yao2020_real t159 = t121 * t158;
+                                                const yao2020_real t160 = t144 * t152;
+                                                const yao2020_real t161 = t149 * t147;
+                                                const yao2020_real t162 = t160 + t161;
+                                                const yao2020_real t163 = t107 * t162;
+                                                const yao2020_real t164 = t159 - t163;
+                                                const yao2020_real t165 = t164 * t164;
+                                                const yao2020_real t166 = t155 + t165;
+                                                const yao2020_real t167 = sqrtf(t166);
+                                                if (t167 > 1.5258789e-05f) {
+                                                    const yao2020_real t169 = -t164;
+                                                    const yao2020_real t170 = yao2020_angle(t169,
+                                                        t154);
+                                                    found[count][0] = t142;
+                                                    found[count][1] = t122;
+                                                    found[count][2] = t170;
                                                     found[count][3] = t39;
-                                                    found[count][4] = t81;
-                                                    found[count][5] = t98;
+                                                    found[count][4] = t84;
+                                                    found[count][5] = t100;
                                                     ++count;
                                                 } else {
                                                     *undecided = true;
@@ -658,7 +662,7 @@ static int yao2020_branches(const yao2020_real x[7], const yao2020_real near[6],
                                             }
                                         }
                                     }
-                                } else if (t107 > -1.5258789e-05f) {
+                                } else if (t109 > -1.5258789e-05f) {
                                     *undecided = true;
                                 } else {
                                     /* out of reach */
@@ -984,8 +988,8 @@ static yao2020_status yao2020_inverse_reach(yao2020_inverse_work *w, const yao20
         const yao2020_real t25 = 0.5f * t24;
         const yao2020_real t26 = sqrtf(t25);
         const yao2020_real t27 = w->sign[0] * t26;
-        const yao2020_real t28 = -300.0f - t27;
-        const yao2020_real t29 = t28 + 385.0f;
+        const yao2020_real t28 = 300.0f + t27;
+        const yao2020_real t29 = t28 - 385.0f;
         const yao2020_real t30 = t29 * t29;
         const yao2020_real t31 = t30 * 3.2462262e-06f;
         if (t31 > 1.5258789e-05f) {
@@ -1031,7 +1035,7 @@ static yao2020_status yao2020_inverse_reach(yao2020_inverse_work *w, const yao20
                 const yao2020_real t69 = t57 - t68;
                 const yao2020_real t70 = 0.0033333334f * t18;
                 const yao2020_real t71 = t15 * t70;
-                const yao2020_real t72 = t69 + t71;
+                const yao2020_real t72 = t69 - t71;
                 const yao2020_real t73 = t72 * t72;
                 const yao2020_real t74 = 1.0f - t73;
                 if (t74 > 1.5258789e-05f) {
@@ -1048,7 +1052,7 @@ static yao2020_status yao2020_inverse_reach(yao2020_inverse_work *w, const yao20
                     const yao2020_real t85 = t84 * t67;
                     const yao2020_real t86 = t81 - t85;
                     const yao2020_real t87 = t3 * t70;
-                    const yao2020_real t88 = t86 + t87;
+                    const yao2020_real t88 = t86 - t87;
                     const yao2020_real t89 = t80 * t88;
                     const yao2020_real t90 = t89 * t89;
                     const yao2020_real t91 = t41 * t56;
@@ -1057,7 +1061,7 @@ static yao2020_status yao2020_inverse_reach(yao2020_inverse_work *w, const yao20
                     const yao2020_real t94 = t93 * t67;
                     const yao2020_real t95 = t91 - t94;
                     const yao2020_real t96 = t8 * t70;
-                    const yao2020_real t97 = t95 + t96;
+                    const yao2020_real t97 = t95 - t96;
                     const yao2020_real t98 = t80 * t97;
                     const yao2020_real t99 = t98 * t98;
                     const yao2020_real t100 = t90 + t99;
@@ -1090,32 +1094,35 @@ static yao2020_status yao2020_inverse_reach(yao2020_inverse_work *w, const yao20
                         const yao2020_real t126 = t115 + t125;
                         const yao2020_real t127 = sqrtf(t126);
                         if (t127 > 1.5258789e-05f) {
-                            const yao2020_real t129 = -t72;
-                            const yao2020_real t130 = -t55;
-                            const yao2020_real t131 = t84 * x[0];
-                            const yao2020_real t132 = t93 * x[1];
-                            const yao2020_real t133 = t131 + t132;
-                            const yao2020_real t134 = t59 * x[2];
-                            const yao2020_real t135 = t133 + t134;
-                            const yao2020_real t136 = -545.0f - t135;
-                            const yao2020_real t137 = t66 * t29;
-                            const yao2020_real t138 = t137 - 385.0f;
-                            const yao2020_real t139 = t136 - t138;
-                            const yao2020_real t140 = -t139;
+                            const yao2020_real t129 = -t89;
+                            const yao2020_real t130 = -t98;
+                            const yao2020_real t131 = -t124;
+                            const yao2020_real t132 = -t55;
+                            const yao2020_real t133 = -t66;
+                            const yao2020_real t134 = -t54;
+                            const yao2020_real t135 = t84 * x[0];
+                            const yao2020_real t136 = t93 * x[1];
+                            const yao2020_real t137 = t135 + t136;
+                            const yao2020_real t138 = t59 * x[2];
+                            const yao2020_real t139 = t137 + t138;
+                            const yao2020_real t140 = 545.0f + t139;
+                            const yao2020_real t141 = t66 * t29;
+                            const yao2020_real t142 = t141 - 385.0f;
+                            const yao2020_real t143 = t140 + t142;
                             w->guard[0] = t21;
                             w->guard[1] = t50;
                             w->guard[2] = t74;
-                            w->aimed[0][0] = t89;
-                            w->aimed[0][1] = t98;
+                            w->aimed[0][0] = t129;
+                            w->aimed[0][1] = t130;
                             w->aimed[1][0] = t80;
-                            w->aimed[1][1] = t129;
+                            w->aimed[1][1] = t72;
                             w->aimed[2][0] = t114;
-                            w->aimed[2][1] = t124;
-                            w->aimed[3][0] = t130;
+                            w->aimed[2][1] = t131;
+                            w->aimed[3][0] = t132;
                             w->aimed[3][1] = t70;
-                            w->aimed[4][0] = t66;
-                            w->aimed[4][1] = t54;
-                            w->aimed[5][0] = t140;
+                            w->aimed[4][0] = t133;
+                            w->aimed[4][1] = t134;
+                            w->aimed[5][0] = t143;
                             w->aimed[5][1] = 0.0f;
                             status = YAO2020_OK;
                         } else {
@@ -1645,9 +1652,9 @@ yao2020_status yao2020_jacobian(const yao2020_real joints[6], yao2020_real jacob
         const yao2020_real t62 = t51 - t61;
         const yao2020_real t63 = t60 * t62;
         const yao2020_real t64 = t33 * t12;
-        const yao2020_real t65 = -300.0f * t33;
+        const yao2020_real t65 = 300.0f * t33;
         const yao2020_real t66 = t30 * t65;
-        const yao2020_real t67 = t47 - t66;
+        const yao2020_real t67 = t47 + t66;
         const yao2020_real t68 = t64 * t67;
         const yao2020_real t69 = t63 - t68;
         const yao2020_real t70 = t33 * t18;
@@ -1661,10 +1668,10 @@ yao2020_status yao2020_jacobian(const yao2020_real joints[6], yao2020_real jacob
         const yao2020_real t78 = 85.0f * t18;
         const yao2020_real t79 = t5 * t78;
         const yao2020_real t80 = t33 * t79;
-        const yao2020_real t81 = -85.0f * t15;
-        const yao2020_real t82 = t81 - 300.0f;
+        const yao2020_real t81 = 85.0f * t15;
+        const yao2020_real t82 = t81 + 300.0f;
         const yao2020_real t83 = t40 * t82;
-        const yao2020_real t84 = t80 - t83;
+        const yao2020_real t84 = t80 + t83;
         const yao2020_real t85 = t51 - t84;
         const yao2020_real t86 = t77 * t85;
         const yao2020_real t87 = t33 * t71;
@@ -1672,12 +1679,12 @@ yao2020_status yao2020_jacobian(const yao2020_real joints[6], yao2020_real jacob
         const yao2020_real t89 = t87 - t88;
         const yao2020_real t90 = t33 * t82;
         const yao2020_real t91 = t40 * t79;
-        const yao2020_real t92 = t90 + t91;
+        const yao2020_real t92 = t90 - t91;
         const yao2020_real t93 = t30 * t92;
         const yao2020_real t94 = t12 * t78;
         const yao2020_real t95 = t2 * t94;
-        const yao2020_real t96 = t93 - t95;
-        const yao2020_real t97 = t47 - t96;
+        const yao2020_real t96 = t93 + t95;
+        const yao2020_real t97 = t47 + t96;
         const yao2020_real t98 = t89 * t97;
         const yao2020_real t99 = t86 - t98;
         const yao2020_real t100 = t15 * t21;
@@ -1704,7 +1711,7 @@ yao2020_status yao2020_jacobian(const yao2020_real joints[6], yao2020_real jacob
         const yao2020_real t121 = t118 + t120;
         const yao2020_real t122 = -t121;
         const yao2020_real t123 = t2 * t65;
-        const yao2020_real t124 = t116 - t123;
+        const yao2020_real t124 = t116 + t123;
         const yao2020_real t125 = t64 * t124;
         const yao2020_real t126 = t2 * t58;
         const yao2020_real t127 = t30 * t5;
@@ -1713,8 +1720,8 @@ yao2020_status yao2020_jacobian(const yao2020_real joints[6], yao2020_real jacob
         const yao2020_real t130 = t125 - t129;
         const yao2020_real t131 = t2 * t92;
         const yao2020_real t132 = t30 * t94;
-        const yao2020_real t133 = t131 + t132;
-        const yao2020_real t134 = t116 - t133;
+        const yao2020_real t133 = t131 - t132;
+        const yao2020_real t134 = t116 + t133;
         const yao2020_real t135 = t89 * t134;
         const yao2020_real t136 = t2 * t73;
         const yao2020_real t137 = t30 * t75;

@@ -14,7 +14,7 @@
  * written with YAO2020_OK only; `info` always. config and info may be NULL, guess and pose the same
  * object.
  *
- * One step of Newton's method: 274 additions, 20 cos, 6 divisions, 464 multiplications, 20 sin
+ * One step of Newton's method: 269 additions, 20 cos, 6 divisions, 449 multiplications, 20 sin
  * (rows, matrix, factors, step). Predicted error of an answer: YAO2020_TOLERANCE and the rounding
  * of the type, about 0.000264655 mm (angles times the size) where the matrix is well conditioned.
  *
@@ -30,18 +30,6 @@
  *   feed: 916 add, 1107 mul, 53 div, 5 sqrt
  *   rates: 910 add, 1101 mul, 47 div, 5 sqrt
  *   track: 1484 add, 1923 mul, 49 div, 10 sqrt
- *   measured (Cortex-M4F, GCC 12.2.1 -O2, 13526 inputs, seed 1): instructions, bytes of stack with
- *     callees, bytes of code with callees but without those of libm:
- *   inverse_all: 81370 instructions, 696 stack, 5924 code
- *   inverse_branch: 11280 instructions, 720 stack, 5996 code
- *   inverse_nearest: 11415 instructions, 768 stack, 6192 code
- *   direct: 625 instructions, 112 stack, 1304 code
- *   inverse: 120295 instructions, 1064 stack, 9848 code
- *   jacobian: 690 instructions, 112 stack, 1564 code
- *   twist: 1080 instructions, 288 stack, 1708 code
- *   feed: 9870 instructions, 656 stack, 3128 code
- *   rates: 9755 instructions, 616 stack, 3024 code
- *   track: 12310 instructions, 696 stack, 4452 code
  *
  * Model SHA-256 98eb777f285bb0f01202bb6155b0345518c2eb31f42fdf259ae851aac40d2594
  */

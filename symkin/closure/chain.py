@@ -197,6 +197,13 @@ class JointSymbols:
         zero = table.scalar(f"{path}.zero", joint.zero) if joint.freedom == 1 else ca.SX(0)
         return JointSymbols(joint, point, axis, axis2, pitch, zero)
 
+    def substituted(self, old: list[ca.SX], new: list[ca.SX]) -> JointSymbols:
+        """The same joint over other symbols."""
+        parts = {name: getattr(self, name) for name in ("point", "axis", "axis2", "pitch")}
+        own = {name: part for name, part in parts.items() if part is not None}
+        found = ca.substitute(list(own.values()), old, new)
+        return replace(self, **dict(zip(own, found, strict=True)))
+
     def moved(self, shift: float) -> JointSymbols:
         """The same joint by another point of its axis."""
         return (

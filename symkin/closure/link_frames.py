@@ -7,14 +7,14 @@ their centres, which nothing holds: no expression places them.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
 import casadi as ca
 import numpy as np
 
 from symkin.closure.branches import Branch
-from symkin.closure.chain import Chain, Side
+from symkin.closure.chain import Chain, JointSymbols, Side
 from symkin.closure.closure import Closure, built_rows
 from symkin.closure.rows import RowBuilder
 from symkin.computed_once import lru_cache
@@ -38,12 +38,14 @@ class LinkFrames:
     """Position and quaternion (7) of each link by name, over the closure's variables and
     `geometry`: every number of the description by key path, as symbol and nominal value (the
     closure's own symbol where its rows depend on it). Frames of links of a bridge are as seen from
-    its first link; `joints` are the links that each joint is between, the one that it moves last.
+    its first link; `joints` are the links that each joint is between, the one that it moves last,
+    and `symbols` the geometry of each by name.
     """
 
     frames: dict[str, ca.SX]
     bridges: tuple[Bridge, ...]
     joints: dict[Joint, tuple[str, str]]
+    symbols: dict[str, JointSymbols]
     geometry: dict[str, tuple[ca.SX, float]]
 
     @property
@@ -52,11 +54,11 @@ class LinkFrames:
         hung = {link for bridge in self.bridges for link in bridge.links}
         return tuple(link for link in self.frames if link not in hung)
 
-    def bound(self, expression: ca.SX) -> ca.SX:
-        """The expression with the nominal geometry."""
-        symbols = ca.vertcat(ca.SX(0, 1), *(symbol for symbol, _ in self.geometry.values()))
-        numbers = ca.SX(ca.DM([value for _, value in self.geometry.values()]))
-        return ca.substitute(expression, symbols, numbers)
+    def bound(self, expression: ca.SX, free: Collection[str] = ()) -> ca.SX:
+        """The expression with the nominal geometry, but for numbers that stay `free`."""
+        numbers = [pair for name, pair in self.geometry.items() if name not in free]
+        symbols = ca.vertcat(ca.SX(0, 1), *(symbol for symbol, _ in numbers))
+        return ca.substitute(expression, symbols, ca.SX(ca.DM([value for _, value in numbers])))
 
 
 @lru_cache(maxsize=128)
@@ -97,11 +99,15 @@ def link_frames(closure: Closure) -> LinkFrames:
     theirs += [builder.coordinates[c.name][1] for c in closure.coordinates]
     ours.append(closure.symbols(closure.coordinates))
     nothing = ca.SX(0, 1)
-    frames = ca.substitute(
-        _frames(list(sides.values())), [ca.vertcat(nothing, *theirs)], [ca.vertcat(nothing, *ours)]
-    )
+    replaced = [ca.vertcat(nothing, *theirs)], [ca.vertcat(nothing, *ours)]
+    frames = ca.substitute(_frames(list(sides.values())), *replaced)
+    joints = _joints_between(chains)
     return LinkFrames(
-        dict(zip(sides, frames, strict=True)), tuple(bridges), _joints_between(chains), geometry
+        dict(zip(sides, frames, strict=True)),
+        tuple(bridges),
+        joints,
+        {j.name: builder.joints[j.name].substituted(*replaced) for j in joints},
+        geometry,
     )
 
 

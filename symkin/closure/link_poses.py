@@ -8,12 +8,14 @@ centres, which nothing holds: it is turned there from its reference by the short
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import casadi as ca
 import numpy as np
 
+from symkin.closure.chain import JointSymbols
 from symkin.closure.closure import Closure
 from symkin.closure.link_frames import Bridge, LinkFrames, link_frames
 from symkin.computed_once import lru_cache
@@ -106,6 +108,23 @@ def reading_expressions(closure: Closure) -> dict[str, tuple[ca.SX, ...]]:
         for c, values in zip(joint.coordinates, parts, strict=True):
             read[c.name] = tuple(map(found.bound, values))
     return read
+
+
+def cut_expressions(closure: Closure, free: Collection[str] = ()) -> dict[str, ca.SX]:
+    """The coordinates of joints at which loops are cut, over the closure's variables, and of the
+    geometry those numbers that stay `free`. Joints at links that may spin are left out.
+    """
+    found = link_frames(closure)
+    return {
+        c.name: found.bound(value, free)
+        for joint, between in _between(found)
+        for c, value in zip(
+            joint.coordinates,
+            joint_coordinates(joint, between, found.symbols[joint.name]),
+            strict=True,
+        )
+        if c.name not in closure.slices
+    }
 
 
 def link_expressions(closure: Closure) -> dict[str, Pose]:
@@ -203,15 +222,17 @@ def _shortest_turn(start: Array, end: Array) -> Array:
 # --- what a joint reads ---------------------------------------------------------------------------
 
 
-def joint_coordinates(joint: Joint, between: Pose) -> list[Array]:
+def joint_coordinates(
+    joint: Joint, between: Pose, symbols: JointSymbols | None = None
+) -> list[Array]:
     """The coordinates of a joint from the displacement of its second link in the frame of its
-    first, (3, m) and (4, m) or in symbols.
+    first, (3, m) and (4, m) or in symbols; its own geometry may be symbols too.
     """
     if joint.type == "S":
         return [between.quaternion]
     return [
         part[0] if len(part) == 1 else _zero_of(joint) + atan2(part[1], part[0])
-        for part in _parts(joint, between)
+        for part in _parts(joint, between, symbols)
     ]
 
 
@@ -220,26 +241,30 @@ def _zero_of(joint: Joint) -> float:
     return joint.zero if joint.type == "R" else 0.0
 
 
-def _parts(joint: Joint, between: Pose) -> list[tuple[Array, ...]]:
+def _parts(
+    joint: Joint, between: Pose, symbols: JointSymbols | None = None
+) -> list[tuple[Array, ...]]:
     """The coordinates of a joint that is no ball: a length (of a screw its angle) as one number, an
     angle from the reference as multiples of its cosine and sine.
     """
-    q = between.quaternion
+    q, own = between.quaternion, symbols or joint
 
-    def column(numbers: Sequence[float] | None) -> Array:
+    def column(numbers: Any) -> Array:
+        if isinstance(numbers, ca.SX):
+            return numbers
         return ca.DM(numbers) if is_casadi(q) else np.array(numbers)[:, None]
 
-    axis, point = column(joint.axis), column(joint.point)
+    axis, point = column(own.axis), column(own.point)
     slide = dot(axis, between.apply(point) - point)
     if joint.type in ("P", "H"):
-        return [(joint.zero + (slide if joint.type == "P" else 2.0 * np.pi * slide / joint.pitch),)]
+        return [(joint.zero + (slide if joint.type == "P" else 2.0 * np.pi * slide / own.pitch),)]
     if joint.type in ("R", "C"):
         s, w = dot(axis, q[1:]), q[0]
         turn = (w * w - s * s, 2.0 * w * s)
         return [turn] if joint.type == "R" else [turn, (slide,)]
     # Turn(axis, first) carries axis2 to where it is; Turn(axis2, -second) carries axis to where it
     # is from the second link
-    axis2 = column(joint.axis2)
+    axis2 = column(own.axis2)
     first = _turn_parts(axis, axis2, rotate(q, axis2))
     cosine, sine = _turn_parts(axis2, axis, rotate(conjugate(q), axis))
     return [first, (cosine, -sine)]

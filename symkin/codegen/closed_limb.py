@@ -18,6 +18,7 @@ from symkin.closure.snapping import snapped_expression
 from symkin.codegen.map.limb_platform import LimbBlock, LimbPlatform
 from symkin.codegen.steps.formula_guards import RESOLVED
 from symkin.codegen.steps.newton_kernel import rounded
+from symkin.codegen.text.angles import Numbers, by_numbers
 from symkin.codegen.text.c import Emitter, Real, indented_by_braces, indexed
 from symkin.codegen.text.templates import fill
 from symkin.computed_once import cached_property
@@ -91,7 +92,8 @@ class LimbFormulas:
     @property
     def joints(self) -> list[str]:
         """Statements of the joints."""
-        return self._lines(self._values, RESOLVED * self.real.epsilon, "x", "OUT_OF_RANGE")
+        rows = self._rows if self.block.is_checked else ca.SX(0, 1)
+        return self._lines(self._values, RESOLVED * self.real.epsilon, "x", "OUT_OF_RANGE", rows)
 
     @property
     def rates(self) -> list[str]:
@@ -109,14 +111,17 @@ class LimbFormulas:
             of_roots = ca.vertcat(of_roots, change / (2 * roots[k]))
         if roots.numel():
             found = found + ca.mtimes(ca.jacobian(values, roots), of_roots)
-        return self._lines(ca.vec(found.T), _SINGULAR, "rates", "SINGULAR")
+        return self._lines(ca.vec(found.T), _SINGULAR, "rates", "SINGULAR", ca.SX(0, 1))
 
     def _by_twist(self, expression: ca.SX) -> ca.SX:
         return self.made.by_twist(self.block.system, expression)
 
-    def _lines(self, results: ca.SX, least: float, array: str, refused: str) -> list[str]:
+    def _lines(
+        self, results: ca.SX, least: float, array: str, refused: str, rows: ca.SX
+    ) -> list[str]:
         """Statements of discriminants, their roots, the results and the status: refused where a
-        root is below the `least` share of its usual size, SINGULAR where a divisor is.
+        root is below the `least` share of its usual size, SINGULAR where a divisor is,
+        OUT_OF_RANGE where `rows` do not close.
         """
         real, name = self.real, self.made.name.upper()
         known, roots = self.formulas.system.known, self.formulas.roots
@@ -124,7 +129,7 @@ class LimbFormulas:
         divisors = self.signed(stacked(self.formulas.divisors[j] for j in free))
         outputs = [
             snapped_expression(ca.densify(part), [known, roots])
-            for part in (self._discriminants, results, divisors)
+            for part in (self._discriminants, results, divisors, rows)
         ]
         inputs = [(known, "c"), (roots, [f"r{k + 1}" for k in range(count)])]
         emitter = Emitter.of(real, inputs, *outputs)
@@ -153,9 +158,7 @@ class LimbFormulas:
             written += [*([] if free else status), f"if {whole} {{"]
             closings.append(["} else {", *zeros, "}"])
         written += emitter.stored(array, 1)
-        checks, result = (
-            self._row_checks if array == "x" and self.block.is_checked else ([], f"{name}_OK")
-        )
+        checks, result = self._row_checks(emitter) if rows.numel() else ([], f"{name}_OK")
         ending = [f"return {result};"]
         if closings:
             closed = (line for lines in reversed(closings) for line in lines)
@@ -172,19 +175,32 @@ class LimbFormulas:
         return f"({self.real.call('fabs')}({text}) > {self.real.literal(rounded(least))})"
 
     @property
-    def _row_checks(self) -> tuple[list[str], str]:
-        """Statements of the limb's rows at the joints, and the status that they leave: a pose off
-        what the mechanism can take has no answer.
+    def _rows(self) -> ca.SX:
+        """The limb's closing errors at the joints by their formulas: of an angle the cosine and
+        sine that its formulas give, made a unit vector: a root takes the place of trigonometry.
         """
-        system, capital = self.block.system, self.made.name.upper()
-        errors = snapped_expression(ca.densify(system.errors), [system.unknown, system.known])
-        inputs = [(system.unknown, "x"), (system.known, "c")]
-        emitter = Emitter.of(self.real, inputs, errors, prefix="e")
-        texts = emitter.values(0)
+        system, numbers = self.block.system, []
+        first, second = self.signed(self.formulas.first), self.signed(self.formulas.second)
+        for k, coordinate in enumerate(system.unknowns):
+            cosine, sine = first[k], second[k]
+            per = 1 / ca.sqrt(cosine**2 + sine**2)
+            numbers.append(
+                Numbers(self._values[k], cosine * per, sine * per)
+                if coordinate.is_angular
+                else Numbers(self._values[k])
+            )
+        known = [Numbers(system.known[k]) for k in range(system.known.numel())]
+        return by_numbers(system.errors, [(system.unknown, numbers), (system.known, known)])
+
+    def _row_checks(self, emitter: Emitter) -> tuple[list[str], str]:
+        """Statements of the limb's rows, and the status that they leave: a pose off what the
+        mechanism can take has no answer.
+        """
+        capital, texts = self.made.name.upper(), emitter.values(3)
         closes = " && ".join(f"({self.real.call('fabs')}({text}) <= within)" for text in texts)
         return [
             "/* the rows that the formulas leave over */",
-            *emitter.lines,
+            *emitter.take(),
         ], f"({closes}) ? {capital}_OK : {capital}_OUT_OF_RANGE"
 
 

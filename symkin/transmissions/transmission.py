@@ -268,10 +268,14 @@ def _refuse_too_few(robot: str, linkage: Linkage, motors: tuple[str, ...]) -> No
         for name in others:
             if _rank(linkage, [*motors, *binding, name]) > free - left + len(binding):
                 binding.append(name)
+        remedy = (
+            f"what would bind them: {', '.join(binding)} (springs are named among the motors)"
+            if binding
+            else "no other joint moves with them, whose coordinate would bind them"
+        )
         raise InputError(
             f"{robot}: the motors {', '.join(motors)} do not decide the joints: their linkage has "
-            f"{free} freedom(s), and {left} stay free; what would bind them: {', '.join(binding)} "
-            f"(springs are named among the motors)"
+            f"{free} freedom(s), and {left} stay free; {remedy}"
         )
 
 

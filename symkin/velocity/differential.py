@@ -8,7 +8,7 @@ differentiation by the quaternion would give the same numbers in many more terms
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import casadi as ca
@@ -16,6 +16,7 @@ import numpy as np
 
 from symkin.closure.chain import Chain, Turn
 from symkin.closure.closure import Closure, random_values
+from symkin.closure.link_poses import cut_expressions
 from symkin.closure.pose_forms import PlatformPose
 from symkin.closure.rows import RowBuilder
 from symkin.model.joint import Coordinate
@@ -125,6 +126,42 @@ def quaternion_rates(q: ca.SX) -> ca.SX:
     """(4, 3): q' = (0, w) q / 2 as a matrix times w."""
     half = [[0.0, 0.5, 0.0, 0.0], [0.0, 0.0, 0.5, 0.0], [0.0, 0.0, 0.0, 0.5]]
     return ca.horzcat(*(multiply(unit, q) for unit in half))
+
+
+def variable_rates(closure: Closure, rates: Mapping[str, ca.SX]) -> ca.SX:
+    """Rates of a closure's variables by those of its coordinates, told by name (freedom, k); of
+    unit quaternions the derivatives.
+    """
+    parts = [
+        ca.mtimes(quaternion_rates(closure.symbols([c])), rates[c.name])
+        if c.is_rotation
+        else rates[c.name]
+        for c in closure.coordinates
+    ]
+    return ca.vertcat(*parts)
+
+
+def passive_rates(
+    closure: Closure, rates: Mapping[str, ca.SX], free: Collection[str] = ()
+) -> dict[str, ca.SX]:
+    """Rates of the passive joints by those of a closure's coordinates, in the order of the file.
+    Those of joints at which loops are cut are derivatives of what these read; of the geometry
+    numbers that are `free` stay symbols.
+    """
+    read, moving = cut_expressions(closure, free), variable_rates(closure, rates)
+    found = {}
+    for c in closure.mechanism.coordinates:
+        if c.role == "actuated":
+            continue
+        if c.name in read:
+            rate = ca.mtimes(ca.jacobian(read[c.name], closure.variables), moving)
+            # of a quaternion q' = (0, w) q / 2
+            found[c.name] = (
+                4 * ca.mtimes(quaternion_rates(read[c.name]).T, rate) if c.is_rotation else rate
+            )
+        elif c.name in rates:
+            found[c.name] = rates[c.name]
+    return found
 
 
 def pose_rates(coordinate: Coordinate, quaternion: ca.SX, twists: ca.SX) -> ca.SX:

@@ -13,6 +13,11 @@ from dataclasses import dataclass
 
 import casadi as ca
 
+from symkin.numeric.system import components
+
+_LARGEST_MINOR = 2
+"""Columns up to which one remaining equation is made of minors, without divisions."""
+
 
 @dataclass(frozen=True, eq=False)
 class Factors:
@@ -62,6 +67,42 @@ def back_substituted(triangular: ca.SX, right: ca.SX) -> ca.SX:
         known = ca.vertcat(*rows) if rows else ca.SX(0, int(right.shape[1]))
         rows.insert(0, ca.sparsify(right[j, :] - ca.mtimes(triangular[j, j + 1 :], known)))
     return ca.vertcat(*rows) if rows else ca.SX(0, int(right.shape[1]))
+
+
+def outer_rates(inner: ca.SX, outer: ca.SX, driving: ca.SX, *, minors: bool = True) -> ca.SX:
+    """y of (inner) x + (outer) y + driving = 0 by least squares, x eliminated first.
+
+    With `minors`, one row of a few x is made of minors: other weights, for equations that have a
+    solution.
+    """
+    width = int(outer.shape[1])
+    rows = _without_inner(inner, ca.horzcat(outer, driving), minors=minors)
+    return -factored(rows[:, :width], rows[:, width:]).solution()
+
+
+def inner_rates(inner: ca.SX, outer: ca.SX, driving: ca.SX, found: ca.SX) -> ca.SX:
+    """x of (inner) x + (outer) y + driving = 0 by least squares, with y `found`."""
+    width = int(outer.shape[1])
+    parts = factored(inner, ca.horzcat(outer, driving))
+    moved = ca.mtimes(parts.coefficients[:, :width], found)
+    return -back_substituted(parts.triangular, moved + parts.coefficients[:, width:])
+
+
+def _without_inner(inner: ca.SX, rest: ca.SX, *, minors: bool) -> ca.SX:
+    """What is left of the rest's rows in parts that share no column of `inner`."""
+    held: list[set[int]] = [set() for _ in range(int(inner.shape[0]))]
+    for row, column in zip(*inner.sparsity().get_triplet(), strict=True):
+        held[row].add(column)
+    found = [rest[[k for k, columns in enumerate(held) if not columns], :]]
+    for part in components(held, int(inner.shape[1])):
+        rows = [k for k, columns in enumerate(held) if columns & part]
+        own, left = inner[rows, sorted(part)], rest[rows, :]
+        if minors and len(rows) - len(part) == 1 and len(part) <= _LARGEST_MINOR:
+            found.append(ca.mtimes(cofactors(own), left))
+        elif len(rows) > len(part):
+            remainder = factored(own, left).remainder
+            found.append(remainder[nonzero_rows(remainder), :])
+    return ca.vertcat(*found)
 
 
 def shortest(matrix: ca.SX, right: ca.SX) -> ca.SX:

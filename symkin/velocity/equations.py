@@ -26,7 +26,7 @@ from symkin.numeric.tolerances import RANK_TOLERANCE
 from symkin.position.closed_configurations import closed_configurations, whole_system
 from symkin.position.solution import Solution
 from symkin.position.transfer import variables_elsewhere
-from symkin.velocity.differential import Differential, differentiate, motion_columns, rate_names
+from symkin.velocity.differential import Differential, differentiate, motion_columns
 from symkin.velocity.limb_equations import limbwise_equations
 from symkin.velocity.roles import columns_by_name
 
@@ -55,11 +55,6 @@ class VelocityEquations:
     def columns(self) -> tuple[int, ...]:
         """The twist's components that the platform's motion has."""
         return tuple(motion_columns(self.closure))
-
-    @property
-    def passive_names(self) -> tuple[str, ...]:
-        """One name a column of P."""
-        return rate_names(self.closure.role("passive"))
 
     def __reduce__(self) -> tuple[Callable[..., Any], tuple[Any, ...]]:
         """Pickle as the mechanism, from which the symbols are built anew."""

@@ -21,7 +21,7 @@ from symkin.position.solution import Solution
 from symkin.position.solve_result import SolveError
 from symkin.result import Result, Summary
 from symkin.text import not_among
-from symkin.velocity.differential import differentiate, quaternion_rates
+from symkin.velocity.differential import differentiate, variable_rates
 from symkin.velocity.equations import VelocityEquations, variables_of, velocity_equations
 from symkin.velocity.jacobian_expressions import Expressions
 from symkin.velocity.jacobian_names import KINDS, Matrix, Variable, variables_read
@@ -47,8 +47,9 @@ class Jacobian(Result):
     "analytic"   rates of the pose coordinates = Ja q': x, y, z and the unit         k x n
                  quaternion; x, y, z, gamma or fewer for restricted motions; of a
                  serial arm's quaternion as a continuous function of its joints
-    "passive"    x' = Jp q', the closure's passive joints; a spherical joint has     p x n
-                 its angular velocity in the frame before the joint
+    "passive"    x' = Jp q', the passive joints, but for those of links that may     p x n
+                 spin between two balls; a spherical joint has its angular
+                 velocity in the frame before the joint
     "rates"      rates of the coordinates in `rows` by those in `columns`, told by
                  name
 
@@ -208,14 +209,8 @@ class Jacobian(Result):
         return ca.Function(name, inputs, [ca.densify(output) for output in outputs], {"cse": True})
 
     def _along(self, rates: ca.SX) -> ca.SX:
-        closure, told, speeds = self.closure, self.expressions.split(rates), [ca.SX(0, 1)]
-        for c in closure.coordinates:
-            rate = told.get(c.name, ca.SX(c.freedom, 1))
-            turns = quaternion_rates(closure.symbols([c])) if c.is_rotation else ca.SX(1)
-            speeds.append(ca.mtimes(turns, rate))
-        flat = ca.jtimes(
-            ca.vec(ca.densify(self.expression)), closure.variables, ca.vertcat(*speeds)
-        )
+        speeds = variable_rates(self.closure, self.expressions.split(rates))
+        flat = ca.jtimes(ca.vec(ca.densify(self.expression)), self.closure.variables, speeds)
         return ca.reshape(flat, *self.expression.shape)
 
     def __reduce__(self) -> tuple[Callable[..., Any], tuple[Any, ...]]:
@@ -354,9 +349,4 @@ def _check_defined(equations: VelocityEquations, kind: str) -> None:
             f"{len(mechanism.actuated)} actuated joints held the "
             f"platform keeps {equations.freedom} of its freedoms: actuate more joints, or declare "
             f"its motion"
-        )
-    if kind == "passive" and not equations.passive_names:
-        raise InputError(
-            f"{mechanism.name}: its closure has no passive joint; allowed kinds: direct, inverse, "
-            f"analytic"
         )

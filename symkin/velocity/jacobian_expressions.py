@@ -1,9 +1,8 @@
 """Derive the Jacobians of a closure as expressions, from its velocity equations.
 
-With the rows A t + P x' + B q' = 0, orthogonal elimination (see `elimination`) of P, by parts that
-share no passive joint, leaves equations in t and q', from which least squares give t by q', the
-direct Jacobian; elimination of P and B gives q' by t, the inverse one. A rod is q' = -A t / B,
-(d, s x d) / length.
+With the rows A t + P x' + B q' = 0, orthogonal elimination (see `elimination`) of P leaves
+equations in t and q', from which least squares give t by q', the direct Jacobian; elimination of P
+and B gives q' by t, the inverse one. A rod is q' = -A t / B, (d, s x d) / length.
 
 Where these expressions have poles: the direct one where A loses rank (type 2), the inverse one
 where B does (type 1), all where P does (passive joints that move alone). Only for limbs that forbid
@@ -15,8 +14,8 @@ where the actuated joints of a limb have more freedom than the twist decides.
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass
-from itertools import chain
 
 import casadi as ca
 import numpy as np
@@ -24,26 +23,22 @@ import numpy as np
 from symkin.closure.closure import Closure
 from symkin.computed_once import cached_property
 from symkin.numeric.rank import most_independent
-from symkin.numeric.system import components
 from symkin.position.closed_configurations import closed_configurations
-from symkin.velocity.differential import TWIST_COLUMNS, Differential, pose_rates
+from symkin.velocity.differential import TWIST_COLUMNS, Differential
 from symkin.velocity.elimination import (
-    back_substituted,
-    cofactors,
     factored,
+    inner_rates,
     nonzero_rows,
+    outer_rates,
     shortest,
     without_span,
 )
 from symkin.velocity.equations import VelocityEquations
-from symkin.velocity.jacobian_names import TWIST, JacobianKind, Matrix, names_of
-
-_LARGEST_MINOR = 2
-"""Passive joints up to which one remaining equation is made of minors, without divisions."""
+from symkin.velocity.kinds import Rates
 
 
 @dataclass(frozen=True, eq=False)
-class Expressions:
+class Expressions(Rates):
     """Jacobians of `equations`, from a differential of the same closure with geometry as numbers or
     symbols.
 
@@ -58,20 +53,10 @@ class Expressions:
     def closure(self) -> Closure:
         return self.equations.closure
 
-    def matrix(self, kind: JacobianKind) -> Matrix:
-        """A Jacobian of one of the kinds."""
-        joints = tuple(c.name for c in self.closure.role("actuated"))
-        expression: ca.SX = getattr(self, kind)
-        match kind:
-            case "direct":
-                return Matrix(TWIST, joints, expression)
-            case "inverse":
-                return Matrix(joints, TWIST, expression)
-            case "passive":
-                return Matrix(self.equations.passive_names, joints, expression)
-            case _:
-                pose = (names_of(c.name, c.width) for c in self.closure.role("pose"))
-                return Matrix(tuple(chain.from_iterable(pose)), joints, expression)
+    @property
+    def free(self) -> Collection[str]:  # type: ignore[override]
+        is_open = self.differential is self.equations.differential
+        return self.closure.parameter_names if is_open else ()
 
     @property
     def following(self) -> ca.SX:
@@ -83,33 +68,28 @@ class Expressions:
         """Rates of each coordinate among all rates (q'; x'; t)."""
         found, place = dict[str, ca.SX](), 0
         for c in self.closure.role("actuated", "passive"):
-            found[c.name] = rates[place : place + c.freedom]
+            found[c.name] = rates[place : place + c.freedom, :]
             place += c.freedom
         for c in self.closure.role("pose"):
-            found[c.name] = rates[[place + k for k in TWIST_COLUMNS[c.name]]]
+            found[c.name] = rates[[place + k for k in TWIST_COLUMNS[c.name]], :]
         return found
 
     @cached_property
     def direct(self) -> ca.SX:
         """J (6, n)."""
-        width = int(self._twist.shape[1])
-        rows = self._without_passive
+        minors = not self._is_loaded
         result = ca.SX(6, int(self._actuated.shape[1]))
-        result[list(self.equations.columns), :] = -factored(
-            rows[:, :width], rows[:, width:]
-        ).solution()
+        result[list(self.equations.columns), :] = outer_rates(
+            self._passive, self._twist, self._actuated, minors=minors
+        )
         return ca.sparsify(result)
 
     @cached_property
     def passive(self) -> ca.SX:
         """Jp (p, n); passive joints that are held rest."""
-        width = int(self._twist.shape[1])
-        parts = factored(self._passive, ca.horzcat(self._twist, self._actuated))
-        moved = ca.mtimes(parts.coefficients[:, :width], self.direct[self.equations.columns, :])
+        twist = self.direct[list(self.equations.columns), :]
         result = ca.SX(int(self.differential.passive.shape[1]), int(self._actuated.shape[1]))
-        result[self._used, :] = -back_substituted(
-            parts.triangular, moved + parts.coefficients[:, width:]
-        )
+        result[self._used, :] = inner_rates(self._passive, self._twist, self._actuated, twist)
         return ca.sparsify(result)
 
     @cached_property
@@ -126,14 +106,9 @@ class Expressions:
         result[:, list(self.equations.columns)] = rates
         return ca.sparsify(result)
 
-    @cached_property
-    def analytic(self) -> ca.SX:
-        """Rates of the pose coordinates by q': x' = v; the unit quaternion's are (0, w) q / 2,
-        gamma' = w_z.
-        """
-        quaternion = self.differential.pose.quaternion
-        rates = (pose_rates(c, quaternion, self.direct) for c in self.closure.role("pose"))
-        return ca.sparsify(ca.vertcat(*rates))
+    @property
+    def _quaternion(self) -> ca.SX:
+        return self.differential.pose.quaternion
 
     @property
     def _used(self) -> list[int]:
@@ -160,26 +135,6 @@ class Expressions:
     @cached_property
     def _actuated(self) -> ca.SX:
         return ca.sparsify(ca.mtimes(self._weights, self.differential.actuated))
-
-    @cached_property
-    def _without_passive(self) -> ca.SX:
-        """The rows in t and q' that are left where P is eliminated, in parts that share no passive
-        joint; one row of a few passive joints is made of minors, without divisions.
-        """
-        both, passive = ca.horzcat(self._twist, self._actuated), self._passive
-        held: list[set[int]] = [set() for _ in range(int(passive.shape[0]))]
-        for row, column in zip(*passive.sparsity().get_triplet(), strict=True):
-            held[row].add(column)
-        found = [both[[k for k, columns in enumerate(held) if not columns], :]]
-        for part in components(held, int(passive.shape[1])):
-            rows = [k for k, columns in enumerate(held) if columns & part]
-            own, left = passive[rows, sorted(part)], both[rows, :]
-            if len(rows) - len(part) == 1 and len(part) <= _LARGEST_MINOR and not self._is_loaded:
-                found.append(ca.mtimes(cofactors(own), left))
-            elif len(rows) > len(part):
-                remainder = factored(own, left).remainder
-                found.append(remainder[nonzero_rows(remainder), :])
-        return ca.vertcat(*found)
 
     @property
     def _is_loaded(self) -> bool:

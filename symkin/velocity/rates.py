@@ -3,7 +3,7 @@
 With the closure F(u, k) = 0, u its unknowns and k the coordinates of `by`: F_u u' + F_k k' = 0.
 Structure groups are solved one after another, so that each expression holds no more than a group's
 own equations, and each by least squares of all its rows without a choice of pivots: expressions
-have no poles but where these rows leave a rate free.
+have no poles but where these rows leave a rate free. Joints between floating bodies go first.
 
 Square groups leave none wherever all rows together leave none, for determinants multiply.
 Redundant rows may decide more than their own group (the third crank of a parallelogram carries
@@ -33,21 +33,17 @@ from symkin.position.groups import structure_groups
 from symkin.position.problem import Problem, build_problem, pose_names
 from symkin.position.solve_result import SolveError
 from symkin.position.transfer import many_elsewhere
-from symkin.velocity.differential import (
-    TWIST_COLUMNS,
-    pose_rates,
-    rate_names,
-    tangent_jacobian,
-)
-from symkin.velocity.elimination import factored
-from symkin.velocity.jacobian_names import TWIST, JacobianKind, Matrix, names_of
+from symkin.velocity.differential import TWIST_COLUMNS, tangent_jacobian
+from symkin.velocity.elimination import factored, inner_rates, outer_rates
+from symkin.velocity.jacobian_names import JacobianKind, Matrix
+from symkin.velocity.kinds import Rates
 
 _LEVEL = ("azimuth", "tilt")
 """Angles of a platform that have no rates where it does not tilt."""
 
 
 @dataclass(frozen=True, eq=False)
-class NamedRates:
+class NamedRates(Rates):
     """Rates of all coordinates of a problem by those of its known ones, as expressions of the
     closure's variables.
     """
@@ -70,11 +66,21 @@ class NamedRates:
 
     def split(self, rates: ca.SX) -> dict[str, ca.SX]:
         """Rates of each coordinate among all rates, those of `following`."""
-        found, place = dict[str, ca.SX](), 0
-        for name, part in self.of.items():
-            found[name] = rates[place : place + int(part.shape[0])]
-            place += int(part.shape[0])
-        return found
+        problem = self.problem
+        return _by_name((*problem.known_coordinates, *problem.system.unknowns), rates)
+
+    @property
+    def direct(self) -> ca.SX:
+        twist = ca.SX(6, len(self.problem.known_coordinates))
+        for c in self.closure.role("pose"):
+            twist[list(TWIST_COLUMNS[c.name]), :] = self.of[c.name]
+        return twist
+
+    @property
+    def inverse(self) -> ca.SX:
+        size = self.closure.characteristic_length
+        lengths = ca.diag(ca.DM([1.0, 1.0, 1.0, size, size, size]))
+        return factored(ca.mtimes(lengths, self.direct), lengths).solution()
 
     def refuse_singular(self, values: np.ndarray, asked: Sequence[str]) -> None:
         """Raise SolveError where the known coordinates do not decide the rates that are asked
@@ -108,32 +114,12 @@ def graph_rates(mechanism: Mechanism, kind: JacobianKind) -> tuple[NamedRates, M
     its motion.
     """
     joints = tuple(c.name for c in mechanism.actuated)
-    held = tuple(c.name for c in mechanism.coordinates if c.name not in joints)
-    pose = () if mechanism.platform_link is None else pose_names(mechanism)
-    wanted = held if kind == "passive" else pose
-    if not joints or not wanted:
+    if not joints or (kind != "passive" and mechanism.platform_link is None):
         raise InputError(_no_kind(mechanism, kind, joints))
-    problem = build_problem(mechanism, joints, wanted)
+    problem = build_problem(mechanism, joints, () if kind == "passive" else pose_names(mechanism))
     refuse_unless_determined(problem)
-    rates, closure = NamedRates(problem), problem.closure
-    coordinates = {c.name: c for c in problem.system.unknowns}
-    if kind == "passive":
-        passive = ca.vertcat(*(rates.of[name] for name in held))
-        return rates, Matrix(rate_names([coordinates[name] for name in held]), joints, passive)
-    twist = ca.SX(6, len(joints))
-    for name in pose:
-        twist[list(TWIST_COLUMNS[name]), :] = rates.of[name]
-    if kind == "inverse":
-        size = closure.characteristic_length
-        lengths = ca.diag(ca.DM([1.0, 1.0, 1.0, size, size, size]))
-        solved = factored(ca.mtimes(lengths, twist), lengths).solution()
-        return rates, Matrix(joints, TWIST, solved)
-    if kind == "analytic":
-        quaternion = closure.symbols([coordinates[pose[-1]]])
-        told = (pose_rates(coordinates[name], quaternion, twist) for name in pose)
-        rows = tuple(v for n in pose for v in names_of(n, coordinates[n].width))
-        return rates, Matrix(rows, joints, ca.vertcat(*told))
-    return rates, Matrix(TWIST, joints, twist)
+    rates = NamedRates(problem)
+    return rates, rates.matrix(kind)
 
 
 def _no_kind(mechanism: Mechanism, kind: str, joints: tuple[str, ...]) -> str:
@@ -143,12 +129,10 @@ def _no_kind(mechanism: Mechanism, kind: str, joints: tuple[str, ...]) -> str:
             f"{mechanism.name} has no actuated joint, and a Jacobian relates their rates: mark "
             f"joints `actuated = true`"
         )
-    if kind == "passive":
-        return f"{mechanism.name} has no passive joint; name coordinates: --of NAMES --by NAMES"
     return (
-        f"{mechanism.name} has no platform link, whose rates a {kind} Jacobian relates to those of "
-        f"the actuated joints; name it by [platform] link in its mechanism file, of a robot's file "
-        f"by --platform LINK, or name coordinates: of=[...], by=[...] (--of NAMES --by NAMES)"
+        f"{mechanism.name} has no platform link, whose rates the {kind} Jacobian relates to those "
+        f"of the actuated joints; name it by [platform] link in its mechanism file, of a robot's "
+        f"file by --platform LINK, or name coordinates: of=[...], by=[...] (--of NAMES --by NAMES)"
     )
 
 
@@ -214,16 +198,28 @@ def _rates(problem: Problem) -> dict[str, ca.SX]:
     }
     for block in _blocks(problem):
         knowns = tuple(c for c in closure.coordinates if c.name in rates)
-        slopes, driving = (
-            tangent_jacobian(block.rows, closure, part) for part in (block.unknowns, knowns)
+        # joints between bodies that float go first, limb by limb
+        last = tuple(c for c in block.unknowns if c.body is not None) or block.unknowns
+        first = tuple(c for c in block.unknowns if c not in last)
+        inner, outer, driving = (
+            ca.sparsify(tangent_jacobian(block.rows, closure, part))
+            for part in (first, last, knowns)
         )
         driven = ca.mtimes(driving, ca.vertcat(*(rates[c.name] for c in knowns)))
-        solved = -factored(slopes, driven).solution()
-        place = 0
-        for c in block.unknowns:
-            rates[c.name] = solved[place : place + c.freedom, :]
-            place += c.freedom
-    return rates
+        found = outer_rates(inner, outer, driven)
+        rates |= _by_name(last, found)
+        rates |= _by_name(first, inner_rates(inner, outer, driven, found))
+    # in the order of the problem's unknowns
+    return {c.name: rates[c.name] for c in (*problem.known_coordinates, *problem.system.unknowns)}
+
+
+def _by_name(coordinates: Sequence[Coordinate], rates: ca.SX) -> dict[str, ca.SX]:
+    """The rates of each coordinate, of all of them one below the other."""
+    found, place = dict[str, ca.SX](), 0
+    for c in coordinates:
+        found[c.name] = rates[place : place + c.freedom, :]
+        place += c.freedom
+    return found
 
 
 @dataclass(frozen=True, eq=False)

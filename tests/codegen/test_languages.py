@@ -72,6 +72,17 @@ def test_c_divides_once_by_what_divides_twice() -> None:
     assert kept == [divisor for _, divisor in emitter.divisions]
 
 
+def test_c_finds_a_value_and_its_negative_once() -> None:
+    entries = [A - B, B - A, -2.5 * C, C * 2.5, (-A) * B - 4, 4 + A * B, ca.sin(-C) - A]
+    function = ca.Function("f", [X], [ca.vertcat(*entries)], {"cse": True})
+    emitter = Emitter(function, [["a", "b", "c"]], Real("double", "double"))
+    lines = emitter.stored([f"out[{k}]" for k in range(len(entries))])
+    assert dict(emitter.operations) == {"additions": 3, "multiplications": 2, "sin": 1}
+    scope = {"sin": math.sin, "out": [0.0] * len(entries)} | dict(zip("abc", AT, strict=True))
+    exec("\n".join(line.removeprefix("const double ").rstrip(";") for line in lines), scope)
+    np.testing.assert_array_equal(scope["out"], _expected(entries))
+
+
 @pytest.mark.skipif(shutil.which("node") is None, reason="node is not installed")
 @pytest.mark.parametrize("over_complex", [False, True])
 def test_javascript_has_the_values(over_complex: bool) -> None:

@@ -210,6 +210,7 @@ NAMES = {
     "many_of_machine": "symkin.position.transfer",
     "variables_elsewhere": "symkin.position.transfer",
     # Jacobians
+    "rate_names": "symkin.velocity.differential",
     "variables_of": "symkin.velocity.equations",
     "velocity_equations": "symkin.velocity.equations",
     "KINDS": "symkin.velocity.jacobian",

@@ -19,8 +19,11 @@ from helpers.inside import (
     build_problem,
     closed_configurations,
     conjugate,
+    joint_readings,
+    link_poses,
     multiply,
     pose_of,
+    rate_names,
     velocity_equations,
     whole_system,
 )
@@ -211,6 +214,19 @@ def joint_rates(c: Case, path: Any, step: float, role: str) -> np.ndarray:
             else rate[place]
         )
     return np.concatenate(found)
+
+
+def closure_passive(c: Case) -> np.ndarray:
+    """The passive Jacobian of the joints that the closure holds."""
+    made = symkin.jacobian(c.mechanism, "passive")
+    held = rate_names(c.closure.role("passive"))
+    return made.at(c.values)[[made.rows.index(name) for name in held]]
+
+
+def readings(c: Case, values: np.ndarray) -> dict[str, np.ndarray]:
+    """What all joints read, those at which loops are cut too, as columns."""
+    found = joint_readings(c.closure, link_poses(c.closure, values[None]))
+    return {name: np.asarray(value).reshape(-1) for name, value in found.items()}
 
 
 def agrees(expected: np.ndarray, measured: Any, unit: float) -> bool:

@@ -12,11 +12,8 @@ import symkin
 from helpers import jacobian_cases as cases
 from helpers import samples
 from helpers.gate import in_gate
-from helpers.inside import KINDS
+from helpers.inside import KINDS, closed_configurations
 from symkin import InputError, jacobian
-
-MOVED = ("direct", "passive")
-"""Kinds of the rates that follow from those of the actuated joints."""
 
 
 def _kinds(case):
@@ -79,8 +76,8 @@ def test_second_order_equals_differences(name):
     """
     case = cases.case(name)
     rates = np.random.default_rng(0).normal(size=len(case.mechanism.actuated))
-    others = [jacobian(case.mechanism, kind) for kind in _kinds(case)[::-1] if kind in MOVED]
-    full = np.concatenate([rates, *(one.at(case.values) @ rates for one in others)])
+    passive = cases.closure_passive(case) @ rates if case.closure.role("passive") else []
+    full = np.concatenate([rates, passive, jacobian(case.mechanism).at(case.values) @ rates])
     for kind in _kinds(case):
         symbolic = jacobian(case.mechanism, kind)
         hessian = symbolic.hessian_at(case.values)
@@ -133,6 +130,25 @@ def test_geometry_may_stay_symbols(name):
     np.testing.assert_allclose(left, 0.0, atol=1e-9 * np.max(np.abs(m.actuated)))
     product = found["direct"] @ found["inverse"]
     np.testing.assert_allclose(product @ product, product, atol=1e-8 * np.max(np.abs(product)))
+
+
+@pytest.mark.parametrize("limbs", [["rCU"] * 3, ["hRS"] * 3, ["rH", "CS"], ["RpS"] * 3])
+def test_rates_of_cut_joints_are_those_of_the_geometry_that_is_given(limbs):
+    """With `parameters`, the passive Jacobian of one machine at the geometry of another of the same
+    limbs is that of the other: axes, points and pitches of cut joints are symbols too.
+    """
+    one, other = (samples.random_mechanism(np.random.default_rng(k), limbs) for k in (3, 4))
+    open_, bound = jacobian(one, "passive", parameters=True), jacobian(other, "passive")
+    closure = bound.closure
+    assert closure.parameter_names == open_.closure.parameter_names
+    values = closed_configurations(closure, 1)[0]
+    expected = bound.at(values)
+    np.testing.assert_allclose(
+        open_.at(values, closure.parameter_values),
+        expected,
+        rtol=0,
+        atol=1e-9 * np.max(np.abs(expected)),
+    )
 
 
 def test_six_rods_have_the_closed_form():

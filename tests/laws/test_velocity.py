@@ -13,7 +13,7 @@ import symkin
 from helpers import jacobian_cases as cases
 from helpers import samples
 from helpers.gate import in_gate
-from helpers.inside import velocity_equations, whole_system
+from helpers.inside import conjugate, multiply, rate_names, velocity_equations, whole_system
 from symkin import InputError, jacobian
 
 
@@ -60,7 +60,7 @@ def test_jacobians_solve_the_equations(name):
     if name != "redundant actuation":
         left = m.twist @ direct + m.actuated
         if case.closure.role("passive"):
-            left += m.passive @ jacobian(case.mechanism, "passive").at(case.values)
+            left += m.passive @ cases.closure_passive(case)
         largest = np.max(np.abs(m.actuated / m.scales[2]))
         bound = 1e-12 * max(1.0, case.condition / 1e3)
         np.testing.assert_allclose(left / m.scales[2], 0.0, atol=bound * largest)
@@ -88,9 +88,9 @@ def test_jacobians_equal_differences_of_solved_configurations(name):
     case = cases.case(name)
     equations = velocity_equations(case.mechanism)
     rates = jacobian(case.mechanism).at(case.values)
-    idle = len(equations.used) < len(equations.passive_names)
-    if equations.passive_names and not idle:
-        rates = np.vstack([rates, jacobian(case.mechanism, "passive").at(case.values)])
+    passive = rate_names(case.closure.role("passive"))
+    if passive and len(equations.used) == len(passive):
+        rates = np.vstack([rates, cases.closure_passive(case)])
     for k, expected in enumerate(rates.T):
         assert cases.agrees(
             expected, partial(_rates_along_joint, case, k, len(expected)), cases.step_of(case, k)
@@ -102,6 +102,42 @@ def _rates_along_joint(case, k, count, step):
     return np.concatenate(
         [cases.twist(case, path, step), cases.joint_rates(case, path, step, "passive")]
     )[:count]
+
+
+CUT = ["zhao2000", "three_rps", "five_bar", "helical_actuated", "3 RUU", "loop HPUS", "3 RCU"]
+
+
+@pytest.mark.parametrize("name", in_gate(CUT, CUT[:4]))
+def test_rates_of_cut_joints_equal_differences_of_what_they_read(name):
+    """Every passive joint is told, those at which limbs are cut too: rows are central differences
+    of what joints read while an actuated joint moves, to 1e-7 of the largest entry; a spherical
+    joint's angular velocity.
+    """
+    case = cases.case(name)
+    made = jacobian(case.mechanism, "passive")
+    passive = [c for c in case.mechanism.coordinates if c.role != "actuated"]
+    names = [c.name for c in passive]
+    assert made.rows == rate_names(passive)
+    for k, expected in enumerate(made.at(case.values).T):
+        assert cases.agrees(
+            expected, partial(_reading_rates, case, names, k), cases.step_of(case, k)
+        )
+
+
+def _reading_rates(case, names, k, step):
+    here = cases.readings(case, case.values)
+
+    def read(name, s):
+        there = cases.readings(case, cases.along_joint(case, k, s))[name]
+        if len(there) == 1:
+            return np.remainder(there - here[name] + np.pi, 2 * np.pi) - np.pi
+        return there * np.sign(there @ here[name])
+
+    found = []
+    for name in names:
+        rate = cases.differences(partial(read, name), step)
+        found.append(rate if len(rate) == 1 else 2 * multiply(rate, conjugate(here[name]))[1:])
+    return np.concatenate(found)
 
 
 @pytest.mark.slow

@@ -42,6 +42,10 @@ CALLS = {
 }
 """Names of functions in C."""
 _SUMS = (ca.OP_ADD, ca.OP_SUB)
+_ODD = (ca.OP_TWICE, ca.OP_INV, ca.OP_SIN)
+"""What changes its sign with its operand."""
+_EVEN = (ca.OP_SQ, ca.OP_COS, ca.OP_FABS)
+"""What does not."""
 _SINGLE: dict[int, Callable[[float], float]] = {
     ca.OP_NEG: lambda a: -a,
     ca.OP_TWICE: lambda a: 2.0 * a,
@@ -80,11 +84,16 @@ class Graph:
     nodes: list[Node] = field(default_factory=list)
     outputs: dict[tuple[int, int], int] = field(default_factory=dict)
     divisors: Counter[int] = field(default_factory=Counter)
+    shares_signs: bool = False
+    _constants: dict[float, int] = field(default_factory=dict)
+    _made: dict[tuple[int, tuple[int, ...]], int] = field(default_factory=dict)
 
     @staticmethod
-    def of(function: ca.Function) -> Graph:
-        """The graph of a function of SX."""
-        graph = Graph()
+    def of(function: ca.Function, *, shares_signs: bool = False) -> Graph:
+        """The graph of a function of SX; with `shares_signs` a value and its negative are found
+        once: signs are drawn out of what reads them, as far as that goes.
+        """
+        graph = Graph(shares_signs=shares_signs)
         walk(function, graph)
         return graph
 
@@ -113,15 +122,16 @@ class Graph:
         return self._add(Node(ca.OP_INPUT, source=(number, nonzero)))
 
     def constant(self, number: float) -> int:
-        return self._add(Node(ca.OP_CONST, constant=snap(number)))
+        number = snap(number)
+        if number not in self._constants:
+            self._constants[number] = self._add(Node(ca.OP_CONST, constant=number))
+        return self._constants[number]
 
     def operation(self, op: int, operands: list[int]) -> int:
         found = self._folded(op, operands)
         if found is not None:
             return found
-        if op in (ca.OP_DIV, ca.OP_INV):
-            self.divisors[operands[-1]] += 1
-        return self._add(Node(op, tuple(operands)))
+        return self._made_of(op, operands)
 
     def output(self, number: int, nonzero: int, value: int) -> None:
         self.outputs[number, nonzero] = value
@@ -140,12 +150,61 @@ class Graph:
         if op == ca.OP_MUL and 1.0 in numbers:
             return operands[0] if last == 1.0 else operands[1]
         if op == ca.OP_MUL and -1.0 in numbers:
-            return self._add(Node(ca.OP_NEG, (operands[0] if last == -1.0 else operands[1],)))
+            return self.operation(ca.OP_NEG, [operands[0] if last == -1.0 else operands[1]])
         if op in _SUMS and last is not None:
             return self._with_constant(operands[0], last if op == ca.OP_ADD else -last)
         if op == ca.OP_ADD and first is not None:
             return self._with_constant(operands[1], first)
         return None
+
+    def _made_of(self, op: int, operands: list[int]) -> int:
+        return self._signed(op, operands) if self.shares_signs else self._once(op, operands)
+
+    # --- signs ------------------------------------------------------------------------------------
+
+    def _signed(self, op: int, operands: list[int]) -> int:
+        """A value whose operands are without signs, or its negative."""
+        parts = [self._unsigned(k) for k in operands]
+        bare, signs = [k for k, _ in parts], [is_negative for _, is_negative in parts]
+        if op in _SUMS:
+            return self._sum(bare, signs[0], signs[1] != (op == ca.OP_SUB))
+        if op in (ca.OP_MUL, ca.OP_DIV):
+            return self._negated(self._once(op, bare), signs[0] != signs[1])
+        if op in _ODD or op == ca.OP_NEG:
+            value = bare[0] if op == ca.OP_NEG else self._once(op, bare)
+            return self._negated(value, signs[0] != (op == ca.OP_NEG))
+        return self._once(op, bare if op in _EVEN else operands)
+
+    def _sum(self, bare: list[int], first: bool, last: bool) -> int:
+        """A sum of two values, of which those that are told are subtracted."""
+        if first == last:
+            return self._negated(self._once(ca.OP_ADD, bare), first)
+        if (ca.OP_SUB, (bare[1], bare[0])) in self._made:
+            bare, first = bare[::-1], last
+        return self._negated(self._once(ca.OP_SUB, bare), first)
+
+    def _unsigned(self, k: int) -> tuple[int, bool]:
+        """A value without its sign, and whether it has one."""
+        node = self.nodes[k]
+        if node.op == ca.OP_NEG:
+            return node.reads[0], True
+        if node.op == ca.OP_CONST and node.constant < 0.0:
+            return self.constant(-node.constant), True
+        return k, False
+
+    def _negated(self, k: int, is_negative: bool) -> int:
+        return self._once(ca.OP_NEG, [k]) if is_negative else k
+
+    def _once(self, op: int, operands: list[int]) -> int:
+        """The value of an operation, the one that is there already."""
+        key = (op, tuple(operands))
+        if op in (ca.OP_ADD, ca.OP_MUL) and (op, key[1][::-1]) in self._made:
+            key = (op, key[1][::-1])
+        if key not in self._made:
+            if op in (ca.OP_DIV, ca.OP_INV):
+                self.divisors[operands[-1]] += 1
+            self._made[key] = self._add(Node(*key))
+        return self._made[key]
 
     def _number(self, k: int) -> float | None:
         node = self.nodes[k]
@@ -154,6 +213,8 @@ class Graph:
     def _with_constant(self, k: int, number: float) -> int:
         """x + number, where x may end in a constant."""
         node = self.nodes[k]
+        if self.shares_signs and node.op == ca.OP_NEG:
+            return self._signed(ca.OP_NEG, [self._with_constant(node.reads[0], -number)])
         scale = 0.0
         if node.op in _SUMS and (last := self._number(node.reads[1])) is not None:
             k, scale = node.reads[0], max(abs(number), abs(last))
@@ -161,9 +222,8 @@ class Graph:
         number = snap(number, scale)
         if number == 0.0:
             return k
-        return self._add(
-            Node(ca.OP_SUB if number < 0.0 else ca.OP_ADD, (k, self.constant(abs(number))))
-        )
+        op = ca.OP_SUB if number < 0.0 else ca.OP_ADD
+        return self._made_of(op, [k, self.constant(abs(number))])
 
     def _add(self, node: Node) -> int:
         self.nodes.append(node)
