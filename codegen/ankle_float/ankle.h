@@ -31,6 +31,20 @@
  *   inertia: 197 add, 265 mul, 4 div, 1 sqrt
  *   torque_limits: 156 add, 223 mul, 8 div, 1 sqrt
  *   rate_limits: 187 add, 253 mul, 8 div, 1 sqrt
+ *   measured (Cortex-M4F, GCC 12.2.1 -O2, 19807 inputs, seed 1): instructions, bytes of stack with
+ *     callees, bytes of code with callees but without those of libm:
+ *   direct: 78740 instructions, 648 stack, 7920 code
+ *   track: 1080 instructions, 188 stack, 3460 code
+ *   inverse: 87640 instructions, 696 stack, 10784 code
+ *   track_inverse: 995 instructions, 220 stack, 4732 code
+ *   jacobian: 780 instructions, 220 stack, 2912 code
+ *   inverse_jacobian: 790 instructions, 236 stack, 2940 code
+ *   second: 1200 instructions, 372 stack, 4100 code
+ *   rates: 910 instructions, 268 stack, 3156 code
+ *   torques: 910 instructions, 268 stack, 3156 code
+ *   inertia: 1025 instructions, 292 stack, 3212 code
+ *   torque_limits: 940 instructions, 268 stack, 3196 code
+ *   rate_limits: 950 instructions, 284 stack, 3224 code
  *
  * Model SHA-256 04deed2052383811e7f0981a7545d222c99685967960c3c2ac2c816691947d5b
  */
