@@ -126,7 +126,7 @@ class ModeFinder:
         """One point, alone."""
         if off_motion > 0.0:
             return ModeTable.of_none(self.problem, "off the motion", 0)
-        given = Given((), known, {})
+        given = Given(tuple(c.name for c in self.problem.known_coordinates), known, {})
         try:
             found = known_without_search(self.problem, given, self.search)
             return ModeTable.of(found or modes_of_inputs(self.problem, [given], self.search)[0])

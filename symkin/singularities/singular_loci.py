@@ -20,6 +20,7 @@ from symkin.closure.closure import build_closure
 from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
 from symkin.position.pose_conditions import condition_sentence
+from symkin.position.problem import actuated_names
 from symkin.position.solution import Solution
 from symkin.singularities.loci import LOST_OVER_PLANE, MISSING, NONE_MET, Loci
 from symkin.singularities.locus import Locus, make_locus, merged
@@ -122,8 +123,9 @@ def check_poses_vary(machine: Mechanism, names: Sequence[str]) -> None:
     freedoms = generic_ranks(machine).outputs
     wanted = sum(c.freedom for c in build_closure(machine).role("pose"))
     if freedoms < wanted:
+        joints = f"one or two of the actuated joints {', '.join(actuated_names(machine))}"
         sentence = condition_sentence(
-            machine, "pose coordinates in general", "two actuated joints", freedoms, wanted
+            machine, "pose coordinates in general", joints, freedoms, wanted
         )
         raise InputError(f"plane = {', '.join(names)!r}: {sentence}")
 

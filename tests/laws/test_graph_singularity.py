@@ -368,7 +368,7 @@ def test_json_and_text_and_picture(capsys: pytest.CaptureFixture[str], tmp_path)
         ),
         (["four_bar", "--plane", "crank,crank"], "one or two different coordinates"),
         (["four_bar", "--plane", "crank", "--range", "0:1,0:1"], "one is needed, for crank"),
-        (["ankle", "--plane", "x,y"], "given, upper_motor, lower_motor"),
+        (["ankle", "--plane", "x,y"], "actuated joints upper_motor, lower_motor"),
         (
             ["ankle", "--given", "ankle.1=0,ankle.2=0", "--plane", "ankle.1,upper_motor"],
             "given, ankle.1, ankle.2",
