@@ -258,7 +258,9 @@ class Matrices(NamedTuple):
 
 def matrices(case: Case, geometry: np.ndarray | None = None) -> Matrices:
     """A, P and B of a case, with the nominal geometry or another one."""
-    equations, closure = velocity_equations(case.mechanism), case.closure
+    equations = velocity_equations(case.mechanism)
+    # the equations' own symbols: after many other machines the case's are those of an older closure
+    closure = equations.closure
     d, size = equations.differential, closure.characteristic_length
     outputs = [ca.densify(part) for part in (d.twist, d.passive, d.actuated)]
     function = ca.Function("velocity", [closure.variables, closure.parameters], outputs)
