@@ -21,10 +21,9 @@ from symkin.position.pose_coordinates import ON_MOTION, pose_coordinates
 from symkin.position.problem import Problem, pose_names
 from symkin.position.readings import left_out, readings_at
 from symkin.position.transfer import (
+    in_standard_writing,
     many_as_written,
-    many_elsewhere,
     many_of_machine,
-    rewritten,
 )
 from symkin.spatial.pose import Pose
 
@@ -44,11 +43,7 @@ class MachinePath:
         description.
         """
         problem = self.trajectory.problem
-        told = (
-            many_elsewhere(problem.closure, own, values)
-            if self.low is None
-            else many_of_machine(problem.closure, own, values, self.low)
-        )
+        told = many_of_machine(problem.closure, own, values, self.low)
         return problem.select_values(told, problem.system.unknowns)
 
     def told(self, places: Sequence[PathPoint]) -> np.ndarray:
@@ -60,7 +55,7 @@ class MachinePath:
             return values
         written = self.written.problem
         found = many_as_written(written.closure, problem.closure, values, self.low)
-        found = rewritten(written.closure, problem.closure, found)
+        found = in_standard_writing(written.closure, problem.closure, found)
         found[:, written.known_places] = [self.written.at(place.row, place.u) for place in places]
         return found
 

@@ -45,7 +45,7 @@ def assembly_of(closure: Closure) -> Assembly:
 
 
 @lru_cache(maxsize=128)
-def nearest_closed(assembly: Assembly) -> np.ndarray:
+def _begun_closed(assembly: Assembly) -> np.ndarray:
     """The reference, or where least squares from there ends if that is open."""
     system, start = assembly.system, assembly.reference
     if system.residual(start) <= CLOSURE_TOLERANCE * system.characteristic_length:
@@ -59,7 +59,7 @@ def own_component(assembly: Assembly, seed: int) -> Component | None:
     """Configurations of the assembly that the reference belongs to, or the nearest that closes
     where the reference is open; None where least squares from there ends open.
     """
-    system, start = assembly.system, nearest_closed(assembly)
+    system, start = assembly.system, _begun_closed(assembly)
     if not system.residual(start) <= CLOSED_CONFIGURATION * system.characteristic_length:
         return None
     found = regular_component(system, start, seed)

@@ -44,7 +44,7 @@ def many_elsewhere(closure: Closure, own: Closure, values: np.ndarray) -> np.nda
     """
     if (closure.mechanism, closure.partition) == (own.mechanism, own.partition):
         return values
-    return rewritten(closure, own, _transfer(closure, own)(values)[0][:, :, 0])
+    return in_standard_writing(closure, own, _transfer(closure, own)(values)[0][:, :, 0])
 
 
 def many_as_written(
@@ -57,16 +57,18 @@ def many_as_written(
 
 
 def many_of_machine(
-    closure: Closure, own: Closure, values: np.ndarray, lowered: Lowered
+    closure: Closure, own: Closure, values: np.ndarray, lowered: Lowered | None
 ) -> np.ndarray:
     """Full vectors of the variables of a closure of the machine (m, variables) at configurations
-    (m, own variables) of its description.
+    (m, own variables) of its description, which may be the machine itself (None).
     """
+    if lowered is None:
+        return many_elsewhere(closure, own, values)
     found = _transfer(closure, own, lowered, to_machine=True)(values)[0][:, :, 0]
-    return rewritten(closure, own, found)
+    return in_standard_writing(closure, own, found)
 
 
-def rewritten(closure: Closure, own: Closure, values: np.ndarray) -> np.ndarray:
+def in_standard_writing(closure: Closure, own: Closure, values: np.ndarray) -> np.ndarray:
     """A closure's variables (m, variables), those that `own` leaves out in their standard
     writing.
     """

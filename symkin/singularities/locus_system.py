@@ -36,7 +36,6 @@ from symkin.position.given import Given
 from symkin.position.problem import Problem, actuated_names, build_problem, plain_kind, pose_names
 from symkin.position.solution import Solution, named_values
 from symkin.position.transfer import (
-    many_elsewhere,
     many_of_machine,
     own_closure,
 )
@@ -196,11 +195,7 @@ def _plane(
     told: tuple[str, ...],
 ) -> Plane:
     closure, own = problem.closure, own_closure(solution)
-    here = (
-        many_elsewhere(closure, own, solution.variables[None])
-        if low is None
-        else many_of_machine(closure, own, solution.variables[None], low)
-    )[0]
+    here = many_of_machine(closure, own, solution.variables[None], low)[0]
     u = ca.SX.sym("uv", len(names))
     values, coordinates = (_pose_values if problem.of_pose else _known_values)(
         problem, here, names, u
