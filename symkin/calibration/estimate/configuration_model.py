@@ -139,21 +139,6 @@ class ConfigurationModel:
         rows, rows_z = self._call("rows", z, joints, p)
         return rows, rows_z
 
-    def joint_slopes(
-        self,
-        e: Evaluation,
-        z: np.ndarray,
-        joints: np.ndarray,
-        p: np.ndarray,
-        quaternions: np.ndarray,
-    ) -> np.ndarray:
-        """Minus dh/dq (n, K, a) with the configurations following, h_z F_z^+ F_q - h_q, at an
-        evaluation e: the pose of a link that open chains carry is a function of the joints, without
-        unknowns.
-        """
-        _, _, rows_q, _, _, readings_q = self.tangent(z, joints, p, quaternions)
-        return np.asarray(e.readings_z @ solve_systems(e.rows_z, rows_q) - readings_q)
-
     def tangent(
         self,
         z: np.ndarray,
@@ -188,9 +173,9 @@ class ConfigurationModel:
         return tuple((o.name, component) for o in self.channels for component in o.components)
 
     @property
-    def read(self) -> tuple[Observable, ...]:
-        """What is read beside the platform."""
-        return tuple(o for o in self.channels if o.of)
+    def read(self) -> tuple[str, ...]:
+        """Names of what is read beside the platform."""
+        return tuple(o.name for o in self.channels if o.of)
 
     @cached_property
     def angular(self) -> np.ndarray:

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -60,8 +61,7 @@ _RANDOM_STARTS = 12
 """Random starts for a configuration that neither the reference nor its neighbours reach."""
 
 
-@dataclass(frozen=True, eq=False)
-class SolvedConfigurations:
+class SolvedConfigurations(NamedTuple):
     """Unknown coordinates z (n, width), and which of them are solved (n,)."""
 
     z: np.ndarray
@@ -178,15 +178,13 @@ def newton_configurations(
     *,
     tolerance: float = SOLVED_TOLERANCE,
     count: int = _MAX_STEPS,
-) -> tuple[np.ndarray, np.ndarray]:
-    """Solve the direct problems by Newton from points z (n, width): points, and which of them
-    closed (n,).
-    """
+) -> SolvedConfigurations:
+    """Solve the direct problems by Newton from points z (n, width)."""
     closing = Closing(model, p)
     points, largest = closing.newton(
         np.hstack([joints, z]), count=count, tolerance=tolerance, longest=_MAX_STEP
     )
-    return closing.split(points)[0], largest <= tolerance
+    return SolvedConfigurations(closing.split(points)[0], largest <= tolerance)
 
 
 def solve_configurations(

@@ -119,7 +119,7 @@ def estimate(
             return _minimise(problem, begin, z, max_iterations)
         result = _minimise(problem.by_means, begin, z, max_iterations)
         for _ in range(2):
-            noise = joint_covariance(problem, result.state)
+            noise = joint_covariance(problem, result.state.p, result.state.z)
             wide = replace(problem, widened=result.widened, noise=noise)
             again = _minimise(wide, result.state.p, result.state.z, max_iterations)
             result = replace(again, iterations=result.iterations + again.iterations)

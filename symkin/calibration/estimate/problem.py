@@ -49,10 +49,6 @@ rounding.
 """
 
 
-class NothingReadError(InputError):
-    """Measurements without any reading beside the joints."""
-
-
 @dataclass(frozen=True, eq=False)
 class CalibrationProblem:
     """What is fitted to what: `model.names` are the free parameters, `fixed` those that the user
@@ -159,7 +155,7 @@ def build_calibration(
     model = build_model(mechanism, measurements, free)
     readings = build_readings(model, measurements)
     if readings.count <= 0:
-        raise NothingReadError(
+        raise InputError(
             "the measurements hold no reading beside the joints: give groups of two postures or "
             "more, inclinations, "
             "positions, orientations or distances"

@@ -109,7 +109,7 @@ def normalised_residuals(
     raw = evaluate(here.by_means, state.p, state.z).linearised.residuals * np.where(
         taken, here.readings.sigma, 0.0
     )
-    noise = np.einsum("nkk->nk", joint_covariance(problem, state))
+    noise = np.einsum("nkk->nk", joint_covariance(problem, state.p, state.z))
     return np.where(
         taken, raw / np.sqrt(np.where(taken, problem.readings.sigma, 1.0) ** 2 + noise), 0.0
     )

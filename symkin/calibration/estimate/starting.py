@@ -233,14 +233,10 @@ class _Modes:
         if not len(owner):
             return False
         part = self.problem.of(owner)
-        found, solved = newton_configurations(
-            part.model,
-            points,
-            part.measurements.joints,
-            self.p,
-            tolerance=ROUGHLY_SOLVED_TOLERANCE,
+        found = newton_configurations(
+            part.model, points, part.joints, self.p, tolerance=ROUGHLY_SOLVED_TOLERANCE
         )
-        trial = reading_gaps(part, self.p, SolvedConfigurations(found, solved))
+        trial = reading_gaps(part, self.p, found)
         before = self.gaps[owner]
         if is_carried(part.model.closure):
             # what the geometry does not reach near its neighbours is left for the estimate, and no
@@ -249,7 +245,7 @@ class _Modes:
         better = trial < _MODE_IMPROVEMENT * before
         for k in np.argsort(-trial, kind="stable"):  # the best one last
             if better[k]:
-                self.z[owner[k]], self.solved[owner[k]] = found[k], True
+                self.z[owner[k]], self.solved[owner[k]] = found.z[k], True
                 self.gaps[owner[k]] = trial[k]
         return bool(better.any())
 
@@ -320,9 +316,7 @@ def _branch(
     model, joints = problem.model, problem.joints
     begin = np.tile(joints[first], (len(joints), 1))
     points = follow_joints(model, np.tile(z, (len(joints), 1)), begin, joints, p)
-    return SolvedConfigurations(
-        *newton_configurations(model, points, joints, p, tolerance=ROUGHLY_SOLVED_TOLERANCE)
-    )
+    return newton_configurations(model, points, joints, p, tolerance=ROUGHLY_SOLVED_TOLERANCE)
 
 
 def _disagreement(

@@ -111,29 +111,19 @@ def readings_at(problem: CalibrationProblem, p: np.ndarray, z: np.ndarray) -> np
     return made
 
 
-def joint_covariance(problem: CalibrationProblem, state: State) -> np.ndarray:
-    """Return the covariance (n, K, K) that joint noise gives the readings: H_q diag(sigma_q^2)
-    H_q^T, H_q = h_q - h_z F_z^+ F_q.
+def joint_covariance(problem: CalibrationProblem, p: np.ndarray, z: np.ndarray) -> np.ndarray:
+    """Return the covariance (n, K, K) that joint noise gives the readings at (p, z): H_q
+    diag(sigma_q^2) H_q^T, H_q = h_q - h_z F_z^+ F_q, part by part.
     """
-    width = len(problem.model.columns)
-    made = np.zeros((len(state.z), width, width))
-    for rows, part in problem.parts:
-        made[rows] = joint_covariance_at(part, state.p, state.z[rows])
+    width, model = len(problem.model.columns), problem.model
+    made, sigma = np.zeros((len(z), width, width)), problem.measurements.sigma("joint")
+    for rows, part in problem.parts if sigma is not None else ():
+        found = model.tangent(z[rows], part.joints, p, part.quaternions)
+        _, rows_z, rows_q, _, readings_z, readings_q = found
+        slopes = readings_z @ solve_systems(rows_z, rows_q) - readings_q
+        by_joint = slopes * sigma[rows, None]
+        made[rows] = by_joint @ by_joint.transpose(0, 2, 1)
     return made
-
-
-def joint_covariance_at(problem: CalibrationProblem, p: np.ndarray, z: np.ndarray) -> np.ndarray:
-    """Return the same at (p, z); of a large problem only part by part."""
-    sigma, model, joints = (
-        problem.measurements.sigma("joint"),
-        problem.model,
-        problem.joints,
-    )
-    if sigma is None:
-        return np.zeros((len(z), len(model.columns), len(model.columns)))
-    e = evaluate_at(problem, p, z)
-    by_joint = model.joint_slopes(e, z, joints, p, problem.quaternions) * sigma[:, None, :]
-    return np.asarray(by_joint @ by_joint.transpose(0, 2, 1))
 
 
 def closed_state(problem: CalibrationProblem, p: np.ndarray, z: np.ndarray) -> State:

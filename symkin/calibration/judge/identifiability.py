@@ -153,8 +153,7 @@ def identifiability(
             f"{mechanism.name}: the direct problem of no posture has a solution at the nominal "
             f"geometry"
         )
-    if not solved.all():
-        problem = build_calibration(mechanism, measurements.subset(solved), **chosen)
+    problem = problem.of(solved)
     state = evaluate(problem.by_means, nominal, configurations.z[solved])
     return identifiability_at(problem, state, 1.0 if problem.readings.known else 0.0)
 
@@ -322,13 +321,13 @@ def _advice(
     )
     turns = problem.model.poses(state.z, problem.joints, state.p)[:, 3:].T
     angles = np.asarray(euler_from_quaternion(turns, "xyz")).T
-    if unusual and readings.groups and np.all(_ranges(angles[readings.first, :2]) < _SAME_ANGLE):
+    if unusual and readings.groups and np.all(np.ptp(angles[readings.first, :2], axis=0) < _SAME_ANGLE):
         yield (
             "all groups have the same inclination; add groups at other inclinations (a wedge "
             "under the inclinometer)"
         )
-    yaws = np.unwrap(angles[:, 2:], axis=0)
-    if unusual and kinds <= {"group", "inclination"} and np.all(_ranges(yaws) < _SAME_ANGLE):
+    yaws = np.unwrap(angles[:, 2])
+    if unusual and kinds <= {"group", "inclination"} and np.ptp(yaws) < _SAME_ANGLE:
         yield (
             "the yaw (rotation about the vertical) is the same in all postures; vary the yaw "
             "within each group"
@@ -354,10 +353,6 @@ def _advice(
         )
 
 
-def _ranges(values: np.ndarray) -> np.ndarray:
-    return np.asarray(np.ptp(values, axis=0))
-
-
 # --- names of directions --------------------------------------------------------------------------
 
 
@@ -372,7 +367,7 @@ def named_motions(model: ConfigurationModel, p: np.ndarray) -> Iterator[tuple[st
     telling first. What a change would need of parameters that are held is made up for by freedoms
     in how the file is written; a change that cannot be so is left out.
     """
-    mechanism, read, values = model.mechanism, _read(model), all_values(model, p)
+    mechanism, read, values = model.mechanism, model.read, all_values(model, p)
     names, free = list(values), np.isin(list(values), model.names)
     order = [names.index(name) for name in model.names]
     table, size = nominal_parameters(mechanism, read), model.size
@@ -385,30 +380,19 @@ def named_motions(model: ConfigurationModel, p: np.ndarray) -> Iterator[tuple[st
     freedoms = rows((*written, *reference_motions(mechanism, values, read)))
     basis = np.array([one for _, one in freedoms]).reshape(-1, len(names)).T
     for text, direction in (*rows(_all_motions(model, values)), *freedoms):
-        made = direction - basis @ _made_up(basis[~free], direction[~free])
+        # shares of freedoms that move the held parameters as this change does
+        shares = np.linalg.lstsq(basis[~free], direction[~free], rcond=1e-10)[0]
+        made = direction - basis @ shares
         length = float(np.linalg.norm(made))
         if length > 0.0 and np.linalg.norm(made[~free]) <= _HELD_STILL * length:
             yield text, made[order] / length
-
-
-def _made_up(held: np.ndarray, wanted: np.ndarray) -> np.ndarray:
-    """Shares of freedoms that move the held parameters as a change does; none where it does not
-    move them.
-    """
-    if not np.any(wanted) or not held.size:
-        return np.zeros(held.shape[1])
-    return np.asarray(np.linalg.lstsq(held, wanted, rcond=1e-10)[0])
-
-
-def _read(model: ConfigurationModel) -> tuple[str, ...]:
-    return tuple(o.name for o in model.read)
 
 
 def all_values(model: ConfigurationModel, p: np.ndarray) -> Velocity:
     """Return the values of all parameters by name: nominal, those of the model's as p has them;
     measuring frames only among these.
     """
-    table = nominal_parameters(model.mechanism, _read(model))
+    table = nominal_parameters(model.mechanism, model.read)
     values = {name: value for name, (value, _) in table.items() if name not in MEASURING_FRAMES}
     return values | dict(zip(model.names, map(float, p), strict=True))
 
@@ -416,7 +400,7 @@ def all_values(model: ConfigurationModel, p: np.ndarray) -> Velocity:
 def _all_motions(model: ConfigurationModel, values: Velocity) -> Iterator[tuple[str, Velocity]]:
     if model.mechanism.dh is None:
         yield from _frame_motions(model.mechanism, values)
-    table = nominal_parameters(model.mechanism, _read(model))
+    table = nominal_parameters(model.mechanism, model.read)
     stretched = {
         name: value
         for name, value in values.items()
@@ -424,7 +408,7 @@ def _all_motions(model: ConfigurationModel, values: Velocity) -> Iterator[tuple[
     }
     yield "size of the whole mechanism", stretched
     lengths = [c.name for c in model.mechanism.actuated if not c.is_angular]
-    lengths += [o.name for o in model.read if o.kind == "joint" and not o.angular]
+    lengths += [o.name for o in model.channels if o.kind == "joint" and not o.angular]
     if lengths:
         yield (
             "size of the whole mechanism with the factors of all length readings",

@@ -24,7 +24,7 @@ from symkin.calibration.estimate.residuals import (
     noise_of,
     take_means,
 )
-from symkin.calibration.estimate.state import State, evaluate_at, joint_covariance_at
+from symkin.calibration.estimate.state import State, evaluate_at, joint_covariance
 
 
 def close_others(
@@ -97,7 +97,7 @@ def predict_readings(
     """
     readings = problem.readings
     e, taken, width = evaluate_at(problem, p, z), readings.taken, readings.values.shape[1]
-    noise = noise_of(readings, joint_covariance_at(problem, p, z), factor)
+    noise = noise_of(readings, joint_covariance(problem, p, z), factor)
     gap = deviations(readings, e.readings)
     values = np.where(taken[:, :, None], np.dstack([gap, e.slopes @ root]), 0.0)
     inside = readings.group >= 0

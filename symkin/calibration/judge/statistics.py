@@ -213,7 +213,7 @@ def covariance(problem: CalibrationProblem, state: State, told: Told | None = No
     covariance of readings with joint noise, and what the prior leaves open where it decides; along
     directions of which the readings tell nothing 0.
     """
-    noise = joint_covariance(problem, state)
+    noise = joint_covariance(problem, state.p, state.z)
     problem = replace(problem, noise=noise)
     told = told or told_directions(problem, evaluate(problem, state.p, state.z))
     scaled = problem.model.scales[:, None] * told.columns
@@ -261,7 +261,7 @@ def curvature(
     if state.leftover is not None:
         return np.zeros(len(problem.names))
     told = told or told_directions(problem, state)
-    problem = replace(problem, noise=joint_covariance(problem, state))
+    problem = replace(problem, noise=joint_covariance(problem, state.p, state.z))
     free = told.ratios > 1.0
     # along one of them the residuals move by one standard deviation
     units = np.sqrt(spread) / told.weight * told.columns[:, free] / told.ratios[free]
