@@ -221,7 +221,7 @@ class _Fitting:
         result, loss = self._by_lines(part, result), self.options["loss"]
         robust = loss != "squared" and result.status == "ok"
         if robust:
-            result = robust_estimate(part, result.state.p, result.state.z, loss).result
+            result = robust_estimate(part, result.state.p, result.state.z, loss)[0]
         rows_z = part.model.rows(solved.z[solved.solved], part.measurements.joints, p)[1]
         return Fit(
             problem=replace(part, widened=result.widened),

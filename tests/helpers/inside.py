@@ -420,7 +420,6 @@ NAMES = {
     "named_motions": "symkin.calibration.judge.identifiability",
     "Case": "symkin.calibration.judge.mistakes",
     "RULES": "symkin.calibration.judge.mistakes",
-    "Stage": "symkin.calibration.judge.mistakes",
     "diagnose": "symkin.calibration.judge.mistakes",
     "diagnose_labels": "symkin.calibration.judge.mistakes",
     "OUTLIER_LEVEL": "symkin.calibration.judge.outliers",

@@ -90,7 +90,7 @@ def solve_systems(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
             pass
     if not np.all(np.isfinite(matrix)):
         matrix = np.nan_to_num(matrix)
-    return np.asarray(np.linalg.pinv(matrix, rcond=1e-12) @ right)
+    return np.linalg.pinv(matrix, rcond=1e-12) @ right
 
 
 @dataclass(frozen=True, eq=False)
@@ -408,4 +408,4 @@ def level_turn(mechanism: Mechanism) -> np.ndarray:
     turn = np.array([1.0 + third, -second, first, 0.0])
     if turn[0] < 1e-12:  # z points down: a half turn about x
         turn = np.array([0.0, 1.0, 0.0, 0.0])
-    return np.asarray(turn / np.linalg.norm(turn))
+    return turn / np.linalg.norm(turn)

@@ -247,7 +247,7 @@ def determinant_signs(rows_z: np.ndarray) -> np.ndarray:
     """
     if rows_z.shape[1] != rows_z.shape[2] or rows_z.shape[2] == 0:
         return np.zeros(len(rows_z))
-    return np.asarray(np.sign(np.linalg.slogdet(rows_z)[0]))
+    return np.sign(np.linalg.slogdet(rows_z)[0])
 
 
 def is_determined(
@@ -283,8 +283,7 @@ def start_points(
     if model.observes_through_frames:
         measurements = replace(measurements, position=None, orientation=None)
     poses = whole_poses(measurements, measured=measured)
-    begin = np.tile(model.closure.reference, (len(measurements), 1))
-    return Closing(model, np.zeros(0)).split(with_poses(model.closure, begin, poses))[0]
+    return Closing(model, np.zeros(0)).split(with_poses(model.closure, poses))[0]
 
 
 def first_points(
@@ -423,16 +422,17 @@ def closed_at(
     """Close the joints at platform poses (n, 7), from the reference: the closing, its points, and
     which of them closed (n,).
     """
-    starts = np.tile(model.closure.reference, (len(poses), 1))
     closing = Closing(model, np.zeros(0), held=("pose",))
-    return closing, *closing.close(with_poses(model.closure, starts, poses))
+    return closing, *closing.close(with_poses(model.closure, poses))
 
 
-def with_poses(closure: Closure, values: np.ndarray, poses: np.ndarray) -> np.ndarray:
-    """Put the pose coordinates nearest to poses (n, 7) into the closure's variables (n, width);
-    they stay where a pose is not a number, or the closure has none.
+def with_poses(closure: Closure, poses: np.ndarray, around: np.ndarray | None = None) -> np.ndarray:
+    """Put the pose coordinates nearest to poses (n, 7) into the closure's variables `around` (n,
+    width), by default those of the reference; they stay where a pose is not a number, or the
+    closure has none.
     """
-    given, values = np.all(np.isfinite(poses), axis=1), values.copy()
+    given = np.all(np.isfinite(poses), axis=1)
+    values = np.tile(closure.reference, (len(poses), 1)) if around is None else around.copy()
     if closure.role("pose") and given.any():
         position, quaternion = poses[given, :3].T, poses[given, 3:].T
         numbers, _ = poses_coordinates(closure.mechanism, position, quaternion)

@@ -21,6 +21,7 @@ from symkin.calibration.data.parameters import (
     Velocity,
     bound_by_motion,
     geometry_parameters,
+    is_writable,
     joint_paths,
     nominal_parameters,
     written_freedoms,
@@ -90,7 +91,7 @@ class CalibrationProblem:
 
     def over_prior(self, p: np.ndarray) -> np.ndarray:
         """Changes of the parameters (P,) from nominal over the prior's standard deviations."""
-        return np.asarray((p - self.model.nominal) / self.model.scales / self.prior)
+        return (p - self.model.nominal) / self.model.scales / self.prior
 
     @property
     def is_large(self) -> bool:
@@ -223,9 +224,7 @@ def prior_of(model: ConfigurationModel, tolerance: tuple[float, float] | None = 
             f"tolerance = ({length:g}, {angle:g}): both a length and an angle, finite and "
             f"positive, are needed"
         )
-    free = [
-        name.startswith(("world.", "target.")) or name.endswith(".scale") for name in model.names
-    ]
+    free = [not is_writable(name) for name in model.names]
     spread = [length if kind == "length" else angle for kind in model.kinds]
     return np.where(free, np.inf, np.array(spread) / model.scales)
 

@@ -9,7 +9,7 @@ noise stated, so that the good ones count while the fit is still far away.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -34,20 +34,10 @@ _SIGMA_OVER_MEDIAN = 1.4826
 """Standard deviation of a normal distribution over the median of its absolute values."""
 
 
-@dataclass(frozen=True, eq=False)
-class RobustEstimate:
-    """A robust estimate, and the ratio of the standard deviation of its good readings to the stated
-    one.
-    """
-
-    result: Estimate
-    scale: float
-
-
 def loss_weights(loss: str, t: np.ndarray) -> np.ndarray:
     """Return the weights (n, K) of readings whose residuals are t of their scale."""
     if loss == "huber":
-        return np.asarray(np.minimum(1.0, _TUNING[loss] / np.maximum(np.abs(t), 1e-300)))
+        return np.minimum(1.0, _TUNING[loss] / np.maximum(np.abs(t), 1e-300))
     return (
         np.asarray(1.0 / (1.0 + (t / _TUNING[loss]) ** 2)) if loss == "cauchy" else np.ones_like(t)
     )
@@ -67,8 +57,10 @@ def loss_note(loss: str) -> str:
 
 def robust_estimate(
     problem: CalibrationProblem, p: np.ndarray, z: np.ndarray, loss: str
-) -> RobustEstimate:
-    """Estimate with a robust loss from p and configurations z."""
+) -> tuple[Estimate, float]:
+    """Estimate with a robust loss from p and configurations z; and the ratio of the standard
+    deviation of the good readings to the stated one.
+    """
     known, state = problem.readings.known, evaluate(problem.by_means, p, z)
     here, steps, weight, scale = problem, 0, np.ones_like(problem.readings.sigma), np.inf
     for count in range(_MAX_FITS):
@@ -84,10 +76,8 @@ def robust_estimate(
         result = estimate(here, state.z, p=state.p, max_iterations=_STEPS_PER_FIT)
         state, steps = result.state, steps + result.iterations
     status = result.status if result.status != "max_iterations" else "stalled"
-    return RobustEstimate(
-        Estimate(evaluate(problem.by_means, state.p, state.z), status, steps, result.widened),
-        scale,
-    )
+    ended = evaluate(problem.by_means, state.p, state.z)
+    return Estimate(ended, status, steps, result.widened), scale
 
 
 def with_weights(problem: CalibrationProblem, weight: np.ndarray) -> CalibrationProblem:

@@ -288,11 +288,8 @@ def _choose_branch(
     middle = int(nearest_rows(m.joints, np.mean(m.joints, axis=0)[None], 1)[0, 0])
     points, _ = _all_modes(problem, p, np.array([middle]))
     branches = [_branch(problem, p, middle, z) for z in points]
-    whole = [
-        b
-        for b in branches
-        if b.solved.sum() >= max((c.solved.sum() for c in branches), default=0) * 0.9
-    ]
+    most = max((b.solved.sum() for b in branches), default=0)
+    whole = [b for b in branches if b.solved.sum() >= 0.9 * most]
     if not whole:
         return configurations
     if configurations.solved.all():

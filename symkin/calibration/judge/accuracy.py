@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -71,11 +72,11 @@ class PoseSigma:
     @property
     def position(self) -> np.ndarray:
         """Root of the summed variances of the components (n,)."""
-        return np.asarray(np.linalg.norm(self.sigma[:, :3], axis=1))
+        return np.linalg.norm(self.sigma[:, :3], axis=1)
 
     @property
     def angle(self) -> np.ndarray:
-        return np.asarray(np.linalg.norm(self.sigma[:, 3:], axis=1))
+        return np.linalg.norm(self.sigma[:, 3:], axis=1)
 
 
 def predict_pose_sigma(fit: Calibration, seed: int = 0) -> PoseSigma:
@@ -88,16 +89,12 @@ def predict_pose_sigma(fit: Calibration, seed: int = 0) -> PoseSigma:
         where = f"of link {judged_link(identified)}, {where}"
     about_home = None
     if has_home(fit.mechanism):
-        home, rng = (
-            Workspace.about(identified, start=home_pose(fit.mechanism)),
-            np.random.default_rng(seed),
-        )
-        try:
+        home = Workspace.about(identified, start=home_pose(fit.mechanism))
+        rng = np.random.default_rng(seed)
+        with suppress(SymkinError):
             drawn = home.draw(home.inclinations(_ACCURACY_POSES, rng), rng, held=False)
             text = f"{_ACCURACY_POSES} random poses about home"
             about_home = pose_sigma_at(fit, identified, drawn, text)
-        except SymkinError:
-            pass
     return replace(pose_sigma_at(fit, identified, made, where), about_home=about_home)
 
 
@@ -156,7 +153,7 @@ def _measured_region(
         starts[:, place] = turned / np.linalg.norm(turned, axis=1, keepdims=True)
     if identified.serial:
         drawn = rng.uniform(joints.min(axis=0), joints.max(axis=0), (len(first), joints.shape[1]))
-        starts = solver.with_tool(np.hstack([drawn, a[:, joints.shape[1] :]]))
+        starts = solver.at_joints(drawn, a)
     elif is_carried(closure):
         starts = solver.at_joints((1 - share) * joints[first] + share * joints[second], a)
     made, good = solver.close(starts, None, limits=False)

@@ -37,7 +37,6 @@ from symkin.calibration.estimate.joint_lines import NEARLY_PARALLEL, parallel_ax
 from symkin.calibration.estimate.linear import UNTOLD, WELL_TOLD, Linear
 from symkin.calibration.estimate.problem import CalibrationProblem, build_calibration
 from symkin.calibration.estimate.state import (
-    Spectrum,
     State,
     design,
     error_free_state,
@@ -163,13 +162,13 @@ def identifiability_at(problem: CalibrationProblem, state: State, weight: float)
     determine beside a prior of some weight, 0 for none.
     """
     state = error_free_state(problem, state)
-    found, null_space, weak = _told(problem, state, weight)
+    values, blind, null_space, weak = _told(problem, state, weight)
     named, opens = name_null_space(problem, state.p, null_space), _opens_beside(problem, state)
     return Identifiability(
         names=problem.names,
-        singular_values=found.values,
+        singular_values=values,
         null_space=null_space,
-        blind=found.null_space,
+        blind=blind,
         weak=weak,
         unobservable=named,
         advice=tuple(_advice(problem, state, named, opens=opens)),
@@ -181,20 +180,21 @@ def told_rank(problem: CalibrationProblem, state: State) -> int:
     """Count what a fit of readings without error would determine beside the prior: directions that
     they tell, and those that redundant loops hold.
     """
-    untold = _told(problem, error_free_state(problem, state), 1.0)[1]
+    untold = _told(problem, error_free_state(problem, state), 1.0)[2]
     return len(problem.names) - int(untold.shape[1])
 
 
 def _told(
     problem: CalibrationProblem, state: State, weight: float
-) -> tuple[Spectrum, np.ndarray, tuple[tuple[str, float], ...]]:
-    """Return the spectrum of the identification Jacobian, the directions (P, k) of which the
-    readings tell nothing beside the prior, and those of which they tell little, named.
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, tuple[tuple[str, float], ...]]:
+    """Return the singular values of the identification Jacobian and its null space, the directions
+    (P, k) of which the readings tell nothing beside the prior, and those of which they tell little,
+    named.
     """
-    found = spectrum(design(state))
-    null_space = found.null_space
+    values, blind = spectrum(design(state))
+    null_space = blind
     if weight == 0.0:
-        return found, null_space, ()
+        return values, blind, null_space, ()
     told = replace(Linear.of(problem, state, problem.widened), weight=weight).told()
     ratios, directions = told.ratios, told.columns
     untold = ratios < UNTOLD
@@ -202,7 +202,7 @@ def _told(
         null_space = np.linalg.qr(directions[:, untold])[0]
     little = np.flatnonzero(~untold & (ratios < WELL_TOLD))
     weak = [(_combination(problem.names, directions[:, k]), 1.0 / ratios[k]) for k in little]
-    return found, null_space, tuple((text, float(share)) for text, share in weak[::-1])
+    return values, blind, null_space, tuple((text, float(share)) for text, share in weak[::-1])
 
 
 def _opens_beside(problem: CalibrationProblem, state: State) -> bool:
@@ -222,7 +222,7 @@ def _opens_beside(problem: CalibrationProblem, state: State) -> bool:
         with np.errstate(all="ignore"):
             z, closed = newton_configurations(model, state.z[some], q, model.nominal)
             left = model.evaluate(z, q, model.nominal, quaternions).left_over
-        return np.asarray(left[closed].reshape(-1, len(problem.names)))
+        return left[closed].reshape(-1, len(problem.names))
 
     open_steps = left_over(joints + moved) @ unbound(left_over(joints))
     return bool(largest_of(open_steps) > _OPEN_SLOPE)
@@ -321,7 +321,11 @@ def _advice(
     )
     turns = problem.model.poses(state.z, problem.joints, state.p)[:, 3:].T
     angles = np.asarray(euler_from_quaternion(turns, "xyz")).T
-    if unusual and readings.groups and np.all(np.ptp(angles[readings.first, :2], axis=0) < _SAME_ANGLE):
+    if (
+        unusual
+        and readings.groups
+        and np.all(np.ptp(angles[readings.first, :2], axis=0) < _SAME_ANGLE)
+    ):
         yield (
             "all groups have the same inclination; add groups at other inclinations (a wedge "
             "under the inclinometer)"

@@ -111,7 +111,7 @@ class LinearModel:
         together = self.group[rows][..., :, None] == self.group[rows][..., None, :]
         absorbed = shared @ np.swapaxes(shared, -1, -2)
         absorbed += np.where(together, own @ np.swapaxes(own, -1, -2), 0.0)
-        return np.asarray(self.taken[rows][..., None] * np.eye(rows.shape[-1]) - absorbed)
+        return self.taken[rows][..., None] * np.eye(rows.shape[-1]) - absorbed
 
     def without(self, rows: np.ndarray) -> LinearModel:
         """Let the readings of these rows be free: their shift is one more unknown."""
@@ -230,7 +230,7 @@ def covariance(problem: CalibrationProblem, state: State, told: Told | None = No
         variance = np.where(taken, sigma, 0.0)[:, :, None] ** 2
         s = noise[rows] + variance * np.eye(taken.shape[1])
         total += np.sum(gain @ s @ gain.transpose(0, 2, 1), axis=0)
-    return np.asarray(total)
+    return total
 
 
 def _gain(problem: CalibrationProblem, inverse: np.ndarray) -> np.ndarray:
@@ -273,7 +273,7 @@ def curvature(
             pulls[:, k] += near.linearised.matrix.T @ _bend(part, near, step)
     sigma, change = np.linalg.norm(units, axis=1), np.abs(units @ (units.T @ pulls)) / spread
     largest = np.max(np.where(np.isfinite(change), change, np.inf), axis=1, initial=0.0)
-    return np.asarray(np.divide(largest, sigma, out=np.zeros_like(sigma), where=sigma > 0))
+    return np.divide(largest, sigma, out=np.zeros_like(sigma), where=sigma > 0)
 
 
 def _bend(problem: CalibrationProblem, here: State, step: np.ndarray) -> np.ndarray:
@@ -285,7 +285,7 @@ def _bend(problem: CalibrationProblem, here: State, step: np.ndarray) -> np.ndar
         there = state_after(problem, here, step)
     if there is None:
         return np.full_like(before.vector, np.nan)
-    return np.asarray(there.linearised.vector - before.vector - before.matrix @ step)
+    return there.linearised.vector - before.vector - before.matrix @ step
 
 
 def rms_of_better_part(squares: np.ndarray) -> float:
