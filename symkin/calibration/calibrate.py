@@ -158,16 +158,6 @@ def _check_residual_form(residual: str, measurements: Measurements) -> None:
 # --- fitting --------------------------------------------------------------------------------------
 
 
-def _build(
-    mechanism: Mechanism, measurements: Measurements, options: CalibrateOptions
-) -> CalibrationProblem:
-    """State the problem of these parameters and residuals."""
-    chosen: dict[str, Any] = {
-        key: options[key] for key in ("parameters", "fixed", "residual", "tolerance")
-    }
-    return build_calibration(mechanism, measurements, **chosen)
-
-
 def _fit_measurements(
     mechanism: Mechanism,
     measurements: Measurements,
@@ -176,11 +166,12 @@ def _fit_measurements(
 ) -> Fit:
     """Fit the configurations that hold a reading beside the joints, from `near` if given."""
     read = measurements.is_read
-    if read.all() or not read.any():
-        return _Fitting(options, _build(mechanism, measurements, options)).run(near)
-    some = None if near is None else near.subset(read)
-    found = _Fitting(options, _build(mechanism, measurements.subset(read), options)).run(some)
-    numbers = np.flatnonzero(read)
+    numbers = np.flatnonzero(read | ~np.any(read))
+    chosen: dict[str, Any] = {
+        key: options[key] for key in ("parameters", "fixed", "residual", "tolerance")
+    }
+    problem = build_calibration(mechanism, measurements.subset(numbers), **chosen)
+    found = _Fitting(options, problem).run(near and near.subset(numbers))
     return replace(
         found,
         used=numbers[found.used],

@@ -11,9 +11,10 @@ from typing import NamedTuple
 import numpy as np
 
 from symkin.calibration.data.measurements import Measurements, spread_rows
+from symkin.calibration.data.observables import PLATFORM
 from symkin.calibration.estimate.configuration_model import (
     ConfigurationModel,
-    build_model,
+    model_of,
     solve_systems,
 )
 from symkin.closure.closure import Closure
@@ -138,6 +139,7 @@ class Closing:
         moved = self.model.system.move(z, whole[:, self._joints :])
         return np.hstack([joints + self._units * whole[:, : self._joints], moved])
 
+    @np.errstate(all="ignore")
     def newton(
         self,
         points: np.ndarray,
@@ -322,13 +324,12 @@ def follow_joints(
     count = min(max(1, int(np.ceil(furthest / _FOLLOWED_STEP))), _MAX_FOLLOWED_STEPS)
     # from the reference, which need not be closed, the first step may be a long one
     longest = np.inf
-    with np.errstate(all="ignore"):
-        for k in range(1, count + 1):
-            found, closed = newton_configurations(
-                model, z, begin + (k / count) * away, p, tolerance=ROUGHLY_SOLVED_TOLERANCE
-            )
-            near = np.all(np.abs(found - z) < longest * lengths, axis=1)
-            z, longest = np.where((closed & near)[:, None], found, z), _MAX_FOLLOWED_MOVE
+    for k in range(1, count + 1):
+        found, closed = newton_configurations(
+            model, z, begin + (k / count) * away, p, tolerance=ROUGHLY_SOLVED_TOLERANCE
+        )
+        near = np.all(np.abs(found - z) < longest * lengths, axis=1)
+        z, longest = np.where((closed & near)[:, None], found, z), _MAX_FOLLOWED_MOVE
     return z
 
 
@@ -401,18 +402,14 @@ def closing_model(mechanism: Mechanism) -> ConfigurationModel:
     """The model by which configurations are closed: its readings are the platform's inclination, as
     groups compare it.
     """
-    groups = None if mechanism.platform_link is None else np.zeros(1, dtype=int)
-    return build_model(
-        mechanism, Measurements(np.zeros((1, len(mechanism.actuated))), groups=groups), ()
-    )
+    return model_of(mechanism, () if mechanism.platform_link is None else (PLATFORM["group"],))
 
 
 def joints_at_poses(mechanism: Mechanism, poses: np.ndarray) -> np.ndarray:
     """Solve for the actuated joints (n, a) at platform poses (n, 7), the limbs as near to the
     reference as Newton finds them; NaN where a limb does not reach the pose.
     """
-    with np.errstate(all="ignore"):
-        closing, values, closed = closed_at(closing_model(mechanism), poses)
+    closing, values, closed = closed_at(closing_model(mechanism), poses)
     return np.where(closed[:, None], closing.split(values)[1], np.nan)
 
 

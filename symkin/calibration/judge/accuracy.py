@@ -17,9 +17,9 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from symkin.calibration.data.measurements import NO_GROUP, Measurements
-from symkin.calibration.data.observables import judged_link
+from symkin.calibration.data.observables import PLATFORM, judged_link
 from symkin.calibration.data.parameters import with_parameters
-from symkin.calibration.estimate.configuration_model import build_model
+from symkin.calibration.estimate.configuration_model import model_of
 from symkin.calibration.estimate.configurations import ClosedConfigurations, is_carried
 from symkin.calibration.estimate.problem import PRIOR_SHARE
 from symkin.calibration.estimate.starting import has_home
@@ -168,10 +168,9 @@ def pose_slopes(
     """Differentiate the pose by scaled parameters (n, 6, P): position in the length unit, rotation
     vector in radians, joints held; and rows that redundant loops leave over, (n, m, P).
     """
-    whole = Measurements(made.joints, position=made.poses[:, :3], orientation=made.poses[:, 3:])
-    model = build_model(mechanism, whole, tuple(names))
+    model = model_of(mechanism, (PLATFORM["position"], PLATFORM["orientation"]), tuple(names))
     z = np.ascontiguousarray(made.values[:, made.joints.shape[1] :])
-    e = model.evaluate(z, made.joints, model.nominal, whole.quaternions)
+    e = model.evaluate(z, made.joints, model.nominal, made.poses[:, 3:])
     return e.slopes, e.left_over
 
 

@@ -60,10 +60,9 @@ def measure_departure(problem: CalibrationProblem, state: State) -> Departure:
     """Measure the departure of a fit from the nominal geometry, over the configurations fitted."""
     nominal, rows = problem.model.nominal, spread_rows(len(state.z), _COMPARED_CONFIGURATIONS)
     joints, length = problem.joints[rows], lever(problem.mechanism)
-    with np.errstate(all="ignore"):
-        z, closed = newton_configurations(
-            problem.model, state.z[rows], joints, nominal, tolerance=ROUGHLY_SOLVED_TOLERANCE
-        )
+    z, closed = newton_configurations(
+        problem.model, state.z[rows], joints, nominal, tolerance=ROUGHLY_SOLVED_TOLERANCE
+    )
     here, there = (
         _middles(problem, judged_poses(problem, p, points, joints))
         for p, points in ((state.p, state.z[rows]), (nominal, z))

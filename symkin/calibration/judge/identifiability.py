@@ -131,19 +131,14 @@ class Identifiability:
 
 
 def identifiability(
-    mechanism: Mechanism,
-    measurements: Measurements,
-    *,
-    parameters: Sequence[str] | None = None,
-    fixed: Sequence[str] = (),
-    residual: str = "means",
+    mechanism: Mechanism, measurements: Measurements, **options: Any
 ) -> Identifiability:
     """Determine the identifiability at the nominal geometry, over the configurations whose direct
-    problem is solved there. Where standard deviations are known, what the readings tell ten times
-    worse than the prior (see `estimate.linear`) counts as not told.
+    problem is solved there; `options` are those of `build_calibration`. Where standard deviations
+    are known, what the readings tell ten times worse than the prior (see `estimate.linear`) counts
+    as not told.
     """
-    chosen: dict[str, Any] = {"parameters": parameters, "fixed": fixed, "residual": residual}
-    problem = build_calibration(mechanism, measurements, **chosen)
+    problem = build_calibration(mechanism, measurements, **options)
     nominal = problem.model.nominal
     configurations = solve_configurations(problem.model, measurements, nominal)
     solved = configurations.solved

@@ -188,10 +188,7 @@ def diagnose_labels(case: Case) -> tuple[str, ...]:
 
 def nominal_misfit(case: Case) -> float:
     """How far the readings of some rows are off at the nominal geometry (length unit)."""
-    try:
-        return case.examined.start().misfit
-    except SymkinError:
-        return math.inf
+    return math.sqrt(case.examined.trial().score)
 
 
 def _sentences(case: Case, stage: Stage) -> list[str]:
@@ -349,16 +346,12 @@ def _taken(case: Case, is_meant: Callable[[Observable], bool], called: str = "")
     yield Block(names, angular, values, put, held, called)
 
 
-def _positions(case: Case) -> Iterator[Block]:
-    return _taken(case, PLATFORM["position"].__eq__, "the positions")
-
-
-def _inclinations(case: Case) -> Iterator[Block]:
-    return _taken(case, PLATFORM["inclination"].__eq__)
-
-
-def _distances(case: Case) -> Iterator[Block]:
-    return _taken(case, lambda o: bool(o.ends), "the distances")
+_positions = partial(_taken, is_meant=PLATFORM["position"].__eq__, called="the positions")
+_orientations = partial(_taken, is_meant=PLATFORM["orientation"].__eq__)
+_inclinations = partial(_taken, is_meant=PLATFORM["inclination"].__eq__)
+_distances = partial(_taken, is_meant=lambda o: bool(o.ends), called="the distances")
+_encoders = partial(_taken, is_meant=lambda o: o.kind == "joint")
+"""Of the platform, between it and the base, and of passive joints, together."""
 
 
 def _readings(case: Case) -> Iterator[Block]:
@@ -368,9 +361,9 @@ def _readings(case: Case) -> Iterator[Block]:
             yield from _taken(case, o.__eq__, f"the readings of {o.name}")
 
 
-def _encoders(case: Case) -> Iterator[Block]:
-    """Readings of passive joints, together."""
-    return _taken(case, lambda o: o.kind == "joint")
+def _quaternions(case: Case) -> Iterator[Block]:
+    """Orientations that do not stand as Euler angles in the file."""
+    return iter(()) if case.euler is not None else _orientations(case)
 
 
 def _euler(case: Case) -> Iterator[Block]:
@@ -403,18 +396,13 @@ def _find(
 # --- orientations ---------------------------------------------------------------------------------
 
 
-def _inverted_orientations(case: Case) -> Iterator[Finding]:
-    m, q = case.measurements, case.measurements.orientation
-    if q is not None:
-        inverse = replace(m, orientation=q * (1.0, -1.0, -1.0, -1.0))
-        yield "the orientations look inverted (base seen from the platform)", inverse
+def _inverted(block: Block) -> Changes:
+    inverse = block.values * (1.0, -1.0, -1.0, -1.0)
+    yield "the orientations look inverted (base seen from the platform)", inverse
 
 
-def _scalar_last(case: Case) -> Iterator[Finding]:
-    m, q = case.measurements, case.measurements.orientation
-    if q is not None and case.euler is None:
-        rolled = replace(m, orientation=np.roll(q, 1, axis=1))
-        yield "qw looks to stand last, not first", rolled
+def _scalar_last(block: Block) -> Changes:
+    yield "qw looks to stand last, not first", np.roll(block.values, 1, axis=1)
 
 
 def _other_sequences(case: Case) -> Iterator[Finding]:
@@ -650,14 +638,14 @@ RULES = (
             ("two encoders exchanged", "correction", _encoders, _exchanged),
             ("a reading in another unit", "correction", _readings, _in_another_unit),
             ("alpha and beta exchanged", "correction", _inclinations, _exchanged),
+            ("orientations of the base in the platform", "correction", _orientations, _inverted),
+            ("quaternions with their scalar last", "correction", _quaternions, _scalar_last),
             ("two position columns exchanged", "position", _positions, _exchanged),
             ("position columns in another order", "position", _positions, _turned_round),
             ("the sign of a position column reversed", "position", _positions, _reversed),
             ("one position column in metres", "position", _positions, _one_in_larger_unit),
         )
     ),
-    Rule("orientations of the base in the platform", "correction", _inverted_orientations),
-    Rule("quaternions with their scalar last", "correction", _scalar_last),
     Rule("Euler angles of another sequence", "correction", _other_sequences),
     Rule("joint columns in another order, with other signs", "order", _reordered_joints),
     Rule("groups wrongly labelled", "labels", _wrong_labels),
