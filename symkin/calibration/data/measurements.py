@@ -185,11 +185,8 @@ class Measurements:
         links.
         """
         platform = np.zeros((len(self), 4)) if self.orientation is None else self.orientation
-        return np.asarray(
-            np.nan_to_num(
-                np.hstack([platform, *(r.values for r in self.readings if r.is_orientation)])
-            )
-        )
+        others = (r.values for r in self.readings if r.is_orientation)
+        return np.nan_to_num(np.hstack([platform, *others]))
 
     @cached_property
     def grouping(self) -> tuple[np.ndarray, np.ndarray]:

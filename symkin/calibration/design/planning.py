@@ -415,12 +415,12 @@ class _Task:
         spread = self.pose @ root
         draws = np.random.default_rng(self.seed).normal(size=(root.shape[1], _ERROR_DRAWS))
         errors = np.abs(np.einsum("nkp,pd->nkd", spread, draws))
-        parts = [slice(0, 3), slice(3, 6)]
         position, angle = (
-            float(np.sqrt(np.mean(np.sum(spread[:, part] ** 2, axis=(1, 2))))) for part in parts
+            float(np.sqrt(np.mean(np.sum(part**2, axis=(1, 2)))))
+            for part in np.split(spread, 2, axis=1)
         )
         worst_position, worst_angle = (
-            float(np.quantile(errors[:, part].max(axis=(0, 1)), 0.95)) for part in parts
+            float(np.quantile(part.max(axis=(0, 1)), 0.95)) for part in np.split(errors, 2, axis=1)
         )
         rank, count = self.rank(planned, groups), len(self.names)
         return Accuracy(position, angle, worst_position, worst_angle, rank, count)

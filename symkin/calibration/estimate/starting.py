@@ -115,14 +115,13 @@ def with_starts(
         whole = np.flatnonzero(~np.isnan(read[:, 0]))
         if len(whole):
             starts[rows] = read[whole[nearest_rows(m.joints[whole], m.joints[rows], 1)[:, 0]]]
-        parts = {"position": starts[:, :3], "orientation": starts[:, 3:]}
         if m.inclination is not None:  # with their own yaw
             angles = np.array(euler_from_quaternion(starts[:, 3:].T, "xyz"))
             _put_in(m.inclination, angles[:2].T, rows)
             starts[rows, 3:] = quaternion_from_euler(angles, "xyz").T[rows]
-        for kind, part in parts.items():
-            if getattr(m, kind) is not None:
-                _put_in(getattr(m, kind), part, rows)
+        for table, part in ((m.position, starts[:, :3]), (m.orientation, starts[:, 3:])):
+            if table is not None:
+                _put_in(table, part, rows)
     return replace(m, starts=starts)
 
 

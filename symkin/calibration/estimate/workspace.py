@@ -207,7 +207,7 @@ class Workspace:
                 else ""
             )
             return f"about the reference; give joints limits within which it moves{redundant}"
-        text = ", ".join(f"{math.degrees(a):g}" for a in inclination)
+        text = ", ".join(f"{angle:g}" for angle in np.degrees(inclination))
         return (
             f"(none for alpha, beta = {text} deg); use a smaller workspace, inclinations that "
             f"the platform can take, or no groups of equal inclination"
@@ -236,7 +236,9 @@ class Workspace:
             away = np.clip(self._middles(around) + self.half * drawn[:, 1:], -self.half, self.half)
             starts = self._posed(around.values, away, np.array([alpha, beta, gamma]))
         made, good = self.close(starts, inclinations)
-        kept = np.flatnonzero(good & self.holds(made))
+        if not self.drawn_by_joints:  # whose range is the workspace
+            good &= np.all(np.abs(self._middles(made)) <= self.half * (1 + 1e-9), axis=1)
+        kept = np.flatnonzero(good)
         return made.take(kept), kept
 
     def _posed(self, values: np.ndarray, away: np.ndarray, angles: np.ndarray) -> np.ndarray:
@@ -263,14 +265,6 @@ class Workspace:
         if self.carried:
             starts = self.at_joints(joints, starts)
         return self.close(starts, inclinations, limits=False)
-
-    def holds(self, made: ClosedConfigurations) -> np.ndarray:
-        """Tell which configurations of a platform have their middle within the box (n,); where
-        joints are drawn, their range is the workspace.
-        """
-        if self.drawn_by_joints:
-            return np.ones(len(made), dtype=bool)
-        return np.all(np.abs(self._middles(made)) <= self.half * (1 + 1e-9), axis=1)
 
     def _starts(
         self, inclinations: np.ndarray, rng: np.random.Generator, edge: float

@@ -27,7 +27,7 @@ from symkin.calibration.data.parameters import (
     vector_velocity,
     written_freedoms,
 )
-from symkin.calibration.data.reference_motions import moved, reference_motions
+from symkin.calibration.data.reference_motions import IN_FRAME, moved, reference_motions
 from symkin.calibration.estimate.configuration_model import ConfigurationModel
 from symkin.calibration.estimate.configurations import (
     newton_configurations,
@@ -444,20 +444,14 @@ def _frame_motions(mechanism: Mechanism, values: Velocity) -> Iterator[tuple[str
     for text, twist in zip(texts, np.eye(6), strict=False):
         yield text, moved(mechanism, values, dict.fromkeys(links, twist))
     for text, twist in zip(texts[6:], np.eye(6), strict=True):
-        yield text, _platform_moved(mechanism, values, twist[:3], twist[3:])
+        yield text, _platform_moved(mechanism, values, twist)
 
 
-def _platform_moved(
-    mechanism: Mechanism, values: Velocity, t: np.ndarray, w: np.ndarray
-) -> Velocity:
-    """Move the platform frame by the twist (t, w) in its own axes; what is given in it moves the
-    other way.
+def _platform_moved(mechanism: Mechanism, values: Velocity, twist: np.ndarray) -> Velocity:
+    """Move the platform frame by a twist in its own axes; what is given in it moves the other
+    way.
     """
-    velocity: Velocity = {}
-    for end in (end for bar in mechanism.bars for end in (bar.start, bar.end)):
-        if end.in_platform_frame:
-            back = -(t + np.cross(w, vector_values(values, end.path)))
-            velocity |= vector_velocity(end.path, back)
+    velocity, (t, w) = moved(mechanism, values, {IN_FRAME: -twist}), np.split(twist, 2)
     frame = mechanism.frame_name
     if f"{frame}.quaternion.w" in values:
         q = vector_values(values, f"{frame}.quaternion", "wxyz")

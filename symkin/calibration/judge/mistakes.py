@@ -12,7 +12,6 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import combinations, permutations
-from typing import Literal
 
 import numpy as np
 
@@ -90,12 +89,6 @@ many others of any label.
 # --- the table ------------------------------------------------------------------------------------
 
 
-Stage = Literal["readings", "correction", "order", "position", "labels"]
-"""When a rule is asked: those of a stage where those before it found nothing; positions, whose
-orientations may be read wrongly besides, in any case; labels by themselves.
-"""
-
-
 @dataclass(frozen=True, eq=False)
 class Case:
     """What the rules look at: readings of a mechanism, parameters that are unknown frames, and
@@ -161,10 +154,13 @@ readings alone show it.
 
 @dataclass(frozen=True)
 class Rule:
-    """A mistake that is looked for: `find` yields its possible forms in a case."""
+    """A mistake that is looked for: `find` yields its possible forms in a case. The stage says when
+    it is asked: "readings", "correction" and "order" where those before them found nothing;
+    "position", whose orientations may be read wrongly besides, in any case; "labels" by themselves.
+    """
 
     mistake: str
-    stage: Stage
+    stage: str
     find: Callable[[Case], Iterable[Finding]]
 
 
@@ -191,7 +187,7 @@ def nominal_misfit(case: Case) -> float:
     return math.sqrt(case.examined.trial().score)
 
 
-def _sentences(case: Case, stage: Stage) -> list[str]:
+def _sentences(case: Case, stage: str) -> list[str]:
     """What a stage finds: the sentences of the first rule that the readings alone show, else of all
     mistakes that explain the readings far better if they are put right, best first.
     """

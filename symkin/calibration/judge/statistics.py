@@ -99,9 +99,7 @@ class LinearModel:
         """Share (N,) of a unit shift of each reading that the fit absorbs: the diagonal of Q
         Q^T.
         """
-        return np.asarray(
-            np.sum(self.group_columns**2, axis=1) + np.sum(self.parameter_columns**2, axis=1)
-        )
+        return np.sum(self.group_columns**2, axis=1) + np.sum(self.parameter_columns**2, axis=1)
 
     def freedom(self, rows: np.ndarray) -> np.ndarray:
         """Restrict (1 - Q Q^T) to some rows (..., w): what of a shift of these readings the fit
