@@ -45,7 +45,7 @@ from symkin.calibration.judge.outliers import (
 )
 from symkin.calibration.judge.result import Calibration
 from symkin.calibration.judge.statistics import SIGNIFICANCE, chi_square_tail
-from symkin.calibration.options import CalibrateOptions
+from symkin.calibration.options import CalibrateOptions, check_seed
 from symkin.closure.closure import build_closure
 from symkin.errors import InputError
 from symkin.ignored_options import refuse_ignored
@@ -94,6 +94,7 @@ def calibrate(
     ('ok', 105.53)
     """
     require_mechanism(mechanism)
+    check_seed(options["seed"])
     if options["outliers"] == "ignore":
         refuse_ignored({"level": options["level"]}, "outliers = 'ignore' tests no reading")
     level = OUTLIER_LEVEL if options["level"] is None else options["level"]

@@ -43,7 +43,7 @@ from symkin.calibration.judge.accuracy import pose_slopes
 from symkin.calibration.judge.departure import less_frames
 from symkin.calibration.judge.identifiability import told_rank
 from symkin.calibration.judge.result import length_and_angle
-from symkin.calibration.options import PlanOptions
+from symkin.calibration.options import PlanOptions, check_seed
 from symkin.errors import InputError
 from symkin.ignored_options import refuse_ignored
 from symkin.model.mechanism import Mechanism
@@ -191,6 +191,7 @@ def _check(options: PlanOptions, configurations: int) -> None:
         raise InputError(
             f"a plan of {configurations} postures is asked for; allowed: 1 to {_MAX_PLANNED}"
         )
+    check_seed(options["seed"])
     group_numbers(configurations, options["groups"])
     if not options["readings"] and not options["groups"]:
         raise InputError("nothing is read beside the joints; name groups or readings")

@@ -132,12 +132,9 @@ class ConfigurationModel:
         """
         return Evaluation(*self._call("whole", z, joints, p, quaternions))
 
-    def rows(
-        self, z: np.ndarray, joints: np.ndarray, p: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray]:
+    def rows(self, z: np.ndarray, joints: np.ndarray, p: np.ndarray) -> list[np.ndarray]:
         """Evaluate F (n, m) and F_z (n, m, f)."""
-        rows, rows_z = self._call("rows", z, joints, p)
-        return rows, rows_z
+        return self._call("rows", z, joints, p)
 
     def tangent(
         self,
@@ -181,11 +178,6 @@ class ConfigurationModel:
     def angular(self) -> np.ndarray:
         """Which readings (K,) are angles."""
         return np.array([o.angular for o in self.channels for _ in o.components], dtype=bool)
-
-    @cached_property
-    def turning(self) -> np.ndarray:
-        """Which readings (K,) are angles modulo a turn."""
-        return np.array([o.turning for o in self.channels for _ in o.components], dtype=bool)
 
     @cached_property
     def group_columns(self) -> np.ndarray:

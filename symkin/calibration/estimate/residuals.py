@@ -120,7 +120,7 @@ def build_readings(model: ConfigurationModel, measurements: Measurements) -> Rea
     return Readings(
         values=np.hstack(table),
         sigma=np.where(np.isfinite(np.hstack(table)), np.hstack(sigma), np.inf),
-        turning=model.turning,
+        turning=np.array([o.turning for o in model.channels for _ in o.components], dtype=bool),
         grouped=np.array([kind == "group" for kind, _ in model.columns], dtype=bool),
         group=group,
         first=first,

@@ -65,7 +65,9 @@ def robust_estimate(
     here, steps, weight, scale = problem, 0, np.ones_like(problem.readings.sigma), np.inf
     for count in range(_MAX_FITS):
         t = normalised_residuals(problem, here, state)
-        before, scale = scale, _scale_of_better_half(t[problem.readings.taken], known=known)
+        # of the better half, not below the stated noise
+        median = np.median(np.abs(t[problem.readings.taken]))
+        before, scale = scale, max(_SIGMA_OVER_MEDIAN * median, 1.0 if known else 1e-12)
         if known and count > _MIN_FITS and scale > max(_MAX_SCALE, _SCALE_DECREASE * before):
             break
         fresh = loss_weights(loss, t / scale)
@@ -102,11 +104,4 @@ def normalised_residuals(
     noise = np.einsum("nkk->nk", joint_covariance(problem, state.p, state.z))
     return np.where(
         taken, raw / np.sqrt(np.where(taken, problem.readings.sigma, 1.0) ** 2 + noise), 0.0
-    )
-
-
-def _scale_of_better_half(t: np.ndarray, *, known: bool) -> float:
-    """Standard deviation of the better half, not below the stated noise."""
-    return max(
-        _SIGMA_OVER_MEDIAN * float(np.median(np.abs(t))) if len(t) else 0.0, 1.0 if known else 1e-12
     )
