@@ -139,7 +139,6 @@ class Closing:
         moved = self.model.system.move(z, whole[:, self._joints :])
         return np.hstack([joints + self._units * whole[:, : self._joints], moved])
 
-    @np.errstate(all="ignore")
     def newton(
         self,
         points: np.ndarray,
@@ -153,16 +152,17 @@ class Closing:
         largest rows (n,), over the size.
         """
         largest, size = np.full(len(points), np.inf), self.characteristic_length
-        for _ in range(count):
-            rows, by = self.linearise(points)
-            largest = np.max(np.abs(rows), axis=1, initial=0.0) / size
-            if not np.any(largest > tolerance):
-                break
-            step = -solve_systems(by, rows[:, :, None])[:, :, 0]
-            lengths = np.maximum(np.linalg.norm(step, axis=1), 1e-300)
-            step *= np.minimum(1.0, longest * size / lengths)[:, None]
-            moved = self.move(points, np.nan_to_num(step))
-            points = np.where((largest > tolerance)[:, None], moved, points)
+        with np.errstate(all="ignore"):
+            for _ in range(count):
+                rows, by = self.linearise(points)
+                largest = np.max(np.abs(rows), axis=1, initial=0.0) / size
+                if not np.any(largest > tolerance):
+                    break
+                step = -solve_systems(by, rows[:, :, None])[:, :, 0]
+                lengths = np.maximum(np.linalg.norm(step, axis=1), 1e-300)
+                step *= np.minimum(1.0, longest * size / lengths)[:, None]
+                moved = self.move(points, np.nan_to_num(step))
+                points = np.where((largest > tolerance)[:, None], moved, points)
         return points, largest
 
     def close(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
