@@ -28,11 +28,7 @@ from symkin.calibration.estimate.joint_lines import (
     lines_problem,
     table_of_lines,
 )
-from symkin.calibration.estimate.problem import (
-    CalibrationProblem,
-    NothingReadError,
-    build_calibration,
-)
+from symkin.calibration.estimate.problem import CalibrationProblem, build_calibration
 from symkin.calibration.estimate.robust import loss_note, robust_estimate
 from symkin.calibration.estimate.starting import (
     fit_measuring_frames,
@@ -49,7 +45,7 @@ from symkin.calibration.judge.outliers import (
 )
 from symkin.calibration.judge.result import Calibration
 from symkin.calibration.judge.statistics import SIGNIFICANCE, chi_square_tail
-from symkin.calibration.options import CalibrateOptions
+from symkin.calibration.options import CalibrateOptions, check_seed
 from symkin.closure.closure import build_closure
 from symkin.errors import InputError
 from symkin.ignored_options import refuse_ignored
@@ -98,6 +94,7 @@ def calibrate(
     ('ok', 105.53)
     """
     require_mechanism(mechanism)
+    check_seed(options["seed"])
     if options["outliers"] == "ignore":
         refuse_ignored({"level": options["level"]}, "outliers = 'ignore' tests no reading")
     level = OUTLIER_LEVEL if options["level"] is None else options["level"]
@@ -162,16 +159,6 @@ def _check_residual_form(residual: str, measurements: Measurements) -> None:
 # --- fitting --------------------------------------------------------------------------------------
 
 
-def _build(
-    mechanism: Mechanism, measurements: Measurements, options: CalibrateOptions
-) -> CalibrationProblem:
-    """State the problem of these parameters and residuals."""
-    chosen: dict[str, Any] = {
-        key: options[key] for key in ("parameters", "fixed", "residual", "tolerance")
-    }
-    return build_calibration(mechanism, measurements, **chosen)
-
-
 def _fit_measurements(
     mechanism: Mechanism,
     measurements: Measurements,
@@ -180,11 +167,12 @@ def _fit_measurements(
 ) -> Fit:
     """Fit the configurations that hold a reading beside the joints, from `near` if given."""
     read = measurements.is_read
-    if read.all() or not read.any():
-        return _Fitting(options, _build(mechanism, measurements, options)).run(near)
-    some = None if near is None else near.subset(read)
-    found = _Fitting(options, _build(mechanism, measurements.subset(read), options)).run(some)
-    numbers = np.flatnonzero(read)
+    numbers = np.flatnonzero(read | ~np.any(read))
+    chosen: dict[str, Any] = {
+        key: options[key] for key in ("parameters", "fixed", "residual", "tolerance")
+    }
+    problem = build_calibration(mechanism, measurements.subset(numbers), **chosen)
+    found = _Fitting(options, problem).run(near and near.subset(numbers))
     return replace(
         found,
         used=numbers[found.used],
@@ -203,7 +191,7 @@ class _Fitting:
 
     def run(self, near: StartValues | None) -> Fit:
         p = self._start_parameters() if near is None else near.p
-        solved = self._solve(p, near)
+        solved = self._solve(p, self._begun(p, near))
         if not solved.solved.any():
             raise InputError(
                 f"{self.problem.mechanism.name}: the direct problem of no posture has a solution "
@@ -216,14 +204,16 @@ class _Fitting:
         part = self._solved_part(solved)
         result = self._estimate(part, solved.z[solved.solved], p)
         if not solved.solved.all():
-            again, p = self._solve_again(result), result.state.p
+            # near their starts, whatever mode they end in, where it did not converge
+            p, judged = result.state.p, result.status == "ok"
+            again = self._solve(p, more=1, judged=judged)
             if again.solved.sum() > solved.solved.sum():
                 solved, part = again, self._solved_part(again)
                 result = self._estimate(part, solved.z[solved.solved], p)
         result, loss = self._by_lines(part, result), self.options["loss"]
         robust = loss != "squared" and result.status == "ok"
         if robust:
-            result = robust_estimate(part, result.state.p, result.state.z, loss).result
+            result = robust_estimate(part, result.state.p, result.state.z, loss)[0]
         rows_z = part.model.rows(solved.z[solved.solved], part.measurements.joints, p)[1]
         return Fit(
             problem=replace(part, widened=result.widened),
@@ -270,44 +260,42 @@ class _Fitting:
             return model.nominal
         return start
 
-    def _solve(self, p: np.ndarray, near: StartValues | None) -> SolvedConfigurations:
-        """Solve the direct problems from where an earlier fit has left them; configurations that it
-        had not begin where they would without it.
+    def _begun(self, p: np.ndarray, near: StartValues | None) -> np.ndarray | None:
+        """Where an earlier fit has left the configurations; those that it had not begin where they
+        would without it.
         """
         if near is None:
-            return start_configurations(self.problem, p, seed=self.options["seed"])
+            return None
         begun = first_points(self.problem.model, self.problem.measurements, p)
-        return self._solve_roughly(p, 0, np.where(np.isnan(near.z), begun, near.z))
+        return np.where(np.isnan(near.z), begun, near.z)
 
-    def _solve_again(self, result: Estimate) -> SolvedConfigurations:
-        """Solve the direct problems at an estimate; near their starts, whatever mode they end in,
-        where it did not converge.
-        """
-        if result.status != "ok":
-            return self._solve_roughly(result.state.p, 1)
-        return start_configurations(self.problem, result.state.p, seed=self.options["seed"] + 1)
-
-    def _solve_roughly(
-        self, p: np.ndarray, more: int, z: np.ndarray | None = None
+    def _solve(
+        self, p: np.ndarray, z: np.ndarray | None = None, *, more: int = 0, judged: bool = True
     ) -> SolvedConfigurations:
-        model, m, seed = self.problem.model, self.problem.measurements, self.options["seed"] + more
+        """Solve the direct problems from z if given, else in the modes that their readings fit; in
+        any if these are not `judged`.
+        """
+        seed, problem = self.options["seed"] + more, self.problem
+        if judged and z is None:
+            return start_configurations(problem, p, seed=seed)
         tolerance = ROUGHLY_SOLVED_TOLERANCE
-        return solve_configurations(model, m, p, z=z, seed=seed, tolerance=tolerance)
+        return solve_configurations(
+            problem.model, problem.measurements, p, z=z, seed=seed, tolerance=tolerance
+        )
 
     def _solved_part(self, solved: SolvedConfigurations) -> CalibrationProblem:
         """Build the problem of the configurations that are solved."""
         problem = self.problem
         if solved.solved.all():
             return problem
-        some = problem.measurements.subset(solved.solved)
-        try:
-            return _build(problem.mechanism, some, self.options)
-        except NothingReadError:
+        part = problem.of(solved.solved)
+        if part.readings.count <= 0:
             raise InputError(
-                f"{problem.mechanism.name}: the direct problem of only {len(some)} of "
+                f"{problem.mechanism.name}: the direct problem of only {len(part.joints)} of "
                 f"{len(problem.measurements)} postures has a solution "
                 "at the start geometry, and these hold no reading that could be compared (no group "
                 "of two postures is left, where groups "
                 "are what was read); check that the data is of this mechanism, units, signs and "
                 "the order of joints, or give starts"
-            ) from None
+            )
+        return part

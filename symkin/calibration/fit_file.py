@@ -31,7 +31,7 @@ from symkin.calibration.judge.mistakes import Case, diagnose, diagnose_labels, n
 from symkin.calibration.judge.outliers import MAX_OUTLIER_SHARE
 from symkin.calibration.judge.result import Calibration
 from symkin.calibration.judge.trials import find_sequence
-from symkin.calibration.options import LEAST_CHANGE, FileOptions, FitOptions
+from symkin.calibration.options import LEAST_CHANGE, FileOptions, FitOptions, check_seed
 from symkin.calibration.report import FitReport
 from symkin.errors import InputError
 from symkin.files.euler_columns import SEQUENCES
@@ -87,6 +87,7 @@ def fit_file(
     except InputError as error:
         raise InputError(f"{data.path}: {error}") from None
     read, seed = data.measurements.observed, options["seed"]
+    check_seed(seed)
     patterns = ALL_PARAMETERS if options["parameters"] is None else options["parameters"]
     names = match_parameters(mechanism, patterns, read)
     fixed = _held(mechanism, read, names, options)

@@ -120,20 +120,21 @@ class FitReport(Verdict):
         by_kind = dict[str, list[float]]()
         for r in self.fit.residuals:
             by_kind.setdefault(r.kind, []).append(r.value)
+        m = self.fit.mechanism
         parts = [
-            f"{kind} {self._out(kind, _rms(np.array(values))):.3g} {self._unit(kind)}"
+            f"{kind} {written(m, measure_of(m, kind), _rms(np.array(values)), '.3g')}"
             for kind, values in by_kind.items()
         ]
         return "residuals, rms: " + ", ".join(parts)
 
     def held_out_texts(self) -> list[str]:
         """Say how well held-out configurations are predicted; nothing where none were held out."""
-        held = self.held_out
+        held, m = self.held_out, self.fit.mechanism
         if held is None:
             return []
         parts = [
             f"{kind} {self._out(kind, rms):.3g} (expected "
-            f"{self._out(kind, held.expected[kind]):.3g}) {self._unit(kind)}"
+            f"{self._out(kind, held.expected[kind]):.3g}) {unit_of(m, measure_of(m, kind))}"
             for kind, rms in held.rms.items()
         ]
         p = "" if held.p_value is None else f", probability {held.p_value:.3g}"
@@ -154,9 +155,6 @@ class FitReport(Verdict):
     def _out(self, kind: str, value: float) -> float:
         """Convert a reading's value to the mechanism's unit."""
         return value_out(self.fit.mechanism, measure_of(self.fit.mechanism, kind), value)
-
-    def _unit(self, kind: str) -> str:
-        return unit_of(self.fit.mechanism, measure_of(self.fit.mechanism, kind))
 
     # --- JSON -------------------------------------------------------------------------------------
 
@@ -208,8 +206,10 @@ class FitReport(Verdict):
             "chi_square": held.chi_square,
             "degrees": held.degrees,
             "p_value": finite(held.p_value),
-            "rms": {kind: self._out(kind, rms) for kind, rms in held.rms.items()},
-            "expected_rms": {kind: self._out(kind, rms) for kind, rms in held.expected.items()},
+            **{
+                key: {kind: self._out(kind, rms) for kind, rms in of.items()}
+                for key, of in (("rms", held.rms), ("expected_rms", held.expected))
+            },
             "outliers": list(held.outliers),
             "unsolved": list(held.unsolved),
         }

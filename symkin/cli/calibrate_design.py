@@ -9,7 +9,7 @@ from collections.abc import Collection, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from symkin.calibration.options import SEED, PlanOptions
+from symkin.calibration.options import SEED, PlanOptions, check_seed
 from symkin.cli.calibrate_options import (
     MEASURES,
     AllNoise,
@@ -54,8 +54,6 @@ joints over the size.
 """
 _DEFAULT_CONFIGURATIONS = 40
 """Random postures that are simulated where no count is given."""
-_DEFAULT_RANGE = "20deg"
-"""Range of inclinations and of turns about z where none is given."""
 
 
 def simulate(
@@ -121,7 +119,8 @@ def simulate(
             "name a sequence with --euler",
         )
     sigmas = _noise(mechanism, noise, noise_shape)
-    rng = np.random.default_rng(_checked_seed(seed))
+    check_seed(seed)
+    rng = np.random.default_rng(seed)
     workspace = _workspace(true, space)
     planned = None if plan is None else read_measurements(plan, mechanism)
     grouped = bool(groups) if planned is None else planned.measurements.groups is not None
@@ -177,7 +176,6 @@ def plan(
     _check_anything_read(values["groups"] != 0, kinds, noise["noise_group"])
     _refuse_unread_noise(mechanism, kinds, noise)
     sigmas = _noise(mechanism, noise, "normal")
-    _checked_seed(values["seed"])
     if parameters is not None:
         values["parameters"] = match_parameters(
             mechanism, parameters, names_beside(mechanism, kinds)
@@ -291,17 +289,12 @@ def _workspace(mechanism: Mechanism, space: Space, margin: float = 0.0) -> Works
     half = None
     if box is not None:
         half = [quantity(part, "length", mechanism, "box") for part in box.split(",")]
-    tilt, spin = (
-        quantity(_DEFAULT_RANGE if text is None else text, "angle", mechanism, name)
+    angles = {
+        name: quantity(text, "angle", mechanism, name)
         for name, text in (("tilt", space["tilt"]), ("spin", space["spin"]))
-    )
-    return Workspace.about(mechanism, half, tilt=tilt, spin=spin, margin=margin)
-
-
-def _checked_seed(seed: int) -> int:
-    if seed < 0:
-        raise InputError(f"--seed {seed} is negative; whole numbers from 0 are allowed")
-    return seed
+        if text is not None
+    }
+    return Workspace.about(mechanism, half, margin=margin, **angles)
 
 
 def _check_same_joints(mechanism: Mechanism, true: Mechanism) -> None:

@@ -393,6 +393,8 @@ def test_single_bad_rows_are_named(capsys, tmp_path, data):
             "two postures in each",
         ),
         (["simulate", "ren2008", "-o", "FILE", "--seed", "-1"], "negative"),
+        (["fit", "ren2008", "DATA", "-o", "OUT", "--seed", "-1"], "negative"),
+        (["plan", "ren2008", "-o", "FILE", "--seed", "-1"], "negative"),
         (["simulate", "ren2008", "-o", "FILE", "--box", "1"], "three numbers"),
         (["plan", "ren2008", "-o", "FILE", "--wedges", "5"], "alpha:beta"),
         (["plan", "ren2008", "-o", "FILE", "--noise-joints", "fast"], "unit of length"),

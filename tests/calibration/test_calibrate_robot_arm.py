@@ -4,6 +4,7 @@ about a level tool.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,15 +13,15 @@ import pytest
 import symkin
 from helpers.command_line import run
 from helpers.gate import in_gate
-from helpers.inside import build_model
+from helpers.inside import build_calibration, joint_covariance
 from symkin import Measurements, ReadOptions
 
 ARM = Path(__file__).parents[2] / "docs" / "robots" / "arm.urdf"
 
 
 def test_joint_noise_moves_poses_of_open_chains() -> None:
-    """The slopes of positions by joints, of which a graph's pose is a function without unknowns,
-    are central differences.
+    """The noise of a joint moves the pose of a graph, a function of the joints without unknowns, by
+    central differences.
     """
     arm = symkin.load(ARM, ReadOptions(platform="tool0"))
     joints = np.array([[0.3, -0.4, 0.2, 0.5, -0.6, 0.1]])
@@ -28,19 +29,18 @@ def test_joint_noise_moves_poses_of_open_chains() -> None:
     made = Measurements(
         joints, position=np.array([found.position]), orientation=np.array([found.quaternion])
     )
-    model = build_model(arm, made, ())
-    quaternions = np.array([found.quaternion])
-    z, p = np.zeros((1, 0)), np.zeros(0)
-    slopes = model.joint_slopes(
-        model.evaluate(z, joints, p, quaternions), z, joints, p, quaternions
-    )[0]
+    problem = build_calibration(arm, made)
+    z, p, q = np.zeros((1, 0)), problem.model.nominal, np.array([found.quaternion])
     step = 1e-6
     for k in range(6):
+        alone = replace(problem, measurements=replace(made, joint_sigma=np.eye(6)[k]))
         aside = [
-            model.evaluate(z, joints + sign * step * np.eye(6)[k], p, quaternions).readings[0]
+            problem.model.evaluate(z, joints + sign * step * np.eye(6)[k], p, q).readings[0]
             for sign in (1, -1)
         ]
-        np.testing.assert_allclose(-slopes[:, k], (aside[0] - aside[1]) / (2 * step), atol=1e-8)
+        slopes = (aside[0] - aside[1]) / (2 * step)
+        made_by_it = joint_covariance(alone, p, z)[0]
+        np.testing.assert_allclose(made_by_it, np.outer(slopes, slopes), atol=1e-8)
 
 
 @pytest.mark.slow

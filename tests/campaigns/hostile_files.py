@@ -8,7 +8,8 @@ Each trial draws a platform on six rods (some files have a reference pose, some 
 neither), a true machine within 0.2 % of its size, and a file of joints and poses, and spoils the
 file in one way. The file goes the way of `symkin calibrate fit`; the mechanism that would be
 written is read back, and its direct problem at exact joints of held-out poses is compared with
-these poses, over the standard deviation that the fit states there. The data, the files and the
+these poses, over the standard deviation that the fit's covariance gives there, frames of base and
+platform included (the report's figure is in aligned frames). The data, the files and the
 held-out poses are made here in plain NumPy.
 
 The exit status is 1 where a believable fit misses a held-out row by more than `MOST` standard
@@ -37,8 +38,9 @@ from helpers.inside import (
     FitReport,
     build_closure,
     calibrated_mechanism,
+    covariance_root,
     fit_file,
-    pose_sigma_at,
+    pose_slopes,
     read_measurements,
     variables_of,
     with_parameters,
@@ -368,7 +370,10 @@ def largest_miss(
     closure = build_closure(identified)
     values = np.array([variables_of(closure, found.solution.values) for found in results])
     poses = np.array([[*r.solution.position, *r.solution.quaternion] for r in results])
-    stated = pose_sigma_at(fit, identified, ClosedConfigurations(values, legs, poses), "").sigma
+    taken = ClosedConfigurations(values, legs, poses)
+    slopes, _ = pose_slopes(identified, taken, fit.problem.names)
+    # misses are of the frames, too, which the report's figures take away
+    stated = np.linalg.norm(slopes @ covariance_root(fit.covariance, fit.problem), axis=2)
     for k, found in enumerate(results):
         off = np.asarray(found.solution.position) - position[k]
         turn = matrices(q[k : k + 1])[0].T @ np.asarray(found.solution.pose.rotation)

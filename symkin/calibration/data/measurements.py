@@ -172,7 +172,7 @@ class Measurements:
         """Return the standard deviations (n, width) of one kind of reading (`joint`, `group`,
         `inclination`, ...), None if unknown.
         """
-        return getattr(self, f"{key}_sigma")  # type: ignore[no-any-return]
+        return getattr(self, f"{key}_sigma")
 
     @property
     def observed(self) -> tuple[str, ...]:
@@ -185,11 +185,8 @@ class Measurements:
         links.
         """
         platform = np.zeros((len(self), 4)) if self.orientation is None else self.orientation
-        return np.asarray(
-            np.nan_to_num(
-                np.hstack([platform, *(r.values for r in self.readings if r.is_orientation)])
-            )
-        )
+        others = (r.values for r in self.readings if r.is_orientation)
+        return np.nan_to_num(np.hstack([platform, *others]))
 
     @cached_property
     def grouping(self) -> tuple[np.ndarray, np.ndarray]:
@@ -230,7 +227,7 @@ class Measurements:
         """
         tables = [r.values for r in (*self._of_platform, *self.readings)]
         whole = np.hstack([np.zeros((len(self), 0)), *tables])
-        return np.asarray(np.any(np.isfinite(whole), axis=1))
+        return np.any(np.isfinite(whole), axis=1)
 
     def subset(self, configurations: Sequence[int] | np.ndarray) -> Measurements:
         """Keep the readings of some configurations, by number from 0 or by mask."""
@@ -312,7 +309,7 @@ def _unit_quaternions(values: np.ndarray, what: str, labels: Sequence[str] = ())
             f"{what}: the quaternion of posture {label} has norm {norms[bad[0]]:.6g}; allowed: 1 "
             f"to within 0.01"
         )
-    return np.asarray(values / norms[:, None])
+    return values / norms[:, None]
 
 
 def spread_rows(count: int, most: int) -> np.ndarray:

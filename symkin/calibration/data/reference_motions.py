@@ -31,6 +31,8 @@ from symkin.spatial.rotation import multiply
 
 _PIVOT = 1e-6
 """Smallest share of a rate, in a space of unit directions, by which it can be chosen."""
+IN_FRAME = "in the platform frame"
+"""Stands for a link of what is given in the platform frame."""
 _Rate = tuple[str, np.ndarray, str | None]
 """A rate of a joint that is free: its name, its screw (linear at the base origin, angular), the key
 path of the zero that advances with it, if any.
@@ -111,7 +113,8 @@ def moved(
     mechanism: Mechanism, values: Mapping[str, float], twists: Mapping[str, np.ndarray]
 ) -> Velocity:
     """How the numbers given on links, in the base frame, move with their links: by twists (linear
-    at the base origin, angular) of those that do.
+    at the base origin, angular) of those that do. Of ends given in the platform frame `IN_FRAME` is
+    the link.
     """
     velocity: Velocity = {}
 
@@ -125,8 +128,7 @@ def moved(
         part, path = element.part, element.path
         if not isinstance(part, Joint):
             for end, link in ((part.start, first), (part.end, last)):
-                if not end.in_platform_frame:
-                    put(end.path, link)
+                put(end.path, IN_FRAME if end.in_platform_frame else link)
             continue
         put(f"{path}.point", first)
         for key, link in (("axis", first), ("axis2", last)):

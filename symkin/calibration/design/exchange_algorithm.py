@@ -110,10 +110,10 @@ class ExchangeSearch:
                 @ np.linalg.pinv(c[: self.width, : self.width], hermitian=True)
                 @ part.transpose(0, 2, 1)
             )
-            return np.asarray(np.linalg.slogdet(inner)[1] - np.linalg.slogdet(inner - share)[1])
+            return np.linalg.slogdet(inner)[1] - np.linalg.slogdet(inner - share)[1]
         moved = (spread.reshape(-1, len(c)) @ self._root).reshape(*rows.shape[:2], -1)
         weight = moved @ moved.transpose(0, 2, 1)
-        return np.asarray(np.sum(np.linalg.inv(inner) * weight, axis=(1, 2)))
+        return np.sum(np.linalg.inv(inner) * weight, axis=(1, 2))
 
     def without(self, c: np.ndarray, chosen: list[int], place: int) -> np.ndarray:
         """Return C after one of the chosen candidates is removed."""
@@ -122,14 +122,14 @@ class ExchangeSearch:
         inner = np.eye(len(rows)) - spread @ rows.T
         if not np.linalg.eigvalsh(inner)[0] > _LEAST_LEFT:
             return self.covariance(chosen[:place] + chosen[place + 1 :])
-        return np.asarray(c + spread.T @ np.linalg.solve(inner, spread))
+        return c + spread.T @ np.linalg.solve(inner, spread)
 
     def updated(self, c: np.ndarray, k: int) -> np.ndarray:
         """Return C after one candidate is added."""
         rows = self.rows[k]
         spread = rows @ c
         inner = np.eye(len(rows)) + spread @ rows.T  # Woodbury: (M + a^T a)^-1
-        return np.asarray(c - spread.T @ np.linalg.solve(inner, spread))
+        return c - spread.T @ np.linalg.solve(inner, spread)
 
     def greedy(self, count: int, allowed: set[int], kept: Sequence[int] = ()) -> list[int]:
         """Choose candidates beside those that are kept one by one, each the best to add; none

@@ -43,7 +43,7 @@ from symkin.calibration.judge.accuracy import pose_slopes
 from symkin.calibration.judge.departure import less_frames
 from symkin.calibration.judge.identifiability import told_rank
 from symkin.calibration.judge.result import length_and_angle
-from symkin.calibration.options import PlanOptions
+from symkin.calibration.options import PlanOptions, check_seed
 from symkin.errors import InputError
 from symkin.ignored_options import refuse_ignored
 from symkin.model.mechanism import Mechanism
@@ -191,6 +191,7 @@ def _check(options: PlanOptions, configurations: int) -> None:
         raise InputError(
             f"a plan of {configurations} postures is asked for; allowed: 1 to {_MAX_PLANNED}"
         )
+    check_seed(options["seed"])
     group_numbers(configurations, options["groups"])
     if not options["readings"] and not options["groups"]:
         raise InputError("nothing is read beside the joints; name groups or readings")
@@ -415,12 +416,12 @@ class _Task:
         spread = self.pose @ root
         draws = np.random.default_rng(self.seed).normal(size=(root.shape[1], _ERROR_DRAWS))
         errors = np.abs(np.einsum("nkp,pd->nkd", spread, draws))
-        parts = [slice(0, 3), slice(3, 6)]
         position, angle = (
-            float(np.sqrt(np.mean(np.sum(spread[:, part] ** 2, axis=(1, 2))))) for part in parts
+            float(np.sqrt(np.mean(np.sum(part**2, axis=(1, 2)))))
+            for part in np.split(spread, 2, axis=1)
         )
         worst_position, worst_angle = (
-            float(np.quantile(errors[:, part].max(axis=(0, 1)), 0.95)) for part in parts
+            float(np.quantile(part.max(axis=(0, 1)), 0.95)) for part in np.split(errors, 2, axis=1)
         )
         rank, count = self.rank(planned, groups), len(self.names)
         return Accuracy(position, angle, worst_position, worst_angle, rank, count)

@@ -26,7 +26,7 @@ from symkin.calibration.estimate.configurations import (
 )
 from symkin.calibration.estimate.problem import CalibrationProblem, build_calibration
 from symkin.calibration.estimate.residuals import noise_of, whitening
-from symkin.calibration.estimate.state import evaluate_at, joint_covariance_at
+from symkin.calibration.estimate.state import evaluate_at, joint_covariance
 from symkin.calibration.estimate.workspace import Workspace
 from symkin.closure.closure import build_closure
 from symkin.errors import InputError
@@ -276,7 +276,7 @@ def reading_slopes(
     groups = np.zeros(len(made), dtype=int) if grouped else np.full(len(made), NO_GROUP)
     problem, z = readings_problem(mechanism, made, groups, readings, noise, names)
     p = problem.model.nominal
-    found = evaluate_at(problem, p, z).slopes, joint_covariance_at(problem, p, z)
+    found = evaluate_at(problem, p, z).slopes, joint_covariance(problem, p, z)
     # two inclinations have no slopes where the platform's z axis lies level: such a configuration
     # is offered as one that tells nothing
     told = np.all([np.all(np.isfinite(v), axis=(1, 2)) for v in found], axis=0)

@@ -90,7 +90,7 @@ def solve_systems(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
             pass
     if not np.all(np.isfinite(matrix)):
         matrix = np.nan_to_num(matrix)
-    return np.asarray(np.linalg.pinv(matrix, rcond=1e-12) @ right)
+    return np.linalg.pinv(matrix, rcond=1e-12) @ right
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,27 +132,9 @@ class ConfigurationModel:
         """
         return Evaluation(*self._call("whole", z, joints, p, quaternions))
 
-    def rows(
-        self, z: np.ndarray, joints: np.ndarray, p: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray]:
+    def rows(self, z: np.ndarray, joints: np.ndarray, p: np.ndarray) -> list[np.ndarray]:
         """Evaluate F (n, m) and F_z (n, m, f)."""
-        rows, rows_z = self._call("rows", z, joints, p)
-        return rows, rows_z
-
-    def joint_slopes(
-        self,
-        e: Evaluation,
-        z: np.ndarray,
-        joints: np.ndarray,
-        p: np.ndarray,
-        quaternions: np.ndarray,
-    ) -> np.ndarray:
-        """Minus dh/dq (n, K, a) with the configurations following, h_z F_z^+ F_q - h_q, at an
-        evaluation e: the pose of a link that open chains carry is a function of the joints, without
-        unknowns.
-        """
-        _, _, rows_q, _, _, readings_q = self.tangent(z, joints, p, quaternions)
-        return np.asarray(e.readings_z @ solve_systems(e.rows_z, rows_q) - readings_q)
+        return self._call("rows", z, joints, p)
 
     def tangent(
         self,
@@ -188,19 +170,14 @@ class ConfigurationModel:
         return tuple((o.name, component) for o in self.channels for component in o.components)
 
     @property
-    def read(self) -> tuple[Observable, ...]:
-        """What is read beside the platform."""
-        return tuple(o for o in self.channels if o.of)
+    def read(self) -> tuple[str, ...]:
+        """Names of what is read beside the platform."""
+        return tuple(o.name for o in self.channels if o.of)
 
     @cached_property
     def angular(self) -> np.ndarray:
         """Which readings (K,) are angles."""
         return np.array([o.angular for o in self.channels for _ in o.components], dtype=bool)
-
-    @cached_property
-    def turning(self) -> np.ndarray:
-        """Which readings (K,) are angles modulo a turn."""
-        return np.array([o.turning for o in self.channels for _ in o.components], dtype=bool)
 
     @cached_property
     def group_columns(self) -> np.ndarray:
@@ -423,4 +400,4 @@ def level_turn(mechanism: Mechanism) -> np.ndarray:
     turn = np.array([1.0 + third, -second, first, 0.0])
     if turn[0] < 1e-12:  # z points down: a half turn about x
         turn = np.array([0.0, 1.0, 0.0, 0.0])
-    return np.asarray(turn / np.linalg.norm(turn))
+    return turn / np.linalg.norm(turn)

@@ -6,13 +6,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
 from symkin.calibration.data.measurements import Measurements, spread_rows
+from symkin.calibration.data.observables import PLATFORM
 from symkin.calibration.estimate.configuration_model import (
     ConfigurationModel,
-    build_model,
+    model_of,
     solve_systems,
 )
 from symkin.closure.closure import Closure
@@ -60,8 +62,7 @@ _RANDOM_STARTS = 12
 """Random starts for a configuration that neither the reference nor its neighbours reach."""
 
 
-@dataclass(frozen=True, eq=False)
-class SolvedConfigurations:
+class SolvedConfigurations(NamedTuple):
     """Unknown coordinates z (n, width), and which of them are solved (n,)."""
 
     z: np.ndarray
@@ -151,16 +152,17 @@ class Closing:
         largest rows (n,), over the size.
         """
         largest, size = np.full(len(points), np.inf), self.characteristic_length
-        for _ in range(count):
-            rows, by = self.linearise(points)
-            largest = np.max(np.abs(rows), axis=1, initial=0.0) / size
-            if not np.any(largest > tolerance):
-                break
-            step = -solve_systems(by, rows[:, :, None])[:, :, 0]
-            lengths = np.maximum(np.linalg.norm(step, axis=1), 1e-300)
-            step *= np.minimum(1.0, longest * size / lengths)[:, None]
-            moved = self.move(points, np.nan_to_num(step))
-            points = np.where((largest > tolerance)[:, None], moved, points)
+        with np.errstate(all="ignore"):
+            for _ in range(count):
+                rows, by = self.linearise(points)
+                largest = np.max(np.abs(rows), axis=1, initial=0.0) / size
+                if not np.any(largest > tolerance):
+                    break
+                step = -solve_systems(by, rows[:, :, None])[:, :, 0]
+                lengths = np.maximum(np.linalg.norm(step, axis=1), 1e-300)
+                step *= np.minimum(1.0, longest * size / lengths)[:, None]
+                moved = self.move(points, np.nan_to_num(step))
+                points = np.where((largest > tolerance)[:, None], moved, points)
         return points, largest
 
     def close(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -178,15 +180,13 @@ def newton_configurations(
     *,
     tolerance: float = SOLVED_TOLERANCE,
     count: int = _MAX_STEPS,
-) -> tuple[np.ndarray, np.ndarray]:
-    """Solve the direct problems by Newton from points z (n, width): points, and which of them
-    closed (n,).
-    """
+) -> SolvedConfigurations:
+    """Solve the direct problems by Newton from points z (n, width)."""
     closing = Closing(model, p)
     points, largest = closing.newton(
         np.hstack([joints, z]), count=count, tolerance=tolerance, longest=_MAX_STEP
     )
-    return closing.split(points)[0], largest <= tolerance
+    return SolvedConfigurations(closing.split(points)[0], largest <= tolerance)
 
 
 def solve_configurations(
@@ -249,7 +249,7 @@ def determinant_signs(rows_z: np.ndarray) -> np.ndarray:
     """
     if rows_z.shape[1] != rows_z.shape[2] or rows_z.shape[2] == 0:
         return np.zeros(len(rows_z))
-    return np.asarray(np.sign(np.linalg.slogdet(rows_z)[0]))
+    return np.sign(np.linalg.slogdet(rows_z)[0])
 
 
 def is_determined(
@@ -285,8 +285,7 @@ def start_points(
     if model.observes_through_frames:
         measurements = replace(measurements, position=None, orientation=None)
     poses = whole_poses(measurements, measured=measured)
-    begin = np.tile(model.closure.reference, (len(measurements), 1))
-    return Closing(model, np.zeros(0)).split(with_poses(model.closure, begin, poses))[0]
+    return Closing(model, np.zeros(0)).split(with_poses(model.closure, poses))[0]
 
 
 def first_points(
@@ -325,13 +324,12 @@ def follow_joints(
     count = min(max(1, int(np.ceil(furthest / _FOLLOWED_STEP))), _MAX_FOLLOWED_STEPS)
     # from the reference, which need not be closed, the first step may be a long one
     longest = np.inf
-    with np.errstate(all="ignore"):
-        for k in range(1, count + 1):
-            found, closed = newton_configurations(
-                model, z, begin + (k / count) * away, p, tolerance=ROUGHLY_SOLVED_TOLERANCE
-            )
-            near = np.all(np.abs(found - z) < longest * lengths, axis=1)
-            z, longest = np.where((closed & near)[:, None], found, z), _MAX_FOLLOWED_MOVE
+    for k in range(1, count + 1):
+        found, closed = newton_configurations(
+            model, z, begin + (k / count) * away, p, tolerance=ROUGHLY_SOLVED_TOLERANCE
+        )
+        near = np.all(np.abs(found - z) < longest * lengths, axis=1)
+        z, longest = np.where((closed & near)[:, None], found, z), _MAX_FOLLOWED_MOVE
     return z
 
 
@@ -404,18 +402,14 @@ def closing_model(mechanism: Mechanism) -> ConfigurationModel:
     """The model by which configurations are closed: its readings are the platform's inclination, as
     groups compare it.
     """
-    groups = None if mechanism.platform_link is None else np.zeros(1, dtype=int)
-    return build_model(
-        mechanism, Measurements(np.zeros((1, len(mechanism.actuated))), groups=groups), ()
-    )
+    return model_of(mechanism, () if mechanism.platform_link is None else (PLATFORM["group"],))
 
 
 def joints_at_poses(mechanism: Mechanism, poses: np.ndarray) -> np.ndarray:
     """Solve for the actuated joints (n, a) at platform poses (n, 7), the limbs as near to the
     reference as Newton finds them; NaN where a limb does not reach the pose.
     """
-    with np.errstate(all="ignore"):
-        closing, values, closed = closed_at(closing_model(mechanism), poses)
+    closing, values, closed = closed_at(closing_model(mechanism), poses)
     return np.where(closed[:, None], closing.split(values)[1], np.nan)
 
 
@@ -425,16 +419,17 @@ def closed_at(
     """Close the joints at platform poses (n, 7), from the reference: the closing, its points, and
     which of them closed (n,).
     """
-    starts = np.tile(model.closure.reference, (len(poses), 1))
     closing = Closing(model, np.zeros(0), held=("pose",))
-    return closing, *closing.close(with_poses(model.closure, starts, poses))
+    return closing, *closing.close(with_poses(model.closure, poses))
 
 
-def with_poses(closure: Closure, values: np.ndarray, poses: np.ndarray) -> np.ndarray:
-    """Put the pose coordinates nearest to poses (n, 7) into the closure's variables (n, width);
-    they stay where a pose is not a number, or the closure has none.
+def with_poses(closure: Closure, poses: np.ndarray, around: np.ndarray | None = None) -> np.ndarray:
+    """Put the pose coordinates nearest to poses (n, 7) into the closure's variables `around` (n,
+    width), by default those of the reference; they stay where a pose is not a number, or the
+    closure has none.
     """
-    given, values = np.all(np.isfinite(poses), axis=1), values.copy()
+    given = np.all(np.isfinite(poses), axis=1)
+    values = np.tile(closure.reference, (len(poses), 1)) if around is None else around.copy()
     if closure.role("pose") and given.any():
         position, quaternion = poses[given, :3].T, poses[given, 3:].T
         numbers, _ = poses_coordinates(closure.mechanism, position, quaternion)

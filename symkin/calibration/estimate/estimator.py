@@ -119,7 +119,7 @@ def estimate(
             return _minimise(problem, begin, z, max_iterations)
         result = _minimise(problem.by_means, begin, z, max_iterations)
         for _ in range(2):
-            noise = joint_covariance(problem, result.state)
+            noise = joint_covariance(problem, result.state.p, result.state.z)
             wide = replace(problem, widened=result.widened, noise=noise)
             again = _minimise(wide, result.state.p, result.state.z, max_iterations)
             result = replace(again, iterations=result.iterations + again.iterations)
@@ -385,7 +385,7 @@ class _Damped:
         weak = np.sqrt(damping) * np.diag(1.0 / self._lengths)[: None if damping > 0.0 else 0]
         above = np.vstack([self.matrix / self._lengths, weak])
         right = np.append(right, np.zeros(len(weak)))
-        return np.asarray(np.linalg.lstsq(above, right, rcond=None)[0] / self._lengths)
+        return np.linalg.lstsq(above, right, rcond=None)[0] / self._lengths
 
     def step(self, damping: float) -> tuple[np.ndarray, float]:
         """Return the change (P,) of the scaled parameters, and its gain by the linear model."""
@@ -399,4 +399,4 @@ class _Damped:
         inner, triangle = self._linear.basis.T @ gradient, self._linear.jacobian
         residuals = np.linalg.lstsq(triangle.T, inner, rcond=None)[0]
         right = -np.append(residuals, np.zeros(len(self.right) - len(residuals)))
-        return np.asarray(self._linear.basis @ self._solved(damping, right))
+        return self._linear.basis @ self._solved(damping, right)

@@ -21,6 +21,7 @@ from symkin.calibration.data.parameters import (
     Velocity,
     bound_by_motion,
     geometry_parameters,
+    is_writable,
     joint_paths,
     nominal_parameters,
     written_freedoms,
@@ -47,10 +48,6 @@ _NO_RATE = 1e-9
 """Rates of parameters in a freedom of how the file is written (of the largest) that are
 rounding.
 """
-
-
-class NothingReadError(InputError):
-    """Measurements without any reading beside the joints."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,7 +91,7 @@ class CalibrationProblem:
 
     def over_prior(self, p: np.ndarray) -> np.ndarray:
         """Changes of the parameters (P,) from nominal over the prior's standard deviations."""
-        return np.asarray((p - self.model.nominal) / self.model.scales / self.prior)
+        return (p - self.model.nominal) / self.model.scales / self.prior
 
     @property
     def is_large(self) -> bool:
@@ -159,7 +156,7 @@ def build_calibration(
     model = build_model(mechanism, measurements, free)
     readings = build_readings(model, measurements)
     if readings.count <= 0:
-        raise NothingReadError(
+        raise InputError(
             "the measurements hold no reading beside the joints: give groups of two postures or "
             "more, inclinations, "
             "positions, orientations or distances"
@@ -227,9 +224,7 @@ def prior_of(model: ConfigurationModel, tolerance: tuple[float, float] | None = 
             f"tolerance = ({length:g}, {angle:g}): both a length and an angle, finite and "
             f"positive, are needed"
         )
-    free = [
-        name.startswith(("world.", "target.")) or name.endswith(".scale") for name in model.names
-    ]
+    free = [not is_writable(name) for name in model.names]
     spread = [length if kind == "length" else angle for kind in model.kinds]
     return np.where(free, np.inf, np.array(spread) / model.scales)
 

@@ -53,7 +53,7 @@ class Readings:
 
     @cached_property
     def taken(self) -> np.ndarray:
-        return np.asarray(np.isfinite(self.sigma))
+        return np.isfinite(self.sigma)
 
     @cached_property
     def weight(self) -> np.ndarray:
@@ -62,7 +62,7 @@ class Readings:
 
     @cached_property
     def targets(self) -> np.ndarray:
-        return np.asarray(np.nan_to_num(self.values))
+        return np.nan_to_num(self.values)
 
     @cached_property
     def columns(self) -> np.ndarray:
@@ -88,7 +88,7 @@ class Readings:
     @cached_property
     def places(self) -> np.ndarray:
         """Number of the group of each configuration in `order`."""
-        return np.asarray(self.group[self.order])
+        return self.group[self.order]
 
     @cached_property
     def begins(self) -> np.ndarray:
@@ -120,7 +120,7 @@ def build_readings(model: ConfigurationModel, measurements: Measurements) -> Rea
     return Readings(
         values=np.hstack(table),
         sigma=np.where(np.isfinite(np.hstack(table)), np.hstack(sigma), np.inf),
-        turning=model.turning,
+        turning=np.array([o.turning for o in model.channels for _ in o.components], dtype=bool),
         grouped=np.array([kind == "group" for kind, _ in model.columns], dtype=bool),
         group=group,
         first=first,
@@ -214,7 +214,7 @@ def whitening(readings: Readings, noise: np.ndarray) -> np.ndarray:
     """
     try:
         root = np.linalg.cholesky(noise)
-        return np.asarray(np.linalg.inv(root) * readings.taken[:, :, None])
+        return np.linalg.inv(root) * readings.taken[:, :, None]
     except np.linalg.LinAlgError:
         return np.full(noise.shape, np.nan)
 

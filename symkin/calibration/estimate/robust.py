@@ -9,7 +9,7 @@ noise stated, so that the good ones count while the fit is still far away.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -34,20 +34,10 @@ _SIGMA_OVER_MEDIAN = 1.4826
 """Standard deviation of a normal distribution over the median of its absolute values."""
 
 
-@dataclass(frozen=True, eq=False)
-class RobustEstimate:
-    """A robust estimate, and the ratio of the standard deviation of its good readings to the stated
-    one.
-    """
-
-    result: Estimate
-    scale: float
-
-
 def loss_weights(loss: str, t: np.ndarray) -> np.ndarray:
     """Return the weights (n, K) of readings whose residuals are t of their scale."""
     if loss == "huber":
-        return np.asarray(np.minimum(1.0, _TUNING[loss] / np.maximum(np.abs(t), 1e-300)))
+        return np.minimum(1.0, _TUNING[loss] / np.maximum(np.abs(t), 1e-300))
     return (
         np.asarray(1.0 / (1.0 + (t / _TUNING[loss]) ** 2)) if loss == "cauchy" else np.ones_like(t)
     )
@@ -67,13 +57,17 @@ def loss_note(loss: str) -> str:
 
 def robust_estimate(
     problem: CalibrationProblem, p: np.ndarray, z: np.ndarray, loss: str
-) -> RobustEstimate:
-    """Estimate with a robust loss from p and configurations z."""
+) -> tuple[Estimate, float]:
+    """Estimate with a robust loss from p and configurations z; and the ratio of the standard
+    deviation of the good readings to the stated one.
+    """
     known, state = problem.readings.known, evaluate(problem.by_means, p, z)
     here, steps, weight, scale = problem, 0, np.ones_like(problem.readings.sigma), np.inf
     for count in range(_MAX_FITS):
         t = normalised_residuals(problem, here, state)
-        before, scale = scale, _scale_of_better_half(t[problem.readings.taken], known=known)
+        # of the better half, not below the stated noise
+        median = np.median(np.abs(t[problem.readings.taken]))
+        before, scale = scale, max(_SIGMA_OVER_MEDIAN * median, 1.0 if known else 1e-12)
         if known and count > _MIN_FITS and scale > max(_MAX_SCALE, _SCALE_DECREASE * before):
             break
         fresh = loss_weights(loss, t / scale)
@@ -84,10 +78,8 @@ def robust_estimate(
         result = estimate(here, state.z, p=state.p, max_iterations=_STEPS_PER_FIT)
         state, steps = result.state, steps + result.iterations
     status = result.status if result.status != "max_iterations" else "stalled"
-    return RobustEstimate(
-        Estimate(evaluate(problem.by_means, state.p, state.z), status, steps, result.widened),
-        scale,
-    )
+    ended = evaluate(problem.by_means, state.p, state.z)
+    return Estimate(ended, status, steps, result.widened), scale
 
 
 def with_weights(problem: CalibrationProblem, weight: np.ndarray) -> CalibrationProblem:
@@ -109,14 +101,7 @@ def normalised_residuals(
     raw = evaluate(here.by_means, state.p, state.z).linearised.residuals * np.where(
         taken, here.readings.sigma, 0.0
     )
-    noise = np.einsum("nkk->nk", joint_covariance(problem, state))
+    noise = np.einsum("nkk->nk", joint_covariance(problem, state.p, state.z))
     return np.where(
         taken, raw / np.sqrt(np.where(taken, problem.readings.sigma, 1.0) ** 2 + noise), 0.0
-    )
-
-
-def _scale_of_better_half(t: np.ndarray, *, known: bool) -> float:
-    """Standard deviation of the better half, not below the stated noise."""
-    return max(
-        _SIGMA_OVER_MEDIAN * float(np.median(np.abs(t))) if len(t) else 0.0, 1.0 if known else 1e-12
     )

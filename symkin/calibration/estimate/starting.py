@@ -115,14 +115,13 @@ def with_starts(
         whole = np.flatnonzero(~np.isnan(read[:, 0]))
         if len(whole):
             starts[rows] = read[whole[nearest_rows(m.joints[whole], m.joints[rows], 1)[:, 0]]]
-        parts = {"position": starts[:, :3], "orientation": starts[:, 3:]}
         if m.inclination is not None:  # with their own yaw
             angles = np.array(euler_from_quaternion(starts[:, 3:].T, "xyz"))
             _put_in(m.inclination, angles[:2].T, rows)
             starts[rows, 3:] = quaternion_from_euler(angles, "xyz").T[rows]
-        for kind, part in parts.items():
-            if getattr(m, kind) is not None:
-                _put_in(getattr(m, kind), part, rows)
+        for table, part in ((m.position, starts[:, :3]), (m.orientation, starts[:, 3:])):
+            if table is not None:
+                _put_in(table, part, rows)
     return replace(m, starts=starts)
 
 
@@ -233,14 +232,10 @@ class _Modes:
         if not len(owner):
             return False
         part = self.problem.of(owner)
-        found, solved = newton_configurations(
-            part.model,
-            points,
-            part.measurements.joints,
-            self.p,
-            tolerance=ROUGHLY_SOLVED_TOLERANCE,
+        found = newton_configurations(
+            part.model, points, part.joints, self.p, tolerance=ROUGHLY_SOLVED_TOLERANCE
         )
-        trial = reading_gaps(part, self.p, SolvedConfigurations(found, solved))
+        trial = reading_gaps(part, self.p, found)
         before = self.gaps[owner]
         if is_carried(part.model.closure):
             # what the geometry does not reach near its neighbours is left for the estimate, and no
@@ -249,7 +244,7 @@ class _Modes:
         better = trial < _MODE_IMPROVEMENT * before
         for k in np.argsort(-trial, kind="stable"):  # the best one last
             if better[k]:
-                self.z[owner[k]], self.solved[owner[k]] = found[k], True
+                self.z[owner[k]], self.solved[owner[k]] = found.z[k], True
                 self.gaps[owner[k]] = trial[k]
         return bool(better.any())
 
@@ -292,11 +287,8 @@ def _choose_branch(
     middle = int(nearest_rows(m.joints, np.mean(m.joints, axis=0)[None], 1)[0, 0])
     points, _ = _all_modes(problem, p, np.array([middle]))
     branches = [_branch(problem, p, middle, z) for z in points]
-    whole = [
-        b
-        for b in branches
-        if b.solved.sum() >= max((c.solved.sum() for c in branches), default=0) * 0.9
-    ]
+    most = max((b.solved.sum() for b in branches), default=0)
+    whole = [b for b in branches if b.solved.sum() >= 0.9 * most]
     if not whole:
         return configurations
     if configurations.solved.all():
@@ -320,9 +312,7 @@ def _branch(
     model, joints = problem.model, problem.joints
     begin = np.tile(joints[first], (len(joints), 1))
     points = follow_joints(model, np.tile(z, (len(joints), 1)), begin, joints, p)
-    return SolvedConfigurations(
-        *newton_configurations(model, points, joints, p, tolerance=ROUGHLY_SOLVED_TOLERANCE)
-    )
+    return newton_configurations(model, points, joints, p, tolerance=ROUGHLY_SOLVED_TOLERANCE)
 
 
 def _disagreement(

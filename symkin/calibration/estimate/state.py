@@ -111,29 +111,21 @@ def readings_at(problem: CalibrationProblem, p: np.ndarray, z: np.ndarray) -> np
     return made
 
 
-def joint_covariance(problem: CalibrationProblem, state: State) -> np.ndarray:
-    """Return the covariance (n, K, K) that joint noise gives the readings: H_q diag(sigma_q^2)
-    H_q^T, H_q = h_q - h_z F_z^+ F_q.
+def joint_covariance(problem: CalibrationProblem, p: np.ndarray, z: np.ndarray) -> np.ndarray:
+    """Return the covariance (n, K, K) that joint noise gives the readings at (p, z): H_q
+    diag(sigma_q^2) H_q^T, H_q = h_q - h_z F_z^+ F_q, part by part.
     """
-    width = len(problem.model.columns)
-    made = np.zeros((len(state.z), width, width))
-    for rows, part in problem.parts:
-        made[rows] = joint_covariance_at(part, state.p, state.z[rows])
-    return made
-
-
-def joint_covariance_at(problem: CalibrationProblem, p: np.ndarray, z: np.ndarray) -> np.ndarray:
-    """Return the same at (p, z); of a large problem only part by part."""
-    sigma, model, joints = (
-        problem.measurements.sigma("joint"),
-        problem.model,
-        problem.joints,
-    )
+    width, model = len(problem.model.columns), problem.model
+    made, sigma = np.zeros((len(z), width, width)), problem.measurements.sigma("joint")
     if sigma is None:
-        return np.zeros((len(z), len(model.columns), len(model.columns)))
-    e = evaluate_at(problem, p, z)
-    by_joint = model.joint_slopes(e, z, joints, p, problem.quaternions) * sigma[:, None, :]
-    return np.asarray(by_joint @ by_joint.transpose(0, 2, 1))
+        return made
+    for rows, part in problem.parts:
+        found = model.tangent(z[rows], part.joints, p, part.quaternions)
+        _, rows_z, rows_q, _, readings_z, readings_q = found
+        slopes = readings_z @ solve_systems(rows_z, rows_q) - readings_q
+        by_joint = slopes * sigma[rows, None]
+        made[rows] = by_joint @ by_joint.transpose(0, 2, 1)
+    return made
 
 
 def closed_state(problem: CalibrationProblem, p: np.ndarray, z: np.ndarray) -> State:
@@ -269,23 +261,11 @@ def design(state: State) -> np.ndarray:
     return np.vstack([longest * right[:kept], matrix])
 
 
-@dataclass(frozen=True, eq=False)
-class Spectrum:
-    """Singular values (P,) of a matrix with P columns, its rank and null space (P, k), orthonormal,
-    judged with very long columns made shorter: what is small beside an angle at a lever of
-    kilometres is not rounding.
+def spectrum(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the singular values (P,) of a matrix with P columns, and its null space (P, k),
+    orthonormal, judged with very long columns made shorter: what is small beside an angle at a
+    lever of kilometres is not rounding.
     """
-
-    values: np.ndarray
-    null_space: np.ndarray
-
-    @property
-    def rank(self) -> int:
-        return len(self.values) - int(self.null_space.shape[1])
-
-
-def spectrum(matrix: np.ndarray) -> Spectrum:
-    """Find rank and null space of a matrix."""
     if matrix.shape[0] > matrix.shape[1]:
         matrix = np.asarray(np.linalg.qr(matrix, mode="r"))
     norms = np.linalg.norm(matrix, axis=0)
@@ -295,4 +275,4 @@ def spectrum(matrix: np.ndarray) -> Spectrum:
     values[: min(matrix.shape)] = np.linalg.svd(matrix, compute_uv=False)
     _, even, across = np.linalg.svd(matrix / lengths)
     rank = int(np.sum(even > RANK_TOLERANCE * np.max(even, initial=1e-300)))
-    return Spectrum(values, np.linalg.qr(across[rank:].T / lengths[:, None])[0])
+    return values, np.linalg.qr(across[rank:].T / lengths[:, None])[0]

@@ -118,7 +118,7 @@ class Workspace:
     @cached_property
     def centre(self) -> np.ndarray:
         """Middle (3,) of the platform's joint points, in the platform frame."""
-        return np.asarray(np.mean(platform_points(self.mechanism), axis=0))
+        return np.mean(platform_points(self.mechanism), axis=0)
 
     @cached_property
     def home(self) -> Pose:
@@ -207,7 +207,7 @@ class Workspace:
                 else ""
             )
             return f"about the reference; give joints limits within which it moves{redundant}"
-        text = ", ".join(f"{math.degrees(a):g}" for a in inclination)
+        text = ", ".join(f"{angle:g}" for angle in np.degrees(inclination))
         return (
             f"(none for alpha, beta = {text} deg); use a smaller workspace, inclinations that "
             f"the platform can take, or no groups of equal inclination"
@@ -236,7 +236,9 @@ class Workspace:
             away = np.clip(self._middles(around) + self.half * drawn[:, 1:], -self.half, self.half)
             starts = self._posed(around.values, away, np.array([alpha, beta, gamma]))
         made, good = self.close(starts, inclinations)
-        kept = np.flatnonzero(good & self.holds(made))
+        if not self.drawn_by_joints:  # whose range is the workspace
+            good &= np.all(np.abs(self._middles(made)) <= self.half * (1 + 1e-9), axis=1)
+        kept = np.flatnonzero(good)
         return made.take(kept), kept
 
     def _posed(self, values: np.ndarray, away: np.ndarray, angles: np.ndarray) -> np.ndarray:
@@ -246,11 +248,11 @@ class Workspace:
         q = multiply(quaternion_from_euler(angles, "xyz"), self.home.quaternion).T
         turned = moved_point(np.hstack([np.zeros((len(q), 3)), q]), self.centre)
         places = self.home.apply(self.centre) + away - turned
-        return with_poses(self.closure, values, np.hstack([places, q]))
+        return with_poses(self.closure, np.hstack([places, q]), values)
 
     def _middles(self, made: ClosedConfigurations) -> np.ndarray:
         """Middles of the platforms (n, 3), from home's."""
-        return moved_point(made.poses, self.centre) - self.home.apply(self.centre)  # type: ignore[no-any-return]
+        return moved_point(made.poses, self.centre) - self.home.apply(self.centre)
 
     def at(
         self, poses: np.ndarray, joints: np.ndarray, inclinations: np.ndarray | None
@@ -259,19 +261,10 @@ class Workspace:
         platform, turned to inclinations where they are given, and tell which of them are good;
         limits do not count.
         """
-        starts = np.tile(self.closure.reference, (len(poses), 1))
-        starts = with_poses(self.closure, starts, poses)
+        starts = with_poses(self.closure, poses)
         if self.carried:
             starts = self.at_joints(joints, starts)
         return self.close(starts, inclinations, limits=False)
-
-    def holds(self, made: ClosedConfigurations) -> np.ndarray:
-        """Tell which configurations of a platform have their middle within the box (n,); where
-        joints are drawn, their range is the workspace.
-        """
-        if self.drawn_by_joints:
-            return np.ones(len(made), dtype=bool)
-        return np.asarray(np.all(np.abs(self._middles(made)) <= self.half * (1 + 1e-9), axis=1))
 
     def _starts(
         self, inclinations: np.ndarray, rng: np.random.Generator, edge: float
@@ -284,9 +277,7 @@ class Workspace:
             return self._posed(starts, self.half * share[:, :3], angles)
         low, high = self._joint_ranges
         joints = rng.uniform(low[:, None], high[:, None], (len(low), count)).T
-        if self.carried:
-            return self.at_joints(joints, starts)
-        return self.with_tool(np.hstack([joints, starts[:, joints.shape[1] :]]))
+        return self.at_joints(joints, starts)
 
     @property
     def carried(self) -> bool:
@@ -336,10 +327,14 @@ class Workspace:
     def at_joints(self, joints: np.ndarray, values: np.ndarray) -> np.ndarray:
         """Follow configurations (n, width) from their joints to others (n, a), and return the
         variables there; not numbers where one is lost on the way, or does not come back to where it
-        began: it has passed into another assembly mode.
+        began: it has passed into another assembly mode. Of an arm the tool at its joints.
         """
         nothing, size = np.zeros(0), self.closure.characteristic_length
         start, begin = self._joints.split(values)
+        if not self.carried:
+            return Closing(self._model, nothing).newton(np.hstack([joints, start]), longest=np.inf)[
+                0
+            ]
         start = follow_joints(self._model, start, begin, begin, nothing)
         z = follow_joints(self._model, start, begin, joints, nothing)
         rows, _ = self._model.rows(z, joints, nothing)
@@ -348,17 +343,13 @@ class Workspace:
         lost |= ~(np.max(np.abs(back - start), axis=1, initial=0.0) <= _SAME_PLACE * max(size, 1.0))
         return np.hstack([joints, np.where(lost[:, None], np.nan, z)])
 
-    def with_tool(self, values: np.ndarray) -> np.ndarray:
-        """Put the pose of an arm's tool at its joints into the variables."""
-        return Closing(self._model, np.zeros(0)).newton(values, longest=np.inf)[0]
-
     def _within_limits(self, values: np.ndarray) -> np.ndarray:
         good = np.all(np.isfinite(values), axis=1)
         for c in self.closure.coordinates:
             low, high = c.limits or (0.0, 0.0)
             column = values[:, self.closure.slices[c.name].start]
             good &= ~outside_limits(c, column, self.margin * (high - low))
-        return np.asarray(good)
+        return good
 
     @cached_property
     def _at_home(self) -> tuple[float, float]:
@@ -371,9 +362,8 @@ class Workspace:
 
     def _regular(self, rows_z: np.ndarray) -> np.ndarray:
         side, condition = self._at_home
-        worst = _SINGULAR_CONDITION
-        if condition < _SINGULAR_CONDITION:
-            worst = _WORSE_CONDITION * condition
+        regular = condition < _SINGULAR_CONDITION
+        worst = _WORSE_CONDITION * condition if regular else _SINGULAR_CONDITION
         return (conditions(rows_z) < worst) & (determinant_signs(rows_z) * side >= 0)
 
 
@@ -401,7 +391,7 @@ def platform_points(mechanism: Mechanism) -> np.ndarray:
 
 def moved_point(poses: np.ndarray, point: np.ndarray) -> np.ndarray:
     """Where a point of a frame is at its poses (n, 7)."""
-    return np.asarray(poses[:, :3] + np.asarray(rotate(poses[:, 3:].T, point[:, None])).T)
+    return poses[:, :3] + np.asarray(rotate(poses[:, 3:].T, point[:, None])).T
 
 
 def home_pose(mechanism: Mechanism) -> Pose:

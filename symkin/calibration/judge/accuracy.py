@@ -11,14 +11,15 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from symkin.calibration.data.measurements import NO_GROUP, Measurements
-from symkin.calibration.data.observables import judged_link
+from symkin.calibration.data.observables import PLATFORM, judged_link
 from symkin.calibration.data.parameters import with_parameters
-from symkin.calibration.estimate.configuration_model import build_model
+from symkin.calibration.estimate.configuration_model import model_of
 from symkin.calibration.estimate.configurations import ClosedConfigurations, is_carried
 from symkin.calibration.estimate.problem import PRIOR_SHARE
 from symkin.calibration.estimate.starting import has_home
@@ -71,11 +72,11 @@ class PoseSigma:
     @property
     def position(self) -> np.ndarray:
         """Root of the summed variances of the components (n,)."""
-        return np.asarray(np.linalg.norm(self.sigma[:, :3], axis=1))
+        return np.linalg.norm(self.sigma[:, :3], axis=1)
 
     @property
     def angle(self) -> np.ndarray:
-        return np.asarray(np.linalg.norm(self.sigma[:, 3:], axis=1))
+        return np.linalg.norm(self.sigma[:, 3:], axis=1)
 
 
 def predict_pose_sigma(fit: Calibration, seed: int = 0) -> PoseSigma:
@@ -88,16 +89,12 @@ def predict_pose_sigma(fit: Calibration, seed: int = 0) -> PoseSigma:
         where = f"of link {judged_link(identified)}, {where}"
     about_home = None
     if has_home(fit.mechanism):
-        home, rng = (
-            Workspace.about(identified, start=home_pose(fit.mechanism)),
-            np.random.default_rng(seed),
-        )
-        try:
+        home = Workspace.about(identified, start=home_pose(fit.mechanism))
+        rng = np.random.default_rng(seed)
+        with suppress(SymkinError):
             drawn = home.draw(home.inclinations(_ACCURACY_POSES, rng), rng, held=False)
             text = f"{_ACCURACY_POSES} random poses about home"
             about_home = pose_sigma_at(fit, identified, drawn, text)
-        except SymkinError:
-            pass
     return replace(pose_sigma_at(fit, identified, made, where), about_home=about_home)
 
 
@@ -156,7 +153,7 @@ def _measured_region(
         starts[:, place] = turned / np.linalg.norm(turned, axis=1, keepdims=True)
     if identified.serial:
         drawn = rng.uniform(joints.min(axis=0), joints.max(axis=0), (len(first), joints.shape[1]))
-        starts = solver.with_tool(np.hstack([drawn, a[:, joints.shape[1] :]]))
+        starts = solver.at_joints(drawn, a)
     elif is_carried(closure):
         starts = solver.at_joints((1 - share) * joints[first] + share * joints[second], a)
     made, good = solver.close(starts, None, limits=False)
@@ -171,10 +168,9 @@ def pose_slopes(
     """Differentiate the pose by scaled parameters (n, 6, P): position in the length unit, rotation
     vector in radians, joints held; and rows that redundant loops leave over, (n, m, P).
     """
-    whole = Measurements(made.joints, position=made.poses[:, :3], orientation=made.poses[:, 3:])
-    model = build_model(mechanism, whole, tuple(names))
+    model = model_of(mechanism, (PLATFORM["position"], PLATFORM["orientation"]), tuple(names))
     z = np.ascontiguousarray(made.values[:, made.joints.shape[1] :])
-    e = model.evaluate(z, made.joints, model.nominal, whole.quaternions)
+    e = model.evaluate(z, made.joints, model.nominal, made.poses[:, 3:])
     return e.slopes, e.left_over
 
 

@@ -206,7 +206,8 @@ def read_back(problem: CalibrationProblem, state: State) -> tuple[State, str | N
         ]
     )
     with np.errstate(all="ignore"):
-        noise = joint_covariance(problem, state) if problem.form == "maximum likelihood" else None
+        weighs = problem.form == "maximum likelihood"
+        noise = joint_covariance(problem, state.p, state.z) if weighs else None
         here = closed_state(replace(problem, noise=noise), p, state.z)
         return here, next(_faults(problem, state, found, values), None)
 

@@ -60,19 +60,19 @@ def measure_departure(problem: CalibrationProblem, state: State) -> Departure:
     """Measure the departure of a fit from the nominal geometry, over the configurations fitted."""
     nominal, rows = problem.model.nominal, spread_rows(len(state.z), _COMPARED_CONFIGURATIONS)
     joints, length = problem.joints[rows], lever(problem.mechanism)
-    with np.errstate(all="ignore"):
-        z, closed = newton_configurations(
-            problem.model, state.z[rows], joints, nominal, tolerance=ROUGHLY_SOLVED_TOLERANCE
-        )
+    z, closed = newton_configurations(
+        problem.model, state.z[rows], joints, nominal, tolerance=ROUGHLY_SOLVED_TOLERANCE
+    )
     here, there = (
         _middles(problem, judged_poses(problem, p, points, joints))
         for p, points in ((state.p, state.z[rows]), (nominal, z))
     )
     whole = np.all(np.isfinite(here), axis=1)
-    closed, unclosed = closed & whole, int(np.sum(whole & ~closed))
+    unclosed, count = int(np.sum(whole & ~closed)), int(np.sum(whole))
+    closed &= whole
     spread = _spread(here[whole], length) if whole.any() else 0.0
     if not closed.any() or not spread > 0.0:
-        return Departure(0.0 if closed.any() else 1.0, 0.0, 0.0, unclosed, int(np.sum(whole)))
+        return Departure(0.0 if closed.any() else 1.0, 0.0, 0.0, unclosed, count)
     here, there = here[closed], there[closed]
     there[:, 3:] *= np.sign(np.sum(here[:, 3:] * there[:, 3:], axis=1, keepdims=True))
     between = 0.5 * (here + there)
@@ -81,9 +81,7 @@ def measure_departure(problem: CalibrationProblem, state: State) -> Departure:
     parts = np.sum(off.reshape(-1, 2, 3) ** 2, axis=2)
     squares = np.append(parts @ [1.0, length**2], np.full(unclosed, spread**2))
     position, angle = map(float, np.sqrt(np.mean(parts, axis=0)))
-    return Departure(
-        rms_of_better_part(squares) / spread, position, angle, unclosed, int(np.sum(whole))
-    )
+    return Departure(rms_of_better_part(squares) / spread, position, angle, unclosed, count)
 
 
 def judged_poses(
@@ -112,7 +110,7 @@ def less_frames(values: np.ndarray, poses: np.ndarray, length: float) -> np.ndar
     flat = (weight * values).reshape(6 * n, -1)
     left, singular, _ = np.linalg.svd(frames, full_matrices=False)
     left = left[:, singular > 1e-9 * singular[0]]
-    return np.asarray((flat - left @ (left.T @ flat)).reshape(values.shape) / weight)
+    return (flat - left @ (left.T @ flat)).reshape(values.shape) / weight
 
 
 def most_central(turns: np.ndarray) -> int:

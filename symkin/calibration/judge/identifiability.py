@@ -27,7 +27,7 @@ from symkin.calibration.data.parameters import (
     vector_velocity,
     written_freedoms,
 )
-from symkin.calibration.data.reference_motions import moved, reference_motions
+from symkin.calibration.data.reference_motions import IN_FRAME, moved, reference_motions
 from symkin.calibration.estimate.configuration_model import ConfigurationModel
 from symkin.calibration.estimate.configurations import (
     newton_configurations,
@@ -37,7 +37,6 @@ from symkin.calibration.estimate.joint_lines import NEARLY_PARALLEL, parallel_ax
 from symkin.calibration.estimate.linear import UNTOLD, WELL_TOLD, Linear
 from symkin.calibration.estimate.problem import CalibrationProblem, build_calibration
 from symkin.calibration.estimate.state import (
-    Spectrum,
     State,
     design,
     error_free_state,
@@ -132,19 +131,14 @@ class Identifiability:
 
 
 def identifiability(
-    mechanism: Mechanism,
-    measurements: Measurements,
-    *,
-    parameters: Sequence[str] | None = None,
-    fixed: Sequence[str] = (),
-    residual: str = "means",
+    mechanism: Mechanism, measurements: Measurements, **options: Any
 ) -> Identifiability:
     """Determine the identifiability at the nominal geometry, over the configurations whose direct
-    problem is solved there. Where standard deviations are known, what the readings tell ten times
-    worse than the prior (see `estimate.linear`) counts as not told.
+    problem is solved there; `options` are those of `build_calibration`. Where standard deviations
+    are known, what the readings tell ten times worse than the prior (see `estimate.linear`) counts
+    as not told.
     """
-    chosen: dict[str, Any] = {"parameters": parameters, "fixed": fixed, "residual": residual}
-    problem = build_calibration(mechanism, measurements, **chosen)
+    problem = build_calibration(mechanism, measurements, **options)
     nominal = problem.model.nominal
     configurations = solve_configurations(problem.model, measurements, nominal)
     solved = configurations.solved
@@ -153,8 +147,7 @@ def identifiability(
             f"{mechanism.name}: the direct problem of no posture has a solution at the nominal "
             f"geometry"
         )
-    if not solved.all():
-        problem = build_calibration(mechanism, measurements.subset(solved), **chosen)
+    problem = problem.of(solved)
     state = evaluate(problem.by_means, nominal, configurations.z[solved])
     return identifiability_at(problem, state, 1.0 if problem.readings.known else 0.0)
 
@@ -164,13 +157,13 @@ def identifiability_at(problem: CalibrationProblem, state: State, weight: float)
     determine beside a prior of some weight, 0 for none.
     """
     state = error_free_state(problem, state)
-    found, null_space, weak = _told(problem, state, weight)
+    values, blind, null_space, weak = _told(problem, state, weight)
     named, opens = name_null_space(problem, state.p, null_space), _opens_beside(problem, state)
     return Identifiability(
         names=problem.names,
-        singular_values=found.values,
+        singular_values=values,
         null_space=null_space,
-        blind=found.null_space,
+        blind=blind,
         weak=weak,
         unobservable=named,
         advice=tuple(_advice(problem, state, named, opens=opens)),
@@ -182,20 +175,21 @@ def told_rank(problem: CalibrationProblem, state: State) -> int:
     """Count what a fit of readings without error would determine beside the prior: directions that
     they tell, and those that redundant loops hold.
     """
-    untold = _told(problem, error_free_state(problem, state), 1.0)[1]
+    untold = _told(problem, error_free_state(problem, state), 1.0)[2]
     return len(problem.names) - int(untold.shape[1])
 
 
 def _told(
     problem: CalibrationProblem, state: State, weight: float
-) -> tuple[Spectrum, np.ndarray, tuple[tuple[str, float], ...]]:
-    """Return the spectrum of the identification Jacobian, the directions (P, k) of which the
-    readings tell nothing beside the prior, and those of which they tell little, named.
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, tuple[tuple[str, float], ...]]:
+    """Return the singular values of the identification Jacobian and its null space, the directions
+    (P, k) of which the readings tell nothing beside the prior, and those of which they tell little,
+    named.
     """
-    found = spectrum(design(state))
-    null_space = found.null_space
+    values, blind = spectrum(design(state))
+    null_space = blind
     if weight == 0.0:
-        return found, null_space, ()
+        return values, blind, null_space, ()
     told = replace(Linear.of(problem, state, problem.widened), weight=weight).told()
     ratios, directions = told.ratios, told.columns
     untold = ratios < UNTOLD
@@ -203,7 +197,7 @@ def _told(
         null_space = np.linalg.qr(directions[:, untold])[0]
     little = np.flatnonzero(~untold & (ratios < WELL_TOLD))
     weak = [(_combination(problem.names, directions[:, k]), 1.0 / ratios[k]) for k in little]
-    return found, null_space, tuple((text, float(share)) for text, share in weak[::-1])
+    return values, blind, null_space, tuple((text, float(share)) for text, share in weak[::-1])
 
 
 def _opens_beside(problem: CalibrationProblem, state: State) -> bool:
@@ -223,7 +217,7 @@ def _opens_beside(problem: CalibrationProblem, state: State) -> bool:
         with np.errstate(all="ignore"):
             z, closed = newton_configurations(model, state.z[some], q, model.nominal)
             left = model.evaluate(z, q, model.nominal, quaternions).left_over
-        return np.asarray(left[closed].reshape(-1, len(problem.names)))
+        return left[closed].reshape(-1, len(problem.names))
 
     open_steps = left_over(joints + moved) @ unbound(left_over(joints))
     return bool(largest_of(open_steps) > _OPEN_SLOPE)
@@ -322,13 +316,17 @@ def _advice(
     )
     turns = problem.model.poses(state.z, problem.joints, state.p)[:, 3:].T
     angles = np.asarray(euler_from_quaternion(turns, "xyz")).T
-    if unusual and readings.groups and np.all(_ranges(angles[readings.first, :2]) < _SAME_ANGLE):
+    if (
+        unusual
+        and readings.groups
+        and np.all(np.ptp(angles[readings.first, :2], axis=0) < _SAME_ANGLE)
+    ):
         yield (
             "all groups have the same inclination; add groups at other inclinations (a wedge "
             "under the inclinometer)"
         )
-    yaws = np.unwrap(angles[:, 2:], axis=0)
-    if unusual and kinds <= {"group", "inclination"} and np.all(_ranges(yaws) < _SAME_ANGLE):
+    yaws = np.unwrap(angles[:, 2])
+    if unusual and kinds <= {"group", "inclination"} and np.ptp(yaws) < _SAME_ANGLE:
         yield (
             "the yaw (rotation about the vertical) is the same in all postures; vary the yaw "
             "within each group"
@@ -354,10 +352,6 @@ def _advice(
         )
 
 
-def _ranges(values: np.ndarray) -> np.ndarray:
-    return np.asarray(np.ptp(values, axis=0))
-
-
 # --- names of directions --------------------------------------------------------------------------
 
 
@@ -372,7 +366,7 @@ def named_motions(model: ConfigurationModel, p: np.ndarray) -> Iterator[tuple[st
     telling first. What a change would need of parameters that are held is made up for by freedoms
     in how the file is written; a change that cannot be so is left out.
     """
-    mechanism, read, values = model.mechanism, _read(model), all_values(model, p)
+    mechanism, read, values = model.mechanism, model.read, all_values(model, p)
     names, free = list(values), np.isin(list(values), model.names)
     order = [names.index(name) for name in model.names]
     table, size = nominal_parameters(mechanism, read), model.size
@@ -385,30 +379,19 @@ def named_motions(model: ConfigurationModel, p: np.ndarray) -> Iterator[tuple[st
     freedoms = rows((*written, *reference_motions(mechanism, values, read)))
     basis = np.array([one for _, one in freedoms]).reshape(-1, len(names)).T
     for text, direction in (*rows(_all_motions(model, values)), *freedoms):
-        made = direction - basis @ _made_up(basis[~free], direction[~free])
+        # shares of freedoms that move the held parameters as this change does
+        shares = np.linalg.lstsq(basis[~free], direction[~free], rcond=1e-10)[0]
+        made = direction - basis @ shares
         length = float(np.linalg.norm(made))
         if length > 0.0 and np.linalg.norm(made[~free]) <= _HELD_STILL * length:
             yield text, made[order] / length
-
-
-def _made_up(held: np.ndarray, wanted: np.ndarray) -> np.ndarray:
-    """Shares of freedoms that move the held parameters as a change does; none where it does not
-    move them.
-    """
-    if not np.any(wanted) or not held.size:
-        return np.zeros(held.shape[1])
-    return np.asarray(np.linalg.lstsq(held, wanted, rcond=1e-10)[0])
-
-
-def _read(model: ConfigurationModel) -> tuple[str, ...]:
-    return tuple(o.name for o in model.read)
 
 
 def all_values(model: ConfigurationModel, p: np.ndarray) -> Velocity:
     """Return the values of all parameters by name: nominal, those of the model's as p has them;
     measuring frames only among these.
     """
-    table = nominal_parameters(model.mechanism, _read(model))
+    table = nominal_parameters(model.mechanism, model.read)
     values = {name: value for name, (value, _) in table.items() if name not in MEASURING_FRAMES}
     return values | dict(zip(model.names, map(float, p), strict=True))
 
@@ -416,7 +399,7 @@ def all_values(model: ConfigurationModel, p: np.ndarray) -> Velocity:
 def _all_motions(model: ConfigurationModel, values: Velocity) -> Iterator[tuple[str, Velocity]]:
     if model.mechanism.dh is None:
         yield from _frame_motions(model.mechanism, values)
-    table = nominal_parameters(model.mechanism, _read(model))
+    table = nominal_parameters(model.mechanism, model.read)
     stretched = {
         name: value
         for name, value in values.items()
@@ -424,7 +407,7 @@ def _all_motions(model: ConfigurationModel, values: Velocity) -> Iterator[tuple[
     }
     yield "size of the whole mechanism", stretched
     lengths = [c.name for c in model.mechanism.actuated if not c.is_angular]
-    lengths += [o.name for o in model.read if o.kind == "joint" and not o.angular]
+    lengths += [o.name for o in model.channels if o.kind == "joint" and not o.angular]
     if lengths:
         yield (
             "size of the whole mechanism with the factors of all length readings",
@@ -461,20 +444,14 @@ def _frame_motions(mechanism: Mechanism, values: Velocity) -> Iterator[tuple[str
     for text, twist in zip(texts, np.eye(6), strict=False):
         yield text, moved(mechanism, values, dict.fromkeys(links, twist))
     for text, twist in zip(texts[6:], np.eye(6), strict=True):
-        yield text, _platform_moved(mechanism, values, twist[:3], twist[3:])
+        yield text, _platform_moved(mechanism, values, twist)
 
 
-def _platform_moved(
-    mechanism: Mechanism, values: Velocity, t: np.ndarray, w: np.ndarray
-) -> Velocity:
-    """Move the platform frame by the twist (t, w) in its own axes; what is given in it moves the
-    other way.
+def _platform_moved(mechanism: Mechanism, values: Velocity, twist: np.ndarray) -> Velocity:
+    """Move the platform frame by a twist in its own axes; what is given in it moves the other
+    way.
     """
-    velocity: Velocity = {}
-    for end in (end for bar in mechanism.bars for end in (bar.start, bar.end)):
-        if end.in_platform_frame:
-            back = -(t + np.cross(w, vector_values(values, end.path)))
-            velocity |= vector_velocity(end.path, back)
+    velocity, (t, w) = moved(mechanism, values, {IN_FRAME: -twist}), np.split(twist, 2)
     frame = mechanism.frame_name
     if f"{frame}.quaternion.w" in values:
         q = vector_values(values, f"{frame}.quaternion", "wxyz")

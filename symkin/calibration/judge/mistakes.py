@@ -10,7 +10,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from enum import Enum, auto
 from functools import partial
 from itertools import combinations, permutations
 
@@ -90,18 +89,6 @@ many others of any label.
 # --- the table ------------------------------------------------------------------------------------
 
 
-class Stage(Enum):
-    """When a rule is asked: those of a stage where those before it found nothing; positions, whose
-    orientations may be read wrongly besides, in any case; labels by themselves.
-    """
-
-    READINGS = auto()
-    CORRECTION = auto()
-    ORDER = auto()
-    POSITION = auto()
-    LABELS = auto()
-
-
 @dataclass(frozen=True, eq=False)
 class Case:
     """What the rules look at: readings of a mechanism, parameters that are unknown frames, and
@@ -167,10 +154,13 @@ readings alone show it.
 
 @dataclass(frozen=True)
 class Rule:
-    """A mistake that is looked for: `find` yields its possible forms in a case."""
+    """A mistake that is looked for: `find` yields its possible forms in a case. The stage says when
+    it is asked: "readings", "correction" and "order" where those before them found nothing;
+    "position", whose orientations may be read wrongly besides, in any case; "labels" by themselves.
+    """
 
     mistake: str
-    stage: Stage
+    stage: str
     find: Callable[[Case], Iterable[Finding]]
 
 
@@ -179,33 +169,30 @@ def diagnose(case: Case) -> tuple[str, ...]:
     far better than they are.
     """
     some = case.examined
-    found = _sentences(some, Stage.READINGS)
+    found = _sentences(some, "readings")
     if not found:
-        found = _sentences(some, Stage.CORRECTION) or _sentences(some, Stage.ORDER)
+        found = _sentences(some, "correction") or _sentences(some, "order")
         positions = replace(some, measurements=replace(some.measurements, orientation=None))
-        found += _sentences(positions, Stage.POSITION)
+        found += _sentences(positions, "position")
     return tuple(found[:_MAX_SENTENCES])
 
 
 def diagnose_labels(case: Case) -> tuple[str, ...]:
     """Sentences on labels of groups that look wrong."""
-    return tuple(_sentences(case, Stage.LABELS))
+    return tuple(_sentences(case, "labels"))
 
 
 def nominal_misfit(case: Case) -> float:
     """How far the readings of some rows are off at the nominal geometry (length unit)."""
-    try:
-        return case.examined.start().misfit
-    except SymkinError:
-        return math.inf
+    return math.sqrt(case.examined.trial().score)
 
 
-def _sentences(case: Case, stage: Stage) -> list[str]:
+def _sentences(case: Case, stage: str) -> list[str]:
     """What a stage finds: the sentences of the first rule that the readings alone show, else of all
     mistakes that explain the readings far better if they are put right, best first.
     """
     judged: list[tuple[str, Measurements]] = []
-    for rule in (rule for rule in RULES if rule.stage is stage):
+    for rule in (rule for rule in RULES if rule.stage == stage):
         findings = [*rule.find(case)]
         shown = [text for text, changed in findings if changed is None]
         if shown:
@@ -355,16 +342,12 @@ def _taken(case: Case, is_meant: Callable[[Observable], bool], called: str = "")
     yield Block(names, angular, values, put, held, called)
 
 
-def _positions(case: Case) -> Iterator[Block]:
-    return _taken(case, PLATFORM["position"].__eq__, "the positions")
-
-
-def _inclinations(case: Case) -> Iterator[Block]:
-    return _taken(case, PLATFORM["inclination"].__eq__)
-
-
-def _distances(case: Case) -> Iterator[Block]:
-    return _taken(case, lambda o: bool(o.ends), "the distances")
+_positions = partial(_taken, is_meant=PLATFORM["position"].__eq__, called="the positions")
+_orientations = partial(_taken, is_meant=PLATFORM["orientation"].__eq__)
+_inclinations = partial(_taken, is_meant=PLATFORM["inclination"].__eq__)
+_distances = partial(_taken, is_meant=lambda o: bool(o.ends), called="the distances")
+_encoders = partial(_taken, is_meant=lambda o: o.kind == "joint")
+"""Of the platform, between it and the base, and of passive joints, together."""
 
 
 def _readings(case: Case) -> Iterator[Block]:
@@ -374,9 +357,9 @@ def _readings(case: Case) -> Iterator[Block]:
             yield from _taken(case, o.__eq__, f"the readings of {o.name}")
 
 
-def _encoders(case: Case) -> Iterator[Block]:
-    """Readings of passive joints, together."""
-    return _taken(case, lambda o: o.kind == "joint")
+def _quaternions(case: Case) -> Iterator[Block]:
+    """Orientations that do not stand as Euler angles in the file."""
+    return iter(()) if case.euler is not None else _orientations(case)
 
 
 def _euler(case: Case) -> Iterator[Block]:
@@ -409,18 +392,13 @@ def _find(
 # --- orientations ---------------------------------------------------------------------------------
 
 
-def _inverted_orientations(case: Case) -> Iterator[Finding]:
-    m, q = case.measurements, case.measurements.orientation
-    if q is not None:
-        inverse = replace(m, orientation=q * (1.0, -1.0, -1.0, -1.0))
-        yield "the orientations look inverted (base seen from the platform)", inverse
+def _inverted(block: Block) -> Changes:
+    inverse = block.values * (1.0, -1.0, -1.0, -1.0)
+    yield "the orientations look inverted (base seen from the platform)", inverse
 
 
-def _scalar_last(case: Case) -> Iterator[Finding]:
-    m, q = case.measurements, case.measurements.orientation
-    if q is not None and case.euler is None:
-        rolled = replace(m, orientation=np.roll(q, 1, axis=1))
-        yield "qw looks to stand last, not first", rolled
+def _scalar_last(block: Block) -> Changes:
+    yield "qw looks to stand last, not first", np.roll(block.values, 1, axis=1)
 
 
 def _other_sequences(case: Case) -> Iterator[Finding]:
@@ -525,7 +503,7 @@ def _assigned_columns(case: Case, block: Block) -> np.ndarray:
     each, orders = np.arange(len(angular)), np.array([*permutations(range(len(angular)))])
     order = orders[int(np.argmin(np.sum(np.min(cost, axis=0)[each, orders], axis=1)))]
     signs = 1 - 2 * np.argmin(cost, axis=0)[each, order]
-    return np.asarray(signs * (order + 1))
+    return signs * (order + 1)
 
 
 def _exchanged_in_turn(case: Case, block: Block) -> np.ndarray:
@@ -629,44 +607,44 @@ def _wrong_labels(case: Case) -> Iterator[Finding]:
 
 
 def _apart(inclinations: np.ndarray, other: np.ndarray) -> np.ndarray:
-    return np.asarray(np.linalg.norm(wrapped(inclinations - other), axis=1))
+    return np.linalg.norm(wrapped(inclinations - other), axis=1)
 
 
 RULES = (
-    Rule("the joints never move", Stage.READINGS, _joints_at_rest),
-    Rule("all joints of a kind in another unit", Stage.READINGS, _units_of_all_joints),
+    Rule("the joints never move", "readings", _joints_at_rest),
+    Rule("all joints of a kind in another unit", "readings", _units_of_all_joints),
     *(
         Rule(mistake, stage, partial(_find, blocks, change))
         for mistake, stage, blocks, change in (
-            ("one joint in another unit", Stage.CORRECTION, _odd_lengths, _in_another_unit),
-            ("two joint columns exchanged", Stage.CORRECTION, _joints, _exchanged),
-            ("the sign of a joint reversed", Stage.CORRECTION, _joints, _reversed),
-            ("the signs of all joints reversed", Stage.CORRECTION, _joints, _all_reversed),
-            ("angles of joints in radians", Stage.CORRECTION, _angles_of_joints, _in_larger_unit),
-            ("one joint in radians", Stage.CORRECTION, _angles_of_joints, _one_in_larger_unit),
-            ("positions in another unit", Stage.CORRECTION, _positions, _in_another_unit),
-            ("distances in another unit", Stage.CORRECTION, _distances, _in_another_unit),
+            ("one joint in another unit", "correction", _odd_lengths, _in_another_unit),
+            ("two joint columns exchanged", "correction", _joints, _exchanged),
+            ("the sign of a joint reversed", "correction", _joints, _reversed),
+            ("the signs of all joints reversed", "correction", _joints, _all_reversed),
+            ("angles of joints in radians", "correction", _angles_of_joints, _in_larger_unit),
+            ("one joint in radians", "correction", _angles_of_joints, _one_in_larger_unit),
+            ("positions in another unit", "correction", _positions, _in_another_unit),
+            ("distances in another unit", "correction", _distances, _in_another_unit),
             (
                 "Euler angles in another unit",
-                Stage.CORRECTION,
+                "correction",
                 _euler_of_any_sequence,
                 _in_another_unit,
             ),
-            ("the sign of an encoder reversed", Stage.CORRECTION, _encoders, _reversed),
-            ("two encoders exchanged", Stage.CORRECTION, _encoders, _exchanged),
-            ("a reading in another unit", Stage.CORRECTION, _readings, _in_another_unit),
-            ("alpha and beta exchanged", Stage.CORRECTION, _inclinations, _exchanged),
-            ("two position columns exchanged", Stage.POSITION, _positions, _exchanged),
-            ("position columns in another order", Stage.POSITION, _positions, _turned_round),
-            ("the sign of a position column reversed", Stage.POSITION, _positions, _reversed),
-            ("one position column in metres", Stage.POSITION, _positions, _one_in_larger_unit),
+            ("the sign of an encoder reversed", "correction", _encoders, _reversed),
+            ("two encoders exchanged", "correction", _encoders, _exchanged),
+            ("a reading in another unit", "correction", _readings, _in_another_unit),
+            ("alpha and beta exchanged", "correction", _inclinations, _exchanged),
+            ("orientations of the base in the platform", "correction", _orientations, _inverted),
+            ("quaternions with their scalar last", "correction", _quaternions, _scalar_last),
+            ("two position columns exchanged", "position", _positions, _exchanged),
+            ("position columns in another order", "position", _positions, _turned_round),
+            ("the sign of a position column reversed", "position", _positions, _reversed),
+            ("one position column in metres", "position", _positions, _one_in_larger_unit),
         )
     ),
-    Rule("orientations of the base in the platform", Stage.CORRECTION, _inverted_orientations),
-    Rule("quaternions with their scalar last", Stage.CORRECTION, _scalar_last),
-    Rule("Euler angles of another sequence", Stage.CORRECTION, _other_sequences),
-    Rule("joint columns in another order, with other signs", Stage.ORDER, _reordered_joints),
-    Rule("groups wrongly labelled", Stage.LABELS, _wrong_labels),
+    Rule("Euler angles of another sequence", "correction", _other_sequences),
+    Rule("joint columns in another order, with other signs", "order", _reordered_joints),
+    Rule("groups wrongly labelled", "labels", _wrong_labels),
 )
 """The mistakes that are looked for, in the order in which those that the readings alone show
 are.

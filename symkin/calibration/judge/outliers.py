@@ -196,9 +196,9 @@ def reading_kinds(problem: CalibrationProblem) -> list[_Kind]:
     """List the kinds of readings (a distance by its name) with the configurations that have any
     component of it and their rows.
     """
-    taken, made = problem.readings.taken, list[_Kind]()
-    for kind in dict.fromkeys(_kinds_of_columns(problem)):
-        inside = np.flatnonzero([other == kind for other in _kinds_of_columns(problem)])
+    taken, kinds, made = problem.readings.taken, _kinds_of_columns(problem), list[_Kind]()
+    for kind in dict.fromkeys(kinds.tolist()):
+        inside = np.flatnonzero(kinds == kind)
         configurations = np.flatnonzero(taken[:, inside].any(axis=1))
         if len(configurations):
             rows = configurations[:, None] * taken.shape[1] + inside
@@ -206,9 +206,9 @@ def reading_kinds(problem: CalibrationProblem) -> list[_Kind]:
     return made
 
 
-def _kinds_of_columns(problem: CalibrationProblem) -> list[str]:
+def _kinds_of_columns(problem: CalibrationProblem) -> np.ndarray:
     columns = problem.model.columns
-    return [component if kind == "distance" else kind for kind, component in columns]
+    return np.array([name if kind == "distance" else kind for kind, name in columns])
 
 
 def _count(kinds: Sequence[_Kind]) -> int:
@@ -361,18 +361,17 @@ def _by_majority(
     # gross errors bend a fit far: its prior is none of the good readings'
     problem = replace(found.problem, widened=1.0)
     trials = [robust_estimate(problem, found.result.state.p, found.result.state.z, "cauchy")]
-    if not trials[0].scale < _GOOD_SCALE:
+    if not trials[0][1] < _GOOD_SCALE:
         model, rows = found.problem.model, found.problem.measurements
         begin, closed = newton_configurations(
             model, first_points(model, rows, model.nominal), rows.joints, model.nominal
         )
         trials += [robust_estimate(problem, model.nominal, begin, "cauchy")] if closed.all() else []
-    trials = [t for t in trials if np.isfinite(t.scale)]
-    best = min(trials, key=lambda t: t.scale, default=None)
-    if best is None:
+    result, scale = min(trials, key=lambda t: np.nan_to_num(t[1], nan=np.inf))
+    if not np.isfinite(scale):
         return plain
-    robust = replace(found, result=best.result)
-    bad, share = _far_off(robust, best.scale, level)
+    robust = replace(found, result=result)
+    bad, share = _far_off(robust, scale, level)
     if share <= _MAX_GROSS_SHARE:
         return plain
     why = (
@@ -477,7 +476,7 @@ def _repredicted(
     i = int(np.searchsorted(rows, o.configuration))
     if o.configuration not in rows:
         return o
-    named = np.array(_kinds_of_columns(problem)) == o.kind
+    named = _kinds_of_columns(problem) == o.kind
     columns = np.flatnonzero(named & problem.readings.taken[i])
     shift, block = -made.errors[i, columns], made.covariance[i][np.ix_(columns, columns)]
     statistic, d = float(shift @ np.linalg.solve(block, shift)), len(columns)

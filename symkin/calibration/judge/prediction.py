@@ -24,7 +24,7 @@ from symkin.calibration.estimate.residuals import (
     noise_of,
     take_means,
 )
-from symkin.calibration.estimate.state import State, evaluate_at, joint_covariance_at
+from symkin.calibration.estimate.state import State, evaluate_at, joint_covariance
 
 
 def close_others(
@@ -47,7 +47,7 @@ def covariance_root(covariance: np.ndarray, problem: CalibrationProblem) -> np.n
     scales = problem.model.scales
     free = covariance[: len(scales), : len(scales)] / np.outer(scales, scales)
     values, vectors = np.linalg.eigh(free)
-    return np.asarray(vectors * np.sqrt(np.maximum(values, 0.0)))
+    return vectors * np.sqrt(np.maximum(values, 0.0))
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,7 +69,7 @@ class Prediction:
         """S + J C J^T of each configuration (n, K, K), with G G^T where it tells no mean."""
         own = np.where(self.telling[:, None, None], 0.0, self.of_mean)
         both = np.concatenate([self.spread, own], axis=2)
-        return np.asarray(self.noise + both @ both.transpose(0, 2, 1))
+        return self.noise + both @ both.transpose(0, 2, 1)
 
     def chi_square(self, rows: np.ndarray) -> float:
         """Return e^T (S + J C J^T)^-1 e over some configurations together: with e and M = J L
@@ -97,7 +97,7 @@ def predict_readings(
     """
     readings = problem.readings
     e, taken, width = evaluate_at(problem, p, z), readings.taken, readings.values.shape[1]
-    noise = noise_of(readings, joint_covariance_at(problem, p, z), factor)
+    noise = noise_of(readings, joint_covariance(problem, p, z), factor)
     gap = deviations(readings, e.readings)
     values = np.where(taken[:, :, None], np.dstack([gap, e.slopes @ root]), 0.0)
     inside = readings.group >= 0

@@ -99,9 +99,7 @@ class LinearModel:
         """Share (N,) of a unit shift of each reading that the fit absorbs: the diagonal of Q
         Q^T.
         """
-        return np.asarray(
-            np.sum(self.group_columns**2, axis=1) + np.sum(self.parameter_columns**2, axis=1)
-        )
+        return np.sum(self.group_columns**2, axis=1) + np.sum(self.parameter_columns**2, axis=1)
 
     def freedom(self, rows: np.ndarray) -> np.ndarray:
         """Restrict (1 - Q Q^T) to some rows (..., w): what of a shift of these readings the fit
@@ -111,7 +109,7 @@ class LinearModel:
         together = self.group[rows][..., :, None] == self.group[rows][..., None, :]
         absorbed = shared @ np.swapaxes(shared, -1, -2)
         absorbed += np.where(together, own @ np.swapaxes(own, -1, -2), 0.0)
-        return np.asarray(self.taken[rows][..., None] * np.eye(rows.shape[-1]) - absorbed)
+        return self.taken[rows][..., None] * np.eye(rows.shape[-1]) - absorbed
 
     def without(self, rows: np.ndarray) -> LinearModel:
         """Let the readings of these rows be free: their shift is one more unknown."""
@@ -213,7 +211,7 @@ def covariance(problem: CalibrationProblem, state: State, told: Told | None = No
     covariance of readings with joint noise, and what the prior leaves open where it decides; along
     directions of which the readings tell nothing 0.
     """
-    noise = joint_covariance(problem, state)
+    noise = joint_covariance(problem, state.p, state.z)
     problem = replace(problem, noise=noise)
     told = told or told_directions(problem, evaluate(problem, state.p, state.z))
     scaled = problem.model.scales[:, None] * told.columns
@@ -230,7 +228,7 @@ def covariance(problem: CalibrationProblem, state: State, told: Told | None = No
         variance = np.where(taken, sigma, 0.0)[:, :, None] ** 2
         s = noise[rows] + variance * np.eye(taken.shape[1])
         total += np.sum(gain @ s @ gain.transpose(0, 2, 1), axis=0)
-    return np.asarray(total)
+    return total
 
 
 def _gain(problem: CalibrationProblem, inverse: np.ndarray) -> np.ndarray:
@@ -261,7 +259,7 @@ def curvature(
     if state.leftover is not None:
         return np.zeros(len(problem.names))
     told = told or told_directions(problem, state)
-    problem = replace(problem, noise=joint_covariance(problem, state))
+    problem = replace(problem, noise=joint_covariance(problem, state.p, state.z))
     free = told.ratios > 1.0
     # along one of them the residuals move by one standard deviation
     units = np.sqrt(spread) / told.weight * told.columns[:, free] / told.ratios[free]
@@ -273,7 +271,7 @@ def curvature(
             pulls[:, k] += near.linearised.matrix.T @ _bend(part, near, step)
     sigma, change = np.linalg.norm(units, axis=1), np.abs(units @ (units.T @ pulls)) / spread
     largest = np.max(np.where(np.isfinite(change), change, np.inf), axis=1, initial=0.0)
-    return np.asarray(np.divide(largest, sigma, out=np.zeros_like(sigma), where=sigma > 0))
+    return np.divide(largest, sigma, out=np.zeros_like(sigma), where=sigma > 0)
 
 
 def _bend(problem: CalibrationProblem, here: State, step: np.ndarray) -> np.ndarray:
@@ -285,7 +283,7 @@ def _bend(problem: CalibrationProblem, here: State, step: np.ndarray) -> np.ndar
         there = state_after(problem, here, step)
     if there is None:
         return np.full_like(before.vector, np.nan)
-    return np.asarray(there.linearised.vector - before.vector - before.matrix @ step)
+    return there.linearised.vector - before.vector - before.matrix @ step
 
 
 def rms_of_better_part(squares: np.ndarray) -> float:

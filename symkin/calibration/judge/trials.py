@@ -118,7 +118,7 @@ class Start:
         degrees = problem.readings.count
         if not np.all(np.isfinite(state.linearised.vector)):
             return None
-        degrees -= spectrum(design(state)).rank
+        degrees -= len(problem.names) - spectrum(design(state))[1].shape[1]
         if degrees <= 0:
             return None
         units = np.where(problem.model.angular, 1.0, problem.size)

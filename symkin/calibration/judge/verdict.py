@@ -215,8 +215,7 @@ class Verdict:
         if sigma is None or not self.usable or np.mean(sigma.outside) <= _MAX_OUTSIDE_SHARE:
             return
         there, inside = (
-            float(np.max(sigma.position[part], initial=0.0))
-            for part in (sigma.outside, ~sigma.outside)
+            np.max(sigma.position[part], initial=0.0) for part in (sigma.outside, ~sigma.outside)
         )
         elsewhere = "" if np.all(sigma.outside) else f" and {inside:.3g} {unit} elsewhere"
         yield (
