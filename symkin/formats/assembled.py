@@ -71,7 +71,7 @@ def assembled(robot: Robot, closed: Closed) -> Mechanism:
     found = Mechanism(
         identifier(robot.name),
         link_joints=[
-            joint.turned() if entry.backward else joint
+            joint.turned() if entry.frames and entry.joint.name in robot.parts.turned else joint
             for entry, joint in zip(robot.joints, joints, strict=True)
         ],
         couplings=robot.couplings,

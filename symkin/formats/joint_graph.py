@@ -19,12 +19,14 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
+from symkin.closure.chain import Chain, JointSymbols, steps_of
+from symkin.closure.parameters import ParameterTable
+from symkin.closure.rows import Cut, rows_of_joint
 from symkin.computed_once import cached_property
 from symkin.errors import MechanismError
 from symkin.formats.naming import allowed_names, fresh_name, renamed
 from symkin.formats.parts import Parts
 from symkin.formats.robot import Mesh, Robot, RobotJoint, joint_at
-from symkin.formats.tree import rows_and_checks
 from symkin.model.graph import Coupling
 from symkin.model.joined import Joined
 from symkin.model.joint import BASE, Joint
@@ -193,7 +195,7 @@ class _Assembly:
     ) -> None:
         self.graph, self.placed = graph, placed
         self.part_of: dict[str, str] = {}
-        self.carried: list[tuple[str, str, GraphJoint]] = []
+        self.carried: list[GraphJoint] = []
         for link, (_, joint) in placed.items():
             self.part_of[link] = link
             if joint is not None:
@@ -201,12 +203,12 @@ class _Assembly:
                 if joint.type == "weld":
                     self.part_of[link] = carrier
                 else:
-                    self.carried.append((carrier, link, joint))
+                    self.carried.append(joint)
         self.link_names, self.joint_names = graph.names
 
     def robot(self, rest: Sequence[GraphJoint], notes: Sequence[str]) -> Robot:
         closures, dropped = self._closures(rest)
-        kept = {joint.name for _, _, joint in self.carried}
+        kept = {joint.name for joint in self.carried}
         named = {*kept, *(joint.name for joint in rest)}
         joints = {old: new for old, new in self.joint_names.items() if old in named}
         parts = [link for link in self.placed if self.part_of[link] == link]
@@ -220,7 +222,7 @@ class _Assembly:
             name=self.graph.name,
             links={self.link_names[link]: self.placed[link][0] for link in parts}
             | {BASE: self.graph.root_frame},
-            joints=(*(self._tree_joint(*entry) for entry in self.carried), *closures),
+            joints=(*(self._tree_joint(joint) for joint in self.carried), *closures),
             couplings=tuple(
                 c.renamed({name: self._coordinate(name) for name in (c.joint, *c.names)})
                 for c in self.graph.couplings
@@ -246,12 +248,10 @@ class _Assembly:
             },
         )
 
-    def _tree_joint(self, carrier: str, link: str, joint: GraphJoint) -> RobotJoint:
-        """The joint in the base frame, from the link nearer to the root; turned about where the
-        file tells it from the other. In the mechanism it leads as the file tells it, or the other
-        way about where the file's parts say so.
+    def _tree_joint(self, joint: GraphJoint) -> RobotJoint:
+        """The joint in the base frame, as the file tells it, or the other way about where the
+        file's parts say so.
         """
-        backward = joint.links[0] == link
         frame = self.placed[joint.links[0]][0] @ joint.frames[0]
         axis, axis2 = (
             None if a is None else _numbers(frame.turn(np.asarray(a)))
@@ -261,11 +261,14 @@ class _Assembly:
         zero = value if JOINT_FORMS[joint.type].freedom == 1 else 0.0
         name, point = self.joint_names[joint.name], _numbers(frame.position)
         made = Joint(name, joint.type, point, axis, axis2, zero=zero, **self._told(joint))
-        return RobotJoint(
-            made.turned() if backward else made,
-            (self.link_names[carrier], self.link_names[link]),
-            backward=backward != (joint.name in self.graph.parts.turned),
-        )
+        links = self._links(joint)
+        is_turned = joint.name in self.graph.parts.turned
+        return RobotJoint(made.turned(), links[::-1]) if is_turned else RobotJoint(made, links)
+
+    def _links(self, joint: GraphJoint) -> tuple[str, str]:
+        """The links of the mechanism that a joint is between."""
+        first, second = (self.link_names[self.part_of[link]] for link in joint.links)
+        return first, second
 
     def _told(self, joint: GraphJoint) -> dict[str, Any]:
         """What is told of a joint beside its place."""
@@ -297,12 +300,11 @@ class _Assembly:
                 for link, frame in zip(joint.links, joint.frames, strict=True)
             )
             made = joint_at(first, self.joint_names[joint.name], joint.type, **self._told(joint))
-            one, other = (self.link_names[self.part_of[link]] for link in joint.links)
-            if one == other:
-                notes.append(_within_a_link(made, one, second @ first.inverse(), joint.where))
+            links = self._links(joint)
+            if links[0] == links[1]:
+                notes.append(_within_a_link(made, links[0], second @ first.inverse(), joint.where))
             else:
-                turned = joint.name in self.graph.parts.turned
-                found.append(RobotJoint(made, (one, other), (first, second), joint.where, turned))
+                found.append(RobotJoint(made, links, (first, second), joint.where))
         return found, notes
 
     def _coordinate(self, name: str) -> str:
@@ -374,8 +376,10 @@ def _within_a_link(joint: Joint, link: str, gap: Pose, where: str) -> str:
     """A note on a closure between two parts of one link, which moves nothing. Raises MechanismError
     where it cannot close.
     """
-    _, checks = rows_and_checks(joint, gap, 1.0)
-    open_by = float(ca.norm_2(ca.evalf(ca.vertcat(*checks))))
+    cut = Cut.of(JointSymbols.declare(joint, joint.name, ParameterTable(bound=True)))
+    found = rows_of_joint(cut, Chain(()), Chain(steps_of(gap)), ca.SX(1))
+    errors = ca.vertcat(*(error for _, _, own in found for error in own))
+    open_by = float(ca.norm_2(ca.evalf(errors)))
     if open_by > _COINCIDE:
         raise MechanismError(
             f"{where}: it closes a loop within the one link {link!r}, whose two frames are "

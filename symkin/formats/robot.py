@@ -42,17 +42,14 @@ def refuse_too_many(where: str, joints: int, movable: int) -> None:
 
 @dataclass(frozen=True)
 class RobotJoint(LinkJoint):
-    """A joint of the tree, from the link that is nearer to the root to the other; its `zero` is the
-    value at the file's configuration. Or one between links that the tree joins in another way, with
-    its `frames` on both, in the base frame at the file's configuration: it stands at the first of
-    them, and the coordinate of an R, P or H joint is 0 where they coincide. `where` names element
-    and line of the file. One that is `backward` leads from the second of its links to the first in
-    the mechanism: its coordinates have the names that they have there.
+    """A joint of the tree; its `zero` is the value at the file's configuration. Or one between
+    links that the tree joins in another way, with its `frames` on both, in the base frame at the
+    file's configuration: it stands at the first of them, and the coordinate of an R, P or H joint
+    is 0 where they coincide. `where` names element and line of the file.
     """
 
     frames: tuple[Pose, Pose] | None = None
     where: str = ""
-    backward: bool = False
 
 
 def joint_at(frame: Pose, name: str, kind: JointType, **told: Any) -> Joint:

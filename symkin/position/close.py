@@ -33,7 +33,6 @@ from symkin.position.gruebler import counts
 from symkin.position.mobility import mobility
 from symkin.position.moved_reference import with_reference_at
 from symkin.position.readings import readings_at
-from symkin.spatial.rotation import conjugate
 from symkin.text import first_of
 from symkin.verb import read_as, verb
 
@@ -118,15 +117,8 @@ def _moves(robot: Robot) -> bool:
 def _tree_values(robot: Robot, found: Closed) -> dict[str, float | list[float]]:
     """The values of the tree's joints, in the file's order."""
     names = [c.name for entry in robot.tree for c in entry.joint.coordinates]
-    values = {name: found.values[name] for name in names}
-    # a ball as seen from its other link turns back
-    turned = [entry.joint.name for entry in robot.tree if entry.backward]
-    values |= {
-        name: tuple(conjugate(np.array(values[name])))
-        for name in turned
-        if len(values.get(name, ())) == 4
-    }
-    return {name: value[0] if len(value) == 1 else list(value) for name, value in values.items()}
+    values = {name: list(found.values[name]) for name in names}
+    return {name: value[0] if len(value) == 1 else value for name, value in values.items()}
 
 
 def _closing_notes(found: Closed, rank: int, generic: GenericRank | None) -> list[str]:
@@ -184,8 +176,7 @@ def _of_mechanism(mechanism: Mechanism, seed: int) -> ClosedConfiguration:
     system, size = whole_system(closure), closure.characteristic_length
     open_by, values = system.residual(closure.reference), closure.reference
     if open_by > CLOSURE_TOLERANCE * size:
-        counted = {name for c in mechanism.couplings for name in (c.joint, *c.names)}
-        values = NearestRoot(system, values, counted).found()
+        values = NearestRoot(system, values).found()
     if system.residual(values) > CLOSURE_TOLERANCE * size:
         values = min((values, account.values), key=system.residual)
     residual = system.residual(values)

@@ -302,5 +302,5 @@ def test_turns_of_coupled_joints_count_while_loops_close(turns: int) -> None:
     assert abs(values["pinion"]) > 1.1 * np.pi
     assert values["pinion"] == pytest.approx(1.5 * values["follower"] + 2 * np.pi * turns, abs=1e-9)
     far = found.state + [6 * np.pi * (c.name == "knee") for c in found.tree.coordinates]
-    search = NearestRoot(found.tree.system, found.tree.own, {"pinion", "follower"})
+    search = NearestRoot(found.tree.system, found.tree.own)
     np.testing.assert_allclose(search.without_turns(far), found.state, atol=1e-9)

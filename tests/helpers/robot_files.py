@@ -129,11 +129,14 @@ def displaced(robot: Robot, values: Mapping[str, Any]) -> dict[str, Pose]:
     moved = {"base": Pose.identity()}
     waiting = list(robot.tree)
     while waiting:
-        entry = next(e for e in waiting if e.links[0] in moved)
+        entry = next(e for e in waiting if moved.keys() & set(e.links))
         waiting.remove(entry)
-        moved[entry.links[1]] = moved[entry.links[0]] @ displacement(
-            entry.joint, values[entry.joint.name]
-        )
+        first, second = entry.links
+        between = displacement(entry.joint, values[entry.joint.name])
+        if first in moved:
+            moved[second] = moved[first] @ between
+        else:
+            moved[first] = moved[second] @ between.inverse()
     return moved
 
 
