@@ -61,20 +61,22 @@ def _with_place(closed: Closed) -> str:
 
 def assembled(robot: Robot, closed: Closed) -> Mechanism:
     """The graph of links at a closed configuration, which is its reference; joints of one
-    coordinate keep their values from there.
+    coordinate keep their values, those of two count from there, also in couplings.
     """
     if not robot.joints:
         raise MechanismError(
             f"{robot.source or robot.name}: no joint moves; a mechanism needs one at least"
         )
     joints = (LinkJoint(_moved(entry, closed), entry.links) for entry in robot.joints)
+    several = [entry.joint for entry in robot.tree if entry.joint.type in ("C", "U")]
+    away = {c.name: closed.values[c.name][0] for joint in several for c in joint.coordinates}
     found = Mechanism(
         identifier(robot.name),
         link_joints=[
             joint.turned() if entry.frames and entry.joint.name in robot.parts.turned else joint
             for entry, joint in zip(robot.joints, joints, strict=True)
         ],
-        couplings=robot.couplings,
+        couplings=[coupling.counted_from(away) for coupling in robot.couplings],
         length_unit="m",
         angle_unit="rad",
         source=printable(robot.source),

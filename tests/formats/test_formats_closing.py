@@ -205,6 +205,17 @@ def test_axes_of_the_assembled_mechanism_are_moved_with_their_links() -> None:
             np.testing.assert_allclose(made[joint.name].axis2, turned, atol=1e-9)
 
 
+def test_couplings_of_universal_joints_hold_at_the_closed_reference() -> None:
+    """A turn of a universal joint counts from the reference of the mechanism, which is not the
+    file's where loops were open: the coupling that names it is written for that.
+    """
+    robot = replace(spatial_loop("S", 0.3), couplings=(Coupling("b2", {"b1.1": 0.5}, 0.1),))
+    found = nearest_closed(robot)
+    assert abs(found.values["b1.1"][0]) > 0.1
+    closure = build_closure(assembled(robot, found))
+    assert whole_system(closure).residual(closure.reference) <= 1e-9 * found.tree.size
+
+
 def test_link_poses_are_those_of_the_tree() -> None:
     """A closed neighbour by the tree's joints, and the same values in the assembled mechanism: the
     same displacements of links.
