@@ -59,7 +59,7 @@ class Tree:
         (metres), by which angles become lengths; 1 where all of them are one point.
         """
         joints = (entry.joint for entry in self.robot.tree)
-        frames = [frame for entry in self.robot.joints for frame in entry.frames or ()]
+        frames = [frame for entry in self.robot.closures for frame in entry.frames]
         points = [joint.point for joint in joints if joint.type not in ("P", "weld")]
         box = np.array([*points, *(frame.position for frame in frames)]).reshape(-1, 3)
         if not len(box):
@@ -119,18 +119,18 @@ class Tree:
         """The rows of the robot as a machine that its file leaves open; whole turns of a joint are
         none of what is coupled to it.
         """
-        robot, gaps = self.robot, []
-        for entry in robot.closures:
-            near, far = entry.frames or (Pose.identity(),) * 2
-            gap = far @ near.inverse()
-            gaps.append((entry.joint.name, (*map(float, [*gap.position, *gap.quaternion]),)))
+        robot = self.robot
+        gaps = tuple(
+            (entry.joint.name, (*map(float, [*entry.gap.position, *entry.gap.quaternion]),))
+            for entry in robot.closures
+        )
         free = (joint for link in robot.floating for joint in _free(link, robot.links[link]))
         machine = Machine(
             robot.name,
             link_joints=(*free, *robot.joints),
             couplings=tuple(replace(c, advances=True) for c in robot.couplings),
             platform_link=None,
-            gaps=tuple(gaps),
+            gaps=gaps,
             size=self.size,
         )
         rows = RowBuilder(machine, bound=True)

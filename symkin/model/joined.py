@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Hashable, Iterable, Iterator, Sequence
 from typing import Generic, Protocol, TypeVar
 
@@ -39,6 +40,35 @@ def along(pairs: Iterable[PairType], begin: str) -> Iterator[tuple[PairType, boo
         forward = pair.links[0] == at
         at = pair.links[forward]
         yield pair, forward
+
+
+def outward(
+    pairs: Iterable[PairType], roots: Sequence[str], *, deep: bool = False
+) -> list[tuple[PairType, bool]]:
+    """The pairs that lead from roots to other links, each behind the one that leads to its first,
+    and whether it is taken from its first link to its second: all of a link's before those behind
+    them, or, where `deep`, before those of other links.
+    """
+    at: dict[str, list[PairType]] = {}
+    for pair in pairs:
+        for link in pair.links:
+            at.setdefault(link, []).append(pair)
+    seen, found = set(roots), []
+    todo = deque(roots)
+    while todo:
+        link, behind = todo.popleft(), []
+        for pair in at.get(link, ()):
+            forward = pair.links[0] == link
+            other = pair.links[forward]
+            if other not in seen:
+                seen.add(other)
+                behind.append(other)
+                found.append((pair, forward))
+        if deep:
+            todo.extendleft(reversed(behind))
+        else:
+            todo.extend(behind)
+    return found
 
 
 def joined_to(pairs: Iterable[Pair], begin: str) -> set[str]:

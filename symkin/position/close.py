@@ -16,7 +16,6 @@ from symkin.formats.load import is_robot, load, read_robot
 from symkin.formats.read_options import AS_IT_IS, ReadOptions
 from symkin.formats.robot import Robot
 from symkin.model.mechanism import Mechanism
-from symkin.numeric.nearest_root import NearestRoot
 from symkin.numeric.rank import Rank
 from symkin.numeric.tolerances import (
     CLEAR_GAP,
@@ -27,7 +26,12 @@ from symkin.numeric.tolerances import (
     SINGULAR_VALUE,
 )
 from symkin.position.close_result import ClosedConfiguration, LoopGap
-from symkin.position.closed_configurations import Assembly, whole_system
+from symkin.position.closed_configurations import (
+    Assembly,
+    assembly_of,
+    begun_closed,
+    whole_system,
+)
 from symkin.position.generic_rank import GenericRank, generic_rank
 from symkin.position.gruebler import counts
 from symkin.position.mobility import mobility
@@ -76,8 +80,7 @@ def close_robot(robot: Robot, *, seed: int = 0) -> ClosedConfiguration:
         generic_rank(Assembly(tree.constraints, found.state), seed) if found.to_digits else None
     )
     displaced = found.displacements
-    poses = {link: displaced[link] @ frame for link, frame in robot.links.items()}
-    poses |= {name: displaced[link] @ frame for name, (link, frame) in robot.merged.items()}
+    poses = {name: displaced[link] @ frame for name, (link, frame) in robot.frames.items()}
     return ClosedConfiguration(
         mechanism=robot.name,
         units=("m", "rad"),
@@ -174,9 +177,7 @@ def _of_mechanism(mechanism: Mechanism, seed: int) -> ClosedConfiguration:
     """The same of a mechanism, from its reference."""
     closure, account = build_closure(mechanism), mobility(mechanism, seed=seed)
     system, size = whole_system(closure), closure.characteristic_length
-    open_by, values = system.residual(closure.reference), closure.reference
-    if open_by > CLOSURE_TOLERANCE * size:
-        values = NearestRoot(system, values).found()
+    open_by, values = system.residual(closure.reference), begun_closed(assembly_of(closure))
     if system.residual(values) > CLOSURE_TOLERANCE * size:
         values = min((values, account.values), key=system.residual)
     residual = system.residual(values)

@@ -65,7 +65,7 @@ def joints_of(robot: Robot) -> dict[str, Joint]:
 @pytest.mark.parametrize("name", NAMES)
 def test_counts_and_the_closed_configuration_are_those_of_an_independent_reader(name: str) -> None:
     data, found = facts(name), read_sdf(MODELS / f"{name}.sdf")
-    assert len(found.links) + len(found.merged) + len(data["unreached"]) == data["bodies"]
+    assert len(found.frames) + len(data["unreached"]) == data["bodies"]
     assert len(found.closures) == data["independent_loops"]
     kinds = Counter(KINDS[joint.joint.type] for joint in found.tree)
     kinds.update(KINDS[closure.joint.type] for closure in found.closures)
@@ -229,8 +229,8 @@ def test_the_pose_of_the_model_moves_nothing_but_against_the_world(tmp_path: Pat
     assert np.allclose(np.asarray(alone.links["b"].matrix), np.asarray(moved.links["b"].matrix))
     held = "<joint name='w' type='fixed'><parent>world</parent><child>a</child></joint>"
     fixed = read(tmp_path, "<pose>5 6 7 0 0 0</pose>" + BODIES + axis + held)
-    assert fixed.merged["a"][0] == "base"
-    assert np.allclose(np.asarray(fixed.merged["a"][1].position), [5.3, 5.8, 7.5])
+    assert fixed.frames["a"][0] == "base"
+    assert np.allclose(np.asarray(fixed.frames["a"][1].position), [5.3, 5.8, 7.5])
 
 
 # --- joints ---------------------------------------------------------------------------------------

@@ -127,6 +127,7 @@ NAMES = {
     "allowed_names": "symkin.formats.naming",
     "renamed": "symkin.formats.naming",
     "robot_name": "symkin.formats.naming",
+    "ClosingJoint": "symkin.formats.robot",
     "Robot": "symkin.formats.robot",
     "RobotJoint": "symkin.formats.robot",
     "joint_at": "symkin.formats.robot",
