@@ -1,68 +1,16 @@
-"""Frames as the formats tell and write them, and where links are by the joints of a tree."""
+"""Where links are when joints of a tree are 0, and frames as the formats write them."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
-from types import MappingProxyType
-from typing import TYPE_CHECKING
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from symkin.formats.robot_joint import frame_along, moved_along
 from symkin.model.graph import LinkJoint
-from symkin.model.joined import outward
 from symkin.model.joint import BASE, Joint
-from symkin.model.joint_forms import JOINT_FORMS
 from symkin.spatial.pose import Pose
-
-if TYPE_CHECKING:
-    from symkin.formats.robot import RobotJoint
-
-_NO_DIRECTION = 1e-9
-"""Sine of the angle to the z axis below which a vector tells no direction across it."""
-
-
-def place(
-    tree: Iterable[RobotJoint],
-    roots: Mapping[str, Pose],
-    values: Mapping[str, float] = MappingProxyType({}),
-) -> dict[str, Pose]:
-    """Every link that the roots reach, in an order from them: its pose in the frame in which the
-    roots have theirs. Joints have these `values`, or else those of the file.
-    """
-    placed = dict(roots)
-    for joint, forward in outward(tree, [*roots]):
-        here, other = joint.links if forward else joint.links[::-1]
-        moved = moved_along(joint, values.get(joint.name, joint.value) - joint.value)
-        near, far = joint.frames if forward else joint.frames[::-1]
-        pose = placed[here] @ near @ (moved if forward else moved.inverse()) @ far.inverse()
-        turn = pose.quaternion / np.linalg.norm(pose.quaternion)
-        placed[other] = Pose(np.asarray(pose.position), np.asarray(turn))
-    return placed
-
-
-def moved_along(joint: RobotJoint | Joint, value: float) -> Pose:
-    """How far a joint of one coordinate moves its second frame in its first, by a value."""
-    if not value or joint.axis is None or JOINT_FORMS[joint.type].freedom != 1:
-        return Pose.identity()
-    along = value if joint.type == "P" else value * joint.pitch / (2.0 * math.pi)
-    turn = np.zeros(3) if joint.type == "P" else value * np.array(joint.axis)
-    return Pose.from_rotation_vector(along * np.array(joint.axis), turn)
-
-
-def frame_along(z: Sequence[float], x: Sequence[float] | None = None) -> Pose:
-    """A turned frame whose z axis has a direction, and whose x axis is nearest to another where one
-    is given.
-    """
-    third = np.asarray(z, dtype=float) / np.linalg.norm(z)
-    near = np.eye(3)[int(np.argmin(np.abs(third)))]
-    if third[2] == 1.0:
-        near = np.array([1.0, 0.0, 0.0])
-    if x is not None and np.linalg.norm(np.cross(third, x)) > _NO_DIRECTION:
-        near = np.asarray(x, dtype=float)
-    first = near - third * (near @ third)
-    first = first / np.linalg.norm(first)
-    return Pose.from_matrix(np.column_stack([first, np.cross(third, first), third]), np.zeros(3))
 
 
 def displacement(joint: Joint, value: float) -> Pose:

@@ -17,18 +17,14 @@ import numpy as np
 
 from symkin.computed_once import cached_property
 from symkin.errors import MechanismError
-from symkin.formats.frames import frame_along, place
 from symkin.formats.parts import Parts
+from symkin.formats.robot_joint import RobotJoint, frame_along, joint_at, place
 from symkin.model.graph import Coupling, LinkJoint
 from symkin.model.joint import Joint
-from symkin.model.joint_forms import JOINT_FORMS, JointType
+from symkin.model.joint_forms import JOINT_FORMS
 from symkin.model.mechanism import MOST_PARTS
-from symkin.model.motor import Motor
 from symkin.spatial.pose import Pose
 
-Direction = tuple[float, float, float]
-AXES: dict[str, Direction] = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
-Z = AXES["z"]
 MOST_JOINTS = 3 * MOST_PARTS
 """Joints or bodies of a file at most, fixed ones too, which become part of a link: each takes two
 milliseconds.
@@ -60,29 +56,6 @@ class Mesh:
 
 
 @dataclass(frozen=True)
-class RobotJoint:
-    """A joint as a file tells it: its frame on each of its two `links` (in the links' own frames),
-    `axis` and `axis2` in the first of them. The frames coincide at `value`, at which the file has
-    the joint; of one that closes a loop (`closing`) as its type says. `where` is its place in the
-    file, for messages.
-    """
-
-    name: str
-    type: JointType
-    links: tuple[str, str]
-    frames: tuple[Pose, Pose]
-    axis: Direction | None = None
-    axis2: Direction | None = None
-    pitch: float = 0.0
-    limits: tuple[float, float] | None = None
-    motor: Motor | None = None
-    actuated: bool = False
-    closing: bool = False
-    where: str = ""
-    value: float = 0.0
-
-
-@dataclass(frozen=True)
 class ClosingJoint(LinkJoint):
     """A joint that closes a loop, with its frames on both links: it stands at the first of them,
     and the coordinate of an R, P or H joint is 0 where they coincide.
@@ -95,17 +68,6 @@ class ClosingJoint(LinkJoint):
     def gap(self) -> Pose:
         """The displacement from the first frame to the second."""
         return self.frames[1] @ self.frames[0].inverse()
-
-
-def joint_at(frame: Pose, name: str, kind: JointType, **told: Any) -> Joint:
-    """The joint of a closure at its first frame: R, C, P and H have the z axis of both frames in
-    common; U turns about the z axis of the first frame and about the x axis of the second, which
-    stay square to each other. `told` is what else it holds.
-    """
-    axes = np.asarray(frame.rotation)
-    axis = None if kind in ("S", "weld") else tuple(axes[:, 2])
-    axis2 = tuple(axes[:, 0]) if kind == "U" else None
-    return Joint(name, kind, tuple(frame.position), axis, axis2, **told)
 
 
 @dataclass(frozen=True)

@@ -11,14 +11,14 @@ from pathlib import Path
 from symkin.computed_once import cached_property
 from symkin.errors import MechanismError
 from symkin.formats.couplings import CouplingSet
-from symkin.formats.frames import frame_along, place
 from symkin.formats.gepetto_yaml import loops_beside
 from symkin.formats.graph_reader import GraphReader
 from symkin.formats.naming import robot_name
 from symkin.formats.packages import Packages
 from symkin.formats.parts import JOINTS_TAG
 from symkin.formats.read_options import AS_IT_IS, ReadOptions
-from symkin.formats.robot import Direction, Mesh, Robot, RobotJoint, refuse_too_many
+from symkin.formats.robot import Mesh, Robot, refuse_too_many
+from symkin.formats.robot_joint import Direction, RobotJoint, frame_along, place
 from symkin.formats.spanning import spanned
 from symkin.formats.urdf_loops import LOOP_TAGS, gears_within, loops_within
 from symkin.formats.urdf_motors import driven_names, mimics, told_motors
