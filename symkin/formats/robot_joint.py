@@ -25,6 +25,9 @@ _NO_DIRECTION = 1e-9
 """Sine of the angle to the z axis below which a vector tells no direction across it."""
 
 
+_STILL = Pose.identity()
+
+
 @dataclass(frozen=True)
 class RobotJoint:
     """A joint as a file tells it: its frame on each of its two `links` (in the links' own frames),
@@ -36,7 +39,7 @@ class RobotJoint:
     name: str
     type: JointType
     links: tuple[str, str]
-    frames: tuple[Pose, Pose]
+    frames: tuple[Pose, Pose] = (_STILL, _STILL)
     axis: Direction | None = None
     axis2: Direction | None = None
     pitch: float = 0.0

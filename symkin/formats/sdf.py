@@ -127,37 +127,24 @@ class _Reader(GraphReader):
         at = self._joint_pose(element, scope)
         self._note_parent_frame(element, scope, at)
         frames = (self.poses[parent].inverse() @ at, self.poses[child].inverse() @ at)
-        made = RobotJoint(
+        word = element.attributes.get("type", "")
+        is_universal = word in ("revolute2", "universal")
+        kind = "U" if is_universal else sdf_type(element, (*TYPES, "revolute2", "gearbox"))
+        has_axis = kind not in ("weld", "S")
+        has_one = has_axis and not is_universal
+        bounds = sdf_limits(element) if has_one and word != "continuous" else None
+        return RobotJoint(
             name,
-            "weld",
+            kind,
             (parent, child),
             frames,
+            axis=self._axis(element, "axis", scope, at) if has_axis else None,
+            axis2=self._second(element, scope, at) if is_universal else None,
+            pitch=sdf_pitch(element) if kind == "H" else 0.0,
+            limits=self.range_of(bounds, element, element.line),
+            motor=sdf_motor(element) if has_one else None,
             closing=name in self.parts.welds,
             where=element.where,
-        )
-        if element.attributes.get("type") in ("revolute2", "universal"):
-            return replace(
-                made,
-                type="U",
-                axis=self._axis(element, "axis", scope, at),
-                axis2=self._second(element, scope, at),
-            )
-        kind = sdf_type(element, (*TYPES, "revolute2", "gearbox"))
-        if kind in ("weld", "S"):
-            return replace(made, type=kind)
-        pitch = sdf_pitch(element) if kind == "H" else 0.0
-        limits = (
-            None
-            if element.attributes.get("type") == "continuous"
-            else self.range_of(sdf_limits(element), element, element.line)
-        )
-        return replace(
-            made,
-            type=kind,
-            axis=self._axis(element, "axis", scope, at),
-            pitch=pitch,
-            limits=limits,
-            motor=sdf_motor(element),
         )
 
     def _note_parent_frame(self, element: Element, scope: Scope, at: Pose) -> None:

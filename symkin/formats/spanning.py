@@ -11,7 +11,6 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
-from itertools import pairwise
 
 import casadi as ca
 
@@ -23,7 +22,7 @@ from symkin.formats.naming import allowed_names, fresh_name, renamed
 from symkin.formats.robot import Robot
 from symkin.formats.robot_joint import RobotJoint, joint_at
 from symkin.model.graph import Coupling
-from symkin.model.joined import Joined, outward
+from symkin.model.joined import outward, spanning
 from symkin.model.joint import BASE
 from symkin.text import first_of
 
@@ -114,18 +113,14 @@ def uniquely_named(robot: Robot) -> Robot:
 def spanning_tree(
     joints: Sequence[RobotJoint],
     couplings: Sequence[Coupling] = (),
-    together: Collection[str] = (),
+    together: Sequence[str] = (),
 ) -> list[RobotJoint]:
     """The joints that place every link that they reach, each once (Kruskal's choice in the order of
     preference); links that are `together` are placed already.
     """
     coupled = {name for c in couplings for name in (c.joint, *c.names)}
     coupled |= {name.partition(".")[0] for name in coupled}
-    ranked = sorted(joints, key=lambda joint: _preference(joint, joint.name in coupled))
-    joined = Joined[str]()
-    for first, second in pairwise(together):
-        joined.join(first, second)
-    return [joint for joint in ranked if joined.join(*joint.links)]
+    return spanning(joints, lambda joint: _preference(joint, joint.name in coupled), together)
 
 
 def _preference(joint: RobotJoint, coupled: bool) -> int:

@@ -126,8 +126,8 @@ class _Reader(GraphReader):
         joints = self._joints()
         root = self._root_link(joints)
         zero = place(joints, {root: Pose.identity()})
-        loops = loops_within(self.root, zero, self.beside.frames, self.read.loop)
-        joints = [*joints, *self._beside(), *loops.joints]
+        loops, of_loops = loops_within(self.root, zero, self.beside.frames, self.read.loop)
+        joints = [*joints, *self._beside(), *loops]
         motors = told_motors(self.root)
         joints = [replace(joint, motor=motors.get(joint.name)) for joint in joints]
         couplings = CouplingSet.of(
@@ -146,7 +146,7 @@ class _Reader(GraphReader):
                 *self.notes,
                 *of_motors,
                 *self.beside.notes,
-                *loops.notes,
+                *of_loops,
                 *couplings.notes,
                 *self._left_out(),
             ),
@@ -304,13 +304,11 @@ class _Reader(GraphReader):
 
     def _beside(self) -> list[RobotJoint]:
         """The closures of the YAML file beside the URDF."""
-        made, frames = [], (Pose.identity(), Pose.identity())
+        made = []
         for k, (kind, *names) in enumerate(self.beside.closures, start=1):
             where = f"{self.beside.file}: closed_loop[{k - 1}]"
             first, second = (self._frame_beside(name, where) for name in names)
-            made.append(
-                RobotJoint(f"loop{k}", kind, (first, second), frames, closing=True, where=where)
-            )
+            made.append(RobotJoint(f"loop{k}", kind, (first, second), closing=True, where=where))
         return made
 
     def _frame_beside(self, name: str, where: str) -> str:

@@ -6,7 +6,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -46,20 +45,12 @@ _CLOSING = re.compile(r"closing_(.+)_([12])")
 """Links of onshape-to-robot: the two frames of one mate."""
 
 
-@dataclass(frozen=True)
-class Loops:
-    """The closing joints, and notes."""
-
-    joints: tuple[RobotJoint, ...]
-    notes: tuple[str, ...]
-
-
 def loops_within(
     root: Element, zero: Mapping[str, Pose], taken: Collection[str], told: Collection[str] = ()
-) -> Loops:
-    """The loops of a robot; `zero` are the poses of its links where all joints are 0 (of those that
-    joints place), `taken` links whose frames are told beside the file, `told` names of closures
-    whose kind is.
+) -> tuple[list[RobotJoint], list[str]]:
+    """The closing joints of a robot, and notes; `zero` are the poses of its links where all joints
+    are 0 (of those that joints place), `taken` links whose frames are told beside the file, `told`
+    names of closures whose kind is.
     """
     reader = _Reader(root, zero)
     pairs = reader.closing_pairs(taken)
@@ -74,7 +65,7 @@ def loops_within(
         if points
         else []
     )
-    return Loops(tuple(joints), tuple(notes))
+    return joints, notes
 
 
 class _Reader:
@@ -116,13 +107,11 @@ class _Reader:
                 raise link.error(
                     f"the loop's other frame, the link 'closing_{mate}_{other}', is missing"
                 )
-        still = (Pose.identity(), Pose.identity())
         return [
             RobotJoint(
                 f"closing_{mate}",
                 "S",
                 (links["1"], links["2"]),
-                still,
                 closing=True,
                 where=f"{self.root.file}: closing_{mate}",
             )

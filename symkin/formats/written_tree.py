@@ -22,7 +22,7 @@ from symkin.formats.naming import fresh_name
 from symkin.formats.parts import Parts, Whole, in_two
 from symkin.model.graph import Coupling, LinkJoint, LinkRod
 from symkin.model.graph_checks import links_of
-from symkin.model.joined import Joined, outward
+from symkin.model.joined import outward, spanning
 from symkin.model.joint import BASE, Joint
 from symkin.model.joint_forms import JointType
 from symkin.model.mechanism import Mechanism
@@ -130,9 +130,7 @@ class _Writer:
             self._add_rod(rod)
 
     def tree(self) -> WrittenTree:
-        ranked = sorted(self.entries, key=self._rank)
-        joined = Joined[str]()
-        inside = [entry for entry in ranked if joined.join(*entry.links)]
+        inside = spanning(self.entries, self._rank)
         self._refuse_welds(inside)
         closures = [self._closed(entry, inside) for entry in self.entries if entry not in inside]
         carried = self._carried(inside)

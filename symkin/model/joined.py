@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Hashable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
+from itertools import pairwise
 from typing import Generic, Protocol, TypeVar
 
 Item = TypeVar("Item", bound=Hashable)
@@ -71,6 +72,18 @@ def outward(
     return found
 
 
+def spanning(
+    pairs: Iterable[PairType], rank: Callable[[PairType], int], together: Sequence[str] = ()
+) -> list[PairType]:
+    """A tree of the pairs (Kruskal), those of low rank before others; links that are `together` are
+    joined already.
+    """
+    joined = Joined[str]()
+    for first, second in pairwise(together):
+        joined.join(first, second)
+    return [pair for pair in sorted(pairs, key=rank) if joined.join(*pair.links)]
+
+
 def joined_to(pairs: Iterable[Pair], begin: str) -> set[str]:
     """A link, and all that pairs join to it."""
     joined, links = Joined[str](), {begin}
@@ -94,9 +107,7 @@ class Joined(Generic[Item]):
         return item
 
     def join(self, first: Item, second: Item) -> bool:
-        """Join two items; False where they were joined before. Taken in order of preference, the
-        pairs that join are a spanning tree (Kruskal).
-        """
+        """Join two items; False where they were joined before."""
         first, second = self.head(first), self.head(second)
         self._above[first] = second
         return first != second
