@@ -61,12 +61,9 @@ class Reader:
         joints = [joint for body in bodies for joint in self._joints(body, follows)]
         joints += self._closures()
         motors = () if self.motors_told else idle_actuators(self.compiled)
-        links = dict.fromkeys(
-            [_WORLD, *self.links.values(), *(link for joint in joints for link in joint.links)]
-        )
         return Robot(
             name=robot_name(self.compiled.name, self.compiled.path),
-            bodies=tuple(links),
+            bodies=tuple(self.links.values()),
             root=_WORLD,
             told=joints,
             couplings=tuple(couplings.found.values()),

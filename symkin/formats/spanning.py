@@ -94,8 +94,8 @@ def names_of(robot: Robot) -> tuple[dict[str, str], dict[str, str]]:
 
 
 def uniquely_named(robot: Robot) -> Robot:
-    """The robot with a number behind the name of a closing joint that another joint has. Raises
-    MechanismError for others.
+    """The robot with a number behind the name of a closing joint that another joint has, and with
+    all bodies that joints name. Raises MechanismError for two other joints of one name.
     """
     used = {joint.name for joint in robot.told if not joint.closing}
     joints, seen = [], set()
@@ -107,7 +107,8 @@ def uniquely_named(robot: Robot) -> Robot:
             )
         seen.add(name)
         joints.append(replace(joint, name=name))
-    return replace(robot, told=joints)
+    bodies = dict.fromkeys([*robot.bodies, *(body for j in joints for body in j.links)])
+    return replace(robot, bodies=[*bodies], told=joints)
 
 
 def spanning_tree(

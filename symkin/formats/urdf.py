@@ -134,11 +134,10 @@ class _Reader(GraphReader):
             mimics(self.elements, joints), gears_within(self.root, self.links, joints)
         )
         joints, of_motors = self._with_motors(joints)
-        links = dict.fromkeys([*self.links, *(link for joint in joints for link in joint.links)])
         self._refuse_lost(root, joints)
         return Robot(
             name=robot_name(self.root.attributes.get("name"), self.path),
-            bodies=tuple(links),
+            bodies=tuple(self.links),
             root=root,
             told=joints,
             couplings=tuple(couplings.found.values()),

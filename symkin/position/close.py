@@ -80,7 +80,9 @@ def close_robot(robot: Robot, *, seed: int = 0) -> ClosedConfiguration:
         generic_rank(Assembly(tree.constraints, found.state), seed) if found.to_digits else None
     )
     displaced = found.displacements
-    poses = {name: displaced[link] @ frame for name, (link, frame) in robot.frames.items()}
+    # links first, then bodies that are part of them
+    frames = sorted(robot.frames.items(), key=lambda entry: entry[0] != entry[1][0])
+    poses = {name: displaced[link] @ frame for name, (link, frame) in frames}
     return ClosedConfiguration(
         mechanism=robot.name,
         units=("m", "rad"),
