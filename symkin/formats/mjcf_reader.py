@@ -119,7 +119,7 @@ class Reader:
                 joined.join(body, told.parent)
         for equality in self.equalities:
             if equality.closes:
-                joined.join(*equality.told.bodies)
+                joined.join(*equality.bodies)
         floating, still = list[int](), list[int]()
         for body in sorted(self.free):
             (still if joined.join(body, 0) else floating).append(body)
@@ -232,9 +232,8 @@ class Reader:
 
     def _closures(self) -> Iterator[RobotJoint]:
         """The closures of connects and welds."""
-        for equality in self.equalities:
-            if equality.closes:
-                told = equality.told
+        for told in self.equalities:
+            if told.closes:
                 first, second = (self.links[body] for body in told.bodies)
                 frames = [
                     self._on_link(body) @ pose_of(*frame)
@@ -246,5 +245,5 @@ class Reader:
                     (first, second),
                     (frames[0], frames[1]),
                     closing=True,
-                    where=equality.where,
+                    where=told.where,
                 )
