@@ -44,9 +44,6 @@ def spanned(robot: Robot) -> Robot:
     reached = dict.fromkeys([*roots, *(body for joint in inside for body in joint.links)])
     placing, moving = {j.name for j in inside}, {j.name for j in inside if j.type != "weld"}
     rest = [j for j in robot.told if j.links[0] in reached and j.name not in placing]
-    named = moving | {joint.name for joint in rest}
-    below = {body: bodies[body] for body in reached if body != robot.root}
-    lost = [body for body in robot.bodies if body not in reached]
     coupled = [c for c in robot.couplings if _is_held(c, moving)]
     found = replace(
         robot,
@@ -66,14 +63,13 @@ def spanned(robot: Robot) -> Robot:
         floating={bodies[body]: pose for body, pose in robot.floating.items()},
     )
     within = {j.name: note for j in found.told if j.closing and (note := _within_a_link(found, j))}
+    below = {body: bodies[body] for body in reached if body != robot.root}
+    named = {old: joints[old] for old in joints if old in moving | {j.name for j in rest}}
+    lost = [body for body in robot.bodies if body not in reached]
     notes = (
-        *(
-            ()
-            if robot.root in ("", BASE)
-            else (f"the root link {robot.root!r} is held, as the link {BASE!r}",)
-        ),
+        *_root_note(robot.root),
         *renamed("links", below),
-        *renamed("joints", {old: new for old, new in joints.items() if old in named}),
+        *renamed("joints", named),
         *robot.notes,
         *([f"nothing joins to the robot, and left out: {first_of(lost)}"] if lost else []),
         *within.values(),
@@ -85,6 +81,11 @@ def spanned(robot: Robot) -> Robot:
         ),
     )
     return replace(found, told=[j for j in found.told if j.name not in within], notes=notes)
+
+
+def _root_note(root: str) -> list[str]:
+    told = f"the root link {root!r} is held, as the link {BASE!r}"
+    return [] if root in ("", BASE) else [told]
 
 
 def names_of(robot: Robot) -> tuple[dict[str, str], dict[str, str]]:
