@@ -106,7 +106,7 @@ class BodyBuilder:
         joints = {
             j.name: JointSymbols.declare(self.laid.joints.get(j.name, j), paths[j.name], table)
             for j in m.all_joints
-            if j.type != "weld"
+            if j.type != "weld" or table.bound
         }
         position = table.vector(f"{m.frame_name}.position", m.platform_position)
         quaternion = table.vector(f"{m.frame_name}.quaternion", m.platform_quaternion, "wxyz")

@@ -13,12 +13,13 @@ have, and a pose of its own six.
 from __future__ import annotations
 
 import heapq
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from symkin.model.bar import Bar
 from symkin.model.joint import BASE, PLATFORM, Joint
 from symkin.model.limb import Limb, RodLimb
+from symkin.model.machine import Machine
 from symkin.model.mechanism import Mechanism
 
 _POSE_FREEDOM = 6
@@ -83,6 +84,8 @@ def layout_of(mechanism: Mechanism, kept: frozenset[str], *, pose: bool) -> Layo
     """The layout for some coordinates that the closure must hold (`kept`: given or coupled ones),
     and, with `pose`, the platform's pose.
     """
+    if isinstance(mechanism, Machine) and mechanism.gaps is not None:
+        return _layout_as_told(mechanism, dict(mechanism.gaps))
     if not mechanism.is_graph:
         return Layout(tuple(_limb_branches(mechanism)), (PLATFORM,))
     edges, platform = list(edges_of(mechanism)), mechanism.platform_link
@@ -96,6 +99,19 @@ def layout_of(mechanism: Mechanism, kept: frozenset[str], *, pose: bool) -> Layo
     if bridged:
         chains = chains_of(edges, wanted | bridged)
     return _spanned(chains, mechanism, kept, pose)
+
+
+def _layout_as_told(mechanism: Mechanism, closing: Collection[str]) -> Layout:
+    """Every joint carries a link, but those that are told to close loops."""
+    placed, carrying, rest = {BASE}, [], []
+    for edge in edges_of(mechanism):
+        if edge.name in closing:
+            rest.append(edge)
+            continue
+        outward = edge if edge.ends[0] in placed else edge.reversed
+        carrying.append(replace(outward, carries=True))
+        placed.add(outward.ends[1])
+    return Layout((*carrying, *rest), ())
 
 
 # --- limbs ----------------------------------------------------------------------------------------

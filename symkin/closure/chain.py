@@ -85,6 +85,12 @@ class Ball:
 Step = Turn | Ball
 
 
+def steps_of(pose: Pose) -> tuple[Step, ...]:
+    """A displacement by numbers."""
+    away, turn = (ca.SX(ca.DM(part)) for part in (pose.position, pose.quaternion))
+    return (Turn(away, away, None, ca.SX(1)), Ball(ca.SX(3, 1), turn))
+
+
 @dataclass(frozen=True)
 class Chain:
     """g1 g2 ... gn: the last step acts first."""

@@ -100,7 +100,7 @@ def link_frames(closure: Closure) -> LinkFrames:
     ours.append(closure.symbols(closure.coordinates))
     nothing = ca.SX(0, 1)
     replaced = [ca.vertcat(nothing, *theirs)], [ca.vertcat(nothing, *ours)]
-    frames = ca.substitute(_frames(list(sides.values())), *replaced)
+    frames = ca.substitute(side_frames(list(sides.values())), *replaced)
     joints = _joints_between(chains)
     return LinkFrames(
         dict(zip(sides, frames, strict=True)),
@@ -136,7 +136,7 @@ def _geometry(
     return geometry, [theirs for theirs, _ in shared], [ours for _, ours in shared]
 
 
-def _frames(sides: Sequence[Side]) -> list[ca.SX]:
+def side_frames(sides: Sequence[Side]) -> list[ca.SX]:
     """Position and quaternion of each side; those that begin alike are built on each other, so that
     a long chain costs its length.
     """

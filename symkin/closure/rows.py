@@ -21,7 +21,14 @@ import numpy as np
 
 from symkin.closure.bodies import BodyBuilder, PoseForm
 from symkin.closure.branches import Branch, Element, cut_index, middle_turn
-from symkin.closure.chain import Chain, JointSymbols, PlatformSide, Side, relative_sides
+from symkin.closure.chain import (
+    Chain,
+    JointSymbols,
+    PlatformSide,
+    Side,
+    relative_sides,
+    steps_of,
+)
 from symkin.closure.partition import ALL_JOINTS, Partition
 from symkin.closure.pose_forms import PlatformPose, StudyPose, UnitPose
 from symkin.closure.tilt_torsion import rotation_conditions, tilt_and_torsion
@@ -31,7 +38,7 @@ from symkin.model.bar import Bar
 from symkin.model.graph import Coupling
 from symkin.model.joint import BASE, POSE_CONDITIONS, Coordinate, Joint
 from symkin.model.joint_forms import Relation
-from symkin.model.machine import as_described
+from symkin.model.machine import Machine, as_described
 from symkin.model.mechanism import Mechanism
 from symkin.spatial.backend import cross, dot
 from symkin.spatial.pose import Pose
@@ -72,6 +79,10 @@ class RowBuilder(BodyBuilder):
         self.eliminated: list[tuple[Coordinate, ca.SX]] = []
         self.forward: Pose | None = None
         self.arm: Side = Chain(())
+        gaps = mechanism.gaps if isinstance(mechanism, Machine) else None
+        self.gaps = {
+            name: Pose(np.array(numbers[:3]), np.array(numbers[3:])) for name, numbers in gaps or ()
+        }
 
     def build_rows(self) -> None:
         self.declare()
@@ -219,6 +230,11 @@ class RowBuilder(BodyBuilder):
                 f"{self.mechanism.name}: a loop through {elements[0].name} and {elements[-1].name} "
                 f"has {len(elements)} joints; allowed: {MOST_IN_LOOP}"
             )
+        if branch.name in self.gaps:
+            first, last = (self.bodies[link] for link in branch.ends)
+            opened = last.extended(steps_of(self.gaps[branch.name]))
+            self._cut(branch.name, elements[0], *relative_sides(first, opened))
+            return
         balls = [k for k, element in enumerate(elements) if element.balls]
         if balls and isinstance(elements[balls[0]].part, Bar):
             self._rod(branch, balls[0])

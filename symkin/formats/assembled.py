@@ -13,7 +13,7 @@ import numpy as np
 from symkin.closure.link_poses import joint_coordinates
 from symkin.errors import MechanismError
 from symkin.formats.closing import Closed, nearest_closed
-from symkin.formats.robot import Robot, RobotJoint
+from symkin.formats.robot import ClosingJoint, Robot
 from symkin.formats.whole_joints import whole_again
 from symkin.model.graph import LinkJoint
 from symkin.model.joint import Joint
@@ -61,20 +61,24 @@ def _with_place(closed: Closed) -> str:
 
 def assembled(robot: Robot, closed: Closed) -> Mechanism:
     """The graph of links at a closed configuration, which is its reference; joints of one
-    coordinate keep their values from there.
+    coordinate keep their values, those of two count from there, also in couplings.
     """
     if not robot.joints:
         raise MechanismError(
             f"{robot.source or robot.name}: no joint moves; a mechanism needs one at least"
         )
     joints = (LinkJoint(_moved(entry, closed), entry.links) for entry in robot.joints)
+    several = [entry.joint for entry in robot.tree if entry.joint.type in ("C", "U")]
+    away = {c.name: closed.values[c.name][0] for joint in several for c in joint.coordinates}
     found = Mechanism(
         identifier(robot.name),
         link_joints=[
-            joint.turned() if entry.backward else joint
+            joint.turned()
+            if isinstance(entry, ClosingJoint) and entry.joint.name in robot.parts.turned
+            else joint
             for entry, joint in zip(robot.joints, joints, strict=True)
         ],
-        couplings=robot.couplings,
+        couplings=[coupling.counted_from(away) for coupling in robot.couplings],
         length_unit="m",
         angle_unit="rad",
         source=printable(robot.source),
@@ -86,7 +90,7 @@ def assembled(robot: Robot, closed: Closed) -> Mechanism:
 def _link_meshes(robot: Robot, closed: Closed) -> Iterator[LinkMesh]:
     """The meshes of links, and of bodies that are part of them, where the links are."""
     for name, meshes in robot.meshes.items():
-        link, frame = robot.merged[name] if name in robot.merged else (name, robot.links[name])
+        link, frame = robot.frames[name]
         for mesh in meshes:
             pose = closed.displacements[link] @ frame @ mesh.pose
             yield LinkMesh(
@@ -94,15 +98,15 @@ def _link_meshes(robot: Robot, closed: Closed) -> Iterator[LinkMesh]:
             )
 
 
-def _moved(entry: RobotJoint, closed: Closed) -> Joint:
+def _moved(entry: LinkJoint, closed: Closed) -> Joint:
     """A joint where its links are, a closure half of what is left open away from its first frame;
     `zero` is its value there, for joints of one coordinate.
     """
     joint = entry.joint
     first, second = (closed.displacements[link] for link in entry.links)
     point = first.apply(np.array(joint.point))
-    if entry.frames is not None:
-        second = second @ entry.frames[1] @ entry.frames[0].inverse()
+    if isinstance(entry, ClosingJoint):
+        second = second @ entry.gap
         point = 0.5 * (point + second.apply(np.array(joint.point)))
     changes: dict[str, Any] = {"point": tuple(point)}
     for key, pose in (("axis", first), ("axis2", second)):
@@ -111,7 +115,7 @@ def _moved(entry: RobotJoint, closed: Closed) -> Joint:
     if joint.freedom == 1:
         changes["zero"] = (
             _reading(replace(joint, zero=0.0), first.inverse() @ second)
-            if entry.frames is not None
+            if isinstance(entry, ClosingJoint)
             else closed.values[joint.name][0]
         )
     return replace(joint, **changes)

@@ -74,5 +74,4 @@ class Closed:
 def nearest_closed(robot: Robot) -> Closed:
     """Close the loops from the file's own configuration."""
     tree = Tree(robot)
-    counted = {name for c in robot.couplings for name in (c.joint, *c.names)}
-    return Closed(tree, NearestRoot(tree.system, tree.own, counted).found())
+    return Closed(tree, NearestRoot(tree.system, tree.own).found())

@@ -8,11 +8,11 @@ from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from symkin.formats.joint_graph import GraphJoint
 from symkin.formats.packages import Packages
 from symkin.formats.parts import Parts
 from symkin.formats.read_options import ReadOptions
 from symkin.formats.robot import Mesh
+from symkin.formats.robot_joint import RobotJoint
 from symkin.formats.sdf_joint import is_bounded, is_range
 from symkin.formats.urdf_parts import names_any
 from symkin.formats.xml_text import Element
@@ -57,11 +57,11 @@ class GraphReader:
 
     def driven(
         self,
-        joints: Sequence[GraphJoint],
+        joints: Sequence[RobotJoint],
         named: Collection[str],
         able: Collection[str],
         notes: list[str],
-    ) -> list[GraphJoint]:
+    ) -> list[RobotJoint]:
         """The joints, actuated where they are `named` and move about axes; where none is, all of
         one coordinate that are `able`, with a note.
         """

@@ -18,11 +18,11 @@ from typing import Any
 
 from symkin.errors import InputError, MechanismError
 from symkin.formats.child import ChildError, answer_of
-from symkin.formats.joint_graph import robot_of, uniquely_named
 from symkin.formats.mjcf_model import CompiledModel, compiled_model
 from symkin.formats.mjcf_reader import Reader
 from symkin.formats.read_options import AS_IT_IS, ReadOptions
 from symkin.formats.robot import Robot, refuse_too_many
+from symkin.formats.spanning import names_of, spanned, uniquely_named
 from symkin.formats.xml_text import end_of_root, read_text, read_xml
 from symkin.spatial.pose import Pose
 from symkin.text import printable
@@ -40,11 +40,11 @@ def read_mjcf(path: Path, read: ReadOptions = AS_IT_IS) -> Robot:
     Raises InputError for a file that cannot be read or without the package `mujoco`, MechanismError
     for a file that is not right: file, line and element as MuJoCo's compiler tells them.
     """
-    graph = uniquely_named(_reader(path, read).graph())
-    robot, order = robot_of(graph), list(graph.names[1].values())
+    told = uniquely_named(_reader(path, read).robot())
+    robot, order = spanned(told), [*names_of(told)[1].values()]
     # MuJoCo's order: that of bodies within each other
-    joints = sorted(robot.tree, key=lambda entry: order.index(entry.joint.name))
-    return replace(robot, joints=(*joints, *robot.closures))
+    joints = sorted(robot.told, key=lambda joint: (joint.closing, order.index(joint.name)))
+    return replace(robot, told=joints)
 
 
 def with_keyframe(

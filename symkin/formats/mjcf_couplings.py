@@ -10,8 +10,7 @@ import numpy as np
 
 from symkin.errors import MechanismError
 from symkin.formats.couplings import CouplingSet, LinearEquation
-from symkin.formats.mjcf_equalities import Equality
-from symkin.formats.mjcf_model import CompiledModel
+from symkin.formats.mjcf_model import CompiledModel, Record
 from symkin.model.graph import Coupling
 from symkin.model.motor import Motor, motor_of
 from symkin.text import first_of
@@ -22,7 +21,7 @@ Terms = list[tuple[int, float]]
 
 def couplings_of(
     compiled: CompiledModel,
-    equalities: list[Equality],
+    equalities: list[Record],
     held: Mapping[int, float],
     names: Mapping[int, str],
 ) -> CouplingSet:
@@ -31,10 +30,9 @@ def couplings_of(
     """
     found = CouplingSet()
     for equality in equalities:
-        told = equality.told
-        if told.kind == "joint" and told.objects[1] >= 0:
-            first, second = ([(joint, 1.0)] for joint in told.objects)
-        elif told.kind == "tendon":
+        if equality.kind == "joint" and equality.objects[1] >= 0:
+            first, second = ([(joint, 1.0)] for joint in equality.objects)
+        elif equality.kind == "tendon":
             first, second = (_tendon_of(compiled, equality, end) for end in (0, 1))
         else:
             continue
@@ -48,10 +46,10 @@ class _Pair:
     """
 
     def __init__(
-        self, compiled: CompiledModel, equality: Equality, first: Terms, second: Terms
+        self, compiled: CompiledModel, equality: Record, first: Terms, second: Terms
     ) -> None:
         self.equality, self.first, self.second = equality, first, second
-        self.coefficients = list(equality.told.coefficients)
+        self.coefficients = list(equality.coefficients)
         while len(self.coefficients) > 2 and self.coefficients[-1] == 0.0:
             self.coefficients.pop()
         self.start, self.other = (
@@ -92,9 +90,9 @@ class _Pair:
             found.add_linear(LinearEquation(terms, constant, self.equality.where))
 
 
-def _tendon_of(compiled: CompiledModel, equality: Equality, end: int) -> Terms:
+def _tendon_of(compiled: CompiledModel, equality: Record, end: int) -> Terms:
     """Joints and factors of one of the two tendons; none where there is no second."""
-    number = equality.told.objects[end]
+    number = equality.objects[end]
     if number < 0:
         return []
     tendon = compiled.tendons[number]

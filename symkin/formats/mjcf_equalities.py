@@ -7,7 +7,6 @@ its source.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from pathlib import Path
 
 from symkin.errors import MechanismError, SymkinError
@@ -19,30 +18,17 @@ _DEEPEST = 20
 """Files that include each other."""
 
 
-@dataclass(frozen=True)
-class Equality:
-    """An active equality constraint: what the compiler tells of it, and its place."""
-
-    told: Record
-    where: str
-
-    @property
-    def closes(self) -> bool:
-        """Whether it joins two bodies."""
-        return self.told.kind in ("connect", "weld")
-
-
-def active_equalities(compiled: CompiledModel, notes: list[str]) -> list[Equality]:
-    """The constraints that are active, but those that hang on mocap bodies; `notes` tell what is
-    left out. Raises MechanismError for those that are no kinematics of links.
+def active_equalities(compiled: CompiledModel, notes: list[str]) -> list[Record]:
+    """The constraints that are active, but those that hang on mocap bodies, with their places in
+    the file (`where`); `notes` tell what is left out. Raises MechanismError for those that are no
+    kinematics of links.
     """
     found = []
     sections = [e for e in _parts(compiled.root, compiled.path) if e.tag == "equality"]
     written = [e for section in sections for e in _parts(section, compiled.path)]
     tags = [told.kind for told in compiled.equalities]
     for k, told in enumerate(compiled.equalities):
-        where = _place(compiled, written, tags, k)
-        equality = Equality(told, where)
+        where = told.where = _place(compiled, written, tags, k)
         if not told.active:
             notes.append(f"{where}: it is not active, and left out")
         elif told.kind not in _READ:
@@ -50,12 +36,12 @@ def active_equalities(compiled: CompiledModel, notes: list[str]) -> list[Equalit
                 f"{where}: {told.kind} constraints are not kinematics of links; take it out, or "
                 f"make it inactive"
             )
-        elif equality.closes and any(compiled.bodies[body].mocap for body in told.bodies):
+        elif told.closes and any(compiled.bodies[body].mocap for body in told.bodies):
             notes.append(
                 f"{where}: it joins a mocap body, which is moved from outside, and is left out"
             )
         else:
-            found.append(equality)
+            found.append(told)
     return found
 
 
@@ -84,14 +70,14 @@ def _place(compiled: CompiledModel, written: list[Element], tags: list[str], num
 
 
 def held_values(
-    compiled: CompiledModel, equalities: list[Equality], notes: list[str]
+    compiled: CompiledModel, equalities: list[Record], notes: list[str]
 ) -> dict[int, float]:
     """Joints that an equality holds at a value."""
     found: dict[int, float] = {}
     for equality in equalities:
-        joint, other = equality.told.objects
-        if equality.told.kind == "joint" and other < 0:
-            value = compiled.joints[joint].zero + equality.told.coefficients[0]
+        joint, other = equality.objects
+        if equality.kind == "joint" and other < 0:
+            value = compiled.joints[joint].zero + equality.coefficients[0]
             name = compiled.joints[joint].name
             if found.get(joint, value) != value:
                 raise MechanismError(f"{equality.where}: the joint {name!r} is held at two values")

@@ -10,7 +10,6 @@ from dataclasses import replace
 import numpy as np
 
 from symkin.computed_once import cached_property
-from symkin.formats.joint_graph import GraphJoint, JointGraph, uniquely_named
 from symkin.formats.mjcf_couplings import (
     couplings_of,
     idle_actuators,
@@ -21,7 +20,9 @@ from symkin.formats.mjcf_equalities import active_equalities, held_values
 from symkin.formats.mjcf_model import CompiledModel, meshes_of, pose_of
 from symkin.formats.naming import fresh_name, robot_name
 from symkin.formats.parts import KEY, Parts, parts_from
-from symkin.formats.robot import Mesh
+from symkin.formats.robot import Mesh, Robot
+from symkin.formats.robot_joint import RobotJoint
+from symkin.formats.spanning import names_of, uniquely_named
 from symkin.model.joined import Joined
 from symkin.model.joint import BASE
 from symkin.model.joint_forms import JointType
@@ -52,7 +53,7 @@ class Reader:
             for j, joint in enumerate(self.joints)
         }
 
-    def graph(self) -> JointGraph:
+    def robot(self) -> Robot:
         """The joints and closures, with notes on what is left out."""
         couplings = couplings_of(self.compiled, self.equalities, self.held, self.joint_names)
         follows = {c.joint for c in couplings.found.values()}
@@ -60,14 +61,11 @@ class Reader:
         joints = [joint for body in bodies for joint in self._joints(body, follows)]
         joints += self._closures()
         motors = () if self.motors_told else idle_actuators(self.compiled)
-        links = dict.fromkeys(
-            [_WORLD, *self.links.values(), *(link for joint in joints for link in joint.links)]
-        )
-        return JointGraph(
+        return Robot(
             name=robot_name(self.compiled.name, self.compiled.path),
-            links=tuple(links),
+            bodies=tuple(self.links.values()),
             root=_WORLD,
-            joints=joints,
+            told=joints,
             couplings=tuple(couplings.found.values()),
             notes=(*self.notes, *couplings.notes, *without_kinematics(self.compiled), *motors),
             source=self.compiled.path.name,
@@ -121,7 +119,7 @@ class Reader:
                 joined.join(body, told.parent)
         for equality in self.equalities:
             if equality.closes:
-                joined.join(*equality.told.bodies)
+                joined.join(*equality.bodies)
         floating, still = list[int](), list[int]()
         for body in sorted(self.free):
             (still if joined.join(body, 0) else floating).append(body)
@@ -150,7 +148,7 @@ class Reader:
     ) -> np.ndarray:
         """MuJoCo's qpos for values of the robot's joints, and poses of the links that float."""
         found = np.array(self.compiled.qpos)
-        links, names = uniquely_named(self.graph()).names
+        links, names = names_of(uniquely_named(self.robot()))
         for number, told in self.joint_names.items():
             joint, name = self.joints[number], names.get(told, "")
             place, body = joint.place, joint.body
@@ -181,7 +179,7 @@ class Reader:
 
     # --- joints -----------------------------------------------------------------------------------
 
-    def _joints(self, body: int, follows: set[str]) -> Iterator[GraphJoint]:
+    def _joints(self, body: int, follows: set[str]) -> Iterator[RobotJoint]:
         """The joints of a body, with a link between each two of them; a weld where it has none."""
         if self.links[body] == _WORLD or body in self.floating:
             return
@@ -197,7 +195,7 @@ class Reader:
         if not numbers:
             name = fresh_name(f"{link}_weld", self._taken)
             frames = (carried.inverse() @ self._frame(body), Pose.identity())
-            yield GraphJoint(name, "weld", (carrier, link), frames)
+            yield RobotJoint(name, "weld", (carrier, link), frames)
 
     @cached_property
     def _taken(self) -> set[str]:
@@ -206,9 +204,9 @@ class Reader:
 
     def _joint(
         self, number: int, links: tuple[str, str], frames: tuple[Pose, Pose], follows: set[str]
-    ) -> GraphJoint:
+    ) -> RobotJoint:
         told, name = self.joints[number], self.joint_names[number]
-        made = GraphJoint(name, _TYPES[told.kind], links, frames)
+        made = RobotJoint(name, _TYPES[told.kind], links, frames)
         if told.kind == "ball":
             if told.range is not None:
                 self.notes.append(
@@ -232,21 +230,20 @@ class Reader:
         """Joints that actuators drive."""
         return {joint for actuator in self.compiled.actuators for joint in actuator.joints}
 
-    def _closures(self) -> Iterator[GraphJoint]:
+    def _closures(self) -> Iterator[RobotJoint]:
         """The closures of connects and welds."""
-        for equality in self.equalities:
-            if equality.closes:
-                told = equality.told
+        for told in self.equalities:
+            if told.closes:
                 first, second = (self.links[body] for body in told.bodies)
                 frames = [
                     self._on_link(body) @ pose_of(*frame)
                     for body, frame in zip(told.bodies, told.frames, strict=True)
                 ]
-                yield GraphJoint(
+                yield RobotJoint(
                     told.name or "_".join((told.kind, first or BASE, second or BASE)),
                     "weld" if told.rigid else "S",
                     (first, second),
                     (frames[0], frames[1]),
                     closing=True,
-                    where=equality.where,
+                    where=told.where,
                 )

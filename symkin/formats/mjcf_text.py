@@ -13,9 +13,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from symkin.errors import MechanismError
+from symkin.formats.naming import fresh_name
 from symkin.formats.parts import KEY, parts_text
 from symkin.formats.written_tree import INERTIA, MASS, Carried, Form, WrittenTree, written_tree
-from symkin.formats.xml_written import Element, document, element, inside, is_zero, number
+from symkin.formats.xml_written import Element, document, element, inside, number
 from symkin.model.graph import Coupling, LinkJoint
 from symkin.model.graph_checks import links_of
 from symkin.model.joint import BASE, Joint
@@ -99,7 +100,7 @@ class _Text:
                 "joint",
                 name=joint.name,
                 type_=_TYPES[joint.type],
-                pos=None if is_zero(away.tolist()) else away,
+                pos=away if away.any() else None,
                 axis=joint.axis,
                 ref=joint.zero or None,
                 range_=joint.limits,
@@ -125,18 +126,14 @@ class _Text:
 
     def _sites(self) -> None:
         """The platform frame and points of links, which others may measure at."""
-        graph, taken = self.tree.graph, set()
+        graph, taken = self.tree.graph, set[str]()
         for point in graph.link_points:
             taken.add(point.name)
             away = np.array(point.point) - self.places[point.link]
             inside(self.bodies[point.link], "site", name=point.name, pos=away)
         link = graph.platform_link
         if link is not None:
-            name = next(
-                n
-                for n in ("platform", "platform_frame", "platform frame", "platform frame 2")
-                if n not in taken
-            )
+            name = fresh_name("platform", taken)
             away = np.array(graph.platform_position) - self.places[link]
             inside(self.bodies[link], "site", name=name, pos=away, quat=graph.platform_quaternion)
 
@@ -159,9 +156,7 @@ class _Text:
             self._closure(section, entry)
         taken = {entry.joint.name for entry in closures}
         for coupling in couplings:
-            name = f"coupling of {coupling.joint}"
-            while name in taken:
-                name += "_"
+            name = fresh_name(f"coupling of {coupling.joint}", taken)
             self._coupling(section, tendon, coupling, name)
         if len(tendon):
             root.append(tendon)

@@ -213,9 +213,10 @@ class _Told:
             "objects": [int(model.eq_obj1id[k]), int(model.eq_obj2id[k])],
             "coefficients": numbers[:5].tolist(),
             "flex": self.name("FLEX", int(model.eq_obj1id[k])) if kind.startswith("flex") else "",
+            "closes": kind in ("connect", "weld"),
             "rigid": kind == "weld" and bool(numbers[10] != 0.0),
         }
-        if kind in ("connect", "weld"):
+        if found["closes"]:
             ends = found["objects"]
             if int(model.eq_objtype[k]) == int(self.mujoco.mjtObj.mjOBJ_SITE):
                 found["bodies"] = [int(model.site_bodyid[end]) for end in ends]

@@ -1,25 +1,27 @@
-"""A robot as a file of another format describes it: a tree of joints at the file's own
-configuration, and closures that may be open.
+"""A robot as a file of another format describes it: joints of any graph, told by their frames on
+both links, of which a tree places all links at the file's own configuration; the others close
+loops, which may be open.
 
-Every reader makes a `Robot`. Points and axes are in the base frame at the file's configuration (all
-of it placed by the tree's joints), so that a link's displacement is the product of the exponentials
-of the joints before it. A closure holds two frames, one on each of its links, which coincide as its
-type says where the loop is closed.
+Every reader makes a `Robot`, and `spanned` (in `spanning`) chooses its tree. What is derived of it
+is in the base frame at the file's configuration, so that a link's displacement is the product of
+the exponentials of the joints before it.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
+from symkin.computed_once import cached_property
 from symkin.errors import MechanismError
 from symkin.formats.parts import Parts
+from symkin.formats.robot_joint import RobotJoint, frame_along, joint_at, place
 from symkin.model.graph import Coupling, LinkJoint
 from symkin.model.joint import Joint
-from symkin.model.joint_forms import JointType
+from symkin.model.joint_forms import JOINT_FORMS
 from symkin.model.mechanism import MOST_PARTS
 from symkin.spatial.pose import Pose
 
@@ -27,6 +29,8 @@ MOST_JOINTS = 3 * MOST_PARTS
 """Joints or bodies of a file at most, fixed ones too, which become part of a link: each takes two
 milliseconds.
 """
+_SQUARE = 1e-6
+"""Cosine of the angle between the axes of a universal joint that is taken for zero."""
 
 
 def refuse_too_many(where: str, joints: int, movable: int) -> None:
@@ -41,32 +45,6 @@ def refuse_too_many(where: str, joints: int, movable: int) -> None:
 
 
 @dataclass(frozen=True)
-class RobotJoint(LinkJoint):
-    """A joint of the tree, from the link that is nearer to the root to the other; its `zero` is the
-    value at the file's configuration. Or one between links that the tree joins in another way, with
-    its `frames` on both, in the base frame at the file's configuration: it stands at the first of
-    them, and the coordinate of an R, P or H joint is 0 where they coincide. `where` names element
-    and line of the file. One that is `backward` leads from the second of its links to the first in
-    the mechanism: its coordinates have the names that they have there.
-    """
-
-    frames: tuple[Pose, Pose] | None = None
-    where: str = ""
-    backward: bool = False
-
-
-def joint_at(frame: Pose, name: str, kind: JointType, **told: Any) -> Joint:
-    """The joint of a closure at its first frame: R, C, P and H have the z axis of both frames in
-    common; U turns about the z axis of the first frame and about the x axis of the second, which
-    stay square to each other. `told` is what else it holds.
-    """
-    axes = np.asarray(frame.rotation)
-    axis = None if kind in ("S", "weld") else tuple(axes[:, 2])
-    axis2 = tuple(axes[:, 0]) if kind == "U" else None
-    return Joint(name, kind, tuple(frame.position), axis, axis2, **told)
-
-
-@dataclass(frozen=True)
 class Mesh:
     """A mesh by its file (the path where it is found, else as it is written), its pose in the frame
     of the link or merged body that it shows, and the scale of its own numbers.
@@ -78,33 +56,142 @@ class Mesh:
 
 
 @dataclass(frozen=True)
+class ClosingJoint(LinkJoint):
+    """A joint that closes a loop, with its frames on both links: it stands at the first of them,
+    and the coordinate of an R, P or H joint is 0 where they coincide.
+    """
+
+    frames: tuple[Pose, Pose]
+    where: str
+
+    @property
+    def gap(self) -> Pose:
+        """The displacement from the first frame to the second."""
+        return self.frames[1] @ self.frames[0].inverse()
+
+
+@dataclass(frozen=True)
 class Robot:
-    """Links by name with their frames at the file's configuration, joints in radians and
-    metres, those of the tree, each behind the one that carries its first link, before those that
-    close loops, couplings of joints, and what was left out of the file, a sentence each (`notes`).
-    The root link is "base". Links that are `floating` hang on no joint, only on closures. Bodies
-    that fixed joints make part of a link are `merged`: by their name in the file, the link and
-    their frame. `meshes` show links and merged bodies, by name. `parts` tells which joints are
-    parts of one.
+    """What a file says of a robot, in radians and metres: its `bodies` in order, the `root` among
+    them, joints of any graph (`told`), couplings of joints by name, and what was left out of the
+    file, a sentence each (`notes`). Bodies that are `floating` hang on no joint: they have poses in
+    the root's frame, as the frame has that is called the root's own (`root_frame`). A root without
+    a name is one that no body of the file is. `meshes` show bodies, by name. `parts` tells which
+    joints are parts of one.
+
+    Of a robot that is `spanned` the joints of the tree come first, each behind the one that carries
+    its first body, and the root is "base".
     """
 
     name: str
-    links: Mapping[str, Pose]
-    joints: tuple[RobotJoint, ...]
-    couplings: tuple[Coupling, ...] = ()
+    bodies: Sequence[str]
+    root: str
+    told: Sequence[RobotJoint]
+    couplings: Sequence[Coupling] = ()
     notes: tuple[str, ...] = ()
     source: str = ""
     meshes: Mapping[str, tuple[Mesh, ...]] = field(default_factory=dict)
-    floating: tuple[str, ...] = ()
-    merged: Mapping[str, tuple[str, Pose]] = field(default_factory=dict)
     parts: Parts = field(default_factory=Parts)
+    floating: Mapping[str, Pose] = field(default_factory=dict)
+    root_frame: Pose = field(default_factory=Pose.identity)
+
+    @cached_property
+    def frames(self) -> dict[str, tuple[str, Pose]]:
+        """The frame of each body, and the link that it is, or that fixed joints make it part of."""
+        own = self.placed | {self.root: self.root_frame}
+        return {body: (self.part_of[body], pose) for body, pose in own.items()}
 
     @property
-    def tree(self) -> tuple[RobotJoint, ...]:
-        """The joints that place the links."""
-        return tuple(joint for joint in self.joints if joint.frames is None)
+    def links(self) -> dict[str, Pose]:
+        """The links, with their frames."""
+        return {body: pose for body, (link, pose) in self.frames.items() if link == body}
 
     @property
-    def closures(self) -> tuple[RobotJoint, ...]:
-        """The joints that close loops."""
-        return tuple(joint for joint in self.joints if joint.frames is not None)
+    def joints(self) -> tuple[LinkJoint, ...]:
+        """The joints of the tree, then those that close loops."""
+        return (*self.tree, *self.closures)
+
+    @cached_property
+    def tree(self) -> tuple[LinkJoint, ...]:
+        """The joints that place the links; their `zero` is the value at the file's
+        configuration. They lead as the file tells them, or the other way about where its parts say
+        so.
+        """
+        found = []
+        for joint in self._inside:
+            if joint.type == "weld":
+                continue
+            frame = self.placed[joint.links[0]] @ joint.frames[0]
+            axis, axis2 = (
+                None if told is None else tuple(frame.turn(np.asarray(told)))
+                for told in (joint.axis, joint.axis2)
+            )
+            value = self.parts.reference.get(joint.name, joint.value)
+            zero = value if JOINT_FORMS[joint.type].freedom == 1 else 0.0
+            point, own = tuple(frame.position), self._own(joint)
+            made = Joint(joint.name, joint.type, point, axis, axis2, zero=zero, **own)
+            entry = LinkJoint(made, self._ends(joint))
+            found.append(entry.turned() if joint.name in self.parts.turned else entry)
+        return tuple(found)
+
+    @cached_property
+    def closures(self) -> tuple[ClosingJoint, ...]:
+        """The joints that close loops, as the file tells them."""
+        return tuple(self._closure(joint) for joint in self.told if joint.closing)
+
+    def _closure(self, joint: RobotJoint) -> ClosingJoint:
+        first, second = self.ends_of(joint)
+        made = joint_at(first, joint.name, joint.type, **self._own(joint))
+        return ClosingJoint(made, self._ends(joint), (first, second), joint.where)
+
+    def ends_of(self, joint: RobotJoint) -> tuple[Pose, Pose]:
+        """The frames of a closing joint on both links, z along the axis, and of a universal joint x
+        along the second axis.
+        """
+        if joint.axis and joint.axis2 and abs(np.dot(joint.axis, joint.axis2)) > _SQUARE:
+            raise MechanismError(
+                f"{joint.where}: the axes of the universal joint are not square to each other, "
+                f"and it closes a loop of such joints; "
+                "write it as two revolute joints with a link between them"
+            )
+        turn = Pose.identity() if joint.axis is None else frame_along(joint.axis, joint.axis2)
+        ends = zip(joint.links, joint.frames, strict=True)
+        first, second = (self.placed[link] @ frame @ turn for link, frame in ends)
+        return first, second
+
+    def _own(self, joint: RobotJoint) -> dict[str, Any]:
+        """What is told of a joint beside its place."""
+        driven = joint.actuated or self.parts.drives(joint.name, joint.type)
+        own: dict[str, Any] = {"pitch": joint.pitch, "actuated": driven}
+        if JOINT_FORMS[joint.type].freedom == 1:
+            own |= {"limits": joint.limits, "motor": joint.motor}
+        return own
+
+    def _ends(self, joint: RobotJoint) -> tuple[str, str]:
+        """The links that a joint is between."""
+        first, second = (self.part_of[body] for body in joint.links)
+        return first, second
+
+    @property
+    def _inside(self) -> list[RobotJoint]:
+        """The joints of the tree, fixed ones too."""
+        return [joint for joint in self.told if not joint.closing]
+
+    @cached_property
+    def placed(self) -> dict[str, Pose]:
+        """All bodies in the base frame, where the file has the joints of the tree, or at the values
+        that `parts` tells.
+        """
+        return place(
+            self._inside, {self.root: Pose.identity(), **self.floating}, self.parts.reference
+        )
+
+    @cached_property
+    def part_of(self) -> dict[str, str]:
+        """The link that each body is, or is part of."""
+        found = {body: body for body in (self.root, *self.floating)}
+        for joint in self._inside:
+            near = joint.links[joint.links[0] not in found]
+            far = joint.links[joint.links[0] == near]
+            found[far] = found[near] if joint.type == "weld" else far
+        return found

@@ -11,17 +11,11 @@ import numpy as np
 
 from symkin.formats.couplings import CouplingSet, LinearEquation
 from symkin.formats.graph_reader import ONE_COORDINATE, GraphReader
-from symkin.formats.joint_graph import (
-    Direction,
-    GraphJoint,
-    JointGraph,
-    robot_of,
-    spanning_tree,
-)
 from symkin.formats.naming import robot_name
 from symkin.formats.parts import JOINTS_TAG
 from symkin.formats.read_options import AS_IT_IS, ReadOptions
 from symkin.formats.robot import Mesh, Robot, refuse_too_many
+from symkin.formats.robot_joint import Direction, RobotJoint
 from symkin.formats.sdf_frames import FIRST_WITH_FRAMES, WORLD, Scope, SdfFrames, sdf_version
 from symkin.formats.sdf_joint import (
     TYPES,
@@ -34,6 +28,7 @@ from symkin.formats.sdf_joint import (
     unit_from,
 )
 from symkin.formats.sdf_world import robot_model
+from symkin.formats.spanning import spanned, spanning_tree
 from symkin.formats.urdf_parts import parts_within, refuse_itself, unit
 from symkin.formats.xml_text import Element, read_xml
 from symkin.model.graph import Coupling
@@ -54,7 +49,7 @@ def read_sdf(path: Path, read: ReadOptions = AS_IT_IS) -> Robot:
     """
     path = Path(path)
     root = read_xml(path, "sdf")
-    return robot_of(_Reader(root, path, read).graph())
+    return spanned(_Reader(root, path, read).robot())
 
 
 class _Reader(GraphReader):
@@ -77,7 +72,7 @@ class _Reader(GraphReader):
         self.poses = {_plain(link): self.frames.pose(link) for link in self.frames.links}
         self.poses[WORLD] = Pose.identity()
 
-    def graph(self) -> JointGraph:
+    def robot(self) -> Robot:
         joints = [
             self._joint(*entry)
             for entry in self.frames.joints
@@ -90,11 +85,11 @@ class _Reader(GraphReader):
         if not links:
             raise self.model.error("no <link> is found; a robot has links and joints")
         root = WORLD if on_world else self._root(links, joints)
-        graph = JointGraph(
+        robot = Robot(
             name=robot_name(self.model.attributes.get("name"), self.path),
-            links=links,
+            bodies=links,
             root=root,
-            joints=joints,
+            told=joints,
             couplings=tuple(couplings.found.values()),
             source=str(self.path),
             meshes={
@@ -103,15 +98,15 @@ class _Reader(GraphReader):
             },
             parts=self.parts,
         )
-        graph = self._with_motors(graph)
+        robot = self._with_motors(robot)
         if self.unlimited:
             self.notes.append(
                 f"ranges of joints of two coordinates are left out: {first_of(self.unlimited)}"
             )
         left_out = self._left_out()
-        return replace(graph, notes=(*self.frames.notes, *self.notes, *left_out))
+        return replace(robot, notes=(*self.frames.notes, *self.notes, *left_out))
 
-    def _root(self, links: Sequence[str], joints: Sequence[GraphJoint]) -> str:
+    def _root(self, links: Sequence[str], joints: Sequence[RobotJoint]) -> str:
         """The model's canonical link, or the first link of the part that has most joints where
         nothing joins to that one.
         """
@@ -123,7 +118,7 @@ class _Reader(GraphReader):
 
     # --- joints -----------------------------------------------------------------------------------
 
-    def _joint(self, element: Element, scope: Scope) -> GraphJoint:
+    def _joint(self, element: Element, scope: Scope) -> RobotJoint:
         name = _plain(scope.prefix + element.attribute("name"))
         parent, child = (self._body(element, tag, scope) for tag in ("parent", "child"))
         if child == WORLD:
@@ -132,37 +127,24 @@ class _Reader(GraphReader):
         at = self._joint_pose(element, scope)
         self._note_parent_frame(element, scope, at)
         frames = (self.poses[parent].inverse() @ at, self.poses[child].inverse() @ at)
-        made = GraphJoint(
+        word = element.attributes.get("type", "")
+        is_universal = word in ("revolute2", "universal")
+        kind = "U" if is_universal else sdf_type(element, (*TYPES, "revolute2", "gearbox"))
+        has_axis = kind not in ("weld", "S")
+        has_one = has_axis and not is_universal
+        bounds = sdf_limits(element) if has_one and word != "continuous" else None
+        return RobotJoint(
             name,
-            "weld",
+            kind,
             (parent, child),
             frames,
+            axis=self._axis(element, "axis", scope, at) if has_axis else None,
+            axis2=self._second(element, scope, at) if is_universal else None,
+            pitch=sdf_pitch(element) if kind == "H" else 0.0,
+            limits=self.range_of(bounds, element, element.line),
+            motor=sdf_motor(element) if has_one else None,
             closing=name in self.parts.welds,
             where=element.where,
-        )
-        if element.attributes.get("type") in ("revolute2", "universal"):
-            return replace(
-                made,
-                type="U",
-                axis=self._axis(element, "axis", scope, at),
-                axis2=self._second(element, scope, at),
-            )
-        kind = sdf_type(element, (*TYPES, "revolute2", "gearbox"))
-        if kind in ("weld", "S"):
-            return replace(made, type=kind)
-        pitch = sdf_pitch(element) if kind == "H" else 0.0
-        limits = (
-            None
-            if element.attributes.get("type") == "continuous"
-            else self.range_of(sdf_limits(element), element, element.line)
-        )
-        return replace(
-            made,
-            type=kind,
-            axis=self._axis(element, "axis", scope, at),
-            pitch=pitch,
-            limits=limits,
-            motor=sdf_motor(element),
         )
 
     def _note_parent_frame(self, element: Element, scope: Scope, at: Pose) -> None:
@@ -228,7 +210,7 @@ class _Reader(GraphReader):
 
     # --- couplings --------------------------------------------------------------------------------
 
-    def _mimics(self, joints: Sequence[GraphJoint]) -> Iterator[tuple[Coupling, str]]:
+    def _mimics(self, joints: Sequence[RobotJoint]) -> Iterator[tuple[Coupling, str]]:
         """follower = multiplier x (leader - reference) + offset."""
         made = {joint.name: joint for joint in joints}
         for element, scope in self.frames.joints:
@@ -253,7 +235,7 @@ class _Reader(GraphReader):
                 yield Coupling(follower, {leader: factor}, offset - factor * reference), mimic.where
 
     def _coordinate(
-        self, made: dict[str, GraphJoint], name: str, axis: int, element: Element
+        self, made: dict[str, RobotJoint], name: str, axis: int, element: Element
     ) -> str:
         name = _plain(name)
         if name not in made or made[name].type not in (*ONE_COORDINATE, "U"):
@@ -262,7 +244,7 @@ class _Reader(GraphReader):
             )
         return name + (f".{axis}" if made[name].type == "U" else "")
 
-    def _gears(self, joints: Sequence[GraphJoint]) -> Iterator[LinearEquation]:
+    def _gears(self, joints: Sequence[RobotJoint]) -> Iterator[LinearEquation]:
         """theta_2 = -ratio theta_1: the angles of parent and child against the reference body,
         about axis and axis2.
         """
@@ -288,7 +270,7 @@ class _Reader(GraphReader):
     def _turns(
         self,
         element: Element,
-        joints: Sequence[GraphJoint],
+        joints: Sequence[RobotJoint],
         start: str,
         end: str,
         about: np.ndarray,
@@ -305,7 +287,7 @@ class _Reader(GraphReader):
         turns = ((j.name, senses[j.name] or 0.0, forward) for j, forward in along(path, start))
         return {name: sense if forward else -sense for name, sense, forward in turns if sense}
 
-    def _sense(self, joint: GraphJoint, about: np.ndarray) -> float | None:
+    def _sense(self, joint: RobotJoint, about: np.ndarray) -> float | None:
         """1 or -1 for a joint that turns about a direction, 0 for a weld; None for others."""
         if joint.type == "weld":
             return 0.0
@@ -317,10 +299,10 @@ class _Reader(GraphReader):
 
     # --- the rest ---------------------------------------------------------------------------------
 
-    def _with_motors(self, graph: JointGraph) -> JointGraph:
+    def _with_motors(self, robot: Robot) -> Robot:
         """The joints that plugins name actuated, else all of the tree that move."""
         if self.motors_told:
-            return graph
+            return robot
         named = {
             e.text.strip()
             for p in self.model.walk()
@@ -328,9 +310,9 @@ class _Reader(GraphReader):
             for e in p.walk()
             if e.tag == "joint_name"
         }
-        followers = {coupling.joint for coupling in graph.couplings}
-        able = {joint.name for joint in spanning_tree(graph.joints, graph.couplings)} - followers
-        return replace(graph, joints=self.driven(graph.joints, named, able, self.notes))
+        followers = {coupling.joint for coupling in robot.couplings}
+        able = {joint.name for joint in spanning_tree(robot.told, robot.couplings)} - followers
+        return replace(robot, told=self.driven(robot.told, named, able, self.notes))
 
     def _mesh(self, link: str, scope: Scope, visual: Element, mesh: Element) -> Mesh:
         """A mesh of a visual, which is told in the link's frame unless it says otherwise."""

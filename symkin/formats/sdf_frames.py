@@ -79,7 +79,7 @@ class SdfFrames:
     includes: int = 0
     roots: dict[Path, Element] = field(default_factory=dict)
     scopes: list[Scope] = field(default_factory=list)
-    known: dict[str, Pose] = field(default_factory=dict)
+    known: dict[tuple[str, str], Pose] = field(default_factory=dict)
     notes: list[str] = field(default_factory=list)
 
     def add_model(
@@ -128,17 +128,21 @@ class SdfFrames:
         for joint in element.all("joint"):
             self._add_joint(joint, scope)
 
-    def pose(self, name: str) -> Pose:
-        """A frame's pose in the world; those on the way there are kept."""
+    def pose(self, name: str, end: str = WORLD) -> Pose:
+        """A frame's pose in the world, or in a frame above it; those on the way there are kept."""
         path: list[str] = []
         at = self._full(name)
-        while at != WORLD and at not in self.known:
+        while at != end and (at, end) not in self.known:
             self._refuse_circle(at, path, name)
             path.append(at)
             at = self._full(self.frames[at].told_in)
-        pose = self.known.get(at, Pose.identity())
+            if at == WORLD != end:
+                raise self.frames[path[-1]].element.error(
+                    f"the frame {name!r} does not stand within the model that it places"
+                )
+        pose = self.known.get((at, end), Pose.identity())
         for key in reversed(path):
-            pose = self.known[key] = pose @ self._own(key)
+            pose = self.known[key, end] = pose @ self._own(key)
         return pose
 
     def link_of(self, name: str) -> str:
@@ -267,27 +271,13 @@ class SdfFrames:
             else key
         )
 
-    def _chain(self, name: str, end: str) -> Pose:
-        """The pose of a frame in one above it."""
-        path: list[str] = []
-        total, at = Pose.identity(), self._full(name)
-        while at != end:
-            self._refuse_circle(at, path, name)
-            path.append(at)
-            total, at = self._own(at) @ total, self._full(self.frames[at].told_in)
-            if at == WORLD and end != WORLD:
-                raise self.frames[path[-1]].element.error(
-                    f"the frame {name!r} does not stand within the model that it places"
-                )
-        return total
-
     def _own(self, key: str) -> Pose:
         """A frame's pose in the one in which it is told."""
         frame = self.frames[key]
         return (
             frame.pose
             if frame.placement is None
-            else frame.pose @ self._chain(frame.placement, key).inverse()
+            else frame.pose @ self.pose(frame.placement, key).inverse()
         )
 
     def _refuse_circle(self, at: str, path: Sequence[str], name: str) -> None:

@@ -5,12 +5,15 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
+import numpy as np
+
 from symkin.errors import InputError
-from symkin.formats.joint_graph import AXES, frame_along
 from symkin.formats.read_options import ReadOptions, closure_kind
-from symkin.formats.robot import Robot, RobotJoint, joint_at
+from symkin.formats.robot import Robot
+from symkin.formats.robot_joint import AXES, RobotJoint, frame_along
 from symkin.model.joint import BASE
 from symkin.model.joint_forms import JointType
+from symkin.spatial.pose import Pose
 from symkin.text import first_of, meant, shown
 
 _DRIVEN = ("R", "P", "H", "C", "U")
@@ -29,11 +32,11 @@ def as_told(robot: Robot, read: ReadOptions) -> Robot:
 
 
 def _with_kinds(robot: Robot, told: Mapping[str, str]) -> Robot:
-    names = [closure.joint.name for closure in robot.closures]
+    names = [joint.name for joint in robot.told if joint.closing]
     for name in told:
         if name in names:
             continue
-        if any(entry.joint.name == name for entry in robot.tree):
+        if any(joint.name == name for joint in robot.told):
             raise InputError(
                 f"loop: {name!r} is a joint of the tree and closes no loop; closures: "
                 f"{first_of(names) or 'none'}"
@@ -42,32 +45,37 @@ def _with_kinds(robot: Robot, told: Mapping[str, str]) -> Robot:
             f"loop: no closure is named {shown(name)}{meant(name, names)}; closures: "
             f"{first_of(names, 20) or 'none'}"
         )
-    joints = tuple(
-        _of_kind(e, *closure_kind(e.joint.name, told[e.joint.name])) if e.joint.name in told else e
-        for e in robot.joints
-    )
+    joints = [
+        _of_kind(j, *closure_kind(j.name, told[j.name])) if j.name in told else j
+        for j in robot.told
+    ]
     notes = (
-        f"the closure {e.joint.name!r} is of type {e.joint.type}, as told"
-        for e in joints
-        if e.joint.name in told
+        f"the closure {joint.name!r} is of type {joint.type}, as told"
+        for joint in joints
+        if joint.name in told
     )
-    return replace(robot, joints=joints, notes=(*robot.notes, *notes))
+    return replace(robot, told=joints, notes=(*robot.notes, *notes))
 
 
-def _of_kind(closure: RobotJoint, kind: JointType, axis: str) -> RobotJoint:
+def _of_kind(joint: RobotJoint, kind: JointType, axis: str) -> RobotJoint:
     """The closure as one of another kind, about or along an axis of its frames; ranges and motors
     were those of the other kind.
     """
-    turn, joint = frame_along(AXES[axis]), closure.joint
-    keys = ("pitch", "limits", "actuated", "motor") if kind == joint.type else ()
-    told = {key: getattr(joint, key) for key in keys}
-    first, second = (frame @ turn for frame in closure.frames or ())
-    return replace(closure, joint=joint_at(first, joint.name, kind, **told), frames=(first, second))
+    turn = Pose.identity() if joint.axis is None else frame_along(joint.axis, joint.axis2)
+    axes = np.asarray((turn @ frame_along(AXES[axis])).rotation).T.tolist()
+    if kind != joint.type:
+        joint = replace(joint, pitch=0.0, limits=None, actuated=False, motor=None)
+    return replace(
+        joint,
+        type=kind,
+        axis=None if kind in ("S", "weld") else axes[2],
+        axis2=axes[0] if kind == "U" else None,
+    )
 
 
 def _with_platform(robot: Robot, name: str) -> Robot:
     """The robot whose platform frame is that of a link, or of a body that is part of one."""
-    frames = {link: (link, frame) for link, frame in robot.links.items()} | dict(robot.merged)
+    frames = robot.frames
     moved = [body for body, (link, _) in frames.items() if link != BASE]
     if name not in moved:
         if name in frames or any(
@@ -100,11 +108,8 @@ def _with_motors(robot: Robot, names: Sequence[str]) -> Robot:
             )
         if names.count(name) > 1:
             raise InputError(f"actuated: {name!r} is given twice")
-    driven = (replace(entry.joint, actuated=entry.joint.name in names) for entry in robot.joints)
     return replace(
         robot,
-        joints=tuple(
-            replace(entry, joint=joint) for entry, joint in zip(robot.joints, driven, strict=True)
-        ),
+        told=[replace(joint, actuated=joint.name in names) for joint in robot.told],
         parts=replace(robot.parts, actuated=None),
     )

@@ -13,19 +13,13 @@ from symkin.errors import MechanismError
 from symkin.formats.couplings import CouplingSet
 from symkin.formats.gepetto_yaml import loops_beside
 from symkin.formats.graph_reader import GraphReader
-from symkin.formats.joint_graph import (
-    Direction,
-    GraphJoint,
-    JointGraph,
-    frame_along,
-    place,
-    robot_of,
-)
 from symkin.formats.naming import robot_name
 from symkin.formats.packages import Packages
 from symkin.formats.parts import JOINTS_TAG
 from symkin.formats.read_options import AS_IT_IS, ReadOptions
 from symkin.formats.robot import Mesh, Robot, refuse_too_many
+from symkin.formats.robot_joint import Direction, RobotJoint, frame_along, place
+from symkin.formats.spanning import spanned
 from symkin.formats.urdf_loops import LOOP_TAGS, gears_within, loops_within
 from symkin.formats.urdf_motors import driven_names, mimics, told_motors
 from symkin.formats.urdf_parts import (
@@ -88,7 +82,7 @@ def read_urdf(path: Path, read: ReadOptions = AS_IT_IS) -> Robot:
     Raises InputError and MechanismError with file, line and element for what is not right.
     """
     path = Path(path)
-    return robot_of(_Reader(_root(path, read), path, read).graph())
+    return spanned(_Reader(_root(path, read), path, read).robot())
 
 
 def _root(path: Path, read: ReadOptions) -> Element:
@@ -128,31 +122,30 @@ class _Reader(GraphReader):
         )
         self.beside = loops_beside(path)
 
-    def graph(self) -> JointGraph:
+    def robot(self) -> Robot:
         joints = self._joints()
         root = self._root_link(joints)
-        zero = {link: pose for link, (pose, _) in place(joints, root).items()}
-        loops = loops_within(self.root, zero, self.beside.frames, self.read.loop)
-        joints = [*joints, *self._beside(), *loops.joints]
+        zero = place(joints, {root: Pose.identity()})
+        loops, of_loops = loops_within(self.root, zero, self.beside.frames, self.read.loop)
+        joints = [*joints, *self._beside(), *loops]
         motors = told_motors(self.root)
         joints = [replace(joint, motor=motors.get(joint.name)) for joint in joints]
         couplings = CouplingSet.of(
             mimics(self.elements, joints), gears_within(self.root, self.links, joints)
         )
         joints, of_motors = self._with_motors(joints)
-        links = dict.fromkeys([*self.links, *(link for joint in joints for link in joint.links)])
         self._refuse_lost(root, joints)
-        return JointGraph(
+        return Robot(
             name=robot_name(self.root.attributes.get("name"), self.path),
-            links=tuple(links),
+            bodies=tuple(self.links),
             root=root,
-            joints=joints,
+            told=joints,
             couplings=tuple(couplings.found.values()),
             notes=(
                 *self.notes,
                 *of_motors,
                 *self.beside.notes,
-                *loops.notes,
+                *of_loops,
                 *couplings.notes,
                 *self._left_out(),
             ),
@@ -192,11 +185,11 @@ class _Reader(GraphReader):
                 )
         return found
 
-    def _root_link(self, joints: Sequence[GraphJoint]) -> str:
+    def _root_link(self, joints: Sequence[RobotJoint]) -> str:
         """The link that is no joint's child. Raises MechanismError where two joints carry one link,
         or no link is the root.
         """
-        carried: dict[str, GraphJoint] = {}
+        carried: dict[str, RobotJoint] = {}
         for joint in joints:
             child = joint.links[1]
             if child in carried:
@@ -213,7 +206,7 @@ class _Reader(GraphReader):
             )
         return roots[0]
 
-    def _refuse_lost(self, root: str, joints: Sequence[GraphJoint]) -> None:
+    def _refuse_lost(self, root: str, joints: Sequence[RobotJoint]) -> None:
         reached = joined_to(joints, root)
         lost = [link for link in self.links if link not in reached]
         if lost:
@@ -229,7 +222,7 @@ class _Reader(GraphReader):
 
     # --- joints -----------------------------------------------------------------------------------
 
-    def _joints(self) -> list[GraphJoint]:
+    def _joints(self) -> list[RobotJoint]:
         named = self._named(self.elements)
         joints = [made for name, e in named.items() for made in self._joint(e, name)]
         for name in self.beside.retyped:
@@ -239,14 +232,14 @@ class _Reader(GraphReader):
                 )
         return joints
 
-    def _joint(self, element: Element, name: str) -> list[GraphJoint]:
+    def _joint(self, element: Element, name: str) -> list[RobotJoint]:
         kind = element.attribute("type")
         links = tuple(
             known_link(end.attribute("link"), end, self.links)
             for end in map(element.needed, ("parent", "child"))
         )
         refuse_itself(links[0], links[1], element)
-        made = GraphJoint(
+        made = RobotJoint(
             name,
             "weld",
             (links[0], links[1]),
@@ -275,7 +268,7 @@ class _Reader(GraphReader):
             raise element.error(f"type = {not_among(kind, [*_TYPES, 'floating', 'planar'])}")
         return [self._plain(replace(made, type=_TYPES[kind]), element, kind)]
 
-    def _plain(self, made: GraphJoint, element: Element, kind: str) -> GraphJoint:
+    def _plain(self, made: RobotJoint, element: Element, kind: str) -> RobotJoint:
         """A joint of one type, with axis, range and pitch."""
         if made.type == "weld" or made.type == "S":
             return made
@@ -308,15 +301,13 @@ class _Reader(GraphReader):
         first = [e for e, (parent, _) in ends.items() if parent == root]
         return first[0] if len(first) == 1 and first[0].attribute("type") == "floating" else None
 
-    def _beside(self) -> list[GraphJoint]:
+    def _beside(self) -> list[RobotJoint]:
         """The closures of the YAML file beside the URDF."""
-        made, frames = [], (Pose.identity(), Pose.identity())
+        made = []
         for k, (kind, *names) in enumerate(self.beside.closures, start=1):
             where = f"{self.beside.file}: closed_loop[{k - 1}]"
             first, second = (self._frame_beside(name, where) for name in names)
-            made.append(
-                GraphJoint(f"loop{k}", kind, (first, second), frames, closing=True, where=where)
-            )
+            made.append(RobotJoint(f"loop{k}", kind, (first, second), closing=True, where=where))
         return made
 
     def _frame_beside(self, name: str, where: str) -> str:
@@ -331,7 +322,7 @@ class _Reader(GraphReader):
             )
         return name if name in self.links else children[name]
 
-    def _with_motors(self, joints: list[GraphJoint]) -> tuple[list[GraphJoint], list[str]]:
+    def _with_motors(self, joints: list[RobotJoint]) -> tuple[list[RobotJoint], list[str]]:
         """The joints, actuated where the YAML file, transmissions or URDF+ say so; and notes."""
         if self.motors_told:
             return joints, []
@@ -370,14 +361,14 @@ def _planar(normal: Direction) -> list[tuple[str, JointType, Direction | None]]:
 
 
 def _chain(
-    joint: GraphJoint, parts: Sequence[tuple[str, JointType, Direction | None]]
-) -> list[GraphJoint]:
+    joint: RobotJoint, parts: Sequence[tuple[str, JointType, Direction | None]]
+) -> list[RobotJoint]:
     """A joint of many freedoms as joints of one type each, with links of their own between them."""
     middle = [f"{joint.name}.{word}.link" for word, _, _ in parts[:-1]]
     links = [joint.links[0], *middle, joint.links[1]]
     still = Pose.identity()
     return [
-        GraphJoint(
+        RobotJoint(
             f"{joint.name}.{word}",
             kind,
             (links[k], links[k + 1]),

@@ -6,12 +6,11 @@ from __future__ import annotations
 
 import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from symkin.formats.couplings import LinearEquation
-from symkin.formats.joint_graph import Direction, GraphJoint, Z, frame_along
+from symkin.formats.robot_joint import Direction, RobotJoint, Z, frame_along
 from symkin.formats.sdf_frames import NEWEST, sdf_pose
 from symkin.formats.sdf_joint import sdf_axis, sdf_type
 from symkin.formats.urdf_parts import (
@@ -46,20 +45,12 @@ _CLOSING = re.compile(r"closing_(.+)_([12])")
 """Links of onshape-to-robot: the two frames of one mate."""
 
 
-@dataclass(frozen=True)
-class Loops:
-    """The closing joints, and notes."""
-
-    joints: tuple[GraphJoint, ...]
-    notes: tuple[str, ...]
-
-
 def loops_within(
     root: Element, zero: Mapping[str, Pose], taken: Collection[str], told: Collection[str] = ()
-) -> Loops:
-    """The loops of a robot; `zero` are the poses of its links where all joints are 0 (of those that
-    joints place), `taken` links whose frames are told beside the file, `told` names of closures
-    whose kind is.
+) -> tuple[list[RobotJoint], list[str]]:
+    """The closing joints of a robot, and notes; `zero` are the poses of its links where all joints
+    are 0 (of those that joints place), `taken` links whose frames are told beside the file, `told`
+    names of closures whose kind is.
     """
     reader = _Reader(root, zero)
     pairs = reader.closing_pairs(taken)
@@ -74,7 +65,7 @@ def loops_within(
         if points
         else []
     )
-    return Loops(tuple(joints), tuple(notes))
+    return joints, notes
 
 
 class _Reader:
@@ -88,7 +79,7 @@ class _Reader:
             joint for gazebo in root.all("gazebo") for joint in gazebo.all("joint")
         ]
 
-    def joint(self, element: Element) -> GraphJoint:
+    def joint(self, element: Element) -> RobotJoint:
         """The closing joint that an element tells."""
         tag = plain_tag(element.tag)
         if tag not in _FORMS:
@@ -100,7 +91,7 @@ class _Reader:
         ]
         return self._made(element, kind, ends)
 
-    def closing_pairs(self, taken: Collection[str]) -> list[GraphJoint]:
+    def closing_pairs(self, taken: Collection[str]) -> list[RobotJoint]:
         """Points that the links closing_X_1 and closing_X_2 have in common."""
         found: dict[str, dict[str, str]] = {}
         for link in self.root.all("link"):
@@ -116,20 +107,18 @@ class _Reader:
                 raise link.error(
                     f"the loop's other frame, the link 'closing_{mate}_{other}', is missing"
                 )
-        still = (Pose.identity(), Pose.identity())
         return [
-            GraphJoint(
+            RobotJoint(
                 f"closing_{mate}",
                 "S",
                 (links["1"], links["2"]),
-                still,
                 closing=True,
                 where=f"{self.root.file}: closing_{mate}",
             )
             for mate, links in found.items()
         ]
 
-    def _gazebo_joint(self, element: Element) -> GraphJoint:
+    def _gazebo_joint(self, element: Element) -> RobotJoint:
         """A joint of SDF between links of the URDF: its pose is in the child's frame."""
         names = [element.needed(tag).text.strip() for tag in ("parent", "child")]
         parent, child = (known_link(name, element, self.links) for name in names)
@@ -145,7 +134,7 @@ class _Reader:
         axis = sdf_axis(element, "axis", at) if _has_axis(kind) else None
         turn = Pose.identity() if axis is None else frame_along(axis)
         frames = (self.zero[parent].inverse() @ at @ turn, frame @ turn)
-        return GraphJoint(
+        return RobotJoint(
             element.attribute("name"),
             kind,
             (parent, child),
@@ -159,7 +148,7 @@ class _Reader:
 
     def _made(
         self, element: Element, kind: JointType, ends: Sequence[tuple[str, Pose, Direction | None]]
-    ) -> GraphJoint:
+    ) -> RobotJoint:
         """A closing joint whose axis is the z axis of both frames."""
         links = (ends[0][0], ends[1][0])
         refuse_itself(*links, element)
@@ -173,7 +162,7 @@ class _Reader:
             back = (self.zero[links[1]] @ frame).inverse()
             second = frame @ frame_along(other, back.turn(there.turn(np.array([1.0, 0.0, 0.0]))))
         axis = Z if _has_axis(kind) else None
-        return GraphJoint(
+        return RobotJoint(
             element.attribute("name") if "name" in element.attributes else f"loop{element.line}",
             kind,
             links,
@@ -245,7 +234,7 @@ def _link_of(element: Element, links: Collection[str]) -> str:
 
 
 def gears_within(
-    root: Element, links: Collection[str], joints: Sequence[GraphJoint]
+    root: Element, links: Collection[str], joints: Sequence[RobotJoint]
 ) -> Iterator[LinearEquation]:
     """The couplings of URDF+: ratio x (sum of the joints from the common ancestor to the
     predecessor) = the same sum to the successor.

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 
 from symkin.formats.gepetto_yaml import LoopsBeside
 from symkin.formats.graph_reader import ONE_COORDINATE
-from symkin.formats.joint_graph import GraphJoint
+from symkin.formats.robot_joint import RobotJoint
 from symkin.formats.xml_text import Element
 from symkin.model.graph import Coupling
 from symkin.model.motor import Motor, motor_of
@@ -41,7 +41,7 @@ def told_motors(root: Element) -> dict[str, Motor | None]:
 
 
 def mimics(
-    elements: Sequence[Element], joints: Sequence[GraphJoint]
+    elements: Sequence[Element], joints: Sequence[RobotJoint]
 ) -> Iterator[tuple[Coupling, str]]:
     """joint = multiplier x other + offset, for every <mimic> of a joint that moves, and its
     place.

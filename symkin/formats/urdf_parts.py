@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Collection
 
-from symkin.formats.joint_graph import Direction
 from symkin.formats.parts import JOINTS_TAG, Parts, parts_from
+from symkin.formats.robot_joint import Direction
 from symkin.formats.xml_text import Element
 from symkin.spatial.pose import Pose
 from symkin.text import meant

@@ -14,6 +14,7 @@ from dataclasses import replace
 import numpy as np
 
 from symkin.formats.couplings import mimic_of
+from symkin.formats.frames import closing_frames, xyz_rpy, zero_displacements
 from symkin.formats.naming import fresh_name
 from symkin.formats.parts import JOINTS_TAG, NAMESPACE, Parts, Whole, parts_text
 from symkin.formats.written_tree import (
@@ -25,7 +26,6 @@ from symkin.formats.written_tree import (
     written_tree,
 )
 from symkin.formats.xml_written import Element, document, element, inside
-from symkin.formats.zero_frames import closing_frames, xyz_rpy, zero_displacements
 from symkin.model.graph import Coupling, LinkJoint
 from symkin.model.joint import BASE, Joint
 from symkin.model.joint_forms import JointType

@@ -9,6 +9,7 @@ from symkin.errors import MechanismError
 from symkin.formats.parts import KEY, Parts, Whole
 from symkin.model.graph import LinkJoint, LinkRod
 from symkin.model.joint import Joint
+from symkin.model.joint_forms import JointType
 from symkin.model.mechanism import Mechanism
 from symkin.spatial.pose import Pose
 from symkin.text import shown
@@ -134,26 +135,19 @@ class _Made:
 
     def _joint_of(self, whole: Whole, moving: Sequence[Joint]) -> Joint:
         first = moving[0] if moving else Joint(whole.name, "weld")
-        match whole.kind, "".join(joint.type for joint in moving):
-            case ("R" | "P" | "S", kind) if kind == whole.kind:
-                return replace(first, name=whole.name)
-            case "U", "RR":
-                return Joint(
-                    whole.name,
-                    "U",
-                    first.point,
-                    first.axis,
-                    moving[1].axis,
-                    actuated=first.actuated,
-                )
-            case "C", "RP":
-                return Joint(whole.name, "C", first.point, first.axis, actuated=first.actuated)
+        kinds = "".join(joint.type for joint in moving) or "weld"
+        match whole.kind, kinds:
+            case ("U", "RR") | ("C", "RP"):
+                kind: JointType = "U" if kinds == "RR" else "C"
+                axis2 = moving[1].axis if kind == "U" else None
+                own = (first.point, first.axis, axis2)
+                return Joint(whole.name, kind, *own, actuated=first.actuated)
             case "S", "RRR":
                 return Joint(whole.name, "S", first.point)
             case "H", "RP" if whole.number:
                 self.couplings.pop(moving[1].name, None)
                 return replace(first, name=whole.name, type="H", pitch=whole.number)
-            case ("H", "H") | ("U", "U") | ("weld", ""):
+            case told, found if told == found:
                 return replace(first, name=whole.name)
             case _:
                 raise self._unfit(whole)

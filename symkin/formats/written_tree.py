@@ -22,7 +22,7 @@ from symkin.formats.naming import fresh_name
 from symkin.formats.parts import Parts, Whole, in_two
 from symkin.model.graph import Coupling, LinkJoint, LinkRod
 from symkin.model.graph_checks import links_of
-from symkin.model.joined import Joined
+from symkin.model.joined import outward, spanning
 from symkin.model.joint import BASE, Joint
 from symkin.model.joint_forms import JointType
 from symkin.model.mechanism import Mechanism
@@ -130,9 +130,7 @@ class _Writer:
             self._add_rod(rod)
 
     def tree(self) -> WrittenTree:
-        ranked = sorted(self.entries, key=self._rank)
-        joined = Joined[str]()
-        inside = [entry for entry in ranked if joined.join(*entry.links)]
+        inside = spanning(self.entries, self._rank)
         self._refuse_welds(inside)
         closures = [self._closed(entry, inside) for entry in self.entries if entry not in inside]
         carried = self._carried(inside)
@@ -246,32 +244,16 @@ class _Writer:
 
     def _carried(self, inside: Sequence[LinkJoint]) -> list[Carried]:
         """The links from the base outward, each with the parts of the joint that carries it."""
-        at: dict[str, list[LinkJoint]] = {}
-        for entry in inside:
-            for link in entry.links:
-                at.setdefault(link, []).append(entry)
         found: list[Carried] = []
-        todo, seen = [BASE], {BASE}
-        while todo:
-            link = todo.pop()
-            behind = []
-            for entry in at.get(link, []):
-                other = entry.links[1] if entry.links[0] == link else entry.links[0]
-                if other in seen:
-                    continue
-                seen.add(other)
-                behind.append(other)
-                parts = self._in_parts(entry.joint)
-                if entry.links[0] != link:
-                    parts = [part.turned() for part in reversed(parts)]
-                    # of joints in parts the order of these tells it
-                    self.turned += (
-                        []
-                        if Parts(tuple(self.wholes)).hold(entry.joint.name)
-                        else [entry.joint.name]
-                    )
-                found.append(Carried(link, other, tuple(parts)))
-            todo += reversed(behind)
+        for entry, forward in outward(inside, [BASE], deep=True):
+            carrier, link = entry.links if forward else entry.links[::-1]
+            parts = self._in_parts(entry.joint)
+            if not forward:
+                parts = [part.turned() for part in reversed(parts)]
+                # of joints in parts the order of these tells it
+                if not Parts(tuple(self.wholes)).hold(entry.joint.name):
+                    self.turned.append(entry.joint.name)
+            found.append(Carried(carrier, link, tuple(parts)))
         return found
 
     # --- joints in parts --------------------------------------------------------------------------

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from xml.etree import ElementTree
 
 from symkin.errors import MechanismError
@@ -68,8 +68,3 @@ def _text(value: object) -> str:
     if isinstance(value, float | int):
         return number(float(value))
     return value if isinstance(value, str) else numbers(value)  # type: ignore[arg-type]
-
-
-def is_zero(vector: Sequence[float]) -> bool:
-    """Whether all numbers are 0, as those that need not be written."""
-    return not any(vector)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterable, Iterator, Sequence
+from collections import deque
+from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
+from itertools import pairwise
 from typing import Generic, Protocol, TypeVar
 
 Item = TypeVar("Item", bound=Hashable)
@@ -41,6 +43,47 @@ def along(pairs: Iterable[PairType], begin: str) -> Iterator[tuple[PairType, boo
         yield pair, forward
 
 
+def outward(
+    pairs: Iterable[PairType], roots: Sequence[str], *, deep: bool = False
+) -> list[tuple[PairType, bool]]:
+    """The pairs that lead from roots to other links, each behind the one that leads to its first,
+    and whether it is taken from its first link to its second: all of a link's before those behind
+    them, or, where `deep`, before those of other links.
+    """
+    at: dict[str, list[PairType]] = {}
+    for pair in pairs:
+        for link in pair.links:
+            at.setdefault(link, []).append(pair)
+    seen, found = set(roots), []
+    todo = deque(roots)
+    while todo:
+        link, behind = todo.popleft(), []
+        for pair in at.get(link, ()):
+            forward = pair.links[0] == link
+            other = pair.links[forward]
+            if other not in seen:
+                seen.add(other)
+                behind.append(other)
+                found.append((pair, forward))
+        if deep:
+            todo.extendleft(reversed(behind))
+        else:
+            todo.extend(behind)
+    return found
+
+
+def spanning(
+    pairs: Iterable[PairType], rank: Callable[[PairType], int], together: Sequence[str] = ()
+) -> list[PairType]:
+    """A tree of the pairs (Kruskal), those of low rank before others; links that are `together` are
+    joined already.
+    """
+    joined = Joined[str]()
+    for first, second in pairwise(together):
+        joined.join(first, second)
+    return [pair for pair in sorted(pairs, key=rank) if joined.join(*pair.links)]
+
+
 def joined_to(pairs: Iterable[Pair], begin: str) -> set[str]:
     """A link, and all that pairs join to it."""
     joined, links = Joined[str](), {begin}
@@ -64,9 +107,7 @@ class Joined(Generic[Item]):
         return item
 
     def join(self, first: Item, second: Item) -> bool:
-        """Join two items; False where they were joined before. Taken in order of preference, the
-        pairs that join are a spanning tree (Kruskal).
-        """
+        """Join two items; False where they were joined before."""
         first, second = self.head(first), self.head(second)
         self._above[first] = second
         return first != second

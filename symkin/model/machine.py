@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from symkin.computed_once import cached_property
 from symkin.model.keys import ABOUT_Z
 from symkin.model.mechanism import Mechanism
 from symkin.spatial.pose import Pose
@@ -21,13 +22,28 @@ _EXACT = 1e-14
 class Machine(Mechanism):
     """The machine of a mechanism, not equal to it. Of one that is `laid` the closure describes each
     limb along axes, at a stand of its own (`closure/laid.py`). Of one that was turned coordinates
-    of the pose are `told_in` the frames of its description: quaternions of base and platform.
+    of the pose are `told_in` the frames of its description: quaternions of base and platform. Of
+    one that a file leaves open the joints that close loops have `gaps`, by which what their second
+    links carry is displaced from where they are closed (position and quaternion); all others carry
+    links, in this order. Its `size` stands in place of the characteristic length.
     """
 
     laid: bool = False
     told_in: tuple[tuple[float, ...], ...] = ()
+    gaps: tuple[tuple[str, tuple[float, ...]], ...] | None = None
+    size: float = 0.0
 
     __hash__ = Mechanism.__hash__
+
+    def __post_init__(self) -> None:
+        # the joints of a robot's file may be welds alone, which are no mechanism
+        if self.gaps is None:
+            super().__post_init__()
+
+    @cached_property
+    def characteristic_length(self) -> float:
+        """That of the description, where no other one is told."""
+        return self.size or super().characteristic_length
 
     @staticmethod
     def of(mechanism: Mechanism, **changes: Any) -> Machine:

@@ -7,7 +7,6 @@ starts), of one by 1 rad it need not be (46 of 60).
 
 from __future__ import annotations
 
-from collections.abc import Collection
 from dataclasses import dataclass
 
 import numpy as np
@@ -41,13 +40,10 @@ _SEED = 0
 
 @dataclass(frozen=True, eq=False)
 class NearestRoot:
-    """The search of a system whose coordinates are all unknown; turns of `counted` coordinates are
-    no whole ones, since a coupling or a screw counts them.
-    """
+    """The search of a system whose coordinates are all unknown."""
 
     system: System
     start: np.ndarray
-    counted: Collection[str] = ()
 
     def found(self) -> np.ndarray:
         """Search from the start, and go along the roots to the nearest. Where the first search ends
@@ -86,16 +82,10 @@ class NearestRoot:
         return np.asarray(step)
 
     def without_turns(self, z: np.ndarray) -> np.ndarray:
-        """The same configuration with angles within half a turn of the start's, but those that are
-        counted.
+        """The same configuration with angles within half a turn of the start's, but those whose
+        turns a coupling or a screw counts.
         """
-        turns = np.array(
-            [
-                c.kind == "angle" and c.name not in self.counted
-                for c in self.system.unknowns
-                for _ in range(c.width)
-            ]
-        )
+        turns = np.array([c.is_periodic for c in self.system.unknowns for _ in range(c.width)])
         away = z - self.start
         return np.asarray(np.where(turns, z - (away - wrapped(away)), z))
 

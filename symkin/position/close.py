@@ -16,7 +16,6 @@ from symkin.formats.load import is_robot, load, read_robot
 from symkin.formats.read_options import AS_IT_IS, ReadOptions
 from symkin.formats.robot import Robot
 from symkin.model.mechanism import Mechanism
-from symkin.numeric.nearest_root import NearestRoot
 from symkin.numeric.rank import Rank
 from symkin.numeric.tolerances import (
     CLEAR_GAP,
@@ -27,13 +26,17 @@ from symkin.numeric.tolerances import (
     SINGULAR_VALUE,
 )
 from symkin.position.close_result import ClosedConfiguration, LoopGap
-from symkin.position.closed_configurations import Assembly, whole_system
+from symkin.position.closed_configurations import (
+    Assembly,
+    assembly_of,
+    begun_closed,
+    whole_system,
+)
 from symkin.position.generic_rank import GenericRank, generic_rank
 from symkin.position.gruebler import counts
 from symkin.position.mobility import mobility
 from symkin.position.moved_reference import with_reference_at
 from symkin.position.readings import readings_at
-from symkin.spatial.rotation import conjugate
 from symkin.text import first_of
 from symkin.verb import read_as, verb
 
@@ -77,8 +80,9 @@ def close_robot(robot: Robot, *, seed: int = 0) -> ClosedConfiguration:
         generic_rank(Assembly(tree.constraints, found.state), seed) if found.to_digits else None
     )
     displaced = found.displacements
-    poses = {link: displaced[link] @ frame for link, frame in robot.links.items()}
-    poses |= {name: displaced[link] @ frame for name, (link, frame) in robot.merged.items()}
+    # links first, then bodies that are part of them
+    frames = sorted(robot.frames.items(), key=lambda entry: entry[0] != entry[1][0])
+    poses = {name: displaced[link] @ frame for name, (link, frame) in frames}
     return ClosedConfiguration(
         mechanism=robot.name,
         units=("m", "rad"),
@@ -118,15 +122,8 @@ def _moves(robot: Robot) -> bool:
 def _tree_values(robot: Robot, found: Closed) -> dict[str, float | list[float]]:
     """The values of the tree's joints, in the file's order."""
     names = [c.name for entry in robot.tree for c in entry.joint.coordinates]
-    values = {name: found.values[name] for name in names}
-    # a ball as seen from its other link turns back
-    turned = [entry.joint.name for entry in robot.tree if entry.backward]
-    values |= {
-        name: tuple(conjugate(np.array(values[name])))
-        for name in turned
-        if len(values.get(name, ())) == 4
-    }
-    return {name: value[0] if len(value) == 1 else list(value) for name, value in values.items()}
+    values = {name: list(found.values[name]) for name in names}
+    return {name: value[0] if len(value) == 1 else value for name, value in values.items()}
 
 
 def _closing_notes(found: Closed, rank: int, generic: GenericRank | None) -> list[str]:
@@ -182,10 +179,7 @@ def _of_mechanism(mechanism: Mechanism, seed: int) -> ClosedConfiguration:
     """The same of a mechanism, from its reference."""
     closure, account = build_closure(mechanism), mobility(mechanism, seed=seed)
     system, size = whole_system(closure), closure.characteristic_length
-    open_by, values = system.residual(closure.reference), closure.reference
-    if open_by > CLOSURE_TOLERANCE * size:
-        counted = {name for c in mechanism.couplings for name in (c.joint, *c.names)}
-        values = NearestRoot(system, values, counted).found()
+    open_by, values = system.residual(closure.reference), begun_closed(assembly_of(closure))
     if system.residual(values) > CLOSURE_TOLERANCE * size:
         values = min((values, account.values), key=system.residual)
     residual = system.residual(values)

@@ -9,8 +9,8 @@ import numpy as np
 
 from symkin.closure.closure import Closure
 from symkin.computed_once import lru_cache
-from symkin.numeric.levenberg import levenberg_marquardt
-from symkin.numeric.system import NOTHING, System
+from symkin.numeric.nearest_root import NearestRoot
+from symkin.numeric.system import System
 from symkin.numeric.tolerances import CLOSED_CONFIGURATION, CLOSURE_TOLERANCE
 from symkin.position.file_digits import LeastSquaresEnds, least_squares_from, rank_to_digits
 from symkin.position.own_component import Component, component_at_singular, regular_component
@@ -45,21 +45,22 @@ def assembly_of(closure: Closure) -> Assembly:
 
 
 @lru_cache(maxsize=128)
-def _begun_closed(assembly: Assembly) -> np.ndarray:
-    """The reference, or where least squares from there ends if that is open."""
+def begun_closed(assembly: Assembly) -> np.ndarray:
+    """The reference, or the closed configuration nearest to it where that is open; what comes
+    nearest to one where none is found.
+    """
     system, start = assembly.system, assembly.reference
     if system.residual(start) <= CLOSURE_TOLERANCE * system.characteristic_length:
         return start
-    batch = levenberg_marquardt(system, start[None], NOTHING, max_iterations=200)
-    return np.asarray(system.polish_many(batch.points).points[0])
+    return NearestRoot(system, start).found()
 
 
 @lru_cache(maxsize=128)
 def own_component(assembly: Assembly, seed: int) -> Component | None:
     """Configurations of the assembly that the reference belongs to, or the nearest that closes
-    where the reference is open; None where least squares from there ends open.
+    where the reference is open; None where no search from there closes.
     """
-    system, start = assembly.system, _begun_closed(assembly)
+    system, start = assembly.system, begun_closed(assembly)
     if not system.residual(start) <= CLOSED_CONFIGURATION * system.characteristic_length:
         return None
     found = regular_component(system, start, seed)

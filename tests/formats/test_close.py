@@ -5,6 +5,7 @@ counts against those of other tools.
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +15,7 @@ import symkin
 from helpers.gate import in_gate
 from helpers.inside import main
 from helpers.mjcf_models import MODELS, REAL, SMALL, body, file_text, joint
+from symkin import Pose
 
 pytest.importorskip("mujoco")
 
@@ -329,3 +331,33 @@ def test_wrong_input(
     assert (status, out) == (2, "")
     assert sentence in err
     assert err.count("\n") == 1
+
+
+@pytest.mark.parametrize("seed", [0, 3, 11, 12, 25])
+def test_close_and_mobility_stand_on_one_configuration(seed: int) -> None:
+    """Of a truss thrown wide open, which closes at several configurations: two hinged links, whose
+    points two rods keep at their distances at (0.5, 2).
+    """
+    rng, ground = np.random.default_rng(seed), np.array([4.0, 0.0, 0.0])
+    thrown, points = rng.uniform(-np.pi, np.pi, 2), [(2.0, 0.0), (1.0, 1.5)]
+    ends = [(2.5, 0.0), (1.2, -1.0)]
+
+    def at(angle: float, point: Sequence[float]) -> np.ndarray:
+        turn = Pose.from_rotation_vector(np.zeros(3), np.array([0.0, 0.0, angle]))
+        return np.asarray(turn.apply(np.array([*point, 0.0])))
+
+    rods = []
+    for k, (p, q) in enumerate(zip(points, ends, strict=True)):
+        length = float(np.linalg.norm(at(0.5, p) - at(2.0, q) - ground))
+        first, last = at(thrown[0], p), at(thrown[1], q) + ground
+        rods.append(symkin.LinkRod(f"rod{k}", ["left", "right"], first, last, length=length))
+    hinges = [
+        symkin.LinkJoint(symkin.Joint(name, "R", point, [0, 0, 1], zero=zero), ["base", name])
+        for name, point, zero in zip(("left", "right"), (np.zeros(3), ground), thrown, strict=True)
+    ]
+    truss = symkin.Mechanism("truss", link_joints=hinges, link_rods=rods)
+    closed, counted = symkin.close(truss), symkin.mobility(truss)
+    assert closed.closed
+    for c, value in zip(counted.closure.coordinates, counted.values, strict=True):
+        away = float(value) - float(closed.joints[c.name])  # type: ignore[arg-type]
+        assert abs(np.sin(0.5 * away)) < 1e-6

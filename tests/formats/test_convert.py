@@ -16,9 +16,24 @@ import symkin
 from helpers.gate import each_once, in_gate
 from helpers.inside import as_graph, main
 from helpers.same_mechanism import assert_same
+from helpers.samples import readme_five_bar
 
 pytest.importorskip("mujoco")
 FORMATS = (".xml", ".urdf", ".sdf")
+
+
+@pytest.mark.parametrize("suffix", FORMATS)
+def test_redundant_constraints_are_those_of_limbs_and_of_the_declared_motion(
+    suffix: str, tmp_path: Path
+) -> None:
+    """A planar five-bar has 3 beyond its limbs' rows; where its motion is declared the joints that
+    carry its platform close one more planar loop, with 3 of its own.
+    """
+    for motion, count in (("spatial", 3), ("planar", 6)):
+        path = symkin.convert(readme_five_bar(motion), tmp_path / f"five_bar{suffix}")
+        found, counted = symkin.close(path), symkin.mobility(symkin.load(path))
+        assert (found.redundant, counted.redundant) == (count, count)
+        assert symkin.mobility(readme_five_bar(motion)).redundant == 3
 
 
 def run(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, str, str]:

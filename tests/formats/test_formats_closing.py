@@ -13,9 +13,9 @@ import pytest
 
 import symkin
 from helpers.inside import (
+    ClosingJoint,
     NearestRoot,
     Robot,
-    RobotJoint,
     assembled,
     build_closure,
     close_robot,
@@ -25,8 +25,8 @@ from helpers.inside import (
     whole_system,
 )
 from helpers.laws import axis_turn, chain
-from helpers.robot_files import closed_neighbours, closure_misfit, rank_at
-from symkin import Coupling, Joint, Pose
+from helpers.robot_files import closed_neighbours, closure_misfit, rank_at, robot_of
+from symkin import Coupling, Joint, LinkJoint, Pose
 
 Z = (0.0, 0.0, 1.0)
 ROWS = {"S": 3, "U": 4, "R": 5, "H": 5, "C": 4, "P": 5, "weld": 6}
@@ -60,7 +60,7 @@ def spatial_loop(kind: str, open_by: float, seed: int = 0) -> Robot:
             pitch=0.3 if type_ == "H" else 0.0,
             zero=0.4 if type_ in "RPH" else 0.0,
         )
-        joints.append(RobotJoint(joint, pair))
+        joints.append(LinkJoint(joint, pair))
         links[pair[1]] = random_pose(rng)
 
     for k, type_ in enumerate("RPHS"):
@@ -70,38 +70,37 @@ def spatial_loop(kind: str, open_by: float, seed: int = 0) -> Robot:
     links["loose"] = random_pose(rng)
     frame = random_pose(rng)
     closures = (
-        RobotJoint(
+        ClosingJoint(
             joint_at(frame, "loop", kind, pitch=0.2 if kind == "H" else 0.0),
             ("left3", "right3"),
             (frame, near(frame, rng, open_by)),
+            "",
         ),
-        RobotJoint(
-            joint_at(frame, "hang", "S"), ("left3", "loose"), (frame, near(frame, rng, open_by))
+        ClosingJoint(
+            joint_at(frame, "hang", "S"), ("left3", "loose"), (frame, near(frame, rng, open_by)), ""
         ),
     )
     couplings = (
         Coupling("b2", {"a0": 0.5}, 0.1),
         Coupling("b3", "a0", polynomial=[0.2, 0.3, -0.2]),
     )
-    return Robot("loop", links, (*joints, *closures), couplings, floating=("loose",))
+    floating = {"loose": links["loose"]}
+    return robot_of("loop", links, joints, closures, couplings=couplings, floating=floating)
 
 
 def four_bar(open_by: float = 0.0, reach: float = 4.0) -> Robot:
     """Crank 1, coupler 4, follower 3, ground `reach`; the coupler's end is a point of the tree."""
     joints = [
-        RobotJoint(Joint("crank", "R", (0, 0, 0), Z), ("base", "arm")),
-        RobotJoint(Joint("knee", "R", (0, 1, 0), Z), ("arm", "coupler")),
-        RobotJoint(Joint("follower", "R", (reach, 0, 0), Z), ("base", "lever")),
+        LinkJoint(Joint("crank", "R", (0, 0, 0), Z), ("base", "arm")),
+        LinkJoint(Joint("knee", "R", (0, 1, 0), Z), ("arm", "coupler")),
+        LinkJoint(Joint("follower", "R", (reach, 0, 0), Z), ("base", "lever")),
     ]
     links = dict.fromkeys(("base", "arm", "coupler", "lever"), Pose.identity())
     first = Pose(np.array([4.0, 1.0, 0.0]), np.array([1.0, 0, 0, 0]))
     second = Pose(np.array([reach, 3.0 + open_by, 0.0]), np.array([1.0, 0, 0, 0]))
     end = joint_at(first, "end", "R")
-    return Robot(
-        "four_bar",
-        links,
-        (*joints, RobotJoint(end, ("coupler", "lever"), (first, second), "line 9")),
-    )
+    closure = ClosingJoint(end, ("coupler", "lever"), (first, second), "line 9")
+    return robot_of("four_bar", links, joints, [closure])
 
 
 @pytest.mark.parametrize("kind", ROWS)
@@ -205,6 +204,17 @@ def test_axes_of_the_assembled_mechanism_are_moved_with_their_links() -> None:
             np.testing.assert_allclose(made[joint.name].axis2, turned, atol=1e-9)
 
 
+def test_couplings_of_universal_joints_hold_at_the_closed_reference() -> None:
+    """A turn of a universal joint counts from the reference of the mechanism, which is not the
+    file's where loops were open: the coupling that names it is written for that.
+    """
+    robot = replace(spatial_loop("S", 0.3), couplings=(Coupling("b2", {"b1.1": 0.5}, 0.1),))
+    found = nearest_closed(robot)
+    assert abs(found.values["b1.1"][0]) > 0.1
+    closure = build_closure(assembled(robot, found))
+    assert whole_system(closure).residual(closure.reference) <= 1e-9 * found.tree.size
+
+
 def test_link_poses_are_those_of_the_tree() -> None:
     """A closed neighbour by the tree's joints, and the same values in the assembled mechanism: the
     same displacements of links.
@@ -230,17 +240,15 @@ def test_two_hinges_with_one_axis_forbid_nothing() -> None:
     tilted = tuple(np.array([0.3, -0.5, 0.8]) / np.linalg.norm([0.3, -0.5, 0.8]))
     frame = Pose.from_rotation_vector(np.array([1.1, 2.2, 3.3]), np.array([0.2, 0.7, -0.4]))
     axis = tuple(np.asarray(frame.rotation)[:, 2])
-    hinge = RobotJoint(Joint("hinge", "R", tuple(frame.position), axis), ("base", "door"))
-    robot = Robot(
-        "door",
-        {"base": Pose.identity(), "door": Pose.identity()},
-        (hinge, RobotJoint(joint_at(frame, "other", "R"), ("base", "door"), (frame, frame))),
-    )
+    hinge = LinkJoint(Joint("hinge", "R", tuple(frame.position), axis), ("base", "door"))
+    other = ClosingJoint(joint_at(frame, "other", "R"), ("base", "door"), (frame, frame), "")
+    links = {"base": Pose.identity(), "door": Pose.identity()}
+    robot = robot_of("door", links, [hinge], [other])
     found = nearest_closed(robot)
     assert rank_at(found.tree, found.state) == 0
     assert symkin.mobility(mechanism_of(robot)).mobility == 1
     tilted_hinge = replace(hinge, joint=replace(hinge.joint, axis=tilted))
-    across = replace(robot, joints=(tilted_hinge, *robot.closures))
+    across = robot_of("door", links, [tilted_hinge], [other])
     found = nearest_closed(across)
     assert rank_at(found.tree, found.state) == 1
 
@@ -254,7 +262,7 @@ def test_digits_that_make_constraints_of_redundant_ones_are_told() -> None:
     off = replace(follower.joint, axis=(1e-7, 0.0, 1.0))
     (end,) = robot.closures
     closed = replace(end, frames=(end.frames[0], end.frames[0]))
-    robot = replace(robot, joints=(*others, RobotJoint(off, follower.links), closed))
+    robot = robot_of(robot.name, robot.links, [*others, LinkJoint(off, follower.links)], [closed])
     found, account = close_robot(robot), symkin.mobility(mechanism_of(robot))
     assert (account.mobility, account.to_dict()["to_digits"]["mobility"]) == (0, 1)
     assert "close only to the digits of the file" in account.warnings[0]
@@ -291,16 +299,15 @@ def test_turns_of_coupled_joints_count_while_loops_close(turns: int) -> None:
     joints are kept, those of others are left out.
     """
     bar = four_bar(open_by=-1.5)
-    pinion = RobotJoint(Joint("pinion", "R", (0, 0, 1), Z), ("base", "wheel"))
+    pinion = LinkJoint(Joint("pinion", "R", (0, 0, 1), Z), ("base", "wheel"))
     links = {**bar.links, "wheel": Pose.identity()}
     coupling = Coupling("pinion", {"follower": 1.5}, 2 * np.pi * turns)
-    found = nearest_closed(
-        replace(bar, links=links, joints=(*bar.joints, pinion), couplings=(coupling,))
-    )
+    joints = [*bar.tree, pinion]
+    found = nearest_closed(robot_of("bar", links, joints, bar.closures, couplings=[coupling]))
     values = {name: float(value) for name, (value,) in found.values.items()}
     assert found.closed
     assert abs(values["pinion"]) > 1.1 * np.pi
     assert values["pinion"] == pytest.approx(1.5 * values["follower"] + 2 * np.pi * turns, abs=1e-9)
     far = found.state + [6 * np.pi * (c.name == "knee") for c in found.tree.coordinates]
-    search = NearestRoot(found.tree.system, found.tree.own, {"pinion", "follower"})
+    search = NearestRoot(found.tree.system, found.tree.own)
     np.testing.assert_allclose(search.without_turns(far), found.state, atol=1e-9)

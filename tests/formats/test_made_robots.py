@@ -86,11 +86,7 @@ def part_poses(one: Read, solution: symkin.Solution) -> dict[str, np.ndarray]:
     """symkin's frames of all parts."""
     found = {}
     for part in one.machine.parts:
-        carrier, frame = one.robot.merged.get(
-            part.name, (part.name, one.closed.link_poses[part.name])
-        )
-        if part.name in one.robot.merged:
-            frame = one.closed.link_poses[part.name]
+        (carrier, _), frame = one.robot.frames[part.name], one.closed.link_poses[part.name]
         displacement = symkin.Pose.identity() if carrier == "base" else solution.link_poses[carrier]
         found[part.name] = np.asarray((displacement @ frame).matrix)
     return found
@@ -315,9 +311,7 @@ def test_names_motors_ranges_and_couplings_are_those_of_the_machine(
 ) -> None:
     for name in ("four_bar", "gripper", "parallel_ankle"):
         one = read_one(name, suffix)
-        assert {part.name for part in one.machine.parts} <= set(one.robot.links) | set(
-            one.robot.merged
-        )
+        assert {part.name for part in one.machine.parts} <= set(one.robot.frames)
         assert {c.name for c in one.mechanism.actuated} == set(one.machine.motors)
         limits = {c.name: c.limits for c in one.mechanism.coordinates}
         assert all(

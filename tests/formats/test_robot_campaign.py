@@ -117,7 +117,6 @@ def test_gears_count_in_the_plain_account(tmp_path: Path) -> None:
 
 
 def _with_a_turned_axis(robot: Robot) -> Robot:
-    first, *others = robot.joints
-    axis = np.roll(np.array(first.joint.axis), 1)
-    turned = replace(first, joint=replace(first.joint, axis=tuple(axis)))
-    return replace(robot, joints=(turned, *others))
+    first = next(joint for joint in robot.told if joint.axis is not None)
+    turned = replace(first, axis=tuple(np.roll(np.array(first.axis), 1)))
+    return replace(robot, told=[turned if joint is first else joint for joint in robot.told])

@@ -163,5 +163,4 @@ def test_a_random_graph_moves_as_its_joints_do(seed: int, tmp_path: Path) -> Non
 
 def _carrier(robot: Robot, link: str) -> str:
     """The link of the robot that a link of the file is part of."""
-    merged = robot.merged
-    return "base" if link == "l0" else merged[link][0] if link in merged else link
+    return "base" if link == "l0" else robot.frames[link][0] if link in robot.frames else link

@@ -62,8 +62,8 @@ def test_models_that_joints_of_the_world_join_are_one_robot(tmp_path: Path) -> N
     stiff = TWO.replace("revolute", "fixed").replace("<axis><xyz>0 1 0</xyz></axis>", "")
     path = world(tmp_path, FLOOR + stiff + bar + feet + knees)
     robot = read_sdf(path)
-    assert robot.merged["floor/slab"][0] == "base"
-    assert robot.merged["left/high"][0] == "left/low"
+    assert robot.frames["floor/slab"][0] == "base"
+    assert robot.frames["left/high"][0] == "left/low"
     np.testing.assert_allclose(robot.links["right/low"].position, [2, 0, 0])
     found = symkin.close(path)
     assert found.mobility == 1
@@ -160,7 +160,7 @@ def test_what_stands_still_is_held_wherever_it_is_told(told: str, tmp_path: Path
     stiff = TWO.replace("revolute", "fixed").replace("<axis><xyz>0 1 0</xyz></axis>", "")
     path = world(tmp_path, stiff + bar + posts + feet + knees)
     plain = prefix.replace("::", "/")
-    assert read_sdf(path).merged[f"{plain}q/top"][0] == "base"
+    assert read_sdf(path).frames[f"{plain}q/top"][0] == "base"
     found = symkin.close(path)
     assert found.mobility == 1
     assert found.open_by <= 1e-14

@@ -198,9 +198,9 @@ def test_fixed_joints_are_merged_and_names_kept_in_notes(tmp_path: Path) -> None
         + FIXED.format(name="tool@tip", parent="rod", at="0 1 0")
         + FIXED.format(name="base", parent="ground", at="0 0 1"),
     )
-    assert robot.merged["tool_tip"][0] == "rod"
-    assert robot.merged["base_2"][0] == "base"
-    assert np.allclose(np.asarray(robot.merged["tool_tip"][1].position), [1, 1, 0])
+    assert robot.frames["tool_tip"][0] == "rod"
+    assert robot.frames["base_2"][0] == "base"
+    assert np.allclose(np.asarray(robot.frames["tool_tip"][1].position), [1, 1, 0])
     assert any("'tool@tip' is 'tool_tip'" in note for note in robot.notes)
     assert any("'ground' is held" in note for note in robot.notes)
 
@@ -253,7 +253,7 @@ def test_the_world_needs_no_link(tmp_path: Path) -> None:
         ),
     )
     assert robot.links["base"].position.tolist() == [0.0, 0.0, 0.0]
-    assert robot.merged["ground"][1].position.tolist() == [0.0, 0.0, 1.0]
+    assert robot.frames["ground"][1].position.tolist() == [0.0, 0.0, 1.0]
     assert any("'world'" in note and "no <link> writes" in note for note in robot.notes)
 
 

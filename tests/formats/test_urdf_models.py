@@ -49,12 +49,13 @@ def robot(name: str) -> Robot:
 @pytest.mark.parametrize("name", NAMES)
 def test_counts_are_those_of_an_independent_reader(name: str) -> None:
     data, found = facts(name), robot(name)
-    assert len(found.links) + len(found.merged) == data["bodies"]
+    assert len(found.frames) == data["bodies"]
     assert len(found.closures) == data["independent_loops"]
     assert len(found.tree) == len(found.links) - 1
     kinds = Counter(KINDS[joint.joint.type] for joint in found.tree)
     kinds.update(KINDS[closure.joint.type] for closure in found.closures)
-    kinds.update({"fixed": len(found.merged)} if found.merged else {})
+    fixed = len(found.frames) - len(found.links)
+    kinds.update({"fixed": fixed} if fixed else {})
     assert dict(kinds) == {key: count for key, count in data["joints"].items() if count}
     if "actuated" in data:
         assert {joint.joint.name for joint in found.tree if joint.joint.actuated} == set(

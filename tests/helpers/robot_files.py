@@ -5,7 +5,8 @@ products of exponentials.
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +14,7 @@ import numpy as np
 
 from helpers.inside import (
     Closed,
+    ClosingJoint,
     Rank,
     Robot,
     RobotJoint,
@@ -23,7 +25,7 @@ from helpers.inside import (
     quaternion_from_axis_angle,
     revolute_screw,
 )
-from symkin import Joint, Pose
+from symkin import Joint, LinkJoint, Pose
 
 MODELS = Path(__file__).resolve().parent.parent / "data" / "models"
 ROBOTS = sorted(path for ending in ("xml", "urdf", "sdf") for path in MODELS.glob(f"*/*.{ending}"))
@@ -32,6 +34,34 @@ CLOSED = 1e-10
 """Of the size: what closed loops are open by."""
 LARGEST = [path for path in ROBOTS if path.stem == "strandbeest"]
 """Those that take seconds to load."""
+
+
+def robot_of(
+    name: str,
+    links: Mapping[str, Pose],
+    joints: Sequence[LinkJoint],
+    closures: Sequence[ClosingJoint] = (),
+    **more: Any,
+) -> Robot:
+    """A robot of joints in the base frame, whose links have frames there."""
+    still = (1.0, 0.0, 0.0, 0.0)
+    told = [_told(links, e, [Pose.from_quaternion(e.joint.point, still)] * 2) for e in joints]
+    told += [replace(_told(links, e, e.frames), closing=True, where=e.where) for e in closures]
+    return Robot(name, [*links], "base", told, root_frame=links["base"], **more)
+
+
+def _told(links: Mapping[str, Pose], entry: LinkJoint, frames: Sequence[Pose]) -> RobotJoint:
+    own = {key: getattr(entry.joint, key) for key in ("pitch", "limits", "motor", "actuated")}
+    ends = [{**links, "base": Pose.identity()}[link] for link in entry.links]
+    first, second = (end.inverse() @ frame for end, frame in zip(ends, frames, strict=True))
+    axis, axis2 = (
+        None if a is None else tuple(frames[0].inverse().turn(np.array(a)))
+        for a in (entry.joint.axis, entry.joint.axis2)
+    )
+    joint, pair = entry.joint, (entry.links[0], entry.links[1])
+    return RobotJoint(
+        joint.name, joint.type, pair, (first, second), axis, axis2, value=joint.zero, **own
+    )
 
 
 def facts(model: str) -> dict[str, Any]:
@@ -55,7 +85,7 @@ def all_frames(robot: Robot) -> dict[str, tuple[str, Pose]]:
     """Every link and every merged one: the link that moves it, and its pose at the file's
     configuration.
     """
-    return {**{link: (link, pose) for link, pose in robot.links.items()}, **robot.merged}
+    return robot.frames
 
 
 def joint_misfit(joint: Joint, moved: Pose) -> float:
@@ -92,7 +122,7 @@ def joint_misfit(joint: Joint, moved: Pose) -> float:
     raise AssertionError(joint.type)
 
 
-def closure_misfit(closure: RobotJoint, moved: Mapping[str, Pose]) -> float:
+def closure_misfit(closure: ClosingJoint, moved: Mapping[str, Pose]) -> float:
     """How far a closure is from being closed where the links are displaced so."""
     first, second = (
         moved[link] @ frame for link, frame in zip(closure.links, closure.frames, strict=True)
@@ -129,11 +159,14 @@ def displaced(robot: Robot, values: Mapping[str, Any]) -> dict[str, Pose]:
     moved = {"base": Pose.identity()}
     waiting = list(robot.tree)
     while waiting:
-        entry = next(e for e in waiting if e.links[0] in moved)
+        entry = next(e for e in waiting if moved.keys() & set(e.links))
         waiting.remove(entry)
-        moved[entry.links[1]] = moved[entry.links[0]] @ displacement(
-            entry.joint, values[entry.joint.name]
-        )
+        first, second = entry.links
+        between = displacement(entry.joint, values[entry.joint.name])
+        if first in moved:
+            moved[second] = moved[first] @ between
+        else:
+            moved[first] = moved[second] @ between.inverse()
     return moved
 
 

@@ -25,8 +25,7 @@ class DisagreementError(Exception):
 def poses_at(tree: Tree, state: np.ndarray) -> dict[str, Pose]:
     """Links by name, and bodies on fixed joints."""
     placed, robot = tree.displacements(state), tree.robot
-    found = {link: placed[link] @ frame for link, frame in robot.links.items()}
-    return found | {name: placed[link] @ frame for name, (link, frame) in robot.merged.items()}
+    return {name: placed[link] @ frame for name, (link, frame) in robot.frames.items()}
 
 
 def random_state(tree: Tree) -> np.ndarray:

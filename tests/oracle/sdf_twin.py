@@ -42,7 +42,7 @@ def sdf_agreement(path: Path, robot: Robot) -> str:
         poses = account.poses()
     except (NotPlainError, KeyError, AttributeError, ValueError) as reason:
         return f"no plain SDF ({reason})"
-    frames = {**dict(robot.links), **{name: pose for name, (_, pose) in robot.merged.items()}}
+    frames = {name: pose for name, (_, pose) in robot.frames.items()}
     ours = {
         name: _matrix(np.asarray(pose.rotation), np.asarray(pose.position))
         for name, pose in frames.items()

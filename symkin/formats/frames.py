@@ -1,18 +1,16 @@
-"""Where links are when joints of a tree have other values than at the reference, and frames as the
-formats write them.
-"""
+"""Where links are when joints of a tree are 0, and frames as the formats write them."""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
-from symkin.formats.joint_graph import frame_along, moved_along
+from symkin.formats.robot_joint import frame_along, moved_along
 from symkin.model.graph import LinkJoint
 from symkin.model.joint import BASE, Joint
 from symkin.spatial.pose import Pose
+from symkin.spatial.rotation import euler_from_quaternion
 
 
 def displacement(joint: Joint, value: float) -> Pose:
@@ -46,19 +44,5 @@ def xyz_rpy(pose: Pose) -> dict[str, list[float] | None]:
     """The attributes of an origin; angles about the fixed axes x, y, z, and none where it is not
     turned.
     """
-    angles = roll_pitch_yaw(pose.rotation)
+    angles = [float(v) + 0.0 for v in euler_from_quaternion(pose.quaternion, "xyz")]
     return {"xyz": [float(v) + 0.0 for v in pose.position], "rpy": angles if any(angles) else None}
-
-
-def roll_pitch_yaw(rotation: np.ndarray) -> list[float]:
-    """Angles about the fixed axes x, y, z; near a pitch of a right angle too, roll and yaw together
-    are right to rounding.
-    """
-    r: Mapping[tuple[int, int], float] = {
-        (i, j): float(rotation[i][j]) for i in range(3) for j in range(3)
-    }
-    yaw = math.atan2(r[1, 0], r[0, 0])
-    pitch = math.atan2(-r[2, 0], math.hypot(r[0, 0], r[1, 0]))
-    sine, cosine = math.sin(yaw), math.cos(yaw)
-    roll = math.atan2(sine * r[0, 2] - cosine * r[1, 2], cosine * r[1, 1] - sine * r[0, 1])
-    return [roll + 0.0, pitch + 0.0, yaw + 0.0]
