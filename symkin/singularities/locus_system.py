@@ -161,14 +161,13 @@ def plane_of(solution: Solution, names: Sequence[str], known: Sequence[str] | No
             f"plane = {', '.join(names)!r}{_guess(names, [*axes, *told])}; allowed: {poses}one or "
             f"two of the {what}, {', '.join(told) or 'none'}"
         )
+    low = machine_of(mechanism, Given(told, np.zeros(0), {}))
+    machine = mechanism if low is None else low.machine
+    if plain_kind(machine, told) is not None:
+        return _plane(build_problem(machine, told), solution, low, names, told)
     problem = build_problem(mechanism, told)
-    if problem.by_name:
-        refuse_unless_determined(problem)
-        return _plane(problem, solution, None, names, told)
-    low = machine_of(mechanism, Given(told, problem.reference_known, {}))
-    if low is not None:
-        problem = build_problem(low.machine, actuated_names(mechanism))
-    return _plane(problem, solution, low, names, told)
+    refuse_unless_determined(problem)
+    return _plane(problem, solution, None, names, told)
 
 
 def _guess(names: Sequence[str], known: Sequence[str]) -> str:
@@ -262,7 +261,8 @@ class LocusSystem:
 
     @property
     def name(self) -> str:
-        return self.kind + (f" of {self.limb}" if self.limb else "")
+        limb = self.plane.limb_name(self.limb)
+        return self.kind + (f" of {limb}" if limb else "")
 
     @property
     def uv(self) -> slice:

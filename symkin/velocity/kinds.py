@@ -9,6 +9,7 @@ import casadi as ca
 
 from symkin.closure.closure import Closure
 from symkin.errors import InputError
+from symkin.model.mechanism import Mechanism
 from symkin.velocity.differential import passive_rates, pose_rates, rate_names
 from symkin.velocity.jacobian_names import TWIST, JacobianKind, Matrix, names_of
 
@@ -43,10 +44,12 @@ class Rates(ABC):
     def inverse(self) -> ca.SX:
         """(n, 6): the known rates by a twist."""
 
-    def matrix(self, kind: JacobianKind) -> Matrix:
-        """A Jacobian of one of the kinds. Raises InputError where no joint is passive."""
+    def matrix(self, kind: JacobianKind, mechanism: Mechanism) -> Matrix:
+        """A Jacobian of one of the kinds, its passive joints in the order of a description. Raises
+        InputError where no joint is passive.
+        """
         closure = self.closure
-        joints = tuple(c.name for c in closure.mechanism.actuated)
+        joints = tuple(c.name for c in mechanism.actuated)
         if kind == "direct":
             return Matrix(TWIST, joints, self.direct)
         if kind == "inverse":
@@ -56,10 +59,9 @@ class Rates(ABC):
             rows = tuple(name for c in pose for name in names_of(c.name, c.width))
             rates = (pose_rates(c, self._quaternion, self.direct) for c in pose)
             return Matrix(rows, joints, ca.sparsify(ca.vertcat(*rates)))
-        return self._passive_matrix(joints)
+        return self._passive_matrix(joints, mechanism)
 
-    def _passive_matrix(self, joints: tuple[str, ...]) -> Matrix:
-        mechanism = self.closure.mechanism
+    def _passive_matrix(self, joints: tuple[str, ...], mechanism: Mechanism) -> Matrix:
         told = passive_rates(self.closure, self.split(self.following), self.free)
         if not told:
             raise InputError(
@@ -67,8 +69,9 @@ class Rates(ABC):
                 f"allowed kinds: direct, inverse, analytic; or name coordinates: --of NAMES "
                 f"--by NAMES"
             )
-        rows = rate_names([c for c in mechanism.coordinates if c.name in told])
-        return Matrix(rows, joints, ca.sparsify(ca.vertcat(*told.values())))
+        listed = [c for c in mechanism.coordinates if c.name in told]
+        rates = ca.vertcat(*(told[c.name] for c in listed))
+        return Matrix(rate_names(listed), joints, ca.sparsify(rates))
 
     @property
     def _quaternion(self) -> ca.SX:

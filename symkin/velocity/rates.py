@@ -119,7 +119,7 @@ def graph_rates(mechanism: Mechanism, kind: JacobianKind) -> tuple[NamedRates, M
     problem = build_problem(mechanism, joints, () if kind == "passive" else pose_names(mechanism))
     refuse_unless_determined(problem)
     rates = NamedRates(problem)
-    return rates, rates.matrix(kind)
+    return rates, rates.matrix(kind, mechanism)
 
 
 def _no_kind(mechanism: Mechanism, kind: str, joints: tuple[str, ...]) -> str:
