@@ -109,11 +109,10 @@ def variables_of(
     """
     named: Any = values
     if isinstance(values, Solution):
-        low = arm_or_limbs(values.mechanism)
-        if closure.mechanism in (values.mechanism, *([low.machine] if low else [])):
-            low = None if values.mechanism == closure.mechanism else low
-            own, there = own_closure(values), values.variables[None]
-            named = many_of_machine(closure, own, there, low)[0]
+        low = None if values.mechanism == closure.mechanism else arm_or_limbs(values.mechanism)
+        if (values.mechanism if low is None else low.machine) == closure.mechanism:
+            own = own_closure(values)
+            named = many_of_machine(closure, own, values.variables[None], low)[0]
         else:
             named = values.all_values
     if isinstance(named, Mapping):

@@ -25,6 +25,7 @@ from symkin.velocity.differential import differentiate, variable_rates
 from symkin.velocity.equations import VelocityEquations, variables_of, velocity_equations
 from symkin.velocity.jacobian_expressions import Expressions
 from symkin.velocity.jacobian_names import KINDS, Matrix, Variable, variables_read
+from symkin.velocity.kinds import matrix_of
 from symkin.velocity.options import JacobianOptions
 from symkin.velocity.rates import NamedRates, check_names, graph_rates, rates_by_name
 from symkin.verb import verb
@@ -281,6 +282,11 @@ def jacobian(
     kind = "direct" if kind is None else kind
     if kind not in KINDS:
         raise InputError(f"kind = {not_among(kind, KINDS)}")
+    if not mechanism.actuated:
+        raise InputError(
+            f"{mechanism.name} has no actuated joint, and a Jacobian relates their rates: mark "
+            f"joints `actuated = true`"
+        )
     if parameters:
         with_limbs(
             mechanism,
@@ -301,22 +307,24 @@ def _built(
 ) -> Jacobian:
     low = None if of else arm_or_limbs(mechanism)
     if of or (low is None and mechanism.is_graph):
-        named, matrix = rates_by_name(mechanism, of, by) if of else graph_rates(mechanism, kind)
-        return _with_inputs(mechanism, named, kind, matrix)
+        if of:
+            return _with_inputs(mechanism, kind, *rates_by_name(mechanism, of, by))
+        named = graph_rates(mechanism, kind)
+        return _with_inputs(mechanism, kind, named, matrix_of(named, kind, mechanism))
     equations = velocity_equations(mechanism if low is None else low.machine)
     _check_defined(equations, kind)
     differential = (
         equations.differential if parameters else differentiate(equations.closure, bound=True)
     )
     made = Expressions(equations, differential)
-    matrix = made.matrix(kind, mechanism)
-    return _with_inputs(mechanism, made, kind, matrix, parameters=parameters)
+    matrix = matrix_of(made, kind, mechanism)
+    return _with_inputs(mechanism, kind, made, matrix, parameters=parameters)
 
 
 def _with_inputs(
     mechanism: Mechanism,
-    expressions: Expressions | NamedRates,
     kind: str,
+    expressions: Expressions | NamedRates,
     matrix: Matrix,
     *,
     parameters: bool = False,
@@ -338,11 +346,6 @@ def _with_inputs(
 
 def _check_defined(equations: VelocityEquations, kind: str) -> None:
     mechanism = equations.closure.mechanism
-    if not mechanism.actuated:
-        raise InputError(
-            f"{mechanism.name} has no actuated joint, and a Jacobian relates their rates: mark "
-            f"joints `actuated = true`"
-        )
     if kind != "inverse" and equations.freedom:
         raise InputError(
             f"{mechanism.name}: the {kind} Jacobian is not defined; with its "
