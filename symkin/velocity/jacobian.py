@@ -282,17 +282,17 @@ def jacobian(
     kind = "direct" if kind is None else kind
     if kind not in KINDS:
         raise InputError(f"kind = {not_among(kind, KINDS)}")
-    if not mechanism.actuated:
-        raise InputError(
-            f"{mechanism.name} has no actuated joint, and a Jacobian relates their rates: mark "
-            f"joints `actuated = true`"
-        )
     if parameters:
         with_limbs(
             mechanism,
             "a Jacobian with symbols for the geometry",
             "leave parameters out",
             arms_only=True,
+        )
+    if not mechanism.actuated:
+        raise InputError(
+            f"{mechanism.name} has no actuated joint, and a Jacobian relates their rates: mark "
+            f"joints `actuated = true`"
         )
     return _built(mechanism, kind, parameters)
 
@@ -306,6 +306,8 @@ def _built(
     by: tuple[str, ...] = (),
 ) -> Jacobian:
     low = None if of else arm_or_limbs(mechanism)
+    if low is not None and kind == "passive" and not low.machine.serial:
+        low = None  # rates of joints alone need no pose
     if of or (low is None and mechanism.is_graph):
         if of:
             return _with_inputs(mechanism, kind, *rates_by_name(mechanism, of, by))
