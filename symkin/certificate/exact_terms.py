@@ -22,6 +22,10 @@ _MOST_PRODUCTS = 2_000
 """Products of two terms at most for each row, some 10 ms: rows that are counted need 730; those of
 turns about general axes in space have millions, and no bound.
 """
+_MOST_OF_KNOWN = 500
+"""Products of terms of known values at most: a longer one is a known value of its own, of which a
+place about general axes in space has many.
+"""
 _ROUNDING = fmpq(1, 10**13)
 """Share of two numbers that their sum must leave to be one: some hundreds of roundings. Axes that
 stand anywhere are unit vectors, at right angles to others, to rounding alone.
@@ -140,7 +144,10 @@ class _Reader:
         return {((Factor("known", self.functions), _ONE),): _ONE}
 
     def _product(self, first: Terms, second: Terms) -> Terms:
-        self.products -= len(first) * len(second)
+        count, of_unknowns = len(first) * len(second), _is_unknown(first) or _is_unknown(second)
+        if not of_unknowns and count > _MOST_OF_KNOWN:
+            return self._function()
+        self.products -= count
         if self.products < 0:
             raise NotTermsError
         return times(first, second)

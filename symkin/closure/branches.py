@@ -82,11 +82,12 @@ class Layout:
 
 def layout_of(mechanism: Mechanism, kept: frozenset[str], *, pose: bool) -> Layout:
     """The layout for some coordinates that the closure must hold (`kept`: given or coupled ones),
-    and, with `pose`, the platform's pose.
+    and, with `pose`, the platform's pose. Limbs of which it must hold none, or the pose, begin and
+    end at the base and the platform, whose pose is a coordinate.
     """
     if isinstance(mechanism, Machine) and mechanism.gaps is not None:
         return _layout_as_told(mechanism, dict(mechanism.gaps))
-    if not mechanism.is_graph:
+    if not mechanism.is_graph and (pose or not kept):
         return Layout(tuple(_limb_branches(mechanism)), (PLATFORM,))
     edges, platform = list(edges_of(mechanism)), mechanism.platform_link
     wanted = {platform} if pose and platform is not None else set()

@@ -70,7 +70,7 @@ class LimitWatch:
     def start(self, values: np.ndarray) -> Limit | None:
         """Take the turns of a start configuration; a limit that does not hold there."""
         found = None
-        for c in self._limited(self.problem.closure.coordinates):
+        for c in self.problem.closure.coordinates:
             value = float(values[self.problem.closure.slices[c.name].start])
             self.turns[c.name] = _turns(c, value)
             if found is None and self._excess(c, value) > 0.0:
@@ -81,43 +81,26 @@ class LimitWatch:
         """The first share of an interval at which a given value, which moves straight, leaves its
         limits.
         """
-        found: tuple[float, Limit] | None = None
-        samples, start = self.trajectory.samples, 0
+        met, samples, start = list[tuple[float, Limit]](), self.trajectory.samples, 0
         for c in self.problem.known_coordinates:
-            if c.limits is not None and not self.off:
-                a, b = (
-                    float(samples[row][start]),
-                    float(samples[min(row + 1, len(samples) - 1)][start]),
-                )
-                if self._excess(c, b) > 0.0:
-                    limit = self._limit(c, b)
-                    share = (
-                        min(max((limit.value + limit.turns - a) / (b - a), 0.0), 1.0)
-                        if a != b
-                        else 0.0
-                    )
-                    found = (share, limit) if found is None or share < found[0] else found
+            ends = (row, min(row + 1, len(samples) - 1))
+            a, b = (float(samples[k][start]) for k in ends)
+            if self._excess(c, b) > 0.0:
+                limit = self._limit(c, b)
+                share = (limit.value + limit.turns - a) / (b - a) if a != b else 0.0
+                met.append((min(max(share, 0.0), 1.0), limit))
             start += c.width
-        return found
+        return min(met, key=lambda one: one[0], default=None)
 
     def unknown(self, interval: Interval, curve: Cubic) -> tuple[float, Limit] | None:
         """The first share of a proved step at which an unknown of its block leaves its limits."""
-        first: tuple[float, Limit] | None = None
-        for c, place in zip(
-            interval.system.system.unknowns, interval.system.system.slices, strict=True
-        ):
-            if c.limits is None or self.off:
-                continue
+        system, met = interval.system, list[tuple[float, Limit]]()
+        for c, place in zip(system.system.unknowns, system.system.slices, strict=True):
             share = self._crossing(c, place.start, curve, interval)
-            if share is not None and (first is None or share < first[0]):
-                first = (
-                    share,
-                    self._limit(c, _value(interval.system, place.start, curve.at(share))),
-                )
-        return first
-
-    def _limited(self, coordinates: tuple[Coordinate, ...]) -> list[Coordinate]:
-        return [c for c in coordinates if c.limits is not None and not self.off]
+            if share is not None:
+                value = _value(system, place.start, curve.at(share))
+                met.append((share, self._limit(c, value)))
+        return min(met, key=lambda one: one[0], default=None)
 
     def _crossing(
         self, c: Coordinate, place: int, curve: Cubic, interval: Interval
@@ -149,7 +132,9 @@ class LimitWatch:
 
     def _excess(self, c: Coordinate, value: float) -> float:
         """How far a value lies beyond its limits and their slack; negative inside."""
-        low, high = c.limits or (-np.inf, np.inf)
+        if self.off or c.limits is None:
+            return -np.inf
+        low, high = c.limits
         value -= self.turns.get(c.name, 0.0)
         return max(low - value, value - high) - LIMIT_SLACK * self._unit(c)
 

@@ -11,8 +11,7 @@ what the grid's edges show: a finer grid can join more, and never parts what is 
 
 from __future__ import annotations
 
-from collections import deque
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise, product
 from typing import Any, Literal, Unpack
@@ -398,38 +397,32 @@ def _lines(
 
 def _sheets(nodes: list[Node], edges: list[tuple[Node, Node]]) -> tuple[frozenset[Node], ...]:
     """Connected components, the largest first."""
-    beside = _neighbours(edges)
-    left, sheets = set(nodes), []
+    beside, left, sheets = _neighbours(edges), set(nodes), []
     for node in nodes:
-        if node not in left:
-            continue
-        reached, queue = {node}, deque([node])
-        while queue:
-            for other in beside.get(queue.popleft(), []):
-                if other not in reached:
-                    reached.add(other)
-                    queue.append(other)
-        left -= reached
-        sheets.append(frozenset(reached))
+        if node in left:
+            sheets.append(frozenset(_reached(beside, node)))
+            left -= sheets[-1]
     return tuple(sorted(sheets, key=lambda sheet: (-len(sheet), min(sheet))))
 
 
 def _shortest(edges: Sequence[tuple[Node, Node]], begin: Node, end: Node) -> list[Node] | None:
-    beside = _neighbours(edges)
-    before: dict[Node, Node] = {begin: begin}
-    queue = deque([begin])
-    while queue and end not in before:
-        node = queue.popleft()
-        for other in beside.get(node, []):
-            if other not in before:
-                before[other] = node
-                queue.append(other)
+    before = _reached(_neighbours(edges), begin)
     if end not in before:
         return None
     nodes = [end]
     while nodes[-1] != begin:
         nodes.append(before[nodes[-1]])
     return nodes[::-1]
+
+
+def _reached(beside: Mapping[Node, list[Node]], begin: Node) -> dict[Node, Node]:
+    """All nodes that edges lead to, the nearest first, and the one before each."""
+    before, order = {begin: begin}, [begin]
+    for node in order:
+        more = [other for other in beside.get(node, []) if other not in before]
+        before |= dict.fromkeys(more, node)
+        order += more
+    return before
 
 
 def _neighbours(edges: Sequence[tuple[Node, Node]]) -> dict[Node, list[Node]]:

@@ -78,6 +78,17 @@ def lowered(
 
 
 @lru_cache(maxsize=128)
+def arm_or_limbs(mechanism: Mechanism) -> Lowered | None:
+    """A graph as the arm or the limbs that it is, in its own frame and motion; None of others."""
+    if not mechanism.is_graph:
+        return None
+    arm = arm_of(mechanism)
+    limbs = limbs_of(mechanism) if arm is None else None
+    machine, links = (arm, {}) if limbs is None else (limbs.mechanism, limbs.links)
+    return None if machine is None else Lowered(mechanism, machine, None, (), links)
+
+
+@lru_cache(maxsize=128)
 def lowered_limbs(mechanism: Mechanism) -> Lowered:
     """The machine of a description as limbs, whose passive joints are told where they have limits
     only: a graph that is limbs is these, a limb that does nothing but guide the platform in its

@@ -219,7 +219,8 @@ def build_problem(
     limbs holds joints that are `limited`.
     """
     by_name = held is not None or plain_kind(mechanism, names) is None
-    partition = _partition(mechanism, names, held) if by_name else Partition(frozenset(limited))
+    plain = Partition(frozenset(limited), pose=bool(limited))
+    partition = _partition(mechanism, names, held) if by_name else plain
     return _problem(build_closure(mechanism, partition), names, by_name)
 
 

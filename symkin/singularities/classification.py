@@ -166,9 +166,7 @@ def classify(
     )
     equations = whole if reduced is None else reduced.equations
     ranks = Ranks.of(equations, tolerance)
-    generic = generic_ranks(
-        solution.mechanism, output, roles if roles.by_name else None
-    ).at_other_assembly(ranks)
+    generic = generic_ranks(roles, output).at_other_assembly(ranks)
     conditions = _conditions(ranks, generic)
     kinds = _kinds(closure, ranks, generic, conditions, roles)
     feasible = feasible_motions(whole, tolerance)[:, : whole.twist.shape[1]]

@@ -15,7 +15,7 @@ type 2 has all columns but theirs; over one coordinate the zeros are points.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Literal
 
@@ -161,14 +161,13 @@ def plane_of(solution: Solution, names: Sequence[str], known: Sequence[str] | No
             f"plane = {', '.join(names)!r}{_guess(names, [*axes, *told])}; allowed: {poses}one or "
             f"two of the {what}, {', '.join(told) or 'none'}"
         )
+    low = machine_of(mechanism, Given(told, np.zeros(0), {}))
+    machine = mechanism if low is None else low.machine
+    if plain_kind(machine, told) is not None:
+        return _plane(build_problem(machine, told), solution, low, names, told)
     problem = build_problem(mechanism, told)
-    if problem.by_name:
-        refuse_unless_determined(problem)
-        return _plane(problem, solution, None, names, told)
-    low = machine_of(mechanism, Given(told, problem.reference_known, {}))
-    if low is not None:
-        problem = build_problem(low.machine, actuated_names(mechanism))
-    return _plane(problem, solution, low, names, told)
+    refuse_unless_determined(problem)
+    return _plane(problem, solution, None, names, told)
 
 
 def _guess(names: Sequence[str], known: Sequence[str]) -> str:
@@ -192,57 +191,44 @@ def _plane(
     solution: Solution,
     low: Lowered | None,
     names: Sequence[str],
-    told: tuple[str, ...],
+    told_names: tuple[str, ...],
 ) -> Plane:
     closure, own = problem.closure, own_closure(solution)
     here = many_of_machine(closure, own, solution.variables[None], low)[0]
     u = ca.SX.sym("uv", len(names))
-    values, coordinates = (_pose_values if problem.of_pose else _known_values)(
-        problem, here, names, u
-    )
-    family = {c.name for c in problem.known_coordinates}
-    free = tuple(c for c in closure.coordinates if c.name not in family)
-    told = told or pose_names(solution.mechanism)
-    return Plane(problem, solution, low, here, tuple(names), told, coordinates, u, values, free)
-
-
-def _pose_values(
-    problem: Problem, here: np.ndarray, names: Sequence[str], u: ca.SX
-) -> tuple[ca.SX, tuple[Coordinate, ...]]:
-    closure = problem.closure
     values, held = ca.SX(closure.variables), named_values(closure, here)
-    varied = varied_pose(closure, held, {names[k]: u[k] for k in range(2)})
-    for c, value in zip(closure.role("pose"), varied, strict=True):
-        values[closure.slices[c.name]] = value
-    first, second = (
-        Coordinate(
-            f"plane.{n}",
-            _pose_kind(n, names),
-            "pose",
-            (0.0 if n in TURNS else float(held[f"pose.{n}"]),),
-        )
-        for n in names
+    varied = {name: u[k] for k, name in enumerate(names)}
+    known = problem.known_coordinates
+    told = (
+        varied_pose(closure, held, varied)
+        if problem.of_pose
+        else [varied.get(c.name, float(held[c.name])) for c in known]
     )
-    return values, (first, second)
+    for c, value in zip(known, told, strict=True):
+        values[closure.slices[c.name]] = value
+    coordinates = tuple(_coordinate(problem, held, name, names) for name in names)
+    free = tuple(c for c in closure.coordinates if c not in known)
+    told_names = told_names or pose_names(solution.mechanism)
+    return Plane(
+        problem, solution, low, here, tuple(names), told_names, coordinates, u, values, free
+    )
 
 
-def _pose_kind(name: str, names: Sequence[str]) -> Kind:
-    """One component of a rotation vector has a period of a turn, two together have none."""
-    if name in TURNS:
-        return "turns" if set(names) <= set(TURNS) else "angle"
-    return "angle" if name == "gamma" else "length"
-
-
-def _known_values(
-    problem: Problem, here: np.ndarray, names: Sequence[str], u: ca.SX
-) -> tuple[ca.SX, tuple[Coordinate, ...]]:
-    closure, made = problem.closure, {}
-    values = ca.SX(closure.variables)
-    for c in problem.known_coordinates:
-        now = float(here[closure.slices[c.name].start])
-        values[closure.slices[c.name]] = u[names.index(c.name)] if c.name in names else now
-        made[c.name] = Coordinate(f"plane.{c.name}", c.kind, "actuated", (now,), least=c.least)
-    return values, tuple(made[name] for name in names)
+def _coordinate(
+    problem: Problem, held: Mapping[str, Any], name: str, names: Sequence[str]
+) -> Coordinate:
+    """One coordinate of a plane. One component of a rotation vector has a period of a turn, two
+    together have none.
+    """
+    if not problem.of_pose:
+        known = next(c for c in problem.known_coordinates if c.name == name)
+        here, least = (float(held[name]),), known.least
+        return Coordinate(f"plane.{name}", known.kind, "actuated", here, least=least)
+    now = 0.0 if name in TURNS else float(held[f"pose.{name}"])
+    kind: Kind = "angle" if name in TURNS or name == "gamma" else "length"
+    if set(names) <= set(TURNS):
+        kind = "turns"
+    return Coordinate(f"plane.{name}", kind, "pose", (now,))
 
 
 @dataclass(frozen=True, eq=False)
@@ -262,7 +248,8 @@ class LocusSystem:
 
     @property
     def name(self) -> str:
-        return self.kind + (f" of {self.limb}" if self.limb else "")
+        limb = self.plane.limb_name(self.limb)
+        return self.kind + (f" of {limb}" if limb else "")
 
     @property
     def uv(self) -> slice:

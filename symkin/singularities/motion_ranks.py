@@ -12,9 +12,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from symkin.closure.closure import Closure, build_closure
+from symkin.closure.closure import Closure
 from symkin.computed_once import lru_cache
-from symkin.model.mechanism import Mechanism
 from symkin.numeric.rank import null_space, rank_of, row_space
 from symkin.numeric.tolerances import RANK_TOLERANCE
 from symkin.position.closed_configurations import closed_configurations, whole_system
@@ -82,13 +81,11 @@ class Ranks:
 
 
 @lru_cache(maxsize=128)
-def generic_ranks(
-    mechanism: Mechanism, output: Output | None = None, roles: Roles | None = None
-) -> Ranks:
+def generic_ranks(roles: Roles, output: Output | None = None) -> Ranks:
     """Ranks at a random closed configuration near the reference, the one with the fewest motions
     (seed 0); with an output, those of the equations that are reduced to it.
     """
-    closure, found = build_closure(mechanism) if roles is None else roles.closure, []
+    closure, found = roles.closure, []
     for values in closed_configurations(closure, 0):
         equations = limbwise_equations(closure, values, RANK_TOLERANCE, roles)
         if output is not None:
@@ -105,12 +102,11 @@ def feasible_motions(equations: LimbwiseEquations, tolerance: float) -> np.ndarr
 
 
 def distances(
-    closure: Closure, equations: LimbwiseEquations, generic: Ranks, roles: Roles | None = None
+    closure: Closure, equations: LimbwiseEquations, generic: Ranks, roles: Roles
 ) -> dict[str, float]:
     """For each kind that the mechanism can have, the smallest singular value (of those that are not
     zero everywhere) of its matrix.
     """
-    roles = Roles(closure.mechanism) if roles is None else roles
     found = (
         {"type 1": _singular_value(equations.rates, generic.rates)} if roles.names_output else {}
     )

@@ -103,20 +103,22 @@ class NamedScrew:
 
 def named_twist(solution: Solution, motion: np.ndarray) -> NamedScrew:
     """From (velocity of the platform origin; size times angular velocity)."""
-    mechanism = solution.mechanism
-    turn = motion[3:] / mechanism.characteristic_length
-    vector = np.concatenate([turn, motion[:3] + np.cross(solution.position, turn)])
-    return NamedScrew.of("twist", vector, mechanism.length_unit, mechanism.characteristic_length)
+    turn = motion[3:] / solution.mechanism.characteristic_length
+    return _named("twist", solution, turn, motion[:3])
 
 
 def named_wrench(solution: Solution, covector: np.ndarray) -> NamedScrew:
     """From the wrench's work on (velocity of the platform origin; size times angular velocity)."""
-    mechanism = solution.mechanism
-    force = covector[:3]
-    vector = np.concatenate(
-        [force, mechanism.characteristic_length * covector[3:] + np.cross(solution.position, force)]
-    )
-    return NamedScrew.of("wrench", vector, mechanism.length_unit, mechanism.characteristic_length)
+    moment = solution.mechanism.characteristic_length * covector[3:]
+    return _named("wrench", solution, covector[:3], moment)
+
+
+def _named(
+    kind: Literal["twist", "wrench"], solution: Solution, along: np.ndarray, about: np.ndarray
+) -> NamedScrew:
+    """A screw by its direction part and its moment about the platform's origin."""
+    m, vector = solution.mechanism, [*along, *(about + np.cross(solution.position, along))]
+    return NamedScrew.of(kind, np.array(vector), m.length_unit, m.characteristic_length)
 
 
 def joint_rates(

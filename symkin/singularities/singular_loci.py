@@ -28,6 +28,7 @@ from symkin.singularities.locus_search import seeds_of, traced_curves
 from symkin.singularities.locus_system import LocusSystem, Plane, locus_systems, plane_of
 from symkin.singularities.motion_ranks import generic_ranks
 from symkin.singularities.options import LociOptions
+from symkin.velocity.roles import Roles
 from symkin.verb import verb
 from symkin.verb_options import takes
 
@@ -120,7 +121,7 @@ def _check(plane: Plane, kinds: Sequence[str], starts: int, seed: int) -> None:
 
 def check_poses_vary(machine: Mechanism, names: Sequence[str]) -> None:
     """Raise InputError unless every pose near a configuration is one that the machine takes."""
-    freedoms = generic_ranks(machine).outputs
+    freedoms = generic_ranks(Roles(machine)).outputs
     wanted = sum(c.freedom for c in build_closure(machine).role("pose"))
     if freedoms < wanted:
         joints = f"one or two of the actuated joints {', '.join(actuated_names(machine))}"
@@ -133,16 +134,9 @@ def check_poses_vary(machine: Mechanism, names: Sequence[str]) -> None:
 def _window(plane: Plane, ranges: Sequence[Sequence[float]] | None) -> np.ndarray:
     """Sides (2, 2), or (1, 2) over one coordinate, in inside units."""
     if ranges is None:
-        half = [
-            np.pi if c.is_angular else 0.5 * plane.closure.characteristic_length
-            for c in plane.coordinates
-        ]
-        sides = np.array(
-            [
-                [m - h, m + h]
-                for m, h in zip([c.reference[0] for c in plane.coordinates], half, strict=True)
-            ]
-        )
+        size = plane.closure.characteristic_length
+        half = np.array([[np.pi if c.is_angular else 0.5 * size] for c in plane.coordinates])
+        sides = np.array([[c.reference[0]] for c in plane.coordinates]) + [-1.0, 1.0] * half
     else:
         sides = (
             np.array([_side(plane, k, r) for k, r in enumerate(ranges)])

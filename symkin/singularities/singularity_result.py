@@ -103,16 +103,16 @@ class Singularity(Result):
     wrenches: tuple[NamedScrew, ...]
     inputs: tuple[dict[str, float], ...]
     feasible_twists: tuple[NamedScrew, ...]
+    roles: Roles
     notes: tuple[str, ...] = ()
     output: Output | None = None
-    roles: Roles | None = None
     motions: tuple[dict[str, float], ...] = ()
     groups: tuple[SingularGroup, ...] = ()
 
     @property
     def given(self) -> tuple[str, ...]:
         """The coordinates that drive, where they are told by name."""
-        return () if self.roles is None else self.roles.inputs or ()
+        return self.roles.inputs or ()
 
     @property
     def rank_loss(self) -> int:
@@ -197,14 +197,10 @@ class Singularity(Result):
         }
 
     def _output_dict(self) -> dict[str, Any] | None:
-        if (
-            self.output is None
-            and self.roles is not None
-            and self.roles.outputs
-            and not self.roles.has_twist
-        ):
-            return {"coordinates": list(self.roles.outputs), "point": None}
-        return None if self.output is None else self.output.to_dict()
+        if self.output is not None:
+            return self.output.to_dict()
+        named = () if self.roles.has_twist else self.roles.outputs
+        return {"coordinates": list(named), "point": None} if named else None
 
     def summary(self, most_rows: int | None = None) -> Summary:  # noqa: ARG002 - there is no table
         """Kind and conditions, distances, condition and manipulability, then the screws and joint
@@ -234,9 +230,7 @@ class Singularity(Result):
 
     @property
     def _moving(self) -> str:
-        named = (
-            self.roles is not None and self.roles.outputs is not None and not self.roles.has_twist
-        )
+        named = self.roles.outputs is not None and not self.roles.has_twist
         return "output" if self.output is not None or named else "platform"
 
     def _head_lines(self) -> list[str]:
@@ -244,7 +238,7 @@ class Singularity(Result):
         lines = [] if self.output is None else [f"output: velocity {self.output}"]
         meanings, output = KINDS if self.output is None else OUTPUT_KINDS, "the output"
         regular, count = "regular", self.uncontrolled_freedoms
-        if self.roles is not None and self.given:
+        if self.given:
             meanings = GIVEN_KINDS
             output = self.roles.output_text if self.output is None else output
             lines.append(f"driven by: {', '.join(self.given)}; wanted: {output}")
@@ -281,11 +275,7 @@ class Singularity(Result):
         )
 
     def _map_line(self) -> str:
-        wanted = (
-            "output"
-            if self.output is not None or (self.roles is not None and not self.roles.has_twist)
-            else "twist"
-        )
+        wanted = "output" if self.output is not None or not self.roles.has_twist else "twist"
         return (
             f"direct map, {'given' if self.given else 'joint'} rates to {wanted}: condition "
             f"{self.condition:.4g}, "

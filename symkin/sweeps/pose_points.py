@@ -21,6 +21,7 @@ from symkin.position.pose_coordinates import feasible_poses
 from symkin.position.problem import Problem
 from symkin.position.varied_pose import POSE_AXES, pose_at
 from symkin.singularities.motion_ranks import generic_ranks
+from symkin.velocity.roles import Roles
 
 _NEAR, _SAMPLES = 1e-3, 4
 """Poses within this share of the size (rad) of one that is taken, and how many of them, tell
@@ -106,7 +107,7 @@ def _check_conditions(
     mechanism: Mechanism, base: Sequence[float], values: Mapping[str, np.ndarray]
 ) -> None:
     swept = [name for name, v in values.items() if v[-1] > v[0]]
-    freedoms = generic_ranks(mechanism).outputs
+    freedoms = generic_ranks(Roles(mechanism)).outputs
     coordinates = sum(c.freedom for c in build_closure(mechanism).role("pose"))
     if not swept or freedoms >= coordinates:
         return

@@ -22,7 +22,7 @@ from symkin.position.transfer import many_elsewhere
 from symkin.singularities.motion_ranks import distances, generic_ranks
 from symkin.text import not_among
 from symkin.velocity.limb_equations import limbwise_equations
-from symkin.velocity.roles import Roles, roles_of
+from symkin.velocity.roles import roles_of
 
 QUANTITIES = ("modes", "conditioning", "reach")
 
@@ -292,15 +292,9 @@ def _derived(found: ModeTable) -> dict[str, np.ndarray]:
 
 def _distances(found: ModeTable, problem: Problem) -> dict[str, np.ndarray]:
     """Of each mode; NaN for a kind that the mechanism cannot have."""
-    mechanism = problem.mechanism
-    names = list(
-        dict.fromkeys("pose" if c.role == "pose" else c.name for c in problem.known_coordinates)
-    )
-    roles = roles_of(mechanism, names) if problem.by_name else Roles(mechanism)
-    closure, generic = (
-        roles.closure,
-        generic_ranks(mechanism, None, roles if roles.by_name else None),
-    )
+    names = ("pose" if c.role == "pose" else c.name for c in problem.known_coordinates)
+    roles = roles_of(problem.mechanism, list(dict.fromkeys(names)))
+    closure, generic = roles.closure, generic_ranks(roles)
     there = many_elsewhere(closure, problem.closure, found.listed.values)
     rows = [
         distances(
@@ -308,9 +302,7 @@ def _distances(found: ModeTable, problem: Problem) -> dict[str, np.ndarray]:
         )
         for values in there
     ]
-    kinds = {
-        "distance_type_1": "type 1",
-        "distance_type_2": "type 2",
-        "distance_increased": "increased",
+    return {
+        f"distance_{kind.replace(' ', '_')}": np.array([row.get(kind, np.nan) for row in rows])
+        for kind in ("type 1", "type 2", "increased")
     }
-    return {name: np.array([row.get(kind, np.nan) for row in rows]) for name, kind in kinds.items()}

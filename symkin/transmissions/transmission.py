@@ -234,25 +234,24 @@ def _checked(robot: str, linkage: Linkage, options: MotorOptions) -> Transmissio
             f"singular{''.join(singular[:1])}: "
             f"{here.lost(0)}; give another start (--start NAME=VALUE,...)"
         )
-    notes: tuple[str, ...] = ()
+    notes = list[str]()
     if len(motors) > free:
-        notes = (
+        notes.append(
             f"{len(motors)} motors drive {free} joint(s): of all torques of motors that hold a "
-            f"joint torque the least are told, and rates of motors must agree",
+            f"joint torque the least are told, and rates of motors must agree"
         )
     over = linkage.beyond_limits(linkage.reference[None])[0] > 0.0
     beyond = [c.name for c, out in zip(linkage.limited, over, strict=True) if out]
     if beyond:
-        notes = (*notes, f"the reference is beyond the limits of {', '.join(beyond)}")
+        notes.append(f"the reference is beyond the limits of {', '.join(beyond)}")
     wide = [c.name for c in linkage.mechanism.coordinates if c.limits and c not in linkage.limited]
     if wide:
-        notes = (
-            *notes,
+        notes.append(
             f"the limits of {first_of(wide)} are more than two turns, and count as none; ranges "
-            f"(--range NAME=LOW:HIGH) tells others",
+            f"(--range NAME=LOW:HIGH) tells others"
         )
     data = read_motors(motors, options, motors_of_file(linkage.mechanism, motors))
-    return Transmission(", ".join(joints), linkage, data, notes)
+    return Transmission(", ".join(joints), linkage, data, tuple(notes))
 
 
 def _refuse_too_few(robot: str, linkage: Linkage, motors: tuple[str, ...]) -> None:

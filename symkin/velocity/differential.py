@@ -164,6 +164,15 @@ def passive_rates(
     return found
 
 
+def by_name(coordinates: Sequence[Coordinate], rates: ca.SX) -> dict[str, ca.SX]:
+    """The rates of each coordinate, of all of them one below the other."""
+    found, place = dict[str, ca.SX](), 0
+    for c in coordinates:
+        found[c.name] = rates[place : place + c.freedom, :]
+        place += c.freedom
+    return found
+
+
 def pose_rates(coordinate: Coordinate, quaternion: ca.SX, twists: ca.SX) -> ca.SX:
     """Rates of one pose coordinate by twists (6, k): components of them, or (0, w) q / 2."""
     if coordinate.is_rotation:

@@ -20,12 +20,13 @@ import numpy as np
 from symkin.closure.closure import Closure, build_closure
 from symkin.computed_once import lru_cache
 from symkin.errors import InputError
+from symkin.machine.lower import arm_or_limbs
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.rank import independent_rows, rank_of
 from symkin.numeric.tolerances import RANK_TOLERANCE
 from symkin.position.closed_configurations import closed_configurations, whole_system
 from symkin.position.solution import Solution
-from symkin.position.transfer import variables_elsewhere
+from symkin.position.transfer import many_of_machine, own_closure
 from symkin.velocity.differential import Differential, differentiate, motion_columns
 from symkin.velocity.limb_equations import limbwise_equations
 from symkin.velocity.roles import columns_by_name
@@ -108,8 +109,12 @@ def variables_of(
     """
     named: Any = values
     if isinstance(values, Solution):
-        own = values.mechanism == closure.mechanism
-        named = variables_elsewhere(closure, values) if own else values.all_values
+        low = None if values.mechanism == closure.mechanism else arm_or_limbs(values.mechanism)
+        if (values.mechanism if low is None else low.machine) == closure.mechanism:
+            own = own_closure(values)
+            named = many_of_machine(closure, own, values.variables[None], low)[0]
+        else:
+            named = values.all_values
     if isinstance(named, Mapping):
         names = [c.name for c in closure.coordinates if needed is None or c.name in needed]
         missing = [name for name in names if name not in named]

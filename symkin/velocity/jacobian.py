@@ -15,7 +15,7 @@ from symkin.closure.closure import Closure
 from symkin.computed_once import cached_property, lru_cache
 from symkin.errors import InputError
 from symkin.machine.limbs import with_limbs
-from symkin.model.arm import arm_of
+from symkin.machine.lower import arm_or_limbs
 from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.position.solution import Solution
 from symkin.position.solve_result import SolveError
@@ -25,6 +25,7 @@ from symkin.velocity.differential import differentiate, variable_rates
 from symkin.velocity.equations import VelocityEquations, variables_of, velocity_equations
 from symkin.velocity.jacobian_expressions import Expressions
 from symkin.velocity.jacobian_names import KINDS, Matrix, Variable, variables_read
+from symkin.velocity.kinds import matrix_of
 from symkin.velocity.options import JacobianOptions
 from symkin.velocity.rates import NamedRates, check_names, graph_rates, rates_by_name
 from symkin.verb import verb
@@ -68,6 +69,7 @@ class Jacobian(Result):
     (6, 6)
     """
 
+    mechanism: Mechanism
     kind: str
     expression: ca.SX
     inputs: tuple[Variable, ...]
@@ -79,10 +81,6 @@ class Jacobian(Result):
     @property
     def closure(self) -> Closure:
         return self.expressions.closure
-
-    @property
-    def mechanism(self) -> Mechanism:
-        return self.closure.mechanism
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -284,19 +282,19 @@ def jacobian(
     kind = "direct" if kind is None else kind
     if kind not in KINDS:
         raise InputError(f"kind = {not_among(kind, KINDS)}")
-    if not _is_by_name(mechanism) or parameters:
-        mechanism = with_limbs(
+    if parameters:
+        with_limbs(
             mechanism,
             "a Jacobian with symbols for the geometry",
             "leave parameters out",
             arms_only=True,
         )
+    if not mechanism.actuated:
+        raise InputError(
+            f"{mechanism.name} has no actuated joint, and a Jacobian relates their rates: mark "
+            f"joints `actuated = true`"
+        )
     return _built(mechanism, kind, parameters)
-
-
-def _is_by_name(mechanism: Mechanism) -> bool:
-    """Whether a mechanism is a graph of links, and no arm in one."""
-    return mechanism.is_graph and arm_of(mechanism) is None
 
 
 @lru_cache(maxsize=128)
@@ -307,25 +305,37 @@ def _built(
     of: tuple[str, ...] = (),
     by: tuple[str, ...] = (),
 ) -> Jacobian:
-    if of or _is_by_name(mechanism):
-        named, matrix = rates_by_name(mechanism, of, by) if of else graph_rates(mechanism, kind)
-        return _with_inputs(named, kind, matrix)
-    equations = velocity_equations(mechanism)
+    low = None if of else arm_or_limbs(mechanism)
+    if low is not None and kind == "passive" and not low.machine.serial:
+        low = None  # rates of joints alone need no pose
+    if of or (low is None and mechanism.is_graph):
+        if of:
+            return _with_inputs(mechanism, kind, *rates_by_name(mechanism, of, by))
+        named = graph_rates(mechanism, kind)
+        return _with_inputs(mechanism, kind, named, matrix_of(named, kind, mechanism))
+    equations = velocity_equations(mechanism if low is None else low.machine)
     _check_defined(equations, kind)
     differential = (
         equations.differential if parameters else differentiate(equations.closure, bound=True)
     )
     made = Expressions(equations, differential)
-    return _with_inputs(made, kind, made.matrix(kind), parameters=parameters)
+    matrix = matrix_of(made, kind, mechanism)
+    return _with_inputs(mechanism, kind, made, matrix, parameters=parameters)
 
 
 def _with_inputs(
-    expressions: Expressions | NamedRates, kind: str, matrix: Matrix, *, parameters: bool = False
+    mechanism: Mechanism,
+    kind: str,
+    expressions: Expressions | NamedRates,
+    matrix: Matrix,
+    *,
+    parameters: bool = False,
 ) -> Jacobian:
     explicit = isinstance(expressions, Expressions) and expressions.differential.explicit
     expression = ca.sparsify(matrix.expression)
     inputs, numbers = variables_read(expressions.closure, expression, explicit=explicit)
     return Jacobian(
+        mechanism=mechanism,
         kind=kind,
         expression=expression,
         inputs=inputs,
@@ -338,11 +348,6 @@ def _with_inputs(
 
 def _check_defined(equations: VelocityEquations, kind: str) -> None:
     mechanism = equations.closure.mechanism
-    if not mechanism.actuated:
-        raise InputError(
-            f"{mechanism.name} has no actuated joint, and a Jacobian relates their rates: mark "
-            f"joints `actuated = true`"
-        )
     if kind != "inverse" and equations.freedom:
         raise InputError(
             f"{mechanism.name}: the {kind} Jacobian is not defined; with its "

@@ -24,7 +24,7 @@ from symkin.closure.closure import Closure
 from symkin.computed_once import cached_property
 from symkin.numeric.rank import most_independent
 from symkin.position.closed_configurations import closed_configurations
-from symkin.velocity.differential import TWIST_COLUMNS, Differential
+from symkin.velocity.differential import TWIST_COLUMNS, Differential, by_name
 from symkin.velocity.elimination import (
     factored,
     inner_rates,
@@ -34,11 +34,10 @@ from symkin.velocity.elimination import (
     without_span,
 )
 from symkin.velocity.equations import VelocityEquations
-from symkin.velocity.kinds import Rates
 
 
 @dataclass(frozen=True, eq=False)
-class Expressions(Rates):
+class Expressions:
     """Jacobians of `equations`, from a differential of the same closure with geometry as numbers or
     symbols.
 
@@ -54,7 +53,7 @@ class Expressions(Rates):
         return self.equations.closure
 
     @property
-    def free(self) -> Collection[str]:  # type: ignore[override]
+    def free(self) -> Collection[str]:
         is_open = self.differential is self.equations.differential
         return self.closure.parameter_names if is_open else ()
 
@@ -66,13 +65,9 @@ class Expressions(Rates):
 
     def split(self, rates: ca.SX) -> dict[str, ca.SX]:
         """Rates of each coordinate among all rates (q'; x'; t)."""
-        found, place = dict[str, ca.SX](), 0
-        for c in self.closure.role("actuated", "passive"):
-            found[c.name] = rates[place : place + c.freedom, :]
-            place += c.freedom
-        for c in self.closure.role("pose"):
-            found[c.name] = rates[[place + k for k in TWIST_COLUMNS[c.name]], :]
-        return found
+        twist = rates[-6:, :]
+        poses = {c.name: twist[list(TWIST_COLUMNS[c.name]), :] for c in self.closure.role("pose")}
+        return by_name(self.closure.role("actuated", "passive"), rates) | poses
 
     @cached_property
     def direct(self) -> ca.SX:
@@ -107,7 +102,8 @@ class Expressions(Rates):
         return ca.sparsify(result)
 
     @property
-    def _quaternion(self) -> ca.SX:
+    def quaternion(self) -> ca.SX:
+        """That of the platform's or tool's pose."""
         return self.differential.pose.quaternion
 
     @property

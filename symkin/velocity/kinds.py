@@ -2,75 +2,37 @@
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
-from collections.abc import Collection
-
 import casadi as ca
 
-from symkin.closure.closure import Closure
 from symkin.errors import InputError
+from symkin.model.mechanism import Mechanism
 from symkin.velocity.differential import passive_rates, pose_rates, rate_names
+from symkin.velocity.jacobian_expressions import Expressions
 from symkin.velocity.jacobian_names import TWIST, JacobianKind, Matrix, names_of
+from symkin.velocity.rates import NamedRates
 
 
-class Rates(ABC):
-    """Rates of all coordinates of a closure by known ones, as expressions of its variables and of
-    the geometry that is `free`.
+def matrix_of(rates: Expressions | NamedRates, kind: JacobianKind, mechanism: Mechanism) -> Matrix:
+    """A Jacobian of one of the kinds, its passive joints in the order of a description. Raises
+    InputError where no joint is passive.
     """
-
-    free: Collection[str] = ()
-
-    @property
-    @abstractmethod
-    def closure(self) -> Closure: ...
-
-    @property
-    @abstractmethod
-    def following(self) -> ca.SX:
-        """All rates by those of the known coordinates."""
-
-    @abstractmethod
-    def split(self, rates: ca.SX) -> dict[str, ca.SX]:
-        """Rates of each coordinate among all rates, those of `following`."""
-
-    @property
-    @abstractmethod
-    def direct(self) -> ca.SX:
-        """(6, n): the twist by the known rates."""
-
-    @property
-    @abstractmethod
-    def inverse(self) -> ca.SX:
-        """(n, 6): the known rates by a twist."""
-
-    def matrix(self, kind: JacobianKind) -> Matrix:
-        """A Jacobian of one of the kinds. Raises InputError where no joint is passive."""
-        closure = self.closure
-        joints = tuple(c.name for c in closure.mechanism.actuated)
-        if kind == "direct":
-            return Matrix(TWIST, joints, self.direct)
-        if kind == "inverse":
-            return Matrix(joints, TWIST, self.inverse)
-        if kind == "analytic":
-            pose = closure.role("pose")
-            rows = tuple(name for c in pose for name in names_of(c.name, c.width))
-            rates = (pose_rates(c, self._quaternion, self.direct) for c in pose)
-            return Matrix(rows, joints, ca.sparsify(ca.vertcat(*rates)))
-        return self._passive_matrix(joints)
-
-    def _passive_matrix(self, joints: tuple[str, ...]) -> Matrix:
-        mechanism = self.closure.mechanism
-        told = passive_rates(self.closure, self.split(self.following), self.free)
-        if not told:
-            raise InputError(
-                f"{mechanism.name} has no passive joint whose rate the actuated joints decide; "
-                f"allowed kinds: direct, inverse, analytic; or name coordinates: --of NAMES "
-                f"--by NAMES"
-            )
-        rows = rate_names([c for c in mechanism.coordinates if c.name in told])
-        return Matrix(rows, joints, ca.sparsify(ca.vertcat(*told.values())))
-
-    @property
-    def _quaternion(self) -> ca.SX:
-        closure = self.closure
-        return closure.symbols([c for c in closure.role("pose") if c.is_rotation])
+    joints = tuple(c.name for c in mechanism.actuated)
+    if kind == "direct":
+        return Matrix(TWIST, joints, rates.direct)
+    if kind == "inverse":
+        return Matrix(joints, TWIST, rates.inverse)
+    if kind == "analytic":
+        pose = rates.closure.role("pose")
+        rows = tuple(name for c in pose for name in names_of(c.name, c.width))
+        told = (pose_rates(c, rates.quaternion, rates.direct) for c in pose)
+        return Matrix(rows, joints, ca.sparsify(ca.vertcat(*told)))
+    passive = passive_rates(rates.closure, rates.split(rates.following), rates.free)
+    if not passive:
+        raise InputError(
+            f"{mechanism.name} has no passive joint whose rate the actuated joints decide; "
+            f"allowed kinds: direct, inverse, analytic; or name coordinates: --of NAMES "
+            f"--by NAMES"
+        )
+    listed = [c for c in mechanism.coordinates if c.name in passive]
+    rows = rate_names(listed)
+    return Matrix(rows, joints, ca.sparsify(ca.vertcat(*(passive[c.name] for c in listed))))

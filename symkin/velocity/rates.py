@@ -13,8 +13,9 @@ it.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
+from typing import ClassVar
 
 import casadi as ca
 import numpy as np
@@ -30,29 +31,35 @@ from symkin.position.closed_configurations import closed_configurations
 from symkin.position.determination import refuse_unless_determined
 from symkin.position.given import given_coordinates, unknown_name
 from symkin.position.groups import structure_groups
-from symkin.position.problem import Problem, build_problem, pose_names
+from symkin.position.problem import Problem, actuated_names, build_problem, pose_names
 from symkin.position.solve_result import SolveError
 from symkin.position.transfer import many_elsewhere
-from symkin.velocity.differential import TWIST_COLUMNS, tangent_jacobian
+from symkin.velocity.differential import TWIST_COLUMNS, by_name, tangent_jacobian
 from symkin.velocity.elimination import factored, inner_rates, outer_rates
 from symkin.velocity.jacobian_names import JacobianKind, Matrix
-from symkin.velocity.kinds import Rates
 
 _LEVEL = ("azimuth", "tilt")
 """Angles of a platform that have no rates where it does not tilt."""
 
 
 @dataclass(frozen=True, eq=False)
-class NamedRates(Rates):
+class NamedRates:
     """Rates of all coordinates of a problem by those of its known ones, as expressions of the
     closure's variables.
     """
 
     problem: Problem
 
+    free: ClassVar[Collection[str]] = ()
+
     @property
     def closure(self) -> Closure:
         return self.problem.closure
+
+    @property
+    def quaternion(self) -> ca.SX:
+        """That of the platform's pose."""
+        return self.closure.symbols([c for c in self.closure.role("pose") if c.is_rotation])
 
     @cached_property
     def of(self) -> dict[str, ca.SX]:
@@ -67,7 +74,7 @@ class NamedRates(Rates):
     def split(self, rates: ca.SX) -> dict[str, ca.SX]:
         """Rates of each coordinate among all rates, those of `following`."""
         problem = self.problem
-        return _by_name((*problem.known_coordinates, *problem.system.unknowns), rates)
+        return by_name((*problem.known_coordinates, *problem.system.unknowns), rates)
 
     @property
     def direct(self) -> ca.SX:
@@ -108,32 +115,22 @@ class NamedRates(Rates):
         return [n for n in dict.fromkeys(asked or owners) if n in loose]
 
 
-def graph_rates(mechanism: Mechanism, kind: JacobianKind) -> tuple[NamedRates, Matrix]:
-    """The Jacobian of a graph whose actuated joints are as many as its mobility. Raises InputError
-    for a graph without a platform, without passive joints, or whose actuated joints do not decide
-    its motion.
+def graph_rates(mechanism: Mechanism, kind: JacobianKind) -> NamedRates:
+    """The rates for a kind of Jacobian of a graph whose actuated joints are as many as its
+    mobility. Raises InputError for a graph without a platform, or whose actuated joints do not
+    decide its motion.
     """
-    joints = tuple(c.name for c in mechanism.actuated)
-    if not joints or (kind != "passive" and mechanism.platform_link is None):
-        raise InputError(_no_kind(mechanism, kind, joints))
-    problem = build_problem(mechanism, joints, () if kind == "passive" else pose_names(mechanism))
-    refuse_unless_determined(problem)
-    rates = NamedRates(problem)
-    return rates, rates.matrix(kind)
-
-
-def _no_kind(mechanism: Mechanism, kind: str, joints: tuple[str, ...]) -> str:
-    """Why a graph has no Jacobian of a kind."""
-    if not joints:
-        return (
-            f"{mechanism.name} has no actuated joint, and a Jacobian relates their rates: mark "
-            f"joints `actuated = true`"
+    if kind != "passive" and mechanism.platform_link is None:
+        raise InputError(
+            f"{mechanism.name} has no platform link, whose rates the {kind} Jacobian relates to "
+            f"those of the actuated joints; name it by [platform] link in its mechanism file, of a "
+            f"robot's file by --platform LINK, or name coordinates: of=[...], by=[...] (--of NAMES "
+            f"--by NAMES)"
         )
-    return (
-        f"{mechanism.name} has no platform link, whose rates the {kind} Jacobian relates to those "
-        f"of the actuated joints; name it by [platform] link in its mechanism file, of a robot's "
-        f"file by --platform LINK, or name coordinates: of=[...], by=[...] (--of NAMES --by NAMES)"
-    )
+    held = () if kind == "passive" else pose_names(mechanism)
+    problem = build_problem(mechanism, actuated_names(mechanism), held)
+    refuse_unless_determined(problem)
+    return NamedRates(problem)
 
 
 def check_names(mechanism: Mechanism, of: Sequence[str], by: Sequence[str]) -> None:
@@ -207,19 +204,10 @@ def _rates(problem: Problem) -> dict[str, ca.SX]:
         )
         driven = ca.mtimes(driving, ca.vertcat(*(rates[c.name] for c in knowns)))
         found = outer_rates(inner, outer, driven)
-        rates |= _by_name(last, found)
-        rates |= _by_name(first, inner_rates(inner, outer, driven, found))
+        rates |= by_name(last, found)
+        rates |= by_name(first, inner_rates(inner, outer, driven, found))
     # in the order of the problem's unknowns
     return {c.name: rates[c.name] for c in (*problem.known_coordinates, *problem.system.unknowns)}
-
-
-def _by_name(coordinates: Sequence[Coordinate], rates: ca.SX) -> dict[str, ca.SX]:
-    """The rates of each coordinate, of all of them one below the other."""
-    found, place = dict[str, ca.SX](), 0
-    for c in coordinates:
-        found[c.name] = rates[place : place + c.freedom, :]
-        place += c.freedom
-    return found
 
 
 @dataclass(frozen=True, eq=False)

@@ -214,6 +214,7 @@ NAMES = {
     "rate_names": "symkin.velocity.differential",
     "variables_of": "symkin.velocity.equations",
     "velocity_equations": "symkin.velocity.equations",
+    "Roles": "symkin.velocity.roles",
     "KINDS": "symkin.velocity.jacobian",
     # paths of complex solutions
     "AlgebraicSystem": "symkin.homotopy.algebraic",

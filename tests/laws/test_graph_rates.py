@@ -10,10 +10,11 @@ import numpy as np
 import pytest
 
 import symkin
+from helpers import jacobian_cases as cases
 from helpers.command_line import run
 from helpers.gate import in_gate
 from helpers.graph_twin import graph_twin
-from helpers.inside import variables_elsewhere
+from helpers.inside import build_closure, variables_elsewhere
 from helpers.moved_points import tricept
 from helpers.samples import five_bar, three_rps, three_rrr
 from symkin import Solution
@@ -158,6 +159,25 @@ def test_a_graph_has_the_jacobians_of_the_limbs_that_it_is(name: str, kind: str)
     assert found.columns == own.columns
     assert found.rows == own.rows
     assert numbers == pytest.approx(own.at(here), rel=1e-7, abs=1e-7)
+
+
+def test_a_graph_of_more_motors_than_freedoms_has_the_jacobians_of_its_limbs() -> None:
+    limbs = cases.case("redundant actuation").mechanism
+    here = symkin.solve(limbs).solution
+    for kind in ("direct", "inverse"):
+        own, found = (symkin.jacobian(m, kind) for m in (limbs, graph_twin(limbs)))
+        assert found.at(here) == pytest.approx(own.at(here), abs=1e-9)
+
+
+def test_a_graph_has_the_inverse_jacobian_of_its_limbs_where_these_are_singular() -> None:
+    """At the reference of a platform with all rods in one plane, of type 2, rates by a twist are
+    finite, and the direct ones are not.
+    """
+    limbs = symkin.load("zhang2009")
+    graph, reference = graph_twin(limbs), build_closure(limbs).reference
+    own, found = (symkin.jacobian(m, "inverse").at(reference) for m in (limbs, graph))
+    assert found == pytest.approx(own, abs=1e-9)
+    assert not np.isfinite(symkin.jacobian(graph).at(reference)).all()
 
 
 def test_rates_of_a_platform_of_loops_within_loops_are_differences() -> None:

@@ -46,8 +46,9 @@ def told(track: Track) -> tuple[object, ...]:
     [
         {"crank1": [0.0, 120.0], "crank2": [0.0, -120.0]},
         {"crank1": [0.0, 720.0], "crank2": [0.0, 720.0]},
+        {"elbow1": [0.0, -0.6], "crank1": [0.0, 0.3]},
     ],
-    ids=["fold", "turns"],
+    ids=["fold", "turns", "passive"],
 )
 def test_a_track_has_one_answer_in_all_spellings(tmp_path, given) -> None:
     """Without a declared motion, as a graph, turned in space: the same proved steps and stop, and
@@ -96,19 +97,34 @@ def test_a_graph_of_modes_is_proved_in_all_spellings(tmp_path) -> None:
     assert len({str(graph.groups) + str(graph.edges) for graph in found}) == 1
 
 
-def test_loci_over_a_pose_are_one_in_all_spellings(tmp_path) -> None:
-    """Curves over x and y of a graph and of limbs without motion are those of declared limbs."""
-    machine, curves = MACHINES["3-RRR"](), []
+@pytest.mark.parametrize(
+    ("name", "plane", "high", "kinds"),
+    [("3-RRR", ("x", "y"), 0.0, ("type 1",)), ("five-bar", ("crank1", "crank2"), 60.0, None)],
+    ids=["pose", "joints"],
+)
+def test_loci_are_one_in_all_spellings(tmp_path, name, plane, high, kinds) -> None:
+    """Curves of a graph and of limbs without motion are those of declared limbs, by their kinds."""
+    machine, curves = MACHINES[name](), []
     for one in named(list(spellings(machine, tmp_path)), ("limbs, motion", "limbs", "graph")):
         here = symkin.solve(one.mechanism).solution
-        sides, kinds = [(-60.0, 0.0), (-60.0, 0.0)], ("type 1",)
-        loci = symkin.singular_loci(here, ("x", "y"), ranges=sides, kinds=kinds, starts=3)
+        sides, chosen = [(-60.0, high)] * 2, {} if kinds is None else {"kinds": kinds}
+        loci = symkin.singular_loci(here, plane, ranges=sides, starts=6, **chosen)
         curves.append([(c.kind, c.points) for c in loci.curves])
     assert curves[0]
     for other in curves[1:]:
         assert [kind for kind, _ in other] == [kind for kind, _ in curves[0]]
         for (_, a), (_, b) in zip(curves[0], other, strict=True):
             assert np.allclose(a, b, atol=1e-6)
+
+
+def test_a_track_by_passive_joints_is_proved_of_limbs_as_of_a_graph(tmp_path) -> None:
+    """A spherical 3-RRR by an elbow: limbs too are followed without rows that others imply."""
+    machine = MACHINES["Agile Eye"]()
+    given = {"elbow1": [0.0, 0.2], "motor1": 0.0, "motor2": 0.0}
+    chosen = named(list(spellings(machine, tmp_path)), ("limbs, motion", "graph"))
+    limbs, graph = (symkin.track(one.mechanism, given=given) for one in chosen)
+    assert limbs.certified
+    assert (limbs.steps, limbs.reached) == (graph.steps, graph.reached)
 
 
 @pytest.mark.parametrize("spelling", ["limbs, R R for U", "graph, R R for U"])

@@ -70,7 +70,7 @@ BY_NAME = [
     ("3-RPR", ("x", "y", "torsion"), ("limbs", "limbs, turned about z", "MJCF")),
     ("five-bar", ("x", "y"), ("limbs", "limbs, turned", "graph, turned")),
     ("slider-crank", ("x",), ("limbs, turned", "graph", "MJCF")),
-    ("Tricept", ("cu.1", "cu.2", "cp"), ("limbs, turned", "graph")),
+    ("Tricept", ("cu.1", "cu.2", "cp"), ("limbs, turned", "graph", "graph, turned")),
     ("Agile Eye", ("motor1", "elbow1", "tip1"), ("limbs", "graph, motion", "MJCF")),
     ("3-RRR", ("x", "q1", "torsion"), ("limbs, motion", "limbs, turned", "graph, turned", "URDF")),
     ("3-RPR", ("r1", "c1", "r2"), ("limbs", "limbs, turned", "graph, axes")),

@@ -73,7 +73,7 @@ def test_given_loci_are_those_of_the_maps_plane():
     """
     here = symkin.solve(symkin.load("ankle")).solution
     for names in (("upper_motor", "lower_motor"), ("lower_motor", "upper_motor")):
-        loci = symkin.singular_loci(here, names, ranges=[(-60.0, 60.0)] * 2, starts=3)
+        loci = symkin.singular_loci(here, names, ranges=[(-60.0, 60.0)] * 2, starts=12)
         drawn = np.vstack(curves_of(figure_of_sweep(swept("ankle"), loci=loci)))
         places = [names.index(name) for name in ("upper_motor", "lower_motor")]
         traced = np.vstack([curve.points for curve in loci.curves])[:, places]

@@ -203,9 +203,9 @@ def written(mechanism: Mechanism, kind: ParameterKind, value: float, digits: str
 
 
 def observing_closure(mechanism: Mechanism, names: Sequence[str]) -> Closure:
-    """The closure that holds the joints that are read."""
-    joints = (o.of[0] for o in observables_named(mechanism, names) if o.kind == "joint")
-    return build_closure(mechanism, Partition(kept=frozenset(joints)))
+    """The closure that holds the joints that are read, and the platform of limbs."""
+    joints = frozenset(o.of[0] for o in observables_named(mechanism, names) if o.kind == "joint")
+    return build_closure(mechanism, Partition(joints, pose=bool(joints) and not mechanism.is_graph))
 
 
 def judged_link(mechanism: Mechanism) -> str:
