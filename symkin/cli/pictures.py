@@ -77,8 +77,7 @@ class Drawing:
 
         check_picture_path(path)
         if "names" in chosen:
-            graph, name = (True, "") if mechanism is None else (mechanism.is_graph, mechanism.name)
-            names_from(chosen["names"], graph=graph, mechanism=name)
+            names_from(chosen["names"], mechanism)
         if "views" in chosen:
             views_from(chosen["views"])
         if chosen.get("modes", "all").strip() != "all":

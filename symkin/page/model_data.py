@@ -79,7 +79,7 @@ def page_model(
     model = {
         "names": [c.name for c in known],
         "units": {
-            c.name: _unit(mechanism, c)
+            c.name: mechanism.unit_of(c)
             for c in (*known, *mechanism.coordinates)
             if not c.is_rotation
         },
@@ -281,10 +281,6 @@ def _near(mechanism: Mechanism, c: Coordinate, value: float, rng: np.random.Gene
 
 
 # --- coordinates ----------------------------------------------------------------------------------
-
-
-def _unit(mechanism: Mechanism, c: Coordinate) -> str:
-    return mechanism.unit_of(c)
 
 
 def _out(mechanism: Mechanism, c: Coordinate, value: Any) -> float:

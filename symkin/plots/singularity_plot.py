@@ -8,10 +8,10 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from symkin.drawing.layout import layout_of
-from symkin.plain_number import plain
 from symkin.plots.figures import Panel, figure_of_panels
 from symkin.plots.picture_options import looks_of
 from symkin.singularities.singularity_result import Singularity
+from symkin.text import plain
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -125,7 +125,7 @@ def test_links_and_joints_are_named_alone():
         {label.get_text() for label in labels_of(figure_of_modes(found, modes=[1], names=n))}
         for n in ("links", "joints")
     )
-    assert links == {"O", "P", "base", "platform", "trt1", "trt2", "trt3"}
+    assert links == {"O", "P", "base", "platform", "trt1", "trt2", "trt3", "op"}
     assert {"O", "P", "theta1", "radial1", "height1", "top1", "op"} <= joints
     assert not joints & {"base", "platform", "trt1"}
     with pytest.raises(InputError, match="allowed: all, joints, links, loops, none"):
