@@ -254,6 +254,7 @@ def equal_axes(
     """
     axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(low[2], high[2]))
     axes.set_box_aspect(np.subtract(high, low), zoom=1.12)
+    axes.patch.set_alpha(0.0)  # its ground would cover labels of pictures beside it
     for axis, name, a, b in zip(
         (axes.xaxis, axes.yaxis, axes.zaxis), "xyz", low, high, strict=True
     ):

@@ -116,7 +116,8 @@ def page_model(
     follows = roots.pop("listed") <= _MOST_ROOTS and all(
         (most_roots(group) or 0) <= _MOST_ROOTS for group in groups
     )
-    seeds, columns = np.array(roots.pop("seeds")), np.array(sizes["columns"])
+    columns = np.array(sizes["columns"])
+    seeds = np.array(roots.pop("seeds")).reshape(-1, len(columns))
     steps, texts = steps_of(groups if follows else [], solution, seeds, columns)
     sentence = _sentence(roots["complexCount"], steps, follows=follows)
     model |= sizes | roots | {"steps": steps, "follows": follows, "sentence": sentence}
