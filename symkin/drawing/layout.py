@@ -37,6 +37,15 @@ _HAND, _MANY = 0.16, 12
 """Length over the size of the hand that shows how a link of one joint is turned, and how many links
 a mechanism has whose hands are shorter.
 """
+JOINT_NAMES: dict[JointType, str] = {
+    "R": "revolute",
+    "P": "prismatic",
+    "C": "cylindrical",
+    "H": "helical",
+    "U": "universal",
+    "S": "spherical",
+    "weld": "weld",
+}
 ORIGIN, HAND, _HUB = "(frame)", "(hand)", "(hub)"
 """Owners of points that belong to no joint: origins of frames, hands, the middle of the rods' ends.
 """

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from symkin.drawing.camera import Camera
-from symkin.drawing.layout import Layout, LinkMark, RodMark, layout_of
+from symkin.drawing.layout import JOINT_NAMES, Layout, LinkMark, RodMark, layout_of
 from symkin.drawing.outline import distinct
 from symkin.drawing.palette import COLOURS, FRAME_COLOURS
 from symkin.model.joint import BASE
@@ -55,16 +55,6 @@ _DARK = {
     "frame y": "#57b985",
     "frame z": "#6d9be0",
 }
-_TYPES = {
-    "R": "revolute",
-    "P": "prismatic",
-    "C": "cylindrical",
-    "H": "helical",
-    "U": "universal",
-    "S": "spherical",
-    "weld": "weld",
-}
-
 Item = dict[str, Any]
 
 
@@ -195,7 +185,7 @@ def _told(item: Item) -> Item:
         platform = f"{name}, the link of the platform frame"
         return item | {"told": told.get(item["role"], platform)}
     if kind in ("joint", "rod"):
-        what = "rod" if kind == "rod" else f"{_TYPES[item['type']]} joint"
+        what = "rod" if kind == "rod" else f"{JOINT_NAMES[item['type']]} joint"
         drives = "actuated " if item["actuated"] else ""
         return item | {"told": f"{name}: {drives}{what}", "label": name}
     return item | {"told": f"{'link' if kind == 'mesh' else kind} {name}", "label": name}

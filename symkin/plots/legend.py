@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 
 from symkin.drawing.camera import Camera
-from symkin.drawing.layout import Layout
+from symkin.drawing.layout import JOINT_NAMES, Layout
 from symkin.drawing.palette import COLOURS, FRAME_COLOURS
-from symkin.plots.joint_symbols import NAMES, draw_symbol
+from symkin.plots.joint_symbols import draw_symbol
 from symkin.plots.sheet import text_extent
 
 _ENTRY = 84.0
@@ -89,7 +89,9 @@ def _entries(layout: Layout, scale: float, named: bool, twists: bool) -> Iterato
     ends = {kind for rod in layout.rods for kind in rod.kinds}
     slides = {"P"} if any(rod.actuated for rod in layout.rods) else set()
     drawn = {joint.type for joint in layout.joints} | ends | slides
-    yield from ((text, (kind, False)) for kind, text in NAMES.items() if kind in drawn)
+    for kind, name in JOINT_NAMES.items():
+        if kind in drawn:
+            yield f"{kind} {name}".removeprefix(f"{name} "), (kind, False)
     driven = [joint.type for joint in layout.joints if joint.actuated]
     if driven or slides:
         yield "actuated", ((driven or ["P"])[0], True)
