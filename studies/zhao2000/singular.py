@@ -369,7 +369,7 @@ def draw(over_pose: Loci, loci: Loci, counts: np.ndarray):
         vmax=6,
         aspect="auto",
     )
-    draw_curves(right, loci, emphasise=False)
+    draw_curves(right, loci)
     right.grid(visible=False)
     bar = figure.colorbar(image, ax=right, ticks=(0, 2, 4), boundaries=(-1, 1, 3, 5), shrink=0.7)
     bar.set_label("real poses, closed form")

@@ -134,7 +134,10 @@ class Painter:
         where it stands: at its own origin, or at points that are no corners of its plate.
         """
         column, points, edge = mark.of(ORIGIN), mark.points, COLOURS["base edge"]
-        corners = np.zeros((0, 2)) if self.camera.planar else outline(self.at(points))
+        corners = outline(self.at(points))
+        if self.camera.planar:
+            column, corners = column[:0], corners[:0]
+            points = points[[owner != ORIGIN for owner in mark.owners]]
         if len(corners) > 2:
             inner = 0.0 if self.colours is None else 1.2
             points = self._plate(points, corners, COLOURS["base"], edge, BASE, (1.2, inner))
