@@ -395,7 +395,7 @@ def draw(loci: Loci, loop: Loop):
     q = np.degrees(loop.q)
     centre = np.degrees(loop.cusp.q[:2])
     for axes in (whole, zoom):
-        draw_curves(axes, loci, emphasise=False)
+        draw_curves(axes, loci)
         axes.plot(q[:, 0], q[:, 1], color=RED, lw=1.6, label="path")
     whole.set_title(f"type 2 locus, q3 = {np.degrees(loop.cusp.q[2]):.4g}°")
     half = 1.6 * math.degrees(RADIUS)
