@@ -14,7 +14,7 @@ from __future__ import annotations
 import json
 from argparse import ArgumentParser
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -244,6 +244,12 @@ def new_figure(width: float, height: float) -> Figure:
     figure = Figure(figsize=(width, height), layout="constrained")
     FigureCanvasAgg(figure)
     return figure
+
+
+def of_all_modes(loci: Any) -> Any:
+    """Singular curves of which those of other working modes are drawn as the others are."""
+    curves = [replace(c, in_mode=np.ones_like(c.in_mode)) for c in loci.curves]
+    return replace(loci, curves=tuple(curves))
 
 
 def equal_axes(
