@@ -1,4 +1,5 @@
-"""Locks of the process, which a child that is forked finds free.
+"""Locks of the process, which a child that is forked finds free, and objects that one thread at a
+time may use.
 
 A fork copies the memory and the thread that forks, not the others: a lock that another thread holds
 would stay held in the child for ever. Here the child has new ones, but for those that its own
@@ -10,6 +11,9 @@ from __future__ import annotations
 import os
 import threading
 import weakref
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Generic, TypeVar
 
 
 class Lock:
@@ -54,3 +58,44 @@ def _renew_all() -> None:
 
 if hasattr(os, "register_at_fork"):
     os.register_at_fork(after_in_child=_renew_all)
+
+
+Item = TypeVar("Item")
+
+
+class Pool(Generic[Item]):
+    """Equal objects that one thread at a time may use, lent to as many threads as ask, made when
+    all others are lent.
+
+    CasADi's functions of expressions may be called by any number of threads at once: each call
+    has its own work vectors. Its rootfinders and nlpsols may not: a call works in memory that
+    belongs to the object, and two calls at once end in a segmentation fault. (Expressions may
+    be built in threads with CasADi from 3.7 on as its wheels are built, with thread-safe
+    symbolics; before 3.7 a call holds the interpreter's lock.)
+    """
+
+    def __init__(self, make: Callable[[], Item]) -> None:
+        self._make = make
+        self._idle: list[Item] = []
+
+    @contextmanager
+    def borrowed(self) -> Iterator[Item]:
+        """An object that no other thread has until the block ends."""
+        item = self.take()
+        try:
+            yield item
+        finally:
+            self.give(item)
+
+    def take(self) -> Item:
+        """An object that no other thread has until it is given back. One that never is is made
+        anew.
+        """
+        try:
+            return self._idle.pop()
+        except IndexError:
+            return self._make()
+
+    def give(self, item: Item) -> None:
+        """Give back what was taken."""
+        self._idle.append(item)

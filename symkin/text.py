@@ -192,6 +192,17 @@ def counted(count: int, what: str = "value") -> str:
     return f"{count} {what}{'' if count == 1 else 's'}"
 
 
+# --- numbers --------------------------------------------------------------------------------------
+
+NOTHING = 1e-12
+"""Values below this (lengths over the size) are rounding noise, which prints as 0."""
+
+
+def plain(value: float, size: float = 1.0, least: float = NOTHING) -> float:
+    """The value, or 0 without a sign where it is below `least` times the size."""
+    return value if abs(value) >= least * size else 0.0
+
+
 # --- outputs --------------------------------------------------------------------------------------
 
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 import functools
 import inspect
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, fields, is_dataclass
 from types import NoneType
 from typing import Any, ForwardRef, Literal, TypeVar, get_args, get_origin
@@ -110,3 +110,18 @@ def takes(record: type) -> Callable[[Verb], Verb]:
         return call  # type: ignore[return-value]
 
     return decorate
+
+
+def refuse_ignored(options: Mapping[str, object], reason: str, instead: str = "") -> None:
+    """Raise InputError for the options, by name, that are given (neither None nor False) although
+    `reason` is that nothing reads them; `instead` is what to do in place of leaving them out.
+    """
+    names = [name for name, value in options.items() if value is not None and value is not False]
+    if not names:
+        return
+    several = len(names) > 1
+    listed = f"{', '.join(names[:-1])} and {names[-1]}" if several else names[0]
+    remedy = f"leave {'them' if several else 'it'} out" + (f", or {instead}" if instead else "")
+    raise InputError(
+        f"{listed} {'are' if several else 'is'} given and would be ignored: {reason}; {remedy}"
+    )

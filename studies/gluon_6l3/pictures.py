@@ -127,7 +127,7 @@ def draw_dimensions(axes) -> None:
                 ((place + (0, 8)), "center") if k == 5 else (np.array([8.0, place[1]]), "left")
             )
             axes.text(*where, text, fontsize=11, ha=align, va="bottom" if k == 5 else "center")
-    axes.set(xlim=(-300, 230), ylim=(-90, 640), aspect="equal", xlabel="y [mm]", ylabel="z [mm]")
+    axes.set(xlim=(-300, 265), ylim=(-90, 640), aspect="equal", xlabel="y [mm]", ylabel="z [mm]")
     axes.set_title("zero joints seen along x, dimensions in mm", fontsize=12)
 
 

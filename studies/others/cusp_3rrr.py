@@ -42,7 +42,7 @@ from symkin.singularities.singular_loci import singular_loci
 if __name__ == "__main__":  # run as a file: modules are named from the folder that holds studies
     sys.path[0] = str(Path(__file__).resolve().parents[2])
 
-from studies.shared.report import Report, new_figure, options_parser
+from studies.shared.report import Report, new_figure, of_all_modes, options_parser
 
 BASE_RADIUS, PLATFORM_RADIUS, LINKS = 100.0, 30.0, (60.0, 65.0)
 TOWARDS = np.radians([90.0, 210.0, 330.0])
@@ -395,7 +395,7 @@ def draw(loci: Loci, loop: Loop):
     q = np.degrees(loop.q)
     centre = np.degrees(loop.cusp.q[:2])
     for axes in (whole, zoom):
-        draw_curves(axes, loci, emphasise=False)
+        draw_curves(axes, of_all_modes(loci))
         axes.plot(q[:, 0], q[:, 1], color=RED, lw=1.6, label="path")
     whole.set_title(f"type 2 locus, q3 = {np.degrees(loop.cusp.q[2]):.4g}°")
     half = 1.6 * math.degrees(RADIUS)

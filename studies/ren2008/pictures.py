@@ -275,9 +275,9 @@ def draw_guesses(case: Case, modes: list[np.ndarray], points: int):
         axes.set(
             xlim=(-0.8, 1.0), ylim=(-0.3, 1.5), zlim=(-1.5, 1.5), xticks=[], yticks=[], zticks=[]
         )
-        axes.set_box_aspect((1.8, 1.8, 3.0), zoom=1.25)
+        axes.set_box_aspect((1.8, 1.8, 3.0), zoom=1.1)
         axes.view_init(14, -65)
-        axes.set_title(f"mode {k + 1}", fontsize=10, color="black", backgroundcolor=MODES[k], pad=2)
+        axes.set_title(f"mode {k + 1}", fontsize=10, color="black", backgroundcolor=MODES[k], pad=6)
     return figure
 
 

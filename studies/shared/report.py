@@ -14,7 +14,7 @@ from __future__ import annotations
 import json
 from argparse import ArgumentParser
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -246,6 +246,12 @@ def new_figure(width: float, height: float) -> Figure:
     return figure
 
 
+def of_all_modes(loci: Any) -> Any:
+    """Singular curves of which those of other working modes are drawn as the others are."""
+    curves = [replace(c, in_mode=np.ones_like(c.in_mode)) for c in loci.curves]
+    return replace(loci, curves=tuple(curves))
+
+
 def equal_axes(
     axes: Any, low: Sequence[float], high: Sequence[float], unit: str, step: float
 ) -> None:
@@ -254,6 +260,7 @@ def equal_axes(
     """
     axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(low[2], high[2]))
     axes.set_box_aspect(np.subtract(high, low), zoom=1.12)
+    axes.patch.set_alpha(0.0)  # its ground would cover labels of pictures beside it
     for axis, name, a, b in zip(
         (axes.xaxis, axes.yaxis, axes.zaxis), "xyz", low, high, strict=True
     ):

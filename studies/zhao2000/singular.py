@@ -41,7 +41,7 @@ from symkin.singularities.singularity_result import Singularity
 if __name__ == "__main__":  # run as a file: modules are named from the folder that holds studies
     sys.path[0] = str(Path(__file__).resolve().parents[2])
 
-from studies.shared.report import Report, new_figure, options_parser
+from studies.shared.report import Report, new_figure, of_all_modes, options_parser
 from studies.zhao2000.model import BASE, INPUT, PLATFORM, QUARTER, coefficients, corners, inverse
 
 A_RADIUS, C_RADIUS = (float(np.linalg.norm(points[0])) for points in (BASE, PLATFORM))
@@ -369,7 +369,7 @@ def draw(over_pose: Loci, loci: Loci, counts: np.ndarray):
         vmax=6,
         aspect="auto",
     )
-    draw_curves(right, loci, emphasise=False)
+    draw_curves(right, of_all_modes(loci))
     right.grid(visible=False)
     bar = figure.colorbar(image, ax=right, ticks=(0, 2, 4), boundaries=(-1, 1, 3, 5), shrink=0.7)
     bar.set_label("real poses, closed form")

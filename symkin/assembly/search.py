@@ -8,7 +8,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from symkin.errors import InputError
-from symkin.ignored_options import refuse_ignored
 from symkin.numeric.levenberg import Progress
 from symkin.position.least_squares import LeastSquares
 from symkin.position.multistart import DEFAULT_STARTS
@@ -16,6 +15,7 @@ from symkin.position.newton import Newton
 from symkin.position.problem import Problem
 from symkin.text import not_among
 from symkin.verb import read_as
+from symkin.verb_options import refuse_ignored
 
 MOST_STARTS = 1_000_000
 DEFAULT_SEED = 0

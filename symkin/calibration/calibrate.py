@@ -48,11 +48,10 @@ from symkin.calibration.judge.statistics import SIGNIFICANCE, chi_square_tail
 from symkin.calibration.options import CalibrateOptions, check_seed
 from symkin.closure.closure import build_closure
 from symkin.errors import InputError
-from symkin.ignored_options import refuse_ignored
 from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.numeric.linear_algebra import largest_of
 from symkin.verb import verb
-from symkin.verb_options import takes
+from symkin.verb_options import refuse_ignored, takes
 
 
 @verb

@@ -35,10 +35,9 @@ from symkin.calibration.options import LEAST_CHANGE, FileOptions, FitOptions, ch
 from symkin.calibration.report import FitReport
 from symkin.errors import InputError
 from symkin.files.euler_columns import SEQUENCES
-from symkin.ignored_options import refuse_ignored
 from symkin.model.mechanism import Mechanism
 from symkin.text import first_of, meant, printable
-from symkin.verb_options import takes
+from symkin.verb_options import refuse_ignored, takes
 
 ALL_PARAMETERS = "all"
 """The pattern that stands for every parameter that moves poses."""

@@ -36,8 +36,7 @@ from symkin.cli.values import Asked
 from symkin.errors import InputError
 from symkin.files.written_files import check_own_file, write_own_file
 from symkin.formats.read_options import ReadOptions
-from symkin.ignored_options import refuse_ignored
-from symkin.verb_options import OUTPUT, POSTURES, READINGS, Option
+from symkin.verb_options import OUTPUT, POSTURES, READINGS, Option, refuse_ignored
 
 if TYPE_CHECKING:
     from symkin.calibration.design import simulation

@@ -58,13 +58,11 @@ class Drawing:
 
     @classmethod
     def checked(cls, told: Mapping[str, Any], mechanism: "Mechanism | None" = None) -> "Drawing":
-        """The options `plot`, `names`, `views` and `modes` that a command has. Raises InputError,
-        too where there is no picture that they are about.
+        """The option `plot` and those beside it that a command has. Raises InputError, too where
+        there is no picture that they are about.
         """
-        path = told["plot"]
-        chosen = {
-            name: told[name] for name in ("names", "views", "modes") if told.get(name) is not None
-        }
+        path, untold = told["plot"], (None, False)
+        chosen = {n: value for n, value in told.items() if n != "plot" and value not in untold}
         if path is None:
             for name in chosen:
                 raise InputError(
@@ -77,8 +75,7 @@ class Drawing:
 
         check_picture_path(path)
         if "names" in chosen:
-            graph, name = (True, "") if mechanism is None else (mechanism.is_graph, mechanism.name)
-            names_from(chosen["names"], graph=graph, mechanism=name)
+            names_from(chosen["names"], mechanism)
         if "views" in chosen:
             views_from(chosen["views"])
         if chosen.get("modes", "all").strip() != "all":

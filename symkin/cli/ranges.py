@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from symkin.cli.options import number, pieces_from
@@ -12,8 +10,6 @@ from symkin.model.written_number import whole
 
 _MOST_VALUES = 10**7
 _FORMS = "NAME=LOW:HIGH:COUNT or NAME=VALUE"
-_SAMPLE_FORMS = "NAME=LOW:HIGH"
-_SAMPLE_GIVEN_FORMS = "NAME=LOW:HIGH or NAME=VALUE"
 
 
 def read_values(
@@ -23,82 +19,53 @@ def read_values(
     with the one value at which they are held, "pose" with its seven numbers. `angle_unit` is that
     of the arguments of sin, cos and tan. Raises InputError.
     """
-    read, is_given = _Reader(option, sampled, angle_unit), option == "given"
+    is_given, sample = option == "given", "NAME=LOW:HIGH"
+    forms = sample + " or NAME=VALUE" * is_given if sampled else _FORMS
+    allowed = f"with --random allowed: {forms}"
+    if not sampled:
+        allowed = f"allowed: {forms} (with --random: {sample})"
     found: dict[str, float | list[float] | np.ndarray] = {}
-    for name, parts in pieces_from(text, option, read.wrong, whole_pose=is_given).items():
-        if is_given and (len(parts) > 1 or ":" not in parts[0]):
-            numbers = [read.number(name, part) for part in parts]
+    wrong = f"is not of the form {forms}"
+    for name, parts in pieces_from(text, option, wrong, whole_pose=is_given).items():
+        texts = parts[0].split(":")
+        held = is_given and (len(parts) > 1 or len(texts) == 1)
+        if not held and len(texts) not in ((2,) if sampled else (1, 3)):
+            raise InputError(f"--{option}: {name} = {parts[0]!r}; {allowed}")
+        numbers = [
+            _finite(name, part, option, angle_unit) for part in (parts if held else texts[:2])
+        ]
+        if held:
             found[name] = numbers if len(numbers) > 1 else numbers[0]
+        elif numbers[-1] < numbers[0]:
+            raise InputError(
+                f"--{option}: {name} = {texts[0]}:{texts[1]} is reversed; the lower bound comes "
+                f"first"
+            )
         else:
-            found[name] = read.values(name, parts[0])
+            count = len(numbers) if len(texts) < 3 else _count(name, texts, numbers, option)
+            found[name] = np.linspace(numbers[0], numbers[-1], count)
     return found
 
 
-@dataclass(frozen=True)
-class _Reader:
-    """How ranges of one option are read."""
+def _finite(name: str, text: str, option: str, angle_unit: str) -> float:
+    found = number(text, name, option, angle_unit)
+    if not np.isfinite(found):
+        raise InputError(f"--{option}: {text.strip()!r} of {name} is not finite")
+    return found
 
-    option: str
-    sampled: bool
-    angle_unit: str
 
-    @property
-    def forms(self) -> str:
-        if not self.sampled:
-            return _FORMS
-        return _SAMPLE_FORMS if self.option == "grid" else _SAMPLE_GIVEN_FORMS
-
-    @property
-    def wrong(self) -> str:
-        return f"is not of the form {self.forms}"
-
-    def number(self, name: str, text: str) -> float:
-        found = number(text, name, self.option, self.angle_unit)
-        if not np.isfinite(found):
-            raise InputError(f"--{self.option}: {text.strip()!r} of {name} is not finite")
-        return found
-
-    def values(self, name: str, text: str) -> np.ndarray:
-        """All values of a grid, the least and the largest of a sample."""
-        parts = text.split(":")
-        if self.sampled:
-            if len(parts) != 2:
-                raise InputError(
-                    f"--{self.option}: {name} = {text!r}; with --random allowed: {self.forms}"
-                )
-            return np.array(self._ends(name, parts))
-        if len(parts) == 1:
-            return np.array([self.number(name, parts[0])])
-        if len(parts) != 3:
-            raise InputError(
-                f"--{self.option}: {name} = {text!r}; allowed: {_FORMS} (with --random: "
-                f"{_SAMPLE_FORMS})"
-            )
-        return self._spaced(name, text, parts)
-
-    def _spaced(self, name: str, text: str, parts: list[str]) -> np.ndarray:
-        low, high = self._ends(name, parts)
-        count = whole(parts[2])
-        if count is None:
-            raise InputError(
-                f"--{self.option}: the count {parts[2].strip()!r} of {name} is not a whole number"
-            )
-        if not 1 <= count <= _MOST_VALUES:
-            raise InputError(
-                f"--{self.option}: {name} has {count} values; allowed: 1 to {_MOST_VALUES}"
-            )
-        if (count == 1) != (low == high):
-            raise InputError(
-                f"--{self.option}: {name} = {text}: one value has equal ends, several have "
-                f"different ones"
-            )
-        return np.linspace(low, high, count)
-
-    def _ends(self, name: str, parts: list[str]) -> tuple[float, float]:
-        low, high = (self.number(name, part) for part in parts[:2])
-        if high < low:
-            raise InputError(
-                f"--{self.option}: {name} = {parts[0]}:{parts[1]} is reversed; the lower bound "
-                f"comes first"
-            )
-        return low, high
+def _count(name: str, texts: list[str], ends: list[float], option: str) -> int:
+    """How many values a range has."""
+    count = whole(texts[2])
+    if count is None:
+        raise InputError(
+            f"--{option}: the count {texts[2].strip()!r} of {name} is not a whole number"
+        )
+    if not 1 <= count <= _MOST_VALUES:
+        raise InputError(f"--{option}: {name} has {count} values; allowed: 1 to {_MOST_VALUES}")
+    if (count == 1) != (ends[0] == ends[1]):
+        raise InputError(
+            f"--{option}: {name} = {':'.join(texts)}: one value has equal ends, several have "
+            f"different ones"
+        )
+    return count

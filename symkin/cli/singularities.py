@@ -18,11 +18,10 @@ from symkin.cli.streams import say
 from symkin.cli.values import Asked
 from symkin.errors import InputError
 from symkin.formats.read_options import ReadOptions
-from symkin.ignored_options import refuse_ignored
 from symkin.position.solve_result import SolveError
 from symkin.result import Result
 from symkin.singularities.options import LociOptions, SingularityOptions
-from symkin.verb_options import ASKED, Option
+from symkin.verb_options import ASKED, Option, refuse_ignored
 
 
 def singularities(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, nullcontext
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -18,6 +19,7 @@ from symkin.cli.options import (
     print_result,
     slices_from,
 )
+from symkin.cli.pictures import Picture
 from symkin.cli.poses import PoseForm
 from symkin.cli.progress import progress_bar
 from symkin.cli.values import Asked
@@ -31,6 +33,7 @@ from symkin.verb_options import GIVEN, OUTPUT, Option
 def sweep(
     mech: MechArgument,
     read: ReadOptions,
+    *,
     output: Annotated[
         Path,
         output_option("Folder of the arrays (Zarr); a begun sweep goes on.", "DIR"),
@@ -62,9 +65,7 @@ def sweep(
         ),
     ] = None,
     as_json: JsonOption = False,
-    plot: Annotated[
-        Path | None, Option("Draw a map of the result into a file.", "FILE.png", OUTPUT)
-    ] = None,
+    picture: Picture,
     of: Annotated[
         str | None,
         Option(
@@ -107,7 +108,7 @@ def sweep(
     from symkin.sweeps.store import require_zarr
 
     require_zarr()
-    asked = Asked.of(mech, read, form)
+    asked = Asked.of(mech, read, form, {**picture, "of": of, "slice": slices, "loci": loci})
     mechanism, unit = asked.mechanism, asked.unit
     poses, sampled = options["poses"], options["random"] is not None
     ranges: Any
@@ -121,13 +122,16 @@ def sweep(
     cuts = {} if slices is None else slices_from(slices, unit)
     check_slices(cuts, values, sampled=sampled)
     check_map_is_left(cuts, values)
-    drawn = _drawn(of, slices, plot, loci=loci)
+    drawn = names_from(of)
+    if not all(drawn):
+        raise InputError(f"--of {of!r}: names separated by commas are needed")
+    if loci and drawn:
+        raise InputError(
+            "both --loci and --of are given; --loci belongs to the map, in whose place --of draws "
+            "points or joints"
+        )
     if loci and poses:
         _check_pose_loci(mechanism, list(values))
-    if plot is not None:
-        from symkin.plots.picture_file import check_picture_path
-
-        check_picture_path(plot)
     if drawn:
         check_drawable(mechanism, options["quantity"], list(values), drawn)
     check_output(table)
@@ -146,37 +150,10 @@ def sweep(
     more = ""
     if table is not None:
         more += f"\nwritten: {table}, {swept.write_csv(table)} rows"
-    if plot is not None:
-        with progress_bar("singularity loci") if loci else nullcontext():
-            swept.plot(plot, slices=cuts, of=drawn, loci=loci)
-        more += f"\npicture: {plot}"
+    shown = replace(asked.drawing, options={"slices": cuts, "of": drawn, "loci": loci})
+    with progress_bar("singularity loci") if loci else nullcontext():
+        more += shown.of(swept)
     print_result(as_json, swept, more)
-
-
-def _drawn(of: str | None, slices: str | None, plot: Path | None, *, loci: bool) -> list[str]:
-    """The names of --of. Raises InputError where there is no picture for it."""
-    if slices is not None and plot is None:
-        raise InputError(
-            "--slice says where the map of --plot is cut; give --plot FILE.png, or leave --slice "
-            "out"
-        )
-    if of is not None and plot is None:
-        raise InputError(
-            "--of says what the picture of --plot shows; give --plot FILE.png, or leave --of out"
-        )
-    if loci and plot is None:
-        raise InputError(
-            "--loci lays curves over the map of --plot; give --plot FILE.png, or leave --loci out"
-        )
-    if loci and of is not None:
-        raise InputError(
-            "both --loci and --of are given; --loci belongs to the map, in whose place --of draws "
-            "points or joints"
-        )
-    names = names_from(of)
-    if of is not None and not all(names):
-        raise InputError(f"--of {of!r}: names separated by commas are needed")
-    return names
 
 
 def _check_pose_loci(mechanism: Mechanism, names: Sequence[str]) -> None:

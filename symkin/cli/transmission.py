@@ -15,6 +15,7 @@ from symkin.cli.options import (
     output_option,
     print_either,
 )
+from symkin.cli.pictures import Picture
 from symkin.cli.streams import say
 from symkin.cli.values import Asked
 from symkin.errors import InputError, NoConfigurationError
@@ -29,6 +30,7 @@ if TYPE_CHECKING:
 def transmission(
     mech: MechArgument,
     read: ReadOptions,
+    *,
     options: TransmissionOptions,
     motors: Annotated[
         str | None,
@@ -64,9 +66,7 @@ def transmission(
             "Write the robot with driven joints in its linkages' place.", "FILE.urdf|.xml", OUTPUT
         ),
     ] = None,
-    plot: Annotated[
-        Path | None, Option("Draw torques and ratios over the range.", "FILE.png", OUTPUT)
-    ] = None,
+    picture: Picture,
     as_json: JsonOption = False,
 ) -> None:
     """The exact map between motors and the joints that they drive by closed linkages: range,
@@ -75,7 +75,7 @@ def transmission(
     from symkin.position.solve_result import SolveError
     from symkin.transmissions.transmission import transmission as find
 
-    asked = Asked.of(mech, read, picture={"plot": plot})
+    asked = Asked.of(mech, read, picture=picture)
     mechanism, unit = asked.mechanism, asked.unit
     if motors is None and joints is not None:
         raise InputError("--joints needs --motors beside it: the coordinates that motors drive")

@@ -8,20 +8,22 @@ each link's pose moves its own.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from typing import Literal
 
 import numpy as np
 
 from symkin.closure.branches import Branch, edges_of
 from symkin.computed_once import lru_cache
+from symkin.drawing.bodies import Body, body_of
 from symkin.drawing.outline import grouped
-from symkin.drawing.palette import COLOURS, LINK_COLOURS
+from symkin.drawing.palette import LINK_COLOURS
 from symkin.drawing.slides import joint_places, slide_routes
 from symkin.model.bar import Bar
 from symkin.model.graph_checks import links_of
 from symkin.model.joined import Joined
-from symkin.model.joint import BASE, Joint
+from symkin.model.joint import BASE, PLATFORM, Joint
 from symkin.model.joint_forms import JointType
 from symkin.model.limb import RodLimb
 from symkin.model.mechanism import Mechanism
@@ -35,9 +37,17 @@ _HAND, _MANY = 0.16, 12
 """Length over the size of the hand that shows how a link of one joint is turned, and how many links
 a mechanism has whose hands are shorter.
 """
-_FRAME, HAND, _HUB = "(frame)", "(hand)", "(hub)"
-"""Owners of points that belong to no joint: the platform's origin, hands, the middle of the rods'
-ends.
+JOINT_NAMES: dict[JointType, str] = {
+    "R": "revolute",
+    "P": "prismatic",
+    "C": "cylindrical",
+    "H": "helical",
+    "U": "universal",
+    "S": "spherical",
+    "weld": "weld",
+}
+ORIGIN, HAND, _HUB = "(frame)", "(hand)", "(hub)"
+"""Owners of points that belong to no joint: origins of frames, hands, the middle of the rods' ends.
 """
 
 
@@ -74,9 +84,12 @@ class JointMark:
 
 @dataclass(frozen=True, eq=False)
 class RodMark:
-    """A rod between its two ends (3,) on two `links`, and the joints there."""
+    """A rod between its two ends (3,) on two `links`, and the joints there; `label` is its name
+    where it is written.
+    """
 
     name: str
+    label: str
     bar: Bar
     links: tuple[str, str]
     start: np.ndarray
@@ -99,18 +112,32 @@ Mark = JointMark | RodMark
 class LinkMark:
     """A link through `points` (k, 3), each of the joint or rod that is its owner; `edges` are pairs
     of their indices where they are joined in a certain way, None where an outline joins them.
+    `label` is its name where it is written: links within limbs have none.
     """
 
     points: np.ndarray
     owners: tuple[str, ...]
+    role: Literal["base", "platform", "link"]
+    label: str
+    colour: str
     edges: tuple[tuple[int, int], ...] | None = None
+
+    def body(self, size: float) -> Body:
+        """Its shape."""
+        if self.edges is None:
+            return body_of(self.points, size)
+        return Body(self.points, list(self.edges), [])
+
+    def of(self, owner: str) -> np.ndarray:
+        """The points of an owner (n, 3)."""
+        return self.points[[name == owner for name in self.owners]]
 
 
 @dataclass(frozen=True, eq=False)
 class Layout:
     """All marks at one configuration: links by name, joints, rods, named points with their links,
-    coupled joints by name, joints that close loops, and the platform's pose, None where there is
-    none.
+    coupled joints by name, joints between links that close loops, the first joints of limbs by the
+    limbs' names, and the pose of the frame, None where there is none.
     """
 
     mechanism: Mechanism
@@ -120,6 +147,7 @@ class Layout:
     points: dict[str, tuple[str, np.ndarray]]
     couplings: tuple[tuple[str, str], ...]
     closing: frozenset[str]
+    limbs: Mapping[str, str]
     pose: Pose | None
 
     @property
@@ -193,18 +221,6 @@ def layout_of(mechanism: Mechanism) -> Layout:
     return _Gathered(mechanism).layout()
 
 
-def link_colours(layout: Layout) -> dict[str, str]:
-    """The colour of each link but the base: of limbs one for all links of a limb, else one each."""
-    mechanism = layout.mechanism
-    found, turns = {mechanism.platform_link or "": COLOURS["platform edge"]}, dict[str, int]()
-    for link in layout.links:
-        if link != BASE and link not in found:
-            kind = link if mechanism.is_graph else link.rsplit(".", 1)[0]
-            turn = turns.setdefault(kind, len(turns))
-            found[link] = LINK_COLOURS[turn % len(LINK_COLOURS)]
-    return found
-
-
 def _moved_joint(mark: JointMark, poses: Mapping[str, Pose]) -> JointMark:
     before, after = (poses[link] for link in mark.links)
     start, end = before.apply(mark.start), after.apply(mark.end)
@@ -261,7 +277,10 @@ class _Gathered:
     def __init__(self, mechanism: Mechanism) -> None:
         self.mechanism, self.size = mechanism, mechanism.characteristic_length
         self.edges = list(edges_of(mechanism))
-        self.places = joint_places(mechanism)
+        joined = Joined[str]()
+        self.last = [edge for edge in self.edges if not joined.join(*edge.ends)]
+        """Edges between links that those before them in the file join already."""
+        self.places = joint_places(mechanism, loops=bool(self.last))
         self.routes = {
             name: route
             for limb in mechanism.limbs
@@ -270,11 +289,13 @@ class _Gathered:
         self.points: dict[str, list[tuple[str, np.ndarray]]] = {}
         self.joints: list[JointMark] = []
         self.rods: list[RodMark] = []
+        self.colours: dict[str, str] = {}
+        """Of links that are neither base nor platform: one for all links of a limb."""
 
     def layout(self) -> Layout:
         mechanism, platform = self.mechanism, self.mechanism.platform_link
-        if mechanism.serial:
-            self._attach(BASE, _FRAME, np.zeros(3))
+        if sum(BASE in edge.ends for edge in self.edges) == 1:
+            self._attach(BASE, ORIGIN, np.zeros(3))
         floating = [edge for edge in self.edges if self._floats(edge)]
         for edge in self.edges:
             if isinstance(edge.elements[0].part, Bar):
@@ -290,16 +311,17 @@ class _Gathered:
         if platform is not None:
             self._origin(platform, np.asarray(mechanism.reference_pose.position))
         self._hands()
-        links = (*links_of(mechanism), *self.points)
+        links, limbs = (*links_of(mechanism), *self.points), mechanism.limbs
         order = {joint.elements[0].name: k for k, joint in enumerate(self.edges)}
         return Layout(
             mechanism,
-            {link: self._link(link) for link in links if link in self.points},
+            {link: self._link(link) for link in dict.fromkeys(links) if link in self.points},
             tuple(sorted(self.joints, key=lambda mark: order[mark.name])),
             tuple(self.rods),
             named,
             self._couplings(),
-            _closing(self.edges) if mechanism.is_graph else frozenset(),
+            frozenset(e.name for e in self.last if e.name == e.elements[0].name in self.places),
+            {} if mechanism.serial else {li.name: li.joints[0].name for li in limbs if li.joints},
             None if platform is None else mechanism.reference_pose,
         )
 
@@ -352,7 +374,8 @@ class _Gathered:
         name = bar.name if own else f"{edge.name} {bar.name}"
         for link, point in zip(edge.ends, (start, end), strict=True):
             self._attach(link, name, point)
-        self.rods.append(RodMark(name, bar, edge.ends, start, end, kinds))  # type: ignore[arg-type]
+        label = name if own else ""
+        self.rods.append(RodMark(name, label, bar, edge.ends, start, end, kinds))  # type: ignore[arg-type]
 
     def _couplings(self) -> tuple[tuple[str, str], ...]:
         names = {mark.name for mark in self.joints} | {rod.name for rod in self.rods}
@@ -371,33 +394,42 @@ class _Gathered:
     def _origin(self, link: str, origin: np.ndarray) -> None:
         held = [point for _, point in self.points.get(link, [])]
         if all(np.linalg.norm(origin - point) > _SAME * self.size for point in held):
-            self._attach(link, _FRAME, origin)
+            self._attach(link, ORIGIN, origin)
 
     def _link(self, link: str) -> LinkMark:
         """A link of a limb goes from its joint to the middle of its rods' ends, and from there to
         each; others are outlines.
         """
         owners, points = zip(*self.points[link], strict=True)
-        rods = [k for k, owner in enumerate(owners) if any(rod.name == owner for rod in self.rods)]
-        if link in links_of(self.mechanism) or len(rods) < 2:
-            return LinkMark(np.array(points), owners)
-        hub = np.mean([points[k] for k in rods], axis=0)
+        named, names = link in links_of(self.mechanism), {rod.name for rod in self.rods}
+        kind = link if named else link.rsplit(".", 1)[0]
+        turn = LINK_COLOURS[len(self.colours) % len(LINK_COLOURS)]
+        if link == BASE:
+            mark = LinkMark(np.array(points), owners, "base", link, "base edge")
+        elif link == self.mechanism.platform_link:
+            mark = LinkMark(np.array(points), owners, "platform", link, "platform")
+        else:
+            colour = self.colours.setdefault(kind, turn)
+            mark = LinkMark(np.array(points), owners, "link", link if named else "", colour)
+        rods = [k for k, owner in enumerate(owners) if owner in names]
+        if named or len(rods) < 2:
+            return mark
+        hub = np.mean(mark.points[rods], axis=0)
         edges = ((0, len(points)), *((len(points), k) for k in rods))
-        return LinkMark(np.array([*points, hub]), (*owners, _HUB), edges)
+        return replace(mark, points=np.array([*points, hub]), owners=(*owners, _HUB), edges=edges)
 
     def _hands(self) -> None:
-        """A link with one point gets a second one, which turns with it; of limbs the platform's
-        frame does that.
+        """A link with one point gets a second one, which turns with it; of a platform that the file
+        does not name, the frame does that.
         """
-        taken, mechanism = list[np.ndarray](), self.mechanism
-        shown = {BASE} if mechanism.is_graph else {BASE, mechanism.platform_link}
+        taken = list[np.ndarray]()
         hand = _HAND * self.size * min(1.0, np.sqrt(_MANY / len(self.points)))
         for edge in self.edges:
             axis = np.array(getattr(edge.elements[0].part, "axis", None) or (0.0, 0.0, 1.0))
             first = np.cross(axis, np.eye(3)[int(np.argmin(np.abs(axis)))])
             across = _unit(0.5 * _unit(first) + _unit(np.cross(axis, first)))
             for link in edge.ends:
-                if link in shown or len(self.points[link]) != 1:
+                if link in (BASE, PLATFORM) or len(self.points[link]) != 1:
                     continue
                 ((_, place),) = self.points[link]
                 # hands at one place are of different lengths
@@ -408,10 +440,3 @@ class _Gathered:
 
 def _unit(vector: np.ndarray) -> np.ndarray:
     return np.asarray(vector / np.linalg.norm(vector))
-
-
-def _closing(edges: Sequence[Branch]) -> frozenset[str]:
-    """Joints of a graph between links that joints and rods before them in the file join already."""
-    joined = Joined[str]()
-    found = [edge.elements[0].part for edge in edges if not joined.join(*edge.ends)]
-    return frozenset(part.name for part in found if isinstance(part, Joint))

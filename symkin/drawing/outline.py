@@ -24,10 +24,7 @@ def outline(points: np.ndarray) -> np.ndarray:
 
 def distinct(points: np.ndarray, near: float) -> np.ndarray:
     """The points (n, 3) that are no nearer to one before them than `near`."""
-    kept: list[np.ndarray] = []
-    for point in points:
-        if all(np.linalg.norm(point - other) > near for other in kept):
-            kept.append(point)
+    kept = [place for _, place in grouped(enumerate(points), near)]
     return np.array(kept).reshape(-1, 3)
 
 

@@ -17,15 +17,15 @@ _SAME = 1e-9
 """Extent over the size below which joints meet in one point."""
 
 
-def joint_places(mechanism: Mechanism) -> dict[str, np.ndarray]:
-    """A point on each joint; where the joints of all limbs meet in one point (a spherical
-    mechanism), points of their axes at the distance `size` from it stand for them.
+def joint_places(mechanism: Mechanism, *, loops: bool) -> dict[str, np.ndarray]:
+    """A point on each joint; where the joints of `loops` meet in one point (a spherical mechanism),
+    points of their axes at the distance `size` from it stand for them.
     """
     places, size = dict(mechanism.places), mechanism.characteristic_length
-    joints = [joint for _, joint in mechanism.joints]
+    joints = list(mechanism.all_joints)
     held = [places[joint.name] for joint in joints if joint.type != "P"]
     apart = not held or np.ptp(held, axis=0).max() > _SAME * size
-    if mechanism.is_graph or mechanism.bars or mechanism.serial or apart:
+    if not loops or mechanism.bars or apart:
         return places
     return {
         joint.name: places[joint.name] + size * np.array(joint.axis or (0.0, 0.0, 0.0))
@@ -72,9 +72,10 @@ def _ends(
     if before is None:
         end = end if behind is None else behind
         own = mechanism.places[run[0].name]
-        return (np.zeros(3) if mechanism.serial else _beside(own, end, run)), end
+        return _beside(own, end, run), end
     if behind is None:
-        return before, end if starts or mechanism.serial else _beside(origin, before, run)
+        alone = len(mechanism.limbs) == 1  # holds the frame, to which it leads
+        return before, end if starts or alone else _beside(origin, before, run)
     return before, behind
 
 

@@ -13,10 +13,10 @@ from symkin.following.sample import Sample, listed_joints
 from symkin.following.stop import Stop, roles_followed
 from symkin.following.trajectory import Trajectory
 from symkin.model.joint import Coordinate
-from symkin.plain_number import NOTHING, plain
 from symkin.position.problem import Problem
 from symkin.result import Result, Summary
 from symkin.singularities.classification import classify
+from symkin.text import NOTHING, plain
 
 _MOST_COLUMNS = 7
 """Joints and coordinates of the pose in the table at most."""

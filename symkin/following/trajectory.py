@@ -21,7 +21,6 @@ import numpy as np
 
 from symkin.errors import InputError
 from symkin.following.options import Columns, PathOptions
-from symkin.ignored_options import refuse_ignored
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.position.given import (
@@ -38,7 +37,7 @@ from symkin.position.problem import Kind, Problem, build_problem, plain_kind, po
 from symkin.position.readings import left_out
 from symkin.spatial.backend import Array, cos, sin
 from symkin.spatial.pose import Pose
-from symkin.verb_options import takes
+from symkin.verb_options import refuse_ignored, takes
 
 _ROUNDED = 1e-12
 """Of the size: a shorter way onto the motion is rounding."""

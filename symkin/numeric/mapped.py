@@ -15,7 +15,7 @@ import casadi as ca
 import numpy as np
 
 from symkin.computed_once import cached_property
-from symkin.pool import Pool
+from symkin.locks import Pool
 
 _LARGEST_BLOCK = 256
 """Points of the largest block; its inputs and outputs stay in the second level of the cache."""

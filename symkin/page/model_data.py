@@ -79,7 +79,7 @@ def page_model(
     model = {
         "names": [c.name for c in known],
         "units": {
-            c.name: _unit(mechanism, c)
+            c.name: mechanism.unit_of(c)
             for c in (*known, *mechanism.coordinates)
             if not c.is_rotation
         },
@@ -116,7 +116,8 @@ def page_model(
     follows = roots.pop("listed") <= _MOST_ROOTS and all(
         (most_roots(group) or 0) <= _MOST_ROOTS for group in groups
     )
-    seeds, columns = np.array(roots.pop("seeds")), np.array(sizes["columns"])
+    columns = np.array(sizes["columns"])
+    seeds = np.array(roots.pop("seeds")).reshape(-1, len(columns))
     steps, texts = steps_of(groups if follows else [], solution, seeds, columns)
     sentence = _sentence(roots["complexCount"], steps, follows=follows)
     model |= sizes | roots | {"steps": steps, "follows": follows, "sentence": sentence}
@@ -281,10 +282,6 @@ def _near(mechanism: Mechanism, c: Coordinate, value: float, rng: np.random.Gene
 
 
 # --- coordinates ----------------------------------------------------------------------------------
-
-
-def _unit(mechanism: Mechanism, c: Coordinate) -> str:
-    return mechanism.unit_of(c)
 
 
 def _out(mechanism: Mechanism, c: Coordinate, value: Any) -> float:

@@ -102,8 +102,9 @@ def _options(
     }
     if plane is not None:
         options["plane"] = painted_plane(plane)
+        limited = {c.name for c in mechanism.coordinates if c.limits is not None}
         for name, (low, high) in zip(plane["names"], plane["ranges"], strict=True):
-            if name in options["ranges"] and _limits(mechanism, name) is None:
+            if name in options["ranges"] and name not in limited:
                 least, most = options["ranges"][name]
                 options["ranges"][name] = [min(least, low), max(most, high)]
     if path is not None:
@@ -125,10 +126,6 @@ def _hint(model: Mapping[str, Any], scene: Mapping[str, Any]) -> str:
             "Drag the platform to move it, with Shift to turn it; drag beside it to turn the view."
         )
     return "Drag to turn the view, wheel or two fingers to zoom."
-
-
-def _limits(mechanism: Mechanism, name: str) -> tuple[float, float] | None:
-    return next((c.limits for c in mechanism.coordinates if c.name == name), None)
 
 
 def _range(mechanism: Mechanism, name: str, value: float) -> list[float]:

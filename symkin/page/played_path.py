@@ -8,6 +8,7 @@ from pathlib import Path
 
 from symkin.errors import InputError
 from symkin.following.track_csv import read_trajectory
+from symkin.following.track_result import Track
 from symkin.model.mechanism import Mechanism
 from symkin.page.page import PlayedPath
 
@@ -44,11 +45,19 @@ def _of_poses(
     found = track(mechanism, poses=poses, times=times, samples=max(len(poses), _POSE_SAMPLES))
     if not found.reached:
         raise InputError(f"{title}: the poses cannot all be followed: {found.statement}")
-    names = [c.name for c in mechanism.actuated]
-    rows = [[float(sample.joints[name]) for name in names] for sample in found.samples]
-    played = [sample.time for sample in found.samples]
+    return _checked(path_of_track(found, title))
+
+
+def path_of_track(track: Track, title: str) -> PlayedPath:
+    """The samples of a track, by the coordinates that its path tells or by the actuated joints."""
+    samples, mechanism = track.samples, track.trajectory.mechanism
+    names = [c.name for c in track.problem.known_coordinates]
+    if not samples[0].joints.keys() >= set(names):
+        names = [c.name for c in mechanism.actuated]
+    rows = [[float(sample.joints[name]) for name in names] for sample in samples]
+    played = [sample.time for sample in samples]
     every = None if None in played else [float(time or 0.0) for time in played]
-    return _checked(PlayedPath(title, names, rows, every, found.samples[0].solution.to_dict()))
+    return PlayedPath(title, names, rows, every, samples[0].solution.to_dict())
 
 
 def _checked(path: PlayedPath) -> PlayedPath:

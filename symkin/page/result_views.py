@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
 from typing import Any, Unpack
 
 from symkin.assembly.modes_result import Modes
@@ -10,9 +9,9 @@ from symkin.errors import InputError
 from symkin.following.track_result import Track
 from symkin.model.mechanism import Mechanism
 from symkin.page.options import ViewOptions
-from symkin.page.page import PlayedPath
+from symkin.page.played_path import path_of_track
 from symkin.page.sweep_plane import view_of_sweep
-from symkin.page.view import View, actuated_values, view_mechanism, view_solution
+from symkin.page.view import View, view_mechanism, view_solution
 from symkin.position.options import Given
 from symkin.position.solution import Solution
 from symkin.position.solve_result import SolveResult
@@ -51,13 +50,14 @@ def view(result: object, **options: Unpack[ViewOptions]) -> View:
     if isinstance(result, Swept):
         return view_of_sweep(result.folder, **told)
     if isinstance(result, SolveResult) and result.solution is not None:
-        return _of_solution(result.solution, result.given)
+        return view_solution(result.solution, result.given)
     if isinstance(result, Modes) and len(result):
-        return _of_solution(result[0], result.given)
+        return view_solution(result[0], result.given)
     if isinstance(result, Solution):
-        return _of_solution(result, {})
+        return view_solution(result)
     if isinstance(result, Track) and result.samples:
-        return _of_track(result)
+        path = path_of_track(result, "of the track")
+        return view_mechanism(result.trajectory.mechanism, path=path)
     if isinstance(result, Loci):
         return _of_loci(result)
     if isinstance(result, (Modes, SolveResult, Track)):
@@ -71,23 +71,13 @@ def view(result: object, **options: Unpack[ViewOptions]) -> View:
     )
 
 
-def _of_solution(solution: Solution, given: Mapping[str, Any]) -> View:
-    """Sliders for what was given by name, else for the actuated joints."""
-    mechanism = solution.mechanism
-    if any(not isinstance(value, (int, float)) for value in given.values()) or not given:
-        return view_solution(solution)
-    return View(
-        mechanism, {name: float(value) for name, value in given.items()}, start=solution.to_dict()
-    )
-
-
 def _of_loci(loci: Loci) -> View:
     """Curves over two given coordinates, or over two of the platform's position: the page goes
     where one points.
     """
     solution, names = loci.solution, list(loci.plane.names)
-    actuated = actuated_values(loci.plane.mechanism, solution.joints) or {}
-    known = all(name in actuated for name in names) or (
+    actuated = {c.name for c in loci.plane.mechanism.actuated}
+    known = actuated.issuperset(names) or (
         loci.plane.of_pose and all(name in ("x", "y", "z") for name in names)
     )
     if len(names) != 2 or not known:
@@ -103,37 +93,4 @@ def _of_loci(loci: Loci) -> View:
         "held": loci.held,
         "lociAsked": True,
     }
-    return View(
-        loci.plane.mechanism, actuated, start=solution.to_dict(), plane=plane | {"curves": curves}
-    )
-
-
-def _of_track(track: Track) -> View:
-    mechanism = track.trajectory.mechanism
-    known = [c.name for c in track.problem.known_coordinates]
-    joints = [sample.joints for sample in track.samples]
-    names = (
-        known if all(name in joints[0] for name in known) else [c.name for c in mechanism.actuated]
-    )
-    times = [sample.time for sample in track.samples]
-    path = PlayedPath(
-        "of the track",
-        names,
-        _rows(names, joints),
-        None if None in times else [float(t or 0.0) for t in times],
-    )
-    first = track.samples[0]
-    pose = {
-        "position": list(map(float, first.pose.position)),
-        "quaternion": list(map(float, first.pose.quaternion)),
-    }
-    return View(
-        mechanism,
-        {name: float(joints[0][name]) for name in names},
-        path,
-        {"pose": pose, "joints": joints[0]},
-    )
-
-
-def _rows(names: Sequence[str], joints: Sequence[Mapping[str, Any]]) -> list[list[float]]:
-    return [[float(values[name]) for name in names] for values in joints]
+    return view_solution(solution, plane=plane | {"curves": curves})

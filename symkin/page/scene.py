@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
 
 from symkin.drawing.camera import Camera
-from symkin.drawing.layout import Layout, LinkMark, RodMark, layout_of, link_colours
+from symkin.drawing.layout import JOINT_NAMES, Layout, LinkMark, RodMark, layout_of
 from symkin.drawing.outline import distinct
 from symkin.drawing.palette import COLOURS, FRAME_COLOURS
 from symkin.model.joint import BASE
 from symkin.model.mechanism import Mechanism
-from symkin.page.bodies import Body, body_of
 from symkin.page.mesh_files import UnreadMeshError, mesh_item
 from symkin.page.solids import with_solids
 from symkin.spatial.pose import Pose
@@ -57,16 +55,6 @@ _DARK = {
     "frame y": "#57b985",
     "frame z": "#6d9be0",
 }
-_TYPES = {
-    "R": "revolute",
-    "P": "prismatic",
-    "C": "cylindrical",
-    "H": "helical",
-    "U": "universal",
-    "S": "spherical",
-    "weld": "weld",
-}
-
 Item = dict[str, Any]
 
 
@@ -154,9 +142,8 @@ def _items(layout: Layout, links: Sequence[str]) -> Iterator[Item]:
         is_rod = isinstance(mark, RodMark)
         return at(mark.links[0], mark.start) if is_rod else at(mark.links[1], mark.end)
 
-    colours = link_colours(layout)
     for link, mark in layout.links.items():
-        yield _body(number[link], link, mark, layout, colours.get(link, "base edge"))
+        yield _body(number[link], link, mark, layout.size)
     for joint in layout.joints:
         yield {
             "kind": "joint",
@@ -183,44 +170,36 @@ def _items(layout: Layout, links: Sequence[str]) -> Iterator[Item]:
     for name, (link, point) in layout.points.items():
         yield {"kind": "point", "name": name, **at(link, point)}
     yield _frame(number[BASE], "base", Pose.identity())
-    platform, mechanism = layout.mechanism.platform_link, layout.mechanism
+    platform = layout.mechanism.platform_link
     if layout.pose is not None and platform is not None:
-        yield _frame(number[platform], mechanism.frame_name, layout.pose)
+        yield _frame(number[platform], layout.mechanism.frame_name, layout.pose)
     for first, second in layout.couplings:
         yield {"kind": "coupling", "from": owner(first), "to": owner(second)}
 
 
 def _told(item: Item) -> Item:
-    """An item with its name on the picture, and what is said of it under the pointer; links within
-    a limb have no names of their own.
-    """
+    """An item with its name on the picture, and what is said of it under the pointer."""
     kind, name = item["kind"], item.get("name", "")
     if kind == "body":
         told = {"base": "base, the fixed link", "link": f"link {name}"}
-        label = "" if item["role"] == "base" or re.search(r"\.\d+$", name) else name
         platform = f"{name}, the link of the platform frame"
-        return item | {"told": told.get(item["role"], platform), "label": label}
+        return item | {"told": told.get(item["role"], platform)}
     if kind in ("joint", "rod"):
-        what = "rod" if kind == "rod" else f"{_TYPES[item['type']]} joint"
+        what = "rod" if kind == "rod" else f"{JOINT_NAMES[item['type']]} joint"
         drives = "actuated " if item["actuated"] else ""
         return item | {"told": f"{name}: {drives}{what}", "label": name}
     return item | {"told": f"{'link' if kind == 'mesh' else kind} {name}", "label": name}
 
 
-def _body(number: int, link: str, mark: LinkMark, layout: Layout, colour: str) -> Item:
-    roles = {BASE: "base", layout.mechanism.platform_link: "platform"}
-    role = roles.get(link, "link")
-    body = (
-        body_of(mark.points, layout.size)
-        if mark.edges is None
-        else Body(mark.points, list(mark.edges), [])
-    )
+def _body(number: int, link: str, mark: LinkMark, size: float) -> Item:
+    body = mark.body(size)
     return {
         "kind": "body",
         "link": number,
         "name": link,
-        "role": role,
-        "colour": colour if role == "link" else "platform" if role == "platform" else "base edge",
+        "role": mark.role,
+        "label": "" if mark.role == "base" else mark.label,
+        "colour": mark.colour,
         "points": body.points.tolist(),
         "edges": [list(edge) for edge in body.edges],
         "faces": body.faces,

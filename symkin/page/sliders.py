@@ -17,12 +17,12 @@ _NAMED = 4
 
 
 def completed_sliders(mechanism: Mechanism) -> tuple[dict[str, float], str] | None:
-    """Values by name, in the mechanism's units, of as many coordinates of a graph as decide its
+    """Values by name, in the mechanism's units, of as many coordinates as decide its
     configuration, and a note of what was left out or added to the actuated ones; None where these
     decide it, where an example tells what is given, and where no joints do.
     """
     example = mechanism.example
-    if not mechanism.is_graph or (example is not None and example.joints is None):
+    if example is not None and example.joints is None:
         return None
     names = [c.name for c in mechanism.actuated]
     found = _determination(mechanism, names)

@@ -11,10 +11,8 @@ from typing import Any
 import numpy as np
 
 from symkin.errors import InputError
-from symkin.model.mechanism import Mechanism
-from symkin.page.view import View
+from symkin.page.view import View, view_solution
 from symkin.plots.sweep_text import held_texts
-from symkin.position.solution import Solution
 from symkin.singularities.configuration import configuration
 from symkin.spatial.pose import Pose
 from symkin.sweeps.map_loci import loci_over
@@ -54,7 +52,7 @@ def view_of_sweep(
     values = dict(part.cuts) | dict(zip(part.ranges, part.some, strict=True))
     told = space.given([values[axis.name] for axis in space.axes])
     here = configuration(space.mechanism, **told)
-    given = _sliders(space.mechanism, here, told)
+    joints = zip((c.name for c in space.mechanism.actuated), told.get("joints", ()), strict=False)
     curves = loci_over(loci, attributes, part.ranges, part.cuts, part.some)
     plane = {
         "names": list(part.ranges),
@@ -68,7 +66,7 @@ def view_of_sweep(
         "lociAsked": loci,
         "map": _cells(part, TITLES[name], is_condition=name == "least_condition"),
     }
-    return View(space.mechanism, given, start=here.to_dict(), plane=plane)
+    return view_solution(here, told.get("given") or dict(joints), plane=plane)
 
 
 def _check_plane(part: MapSlice, attributes: Mapping[str, Any]) -> None:
@@ -90,26 +88,6 @@ def _check_plane(part: MapSlice, attributes: Mapping[str, Any]) -> None:
         raise InputError(
             "view: no point of this map has a mode, so that there is no configuration to show"
         )
-
-
-def _sliders(
-    mechanism: Mechanism, here: Solution, told: Mapping[str, Any]
-) -> dict[str, float] | None:
-    """The coordinates with sliders: those given by name, else the actuated joints."""
-    return (
-        _single_values(mechanism, told)
-        or {c.name: float(here.joints[c.name]) for c in mechanism.actuated}
-        or None
-    )
-
-
-def _single_values(mechanism: Mechanism, told: Mapping[str, Any]) -> dict[str, float]:
-    """What is given by name or as actuated joints; nothing where a whole pose is."""
-    given = told.get("given") or dict(
-        zip([c.name for c in mechanism.actuated], told.get("joints", ()), strict=False)
-    )
-    single = all(isinstance(value, (int, float)) for value in given.values())
-    return {name: float(value) for name, value in given.items()} if single else {}
 
 
 def _numbers(pose: Pose) -> list[float]:

@@ -131,15 +131,11 @@ def view_mechanism(
     return View(mechanism, given, played)
 
 
-def view_solution(solution: Solution) -> View:
-    """The page that begins at a configuration, with sliders for the actuated joints."""
-    return View(
-        solution.mechanism,
-        actuated_values(solution.mechanism, solution.joints),
-        start=solution.to_dict(),
-    )
-
-
-def actuated_values(mechanism: Mechanism, joints: Mapping[str, Any]) -> dict[str, float] | None:
-    """Values of the actuated joints by name, None where there are none."""
-    return {c.name: float(joints[c.name]) for c in mechanism.actuated} or None
+def view_solution(solution: Solution, given: Mapping[str, Any] | None = None, **shown: Any) -> View:
+    """The page that begins at a configuration, with sliders for the coordinates `given` by name,
+    else for the actuated joints.
+    """
+    single = given if given and all(isinstance(v, (int, float)) for v in given.values()) else None
+    values = single or {c.name: solution.joints[c.name] for c in solution.mechanism.actuated}
+    sliders = {name: float(value) for name, value in values.items()} or None
+    return View(solution.mechanism, sliders, start=solution.to_dict(), **shown)

@@ -112,7 +112,7 @@ def figure_of_sketch(mechanism: Mechanism, names: str = "all") -> Figure:
     a planar one is seen along its axes. Raises InputError for names that are no choice
     (`picture_options.Names`).
     """
-    chosen = names_from(names, graph=mechanism.is_graph, mechanism=mechanism.name)
+    chosen = names_from(names, mechanism)
     layout, notes = raised(layout_of(mechanism))
     camera = Camera.of(layout)
     unit = mechanism.length_unit

@@ -15,15 +15,6 @@ import numpy as np
 from symkin.drawing.palette import COLOURS
 from symkin.model.joint_forms import JointType
 
-NAMES: dict[JointType, str] = {
-    "R": "R revolute",
-    "P": "P prismatic",
-    "C": "C cylindrical",
-    "H": "H helical",
-    "U": "U universal",
-    "S": "S spherical",
-    "weld": "weld",
-}
 _WIDTH = 0.52
 """Diameter of cylinders and side of prisms, over their length."""
 _END_ON = 0.25

@@ -15,7 +15,7 @@ import numpy as np
 from symkin.drawing.layout import HAND, Layout
 from symkin.drawing.outline import grouped
 from symkin.drawing.palette import COLOURS, FRAME_COLOURS
-from symkin.model.joint import BASE
+from symkin.model.joint import BASE, PLATFORM
 from symkin.plots.label_placement import Box, Label, Page
 from symkin.plots.painter import RING, Painter
 from symkin.plots.picture_options import Names
@@ -83,10 +83,10 @@ def _wanted(painter: Painter, names: Names) -> Iterator[Label]:
     for name, (_, point) in layout.points.items() if names != "joints" else ():
         look = {"color": COLOURS["text"], "fontstyle": "italic"}
         yield Label(name, painter.at(point), 6.0, 9.0, look)
-    for rod in layout.rods if names != "links" or layout.mechanism.is_graph else ():
-        if rod.actuated or (names != "joints" and layout.mechanism.is_graph):
+    for rod in layout.rods:
+        if rod.label and (rod.actuated or names != "joints"):
             reach = 0.4 * painter.symbol if rod.actuated else 4.0
-            yield Label(rod.name, painter.at(rod.centre), reach, 9.0, {"color": COLOURS["link"]})
+            yield Label(rod.label, painter.at(rod.centre), reach, 9.0, {"color": COLOURS["link"]})
     if names in ("links", "all"):
         yield from _links(painter, names)
 
@@ -116,31 +116,23 @@ def _frames(painter: Painter) -> Iterator[Label]:
 
 
 def _links(painter: Painter, names: Names) -> Iterator[Label]:
-    """Names of links; of limbs those of the limbs, at their first joints, of base and platform."""
-    layout, mechanism = painter.layout, painter.layout.mechanism
-    if mechanism.is_graph:
-        if names == "all" and len(layout.links) > _MOST_LINK_NAMES:
-            return
-        for link, mark in layout.links.items():
-            if link != BASE:
-                ink = "platform edge" if link == mechanism.platform_link else "quiet"
-                yield _link(painter, link, mark.points.mean(axis=0), ink)
+    """Names of limbs at their first joints, and of links: of base and platform, where the file does
+    not name them, only where links alone are named.
+    """
+    layout = painter.layout
+    for limb, joint in layout.limbs.items():
+        look = {"color": COLOURS["base edge"], "fontweight": "bold"}
+        reach = 0.5 * painter.symbol
+        yield Label(limb, painter.at(layout.marks[joint].start), reach, 9.5, look)
+    named = {link: mark for link, mark in layout.links.items() if mark.label}
+    if names == "all" and len(named) > _MOST_LINK_NAMES:
         return
-    for limb in mechanism.limbs if not mechanism.serial else ():
-        if limb.joints:
-            first = next(mark for mark in layout.joints if mark.name == limb.joints[0].name)
-            look = {"color": COLOURS["base edge"], "fontweight": "bold"}
-            yield Label(limb.name, painter.at(first.start), 0.5 * painter.symbol, 9.5, look)
-    if names == "links":
-        yield _link(painter, BASE, layout.links[BASE].points.mean(axis=0), "base edge")
-        if not mechanism.serial and mechanism.platform_link is not None:
-            points = layout.links[mechanism.platform_link].points
-            yield _link(painter, "platform", points.mean(axis=0), "platform edge")
-
-
-def _link(painter: Painter, name: str, point: np.ndarray, ink: str) -> Label:
-    look = {"color": COLOURS[ink], "fontstyle": "italic"}
-    return Label(name, painter.at(point), 2.0, 8.5, look)
+    inks = {"base": "base edge", "platform": "platform edge", "link": "quiet"}
+    for link, mark in named.items():
+        if names == "links" or link not in (BASE, PLATFORM):
+            text = layout.mechanism.frame_name if link == PLATFORM else link
+            look = {"color": COLOURS[inks[mark.role]], "fontstyle": "italic"}
+            yield Label(text, painter.at(mark.points.mean(axis=0)), 2.0, 8.5, look)
 
 
 def _lengths(painter: Painter, lengths: Mapping[str, np.ndarray]) -> Iterator[Label]:

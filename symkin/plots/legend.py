@@ -10,10 +10,9 @@ from typing import Any
 import numpy as np
 
 from symkin.drawing.camera import Camera
-from symkin.drawing.layout import Layout
+from symkin.drawing.layout import JOINT_NAMES, Layout
 from symkin.drawing.palette import COLOURS, FRAME_COLOURS
-from symkin.model.mechanism import Mechanism
-from symkin.plots.joint_symbols import NAMES, draw_symbol
+from symkin.plots.joint_symbols import draw_symbol
 from symkin.plots.sheet import text_extent
 
 _ENTRY = 84.0
@@ -90,7 +89,9 @@ def _entries(layout: Layout, scale: float, named: bool, twists: bool) -> Iterato
     ends = {kind for rod in layout.rods for kind in rod.kinds}
     slides = {"P"} if any(rod.actuated for rod in layout.rods) else set()
     drawn = {joint.type for joint in layout.joints} | ends | slides
-    yield from ((text, (kind, False)) for kind, text in NAMES.items() if kind in drawn)
+    for kind, name in JOINT_NAMES.items():
+        if kind in drawn:
+            yield f"{kind} {name}".removeprefix(f"{name} "), (kind, False)
     driven = [joint.type for joint in layout.joints if joint.actuated]
     if driven or slides:
         yield "actuated", ((driven or ["P"])[0], True)
@@ -105,7 +106,7 @@ def _entries(layout: Layout, scale: float, named: bool, twists: bool) -> Iterato
     for (text, look), there in zip(_STROKES.items(), is_drawn, strict=True):
         if there:
             yield text.replace("the frame", f"the {layout.mechanism.frame_name} frame"), look
-    yield frame_text(layout.mechanism, named), FRAME_COLOURS
+    yield frame_text(layout, named), FRAME_COLOURS
     length, pixels = scale_bar(scale)
     yield f"{length:g} {layout.mechanism.length_unit}", pixels
 
@@ -118,12 +119,11 @@ def scale_bar(scale: float) -> tuple[float, float]:
     return length, length * scale
 
 
-def frame_text(mechanism: Mechanism, named: bool) -> str:
+def frame_text(layout: Layout, named: bool) -> str:
     """What the axes of frames are; with the letters of their origins where these are named."""
-    has_frame = mechanism.serial or mechanism.platform_link is not None
-    name = mechanism.frame_name
+    name = layout.mechanism.frame_name
     base, other = ("base (O)", f"{name} ({name[0].upper()})") if named else ("base", name)
-    return f"x, y, z of {base} and {other}" if has_frame else f"x, y, z of the {base}"
+    return f"x, y, z of the {base}" if layout.pose is None else f"x, y, z of {base} and {other}"
 
 
 def _entry(ax: Any, look: Any, place: np.ndarray, *, end_on: bool) -> None:

@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 
 from symkin.drawing.camera import Camera
-from symkin.drawing.layout import JointMark, Layout, LinkMark, RodMark, link_colours
-from symkin.drawing.outline import distinct, outline
+from symkin.drawing.layout import ORIGIN, JointMark, Layout, LinkMark, RodMark
+from symkin.drawing.outline import outline
 from symkin.drawing.palette import COLOURS, FRAME_COLOURS
 from symkin.model.joint import BASE
 from symkin.model.joint_forms import JointType
@@ -101,13 +101,14 @@ class Painter:
 
     def draw(self) -> None:
         """Everything, lowest first."""
-        layout = self.layout
-        self._base()
+        layout, colours = self.layout, self.colours or {}
         self._couplings()
-        colours = link_colours(layout) | (self.colours or {})
         for link, mark in layout.links.items():
-            if link != BASE:
-                self._link(link, mark, colours[link])
+            if mark.role == "base":
+                self._base(mark)
+            else:
+                usual = "platform edge" if mark.role == "platform" else mark.colour
+                self._link(link, mark, colours.get(link, COLOURS.get(usual, usual)))
         for joint in layout.joints:
             if joint.type in "PCH":
                 self._line(joint.start, joint.end, _RAILS[joint.actuated], "rail", 4.0)
@@ -128,34 +129,24 @@ class Painter:
 
     # --- links ------------------------------------------------------------------------------------
 
-    def _base(self) -> None:
-        mark = self.layout.links.get(BASE)
-        if mark is None:
-            return
-        points = mark.points
-        corners = self._corners(points)
-        if len(corners) >= 3 and not self.camera.planar:
-            self._plate(
-                corners,
-                COLOURS["base"],
-                COLOURS["base edge"],
-                BASE,
-                1.0,
-                hatch="////" if self.large else None,
-            )
-            gaps = np.linalg.norm(corners[:, None] - self.at(points)[None], axis=2).min(axis=0)
-            points = points[gaps > _NEAR * self.symbol]
-            if self.colours is not None:
-                self._inner(points, corners, 1.2, COLOURS["base edge"], BASE, 1.0)
-        elif len(corners) == 2 and not self.camera.planar:
-            style = "-" if self.layout.mechanism.serial else (0, (4.0, 2.0))
-            self._flat(corners[0], corners[1], 1.2, COLOURS["base edge"], BASE, 1.0, style)
-        if self.layout.mechanism.serial:
-            points = points[:1]
-        elif self.colours is not None:
-            return
-        for point in np.unique(np.round(points, 9), axis=0):
-            self._ground(point)
+    def _base(self, mark: LinkMark) -> None:
+        """Its plate or line, where it is no plane of the picture, and the sign of the fixed link
+        where it stands: at its own origin, or at points that are no corners of its plate.
+        """
+        column, points, edge = mark.of(ORIGIN), mark.points, COLOURS["base edge"]
+        corners = outline(self.at(points))
+        if self.camera.planar:
+            column, corners = column[:0], corners[:0]
+            points = points[[owner != ORIGIN for owner in mark.owners]]
+        if len(corners) > 2:
+            inner = 0.0 if self.colours is None else 1.2
+            points = self._plate(points, corners, COLOURS["base"], edge, BASE, (1.2, inner))
+        elif len(corners) == 2:
+            style = "-" if len(column) else (0, (4.0, 2.0))
+            self._flat(corners[0], corners[1], 1.2, edge, BASE, 1.0, style)
+        if len(column) or self.colours is None:
+            for point in np.unique(np.round(column if len(column) else points, 9), axis=0):
+                self._ground(point)
 
     def _ground(self, point: np.ndarray) -> None:
         """The sign of the fixed link: a line with hatches below a point."""
@@ -171,54 +162,37 @@ class Painter:
             self._flat(np.array(start), np.array(end), width, COLOURS["base edge"], BASE, 1.0)
 
     def _link(self, link: str, mark: LinkMark, colour: str) -> None:
-        """Its lines where they are told or it has two points, else a plate through its outline."""
-        is_platform = link == self.layout.mechanism.platform_link
-        width, gid = (3.4 if is_platform else 2.6), f"link {link}"
-        points = distinct(mark.points, _SAME * self.layout.size)
-        edges = [mark.points[list(edge)] for edge in mark.edges or ()]
-        corners = self._corners(points) if mark.edges is None and len(points) > 2 else points
-        if len(points) > 2 and not edges and len(corners) < 3:
-            flat = self.at(points)
-            ends = [np.argmin(np.linalg.norm(flat - corner, axis=1)) for corner in corners]
-            edges = [points[ends]]
-        elif len(points) == 2 and not edges:
-            edges = [points]
-        for start, end in edges:
-            self._line(start, end, ((width, colour),), gid, 3.0)
-        if edges or len(points) < 2:
+        """A plate where its outline is seen as one, else its edges."""
+        gid, corners = f"link {link}", outline(self.at(mark.points))
+        if mark.edges is None and len(corners) > 2:
+            points, pose = mark.points, self.layout.pose
+            if mark.role == "platform" and pose is not None:
+                away = np.linalg.norm(points - pose.position, axis=1)
+                points = points[away > _SAME * self.layout.size]
+            rim = 2.2 if self.colours is None else 0.8
+            self._plate(points, corners, colour, colour, gid, (rim, 1.6))
             return
-        order = 2.0 + 0.5 * self.depth(points.mean(axis=0))
-        self._plate(corners, colour, colour, gid, order, hatch=None)
-        if is_platform and self.layout.pose is not None:
-            away = np.linalg.norm(points - self.layout.pose.position, axis=1)
-            points = points[away > _SAME * self.layout.size]
-        self._inner(points, corners, 1.6, colour, gid, 3.0)
+        width = 3.4 if mark.role == "platform" else 2.6
+        body = mark.body(self.layout.size)
+        for a, b in body.edges:
+            self._line(body.points[a], body.points[b], ((width, colour),), gid, 3.0)
 
-    def _inner(
+    def _plate(
         self,
         points: np.ndarray,
         corners: np.ndarray,
-        width: float,
-        colour: str,
+        face: str,
+        edge: str,
         gid: str,
-        order: float,
-    ) -> None:
-        """Lines from points of a plate that are no corners to the nearest corner."""
-        for place in self.at(points):
-            gaps = np.linalg.norm(corners - place, axis=1)
-            if gaps.min() > _NEAR * self.symbol:
-                self._flat(place, corners[int(np.argmin(gaps))], width, colour, gid, order)
-
-    def _corners(self, points: np.ndarray) -> np.ndarray:
-        """The outline of points as they are seen, (k, 2)."""
-        flat = self.at(points)
-        return outline(flat) if len(flat) >= 3 else flat
-
-    def _plate(
-        self, corners: np.ndarray, face: str, edge: str, gid: str, order: float, hatch: str | None
-    ) -> None:
+        widths: tuple[float, float],
+    ) -> np.ndarray:
+        """A plate within `corners` (k, 2), with lines from points within it to the nearest corner;
+        `widths` are those of its rim and of these lines. Returns the points within.
+        """
         from matplotlib.patches import Polygon
 
+        fixed = gid == BASE
+        order = 1.0 if fixed else 2.0 + 0.5 * self.depth(points.mean(axis=0))
         area = Polygon(
             corners,
             closed=True,
@@ -226,15 +200,20 @@ class Painter:
             edgecolor=edge,
             alpha=0.25 if self.large else 0.35,
             linewidth=0.0,
-            hatch=hatch,
+            hatch="////" if self.large and fixed else None,
             zorder=order,
             gid=gid,
         )
         self.ax.add_patch(area)
-        width, rim = (1.2, order) if gid == BASE else (2.2, order + 1.0)
-        width = width if self.colours is None else 0.8
+        rim, inner = (order, order) if fixed else (order + 1.0, 3.0)
         for start, end in pairwise([*corners, corners[0]]):
-            self._flat(start, end, width, edge, gid, rim)
+            self._flat(start, end, widths[0], edge, gid, rim)
+        gaps = np.linalg.norm(corners[:, None] - self.at(points)[None], axis=2)
+        within = gaps.min(axis=0) > _NEAR * self.symbol
+        for k in np.flatnonzero(within & (widths[1] > 0.0)):
+            nearest = corners[int(np.argmin(gaps[:, k]))]
+            self._flat(self.at(points[k]), nearest, widths[1], edge, gid, inner)
+        return np.asarray(points[within])
 
     def _couplings(self) -> None:
         """Dotted lines between coupled joints; those that share a place have none."""

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from typing import Any, Literal, cast, get_args
 
 from symkin.drawing.camera import ViewName
+from symkin.drawing.layout import layout_of
 from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
 from symkin.model.written_number import whole
@@ -21,16 +22,16 @@ MOST_PANELS = 200
 """Panels of one picture at most."""
 
 
-def names_from(text: str, *, graph: bool, mechanism: str) -> Names:
-    """The names of a picture. Raises InputError for another word, and for loops where no graph is
-    drawn.
+def names_from(text: str, mechanism: Mechanism | None) -> Names:
+    """The names of a picture. Raises InputError for another word, and for loops where no joint of a
+    mechanism that is known closes one.
     """
     if text not in get_args(Names):
         raise InputError(f"--names: {not_among(text, get_args(Names))}")
-    if text == "loops" and not graph:
+    if text == "loops" and mechanism is not None and not layout_of(mechanism).closing:
+        limbs = f"{mechanism.name} has {'limbs' if mechanism.limbs else 'no loops'}"
         raise InputError(
-            f"--names loops: {mechanism} has limbs; joints that close loops are those of graphs of "
-            f"links"
+            f"--names loops: {limbs}; joints that close loops are those between links of a graph"
         )
     return cast(Names, text)
 
@@ -54,7 +55,7 @@ def views_from(views: str | Sequence[str]) -> tuple[ViewName, ...]:
 def looks_of(mechanism: Mechanism, names: str, views: str | Sequence[str]) -> dict[str, Any]:
     """Names and views as figures of configurations take them, checked."""
     return {
-        "names": names_from(names, graph=mechanism.is_graph, mechanism=mechanism.name),
+        "names": names_from(names, mechanism),
         "views": views_from(views),
     }
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from symkin.calibration.design.planning import Plan
+from symkin.drawing.outline import grouped
 from symkin.drawing.palette import COLOURS, SERIES
 from symkin.plots.sheet import foot_legend, head, labelled, name_axes, new_figure, note, open_axes
 from symkin.plots.style import drawing
@@ -60,17 +61,9 @@ def _places(ax: Any, plan: Plan, u: int, v: int) -> None:
 def _numbered(points: np.ndarray) -> list[tuple[str, np.ndarray]]:
     """Numbers of the first configurations where they stand; those of near ones in one text."""
     near = _NEAR * float(np.ptp(points, axis=0).max())
-    found: list[tuple[list[str], np.ndarray]] = []
-    for number, point in enumerate(points[:_MOST_NUMBERED], start=1):
-        numbers = next(
-            (numbers for numbers, other in found if float(np.linalg.norm(point - other)) <= near),
-            None,
-        )
-        if numbers is None:
-            found.append(([str(number)], point))
-        else:
-            numbers.append(str(number))
-    return [(", ".join(numbers), point) for numbers, point in found]
+    numbers = map(str, range(1, 1 + _MOST_NUMBERED))
+    found = grouped(zip(numbers, points, strict=False), near)
+    return [(", ".join(here), point) for here, point in found]
 
 
 def _errors(ax: Any, label: str, values: list[float]) -> None:

@@ -6,8 +6,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from symkin.drawing.layout import Layout
-from symkin.model.joint import BASE, PLATFORM
+from symkin.drawing.layout import Layout, RodMark
+from symkin.model.joint import BASE
 from symkin.spatial.pose import Pose
 
 _SAME = 1e-6
@@ -24,16 +24,17 @@ def raised(layout: Layout) -> tuple[Layout, tuple[str, ...]]:
     """
     mechanism = layout.mechanism
     moves = mechanism.motion in ("spatial", "schoenflies", "translation")
-    if mechanism.is_graph or layout.joints or not moves or len(layout.rods) < 3:
+    roles = {mark.role: link for link, mark in layout.links.items()}
+    if layout.joints or not moves or len(layout.rods) < 3 or [*roles] != ["base", "platform"]:
         return layout, ()
-    ends = np.vstack([layout.links[link].points for link in (BASE, PLATFORM)])
+    ends = np.vstack([mark.points for mark in layout.links.values()])
     up = _thin(ends)
     if np.ptp(ends @ up) > _SAME * layout.size:
         return layout, ()
     height = _RAISED * layout.size
     move = Pose(height * up, np.array([1.0, 0.0, 0.0, 0.0]))
     note = f"platform raised by {height:.4g} {mechanism.length_unit} from its reference"
-    return layout.at({BASE: Pose.identity(), PLATFORM: move}), (note,)
+    return layout.at({BASE: Pose.identity(), roles["platform"]: move}), (note,)
 
 
 def _thin(points: np.ndarray) -> np.ndarray:
@@ -43,34 +44,23 @@ def _thin(points: np.ndarray) -> np.ndarray:
 
 
 def circle_notes(layout: Layout) -> tuple[str, ...]:
-    """The circles on which limbs of the most frequent kind stand on base and platform, where these
-    are three or more.
+    """The circles on which the joints and rods of the most frequent kind stand on base and
+    platform, where there is one: four or more, or three on both.
     """
-    mechanism = layout.mechanism
-    kinds = [limb.type for limb in mechanism.limbs]
-    if mechanism.is_graph or mechanism.serial or not kinds:
+    if layout.pose is None:
         return ()
-    alike = {limb.name for limb in mechanism.limbs if limb.type == max(kinds, key=kinds.count)}
-    found = []
-    for link in (BASE, PLATFORM):
-        points = _points_of(layout, link, alike)
+    found, unit = [], layout.mechanism.length_unit
+    for mark in (m for m in layout.links.values() if m.role != "link"):
+        kinds: dict[object, list[np.ndarray]] = {}
+        for own in layout.marks.values():
+            kind = own.kinds if isinstance(own, RodMark) else own.type
+            kinds.setdefault((kind, own.actuated), []).extend(mark.of(own.name))
+        points = np.array(max(kinds.values(), key=len)).reshape(-1, 3)
         radius = _radius(points, layout.size)
         if radius is not None:
-            text = f"{link} joints on a circle of {radius:.5g} {mechanism.length_unit}"
-            found.append(text)
-    return tuple(found)
-
-
-def _points_of(layout: Layout, link: str, limbs: set[str]) -> np.ndarray:
-    """Where some limbs end on a link, (n, 3)."""
-    owners: set[str] = set()
-    for limb in layout.mechanism.limbs:
-        if limb.name in limbs:
-            owners |= {joint.name for joint in limb.joints} | {limb.name}
-            owners |= {rod.name for rod in layout.rods if rod.name.startswith(f"{limb.name} ")}
-    mark = layout.links[link]
-    kept = [point for owner, point in zip(mark.owners, mark.points, strict=True) if owner in owners]
-    return np.array(kept).reshape(-1, 3)
+            text = f"{mark.role} joints on a circle of {radius:.5g} {unit}"
+            found.append((len(points), text))
+    return tuple(text for count, text in found if count > 3 or len(found) > 1)
 
 
 def _radius(points: np.ndarray, size: float) -> float | None:

@@ -8,10 +8,10 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from symkin.drawing.layout import layout_of
-from symkin.plain_number import plain
 from symkin.plots.figures import Panel, figure_of_panels
 from symkin.plots.picture_options import looks_of
 from symkin.singularities.singularity_result import Singularity
+from symkin.text import plain
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -25,13 +25,9 @@ def figure_of_singularity(
     move while these stand are written above it.
     """
     solution, mechanism = found.solution, found.solution.mechanism
-    kinds = (
-        ", ".join(found.kinds) + " singularity"
-        if found.kinds
-        else "singular"
-        if found.is_singular
-        else "regular"
-    )
+    count = found.uncontrolled_freedoms
+    usual = "regular" if found.given or not count else "singular everywhere"
+    kinds = ", ".join(found.kinds) + " singularity" if found.kinds else usual
     distances = ", ".join(f"{kind} {plain(value):.3g}" for kind, value in found.distances.items())
     facts = [f"distance from singularities (0 singular): {distances}"]
     if found.given:
@@ -42,6 +38,7 @@ def figure_of_singularity(
             if found.rank_loss
         ]
         texts = [f"free to move: {motion}" for motion in rates]
+        texts += [f"freedoms that are not driven, everywhere: {count}"] * (count > 0)
     else:
         texts = [str(twist) for twist in found.twists]
     twists = () if found.given else found.twists

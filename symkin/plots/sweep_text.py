@@ -12,11 +12,11 @@ from symkin.closure.closure import build_closure
 from symkin.drawing.palette import COLOURS
 from symkin.model.file import parse
 from symkin.model.mechanism import Mechanism
-from symkin.plain_number import plain
 from symkin.plots.sheet import head, subtitle
 from symkin.position.given import given_coordinates
 from symkin.position.varied_pose import axis_title, turn_text
 from symkin.spatial.rotation import conjugate, multiply
+from symkin.text import plain
 
 
 def write_title(ax: Any, what: str, attributes: Mapping[str, Any], fixed: Sequence[str]) -> None:

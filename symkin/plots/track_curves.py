@@ -12,12 +12,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from symkin.drawing.outline import grouped
-from symkin.following.sample import Sample, listed_joints
+from symkin.following.sample import listed_joints
 from symkin.following.stop import roles_followed
 from symkin.following.track_result import Track
 from symkin.model.joint import Coordinate
 from symkin.singularities.classification import classify
 from symkin.spatial.rotation import conjugate, euler_from_quaternion, multiply
+from symkin.text import plain
 
 _ONE_LINE = 0.004
 """Distance over the range of all curves below which two are one line throughout, with the names of
@@ -141,7 +142,7 @@ def _joint_panels(track: Track) -> Iterator[CurvePanel]:
 
 def _from_start(label: str, unit: str, values: dict[str, np.ndarray], still: float) -> CurvePanel:
     """Changes from the first sample; what moves by less than `still` stands."""
-    first = {name: f"{_zero(float(v[0]), still):.5g}" for name, v in values.items()}
+    first = {name: f"{plain(float(v[0]), least=still):.5g}" for name, v in values.items()}
     away = {name: v - v[0] for name, v in values.items() if np.ptp(v) > still}
     stands = tuple(f"{name} stays {first[name]} {unit}" for name in values if name not in away)
     curves = []
@@ -250,7 +251,8 @@ def _limit_shares(track: Track, c: Coordinate) -> np.ndarray | None:
     ):
         return None
     low, high = c.limits
-    values = np.array([_inside(track, c, sample) for sample in track.samples])
+    told = [float(sample.joints[c.name]) for sample in track.samples]
+    values = np.array([track.trajectory.mechanism.value_in(c, value) for value in told])
     if c.is_angular:
         values = values - 2.0 * math.pi * round((values[0] - 0.5 * (low + high)) / (2.0 * math.pi))
     return np.asarray(np.minimum(values - low, high - values) / (high - low))
@@ -261,12 +263,6 @@ def _joined(names: list[str]) -> str:
 
 
 # --- values ---------------------------------------------------------------------------------------
-
-
-def _inside(track: Track, c: Coordinate, sample: Sample) -> float:
-    """A joint's value in radians or the length unit."""
-    value = float(sample.joints[c.name])
-    return track.trajectory.mechanism.value_in(c, value)
 
 
 def _out(track: Track, c: Coordinate, values: np.ndarray) -> np.ndarray:
@@ -291,7 +287,3 @@ def _turns(track: Track, quaternions: np.ndarray) -> list[tuple[str, np.ndarray]
         for name, v in zip(("roll", "pitch", "yaw"), shown.T, strict=True)
         if np.ptp(v) > _STILL
     ]
-
-
-def _zero(value: float, still: float) -> float:
-    return 0.0 if abs(value) < still else value

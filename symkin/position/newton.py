@@ -9,8 +9,8 @@ import casadi as ca
 import numpy as np
 
 from symkin.computed_once import lru_cache
+from symkin.locks import Pool
 from symkin.numeric.system import System
-from symkin.pool import Pool
 from symkin.position.problem import Problem
 
 Path = list[np.ndarray]

@@ -10,11 +10,11 @@ from symkin.machine.lower import Lowered, lowered
 from symkin.model.keys import ABOUT_Z
 from symkin.model.machine import untwisted
 from symkin.model.mechanism import Mechanism
-from symkin.plain_number import plain
 from symkin.position.feasible_pose import PROJECTED, closing_poses, nearest_pose, ties_poses
 from symkin.spatial.backend import Array, atan2, vector
 from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import conjugate, multiply, wrapped
+from symkin.text import plain
 
 ON_MOTION = 1e-6
 """A pose off a restricted motion by less than this (of the size, or rad) is projected onto it."""

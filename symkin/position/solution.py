@@ -14,12 +14,12 @@ from symkin.closure.link_poses import link_poses
 from symkin.closure.partition import ALL_JOINTS, Partition
 from symkin.computed_once import cached_property
 from symkin.model.mechanism import Mechanism
-from symkin.plain_number import plain
 from symkin.position.pose_coordinates import pose_coordinates
 from symkin.position.problem import Problem
 from symkin.position.readings import left_out, points_at, poses_of, readings
 from symkin.result import Result, Summary
 from symkin.spatial.pose import Pose
+from symkin.text import plain
 
 SINGULAR_NOTE = "singular: the solution is multiple or nearly so, and known to fewer digits"
 DOUBLE_NOTE = "double: two solutions or more meet here within rounding"

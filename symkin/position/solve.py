@@ -9,7 +9,6 @@ from typing import Unpack
 import numpy as np
 
 from symkin.errors import InputError
-from symkin.ignored_options import refuse_ignored
 from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.numeric.levenberg import patiently
 from symkin.numeric.root_checks import POLISHING, is_root
@@ -44,7 +43,7 @@ from symkin.position.solve_result import SolveError, SolveResult, iterates_of
 from symkin.position.starts import Start, begun, random_starts, start_notes
 from symkin.text import not_among
 from symkin.verb import verb
-from symkin.verb_options import takes
+from symkin.verb_options import refuse_ignored, takes
 
 Solver = Newton | LeastSquares | ClosedForm | Levenberg
 SOLVERS: dict[str, Solver] = {

@@ -10,12 +10,12 @@ from typing import Any
 
 import numpy as np
 
-from symkin.plain_number import plain
 from symkin.position.solution import Solution
 from symkin.position.varied_pose import angle_meaning, turn_text
 from symkin.result import Result, Summary
 from symkin.singularities.locus import Locus
 from symkin.singularities.locus_system import Plane
+from symkin.text import plain
 
 MISSING = "some curves were met by one or two starts only: curves may be missing; raise --starts"
 """What is said where some curve was met by few starts, in the text and in the picture."""

@@ -10,13 +10,13 @@ from typing import Any
 
 import numpy as np
 
-from symkin.plain_number import plain
 from symkin.position.solution import Solution
 from symkin.result import Result, Summary
 from symkin.singularities.motion_ranks import Ranks
 from symkin.singularities.named_screw import NamedScrew
 from symkin.singularities.output import Output
 from symkin.singularities.singular_groups import SingularGroup
+from symkin.text import plain
 from symkin.velocity.limb_equations import LimbwiseEquations
 from symkin.velocity.roles import Roles
 

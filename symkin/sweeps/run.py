@@ -12,7 +12,6 @@ import numpy as np
 
 from symkin.assembly.search import DEFAULT_SEED
 from symkin.errors import InputError
-from symkin.ignored_options import refuse_ignored
 from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.position.multistart import DEFAULT_STARTS
 from symkin.result import Result, Summary
@@ -24,7 +23,7 @@ from symkin.sweeps.space import Space, Values, make_space
 from symkin.sweeps.store import Store, locked, mend, open_store, read_attributes, require_zarr
 from symkin.sweeps.table import write_csv
 from symkin.verb import verb
-from symkin.verb_options import takes
+from symkin.verb_options import refuse_ignored, takes
 
 if TYPE_CHECKING:
     from concurrent.futures import Executor

@@ -297,6 +297,21 @@ def test_the_commands_write_pictures(tmp_path, capsys):
         assert path.stat().st_size > 10_000
 
 
+@pytest.mark.parametrize("axis", [(0, 0, 1), (0, 1, 1)])
+def test_an_arm_of_links_stands_where_it_is_held(axis):
+    """A base of one joint is a column from its origin in space; in a plane the ground is below the
+    joint.
+    """
+    first = LinkJoint(Joint("a", "R", (30, 0, 0), (0, 0, 1)), ("base", "crank"))
+    second = LinkJoint(Joint("b", "R", (60, 0, 0), axis), ("crank", "rod"))
+    arm = symkin.Mechanism("arm", link_joints=[first, second], platform_link="rod")
+    (ax,) = figure_of_sketch(arm, "none").axes
+    base = [line.get_xydata() for line in ax.lines if line.get_gid() == "base"]
+    joint = next(p for p in ax.patches if p.get_gid() == "joint R a" and hasattr(p, "center"))
+    ground = np.mean(max(base, key=lambda ends: abs(ends[1, 0] - ends[0, 0])), axis=0)
+    assert (abs(ground[0] - joint.center[0]) < 1.0) == (axis == (0, 0, 1))
+
+
 # --- robots of other formats ----------------------------------------------------------------------
 
 ROBOTS = Path(__file__).parents[1] / "data" / "models"

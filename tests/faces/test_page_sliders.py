@@ -161,3 +161,15 @@ def test_a_page_begins_within_limits_where_a_mode_is() -> None:
     assert symkin.solve(limited, given={crank: 60.0}).solution.within_limits is False
     start = page_model(limited, {crank: 60.0}).model["start"]
     np.testing.assert_allclose(start, other.variables, atol=1e-9)
+
+
+def test_a_limb_whose_motor_is_left_out_has_a_slider_all_the_same() -> None:
+    """A platform on limbs that its motors leave free to move has a page, as a graph has."""
+    whole = symkin.load("zhao2000")
+    first, *others = whole.limbs
+    joints = [replace(joint, actuated=False) for joint in first.joints]
+    free = replace(whole, limbs=[replace(first, joints=joints), *others], example=None)
+    sliders, note = completed_sliders(free) or ({}, "")
+    assert [*sliders] == ["theta2", "theta3", "op", "theta1"]
+    assert note.startswith("theta1 has a slider: the actuated joints leave")
+    assert page_model(free, sliders).model["names"]

@@ -125,7 +125,7 @@ def test_links_and_joints_are_named_alone():
         {label.get_text() for label in labels_of(figure_of_modes(found, modes=[1], names=n))}
         for n in ("links", "joints")
     )
-    assert links == {"O", "P", "base", "platform", "trt1", "trt2", "trt3"}
+    assert links == {"O", "P", "base", "platform", "trt1", "trt2", "trt3", "op"}
     assert {"O", "P", "theta1", "radial1", "height1", "top1", "op"} <= joints
     assert not joints & {"base", "platform", "trt1"}
     with pytest.raises(InputError, match="allowed: all, joints, links, loops, none"):
@@ -306,3 +306,14 @@ def test_a_picture_is_the_same_file_at_each_run(tmp_path, suffix):
     for file in files:
         modes_of("four_bar").plot(file, names="all")
     assert files[0].read_bytes() == files[1].read_bytes()
+
+
+def test_a_picture_of_a_singularity_says_what_its_table_says():
+    """Where coordinates that drive leave a freedom everywhere, a regular configuration is not
+    called singular.
+    """
+    found = symkin.singularity(symkin.load("five_link_suspension"))
+    texts = [text.get_text() for text in found.plot().axes[0].texts]
+    assert "\nregular\n" in str(found)
+    assert "regular" in texts
+    assert any("not driven, everywhere: 1" in text for text in texts)

@@ -19,7 +19,7 @@ NAMES = {
     "cached_property": "symkin.computed_once",
     "lru_cache": "symkin.computed_once",
     "not_waiting": "symkin.computed_once",
-    "refuse_ignored": "symkin.ignored_options",
+    "refuse_ignored": "symkin.verb_options",
     "LONGEST_REPR": "symkin.result",
     "Result": "symkin.result",
     "Summary": "symkin.result",

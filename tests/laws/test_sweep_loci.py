@@ -196,7 +196,7 @@ def test_the_command_lays_them_over(tmp_path, capsys):
     assert "a.pdf" in text
     assert (tmp_path / "a.pdf").read_bytes().startswith(b"%PDF")
     for more, sentence in (
-        (["--loci"], "--loci lays curves"),
+        (["--loci"], "--loci is given without --plot; it says what the picture shows"),
         (["--loci", "--plot", "a.png", "--of", "toe"], "both --loci and --of"),
     ):
         status, _, err = run(capsys, *words, *more)
