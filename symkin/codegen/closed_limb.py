@@ -18,8 +18,9 @@ from symkin.closure.snapping import snapped_expression
 from symkin.codegen.map.limb_platform import LimbBlock, LimbPlatform
 from symkin.codegen.steps.formula_guards import RESOLVED
 from symkin.codegen.steps.newton_kernel import rounded
+from symkin.codegen.steps.passive_limits import texts_of
 from symkin.codegen.text.angles import Numbers, by_numbers
-from symkin.codegen.text.c import Emitter, Real, indented_by_braces, indexed
+from symkin.codegen.text.c import Emitter, Real, indented_by_braces
 from symkin.codegen.text.templates import fill
 from symkin.computed_once import cached_property
 from symkin.elimination.closed_form import ClosedForm
@@ -227,13 +228,8 @@ def branch_text(made: LimbPlatform, common: Mapping[str, object], tolerance: flo
     `common` has NAME_check_given's bounds `near`.
     """
     lines, known = [], made.inverse.known_coordinates
-    state = [*(c for c in made.passive), *known]
-    names: dict[str, list[str]] = {}
-    place = 0
-    for c in state:
-        names[c.name] = indexed("x", c.width, place)
-        place += c.width
-    names |= {c.name: [f"given[{i}]"] for i, c in enumerate(made.actuated)}
+    state = (*made.passive, *known)
+    names = texts_of("x", state) | texts_of("given", made.actuated)
     for block in made.blocks:
         if block.formulas is None:
             continue
@@ -258,5 +254,6 @@ def branch_text(made: LimbPlatform, common: Mapping[str, object], tolerance: flo
             )
             tests += [f"told = told && ({text} > {made.real.literal(rounded(near))});"]
         lines += [*emitter.lines, *tests]
-    answer = f"&x[{place - sum(c.width for c in known)}]"
-    return fill("told_branch.c", {**common, "count": place, "told": lines, "answer": answer})
+    count, passive = (sum(c.width for c in part) for part in (state, made.passive))
+    shown = {"count": count, "told": lines, "answer": f"&x[{passive}]"}
+    return fill("told_branch.c", {**common, **shown})

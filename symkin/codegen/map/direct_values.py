@@ -13,7 +13,7 @@ from symkin.codegen.steps.guard_text import GuardText
 from symkin.codegen.text.angles import Numbers
 from symkin.codegen.text.c import Emitter, Real
 from symkin.computed_once import cached_property
-from symkin.model.joint import Coordinate
+from symkin.model.joint import Coordinate, places_of
 from symkin.numeric.system import System
 
 
@@ -35,14 +35,14 @@ class DirectValues:
         return GuardText(self.found.guards, self.real, measures=True)
 
     @cached_property
-    def joint_places(self) -> dict[str, list[int]]:
+    def joint_places(self) -> dict[str, range]:
         """Places of each actuated joint's generators in the arrays `at` and `u`."""
-        return _places_of(self.made.actuated)
+        return _generators_of(self.made.actuated)
 
     @cached_property
-    def unknown_places(self) -> dict[str, list[int]]:
+    def unknown_places(self) -> dict[str, range]:
         """Places of each unknown's generators in `y`."""
-        return _places_of(self.unknowns)
+        return _generators_of(self.unknowns)
 
     @property
     def unknowns(self) -> tuple[Coordinate, ...]:
@@ -115,11 +115,6 @@ class DirectValues:
         return " && ".join(tests)
 
 
-def _places_of(coordinates: Sequence[Coordinate]) -> dict[str, list[int]]:
+def _generators_of(coordinates: Sequence[Coordinate]) -> dict[str, range]:
     """Places of the generators of coordinates, one after the other."""
-    found, place = {}, 0
-    for c in coordinates:
-        count = 2 if c.is_angular else 1
-        found[c.name] = list(range(place, place + count))
-        place += count
-    return found
+    return places_of(coordinates, [2 if c.is_angular else 1 for c in coordinates])

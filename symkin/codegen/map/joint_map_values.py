@@ -14,17 +14,14 @@ from symkin.codegen.steps.joint_ranges import range_of
 from symkin.codegen.text.angles import number_counts
 from symkin.codegen.text.c import Real, indexed
 from symkin.codegen.text.templates import FARTHEST
-from symkin.model.joint import Coordinate, units_of
+from symkin.model.joint import Coordinate, places_of, units_of
 
 
 def places_among(coordinates: Sequence[Coordinate], wanted: Sequence[Coordinate]) -> list[int]:
     """Places of the numbers of wanted coordinates among those of coordinates that stand beside each
     other.
     """
-    places, start = {}, 0
-    for c, count in zip(coordinates, number_counts(coordinates), strict=True):
-        places[c.name] = list(range(start, start + count))
-        start += count
+    places = places_of(coordinates, number_counts(coordinates))
     return [i for c in wanted for i in places[c.name]]
 
 

@@ -4,7 +4,6 @@ Jacobian.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -29,12 +28,11 @@ from symkin.codegen.steps.joint_ranges import range_functions, ranges_of
 from symkin.codegen.steps.linear_solver import singular_condition
 from symkin.codegen.steps.newton_kernel import rounded
 from symkin.codegen.steps.newton_source import NewtonCode, tracked_error
-from symkin.codegen.steps.passive_limits import limit_lines
+from symkin.codegen.steps.passive_limits import limit_lines, texts_of
 from symkin.codegen.steps.pose_coordinates import COLUMNS, pose_coordinates_text, pose_text
-from symkin.codegen.text.c import Emitter, Real, indexed
+from symkin.codegen.text.c import Emitter, Real
 from symkin.codegen.text.templates import common_values, copy, farthest, fill, normalise_pose
 from symkin.computed_once import cached_property
-from symkin.model.joint import Coordinate
 from symkin.numeric.system import System
 
 _TRACKED = 4.0
@@ -387,14 +385,8 @@ class LimbPlatformSource:
         made, closure = self.made, self.made.closure
         if not made.passive_checks:
             return ""
-        arrays = {"actuated": "q", "passive": "passive", "pose": "c"}
-        names = {
-            c.name: text
-            for role, array in arrays.items()
-            for c, text in zip(
-                closure.role(role), _indexed_by_width(array, closure.role(role)), strict=True
-            )
-        }
+        arrays = (("q", made.actuated), ("passive", made.passive), ("c", closure.role("pose")))
+        names = dict(pair for array, own in arrays for pair in texts_of(array, own).items())
         variables = [text for c in closure.coordinates for text in names[c.name]]
         lines = limit_lines(
             made.passive_checks,
@@ -503,13 +495,3 @@ class LimbPlatformSource:
 def _flags(flags: tuple[bool, ...]) -> str:
     """C text of truth values."""
     return ", ".join("true" if flag else "false" for flag in flags)
-
-
-def _indexed_by_width(array: str, coordinates: Sequence[Coordinate]) -> list[list[str]]:
-    """C text of the numbers of each of some coordinates, which stand beside each other in an
-    array.
-    """
-    ends = np.cumsum([c.width for c in coordinates]).tolist()
-    return [
-        indexed(array, c.width, end - c.width) for c, end in zip(coordinates, ends, strict=True)
-    ]

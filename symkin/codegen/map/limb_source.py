@@ -23,6 +23,7 @@ from symkin.codegen.steps.pose_coordinates import COLUMNS
 from symkin.codegen.text.c import Emitter, Real, indent, indexed
 from symkin.codegen.text.templates import copy, fill
 from symkin.computed_once import cached_property
+from symkin.model.joint import places_of
 from symkin.model.names import identifiers
 from symkin.numeric.tolerances import CLOSURE_TOLERANCE
 from symkin.text import c_comment
@@ -64,13 +65,17 @@ class LimbSource:
     @cached_property
     def places(self) -> list[tuple[str, int, int]]:
         """(array, index there, index in the block) of each number of the limb's unknowns."""
-        found, system = [], self.block.system
-        for c, place in zip(system.unknowns, system.slices, strict=True):
-            group = self.made.actuated if c.role == "actuated" else self.made.passive
-            before = sum(other.width for other in group[: group.index(c)])
-            array = "q" if c.role == "actuated" else "passive"
-            found += [(array, before + i, place.start + i) for i in range(c.width)]
-        return found
+        arrays = {"q": self.made.actuated, "passive": self.made.passive}
+        there = {
+            name: (array, place)
+            for array, own in arrays.items()
+            for name, place in places_of(own, [c.width for c in own]).items()
+        }
+        return [
+            (there[name][0], k, here.start + i)
+            for name, here in self.block.system.places.items()
+            for i, k in enumerate(there[name][1])
+        ]
 
     @property
     def _actuated(self) -> list[int]:

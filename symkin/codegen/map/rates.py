@@ -20,7 +20,7 @@ from symkin.codegen.steps.newton_kernel import moves
 from symkin.codegen.text.angles import numbers_at
 from symkin.codegen.text.c import Real
 from symkin.computed_once import lru_cache
-from symkin.model.joint import Coordinate
+from symkin.model.joint import Coordinate, places_of
 
 
 @lru_cache(maxsize=32)
@@ -101,11 +101,8 @@ def step_columns(
     """List the places of each wanted coordinate in a step of the unknown ones, and what turns the
     step's length into its unit.
     """
-    places, column = {}, 0
-    for c in unknown:
-        places[c.name] = (column, 1.0 / size if c.is_angular else 1.0)
-        column += c.freedom
-    return [(places[c.name][0] + k, places[c.name][1]) for c in wanted for k in range(c.freedom)]
+    places = places_of(unknown, [c.freedom for c in unknown])
+    return [(k, 1.0 / size if c.is_angular else 1.0) for c in wanted for k in places[c.name]]
 
 
 def step_text(real: Real, column: int, scale: float) -> str:
