@@ -54,7 +54,7 @@ class ClosedDirectSource(DirectValues):
     @property
     def text(self) -> str:
         """All functions of the direct problem."""
-        real, made, literal = self.real, self.made, self.real.literal
+        real, made, literal = self.real, self.made, self.literal
         angular = any(c.is_angular for c in made.actuated)
         polynomial = real.name == "float" and angular
         angle = angle_of_direction(real, self.common) if polynomial else ""
@@ -87,7 +87,7 @@ class ClosedDirectSource(DirectValues):
             else "one evaluation",
             "evaluation_count": 2 if any(wide) else 1,
             "half_lines": self._answer.half_lines,
-            "rounding": literal(rounded(64 * real.epsilon * made.closure.characteristic_length)),
+            "rounding": literal(rounded(64 * real.epsilon * made.size)),
             **self._answer.lines,
         }
         aim = [
@@ -107,7 +107,7 @@ class ClosedDirectSource(DirectValues):
     @property
     def _same_signs(self) -> list[str]:
         """Statements that compare the signs of a guess read again."""
-        count, p = self.found.formulas.roots.numel(), self.made.name.upper()
+        count, p = self.found.formulas.roots.numel(), self.capital
         return (
             [
                 f"for (int k = 0; (k < {count}) && (status == {p}_OK); ++k) {{",
@@ -184,7 +184,7 @@ class ClosedDirectSource(DirectValues):
 
     @property
     def _set_lines(self) -> list[str]:
-        lines, call = [], f"{self.made.name}_cosine_and_sine"
+        lines, call = [], f"{self.name}_cosine_and_sine"
         for i, c in enumerate(self.made.actuated):
             place = self.joint_places[c.name][0]
             if not c.is_angular:
@@ -237,14 +237,14 @@ class ClosedDirectSource(DirectValues):
             "/* which part of the slides' ranges holds both ends of the line */",
             *self.guards.reach_lines(slides),
             f"if (!({' && '.join(tests)})) {{",
-            f"    status = {self.made.name.upper()}_WRONG_BRANCH;",
+            f"    status = {self.capital}_WRONG_BRANCH;",
             "}",
         ]
 
     @property
     def _at_lines(self) -> list[str]:
         """Statements of the joints' values at the guess and the given ones that are meant."""
-        made, p, lines = self.made, self.made.name, list[str]()
+        made, p, lines = self.made, self.name, list[str]()
         angle = f"{p}_angle" if self.real.name == "float" else "atan2"
         for i, c in enumerate(made.actuated):
             places = self.joint_places[c.name]

@@ -77,7 +77,7 @@ class AnswerText(DirectValues):
         symbols = ca.vertcat(self.u, self.y, self.half)
         function = ca.Function("rows", [symbols], [rows])
         rng = np.random.default_rng(2)
-        sizes = [1.0, 1.0, 1.0, *[self.made.closure.characteristic_length] * 3]
+        sizes = [1.0, 1.0, 1.0, *[self.made.size] * 3]
         drawn = [s * rng.normal(size=symbols.numel()) for s in sizes]
         values = np.array([np.asarray(function(one)).ravel() for one in drawn])
         values /= np.maximum(np.max(np.abs(values), axis=1, keepdims=True), np.finfo(float).tiny)
@@ -113,7 +113,7 @@ class AnswerText(DirectValues):
             near = READ_AGAIN * BESIDE * np.sqrt(tolerance_of(real, size) / size)
             for root, what in zip(limb.usual_roots, limb.formulas.names, strict=True):
                 bounds = (0.0, float(near * root))
-                tests += side_lines(emitter.value(1, k), what, bounds, real, self.made.name.upper())
+                tests += side_lines(emitter.value(1, k), what, bounds, real, self.capital)
                 k += 1
         sides = [*emitter.take(), *tests]
         parts = {"residual": residual, "side": sides, "firm": self._firm_lines}
@@ -127,7 +127,7 @@ class AnswerText(DirectValues):
         distance.
         """
         found, lines = self.found, list[str]()
-        tests = [f"(w->share > {self.real.literal(_SMALL_SHARE)})"] * bool(found.usual_roots.size)
+        tests = [f"(w->share > {self.literal(_SMALL_SHARE)})"] * bool(found.usual_roots.size)
         for j, guard in enumerate(found.guards):
             firm = self.guards.by_reach(f"firm{j}", self.guards.roundings(guard, _FIRM), lines)
             tests.append(f"(w->guard[{j}] > {firm})")
@@ -136,7 +136,7 @@ class AnswerText(DirectValues):
     @property
     def half_lines(self) -> list[str]:
         """Statements of cosine and sine of half the pose's turn, by the larger one."""
-        kind, half, zero = self.real.type, self.real.literal(0.5), self.real.zero
+        kind, half, zero = self.real.type, self.literal(0.5), self.real.zero
         sqrt, fabs = self.real.call("sqrt"), self.real.call("fabs")
         lines = list[str]()
         for c in self._turns:

@@ -92,7 +92,7 @@ class GuessText(DirectValues):
     def _read(
         self, x: ca.SX, roots: ca.SX, parts: Sequence[ca.SX], limits: Sequence[float]
     ) -> list[str]:
-        real, name = self.real, self.made.name.upper()
+        real, name = self.real, self.capital
         outputs = gathered(parts, [x, roots], [])
         inputs = [(x, "x"), (roots, [f"r{k + 1}" for k in range(roots.numel())])]
         emitter, one = Emitter.of(real, inputs, *outputs), real.one

@@ -8,27 +8,24 @@ from dataclasses import dataclass
 import casadi as ca
 
 from symkin.codegen.map.limb_platform import LimbPlatform
+from symkin.codegen.map.record import Source
 from symkin.codegen.steps.direct_formulas import DirectFormulas
 from symkin.codegen.steps.guard_text import GuardText
 from symkin.codegen.text.angles import Numbers
-from symkin.codegen.text.c import Emitter, Real
+from symkin.codegen.text.c import Emitter
 from symkin.computed_once import cached_property
 from symkin.model.joint import Coordinate, places_of
 from symkin.numeric.system import System
 
 
 @dataclass(frozen=True, eq=False)
-class DirectValues:
+class DirectValues(Source):
     """The values of one platform's direct problem: `u` the given ones, `y` the unknowns, angles by
     cosine and sine, `half` those of half the pose's turn.
     """
 
     made: LimbPlatform
     found: DirectFormulas
-
-    @property
-    def real(self) -> Real:
-        return self.made.real
 
     @cached_property
     def guards(self) -> GuardText:
@@ -108,7 +105,7 @@ class DirectValues:
         by the part of the slides' ranges that holds it.
         """
         tests = [
-            f"(w->{array}[{j}] > {self.real.literal(self.guards.roundings(guard)[0])})"
+            f"(w->{array}[{j}] > {self.literal(self.guards.roundings(guard)[0])})"
             for j, guard in enumerate(self.found.guards)
             if guard.is_divisor == of_divisors
         ]

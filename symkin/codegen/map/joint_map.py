@@ -14,15 +14,15 @@ from typing import ClassVar, Literal
 import casadi as ca
 import numpy as np
 
-from symkin.codegen.map.options import Options
+from symkin.codegen.map.record import Described
 from symkin.codegen.steps.circle_kernel import CircleKernel, circle_kernel, shortened
 from symkin.codegen.steps.composed import Part
 from symkin.codegen.steps.formula_guards import is_firm
+from symkin.codegen.steps.geometry import Geometry
 from symkin.codegen.steps.newton_kernel import Kernel
 from symkin.codegen.steps.passive_limits import PassiveLimit, passive_limits
 from symkin.codegen.steps.samples import Configuration, all_followed, configurations
 from symkin.codegen.text.angles import numbers_at, sum_of_angles
-from symkin.codegen.text.c import Real
 from symkin.computed_once import cached_property
 from symkin.elimination.closed_form import closed_form, samples_about
 from symkin.errors import InputError
@@ -160,26 +160,19 @@ def _part(group: Problem) -> Part:
 
 
 @dataclass(frozen=True, eq=False)
-class JointMap:
+class JointMap(Described):
     """A map between joints with its options: what its C is written from."""
 
-    mechanism: Mechanism
-    options: Options
-    real: Real
     templates: ClassVar[str] = "map"
-    is_redundant: ClassVar[bool] = False
-    has_dead_centres: ClassVar[bool] = False
-    can_be_compact: ClassVar[bool] = False
-    zero: ClassVar[float] = 0.0
-    """Joint values at home are themselves."""
+    of_poses: ClassVar[bool] = False
 
     @property
-    def name(self) -> str:
-        return self.mechanism.name
+    def geometry(self) -> Geometry:
+        return Geometry(self._whole.closure, at_run_time=False)
 
     @property
-    def size(self) -> float:
-        return self.mechanism.characteristic_length
+    def told(self) -> dict[str, tuple[Coordinate, ...]]:
+        return {"joints": self.given, "found": self.found}
 
     @cached_property
     def _whole(self) -> Problem:

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from symkin.codegen.map.joint_map_rates import LARGEST, rates_text
 from symkin.codegen.map.joint_map_values import MapValues
 from symkin.codegen.map.map_direction import DirectionSource
+from symkin.codegen.map.signature import Function
 from symkin.codegen.steps.guard_text import Watched
 from symkin.codegen.steps.newton_source import NewtonCode
 from symkin.codegen.text.angles import number_counts
@@ -42,7 +43,7 @@ class JointMapSource(MapValues):
 
     @cached_property
     def _common(self) -> dict[str, object]:
-        made, literal = self.made, self.real.literal
+        made, literal = self.made, self.literal
         n = len(made.given)
         return common_values(self.name, self.real, struct=False) | {
             "nq": n,
@@ -57,6 +58,10 @@ class JointMapSource(MapValues):
         """Values of the names in the templates of this kind, the tests and the header."""
         note = "What the values leave to other joints is as at the reference configuration."
         return self._common | {"passive_note": note if self.made.passive else ""}
+
+    @property
+    def more_functions(self) -> tuple[Function, ...]:
+        return ()
 
     @property
     def text(self) -> str:
@@ -79,7 +84,7 @@ class JointMapSource(MapValues):
 
     def _tools(self, text: str) -> str:
         """The functions of angles that a text calls, and the checks of values."""
-        literal, common = self.real.literal, self._common
+        literal, common = self.literal, self._common
         tools = {
             "angle": angle_of_direction(self.real, common),
             "cosine_and_sine": cosine_and_sine(self.real, common),
@@ -96,7 +101,7 @@ class JointMapSource(MapValues):
         """Checks of joints and of found values: against limits, and of guesses, which need not keep
         to them.
         """
-        literal, found = self.real.literal, list[str]()
+        literal, found = self.literal, list[str]()
         for what, coordinates in (("joints", self.made.given), ("found", self.made.found)):
             for bounded in (True, False):
                 within = [

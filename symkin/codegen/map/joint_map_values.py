@@ -10,9 +10,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from symkin.codegen.map.joint_map import JointMap
+from symkin.codegen.map.record import Source
 from symkin.codegen.steps.joint_ranges import range_of
 from symkin.codegen.text.angles import number_counts
-from symkin.codegen.text.c import Real, indexed
+from symkin.codegen.text.c import indexed
 from symkin.codegen.text.templates import FARTHEST
 from symkin.model.joint import Coordinate, places_of, units_of
 
@@ -26,18 +27,10 @@ def places_among(coordinates: Sequence[Coordinate], wanted: Sequence[Coordinate]
 
 
 @dataclass(frozen=True, eq=False)
-class MapValues:
+class MapValues(Source):
     """Statements and C text of one map's values."""
 
     made: JointMap
-
-    @property
-    def real(self) -> Real:
-        return self.made.real
-
-    @property
-    def name(self) -> str:
-        return self.made.name
 
     def limits(
         self, coordinates: Sequence[Coordinate], *, bounded: bool = True
@@ -90,7 +83,7 @@ class MapValues:
     def turned(self, c: Coordinate, angle: str, near: str) -> str:
         """C text of an angle moved by whole turns next to another, within its limits."""
         ((low, high),) = self.limits([c])
-        literal = self.real.literal
+        literal = self.literal
         return f"{self.name}_turned({angle}, {near}, {literal(low)}, {literal(high)})"
 
     def nearest(self, c: Coordinate, value: str, near: str) -> str:

@@ -18,7 +18,7 @@ import numpy as np
 
 from symkin.closure.closure import Closure
 from symkin.closure.snapping import snapped_expression
-from symkin.codegen.map.options import Options
+from symkin.codegen.map.record import Described
 from symkin.codegen.steps.direct_formulas import DirectFormulas, direct_formulas
 from symkin.codegen.steps.formula_guards import free_divisors, is_firm, keeps_digits
 from symkin.codegen.steps.geometry import Geometry
@@ -30,7 +30,6 @@ from symkin.codegen.steps.passive_reach import PassiveReach, passive_reaches
 from symkin.codegen.steps.pose_coordinates import restricted
 from symkin.codegen.steps.pose_core import PoseCore, pose_core
 from symkin.codegen.steps.samples import Configuration, configurations
-from symkin.codegen.text.c import Real
 from symkin.computed_once import cached_property
 from symkin.elimination.closed_form import ClosedForm, closed_form, samples_about
 from symkin.elimination.implied_rows import unit_of
@@ -38,7 +37,6 @@ from symkin.errors import InputError
 from symkin.machine.frame import Frames
 from symkin.model.changed import scaled
 from symkin.model.joint import Coordinate, units_of
-from symkin.model.mechanism import Mechanism
 from symkin.numeric.rank import Rank
 from symkin.numeric.system import System, constant_rows, split_blocks
 from symkin.numeric.tolerances import CLOSURE_TOLERANCE
@@ -86,27 +84,22 @@ class LimbBlock:
 
 
 @dataclass(frozen=True, eq=False)
-class LimbPlatform:
+class LimbPlatform(Described):
     """A parallel mechanism with its options: what its C is written from."""
 
-    mechanism: Mechanism
-    options: Options
-    real: Real
     held: Held | None = None
     """How its limbs hold it in its motion, where the line has to be watched for that."""
     frames: Frames | None = None
     """The frames in which poses are told; None: those of the mechanism."""
     templates: ClassVar[str] = "parallel"
-    is_redundant: ClassVar[bool] = False
 
     @property
     def can_be_compact(self) -> bool:
-        """Whether there is code that --compact makes shorter."""
-        return self.direct_formulas is None and is_unrolled(self.direct_kernel, compact=False)
+        return not self.is_closed and is_unrolled(self.direct_kernel, compact=False)
 
     @property
-    def name(self) -> str:
-        return self.mechanism.name
+    def is_closed(self) -> bool:
+        return self.direct_formulas is not None
 
     @cached_property
     def direct(self) -> Problem:
@@ -190,11 +183,6 @@ class LimbPlatform:
         return sampled(self.direct_kernel, states, known, self.geometry.values)
 
     @property
-    def zero(self) -> np.ndarray | float:
-        """Joint values at home, where joints are changes from there."""
-        return 0.0
-
-    @property
     def middle(self) -> np.ndarray | Sequence[float]:
         """A usual position of the platform."""
         return self.mechanism.platform_position
@@ -265,7 +253,6 @@ class LimbPlatform:
 
     @property
     def has_dead_centres(self) -> bool:
-        """Whether a limb is more than a rod, whose length the pose decides."""
         return any(block.rod is None for block in self.blocks)
 
     @property

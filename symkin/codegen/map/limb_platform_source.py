@@ -21,6 +21,8 @@ from symkin.codegen.map.platform_rates import (
     speeds_text,
     square_twist,
 )
+from symkin.codegen.map.record import Source
+from symkin.codegen.map.signature import Function
 from symkin.codegen.steps.formula_guards import feasible_error
 from symkin.codegen.steps.guard_text import Watched
 from symkin.codegen.steps.guards import DETERMINANT
@@ -30,7 +32,7 @@ from symkin.codegen.steps.newton_kernel import rounded
 from symkin.codegen.steps.newton_source import NewtonCode, tracked_error
 from symkin.codegen.steps.passive_limits import limit_lines, texts_of
 from symkin.codegen.steps.pose_coordinates import COLUMNS, pose_coordinates_text, pose_text
-from symkin.codegen.text.c import Emitter, Real
+from symkin.codegen.text.c import Emitter
 from symkin.codegen.text.templates import common_values, copy, farthest, fill, normalise_pose
 from symkin.computed_once import cached_property
 from symkin.numeric.system import System
@@ -44,22 +46,10 @@ it is rounded itself, and its rows are not solved once more.
 
 
 @dataclass(frozen=True, eq=False)
-class LimbPlatformSource:
+class LimbPlatformSource(Source):
     """The C of one mechanism, function by function."""
 
     made: LimbPlatform
-
-    @property
-    def real(self) -> Real:
-        return self.made.real
-
-    @property
-    def name(self) -> str:
-        return self.made.name
-
-    @property
-    def _ok(self) -> str:
-        return f"{self.name.upper()}_OK"
 
     @cached_property
     def _limbs(self) -> list[LimbSource]:
@@ -79,9 +69,14 @@ class LimbPlatformSource:
         return {"direct": ([c.name for c in self.made.actuated], guards)}
 
     @property
+    def more_functions(self) -> tuple[Function, ...]:
+        """Functions of the interface that not all platforms have."""
+        return ()
+
+    @property
     def text(self) -> str:
         """Everything of NAME.c between its beginning and end."""
-        size, values = self.made.closure.characteristic_length, self.values
+        size, values = self.made.size, self.values
         return "".join(
             [
                 normalise_pose(values),
@@ -101,7 +96,7 @@ class LimbPlatformSource:
     def _at_pose(self) -> list[str]:
         """What is asked of a pose: its coordinates, joints within limits, the limbs."""
         made, real, values = self.made, self.real, self.values
-        ranges = ranges_of(made.actuated, real, made.closure.characteristic_length)
+        ranges = ranges_of(made.actuated, real, made.size)
         return [
             pose_coordinates_text(made.geometry, real, values),
             "" if made.direct_formulas is not None else pose_text(made.geometry, real, values),
@@ -168,13 +163,13 @@ class LimbPlatformSource:
     @cached_property
     def _common(self) -> dict[str, object]:
         """Values of the names that templates of the limbs need."""
-        made, literal = self.made, self.real.literal
+        made, literal = self.made, self.literal
         return common_values(self.name, self.real, struct=made.geometry.at_run_time) | {
             "nq": len(made.actuated),
             "ns": made.direct_kernel.state.shape[0],
             "nc": sum(c.width for c in made.closure.role("pose")),
             "np": max(1, sum(c.width for c in made.passive)),
-            "farthest": literal(farthest(made.closure.characteristic_length, made.middle)),
+            "farthest": literal(farthest(made.size, made.middle)),
             "many": literal(1e4),
             **self._passive_checks,
             "within": f", {self.real.type} within" if self._checks_rows else "",
@@ -194,7 +189,7 @@ class LimbPlatformSource:
 
     def _turned(self, part: str) -> str:
         """The function of rates in the base frame, where this is not the machine's own."""
-        rotation, literal = self.made.geometry.rotation, self.real.literal
+        rotation, literal = self.made.geometry.rotation, self.literal
         if rotation is None:
             return ""
         columns, lines = COLUMNS[self.made.mechanism.motion], list[str]()
@@ -222,16 +217,13 @@ class LimbPlatformSource:
             names = ("inverse_passive", "direct_passive", "check_answer")
             return dict.fromkeys(names, "") | {"write_tracked": [write]}
 
-        def if_ok(statement: str) -> list[str]:
-            return [f"if (status == {self._ok}) {{", f"    {statement}", "}"]
-
         count = sum(c.width for c in self.made.passive)
         of_state = f"status = {check}&w.x[{count}], given, w.x);"
         return {
-            "inverse_passive": if_ok(f"status = {check}c, q, passive);"),
-            "direct_passive": if_ok(of_state),
-            "write_tracked": [of_state, *if_ok(write)],
-            "check_answer": if_ok(f"status = {self.name}_check_answer(&answer);"),
+            "inverse_passive": self.if_ok([f"status = {check}c, q, passive);"]),
+            "direct_passive": self.if_ok([of_state]),
+            "write_tracked": [of_state, *self.if_ok([write])],
+            "check_answer": self.if_ok([f"status = {self.name}_check_answer(&answer);"]),
         }
 
     @property
@@ -241,24 +233,24 @@ class LimbPlatformSource:
 
     @property
     def _feasible(self) -> float:
-        return feasible_error(self.real.epsilon, self.made.closure.characteristic_length)
+        return feasible_error(self.real.epsilon, self.made.size)
 
     @property
     def _guess_error(self) -> float:
         """Largest closure error of a guess, which may be what one step of tracking has left."""
         return max(
             self._feasible,
-            _TRACKED * tracked_error(self.code.tuning, self.made.closure.characteristic_length),
+            _TRACKED * tracked_error(self.code.tuning, self.made.size),
         )
 
     def _within(self, error: float) -> str:
         """An argument of NAME_solve_limbs: how far rows may be off."""
-        return f", {self.real.literal(rounded(error))}" if self._checks_rows else ""
+        return f", {self.literal(rounded(error))}" if self._checks_rows else ""
 
     @cached_property
     def values(self) -> dict[str, object]:
         """Values of the names in the templates of this kind, the tests and the header."""
-        made, literal = self.made, self.real.literal
+        made, literal = self.made, self.literal
         return self._common | {
             "track_factor": singular_condition(
                 made.direct_kernel,
@@ -268,7 +260,7 @@ class LimbPlatformSource:
                 compact=made.options.compact,
             ),
             "kappa": literal(np.sqrt(self.code.tuning.kappa2)),
-            "track2": literal((made.closure.characteristic_length / 24) ** 2),
+            "track2": literal((made.size / 24) ** 2),
             "check_branch": "",
             "stand": "",
             "keep_known": "",
@@ -287,7 +279,7 @@ class LimbPlatformSource:
             if made.tells_branch
             else f"check_given({ga}&w.x[{passive}], given)"
         )
-        branch = [f"if (status == {self._ok}) {{", f"    status = {p}_{check};", "}"]
+        branch = self.if_ok([f"status = {p}_{check};"])
         unwrap = [
             f"{self.real.type} given[{self._common['nq']}];",
             f"{p}_unwrap_joints(w.at, joints, given);",
@@ -309,7 +301,7 @@ class LimbPlatformSource:
         rounding has left its branch beside a dead centre: of what stands still no branch is left.
         """
         p, ga = self.name, self._ga
-        stands = self.real.literal(_STANDS * self.code.tuning.noise)
+        stands = self.literal(_STANDS * self.code.tuning.noise)
         return [
             f"if (status == {p.upper()}_WRONG_BRANCH) {{",
             "    /* a guess whose own rows vanish is the answer: nothing moves */",
@@ -321,7 +313,7 @@ class LimbPlatformSource:
             f"{p.upper()}_TOLERANCE;",
             f"    if (residual <= allowed + {stands}) {{",
             f"        {p}_write_info(info, 0U, residual, {self.real.zero}, w.spread);",
-            f"        status = {self._ok};",
+            f"        status = {self.capital}_OK;",
             "    }",
             *("    " + line for line in branch),
             "}",
@@ -334,7 +326,7 @@ class LimbPlatformSource:
             f"{real.type} c[{nc}];",
             f"{real.type} passive[{self._common['np']}] = {{ {real.zero} }};",
             f"status = {p}_pose_coordinates({self._ga}guess, c);",
-            f"if (status == {self._ok}) {{",
+            f"if (status == {self.capital}_OK) {{",
             f"    status = {p}_solve_limbs({self._ga}c, w->at, "
             f"passive{self._within(self._guess_error)});",
             *("    " + line for line in copy("w->x", "passive", passive) if passive),
@@ -344,7 +336,7 @@ class LimbPlatformSource:
                 else []
             ),
             *(f"    w->x[{passive + i}] = c[{i}];" for i in range(nc)),
-            f"    status = (status == {self._ok}) ? status : {p.upper()}_OUT_OF_RANGE;",
+            f"    status = (status == {self.capital}_OK) ? status : {p.upper()}_OUT_OF_RANGE;",
             "}",
         ]
 
@@ -375,7 +367,7 @@ class LimbPlatformSource:
             "/* what the pose alone must satisfy */",
             *emitter.lines,
             f"if (!({' && '.join(tests)})) {{",
-            f"    status = {self.name.upper()}_OUT_OF_RANGE;",
+            f"    status = {self.capital}_OUT_OF_RANGE;",
             "}",
         ]
 
@@ -393,7 +385,7 @@ class LimbPlatformSource:
             variables,
             made.geometry,
             self.real,
-            f"{self.name.upper()}_OUT_OF_RANGE",
+            f"{self.capital}_OUT_OF_RANGE",
         )
         asked = "are within their limits" if made.passive_limits else "exist where the rows hold"
         text = fill("check_passive.c", self._common | {"lines": lines, "asked": asked})
@@ -414,7 +406,7 @@ class LimbPlatformSource:
         made = self.made
         if not made.has_dead_centres:
             return ""
-        size = made.closure.characteristic_length
+        size = made.size
         # near a dead centre the pose moves by the square of the joint: an error t of the pose is
         # sqrt(t) there
         near = [
@@ -423,7 +415,7 @@ class LimbPlatformSource:
         ]
         within = [f"{self.name}_turn_into_limits(q, given);"] if any(made.limited_angles) else []
         values = self._common | {
-            "near": ", ".join(self.real.literal(rounded(v)) for v in near),
+            "near": ", ".join(self.literal(rounded(v)) for v in near),
             "within_given": within,
         }
         text = fill("check_given.c", values)
@@ -434,7 +426,7 @@ class LimbPlatformSource:
     @property
     def _turn_into_limits(self) -> str:
         """NAME_turn_into_limits, where angles have limits."""
-        made, literal = self.made, self.real.literal
+        made, literal = self.made, self.literal
         if not any(made.limited_angles):
             return ""
         limits = [c.limits if c.limits is not None else (0.0, 0.0) for c in made.actuated]
@@ -483,7 +475,7 @@ class LimbPlatformSource:
         if not any(made.limited_angles):
             return []
         middles = ", ".join(
-            self.real.literal(0.0 if c.limits is None else 0.5 * float(sum(c.limits)))
+            self.literal(0.0 if c.limits is None else 0.5 * float(sum(c.limits)))
             for c in made.actuated
         )
         return [

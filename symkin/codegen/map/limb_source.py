@@ -15,12 +15,13 @@ from symkin.codegen.closed_limb import LimbFormulas, actuated_places
 from symkin.codegen.line_parts import line_target
 from symkin.codegen.map.limb_platform import LimbBlock, LimbPlatform
 from symkin.codegen.map.rates import step_columns, step_text
+from symkin.codegen.map.record import Source
 from symkin.codegen.steps.formula_guards import feasible_error
 from symkin.codegen.steps.linear_solver import singular_condition
 from symkin.codegen.steps.newton_kernel import Kernel, quaternion_place, rounded, sampled
 from symkin.codegen.steps.newton_source import NewtonCode
 from symkin.codegen.steps.pose_coordinates import COLUMNS
-from symkin.codegen.text.c import Emitter, Real, indent, indexed
+from symkin.codegen.text.c import Emitter, indent, indexed
 from symkin.codegen.text.templates import copy, fill
 from symkin.computed_once import cached_property
 from symkin.model.joint import places_of
@@ -33,7 +34,7 @@ _LINES = 5
 
 
 @dataclass(frozen=True, eq=False)
-class LimbSource:
+class LimbSource(Source):
     """The C of one limb; `common` are the values of names that templates of limbs need."""
 
     made: LimbPlatform
@@ -41,13 +42,9 @@ class LimbSource:
     common: Mapping[str, object]
 
     @property
-    def real(self) -> Real:
-        return self.made.real
-
-    @property
     def k(self) -> str:
         """What the names of its functions begin with."""
-        return f"{self.made.name}_{self.block.name}"
+        return f"{self.name}_{self.block.name}"
 
     @property
     def _ga(self) -> str:
@@ -107,7 +104,7 @@ class LimbSource:
             ("w->at", self.made.inverse.known_coordinates),
         )
         begin = [
-            f"{array}[{i}] = {self.real.literal(v)};"
+            f"{array}[{i}] = {self.literal(v)};"
             for array, coordinates in parts
             for i, v in enumerate(self.made.inverse.select_values(reference, coordinates))
         ]
@@ -192,11 +189,6 @@ class LimbSource:
 
     # --- joints and rates at a pose ---------------------------------------------------------------
 
-    def _if_ok(self, lines: Sequence[str]) -> list[str]:
-        """Statements under the condition that nothing has been refused before."""
-        ok = f"if (status == {self.made.name.upper()}_OK) {{"
-        return [ok, *("    " + line for line in lines), "}"]
-
     def _solve(self, array: str, within: str) -> list[str]:
         """Statements that set an array to its unknowns, a rod's apart."""
         if self.block.formulas is None:
@@ -218,7 +210,7 @@ class LimbSource:
         )
         x = "x" if by_formulas else "w.x"
         copies = [f"{array}[{there}] = {x}[{here}];" for array, there, here in self.places]
-        return [self._comment, *self._if_ok([begin, *self._solve("x", ", within"), *copies])]
+        return [self._comment, *self.if_ok([begin, *self._solve("x", ", within"), *copies])]
 
     @property
     def rate_lines(self) -> list[str]:
@@ -229,12 +221,12 @@ class LimbSource:
             return [self._comment, *self._rod_rate_lines]
         if self.block.kernel is None:
             return [self._comment, *self._closed_rate_lines]
-        return [self._comment, *self._if_ok(self._matrix_rate_lines(self.block.kernel))]
+        return [self._comment, *self.if_ok(self._matrix_rate_lines(self.block.kernel))]
 
     def _matrix_rate_lines(self, kernel: Kernel) -> list[str]:
         made, k, m, system = self.made, self.k, kernel.m, self.block.system
         wanted = [c for c in system.unknowns if c.role == "actuated"]
-        size = made.closure.characteristic_length
+        size = made.size
         steps = step_columns(system.unknowns, wanted, size)
         error = rounded(feasible_error(self.real.epsilon, size))
         known = system.known.numel() if self.block.formulas is not None else 0
@@ -243,12 +235,12 @@ class LimbSource:
         body = [
             f"{k}_work w;",
             f"{self.real.type} sides[{m * count}];",
-            *self._solve("w.x", f", {self.real.literal(error)}"),
+            *self._solve("w.x", f", {self.literal(error)}"),
             *copy("w.k", "c", known),
-            f"if (status == {made.name.upper()}_OK) {{",
+            f"if (status == {self.capital}_OK) {{",
             f"    {k}_twist_columns({self._ga}&w, sides);",
             f"    if ({singular}) {{",
-            f"        status = {made.name.upper()}_SINGULAR;",
+            f"        status = {self.capital}_SINGULAR;",
             "    } else {",
         ]
         for j, column in enumerate(self._columns):
@@ -276,7 +268,7 @@ class LimbSource:
             for j, column in enumerate(columns)
         ]
         begin = f"{self.real.type} of_limb[{len(actuated) * len(columns)}];"
-        return self._if_ok([begin, f"status = {self.k}_rates(c, of_limb);", *copies])
+        return self.if_ok([begin, f"status = {self.k}_rates(c, of_limb);", *copies])
 
     def _rod_emitter(self, expression: ca.SX) -> Emitter:
         """Emitter of a function of the pose, temporaries beginning with the rod's name as an
@@ -308,6 +300,6 @@ class LimbSource:
             f"if ({length} > {self.real.zero}) {{",
             *("    " + line for line in lines[first:]),
             "} else {",
-            f"    status = {self.made.name.upper()}_SINGULAR;",
+            f"    status = {self.capital}_SINGULAR;",
             "}",
         ]

@@ -208,7 +208,7 @@ class DirectionSource(MapValues):
         """Newton's method, or formulas with the parts of Newton's method that finish and give
         rates; the function that sets the state, and polynomials near the reference.
         """
-        code, closed, literal = self.code, self.closed, self.real.literal
+        code, closed, literal = self.code, self.closed, self.literal
         if closed is None:
             return self._coefficients_text + code.text + self._place_text + self._sheet_text
         own = {
@@ -259,7 +259,7 @@ class DirectionSource(MapValues):
                 f"{self.k}_formulas(k, sign, x, d);",
                 f"for (int i = 0; i < {names['conditions']}; ++i) {{",
                 f"    if (!(d[i] > {names['resolved']})) {{",
-                f"        status = {self.name.upper()}_OUT_OF_RANGE;",
+                f"        status = {self.capital}_OUT_OF_RANGE;",
                 "    }",
                 "}",
             ]
@@ -276,7 +276,7 @@ class DirectionSource(MapValues):
         near it by one step from polynomials, else along the line.
         """
         _, out = self.words
-        k, made, prefix, literal = self.k, self.made, self.name.upper(), self.real.literal
+        k, made, prefix, literal = self.k, self.made, self.capital, self.literal
         at = made.reference_of(self.known)
         starts = {
             "at": at,
@@ -335,7 +335,7 @@ class DirectionSource(MapValues):
     @property
     def _sheet_text(self) -> str:
         """The function of the polynomials, where there are some."""
-        sheet, literal = self.sheet, self.real.literal
+        sheet, literal = self.sheet, self.literal
         if sheet is None:
             return ""
         inputs = [(sheet.known, [f"u{i}" for i in range(self.n)])]
@@ -362,7 +362,7 @@ class DirectionSource(MapValues):
     def text(self) -> str:
         """The function of the direction, and its one step."""
         (values, out), name, known, wanted = self.words, self.name, self.known, self.wanted
-        n, kind, literal, size = self.n, self.real.type, self.real.literal, self.made.size
+        n, kind, literal, size = self.n, self.real.type, self.literal, self.made.size
         begin = [
             f"w->at[{i}] = {self.nearest(c, f'at[{i}]', f'{values}[{i}]')};"
             for i, c in enumerate(known)
@@ -437,7 +437,7 @@ class DirectionSource(MapValues):
         """The function of how far wanted values are from others."""
         kind, lines = self.real.type, list[str]()
         for i, c in enumerate(self.wanted):
-            weight = self.real.literal(self.made.size if c.is_angular else 1.0)
+            weight = self.literal(self.made.size if c.is_angular else 1.0)
             other = self.nearest(c, f"other[{i}]", f"guess[{i}]")
             lines += [
                 f"const {kind} way{i} = {weight} * ({other} - guess[{i}]);",
@@ -451,7 +451,7 @@ class DirectionSource(MapValues):
         if not self.made.passive_limits:
             return ""
         call = f"status = {self.k}_check_passive(&w, {self.words[0]});"
-        return indent([f"if (status == {self.name.upper()}_OK) {{", f"    {call}", "}"], 2)
+        return indent([f"if (status == {self.capital}_OK) {{", f"    {call}", "}"], 2)
 
     @property
     def _passive_text(self) -> str:
@@ -466,7 +466,7 @@ class DirectionSource(MapValues):
         variables = [
             texts.get(c.name, self.real.zero) for c in closure.coordinates for _ in range(c.width)
         ]
-        beyond = f"{self.name.upper()}_OUT_OF_RANGE"
+        beyond = f"{self.capital}_OUT_OF_RANGE"
         fixed = Geometry(closure, at_run_time=False)
         lines = limit_lines(limits, variables, fixed, self.real, beyond)
         return fill("map_passive.c", self.names | {"lines": lines})
@@ -479,7 +479,7 @@ class DirectionSource(MapValues):
             return [], []
         kind = self.real.type
         return [f"{kind} y[{self.common['ny']}];", f"{kind} at[{self.n}];"], [
-            f"if (status == {self.name.upper()}_OK) {{",
+            f"if (status == {self.capital}_OK) {{",
             f"    status = {self.name}_state_of_{side}({side}, y, at);",
             "}",
         ]
@@ -494,7 +494,7 @@ class DirectionSource(MapValues):
         """Statements of one step: from the last values' configuration, by Newton's method or by
         formulas.
         """
-        k, kind, prefix, literal = self.k, self.real.type, self.name.upper(), self.real.literal
+        k, kind, prefix, literal = self.k, self.real.type, self.capital, self.literal
         code, closed = self.code, self.closed
         y, last = self.state_of(self.words[1])
         if closed is None:

@@ -74,6 +74,7 @@ class RodPlatform(LimbPlatform):
     home: Pose
 
     can_be_compact = True
+    is_closed = False
     core = None
     direct_formulas = None
     blocks = ()
@@ -130,6 +131,17 @@ class RodPlatform(LimbPlatform):
     def joint_values(self, pose: Pose) -> np.ndarray:
         """Joint values as generated code takes them."""
         return np.asarray(self.lengths(pose) - self.zero)
+
+    @property
+    def about_values(self) -> list[str]:
+        if not self.options.home_relative:
+            return []
+        home = ", ".join(f"{float(v):.6g}" for v in (*self.home.position, *self.home.quaternion))
+        return [
+            "Joint values and positions are changes from home, orientations turns from home's (R "
+            "= R_turn R_home), in base",
+            f"axes. Home: {home}.",
+        ]
 
     @property
     def zero(self) -> np.ndarray | float:

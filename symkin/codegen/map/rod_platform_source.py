@@ -15,6 +15,7 @@ import numpy as np
 from symkin.closure.snapping import snap
 from symkin.codegen.map.limb_platform_source import LimbPlatformSource
 from symkin.codegen.map.rod_platform import RodPlatform
+from symkin.codegen.map.signature import LINE, Function
 from symkin.codegen.steps.joint_ranges import Range, range_functions
 from symkin.codegen.steps.rod_kernel import rod_vectors
 from symkin.codegen.steps.rod_line import rod_line
@@ -68,6 +69,10 @@ class RodSource(LimbPlatformSource):
             fill("no_step.c", self.values),
             fill("parallel_direct.c", self.values),
         ]
+
+    @property
+    def more_functions(self) -> tuple[Function, ...]:
+        return (LINE,) if self.made.has_limits else ()
 
     @cached_property
     def _ranges(self) -> list[Range]:
@@ -141,7 +146,7 @@ class RodSource(LimbPlatformSource):
         """Statements of the Jacobian, and of its copy."""
         if self.made.options.compact and not self.made.options.home_relative:
             return self._looped_jacobian, copy_loop("jacobian", "rows", 36)
-        x, size = ca.SX.sym("x", 7), self.made.mechanism.characteristic_length
+        x, size = ca.SX.sym("x", 7), self.made.size
         arms, d, _ = rod_vectors(self.made.rods, x[:3], x[3:])
         squared = [dot(v, v) for v in d]
         inverses = [1 / ca.sqrt(s) for s in squared]
@@ -162,7 +167,7 @@ class RodSource(LimbPlatformSource):
         """Statements of the Jacobian's rows in a loop over the rods, whose vectors are those of the
         direct problem's rows: with d = p + R a - b the moment (R a) x d is (b - p) x d.
         """
-        kind, literal, sqrt = self.real.type, self.real.literal, self.real.call("sqrt")
+        kind, literal, sqrt = self.real.type, self.literal, self.real.call("sqrt")
         table, b = _bases(self.made, 1.0)
         towards = [
             f"const {kind} {axis} = {b[k] + ' - ' if k in b else '-'}x[{k}];"
@@ -226,7 +231,7 @@ def _bases(platform: RodPlatform, factor: float) -> tuple[list[str], dict[int, s
     """
     if platform.options.geometry == "struct":
         return [], {k: f"geometry->base[i][{k}]" for k in range(3)}
-    real, size = platform.real, platform.mechanism.characteristic_length
+    real, size = platform.real, platform.size
     rows = platform.geometry.rows[:, :3]
     kept = [k for k in range(3) if np.any(rows[:, k] != 0.0)] or [0]
     numbers = ", ".join(
@@ -241,7 +246,7 @@ def _bases(platform: RodPlatform, factor: float) -> tuple[list[str], dict[int, s
 
 def _ranges(platform: RodPlatform) -> list[Range]:
     """Ranges: the limbs' own, and lengths that are positive."""
-    real, size = platform.real, platform.mechanism.characteristic_length
+    real, size = platform.real, platform.size
     slack = max(1e-9, 16 * real.epsilon) * size
     zero = platform.zero + np.zeros(6)
     found = []

@@ -1,0 +1,136 @@
+"""Say of any machine what its C is written from, whatever is known and found in it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import ClassVar, Protocol
+
+import numpy as np
+
+from symkin.codegen.map.options import Options
+from symkin.codegen.map.signature import Function
+from symkin.codegen.steps.geometry import Geometry
+from symkin.codegen.steps.guard_text import Watched
+from symkin.codegen.steps.newton_source import NewtonCode
+from symkin.codegen.text.c import Real
+from symkin.model.joint import Coordinate
+from symkin.model.mechanism import Mechanism
+
+
+@dataclass(frozen=True, eq=False)
+class Described:
+    """A machine with its options. `templates` begins the names of its test's and example's parts;
+    `of_poses`: a pose is what it finds, or what is given.
+    """
+
+    mechanism: Mechanism
+    options: Options
+    real: Real
+    templates: ClassVar[str]
+    of_poses: ClassVar[bool] = True
+
+    @property
+    def name(self) -> str:
+        return self.mechanism.name
+
+    @property
+    def size(self) -> float:
+        return self.mechanism.characteristic_length
+
+    @property
+    def geometry(self) -> Geometry:
+        raise NotImplementedError
+
+    @property
+    def actuated(self) -> tuple[Coordinate, ...]:
+        return self.mechanism.actuated
+
+    @property
+    def told(self) -> dict[str, tuple[Coordinate, ...]]:
+        """The coordinates of each array of values."""
+        return {"joints": self.actuated}
+
+    @property
+    def zero(self) -> np.ndarray | float:
+        """Joint values at home, where joints are changes from there."""
+        return 0.0
+
+    @property
+    def about_values(self) -> list[str]:
+        """What the header says of joint values and poses that are changes from home."""
+        return []
+
+    @property
+    def is_redundant(self) -> bool:
+        """Whether a pose leaves joints free."""
+        return False
+
+    @property
+    def has_dead_centres(self) -> bool:
+        """Whether the values leave a limb more than one way to stand."""
+        return False
+
+    @property
+    def can_be_compact(self) -> bool:
+        """Whether there is code that --compact makes shorter."""
+        return False
+
+    @property
+    def is_closed(self) -> bool:
+        """Whether formulas solve a platform's direct problem."""
+        return False
+
+    def check(self) -> None:
+        """Raises InputError where a generated solver could not work."""
+
+
+@dataclass(frozen=True, eq=False)
+class Source:
+    """What writes a part of one machine's C."""
+
+    made: Described
+
+    @property
+    def real(self) -> Real:
+        return self.made.real
+
+    @property
+    def name(self) -> str:
+        return self.made.name
+
+    @property
+    def capital(self) -> str:
+        """What the names of its constants begin with."""
+        return self.name.upper()
+
+    def literal(self, value: float) -> str:
+        """C text of a number."""
+        return self.real.literal(value)
+
+    def array(self, values: Sequence[float] | np.ndarray) -> str:
+        """C text of the numbers of an array."""
+        return ", ".join(map(self.literal, values))
+
+    def if_ok(self, lines: Sequence[str]) -> list[str]:
+        """Statements under the condition that nothing has been refused before."""
+        return [f"if (status == {self.capital}_OK) {{", *("    " + line for line in lines), "}"]
+
+
+class Writer(Protocol):
+    """What writes all of a machine's C."""
+
+    @property
+    def code(self) -> NewtonCode: ...
+
+    @property
+    def values(self) -> dict[str, object]: ...
+
+    @property
+    def text(self) -> str: ...
+
+    @property
+    def watched(self) -> dict[str, Watched]: ...
+
+    @property
+    def more_functions(self) -> tuple[Function, ...]: ...
