@@ -252,6 +252,5 @@ class ClosedDirectSource(DirectValues):
                 lines.append(f"at[{i}] = {angle}(w->at[{places[1]}], w->at[{places[0]}]);")
             else:
                 lines.append(f"at[{i}] = w->at[{places[0]}];")
-        if any(made.limited_angles):
-            lines.append(f"{p}_turn_into_limits(at, joints);")
-        return [*lines, f"{p}_unwrap_joints(at, joints, given);"]
+        lines += self.into_limits("at", "joints")
+        return [*lines, *self.unwrapped("given", "joints", "at")]

@@ -88,13 +88,12 @@ class JointMapSource(MapValues):
         tools = {
             "angle": angle_of_direction(self.real, common),
             "cosine_and_sine": cosine_and_sine(self.real, common),
-            "turned": fill("map_turned.c", common),
         }
         written = [tool for name, tool in tools.items() if f"{self.name}_{name}(" in text]
         ends = zip(*self.limits(self.made.given), strict=True)
         low, high = (", ".join(map(literal, part)) for part in ends)
         blame = fill("map_blame.c", self._common | {"low": low, "high": high})
-        return "".join([*written, self._checks, blame])
+        return "".join([*written, self.turning(text, common), self._checks, blame])
 
     @property
     def _checks(self) -> str:

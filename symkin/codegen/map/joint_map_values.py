@@ -40,7 +40,7 @@ class MapValues(Source):
         """
         size, far = self.made.size, np.array(units_of(coordinates, self.made.size)) * FARTHEST
         return [
-            range_of(c, self.real, size) if bounded and c.limits else (-most, most)
+            range_of(c, self.real, size) if bounded else (-most, most)
             for c, most in zip(coordinates, far.tolist(), strict=True)
         ]
 
@@ -79,12 +79,6 @@ class MapValues(Source):
             else:
                 lines.append(f"{entry} = {value};")
         return lines
-
-    def turned(self, c: Coordinate, angle: str, near: str) -> str:
-        """C text of an angle moved by whole turns next to another, within its limits."""
-        ((low, high),) = self.limits([c])
-        literal = self.literal
-        return f"{self.name}_turned({angle}, {near}, {literal(low)}, {literal(high)})"
 
     def nearest(self, c: Coordinate, value: str, near: str) -> str:
         """C text of a value; of an angle's, the one of its whole turns that is nearest to another

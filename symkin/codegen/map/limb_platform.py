@@ -245,13 +245,6 @@ class LimbPlatform(Described):
         return self.passive_limits if self.core is None else self._reaches or []
 
     @property
-    def limited_angles(self) -> tuple[bool, ...]:
-        """Which actuated joints are angles with limits: where they stand in whole turns is told by
-        these.
-        """
-        return tuple(c.kind == "angle" and c.limits is not None for c in self.actuated)
-
-    @property
     def has_dead_centres(self) -> bool:
         return any(block.rod is None for block in self.blocks)
 

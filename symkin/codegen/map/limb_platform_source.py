@@ -77,20 +77,19 @@ class LimbPlatformSource(Source):
     def text(self) -> str:
         """Everything of NAME.c between its beginning and end."""
         size, values = self.made.size, self.values
-        return "".join(
-            [
-                normalise_pose(values),
-                fill("info.c", values),
-                *self._at_pose,
-                *self._direct,
-                "\n",
-                *self._inverse,
-                self._turned("jacobian"),
-                speeds_text("rates", "pose", size, self.real, values),
-                self._twist,
-                self._turned("twist"),
-            ]
-        )
+        parts = [
+            *self._at_pose,
+            *self._direct,
+            "\n",
+            *self._inverse,
+            self._in_frame("jacobian"),
+            speeds_text("rates", "pose", size, self.real, values),
+            self._twist,
+            self._in_frame("twist"),
+        ]
+        body = "".join(parts)
+        begin = normalise_pose(values) + fill("info.c", values)
+        return begin + self.turning(body, values) + body
 
     @property
     def _at_pose(self) -> list[str]:
@@ -109,16 +108,14 @@ class LimbPlatformSource(Source):
     @property
     def _direct(self) -> list[str]:
         """The direct problem: by formulas where there are some, else by Newton's method."""
-        found, turns = self.made.direct_formulas, [self._unwrap_joints, self._turn_into_limits]
+        found = self.made.direct_formulas
         if found is not None:
             return [
-                *turns,
                 fill("no_step.c", self._common),
                 ClosedDirectSource(self.made, found, self._common).text,
             ]
         return [
             self.code.text,
-            *turns,
             self._check_branch,
             fill("no_step.c", self._common),
             fill("parallel_direct.c", self.values),
@@ -170,7 +167,6 @@ class LimbPlatformSource(Source):
             "nc": sum(c.width for c in made.closure.role("pose")),
             "np": max(1, sum(c.width for c in made.passive)),
             "farthest": literal(farthest(made.size, made.middle)),
-            "many": literal(1e4),
             **self._passive_checks,
             "within": f", {self.real.type} within" if self._checks_rows else "",
             **self._names,
@@ -187,7 +183,7 @@ class LimbPlatformSource(Source):
         names = {part: f"{self.name}_own_{part}" for part in ("jacobian", "twist")}
         return {**names, "static_own": "static "}
 
-    def _turned(self, part: str) -> str:
+    def _in_frame(self, part: str) -> str:
         """The function of rates in the base frame, where this is not the machine's own."""
         rotation, literal = self.made.geometry.rotation, self.literal
         if rotation is None:
@@ -282,7 +278,7 @@ class LimbPlatformSource(Source):
         branch = self.if_ok([f"status = {p}_{check};"])
         unwrap = [
             f"{self.real.type} given[{self._common['nq']}];",
-            f"{p}_unwrap_joints(w.at, joints, given);",
+            *self.unwrapped("given", "joints", "w.at"),
         ]
         known = made.direct_kernel.known.numel()
         return {
@@ -330,11 +326,7 @@ class LimbPlatformSource(Source):
             f"    status = {p}_solve_limbs({self._ga}c, w->at, "
             f"passive{self._within(self._guess_error)});",
             *("    " + line for line in copy("w->x", "passive", passive) if passive),
-            *(
-                [f"    {p}_turn_into_limits(w->at, joints);"]
-                if any(self.made.limited_angles)
-                else []
-            ),
+            *("    " + line for line in self.into_limits("w->at", "joints")),
             *(f"    w->x[{passive + i}] = c[{i}];" for i in range(nc)),
             f"    status = (status == {self.capital}_OK) ? status : {p.upper()}_OUT_OF_RANGE;",
             "}",
@@ -413,39 +405,15 @@ class LimbPlatformSource(Source):
             BESIDE * np.sqrt(self.code.tuning.tolerance / size) * (1.0 if c.is_angular else size)
             for c in made.actuated
         ]
-        within = [f"{self.name}_turn_into_limits(q, given);"] if any(made.limited_angles) else []
         values = self._common | {
             "near": ", ".join(self.literal(rounded(v)) for v in near),
-            "within_given": within,
+            "within_given": self.into_limits("q", "given"),
+            "turned_given": self.unwrapped("turned", "given", "q"),
         }
         text = fill("check_given.c", values)
         return text + (
             branch_text(made, values, self.code.tuning.tolerance) if made.tells_branch else ""
         )
-
-    @property
-    def _turn_into_limits(self) -> str:
-        """NAME_turn_into_limits, where angles have limits."""
-        made, literal = self.made, self.literal
-        if not any(made.limited_angles):
-            return ""
-        limits = [c.limits if c.limits is not None else (0.0, 0.0) for c in made.actuated]
-        return fill(
-            "turn_into_limits.c",
-            self._common
-            | {
-                "limited": _flags(made.limited_angles),
-                "low": ", ".join(literal(low) for low, _ in limits),
-                "high": ", ".join(literal(high) for _, high in limits),
-            },
-        )
-
-    @property
-    def _unwrap_joints(self) -> str:
-        """NAME_unwrap_joints."""
-        actuated = self.made.actuated
-        turns = _flags(tuple(c.kind == "angle" and c.limits is None for c in actuated))
-        return fill("unwrap_joints.c", self._common | {"turns": turns})
 
     # --- inverse and Jacobian ---------------------------------------------------------------------
 
@@ -471,19 +439,9 @@ class LimbPlatformSource(Source):
     @property
     def _to_middle(self) -> list[str]:
         """Statements that move limited angles into their limits."""
-        made = self.made
-        if not any(made.limited_angles):
-            return []
-        middles = ", ".join(
-            self.literal(0.0 if c.limits is None else 0.5 * float(sum(c.limits)))
-            for c in made.actuated
+        turned = self.into_limits("q", "middle")
+        middles = self.array([0.5 * sum(c.limits or (0.0, 0.0)) for c in self.made.actuated])
+        begin = (
+            f"static const {self.real.type} middle[{len(self.made.actuated)}] = {{ {middles} }};"
         )
-        return [
-            f"static const {self.real.type} middle[{len(made.actuated)}] = {{ {middles} }};",
-            f"{self.name}_turn_into_limits(q, middle);",
-        ]
-
-
-def _flags(flags: tuple[bool, ...]) -> str:
-    """C text of truth values."""
-    return ", ".join("true" if flag else "false" for flag in flags)
+        return [begin, *turned] if turned else []

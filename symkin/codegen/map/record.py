@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import ClassVar, Protocol
 
@@ -12,10 +12,15 @@ from symkin.codegen.map.options import Options
 from symkin.codegen.map.signature import Function
 from symkin.codegen.steps.geometry import Geometry
 from symkin.codegen.steps.guard_text import Watched
+from symkin.codegen.steps.joint_ranges import range_of
 from symkin.codegen.steps.newton_source import NewtonCode
 from symkin.codegen.text.c import Real
+from symkin.codegen.text.templates import fill
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism
+
+_MOST_TURNS = 1e4
+"""Whole turns beyond which an angle is not moved: a float of them tells no angle."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,6 +116,39 @@ class Source:
     def array(self, values: Sequence[float] | np.ndarray) -> str:
         """C text of the numbers of an array."""
         return ", ".join(map(self.literal, values))
+
+    def turned(self, c: Coordinate, angle: str, near: str) -> str:
+        """C text of an angle moved by whole turns next to another, within its limits."""
+        limits = self.array(range_of(c, self.real, self.made.size))
+        return f"{self.name}_turned({angle}, {near}, {limits})"
+
+    def into_limits(self, at: str, near: str) -> list[str]:
+        """Statements that turn limited angles of an array of joints by whole turns towards another,
+        as far as their limits allow: a pose does not tell turns.
+        """
+        return [
+            f"{at}[{i}] = {self.turned(c, f'{at}[{i}]', f'{near}[{i}]')};"
+            for i, c in enumerate(self.made.actuated)
+            if c.kind == "angle" and c.limits is not None
+        ]
+
+    def unwrapped(self, target: str, joints: str, at: str) -> list[str]:
+        """Statements that take whole turns off angles without limits, so that the nearer way from
+        `at` is meant.
+        """
+        return [
+            f"{target}[{i}] = {self.turned(c, joint, f'{at}[{i}]')};"
+            if c.kind == "angle" and c.limits is None
+            else f"{target}[{i}] = {joint};"
+            for i, c in enumerate(self.made.actuated)
+            for joint in [f"{joints}[{i}]"]
+        ]
+
+    def turning(self, text: str, values: Mapping[str, object]) -> str:
+        """The function that moves an angle by whole turns, where a text calls it."""
+        if f"{self.name}_turned(" not in text:
+            return ""
+        return fill("turned_angle.c", {**values, "many": self.literal(_MOST_TURNS)})
 
     def if_ok(self, lines: Sequence[str]) -> list[str]:
         """Statements under the condition that nothing has been refused before."""
