@@ -7,15 +7,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import numpy as np
-
 from symkin.codegen.map.joint_map import JointMap
 from symkin.codegen.map.record import Source
-from symkin.codegen.steps.joint_ranges import range_of
 from symkin.codegen.text.angles import number_counts
 from symkin.codegen.text.c import indexed
-from symkin.codegen.text.templates import FARTHEST
-from symkin.model.joint import Coordinate, places_of, units_of
+from symkin.model.joint import Coordinate, places_of
 
 
 def places_among(coordinates: Sequence[Coordinate], wanted: Sequence[Coordinate]) -> list[int]:
@@ -31,18 +27,6 @@ class MapValues(Source):
     """Statements and C text of one map's values."""
 
     made: JointMap
-
-    def limits(
-        self, coordinates: Sequence[Coordinate], *, bounded: bool = True
-    ) -> list[tuple[float, float]]:
-        """Least and largest value of each coordinate: its limits with slack if `bounded`, else how
-        far it may be.
-        """
-        size, far = self.made.size, np.array(units_of(coordinates, self.made.size)) * FARTHEST
-        return [
-            range_of(c, self.real, size) if bounded else (-most, most)
-            for c, most in zip(coordinates, far.tolist(), strict=True)
-        ]
 
     def places(self, coordinates: Sequence[Coordinate]) -> list[int]:
         """Where the numbers of coordinates stand in y."""

@@ -393,7 +393,13 @@ class DirectionSource(MapValues):
         ]
         unused = [] if any(c.kind == "angle" for c in wanted) else ["(void)guess;"]
         outside = f"{name.upper()}_OUT_OF_RANGE"
-        blame = [f"if (status == {outside}) {{", f"    {name}_blame(info, result);", "}"]
+        blame = [
+            f"if ((info != NULL) && (status == {outside})) {{",
+            f"    info->joint = {name}_first_beyond(result);",
+            "}",
+        ]
+        zero, huge = self.real.zero, self.common["huge"]
+        no_step = f"{name}_write_info(info, 0U, {huge}, {zero}, {zero});"
         stands = max(_GUESSED, _GUESS_ROUNDINGS * self.real.epsilon) * size
         tolerance = tolerance_of(self.real, size)
         own = {
@@ -410,7 +416,7 @@ class DirectionSource(MapValues):
             "line_results": [*unused, *self._results("w->x", "guess")],
             "track_results": [f"{kind} result[{n}];", *self._results("w.x", out)],
             "store": [f"{out}[{i}] = result[{i}];" for i in range(n)],
-            "blame_values": f"        {name}_blame(info, joints);" if self._is_direct else "",
+            "no_step": f"{name}_write_no_step(info, joints);" if self._is_direct else no_step,
             "blame_result": "" if self._is_direct else blame,
             "change": change,
             "stand_at": stand_at,

@@ -76,7 +76,7 @@ name_status name_track(@{gp}const name_pose *pose, name_real joints[@{nq}], name
                 moved[i] = joints[i];
             }
         }
-        status = name_check_limits(@{ga}moved);
+        status = name_limit_joints(@{ga}status, moved);
         name_write_info(info, 1U, after, part * part * size * NAME_SIZE * NAME_SIZE, (pivot > @{zero}) ? (@{one} / pivot) : @{zero});
         if (status == NAME_OK) {
             for (int i = 0; i < @{nq}; ++i) {
