@@ -7,10 +7,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import casadi as ca
-
 from symkin.codegen.map.map_direction import DirectionSource
-from symkin.codegen.map.rates import row_bends, row_derivatives, step_columns, step_text
+from symkin.codegen.map.rates import (
+    SolvedColumns,
+    row_bends,
+    row_derivatives,
+    step_columns,
+    step_text,
+)
 from symkin.codegen.steps.linear_solver import singular_condition
 from symkin.codegen.text.c import Emitter
 from symkin.codegen.text.templates import fill, substitute
@@ -125,14 +129,14 @@ def rates_text(direct: DirectionSource, inverse: DirectionSource) -> str:
     )
     return "".join(
         [
-            _columns(direct),
+            _columns(direct)[1],
             _jacobian(
                 direct,
                 "jacobian",
                 "Rates of the found coordinates by those of the joints: the matrix solved for each "
                 "joint's column.",
             ),
-            _columns(inverse),
+            _columns(inverse)[1],
             _jacobian(
                 inverse,
                 "inverse_jacobian",
@@ -145,32 +149,12 @@ def rates_text(direct: DirectionSource, inverse: DirectionSource) -> str:
     )
 
 
-def _emitted(way: DirectionSource, function: ca.Function, *more: list[str]) -> list[str]:
-    """Statements that set `sides` to what a function gives, row by row."""
-    emitter = Emitter(function, ["w->x", way.numbers_of_known, *more], way.real)
-    rows, columns = function.size_out(0)
-    stores = [
-        f"sides[{columns * i + j}] = {emitter.entry(i, j)};"
-        for i in range(rows)
-        for j in range(columns)
-    ]
-    return [*emitter.lines, *stores]
-
-
-def _names(way: DirectionSource) -> dict[str, object]:
-    """Names that the templates of a direction's derivatives share."""
-    of = "joint" if way.direction.name == "direct" else "found"
-    return way.names | {
-        "of": "joints" if of == "joint" else "found values",
-        "columns": f"{of}_columns",
-        "m": way.kernel.m,
-        "nsides": way.kernel.m * way.n,
-    }
-
-
-def _columns(way: DirectionSource) -> str:
-    lines = _emitted(way, row_derivatives(way.direction))
-    return fill("map_columns.c", _names(way) | {"sides": lines})
+def _columns(way: DirectionSource) -> tuple[SolvedColumns, str]:
+    """The rates by each known value, and the function of their right-hand sides."""
+    of, what = ("joint", "joints") if way.direction.name == "direct" else ("found", "found values")
+    solved = SolvedColumns(way.kernel, way.k, f"{way.name}_{of}_columns", way.n, way.names)
+    emitter = Emitter(row_derivatives(way.direction), ["w->x", way.numbers_of_known], way.real)
+    return solved, solved.text(f"Derivatives of the rows by the {what}, row by row.", emitter)
 
 
 def _jacobian(
@@ -187,12 +171,12 @@ def _jacobian(
         places = way.places(made.given)
         set_ = [*way.circles("joints", made.given, "y", places), *set_]
     rates = _stores(way, way.wanted, "rates", n)
-    nj, values = n * n, _names(way)
+    nj, solved = n * n, _columns(way)[0]
     shown = {
         "function": function,
         "about": about,
         "written": f"{way.real.type} {function}[{nj}]",
-        "most_sides": values["nsides"],
+        "most_sides": solved.size,
         "nrates": nj,
         "kept": "",
         "y": y,
@@ -202,9 +186,9 @@ def _jacobian(
         "singular": singular_condition(way.kernel, way.k, "&w"),
         "more": "",
         "store": [f"for (int i = 0; i < {nj}; ++i) {{", f"    {function}[i] = rates[i];", "}"],
-        "rates": [*rates, *steps],
+        "rates": solved.solved([*rates, *steps]),
     }
-    return fill("map_jacobian.c", values | shown | more)
+    return fill("map_jacobian.c", way.names | shown | more)
 
 
 def _stores(
@@ -220,18 +204,20 @@ def _stores(
 
 def _second(way: DirectionSource) -> str:
     """The function of second derivatives."""
-    n, freedom, m = way.n, way.direction.problem.system.freedom, way.kernel.m
+    n, freedom = way.n, way.direction.problem.system.freedom
     real, pairs = way.real.type, n * (n + 1) // 2
     moved = [f"steps[{freedom * j + i}]" for j in range(n) for i in range(freedom)]
     places = step_columns(way.unknown, way.unknown, way.made.size)
-    values = _names(way) | {
-        "pairs": pairs,
-        "nsteps": n * freedom,
-        "nbends": m * pairs,
-        "bends": _emitted(way, row_bends(way.direction), moved),
-        "seconds": _stores(way, way.wanted, "rates", pairs, n * n),
-    }
-    return fill("map_bends.c", values) + _jacobian(
+    bends = SolvedColumns(
+        way.kernel, way.k, f"{way.name}_joint_bends", pairs, way.names, f"steps[{n * freedom}]"
+    )
+    about = (
+        "Second derivatives of the rows along the motions of two joints each: pair k (k + 1) / 2 + "
+        "j is of the joints j <= k, of which each moves the state by its steps."
+    )
+    inputs = ["w->x", way.numbers_of_known, moved]
+    text = bends.text(about, Emitter(row_bends(way.direction), inputs, way.real))
+    return text + _jacobian(
         way,
         "second",
         "Jacobian, if it is asked for, and second derivatives: the same matrix solved for the "
@@ -241,9 +227,9 @@ def _second(way: DirectionSource) -> str:
             for i, place in enumerate(places)
         ],
         written=f"{real} jacobian[{n * n}], {real} second[{n**3}]",
-        most_sides=m * max(n, pairs),
+        most_sides=way.kernel.m * max(n, pairs),
         nrates=n * n + n * pairs,
         kept=[f"{real} steps[{n * freedom}];"],
-        more=fill("map_second.c", values).splitlines(),
-        store=fill("map_give_second.c", values).splitlines(),
+        more=bends.solved(_stores(way, way.wanted, "rates", pairs, n * n)),
+        store=fill("map_give_second.c", way.names | {"pairs": pairs}).splitlines(),
     )

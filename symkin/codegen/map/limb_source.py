@@ -14,7 +14,7 @@ import numpy as np
 from symkin.codegen.closed_limb import LimbFormulas, actuated_places
 from symkin.codegen.line_parts import line_target
 from symkin.codegen.map.limb_platform import LimbBlock, LimbPlatform
-from symkin.codegen.map.rates import step_columns, step_text
+from symkin.codegen.map.rates import SolvedColumns, step_columns, step_text
 from symkin.codegen.map.record import Source
 from symkin.codegen.steps.formula_guards import feasible_error
 from symkin.codegen.steps.linear_solver import singular_condition
@@ -97,7 +97,7 @@ class LimbSource(Source):
         code = self._newton_code(kernel)
         if self.block.formulas is not None:
             # the matrix gives the rates alone
-            return text + code.work + code.linear.text + self._twist_columns(kernel)
+            return text + code.work + code.linear.text + self._twist_columns_text(kernel)
         reference = self.made.closure.reference
         parts = (
             ("w->x", self.block.system.unknowns),
@@ -109,7 +109,7 @@ class LimbSource(Source):
             for i, v in enumerate(self.made.inverse.select_values(reference, coordinates))
         ]
         follow = fill("limb.c", {**self.common, "k": self.k, "begin": indent(begin)})
-        return code.text + follow + self._twist_columns(kernel)
+        return code.text + follow + self._twist_columns_text(kernel)
 
     def _closed_text(self, written: LimbFormulas) -> str:
         """The functions that give its joints by formulas, and their rates where no matrix does."""
@@ -134,20 +134,24 @@ class LimbSource(Source):
             rates = ["(void)c;", *rates]
         return text + fill("closed_rates.c", values | {"rates_lines": rates})
 
-    def _twist_columns(self, kernel: Kernel) -> str:
-        """The function of the right-hand sides of the joint rates, row by row."""
+    def _twist_columns(self, kernel: Kernel) -> SolvedColumns:
+        """The joint rates by each freedom of the platform's twist."""
+        columns = f"{self.k}_twist_columns"
+        return SolvedColumns(kernel, self.k, columns, len(self._columns), self.common)
+
+    def _twist_columns_text(self, kernel: Kernel) -> str:
+        """The function of the right-hand sides of the joint rates."""
         inputs = [
             (kernel.state, "w->x"),
             (kernel.known, "w->k"),
             (kernel.geometry, self.made.geometry.names),
         ]
-        sides = ca.vec(self.block.sides.T)
-        count = sides.numel()
-        lines = Emitter.of(self.real, inputs, sides).stored("sides")
-        unread = [] if any("w->" in line for line in lines) else ["(void)w;"]
-        lines = [*lines[:-count], *unread, *lines[-count:]]
-        own = {"k": self.k, "sides": lines, "count": count}
-        return fill("twist_columns.c", {**self.common, **own})
+        about = (
+            "Minus the derivative of the limb's rows by the platform's twist, row by row: the "
+            "right-hand sides of the joint rates."
+        )
+        emitter = Emitter.of(self.real, inputs, self.block.sides)
+        return self._twist_columns(kernel).text(about, emitter)
 
     def _newton_code(self, kernel: Kernel) -> NewtonCode:
         """Its Newton iteration, tuned at the sampled configurations."""
@@ -224,38 +228,35 @@ class LimbSource(Source):
         return [self._comment, *self.if_ok(self._matrix_rate_lines(self.block.kernel))]
 
     def _matrix_rate_lines(self, kernel: Kernel) -> list[str]:
-        made, k, m, system = self.made, self.k, kernel.m, self.block.system
+        made, k, system, size = self.made, self.k, self.block.system, self.made.size
         wanted = [c for c in system.unknowns if c.role == "actuated"]
-        size = made.size
         steps = step_columns(system.unknowns, wanted, size)
         error = rounded(feasible_error(self.real.epsilon, size))
         known = system.known.numel() if self.block.formulas is not None else 0
         singular = singular_condition(kernel, k, "&w", self._ga, compact=made.options.compact)
-        count = len(self._columns)
-        body = [
+        columns, solved = self._columns, self._twist_columns(kernel)
+        table, column = list[str](), "j"
+        if columns != tuple(range(len(columns))):
+            numbers, column = ", ".join(f"{c}U" for c in columns), "(int)column[j]"
+            table = [f"static const uint8_t column[{len(columns)}] = {{ {numbers} }};"]
+        stores = [
+            f"jacobian[{6 * there} + {column}] = {step_text(self.real, *place)};"
+            for there, place in zip(self._actuated, steps, strict=True)
+        ]
+        return [
+            *table,
             f"{k}_work w;",
-            f"{self.real.type} sides[{m * count}];",
+            f"{self.real.type} sides[{solved.size}];",
             *self._solve("w.x", f", {self.literal(error)}"),
             *copy("w.k", "c", known),
             f"if (status == {self.capital}_OK) {{",
-            f"    {k}_twist_columns({self._ga}&w, sides);",
             f"    if ({singular}) {{",
             f"        status = {self.capital}_SINGULAR;",
             "    } else {",
+            *("        " + line for line in solved.solved(stores)),
+            "    }",
+            "}",
         ]
-        for j, column in enumerate(self._columns):
-            plus = f" + {j}" if j else ""
-            body += [
-                f"        for (int i = 0; i < {m}; ++i) {{",
-                f"            w.f[i] = sides[{count} * i{plus}];",
-                "        }",
-                f"        {k}_solve(&w);",
-            ]
-            body += [
-                f"        jacobian[{6 * there + column}] = {step_text(self.real, *place)};"
-                for there, place in zip(self._actuated, steps, strict=True)
-            ]
-        return [*body, "    }", "}"]
 
     @property
     def _closed_rate_lines(self) -> list[str]:

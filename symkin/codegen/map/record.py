@@ -119,6 +119,8 @@ class Source:
 
     def turned(self, c: Coordinate, angle: str, near: str) -> str:
         """C text of an angle moved by whole turns next to another, within its limits."""
+        if c.limits is None:
+            return f"{self.name}_nearest({angle}, {near})"
         limits = self.array(range_of(c, self.real, self.made.size))
         return f"{self.name}_turned({angle}, {near}, {limits})"
 
@@ -145,10 +147,12 @@ class Source:
         ]
 
     def turning(self, text: str, values: Mapping[str, object]) -> str:
-        """The function that moves an angle by whole turns, where a text calls it."""
-        if f"{self.name}_turned(" not in text:
-            return ""
-        return fill("turned_angle.c", {**values, "many": self.literal(_MOST_TURNS)})
+        """The functions that move an angle by whole turns, where a text calls them."""
+        shown, found = {**values, "many": self.literal(_MOST_TURNS)}, ""
+        for called, template in (("turned", "turned_angle.c"), ("nearest", "nearest_turn.c")):
+            if f"{self.name}_{called}(" in found + text:
+                found = fill(template, shown) + found
+        return found
 
     def if_ok(self, lines: Sequence[str]) -> list[str]:
         """Statements under the condition that nothing has been refused before."""
