@@ -23,7 +23,7 @@ from symkin.codegen.closed_line import ClosedLine
 from symkin.codegen.closed_source import ClosedCode
 from symkin.codegen.line_parts import line_target
 from symkin.codegen.map.record import Described, Source
-from symkin.codegen.map.signature import CLOSED_ARM, Function
+from symkin.codegen.map.signature import ARM, ARM_SPEEDS, CLOSED_ARM, Function
 from symkin.codegen.steps.geometry import Geometry
 from symkin.codegen.steps.guard_text import Watched
 from symkin.codegen.steps.guards import DETERMINANT
@@ -68,6 +68,10 @@ class SerialArm(Described):
     """A serial arm with its options: what its C is written from."""
 
     templates: ClassVar[str] = "serial"
+
+    @property
+    def functions(self) -> tuple[Function, ...]:
+        return (*ARM, *(CLOSED_ARM if self.plan is not None else ()), *ARM_SPEEDS)
 
     @cached_property
     def inverse(self) -> Problem:
@@ -140,12 +144,7 @@ class SerialArm(Described):
         rng = np.random.default_rng(4)
         found = []
         for _ in range(60):
-            q = np.array(
-                [
-                    _middle(c, self.mechanism.characteristic_length, float(rng.uniform(-1, 1)))
-                    for c in self.actuated
-                ]
-            )
+            q = np.array([_middle(c, self.size, float(rng.uniform(-1, 1))) for c in self.actuated])
             found.append((q, self.forward_at(q)))
         return found
 
@@ -402,11 +401,6 @@ class ArmSource(Source):
         if self.line is None:
             return {"inverse": (["the pose"], (DETERMINANT,))}
         return {"inverse": ([], self.line.guards)}
-
-    @property
-    def more_functions(self) -> tuple[Function, ...]:
-        """Functions of the interface that only arms with a closed form have."""
-        return () if self.closed is None else CLOSED_ARM
 
     @property
     def text(self) -> str:

@@ -15,6 +15,7 @@ import casadi as ca
 import numpy as np
 
 from symkin.codegen.map.record import Described
+from symkin.codegen.map.signature import MAP, Function
 from symkin.codegen.steps.circle_kernel import CircleKernel, circle_kernel, shortened
 from symkin.codegen.steps.composed import Part
 from symkin.codegen.steps.formula_guards import is_firm
@@ -165,6 +166,10 @@ class JointMap(Described):
 
     templates: ClassVar[str] = "map"
     of_poses: ClassVar[bool] = False
+
+    @property
+    def functions(self) -> tuple[Function, ...]:
+        return MAP
 
     @property
     def geometry(self) -> Geometry:

@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from symkin.codegen.map.joint_map_rates import LARGEST, rates_text
 from symkin.codegen.map.joint_map_values import MapValues
 from symkin.codegen.map.map_direction import DirectionSource
-from symkin.codegen.map.signature import Function
 from symkin.codegen.steps.guard_text import Watched
 from symkin.codegen.steps.joint_ranges import Range, check_text, range_functions, ranges_of
 from symkin.codegen.steps.newton_source import NewtonCode
@@ -60,10 +59,6 @@ class JointMapSource(MapValues):
         """Values of the names in the templates of this kind, the tests and the header."""
         note = "What the values leave to other joints is as at the reference configuration."
         return self._common | {"passive_note": note if self.made.passive else ""}
-
-    @property
-    def more_functions(self) -> tuple[Function, ...]:
-        return ()
 
     @property
     def text(self) -> str:

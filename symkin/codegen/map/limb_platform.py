@@ -19,6 +19,7 @@ import numpy as np
 from symkin.closure.closure import Closure
 from symkin.closure.snapping import snapped_expression
 from symkin.codegen.map.record import Described
+from symkin.codegen.map.signature import PLATFORM, PLATFORM_SPEEDS, Function
 from symkin.codegen.steps.direct_formulas import DirectFormulas, direct_formulas
 from symkin.codegen.steps.formula_guards import free_divisors, is_firm, keeps_digits
 from symkin.codegen.steps.geometry import Geometry
@@ -94,6 +95,10 @@ class LimbPlatform(Described):
     templates: ClassVar[str] = "parallel"
 
     @property
+    def functions(self) -> tuple[Function, ...]:
+        return (*PLATFORM, *PLATFORM_SPEEDS)
+
+    @property
     def can_be_compact(self) -> bool:
         return not self.is_closed and is_unrolled(self.direct_kernel, compact=False)
 
@@ -137,7 +142,7 @@ class LimbPlatform(Described):
         """
         known = self.inverse.known_coordinates
         poses = np.array([self.inverse.select_values(s.values, known) for s in self.samples])
-        units = np.array(units_of(known, self.closure.characteristic_length))
+        units = np.array(units_of(known, self.size))
         return np.where(np.abs(poses) <= _ROUNDING * units, 0.0, poses)
 
     @cached_property
@@ -219,7 +224,7 @@ class LimbPlatform(Described):
         """
         if self.geometry.at_run_time or not _tells_branch(self._closure_blocks):
             return None
-        size, large = self.closure.characteristic_length, _LARGE[self.real.name]
+        size, large = self.size, _LARGE[self.real.name]
         if 1.0 / large <= size <= large:
             limbs = [block.system for block in self._closure_blocks]
             return direct_formulas(self.direct, limbs, self.samples, self.held)
@@ -317,7 +322,7 @@ class LimbPlatform(Described):
         """Derivatives (entries, freedom of the pose) of an expression of a limb's system by the
         platform's twist.
         """
-        pose, size = self.closure.role("pose"), self.closure.characteristic_length
+        pose, size = self.closure.role("pose"), self.size
         of_pose = replace(system.exchanged(pose), rows=expression)
         scale = ca.diag(ca.SX([size if angular else 1.0 for angular in _angular(pose)]))
         return ca.mtimes(of_pose.jacobian, scale)
@@ -428,9 +433,7 @@ class LimbPlatform(Described):
         gap = problem.system.residual(
             *(values[places] for places in (problem.unknown_places, problem.known_places))
         )
-        if gap <= CLOSURE_TOLERANCE * self.closure.characteristic_length and self._is_singular(
-            values
-        ):
+        if gap <= CLOSURE_TOLERANCE * self.size and self._is_singular(values):
             raise InputError(
                 f"{self.name}: the reference configuration is singular for the joints "
                 f"{', '.join(c.name for c in self.actuated)}: "

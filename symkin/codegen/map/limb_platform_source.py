@@ -22,7 +22,6 @@ from symkin.codegen.map.platform_rates import (
     square_twist,
 )
 from symkin.codegen.map.record import Source
-from symkin.codegen.map.signature import Function
 from symkin.codegen.steps.formula_guards import feasible_error
 from symkin.codegen.steps.guard_text import Watched
 from symkin.codegen.steps.guards import DETERMINANT
@@ -67,11 +66,6 @@ class LimbPlatformSource(Source):
         found = self.made.direct_formulas
         guards = (DETERMINANT,) if found is None else found.guards
         return {"direct": ([c.name for c in self.made.actuated], guards)}
-
-    @property
-    def more_functions(self) -> tuple[Function, ...]:
-        """Functions of the interface that not all platforms have."""
-        return ()
 
     @property
     def text(self) -> str:

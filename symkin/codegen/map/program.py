@@ -18,18 +18,9 @@ from symkin.codegen.map.limb_platform import LimbPlatform
 from symkin.codegen.map.limb_platform_source import LimbPlatformSource
 from symkin.codegen.map.options import Options
 from symkin.codegen.map.platform_rates import fastest
-from symkin.codegen.map.record import Writer
 from symkin.codegen.map.rod_platform import RodPlatform
 from symkin.codegen.map.rod_platform_source import RodSource
-from symkin.codegen.map.signature import (
-    ARM,
-    ARM_SPEEDS,
-    MAP,
-    PLATFORM,
-    PLATFORM_SPEEDS,
-    Function,
-    declarations,
-)
+from symkin.codegen.map.signature import Function, declarations
 from symkin.codegen.serial_arm import ArmSource, SerialArm
 from symkin.codegen.steps.formula_guards import feasible_error
 from symkin.codegen.steps.geometry import finite_check
@@ -49,13 +40,12 @@ from symkin.model.oddities import degrees_question
 from symkin.text import c_comment
 
 Kind = LimbPlatform | SerialArm | JointMap
-_WRITTEN: dict[type, tuple[Callable[[Any], Writer], tuple[Function, ...], tuple[Function, ...]]] = {
-    SerialArm: (ArmSource, ARM, ARM_SPEEDS),
-    RodPlatform: (RodSource, PLATFORM, PLATFORM_SPEEDS),
-    LimbPlatform: (LimbPlatformSource, PLATFORM, PLATFORM_SPEEDS),
-    JointMap: (JointMapSource, MAP, ()),
+_SOURCES: dict[type, Callable[[Any], Any]] = {
+    SerialArm: ArmSource,
+    RodPlatform: RodSource,
+    LimbPlatform: LimbPlatformSource,
+    JointMap: JointMapSource,
 }
-"""What writes each kind of machine, and its functions before and behind those that not all have."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,8 +95,7 @@ def build_program(
             f"unrolled factorisation of Newton's "
             "method by loops); leave --compact out"
         )
-    write, first, last = _WRITTEN[type(kind)]
-    source = write(kind)
+    source = _SOURCES[type(kind)](kind)
     kind.check()
     kind.geometry.check(kind.real)
     begin = fill("begin.c", source.values | _header_values(kind, source.code, [], described.digest))
@@ -117,8 +106,7 @@ def build_program(
     values = source.values | _header_values(
         kind, source.code, worst.header_lines(), described.digest
     )
-    functions = (*first, *source.more_functions, *last)
-    values["declarations"] = declarations(functions, values)
+    values["declarations"] = declarations(kind.functions, values)
     return Program(
         described=described,
         lowered=low.machine,
@@ -127,7 +115,7 @@ def build_program(
         header=fill("header.h", values),
         main=source.code,
         watched=source.watched,
-        functions=functions,
+        functions=kind.functions,
         values=values,
         worst=worst,
     )
@@ -185,7 +173,7 @@ def _header_values(
         *_effort_lines(kind, counts),
         f"Predicted error of an answer: {name.upper()}_TOLERANCE and the rounding of the type, "
         f"about",
-        f"{_short(8 * real.epsilon * mechanism.characteristic_length)} {mechanism.length_unit} "
+        f"{_short(8 * real.epsilon * kind.size)} {mechanism.length_unit} "
         f"(angles times the size) where the matrix is well conditioned.",
         *worst,
         "",
@@ -199,19 +187,17 @@ def _header_values(
         "target": cmake_target(name),
         "unit": mechanism.length_unit,
         "of_track": _of_track(kind),
-        "track_limit": real.literal(
-            rounded(tracked_error(main.tuning, mechanism.characteristic_length))
-        ),
+        "track_limit": real.literal(rounded(tracked_error(main.tuning, kind.size))),
         "guess_precision": _guess_precision(kind) if kind.of_poses else "",
         "pose_type": _pose_type(kind) if kind.of_poses else "",
         "track_words": _track_words(kind) if kind.of_poses else "",
-        "fastest_text": f"{fastest(mechanism.characteristic_length):g}",
+        "fastest_text": f"{fastest(kind.size):g}",
         "damped_below": DAMPED_BELOW,
         "most_turn": MOST_TURN,
         "pivot_words": _PIVOT_OF_FORMULAS if kind.is_closed else _PIVOT,
-        "size": real.literal(mechanism.characteristic_length),
+        "size": real.literal(kind.size),
         "tolerance": real.literal(main.tuning.tolerance),
-        "max_step": real.literal(mechanism.characteristic_length),
+        "max_step": real.literal(kind.size),
         "geometry": kind.geometry.declaration(name, real) if struct else "",
         "gpd": f"const {name}_geometry *geometry, " if struct else "",
     }
@@ -280,7 +266,7 @@ def _guess_precision(kind: Kind) -> str:
     words = "The length of its quaternion may be off by a hundredth"
     if kind.mechanism.motion == "spatial":
         return f"{words}."
-    off = _short(feasible_error(kind.real.epsilon, kind.mechanism.characteristic_length))
+    off = _short(feasible_error(kind.real.epsilon, kind.size))
     motion, unit = kind.mechanism.motion, kind.mechanism.length_unit
     return (
         f"{words}, "

@@ -4,16 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import ClassVar, Protocol
+from typing import ClassVar
 
 import numpy as np
 
 from symkin.codegen.map.options import Options
 from symkin.codegen.map.signature import Function
 from symkin.codegen.steps.geometry import Geometry
-from symkin.codegen.steps.guard_text import Watched
 from symkin.codegen.steps.joint_ranges import range_of
-from symkin.codegen.steps.newton_source import NewtonCode
 from symkin.codegen.text.c import Real
 from symkin.codegen.text.templates import fill
 from symkin.model.joint import Coordinate
@@ -50,6 +48,11 @@ class Described:
     @property
     def actuated(self) -> tuple[Coordinate, ...]:
         return self.mechanism.actuated
+
+    @property
+    def functions(self) -> tuple[Function, ...]:
+        """The functions of its interface, in the order of their declarations."""
+        raise NotImplementedError
 
     @property
     def told(self) -> dict[str, tuple[Coordinate, ...]]:
@@ -157,22 +160,3 @@ class Source:
     def if_ok(self, lines: Sequence[str]) -> list[str]:
         """Statements under the condition that nothing has been refused before."""
         return [f"if (status == {self.capital}_OK) {{", *("    " + line for line in lines), "}"]
-
-
-class Writer(Protocol):
-    """What writes all of a machine's C."""
-
-    @property
-    def code(self) -> NewtonCode: ...
-
-    @property
-    def values(self) -> dict[str, object]: ...
-
-    @property
-    def text(self) -> str: ...
-
-    @property
-    def watched(self) -> dict[str, Watched]: ...
-
-    @property
-    def more_functions(self) -> tuple[Function, ...]: ...

@@ -15,7 +15,6 @@ import numpy as np
 from symkin.closure.snapping import snap
 from symkin.codegen.map.limb_platform_source import LimbPlatformSource
 from symkin.codegen.map.rod_platform import RodPlatform
-from symkin.codegen.map.signature import LINE, Function
 from symkin.codegen.steps.joint_ranges import Range, range_functions
 from symkin.codegen.steps.rod_kernel import rod_vectors
 from symkin.codegen.steps.rod_line import rod_line
@@ -69,10 +68,6 @@ class RodSource(LimbPlatformSource):
             fill("no_step.c", self.values),
             fill("parallel_direct.c", self.values),
         ]
-
-    @property
-    def more_functions(self) -> tuple[Function, ...]:
-        return (LINE,) if self.made.has_limits else ()
 
     @cached_property
     def _ranges(self) -> list[Range]:
