@@ -13,16 +13,13 @@ from dataclasses import dataclass
 import casadi as ca
 import numpy as np
 
-from symkin.codegen.map.direct_answer import AnswerText
-from symkin.codegen.map.direct_guess import GuessText
-from symkin.codegen.map.direct_values import DirectValues
+from symkin.codegen.map.direct_text import DirectText
 from symkin.codegen.steps.newton_kernel import rounded
 from symkin.codegen.text.angles import lifted
 from symkin.codegen.text.c import Emitter
 from symkin.codegen.text.gathered import gathered
 from symkin.codegen.text.templates import fill
 from symkin.codegen.text.turns import angle_of_direction, cosine_and_sine
-from symkin.computed_once import cached_property
 from symkin.spatial.backend import stacked
 
 _WIDE = 1.5 * np.pi
@@ -40,16 +37,12 @@ is held against its limits apart.
 
 
 @dataclass(frozen=True, eq=False)
-class ClosedDirectSource(DirectValues):
+class ClosedDirectSource(DirectText):
     """The direct problem of one platform; `common` are the values of the names that templates of
     limbs need.
     """
 
     common: Mapping[str, object]
-
-    @cached_property
-    def _answer(self) -> AnswerText:
-        return AnswerText(self.made, self.found)
 
     @property
     def text(self) -> str:
@@ -69,7 +62,7 @@ class ClosedDirectSource(DirectValues):
             "nto": len(made.actuated),
             "k": f"{made.name}_direct",
             "ny": self.y.numel(),
-            "guess_lines": GuessText(self.made, self.found).lines,
+            "guess_lines": self.guess_lines,
             "formula_lines": self._formula_lines,
             "set_lines": self._set_lines,
             "guard_members": self.guards.members,
@@ -86,9 +79,9 @@ class ClosedDirectSource(DirectValues):
             if any(wide)
             else "one evaluation",
             "evaluation_count": 2 if any(wide) else 1,
-            "half_lines": self._answer.half_lines,
+            "half_lines": self.half_lines,
             "rounding": literal(rounded(64 * real.epsilon * made.size)),
-            **self._answer.lines,
+            **self.answer_lines,
         }
         aim = [
             f"for (int i = 0; i < {len(made.actuated)}; ++i) {{",
@@ -150,7 +143,7 @@ class ClosedDirectSource(DirectValues):
             square, sign = emitter.value(0, k), f"w->sign[{k}]"
             emitter.root(k + 1, square, zero, zero, about=name, sign=sign)
         self.store_guards(emitter, 2, "guard", of_divisors=False)
-        for i in sorted(self._answer.needed):
+        for i in sorted(self.needed):
             text = emitter.value(1, i)
             lines.append(f"w->y[{i}] = {text};")
         shares = [
