@@ -365,34 +365,23 @@ class ArmSource(Source):
     @property
     def _solving(self) -> dict[str, object]:
         """How NAME_inverse solves: by the closed form along the line, else by Newton's method."""
-        nq, name, config = (
-            len(self.made.actuated),
-            self.name,
-            "(config != NULL) ? config : &usual",
-        )
-        if self.line is not None:
-            return {
-                "how": "The joints by the closed form",
-                "work": f"{self.real.type} at[{nq}];",
-                "at": "at",
-                "to_x": indent(copy("at", "guess", nq), 2),
-                "out": indent(copy("joints", "at", nq), 3),
-                "solve": indent([f"status = {name}_inverse_along(to, {config}, at, info);"], 2),
-            }
-        first = self.values["ga"]
+        nq, name, config = len(self.made.actuated), self.name, "(config != NULL) ? config : &usual"
+        how, at, work = "the closed form", "at", f"{self.real.type} at[{nq}];"
+        solve = [f"status = {name}_inverse_along(to, {config}, at, info);"]
+        if self.line is None:
+            how, at, work = "Newton's method", "w.x", f"{name}_inverse_work w;"
+            ga = self.values["ga"]
+            solve = [
+                f"{name}_forward({ga}w.x, w.at);",
+                f"status = {name}_inverse_newton({ga}&w, to, {config}, info);",
+            ]
         return {
-            "how": "The joints by Newton's method",
-            "work": f"{name}_inverse_work w;",
-            "at": "w.x",
-            "to_x": indent(copy("w.x", "guess", nq), 2),
-            "out": indent(copy("joints", "w.x", nq), 3),
-            "solve": indent(
-                [
-                    f"{name}_forward({first}w.x, w.at);",
-                    f"status = {name}_inverse_newton({first}&w, to, {config}, info);",
-                ],
-                2,
-            ),
+            "how": f"The joints by {how}",
+            "work": work,
+            "at": at,
+            "to_x": indent(copy(at, "guess", nq), 2),
+            "out": indent(copy("joints", at, nq), 3),
+            "solve": indent(solve, 2),
         }
 
     @property

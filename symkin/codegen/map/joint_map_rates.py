@@ -4,8 +4,7 @@ torques, reflected inertia, limits of torque and rate.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
 
 from symkin.codegen.map.map_direction import DirectionSource
 from symkin.codegen.map.rates import (
@@ -28,105 +27,76 @@ float.
 """
 
 
-@dataclass(frozen=True)
-class _Applied:
-    """A function of a matrix: what of size N is given and of which least value, what is asked, of
-    which size in powers of N, and the statements of each entry i.
-    """
-
-    function: str
-    about: str
-    matrix: str
-    given: str
-    least: str
-    asked: str
-    power: int
-    body: tuple[str, ...]
-
-
-_SUM = ("result[i] = @{zero};", "for (int j = 0; j < @{nq}; ++j) {", "    result[i] += %s;", "}")
-_LIMIT = "of each found coordinate alone, the others without any, within limits of the joints."
+_ALONE = "of each found coordinate alone, the others without any, within limits of the joints."
 _APPLIED = (
-    _Applied(
+    (
         "rates",
         "found_rates = J joint_rates.",
-        "jacobian",
-        "joint_rates",
-        "-@{largest}",
-        "found_rates",
-        1,
-        (*_SUM[:2], _SUM[2] % "jacobian[@{nq} * i + j] * joint_rates[j]", _SUM[3]),
+        ("joint_rates", "found_rates"),
+        "jacobian[@{nq} * i + j] * joint_rates[j]",
     ),
-    _Applied(
+    (
         "torques",
         "joint_torques = J^T found_torques: the power of the joints is that of the found "
         "coordinates.",
-        "jacobian",
-        "found_torques",
-        "-@{largest}",
-        "joint_torques",
-        1,
-        (*_SUM[:2], _SUM[2] % "jacobian[@{nq} * j + i] * found_torques[j]", _SUM[3]),
+        ("found_torques", "joint_torques"),
+        "jacobian[@{nq} * j + i] * found_torques[j]",
     ),
-    _Applied(
+    (
         "inertia",
         "inertia = G^T joint_inertias G with the inverse Jacobian G: the kinetic energy of both "
         "sides is the same.",
-        "inverse_jacobian",
-        "joint_inertias",
-        "@{zero}",
-        "inertia",
-        2,
-        (
-            *_SUM[:2],
-            _SUM[2] % "inverse_jacobian[@{nq} * j + i / @{nq}] * joint_inertias[j] "
-            "* inverse_jacobian[@{nq} * j + i % @{nq}]",
-            _SUM[3],
-        ),
+        ("joint_inertias", "inertia"),
+        "inverse_jacobian[@{nq} * j + i / @{nq}] * joint_inertias[j] "
+        "* inverse_jacobian[@{nq} * j + i % @{nq}]",
     ),
-    _Applied(
+    (
         "torque_limits",
-        f"Largest torque {_LIMIT}",
-        "jacobian",
-        "joint_limits",
-        "@{zero}",
-        "found_limits",
-        1,
-        ("result[i] = name_alone(&jacobian[@{nq} * i], 1, joint_limits);",),
+        f"Largest torque {_ALONE}",
+        ("joint_limits", "found_limits"),
+        "name_alone(&jacobian[@{nq} * i], 1, joint_limits)",
     ),
-    _Applied(
+    (
         "rate_limits",
-        f"Largest rate {_LIMIT}",
-        "inverse_jacobian",
-        "joint_limits",
-        "@{zero}",
-        "found_limits",
-        1,
-        ("result[i] = name_alone(&inverse_jacobian[i], @{nq}, joint_limits);",),
+        f"Largest rate {_ALONE}",
+        ("joint_limits", "found_limits"),
+        "name_alone(&inverse_jacobian[i], @{nq}, joint_limits)",
     ),
 )
+"""Functions of a Jacobian: what they do, what is given and asked, and the terms over joints j of
+each entry i, or the entry of a limit.
+"""
+
+
+def _applied(row: tuple[str, str, tuple[str, str], str], common: Mapping[str, object]) -> str:
+    """A function of a Jacobian that is applied to values."""
+    function, about, (given, asked), term = row
+    body = [f"result[i] = {term};"]
+    if given != "joint_limits":
+        body = [
+            "result[i] = @{zero};",
+            "for (int j = 0; j < @{nq}; ++j) {",
+            f"    result[i] += {term};",
+            "}",
+        ]
+    shown = {
+        "function": function,
+        "about": about,
+        "matrix": "inverse_jacobian" if "inverse" in term else "jacobian",
+        "given": given,
+        # rates and torques have either sign
+        "least": f"-{common['largest']}" if function in ("rates", "torques") else common["zero"],
+        "asked": asked,
+        "count": int(str(common["nq"])) ** (2 if function == "inertia" else 1),
+        "body": [substitute(line, common) for line in body],
+    }
+    return fill("map_applied.c", {**common, **shown})
 
 
 def rates_text(direct: DirectionSource, inverse: DirectionSource) -> str:
     """All functions of derivatives of a map of two directions, and what follows from them."""
-    n, common = direct.n, direct.common
+    common = direct.common
 
-    def filled(text: str) -> str:
-        return substitute(text, common)
-
-    applied = (
-        fill(
-            "map_applied.c",
-            common
-            | vars(one)
-            | {
-                "count": n**one.power,
-                "least": filled(one.least),
-                "body": [filled(line) for line in one.body],
-            },
-        )
-        for one in _APPLIED
-    )
     return "".join(
         [
             _columns(direct)[1],
@@ -144,7 +114,7 @@ def rates_text(direct: DirectionSource, inverse: DirectionSource) -> str:
             ),
             _second(direct),
             fill("map_rates.c", common),
-            *applied,
+            *(_applied(row, common) for row in _APPLIED),
         ]
     )
 
