@@ -79,7 +79,7 @@ class ClosedDirectSource(DirectText):
             if any(wide)
             else "one evaluation",
             "evaluation_count": 2 if any(wide) else 1,
-            "half_lines": self.half_lines,
+            "half_lines": self._half_lines,
             "rounding": literal(rounded(64 * real.epsilon * made.size)),
             **self.answer_lines,
         }
@@ -96,6 +96,15 @@ class ClosedDirectSource(DirectText):
         answer = fill("closed_direct_answer.c", values)
         begin = whole.index("/* The answer at joint values")
         return turn + whole[:begin] + answer + whole[begin:]
+
+    @property
+    def _half_lines(self) -> str:
+        """Statements of cosine and sine of half the pose's turn."""
+        if not self._turns:
+            return ""
+        places = self.unknown_places[self._turns[0].name]
+        cosine, sine = (f"w->y[{i}]" for i in places)
+        return fill("half_turn.c", {**self.common, "cosine": cosine, "sine": sine})
 
     @property
     def _same_signs(self) -> list[str]:

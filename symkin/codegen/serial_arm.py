@@ -22,6 +22,7 @@ from symkin.codegen.arm_speeds import arm_error, arm_speeds
 from symkin.codegen.closed_line import ClosedLine
 from symkin.codegen.closed_source import ClosedCode
 from symkin.codegen.line_parts import line_target
+from symkin.codegen.map.platform_rates import fastest
 from symkin.codegen.map.record import Described, Source
 from symkin.codegen.map.signature import ARM, ARM_SPEEDS, CLOSED_ARM, Function
 from symkin.codegen.steps.geometry import Geometry
@@ -274,6 +275,7 @@ class ArmSource(Source):
                 "meaning": _meaning(self.made),
                 "farthest": literal(far),
                 "farthest_joint": literal(FARTHEST * max(size, 1.0)),
+                "largest": literal(fastest(size)),
                 "per_size": literal(1.0 / size),
                 "branches_told": "" if self.closed is None else self.closed.header,
                 "line_words": self._line_words,
@@ -430,7 +432,7 @@ class ArmSource(Source):
         """Rates, twist, feed and the step of a control loop."""
         arm = self.made
         size = arm.size
-        return arm_speeds(arm.actuated, self.real, size, self.code.tuning.rounding, self.values)
+        return arm_speeds(arm.actuated, self.real, self.code.tuning.rounding, self.values)
 
     def _emitter(self, expression: ca.SX, joints: str) -> Emitter:
         """Emitter of a dense function of the joints, whose C name is given."""

@@ -337,29 +337,6 @@ class DirectText(Source):
             tests.append(f"(w->guard[{j}] > {firm})")
         return [*lines, f"bool firm = {' && '.join(tests) or 'true'};"]
 
-    @property
-    def half_lines(self) -> list[str]:
-        """Statements of cosine and sine of half the pose's turn, by the larger one."""
-        kind, half, zero = self.real.type, self.literal(0.5), self.real.zero
-        sqrt, fabs = self.real.call("sqrt"), self.real.call("fabs")
-        lines = list[str]()
-        for c in self._turns:
-            cosine, sine = (f"w->y[{i}]" for i in self.unknown_places[c.name])
-            lines += [
-                f"{kind} h[2];",
-                "/* half the turn, by the larger of its cosine and sine */",
-                f"const {kind} larger = {sqrt}({half} + {half} * {fabs}({cosine}));",
-                f"const {kind} lesser = {half} * {sine} / larger;",
-                f"if ({cosine} >= {zero}) {{",
-                "    h[0] = larger;",
-                "    h[1] = lesser;",
-                "} else {",
-                f"    h[0] = {fabs}(lesser);",
-                f"    h[1] = (lesser < {zero}) ? -larger : larger;",
-                "}",
-            ]
-        return lines
-
 
 def _generators_of(coordinates: Sequence[Coordinate]) -> dict[str, range]:
     """Places of the generators of coordinates, one after the other."""

@@ -113,6 +113,7 @@ def rates_text(direct: DirectionSource, inverse: DirectionSource) -> str:
                 "Rates of the joints by those of the found coordinates.",
             ),
             _second(direct),
+            fill("check_sizes.c", common),
             fill("map_rates.c", common),
             *(_applied(row, common) for row in _APPLIED),
         ]
@@ -135,7 +136,7 @@ def _jacobian(
     """
     made, n, literal = way.made, way.n, way.real.literal
     y, state = way.state_of("found")
-    set_ = [way.placed]
+    set_ = [f"{way.k}_place(&w, {way.words[0]}, {way.names['from']});"]
     if made.passive and way.direction.name == "inverse":
         # the state has the joints that are given, not those that the found values lead to
         places = way.places(made.given)

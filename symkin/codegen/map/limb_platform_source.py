@@ -18,6 +18,7 @@ from symkin.codegen.map.platform_rates import (
     closure_twist,
     decides_twist,
     direct_target,
+    fastest,
     speeds_text,
     square_twist,
 )
@@ -70,14 +71,14 @@ class LimbPlatformSource(Source):
     @property
     def text(self) -> str:
         """Everything of NAME.c between its beginning and end."""
-        size, values = self.made.size, self.values
+        values = self.values
         parts = [
             *self._at_pose,
             *self._direct,
             "\n",
             *self._inverse,
             self._in_frame("jacobian"),
-            speeds_text("rates", "pose", size, self.real, values),
+            speeds_text("rates", "pose", values),
             self._twist,
             self._in_frame("twist"),
         ]
@@ -161,6 +162,7 @@ class LimbPlatformSource(Source):
             "nc": sum(c.width for c in made.closure.role("pose")),
             "np": max(1, sum(c.width for c in made.passive)),
             "farthest": literal(farthest(made.size, made.middle)),
+            "largest": literal(fastest(made.size)),
             **self._passive_checks,
             "within": f", {self.real.type} within" if self._checks_rows else "",
             **self._names,
@@ -277,54 +279,33 @@ class LimbPlatformSource(Source):
         known = made.direct_kernel.known.numel()
         return {
             "check_branch": branch if made.has_dead_centres else "",
-            "stand": self._stand_lines(branch) if made.has_dead_centres else "",
+            "stand": self._stand(branch) if made.has_dead_centres else "",
             "unwrap": unwrap,
-            "enter": self._enter_lines(passive),
+            "enter": self._enter(passive),
             "leave": [f"{p}_pose_from_coordinates({ga}&w->x[{passive}], pose);"],
             "keep_known": copy("w.k0", "w.k", known) if self._keeps_known else "",
             "to": "given",
             "whole": ", " + self.real.one,
         }
 
-    def _stand_lines(self, branch: list[str]) -> list[str]:
+    def _stand(self, branch: list[str]) -> str:
         """Statements that take a guess whose own rows vanish for the answer, where a step of
         rounding has left its branch beside a dead centre: of what stands still no branch is left.
         """
-        p, ga = self.name, self._ga
         stands = self.literal(_STANDS * self.code.tuning.noise)
-        return [
-            f"if (status == {p.upper()}_WRONG_BRANCH) {{",
-            "    /* a guess whose own rows vanish is the answer: nothing moves */",
-            f"    (void){p}_read_guess({ga}&w, joints, guess);",
-            f"    {p}_direct_set_target({ga}&w, given, {self.real.one});",
-            f"    {p}_direct_rows({ga}&w);",
-            f"    const {self.real.type} residual = {p}_direct_residual(&w);",
-            f"    const {self.real.type} allowed = (config != NULL) ? config->tolerance : "
-            f"{p.upper()}_TOLERANCE;",
-            f"    if (residual <= allowed + {stands}) {{",
-            f"        {p}_write_info(info, 0U, residual, {self.real.zero}, w.spread);",
-            f"        status = {self.capital}_OK;",
-            "    }",
-            *("    " + line for line in branch),
-            "}",
-        ]
+        return fill("stand.c", self._common | {"stands": stands, "branch": branch})
 
-    def _enter_lines(self, passive: int) -> list[str]:
+    def _enter(self, passive: int) -> str:
         """Statements that set the state to the guess's: its limbs by its pose, then the pose."""
-        p, real, nc = self.name, self.real, int(str(self._common["nc"]))
-        return [
-            f"{real.type} c[{nc}];",
-            f"{real.type} passive[{self._common['np']}] = {{ {real.zero} }};",
-            f"status = {p}_pose_coordinates({self._ga}guess, c);",
-            f"if (status == {self.capital}_OK) {{",
-            f"    status = {p}_solve_limbs({self._ga}c, w->at, "
-            f"passive{self._within(self._guess_error)});",
-            *("    " + line for line in copy("w->x", "passive", passive) if passive),
-            *("    " + line for line in self.into_limits("w->at", "joints")),
-            *(f"    w->x[{passive + i}] = c[{i}];" for i in range(nc)),
-            f"    status = (status == {self.capital}_OK) ? status : {p.upper()}_OUT_OF_RANGE;",
-            "}",
-        ]
+        own = {
+            "of_answer": self._within(self._guess_error),
+            "copied": copy("w->x", "passive", passive) if passive else "",
+            "turned": self.into_limits("w->at", "joints"),
+            "placed": [
+                f"w->x[{passive + i}] = c[{i}];" for i in range(int(str(self._common["nc"])))
+            ],
+        }
+        return fill("enter.c", self._common | own)
 
     # --- limbs ------------------------------------------------------------------------------------
 

@@ -31,9 +31,7 @@ def fastest(size: float) -> float:
     return float(f"{_FASTEST * max(size, 1.0):.1g}")
 
 
-def speeds_text(
-    function: str, at: str, size: float, real: Real, values: Mapping[str, object]
-) -> str:
+def speeds_text(function: str, at: str, values: Mapping[str, object]) -> str:
     """NAME_rates of a twist or NAME_twist of rates, which is the Jacobian at a `pose`, or at
     `joints`, times the other one; and NAME_feed.
     """
@@ -49,9 +47,8 @@ def speeds_text(
         "at": substitute(declared[at], values),
         "at_name": at,
         "no_info": "" if at == "pose" else ", NULL",
-        "fastest": real.literal(fastest(size)),
     }
-    return fill("check_speeds.c", shown) + fill("speeds.c", shown)
+    return fill("check_sizes.c", shown) + fill("speeds.c", shown)
 
 
 def decides_twist(mechanism: Mechanism) -> bool:

@@ -137,16 +137,18 @@ class Source:
             if c.kind == "angle" and c.limits is not None
         ]
 
-    def unwrapped(self, target: str, joints: str, at: str) -> list[str]:
-        """Statements that take whole turns off angles without limits, so that the nearer way from
-        `at` is meant.
+    def unwrapped(
+        self, target: str, values: str, at: str, coordinates: Sequence[Coordinate] = ()
+    ) -> list[str]:
+        """Statements that take whole turns off angles without limits, of joints or others, so that
+        the nearer way from `at` is meant.
         """
         return [
-            f"{target}[{i}] = {self.turned(c, joint, f'{at}[{i}]')};"
+            f"{target}[{i}] = {self.turned(c, value, f'{at}[{i}]')};"
             if c.kind == "angle" and c.limits is None
-            else f"{target}[{i}] = {joint};"
-            for i, c in enumerate(self.made.actuated)
-            for joint in [f"{joints}[{i}]"]
+            else f"{target}[{i}] = {value};"
+            for i, c in enumerate(coordinates or self.made.actuated)
+            for value in [f"{values}[{i}]"]
         ]
 
     def turning(self, text: str, values: Mapping[str, object]) -> str:

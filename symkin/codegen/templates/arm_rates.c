@@ -2,7 +2,7 @@
 name_status name_rates(@{gp}const name_real joints[@{nq}], const name_real twist[6], name_real rates[@{nq}], name_info *info)
 {
     name_real jacobian[@{nj}];
-    const name_status status = name_check_speeds(twist, 6, @{own_jacobian}(@{ga}joints, jacobian));
+    const name_status status = name_check_sizes(twist, 6, -@{largest}, @{own_jacobian}(@{ga}joints, jacobian));
     name_write_info(info, 0U, @{huge}, @{zero}, @{zero});
     if (status == NAME_OK) {
         name_real e[6];
