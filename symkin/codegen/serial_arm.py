@@ -430,9 +430,8 @@ class ArmSource(Source):
     @property
     def _speeds(self) -> str:
         """Rates, twist, feed and the step of a control loop."""
-        arm = self.made
-        size = arm.size
-        return arm_speeds(arm.actuated, self.real, self.code.tuning.rounding, self.values)
+        rounding = self.code.tuning.rounding
+        return arm_speeds(self.made.actuated, self.real, rounding, self.values)
 
     def _emitter(self, expression: ca.SX, joints: str) -> Emitter:
         """Emitter of a dense function of the joints, whose C name is given."""
