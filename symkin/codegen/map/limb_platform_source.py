@@ -181,21 +181,22 @@ class LimbPlatformSource(Source):
 
     def _in_frame(self, part: str) -> str:
         """The function of rates in the base frame, where this is not the machine's own."""
-        rotation, literal = self.made.geometry.rotation, self.literal
+        rotation, columns = self.made.geometry.rotation, COLUMNS[self.made.mechanism.motion]
         if rotation is None:
             return ""
-        columns, lines = COLUMNS[self.made.mechanism.motion], list[str]()
+        lines = list[str]()
         for k in range(6):
             own = [(c, float(rotation[c % 3, k % 3])) for c in columns if c // 3 == k // 3]
-            terms = [f"{literal(v)} * a[{c}]" for c, v in own if v != 0.0]
-            lines.append(f"b[{k}] = {' + '.join(terms) or literal(0.0)};")
-        rates, count = f"const {self.real.type} rates[{self._common['nq']}], ", self._common["nq"]
-        about, given, passed, found = "Joint rates by the platform's twist", "", "", "rates"
+            terms = [f"{self.literal(v)} * a[{c}]" for c, v in own if v != 0.0]
+            lines.append(f"b[{k}] = {' + '.join(terms) or self.real.zero};")
+        nq, shown = self._common["nq"], {"part": part, "own": self._names[part]}
+        said: dict[str, object] = {"given": "", "rates": "", "found": "rates", "count": nq}
+        about = "Joint rates by the platform's twist"
         if part == "twist":
-            about, given, passed, found = "The twist of joint rates", rates, "rates, ", "twist"
-            count = 1
-        shown = {"part": part, "own": self._names[part], "turned_row": lines}
-        said = {"about": about, "given": given, "rates": passed, "found": found, "count": count}
+            given = f"const {self.real.type} rates[{nq}], "
+            said = {"given": given, "rates": "rates, ", "found": "twist", "count": 1}
+            about = "The twist of joint rates"
+        said |= {"about": about, "turned_row": lines}
         return fill("turned.c", self._common | shown | said)
 
     @property

@@ -12,6 +12,7 @@ import numpy as np
 from symkin.closure.snapping import snapped_expression
 from symkin.codegen.line_parts import core_target, line_target
 from symkin.codegen.map.limb_platform import LimbPlatform
+from symkin.codegen.map.rates import step_text
 from symkin.codegen.steps.linear_solver import SINGULAR, singular_condition
 from symkin.codegen.steps.newton_kernel import Kernel, system_kernel
 from symkin.codegen.steps.newton_source import NewtonCode
@@ -164,8 +165,10 @@ def _of_state(
 
 def _stores(made: LimbPlatform, kernel: Kernel) -> list[str]:
     """Statements of the twist from the step's last entries, turns by the size."""
-    columns, literal = COLUMNS[made.mechanism.motion], made.real.literal
+    columns, per_size = COLUMNS[made.mechanism.motion], 1.0 / made.size
     first = kernel.n - len(columns)
-    per_size = f" * {literal(1.0 / made.closure.characteristic_length)}"
-    texts = {c: f"w->f[{first + i}]" + (per_size if c > 2 else "") for i, c in enumerate(columns)}
-    return [f"twist[{c}] = {texts.get(c, literal(0.0))};" for c in range(6)]
+    texts = {
+        c: step_text(made.real, first + i, per_size if c > 2 else 1.0, "w->")
+        for i, c in enumerate(columns)
+    }
+    return [f"twist[{c}] = {texts.get(c, made.real.zero)};" for c in range(6)]

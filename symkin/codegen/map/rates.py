@@ -159,9 +159,9 @@ def step_columns(
     return [(k, 1.0 / size if c.is_angular else 1.0) for c in wanted for k in places[c.name]]
 
 
-def step_text(real: Real, column: int, scale: float) -> str:
+def step_text(real: Real, column: int, scale: float, w: str = "w.") -> str:
     """Write an entry of the step in its coordinate's unit."""
-    return f"w.f[{column}]" + (f" * {real.literal(scale)}" if scale != 1.0 else "")
+    return f"{w}f[{column}]" + (f" * {real.literal(scale)}" if scale != 1.0 else "")
 
 
 def _tangent(coordinates: tuple[Coordinate, ...], numbers: ca.SX) -> ca.SX:
