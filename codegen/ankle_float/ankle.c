@@ -188,85 +188,82 @@ static void ankle_cosine_and_sine(ankle_real angle, ankle_real u[2])
     }
 }
 
-/* An angle moved by whole turns: the one next to `near` within the limits, where they hold one. */
-static ANKLE_SHARED ankle_real ankle_turned(ankle_real angle, ankle_real near, ankle_real low,
-    ankle_real high)
+/* An angle moved by whole turns next to another one. */
+static ANKLE_SHARED ankle_real ankle_nearest(ankle_real angle, ankle_real near)
 {
+    const ankle_real number = (near - angle) * 0.15915494f;
     ankle_real moved = angle;
-    if (fabsf(near - angle) > 3.1415927f) {
-        const ankle_real number = (near - angle) * 0.15915494f;
+    if ((fabsf(number) > 0.5f) && (fabsf(number) < 10000.0f)) {
         moved += 6.2831855f * (ankle_real)(int)(number + ((number < 0.0f) ? -0.5f : 0.5f));
-    }
-    if (moved > high) {
-        moved -= 6.2831855f;
-    } else if (moved < low) {
-        moved += 6.2831855f;
-    } else {
-        /* within */
     }
     return moved;
 }
 
-/* Whether joints are finite and within their limits: NONFINITE comes before what was found so far,
- * OUT_OF_RANGE after. */
-static ankle_status ankle_limit_joints(ankle_status before, const ankle_real values[2])
-{
-    ankle_status status = before;
-    if (!((values[0] >= -1000.0f) && (values[0] <= 1000.0f)
-        && (values[1] >= -1000.0f) && (values[1] <= 1000.0f))) {
-        status = ankle_check_finite(values, 2, (before == ANKLE_OK) ? ANKLE_OUT_OF_RANGE : before);
-    }
-    return status;
-}
-
-/* Whether joints of a guess are finite and within their bounds: NONFINITE comes before what was
- * found so far, OUT_OF_RANGE after. */
-static ankle_status ankle_bound_joints(ankle_status before, const ankle_real values[2])
-{
-    ankle_status status = before;
-    if (!((values[0] >= -1000.0f) && (values[0] <= 1000.0f)
-        && (values[1] >= -1000.0f) && (values[1] <= 1000.0f))) {
-        status = ankle_check_finite(values, 2, (before == ANKLE_OK) ? ANKLE_OUT_OF_RANGE : before);
-    }
-    return status;
-}
-
-/* Whether found are finite and within their limits: NONFINITE comes before what was found so far,
- * OUT_OF_RANGE after. */
-static ankle_status ankle_limit_found(ankle_status before, const ankle_real values[2])
-{
-    ankle_status status = before;
-    if (!((values[0] >= -1000.0f) && (values[0] <= 1000.0f)
-        && (values[1] >= -1000.0f) && (values[1] <= 1000.0f))) {
-        status = ankle_check_finite(values, 2, (before == ANKLE_OK) ? ANKLE_OUT_OF_RANGE : before);
-    }
-    return status;
-}
-
-/* Whether found of a guess are finite and within their bounds: NONFINITE comes before what was
- * found so far, OUT_OF_RANGE after. */
-static ankle_status ankle_bound_found(ankle_status before, const ankle_real values[2])
-{
-    ankle_status status = before;
-    if (!((values[0] >= -1000.0f) && (values[0] <= 1000.0f)
-        && (values[1] >= -1000.0f) && (values[1] <= 1000.0f))) {
-        status = ankle_check_finite(values, 2, (before == ANKLE_OK) ? ANKLE_OUT_OF_RANGE : before);
-    }
-    return status;
-}
-
-/* Writes the first joint, from 0, that is outside its range or not finite; the number of joints
+/* The first joint, from 0, whose value is outside its range or not finite; the number of joints
  * where none is. */
-static ANKLE_COLD void ankle_blame(ankle_info *info, const ankle_real joints[2])
+static ANKLE_SHARED uint8_t ankle_first_beyond(const ankle_real joints[2])
 {
-    static const ankle_real low[2] = { -1000.0f, -1000.0f };
-    static const ankle_real high[2] = { 1000.0f, 1000.0f };
+    uint8_t joint = 0U;
+    while ((joint < 2U) && ((joints[joint] >= -1000.0f) && (joints[joint] <= 1000.0f))) {
+        ++joint;
+    }
+    return joint;
+}
+
+/* Whether joint values are within their ranges: NONFINITE comes before what was found so far,
+ * OUT_OF_RANGE after. */
+static ankle_status ankle_limit_joints(ankle_status before, const ankle_real joints[2])
+{
+    ankle_status status = before;
+    if (!(ankle_first_beyond(joints) == 2U)) {
+        status = ankle_check_finite(joints, 2, (before == ANKLE_OK) ? ANKLE_OUT_OF_RANGE : before);
+    }
+    return status;
+}
+
+/* Whether joints of a guess are within their bounds: NONFINITE comes before what was found so far,
+ * OUT_OF_RANGE after. */
+static ankle_status ankle_bound_joints(ankle_status before, const ankle_real joints[2])
+{
+    ankle_status status = before;
+    if (!(((joints[0] >= -1000.0f) && (joints[0] <= 1000.0f))
+        && ((joints[1] >= -1000.0f) && (joints[1] <= 1000.0f)))) {
+        status = ankle_check_finite(joints, 2, (before == ANKLE_OK) ? ANKLE_OUT_OF_RANGE : before);
+    }
+    return status;
+}
+
+/* Whether found values are within their ranges: NONFINITE comes before what was found so far,
+ * OUT_OF_RANGE after. */
+static ankle_status ankle_limit_found(ankle_status before, const ankle_real joints[2])
+{
+    ankle_status status = before;
+    if (!(((joints[0] >= -1000.0f) && (joints[0] <= 1000.0f))
+        && ((joints[1] >= -1000.0f) && (joints[1] <= 1000.0f)))) {
+        status = ankle_check_finite(joints, 2, (before == ANKLE_OK) ? ANKLE_OUT_OF_RANGE : before);
+    }
+    return status;
+}
+
+/* Whether found of a guess are within their bounds: NONFINITE comes before what was found so far,
+ * OUT_OF_RANGE after. */
+static ankle_status ankle_bound_found(ankle_status before, const ankle_real joints[2])
+{
+    ankle_status status = before;
+    if (!(((joints[0] >= -1000.0f) && (joints[0] <= 1000.0f))
+        && ((joints[1] >= -1000.0f) && (joints[1] <= 1000.0f)))) {
+        status = ankle_check_finite(joints, 2, (before == ANKLE_OK) ? ANKLE_OUT_OF_RANGE : before);
+    }
+    return status;
+}
+
+/* Writes the info of a call that takes no step: no number is known but which joint is the first
+ * that is outside its range or not finite. */
+static ANKLE_COLD void ankle_write_no_step(ankle_info *info, const ankle_real joints[2])
+{
+    ankle_write_info(info, 0U, HUGE_VALF, 0.0f, 0.0f);
     if (info != NULL) {
-        uint8_t joint = 0U;
-        while ((joint < 2U) && (joints[joint] >= low[joint]) && (joints[joint] <= high[joint])) {
-            ++joint;
-        }
-        info->joint = joint;
+        info->joint = ankle_first_beyond(joints);
     }
 }
 
@@ -1649,8 +1646,8 @@ static ANKLE_SHARED ankle_status ankle_state_of_joints(const ankle_real values[2
         w.k0[1] = 1.02f;
         w.k0[2] = 1.0f;
         w.k0[3] = 1.0277778f;
-        to[0] = ankle_turned(values[0], w.at[0], -1000.0f, 1000.0f);
-        to[1] = ankle_turned(values[1], w.at[1], -1000.0f, 1000.0f);
+        to[0] = ankle_nearest(values[0], w.at[0]);
+        to[1] = ankle_nearest(values[1], w.at[1]);
         status = ankle_direct_newton(&w, to, &near, NULL);
         other[0] = ankle_angle(w.x[1], w.x[0]);
         other[1] = ankle_angle(w.x[3], w.x[2]);
@@ -1672,11 +1669,9 @@ static ANKLE_ALONE ankle_real ankle_found_away2(const ankle_real other[2],
     const ankle_real guess[2])
 {
     ankle_real away2 = 0.0f;
-    const ankle_real way0 = 262.01144f * (ankle_turned(other[0], guess[0], -1000.0f,
-        1000.0f) - guess[0]);
+    const ankle_real way0 = 262.01144f * (ankle_nearest(other[0], guess[0]) - guess[0]);
     away2 += way0 * way0;
-    const ankle_real way1 = 262.01144f * (ankle_turned(other[1], guess[1], -1000.0f,
-        1000.0f) - guess[1]);
+    const ankle_real way1 = 262.01144f * (ankle_nearest(other[1], guess[1]) - guess[1]);
     away2 += way1 * way1;
     return away2;
 }
@@ -1687,11 +1682,9 @@ static ANKLE_ALONE ankle_real ankle_joints_away2(const ankle_real other[2],
     const ankle_real guess[2])
 {
     ankle_real away2 = 0.0f;
-    const ankle_real way0 = 262.01144f * (ankle_turned(other[0], guess[0], -1000.0f,
-        1000.0f) - guess[0]);
+    const ankle_real way0 = 262.01144f * (ankle_nearest(other[0], guess[0]) - guess[0]);
     away2 += way0 * way0;
-    const ankle_real way1 = 262.01144f * (ankle_turned(other[1], guess[1], -1000.0f,
-        1000.0f) - guess[1]);
+    const ankle_real way1 = 262.01144f * (ankle_nearest(other[1], guess[1]) - guess[1]);
     away2 += way1 * way1;
     return away2;
 }
@@ -1719,8 +1712,8 @@ static ANKLE_SHARED ankle_status ankle_direct_line(ankle_direct_work *w,
     const ankle_real guess[2], ankle_real result[2], const ankle_config *config, ankle_info *info)
 {
     ankle_status status;
-    w->at[0] = ankle_turned(at[0], joints[0], -1000.0f, 1000.0f);
-    w->at[1] = ankle_turned(at[1], joints[1], -1000.0f, 1000.0f);
+    w->at[0] = ankle_nearest(at[0], joints[0]);
+    w->at[1] = ankle_nearest(at[1], joints[1]);
     w->x[0] = y[4];
     w->x[1] = y[5];
     w->x[2] = y[6];
@@ -1728,8 +1721,8 @@ static ANKLE_SHARED ankle_status ankle_direct_line(ankle_direct_work *w,
     ankle_direct_coefficients(&y[0], w->k0);
     status = ankle_direct_newton(w, joints, config, info);
     if (status == ANKLE_OK) {
-        result[0] = ankle_turned(ankle_angle(w->x[1], w->x[0]), guess[0], -1000.0f, 1000.0f);
-        result[1] = ankle_turned(ankle_angle(w->x[3], w->x[2]), guess[1], -1000.0f, 1000.0f);
+        result[0] = ankle_nearest(ankle_angle(w->x[1], w->x[0]), guess[0]);
+        result[1] = ankle_nearest(ankle_angle(w->x[3], w->x[2]), guess[1]);
     }
     return status;
 }
@@ -1784,8 +1777,7 @@ ankle_status ankle_direct(const ankle_config *config, const ankle_real joints[2]
         status = ankle_state_of_found(guess, y, at);
     }
     if (status != ANKLE_OK) {
-        ankle_write_info(info, 0U, HUGE_VALF, 0.0f, 0.0f);
-        ankle_blame(info, joints);
+        ankle_write_no_step(info, joints);
     } else {
         ankle_real residual;
         const bool still = ankle_direct_closes(&w, joints, guess, used, &residual);
@@ -1838,13 +1830,12 @@ ankle_status ankle_track(const ankle_real joints[2], ankle_real found[2], ankle_
             ankle_write_info(info, 1U, 0.00181f * size, size, w.spread);
         }
     } else {
-        ankle_write_info(info, 0U, HUGE_VALF, 0.0f, 0.0f);
-        ankle_blame(info, joints);
+        ankle_write_no_step(info, joints);
     }
     if (status == ANKLE_OK) {
         ankle_real result[2];
-        result[0] = ankle_turned(ankle_angle(w.x[1], w.x[0]), found[0], -1000.0f, 1000.0f);
-        result[1] = ankle_turned(ankle_angle(w.x[3], w.x[2]), found[1], -1000.0f, 1000.0f);
+        result[0] = ankle_nearest(ankle_angle(w.x[1], w.x[0]), found[0]);
+        result[1] = ankle_nearest(ankle_angle(w.x[3], w.x[2]), found[1]);
         ankle_real change2 = 0.0f;
         change2 += 68650.0f * (result[0] - found[0]) * (result[0] - found[0]);
         change2 += 68650.0f * (result[1] - found[1]) * (result[1] - found[1]);
@@ -1885,8 +1876,8 @@ static ANKLE_SHARED ankle_status ankle_inverse_line(ankle_inverse_work *w,
     const ankle_real guess[2], ankle_real result[2], const ankle_config *config, ankle_info *info)
 {
     ankle_status status;
-    w->at[0] = ankle_turned(at[0], found[0], -1000.0f, 1000.0f);
-    w->at[1] = ankle_turned(at[1], found[1], -1000.0f, 1000.0f);
+    w->at[0] = ankle_nearest(at[0], found[0]);
+    w->at[1] = ankle_nearest(at[1], found[1]);
     w->x[0] = y[0];
     w->x[1] = y[1];
     w->x[2] = y[2];
@@ -1897,8 +1888,8 @@ static ANKLE_SHARED ankle_status ankle_inverse_line(ankle_inverse_work *w,
     w->k[3] = y[7];
     status = ankle_inverse_follow(w, found, config, info);
     if (status == ANKLE_OK) {
-        result[0] = ankle_turned(ankle_angle(w->x[1], w->x[0]), guess[0], -1000.0f, 1000.0f);
-        result[1] = ankle_turned(ankle_angle(w->x[3], w->x[2]), guess[1], -1000.0f, 1000.0f);
+        result[0] = ankle_nearest(ankle_angle(w->x[1], w->x[0]), guess[0]);
+        result[1] = ankle_nearest(ankle_angle(w->x[3], w->x[2]), guess[1]);
     }
     return status;
 }
@@ -1985,8 +1976,8 @@ ankle_status ankle_inverse(const ankle_config *config, const ankle_real found[2]
             joints[0] = result[0];
             joints[1] = result[1];
         }
-        if (status == ANKLE_OUT_OF_RANGE) {
-            ankle_blame(info, result);
+        if ((info != NULL) && (status == ANKLE_OUT_OF_RANGE)) {
+            info->joint = ankle_first_beyond(result);
         }
     }
     return status;
@@ -2016,8 +2007,8 @@ ankle_status ankle_track_inverse(const ankle_real found[2], ankle_real joints[2]
     }
     if (status == ANKLE_OK) {
         ankle_real result[2];
-        result[0] = ankle_turned(ankle_angle(w.x[1], w.x[0]), joints[0], -1000.0f, 1000.0f);
-        result[1] = ankle_turned(ankle_angle(w.x[3], w.x[2]), joints[1], -1000.0f, 1000.0f);
+        result[0] = ankle_nearest(ankle_angle(w.x[1], w.x[0]), joints[0]);
+        result[1] = ankle_nearest(ankle_angle(w.x[3], w.x[2]), joints[1]);
         ankle_real change2 = 0.0f;
         change2 += 68650.0f * (result[0] - joints[0]) * (result[0] - joints[0]);
         change2 += 68650.0f * (result[1] - joints[1]) * (result[1] - joints[1]);
@@ -2028,8 +2019,8 @@ ankle_status ankle_track_inverse(const ankle_real found[2], ankle_real joints[2]
             joints[0] = result[0];
             joints[1] = result[1];
         }
-        if (status == ANKLE_OUT_OF_RANGE) {
-            ankle_blame(info, result);
+        if ((info != NULL) && (status == ANKLE_OUT_OF_RANGE)) {
+            info->joint = ankle_first_beyond(result);
         }
     }
     return status;
@@ -2574,11 +2565,13 @@ ankle_status ankle_second(const ankle_real joints[2], const ankle_real found[2],
     return status;
 }
 
-/* Whether values are from `least` to what products and sums bear. */
-static ankle_status ankle_check_sizes(const ankle_real values[2], ankle_real least)
+/* The status of values beside that of what was found so far: NONFINITE, or OUT_OF_RANGE below
+ * `least` and beyond what products bear. */
+static ankle_status ankle_check_sizes(const ankle_real values[], int count, ankle_real least,
+    ankle_status before)
 {
-    ankle_status status = ankle_check_finite(values, 2, ANKLE_OK);
-    for (int i = 0; (i < 2) && (status == ANKLE_OK); ++i) {
+    ankle_status status = ankle_check_finite(values, count, before);
+    for (int i = 0; (i < count) && (status == ANKLE_OK); ++i) {
         status = ((values[i] < least) || (values[i] > 1e+20f)) ? ANKLE_OUT_OF_RANGE : ANKLE_OK;
     }
     return status;
@@ -2601,7 +2594,7 @@ ankle_status ankle_rates(const ankle_real joints[2], const ankle_real found[2],
     const ankle_real joint_rates[2], ankle_real found_rates[2])
 {
     ankle_real jacobian[4];
-    ankle_status status = ankle_check_sizes(joint_rates, -1e+20f);
+    ankle_status status = ankle_check_sizes(joint_rates, 2, -1e+20f, ANKLE_OK);
     if (status == ANKLE_OK) {
         status = ankle_jacobian(joints, found, jacobian);
     }
@@ -2623,7 +2616,7 @@ ankle_status ankle_torques(const ankle_real joints[2], const ankle_real found[2]
     const ankle_real found_torques[2], ankle_real joint_torques[2])
 {
     ankle_real jacobian[4];
-    ankle_status status = ankle_check_sizes(found_torques, -1e+20f);
+    ankle_status status = ankle_check_sizes(found_torques, 2, -1e+20f, ANKLE_OK);
     if (status == ANKLE_OK) {
         status = ankle_jacobian(joints, found, jacobian);
     }
@@ -2646,7 +2639,7 @@ ankle_status ankle_inertia(const ankle_real joints[2], const ankle_real found[2]
     const ankle_real joint_inertias[2], ankle_real inertia[4])
 {
     ankle_real inverse_jacobian[4];
-    ankle_status status = ankle_check_sizes(joint_inertias, 0.0f);
+    ankle_status status = ankle_check_sizes(joint_inertias, 2, 0.0f, ANKLE_OK);
     if (status == ANKLE_OK) {
         status = ankle_inverse_jacobian(joints, found, inverse_jacobian);
     }
@@ -2670,7 +2663,7 @@ ankle_status ankle_torque_limits(const ankle_real joints[2], const ankle_real fo
     const ankle_real joint_limits[2], ankle_real found_limits[2])
 {
     ankle_real jacobian[4];
-    ankle_status status = ankle_check_sizes(joint_limits, 0.0f);
+    ankle_status status = ankle_check_sizes(joint_limits, 2, 0.0f, ANKLE_OK);
     if (status == ANKLE_OK) {
         status = ankle_jacobian(joints, found, jacobian);
     }
@@ -2690,7 +2683,7 @@ ankle_status ankle_rate_limits(const ankle_real joints[2], const ankle_real foun
     const ankle_real joint_limits[2], ankle_real found_limits[2])
 {
     ankle_real inverse_jacobian[4];
-    ankle_status status = ankle_check_sizes(joint_limits, 0.0f);
+    ankle_status status = ankle_check_sizes(joint_limits, 2, 0.0f, ANKLE_OK);
     if (status == ANKLE_OK) {
         status = ankle_inverse_jacobian(joints, found, inverse_jacobian);
     }

@@ -168,6 +168,17 @@ static DELTA_COLD delta_status delta_check_config(const delta_config *config, de
 }
 
 
+/* An angle moved by whole turns next to another one. */
+static DELTA_SHARED delta_real delta_nearest(delta_real angle, delta_real near)
+{
+    const delta_real number = (near - angle) * 0.15915494309189535;
+    delta_real moved = angle;
+    if ((fabs(number) > 0.5) && (fabs(number) < 10000.0)) {
+        moved += 6.283185307179586 * (delta_real)(int)(number + ((number < 0.0) ? -0.5 : 0.5));
+    }
+    return moved;
+}
+
 /* Pose coordinates of a pose. */
 static delta_status delta_pose_coordinates(const delta_pose *pose, delta_real c[3])
 {
@@ -200,14 +211,15 @@ static DELTA_SHARED uint8_t delta_first_beyond(const delta_real joints[3])
     return joint;
 }
 
-/* Checks whether joint values are within their ranges. */
-static DELTA_SHARED delta_status delta_check_limits(const delta_real joints[3])
+/* Whether joint values are within their ranges: NONFINITE comes before what was found so far,
+ * OUT_OF_RANGE after. */
+static DELTA_SHARED delta_status delta_limit_joints(delta_status before, const delta_real joints[3])
 {
-    delta_status status = DELTA_OK;
+    delta_status status = before;
     if (!(((joints[0] >= -1000.000000001) && (joints[0] <= 1000.000000001))
         && ((joints[1] >= -1000.000000001) && (joints[1] <= 1000.000000001))
         && ((joints[2] >= -1000.000000001) && (joints[2] <= 1000.000000001)))) {
-        status = delta_check_finite(joints, 3, DELTA_OUT_OF_RANGE);
+        status = delta_check_finite(joints, 3, (before == DELTA_OK) ? DELTA_OUT_OF_RANGE : before);
     }
     return status;
 }
@@ -716,23 +728,6 @@ static delta_status delta_solve_limbs(const delta_real c[3], delta_real q[3], de
     return status;
 }
 
-/* Unwraps joint values: takes whole turns off angles without limits, so that the nearer way from
- * `at` is meant. */
-static void delta_unwrap_joints(const delta_real at[3], const delta_real joints[3],
-    delta_real given[3])
-{
-    static const bool turns[3] = { true, true, true };
-    for (int i = 0; i < 3; ++i) {
-        const delta_real change = joints[i] - at[i];
-        given[i] = joints[i];
-        if (turns[i] && (fabs(change) < 10000.0)) {
-            const delta_real number = change * 0.15915494309189535;
-            const int whole = (int)(number + ((number < 0.0) ? -0.5 : 0.5));
-            given[i] = joints[i] - 6.283185307179586 * (delta_real)whole;
-        }
-    }
-}
-
 /* Writes the info of a call that takes no step: no number is known but which joint is the first
  * that is outside its range or not finite. */
 static DELTA_COLD void delta_write_no_step(delta_info *info, const delta_real joints[3])
@@ -1211,7 +1206,9 @@ static DELTA_SHARED delta_status delta_direct_line(delta_direct_work *w,
             at[0] = atan2(w->at[1], w->at[0]);
             at[1] = atan2(w->at[3], w->at[2]);
             at[2] = atan2(w->at[5], w->at[4]);
-            delta_unwrap_joints(at, joints, given);
+            given[0] = delta_nearest(joints[0], at[0]);
+            given[1] = delta_nearest(joints[1], at[1]);
+            given[2] = delta_nearest(joints[2], at[2]);
             status = delta_direct_walk(w, at, given, joints, most, count);
         }
     }
@@ -1341,13 +1338,8 @@ static delta_status delta_direct_reach(const delta_real joints[3], const delta_p
     delta_direct_work w;
     unsigned int count = 0U;
     delta_real residual = HUGE_VAL;
-    delta_status status = delta_read_guess(&w, guess);
-    const delta_status limits = delta_check_limits(joints);
+    delta_status status = delta_limit_joints(delta_read_guess(&w, guess), joints);
     w.share = 0.0;
-    /* NaN or infinity anywhere comes first */
-    if ((status == DELTA_OK) || (limits == DELTA_NONFINITE)) {
-        status = limits;
-    }
     if (config == NULL) {
         config = &usual;
     } else {
@@ -1408,7 +1400,7 @@ delta_status delta_inverse(const delta_pose *pose, delta_real joints[3])
         if (status != DELTA_OK) {
             status = DELTA_OUT_OF_RANGE;
         } else {
-            status = delta_check_limits(q);
+            status = delta_limit_joints(status, q);
         }
         if (status == DELTA_OK) {
             joints[0] = q[0];
@@ -1467,17 +1459,16 @@ delta_status delta_jacobian(const delta_pose *pose, delta_real rates[3 * 6])
     return status;
 }
 
-/* The status of rates or of a twist: NONFINITE, or OUT_OF_RANGE for numbers whose products could
- * overflow. */
-static delta_status delta_check_speeds(const delta_real speeds[], int count, delta_status status)
+/* The status of values beside that of what was found so far: NONFINITE, or OUT_OF_RANGE below
+ * `least` and beyond what products bear. */
+static delta_status delta_check_sizes(const delta_real values[], int count, delta_real least,
+    delta_status before)
 {
-    delta_status found = delta_check_finite(speeds, count, status);
-    for (int i = 0; i < count; ++i) {
-        if ((found == DELTA_OK) && (fabs(speeds[i]) > 400000000.0)) {
-            found = DELTA_OUT_OF_RANGE;
-        }
+    delta_status status = delta_check_finite(values, count, before);
+    for (int i = 0; (i < count) && (status == DELTA_OK); ++i) {
+        status = ((values[i] < least) || (values[i] > 400000000.0)) ? DELTA_OUT_OF_RANGE : DELTA_OK;
     }
-    return found;
+    return status;
 }
 
 /* Joint rates of a twist: the Jacobian times the twist. */
@@ -1485,7 +1476,8 @@ delta_status delta_rates(const delta_pose *pose, const delta_real twist[6], delt
 {
     delta_real jacobian[3 * 6];
     delta_real found[3];
-    const delta_status status = delta_check_speeds(twist, 6, delta_jacobian(pose, jacobian));
+    const delta_status status = delta_check_sizes(twist, 6, -400000000.0, delta_jacobian(pose,
+        jacobian));
     if (status == DELTA_OK) {
         for (int i = 0; i < 3; ++i) {
             delta_real sum = 0.0;
@@ -1538,7 +1530,7 @@ delta_status delta_twist(const delta_pose *pose, const delta_real rates[3], delt
     delta_real a[3 * 3];
     delta_real f[3];
     uint8_t order[3];
-    delta_status status = delta_check_speeds(rates, 3, delta_jacobian(pose, jacobian));
+    delta_status status = delta_check_sizes(rates, 3, -400000000.0, delta_jacobian(pose, jacobian));
     if (status == DELTA_OK) {
         for (int i = 0; i < 3; ++i) {
             for (int j = 0; j < 3; ++j) {

@@ -111,17 +111,20 @@ static GLUON_6L3_SHARED uint8_t gluon_6l3_first_beyond(const gluon_6l3_real join
     return joint;
 }
 
-/* Checks whether joint values are within their ranges. */
-static GLUON_6L3_SHARED gluon_6l3_status gluon_6l3_check_limits(const gluon_6l3_real joints[6])
+/* Whether joint values are within their ranges: NONFINITE comes before what was found so far,
+ * OUT_OF_RANGE after. */
+static GLUON_6L3_SHARED gluon_6l3_status gluon_6l3_limit_joints(gluon_6l3_status before,
+    const gluon_6l3_real joints[6])
 {
-    gluon_6l3_status status = GLUON_6L3_OK;
+    gluon_6l3_status status = before;
     if (!(((joints[0] >= -1000.000000001) && (joints[0] <= 1000.000000001))
         && ((joints[1] >= -1000.000000001) && (joints[1] <= 1000.000000001))
         && ((joints[2] >= -1000.000000001) && (joints[2] <= 1000.000000001))
         && ((joints[3] >= -1000.000000001) && (joints[3] <= 1000.000000001))
         && ((joints[4] >= -1000.000000001) && (joints[4] <= 1000.000000001))
         && ((joints[5] >= -1000.000000001) && (joints[5] <= 1000.000000001)))) {
-        status = gluon_6l3_check_finite(joints, 6, GLUON_6L3_OUT_OF_RANGE);
+        status = gluon_6l3_check_finite(joints, 6, (before == GLUON_6L3_OK)
+            ? GLUON_6L3_OUT_OF_RANGE : before);
     }
     return status;
 }
@@ -743,7 +746,7 @@ static gluon_6l3_status gluon_6l3_turn_near(const gluon_6l3_real about[6], gluon
                 joints[i] += 6.283185307179586 * (gluon_6l3_real)whole;
             }
         }
-        status = gluon_6l3_check_limits(joints);
+        status = gluon_6l3_limit_joints(GLUON_6L3_OK, joints);
     }
     return status;
 }
@@ -1717,7 +1720,7 @@ static gluon_6l3_status gluon_6l3_inverse_along(const gluon_6l3_real to[7],
 /* The tool's pose, its quaternion of unit length and with w >= 0. */
 gluon_6l3_status gluon_6l3_direct(const gluon_6l3_real joints[6], gluon_6l3_pose *pose)
 {
-    gluon_6l3_status status = gluon_6l3_check_limits(joints);
+    gluon_6l3_status status = gluon_6l3_limit_joints(GLUON_6L3_OK, joints);
     if (status == GLUON_6L3_OK) {
         gluon_6l3_real x[7];
         gluon_6l3_forward(joints, x);
@@ -1765,7 +1768,7 @@ gluon_6l3_status gluon_6l3_inverse(const gluon_6l3_config *config, const gluon_6
         at[5] = guess[5];
         status = gluon_6l3_inverse_along(to, (config != NULL) ? config : &usual, at, info);
         if (status == GLUON_6L3_OK) {
-            status = gluon_6l3_check_limits(at);
+            status = gluon_6l3_limit_joints(status, at);
             if (info != NULL) {
                 info->joint = gluon_6l3_first_beyond(at);
             }
@@ -1785,7 +1788,7 @@ gluon_6l3_status gluon_6l3_inverse(const gluon_6l3_config *config, const gluon_6
 /* Twist of the tool by joint rates, from the derivative of the tool's pose. */
 gluon_6l3_status gluon_6l3_jacobian(const gluon_6l3_real joints[6], gluon_6l3_real jacobian[36])
 {
-    gluon_6l3_status status = gluon_6l3_check_limits(joints);
+    gluon_6l3_status status = gluon_6l3_limit_joints(GLUON_6L3_OK, joints);
     if (status == GLUON_6L3_OK) {
         gluon_6l3_real u[12];
         gluon_6l3_half_turns(joints, u);
@@ -2048,18 +2051,17 @@ gluon_6l3_status gluon_6l3_jacobian(const gluon_6l3_real joints[6], gluon_6l3_re
     }
     return status;
 }
-/* The status of rates or of a twist: NONFINITE, or OUT_OF_RANGE for numbers whose products could
- * overflow. */
-static gluon_6l3_status gluon_6l3_check_speeds(const gluon_6l3_real speeds[], int count,
-    gluon_6l3_status status)
+/* The status of values beside that of what was found so far: NONFINITE, or OUT_OF_RANGE below
+ * `least` and beyond what products bear. */
+static gluon_6l3_status gluon_6l3_check_sizes(const gluon_6l3_real values[], int count,
+    gluon_6l3_real least, gluon_6l3_status before)
 {
-    gluon_6l3_status found = gluon_6l3_check_finite(speeds, count, status);
-    for (int i = 0; i < count; ++i) {
-        if ((found == GLUON_6L3_OK) && (fabs(speeds[i]) > 500000000.0)) {
-            found = GLUON_6L3_OUT_OF_RANGE;
-        }
+    gluon_6l3_status status = gluon_6l3_check_finite(values, count, before);
+    for (int i = 0; (i < count) && (status == GLUON_6L3_OK); ++i) {
+        status = ((values[i] < least) || (values[i] > 500000000.0))
+            ? GLUON_6L3_OUT_OF_RANGE : GLUON_6L3_OK;
     }
-    return found;
+    return status;
 }
 
 /* The twist of joint rates: the Jacobian times the rates. */
@@ -2068,8 +2070,8 @@ gluon_6l3_status gluon_6l3_twist(const gluon_6l3_real joints[6], const gluon_6l3
 {
     gluon_6l3_real jacobian[6 * 6];
     gluon_6l3_real found[6];
-    const gluon_6l3_status status = gluon_6l3_check_speeds(rates, 6, gluon_6l3_jacobian(joints,
-        jacobian));
+    const gluon_6l3_status status = gluon_6l3_check_sizes(rates, 6, -500000000.0,
+        gluon_6l3_jacobian(joints, jacobian));
     if (status == GLUON_6L3_OK) {
         for (int i = 0; i < 6; ++i) {
             gluon_6l3_real sum = 0.0;
@@ -2115,8 +2117,8 @@ gluon_6l3_status gluon_6l3_rates(const gluon_6l3_real joints[6], const gluon_6l3
     gluon_6l3_real rates[6], gluon_6l3_info *info)
 {
     gluon_6l3_real jacobian[36];
-    const gluon_6l3_status status = gluon_6l3_check_speeds(twist, 6, gluon_6l3_jacobian(joints,
-        jacobian));
+    const gluon_6l3_status status = gluon_6l3_check_sizes(twist, 6, -500000000.0,
+        gluon_6l3_jacobian(joints, jacobian));
     gluon_6l3_write_info(info, 0U, HUGE_VAL, 0.0, 0.0);
     if (status == GLUON_6L3_OK) {
         gluon_6l3_real e[6];
@@ -2191,7 +2193,7 @@ gluon_6l3_status gluon_6l3_track(const gluon_6l3_pose *pose, gluon_6l3_real join
                 moved[i] = joints[i];
             }
         }
-        status = gluon_6l3_check_limits(moved);
+        status = gluon_6l3_limit_joints(status, moved);
         gluon_6l3_write_info(info, 1U, after, part * part * size * GLUON_6L3_SIZE * GLUON_6L3_SIZE,
             (pivot > 0.0) ? (1.0 / pivot) : 0.0);
         if (status == GLUON_6L3_OK) {

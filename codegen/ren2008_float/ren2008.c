@@ -181,12 +181,14 @@ static REN2008_SHARED uint8_t ren2008_first_beyond(const ren2008_real joints[6])
     return joint;
 }
 
-/* Checks whether joint values are within their ranges and rods longer than zero. */
-static ren2008_status ren2008_check_limits(const ren2008_real joints[6])
+/* Whether joint values are within their ranges and rods longer than zero: NONFINITE comes before
+ * what was found so far, OUT_OF_RANGE after. */
+static ren2008_status ren2008_limit_joints(ren2008_status before, const ren2008_real joints[6])
 {
-    ren2008_status status = REN2008_OK;
+    ren2008_status status = before;
     if (!(ren2008_first_beyond(joints) == 6U)) {
-        status = ren2008_check_finite(joints, 6, REN2008_OUT_OF_RANGE);
+        status = ren2008_check_finite(joints, 6, (before == REN2008_OK)
+            ? REN2008_OUT_OF_RANGE : before);
     }
     return status;
 }
@@ -896,12 +898,11 @@ static REN2008_COLD void ren2008_write_no_step(ren2008_info *info, const ren2008
 static REN2008_SHARED ren2008_status ren2008_read_guess(ren2008_direct_work *w,
     const ren2008_real joints[6], const ren2008_pose *guess)
 {
-    const ren2008_status limits = ren2008_check_limits(joints);
     ren2008_status status;
     w->guess = guess;
     status = ren2008_normalise_pose(guess, w->x);
     /* NaN or infinity anywhere comes first */
-    return ((status == REN2008_OK) || (limits == REN2008_NONFINITE)) ? limits : status;
+    return ren2008_limit_joints(status, joints);
 }
 
 /* Writes the pose of the state. */
@@ -972,7 +973,7 @@ ren2008_status ren2008_inverse(const ren2008_pose *pose, ren2008_real joints[6])
     ren2008_status status = ren2008_normalise_pose(pose, w.x);
     if (status == REN2008_OK) {
         ren2008_rod_values(&w);
-        status = ren2008_check_limits(w.k);
+        status = ren2008_limit_joints(status, w.k);
         if (status == REN2008_OK) {
             joints[0] = w.k[0];
             joints[1] = w.k[1];
@@ -1352,7 +1353,7 @@ ren2008_status ren2008_line(const ren2008_config *config, const ren2008_pose *fr
             w.x[i] = ends[e][i];
         }
         ren2008_rod_values(&w);
-        status = ren2008_check_limits(w.k);
+        status = ren2008_limit_joints(status, w.k);
         joint = ren2008_first_beyond(w.k);
         for (int i = 0; i < 18; ++i) {
             rods[2 * e][i] = w.d[i];
@@ -1415,18 +1416,16 @@ ren2008_status ren2008_line(const ren2008_config *config, const ren2008_pose *fr
     }
     return status;
 }
-/* The status of rates or of a twist: NONFINITE, or OUT_OF_RANGE for numbers whose products could
- * overflow. */
-static ren2008_status ren2008_check_speeds(const ren2008_real speeds[], int count,
-    ren2008_status status)
+/* The status of values beside that of what was found so far: NONFINITE, or OUT_OF_RANGE below
+ * `least` and beyond what products bear. */
+static ren2008_status ren2008_check_sizes(const ren2008_real values[], int count,
+    ren2008_real least, ren2008_status before)
 {
-    ren2008_status found = ren2008_check_finite(speeds, count, status);
-    for (int i = 0; i < count; ++i) {
-        if ((found == REN2008_OK) && (fabsf(speeds[i]) > 2e+06f)) {
-            found = REN2008_OUT_OF_RANGE;
-        }
+    ren2008_status status = ren2008_check_finite(values, count, before);
+    for (int i = 0; (i < count) && (status == REN2008_OK); ++i) {
+        status = ((values[i] < least) || (values[i] > 2e+06f)) ? REN2008_OUT_OF_RANGE : REN2008_OK;
     }
-    return found;
+    return status;
 }
 
 /* Joint rates of a twist: the Jacobian times the twist. */
@@ -1435,7 +1434,8 @@ ren2008_status ren2008_rates(const ren2008_pose *pose, const ren2008_real twist[
 {
     ren2008_real jacobian[6 * 6];
     ren2008_real found[6];
-    const ren2008_status status = ren2008_check_speeds(twist, 6, ren2008_jacobian(pose, jacobian));
+    const ren2008_status status = ren2008_check_sizes(twist, 6, -2e+06f, ren2008_jacobian(pose,
+        jacobian));
     if (status == REN2008_OK) {
         for (int i = 0; i < 6; ++i) {
             ren2008_real sum = 0.0f;
@@ -1489,7 +1489,8 @@ ren2008_status ren2008_twist(const ren2008_pose *pose, const ren2008_real rates[
     ren2008_real a[6 * 6];
     ren2008_real f[6];
     uint8_t order[6];
-    ren2008_status status = ren2008_check_speeds(rates, 6, ren2008_jacobian(pose, jacobian));
+    ren2008_status status = ren2008_check_sizes(rates, 6, -2e+06f, ren2008_jacobian(pose,
+        jacobian));
     if (status == REN2008_OK) {
         for (int i = 0; i < 6; ++i) {
             for (int j = 0; j < 6; ++j) {

@@ -110,17 +110,18 @@ static UR5E_SHARED uint8_t ur5e_first_beyond(const ur5e_real joints[6])
     return joint;
 }
 
-/* Checks whether joint values are within their ranges. */
-static UR5E_SHARED ur5e_status ur5e_check_limits(const ur5e_real joints[6])
+/* Whether joint values are within their ranges: NONFINITE comes before what was found so far,
+ * OUT_OF_RANGE after. */
+static UR5E_SHARED ur5e_status ur5e_limit_joints(ur5e_status before, const ur5e_real joints[6])
 {
-    ur5e_status status = UR5E_OK;
+    ur5e_status status = before;
     if (!(((joints[0] >= -1000.000000001) && (joints[0] <= 1000.000000001))
         && ((joints[1] >= -1000.000000001) && (joints[1] <= 1000.000000001))
         && ((joints[2] >= -1000.000000001) && (joints[2] <= 1000.000000001))
         && ((joints[3] >= -1000.000000001) && (joints[3] <= 1000.000000001))
         && ((joints[4] >= -1000.000000001) && (joints[4] <= 1000.000000001))
         && ((joints[5] >= -1000.000000001) && (joints[5] <= 1000.000000001)))) {
-        status = ur5e_check_finite(joints, 6, UR5E_OUT_OF_RANGE);
+        status = ur5e_check_finite(joints, 6, (before == UR5E_OK) ? UR5E_OUT_OF_RANGE : before);
     }
     return status;
 }
@@ -730,7 +731,7 @@ static ur5e_status ur5e_turn_near(const ur5e_real about[6], ur5e_real joints[6])
                 joints[i] += 6.283185307179586 * (ur5e_real)whole;
             }
         }
-        status = ur5e_check_limits(joints);
+        status = ur5e_limit_joints(UR5E_OK, joints);
     }
     return status;
 }
@@ -1691,7 +1692,7 @@ static ur5e_status ur5e_inverse_along(const ur5e_real to[7], const ur5e_config *
 /* The tool's pose, its quaternion of unit length and with w >= 0. */
 ur5e_status ur5e_direct(const ur5e_real joints[6], ur5e_pose *pose)
 {
-    ur5e_status status = ur5e_check_limits(joints);
+    ur5e_status status = ur5e_limit_joints(UR5E_OK, joints);
     if (status == UR5E_OK) {
         ur5e_real x[7];
         ur5e_forward(joints, x);
@@ -1738,7 +1739,7 @@ ur5e_status ur5e_inverse(const ur5e_config *config, const ur5e_pose *pose,
         at[5] = guess[5];
         status = ur5e_inverse_along(to, (config != NULL) ? config : &usual, at, info);
         if (status == UR5E_OK) {
-            status = ur5e_check_limits(at);
+            status = ur5e_limit_joints(status, at);
             if (info != NULL) {
                 info->joint = ur5e_first_beyond(at);
             }
@@ -1758,7 +1759,7 @@ ur5e_status ur5e_inverse(const ur5e_config *config, const ur5e_pose *pose,
 /* Twist of the tool by joint rates, from the derivative of the tool's pose. */
 ur5e_status ur5e_jacobian(const ur5e_real joints[6], ur5e_real jacobian[36])
 {
-    ur5e_status status = ur5e_check_limits(joints);
+    ur5e_status status = ur5e_limit_joints(UR5E_OK, joints);
     if (status == UR5E_OK) {
         ur5e_real u[12];
         ur5e_half_turns(joints, u);
@@ -2026,17 +2027,16 @@ ur5e_status ur5e_jacobian(const ur5e_real joints[6], ur5e_real jacobian[36])
     }
     return status;
 }
-/* The status of rates or of a twist: NONFINITE, or OUT_OF_RANGE for numbers whose products could
- * overflow. */
-static ur5e_status ur5e_check_speeds(const ur5e_real speeds[], int count, ur5e_status status)
+/* The status of values beside that of what was found so far: NONFINITE, or OUT_OF_RANGE below
+ * `least` and beyond what products bear. */
+static ur5e_status ur5e_check_sizes(const ur5e_real values[], int count, ur5e_real least,
+    ur5e_status before)
 {
-    ur5e_status found = ur5e_check_finite(speeds, count, status);
-    for (int i = 0; i < count; ++i) {
-        if ((found == UR5E_OK) && (fabs(speeds[i]) > 800000000.0)) {
-            found = UR5E_OUT_OF_RANGE;
-        }
+    ur5e_status status = ur5e_check_finite(values, count, before);
+    for (int i = 0; (i < count) && (status == UR5E_OK); ++i) {
+        status = ((values[i] < least) || (values[i] > 800000000.0)) ? UR5E_OUT_OF_RANGE : UR5E_OK;
     }
-    return found;
+    return status;
 }
 
 /* The twist of joint rates: the Jacobian times the rates. */
@@ -2044,7 +2044,8 @@ ur5e_status ur5e_twist(const ur5e_real joints[6], const ur5e_real rates[6], ur5e
 {
     ur5e_real jacobian[6 * 6];
     ur5e_real found[6];
-    const ur5e_status status = ur5e_check_speeds(rates, 6, ur5e_jacobian(joints, jacobian));
+    const ur5e_status status = ur5e_check_sizes(rates, 6, -800000000.0, ur5e_jacobian(joints,
+        jacobian));
     if (status == UR5E_OK) {
         for (int i = 0; i < 6; ++i) {
             ur5e_real sum = 0.0;
@@ -2089,7 +2090,8 @@ ur5e_status ur5e_rates(const ur5e_real joints[6], const ur5e_real twist[6], ur5e
     ur5e_info *info)
 {
     ur5e_real jacobian[36];
-    const ur5e_status status = ur5e_check_speeds(twist, 6, ur5e_jacobian(joints, jacobian));
+    const ur5e_status status = ur5e_check_sizes(twist, 6, -800000000.0, ur5e_jacobian(joints,
+        jacobian));
     ur5e_write_info(info, 0U, HUGE_VAL, 0.0, 0.0);
     if (status == UR5E_OK) {
         ur5e_real e[6];
@@ -2162,7 +2164,7 @@ ur5e_status ur5e_track(const ur5e_pose *pose, ur5e_real joints[6], ur5e_info *in
                 moved[i] = joints[i];
             }
         }
-        status = ur5e_check_limits(moved);
+        status = ur5e_limit_joints(status, moved);
         ur5e_write_info(info, 1U, after, part * part * size * UR5E_SIZE * UR5E_SIZE,
             (pivot > 0.0) ? (1.0 / pivot) : 0.0);
         if (status == UR5E_OK) {

@@ -113,17 +113,20 @@ static YAO2020_SHARED uint8_t yao2020_first_beyond(const yao2020_real joints[6])
     return joint;
 }
 
-/* Checks whether joint values are within their ranges. */
-static YAO2020_SHARED yao2020_status yao2020_check_limits(const yao2020_real joints[6])
+/* Whether joint values are within their ranges: NONFINITE comes before what was found so far,
+ * OUT_OF_RANGE after. */
+static YAO2020_SHARED yao2020_status yao2020_limit_joints(yao2020_status before,
+    const yao2020_real joints[6])
 {
-    yao2020_status status = YAO2020_OK;
+    yao2020_status status = before;
     if (!(((joints[0] >= -1000.0f) && (joints[0] <= 1000.0f))
         && ((joints[1] >= -1000.0f) && (joints[1] <= 1000.0f))
         && ((joints[2] >= -1000.0f) && (joints[2] <= 1000.0f))
         && ((joints[3] >= -1000.0f) && (joints[3] <= 1000.0f))
         && ((joints[4] >= -1000.0f) && (joints[4] <= 1000.0f))
         && ((joints[5] >= -555022.5f) && (joints[5] <= 555022.5f)))) {
-        status = yao2020_check_finite(joints, 6, YAO2020_OUT_OF_RANGE);
+        status = yao2020_check_finite(joints, 6, (before == YAO2020_OK)
+            ? YAO2020_OUT_OF_RANGE : before);
     }
     return status;
 }
@@ -703,7 +706,7 @@ static yao2020_status yao2020_turn_near(const yao2020_real about[6], yao2020_rea
                 joints[i] += 6.2831855f * (yao2020_real)whole;
             }
         }
-        status = yao2020_check_limits(joints);
+        status = yao2020_limit_joints(YAO2020_OK, joints);
     }
     return status;
 }
@@ -1516,7 +1519,7 @@ static yao2020_status yao2020_inverse_along(const yao2020_real to[7], const yao2
 /* The tool's pose, its quaternion of unit length and with w >= 0. */
 yao2020_status yao2020_direct(const yao2020_real joints[6], yao2020_pose *pose)
 {
-    yao2020_status status = yao2020_check_limits(joints);
+    yao2020_status status = yao2020_limit_joints(YAO2020_OK, joints);
     if (status == YAO2020_OK) {
         yao2020_real x[7];
         yao2020_forward(joints, x);
@@ -1563,7 +1566,7 @@ yao2020_status yao2020_inverse(const yao2020_config *config, const yao2020_pose 
         at[5] = guess[5];
         status = yao2020_inverse_along(to, (config != NULL) ? config : &usual, at, info);
         if (status == YAO2020_OK) {
-            status = yao2020_check_limits(at);
+            status = yao2020_limit_joints(status, at);
             if (info != NULL) {
                 info->joint = yao2020_first_beyond(at);
             }
@@ -1583,7 +1586,7 @@ yao2020_status yao2020_inverse(const yao2020_config *config, const yao2020_pose 
 /* Twist of the tool by joint rates, from the derivative of the tool's pose. */
 yao2020_status yao2020_jacobian(const yao2020_real joints[6], yao2020_real jacobian[36])
 {
-    yao2020_status status = yao2020_check_limits(joints);
+    yao2020_status status = yao2020_limit_joints(YAO2020_OK, joints);
     if (status == YAO2020_OK) {
         yao2020_real u[12];
         yao2020_half_turns(joints, u);
@@ -1788,18 +1791,16 @@ yao2020_status yao2020_jacobian(const yao2020_real joints[6], yao2020_real jacob
     }
     return status;
 }
-/* The status of rates or of a twist: NONFINITE, or OUT_OF_RANGE for numbers whose products could
- * overflow. */
-static yao2020_status yao2020_check_speeds(const yao2020_real speeds[], int count,
-    yao2020_status status)
+/* The status of values beside that of what was found so far: NONFINITE, or OUT_OF_RANGE below
+ * `least` and beyond what products bear. */
+static yao2020_status yao2020_check_sizes(const yao2020_real values[], int count,
+    yao2020_real least, yao2020_status before)
 {
-    yao2020_status found = yao2020_check_finite(speeds, count, status);
-    for (int i = 0; i < count; ++i) {
-        if ((found == YAO2020_OK) && (fabsf(speeds[i]) > 6e+08f)) {
-            found = YAO2020_OUT_OF_RANGE;
-        }
+    yao2020_status status = yao2020_check_finite(values, count, before);
+    for (int i = 0; (i < count) && (status == YAO2020_OK); ++i) {
+        status = ((values[i] < least) || (values[i] > 6e+08f)) ? YAO2020_OUT_OF_RANGE : YAO2020_OK;
     }
-    return found;
+    return status;
 }
 
 /* The twist of joint rates: the Jacobian times the rates. */
@@ -1808,7 +1809,7 @@ yao2020_status yao2020_twist(const yao2020_real joints[6], const yao2020_real ra
 {
     yao2020_real jacobian[6 * 6];
     yao2020_real found[6];
-    const yao2020_status status = yao2020_check_speeds(rates, 6, yao2020_jacobian(joints,
+    const yao2020_status status = yao2020_check_sizes(rates, 6, -6e+08f, yao2020_jacobian(joints,
         jacobian));
     if (status == YAO2020_OK) {
         for (int i = 0; i < 6; ++i) {
@@ -1855,7 +1856,7 @@ yao2020_status yao2020_rates(const yao2020_real joints[6], const yao2020_real tw
     yao2020_real rates[6], yao2020_info *info)
 {
     yao2020_real jacobian[36];
-    const yao2020_status status = yao2020_check_speeds(twist, 6, yao2020_jacobian(joints,
+    const yao2020_status status = yao2020_check_sizes(twist, 6, -6e+08f, yao2020_jacobian(joints,
         jacobian));
     yao2020_write_info(info, 0U, HUGE_VALF, 0.0f, 0.0f);
     if (status == YAO2020_OK) {
@@ -1930,7 +1931,7 @@ yao2020_status yao2020_track(const yao2020_pose *pose, yao2020_real joints[6], y
                 moved[i] = joints[i];
             }
         }
-        status = yao2020_check_limits(moved);
+        status = yao2020_limit_joints(status, moved);
         yao2020_write_info(info, 1U, after, part * part * size * YAO2020_SIZE * YAO2020_SIZE,
             (pivot > 0.0f) ? (1.0f / pivot) : 0.0f);
         if (status == YAO2020_OK) {

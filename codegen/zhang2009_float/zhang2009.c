@@ -181,12 +181,15 @@ static ZHANG2009_SHARED uint8_t zhang2009_first_beyond(const zhang2009_real join
     return joint;
 }
 
-/* Checks whether joint values are within their ranges and rods longer than zero. */
-static zhang2009_status zhang2009_check_limits(const zhang2009_real joints[6])
+/* Whether joint values are within their ranges and rods longer than zero: NONFINITE comes before
+ * what was found so far, OUT_OF_RANGE after. */
+static zhang2009_status zhang2009_limit_joints(zhang2009_status before,
+    const zhang2009_real joints[6])
 {
-    zhang2009_status status = ZHANG2009_OK;
+    zhang2009_status status = before;
     if (!(zhang2009_first_beyond(joints) == 6U)) {
-        status = zhang2009_check_finite(joints, 6, ZHANG2009_OUT_OF_RANGE);
+        status = zhang2009_check_finite(joints, 6, (before == ZHANG2009_OK)
+            ? ZHANG2009_OUT_OF_RANGE : before);
     }
     return status;
 }
@@ -915,12 +918,11 @@ static ZHANG2009_COLD void zhang2009_write_no_step(zhang2009_info *info,
 static ZHANG2009_SHARED zhang2009_status zhang2009_read_guess(zhang2009_direct_work *w,
     const zhang2009_real joints[6], const zhang2009_pose *guess)
 {
-    const zhang2009_status limits = zhang2009_check_limits(joints);
     zhang2009_status status;
     w->guess = guess;
     status = zhang2009_normalise_pose(guess, w->x);
     /* NaN or infinity anywhere comes first */
-    return ((status == ZHANG2009_OK) || (limits == ZHANG2009_NONFINITE)) ? limits : status;
+    return zhang2009_limit_joints(status, joints);
 }
 
 /* Writes the pose of the state. */
@@ -994,7 +996,7 @@ zhang2009_status zhang2009_inverse(const zhang2009_pose *pose, zhang2009_real jo
     zhang2009_status status = zhang2009_normalise_pose(pose, w.x);
     if (status == ZHANG2009_OK) {
         zhang2009_rod_values(&w);
-        status = zhang2009_check_limits(w.k);
+        status = zhang2009_limit_joints(status, w.k);
         if (status == ZHANG2009_OK) {
             joints[0] = w.k[0];
             joints[1] = w.k[1];
@@ -1286,18 +1288,17 @@ zhang2009_status zhang2009_jacobian(const zhang2009_pose *pose, zhang2009_real j
     return status;
 }
 
-/* The status of rates or of a twist: NONFINITE, or OUT_OF_RANGE for numbers whose products could
- * overflow. */
-static zhang2009_status zhang2009_check_speeds(const zhang2009_real speeds[], int count,
-    zhang2009_status status)
+/* The status of values beside that of what was found so far: NONFINITE, or OUT_OF_RANGE below
+ * `least` and beyond what products bear. */
+static zhang2009_status zhang2009_check_sizes(const zhang2009_real values[], int count,
+    zhang2009_real least, zhang2009_status before)
 {
-    zhang2009_status found = zhang2009_check_finite(speeds, count, status);
-    for (int i = 0; i < count; ++i) {
-        if ((found == ZHANG2009_OK) && (fabsf(speeds[i]) > 5e+08f)) {
-            found = ZHANG2009_OUT_OF_RANGE;
-        }
+    zhang2009_status status = zhang2009_check_finite(values, count, before);
+    for (int i = 0; (i < count) && (status == ZHANG2009_OK); ++i) {
+        status = ((values[i] < least) || (values[i] > 5e+08f))
+            ? ZHANG2009_OUT_OF_RANGE : ZHANG2009_OK;
     }
-    return found;
+    return status;
 }
 
 /* Joint rates of a twist: the Jacobian times the twist. */
@@ -1306,8 +1307,8 @@ zhang2009_status zhang2009_rates(const zhang2009_pose *pose, const zhang2009_rea
 {
     zhang2009_real jacobian[6 * 6];
     zhang2009_real found[6];
-    const zhang2009_status status = zhang2009_check_speeds(twist, 6, zhang2009_jacobian(pose,
-        jacobian));
+    const zhang2009_status status = zhang2009_check_sizes(twist, 6, -5e+08f,
+        zhang2009_jacobian(pose, jacobian));
     if (status == ZHANG2009_OK) {
         for (int i = 0; i < 6; ++i) {
             zhang2009_real sum = 0.0f;
@@ -1362,7 +1363,8 @@ zhang2009_status zhang2009_twist(const zhang2009_pose *pose, const zhang2009_rea
     zhang2009_real a[6 * 6];
     zhang2009_real f[6];
     uint8_t order[6];
-    zhang2009_status status = zhang2009_check_speeds(rates, 6, zhang2009_jacobian(pose, jacobian));
+    zhang2009_status status = zhang2009_check_sizes(rates, 6, -5e+08f, zhang2009_jacobian(pose,
+        jacobian));
     if (status == ZHANG2009_OK) {
         for (int i = 0; i < 6; ++i) {
             for (int j = 0; j < 6; ++j) {

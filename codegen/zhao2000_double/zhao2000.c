@@ -170,6 +170,17 @@ static ZHAO2000_COLD zhao2000_status zhao2000_check_config(const zhao2000_config
 }
 
 
+/* An angle moved by whole turns next to another one. */
+static ZHAO2000_SHARED zhao2000_real zhao2000_nearest(zhao2000_real angle, zhao2000_real near)
+{
+    const zhao2000_real number = (near - angle) * 0.15915494309189535;
+    zhao2000_real moved = angle;
+    if ((fabs(number) > 0.5) && (fabs(number) < 10000.0)) {
+        moved += 6.283185307179586 * (zhao2000_real)(int)(number + ((number < 0.0) ? -0.5 : 0.5));
+    }
+    return moved;
+}
+
 /* Pose coordinates of a pose. */
 static zhao2000_status zhao2000_pose_coordinates(const zhao2000_pose *pose, zhao2000_real c[4])
 {
@@ -212,15 +223,18 @@ static ZHAO2000_SHARED uint8_t zhao2000_first_beyond(const zhao2000_real joints[
     return joint;
 }
 
-/* Checks whether joint values are within their ranges. */
-static ZHAO2000_SHARED zhao2000_status zhao2000_check_limits(const zhao2000_real joints[4])
+/* Whether joint values are within their ranges: NONFINITE comes before what was found so far,
+ * OUT_OF_RANGE after. */
+static ZHAO2000_SHARED zhao2000_status zhao2000_limit_joints(zhao2000_status before,
+    const zhao2000_real joints[4])
 {
-    zhao2000_status status = ZHAO2000_OK;
+    zhao2000_status status = before;
     if (!(((joints[0] >= -1000.000000001) && (joints[0] <= 1000.000000001))
         && ((joints[1] >= -1000.000000001) && (joints[1] <= 1000.000000001))
         && ((joints[2] >= -1000.000000001) && (joints[2] <= 1000.000000001))
         && ((joints[3] >= 0.00023975999999999997) && (joints[3] <= 240000.00000024)))) {
-        status = zhao2000_check_finite(joints, 4, ZHAO2000_OUT_OF_RANGE);
+        status = zhao2000_check_finite(joints, 4, (before == ZHAO2000_OK)
+            ? ZHAO2000_OUT_OF_RANGE : before);
     }
     return status;
 }
@@ -880,23 +894,6 @@ static zhao2000_status zhao2000_solve_limbs(const zhao2000_real c[4], zhao2000_r
     return status;
 }
 
-/* Unwraps joint values: takes whole turns off angles without limits, so that the nearer way from
- * `at` is meant. */
-static void zhao2000_unwrap_joints(const zhao2000_real at[4], const zhao2000_real joints[4],
-    zhao2000_real given[4])
-{
-    static const bool turns[4] = { true, true, true, false };
-    for (int i = 0; i < 4; ++i) {
-        const zhao2000_real change = joints[i] - at[i];
-        given[i] = joints[i];
-        if (turns[i] && (fabs(change) < 10000.0)) {
-            const zhao2000_real number = change * 0.15915494309189535;
-            const int whole = (int)(number + ((number < 0.0) ? -0.5 : 0.5));
-            given[i] = joints[i] - 6.283185307179586 * (zhao2000_real)whole;
-        }
-    }
-}
-
 /* Writes the info of a call that takes no step: no number is known but which joint is the first
  * that is outside its range or not finite. */
 static ZHAO2000_COLD void zhao2000_write_no_step(zhao2000_info *info, const zhao2000_real joints[4])
@@ -1478,7 +1475,10 @@ static ZHAO2000_SHARED zhao2000_status zhao2000_direct_line(zhao2000_direct_work
             at[1] = atan2(w->at[3], w->at[2]);
             at[2] = atan2(w->at[5], w->at[4]);
             at[3] = w->at[6];
-            zhao2000_unwrap_joints(at, joints, given);
+            given[0] = zhao2000_nearest(joints[0], at[0]);
+            given[1] = zhao2000_nearest(joints[1], at[1]);
+            given[2] = zhao2000_nearest(joints[2], at[2]);
+            given[3] = joints[3];
             status = zhao2000_direct_walk(w, at, given, joints, most, count);
         }
     }
@@ -1616,13 +1616,8 @@ static zhao2000_status zhao2000_direct_reach(const zhao2000_real joints[4],
     zhao2000_direct_work w;
     unsigned int count = 0U;
     zhao2000_real residual = HUGE_VAL;
-    zhao2000_status status = zhao2000_read_guess(&w, guess);
-    const zhao2000_status limits = zhao2000_check_limits(joints);
+    zhao2000_status status = zhao2000_limit_joints(zhao2000_read_guess(&w, guess), joints);
     w.share = 0.0;
-    /* NaN or infinity anywhere comes first */
-    if ((status == ZHAO2000_OK) || (limits == ZHAO2000_NONFINITE)) {
-        status = limits;
-    }
     if (config == NULL) {
         config = &usual;
     } else {
@@ -1684,7 +1679,7 @@ zhao2000_status zhao2000_inverse(const zhao2000_pose *pose, zhao2000_real joints
         if (status != ZHAO2000_OK) {
             status = ZHAO2000_OUT_OF_RANGE;
         } else {
-            status = zhao2000_check_limits(q);
+            status = zhao2000_limit_joints(status, q);
         }
         if (status == ZHAO2000_OK) {
             joints[0] = q[0];
@@ -1767,18 +1762,17 @@ zhao2000_status zhao2000_jacobian(const zhao2000_pose *pose, zhao2000_real rates
     return status;
 }
 
-/* The status of rates or of a twist: NONFINITE, or OUT_OF_RANGE for numbers whose products could
- * overflow. */
-static zhao2000_status zhao2000_check_speeds(const zhao2000_real speeds[], int count,
-    zhao2000_status status)
+/* The status of values beside that of what was found so far: NONFINITE, or OUT_OF_RANGE below
+ * `least` and beyond what products bear. */
+static zhao2000_status zhao2000_check_sizes(const zhao2000_real values[], int count,
+    zhao2000_real least, zhao2000_status before)
 {
-    zhao2000_status found = zhao2000_check_finite(speeds, count, status);
-    for (int i = 0; i < count; ++i) {
-        if ((found == ZHAO2000_OK) && (fabs(speeds[i]) > 200000000.0)) {
-            found = ZHAO2000_OUT_OF_RANGE;
-        }
+    zhao2000_status status = zhao2000_check_finite(values, count, before);
+    for (int i = 0; (i < count) && (status == ZHAO2000_OK); ++i) {
+        status = ((values[i] < least) || (values[i] > 200000000.0))
+            ? ZHAO2000_OUT_OF_RANGE : ZHAO2000_OK;
     }
-    return found;
+    return status;
 }
 
 /* Joint rates of a twist: the Jacobian times the twist. */
@@ -1787,8 +1781,8 @@ zhao2000_status zhao2000_rates(const zhao2000_pose *pose, const zhao2000_real tw
 {
     zhao2000_real jacobian[4 * 6];
     zhao2000_real found[4];
-    const zhao2000_status status = zhao2000_check_speeds(twist, 6, zhao2000_jacobian(pose,
-        jacobian));
+    const zhao2000_status status = zhao2000_check_sizes(twist, 6, -200000000.0,
+        zhao2000_jacobian(pose, jacobian));
     if (status == ZHAO2000_OK) {
         for (int i = 0; i < 4; ++i) {
             zhao2000_real sum = 0.0;
@@ -1842,7 +1836,8 @@ zhao2000_status zhao2000_twist(const zhao2000_pose *pose, const zhao2000_real ra
     zhao2000_real a[4 * 4];
     zhao2000_real f[4];
     uint8_t order[4];
-    zhao2000_status status = zhao2000_check_speeds(rates, 4, zhao2000_jacobian(pose, jacobian));
+    zhao2000_status status = zhao2000_check_sizes(rates, 4, -200000000.0, zhao2000_jacobian(pose,
+        jacobian));
     if (status == ZHAO2000_OK) {
         for (int i = 0; i < 4; ++i) {
             for (int j = 0; j < 4; ++j) {

@@ -22,8 +22,8 @@
  *
  * Worst case of a call, with NULL as config (README.md says how it is known and has 255
  * iterations):
- *   direct: 100 iterations, 8634 add, 12304 mul, 424 div, 428 sqrt, 312 sin, 312 cos, 6 atan2
- *   track: 1 iterations, 615 add, 820 mul, 28 div, 32 sqrt, 15 sin, 15 cos, 6 atan2
+ *   direct: 100 iterations, 8628 add, 12300 mul, 424 div, 428 sqrt, 312 sin, 312 cos, 6 atan2
+ *   track: 1 iterations, 609 add, 816 mul, 28 div, 32 sqrt, 15 sin, 15 cos, 6 atan2
  *   inverse: 74 add, 76 mul, 7 div, 8 sqrt, 3 sin, 3 cos, 4 atan2
  *   jacobian: 132 add, 218 mul, 14 div, 5 sqrt, 3 sin, 3 cos, 1 atan2
  *   rates: 162 add, 242 mul, 14 div, 5 sqrt, 3 sin, 3 cos, 1 atan2
@@ -31,13 +31,13 @@
  *   twist: 162 add, 294 mul, 18 div, 5 sqrt, 3 sin, 3 cos, 1 atan2
  *   measured (Cortex-M7, GCC 12.2.1 -O2, 40000 inputs, seed 1): instructions, bytes of stack with
  *     callees, bytes of code with callees but without those of libm:
- *   direct: 114675 instructions, 1928 stack, 6096 code
- *   track: 2195 instructions, 1944 stack, 6136 code
- *   inverse: 1165 instructions, 928 stack, 1848 code
+ *   direct: 114630 instructions, 1928 stack, 6040 code
+ *   track: 2130 instructions, 1944 stack, 6080 code
+ *   inverse: 1170 instructions, 928 stack, 1872 code
  *   jacobian: 1275 instructions, 1104 stack, 2160 code
- *   rates: 1600 instructions, 1352 stack, 2336 code
- *   feed: 1715 instructions, 1400 stack, 2436 code
- *   twist: 2375 instructions, 1512 stack, 2960 code
+ *   rates: 1620 instructions, 1352 stack, 2360 code
+ *   feed: 1735 instructions, 1400 stack, 2460 code
+ *   twist: 2390 instructions, 1512 stack, 2984 code
  *
  * Model SHA-256 412298150d5f8895f2b466eaca32bb8d9ac2dc4c595fd9ee23f23250d7133d68
  */

@@ -14,11 +14,12 @@ the same for every mechanism, `width` breaks its lines.
 parts together, `direct_formulas` and `limbwise` find those of platforms; `guards` bounds what must
 stay above zero along a line, `guard_text` writes that. `geometry` is numbers or a struct.
 
-`map`: `options` says what can be chosen, `program` chooses what the machine that a description
-means is: `limb_platform`, `limb_platform_source` (any limbs, with `limb_source`), of which
-`rod_platform`, `rod_platform_source` are those on six rods (with `home_pose`); `joint_map`,
-`joint_map_source` (maps between joints, with `map_direction`). `rates` differentiates a map's rows
-and reads rates from a step, `signature` has the functions of the interface.
+`map`: `options` says what can be chosen, `record` what is asked of every kind of machine and of
+what writes it, `program` chooses what the machine that a description means is: `limb_platform`,
+`limb_platform_source` (any limbs, with `limb_source`), of which `rod_platform`,
+`rod_platform_source` are those on six rods (with `home_pose`); `joint_map`, `joint_map_source`
+(maps between joints, with `map_direction`). `rates` differentiates a map's rows and reads rates
+from a step, `signature` has the functions of the interface.
 
 `folder`: `folder` writes the files; `vectors` (of arms `arm_vectors`, what is refused
 `refused_vectors`), `own_test_text` and `readme` make test and README, `described` holds the vectors

@@ -63,7 +63,6 @@ def arm_error(
 def arm_speeds(
     coordinates: Sequence[Coordinate],
     real: Real,
-    size: float,
     rounding: float,
     values: Mapping[str, object],
 ) -> str:
@@ -80,5 +79,5 @@ def arm_speeds(
         "rounds": _ROUNDS,
         "rounding": literal(rounding),
     }
-    twist = speeds_text("twist", "joints", size, real, values)
+    twist = speeds_text("twist", "joints", values)
     return twist + fill("arm_rates.c", {**values, **own})

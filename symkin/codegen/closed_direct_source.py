@@ -13,16 +13,13 @@ from dataclasses import dataclass
 import casadi as ca
 import numpy as np
 
-from symkin.codegen.map.direct_answer import AnswerText
-from symkin.codegen.map.direct_guess import GuessText
-from symkin.codegen.map.direct_values import DirectValues
+from symkin.codegen.map.direct_text import DirectText
 from symkin.codegen.steps.newton_kernel import rounded
 from symkin.codegen.text.angles import lifted
 from symkin.codegen.text.c import Emitter
 from symkin.codegen.text.gathered import gathered
 from symkin.codegen.text.templates import fill
 from symkin.codegen.text.turns import angle_of_direction, cosine_and_sine
-from symkin.computed_once import cached_property
 from symkin.spatial.backend import stacked
 
 _WIDE = 1.5 * np.pi
@@ -40,21 +37,17 @@ is held against its limits apart.
 
 
 @dataclass(frozen=True, eq=False)
-class ClosedDirectSource(DirectValues):
+class ClosedDirectSource(DirectText):
     """The direct problem of one platform; `common` are the values of the names that templates of
     limbs need.
     """
 
     common: Mapping[str, object]
 
-    @cached_property
-    def _answer(self) -> AnswerText:
-        return AnswerText(self.made, self.found)
-
     @property
     def text(self) -> str:
         """All functions of the direct problem."""
-        real, made, literal = self.real, self.made, self.real.literal
+        real, made, literal = self.real, self.made, self.literal
         angular = any(c.is_angular for c in made.actuated)
         polynomial = real.name == "float" and angular
         angle = angle_of_direction(real, self.common) if polynomial else ""
@@ -69,7 +62,7 @@ class ClosedDirectSource(DirectValues):
             "nto": len(made.actuated),
             "k": f"{made.name}_direct",
             "ny": self.y.numel(),
-            "guess_lines": GuessText(self.made, self.found).lines,
+            "guess_lines": self.guess_lines,
             "formula_lines": self._formula_lines,
             "set_lines": self._set_lines,
             "guard_members": self.guards.members,
@@ -86,9 +79,9 @@ class ClosedDirectSource(DirectValues):
             if any(wide)
             else "one evaluation",
             "evaluation_count": 2 if any(wide) else 1,
-            "half_lines": self._answer.half_lines,
-            "rounding": literal(rounded(64 * real.epsilon * made.closure.characteristic_length)),
-            **self._answer.lines,
+            "half_lines": self._half_lines,
+            "rounding": literal(rounded(64 * real.epsilon * made.size)),
+            **self.answer_lines,
         }
         aim = [
             f"for (int i = 0; i < {len(made.actuated)}; ++i) {{",
@@ -105,9 +98,18 @@ class ClosedDirectSource(DirectValues):
         return turn + whole[:begin] + answer + whole[begin:]
 
     @property
+    def _half_lines(self) -> str:
+        """Statements of cosine and sine of half the pose's turn."""
+        if not self._turns:
+            return ""
+        places = self.unknown_places[self._turns[0].name]
+        cosine, sine = (f"w->y[{i}]" for i in places)
+        return fill("half_turn.c", {**self.common, "cosine": cosine, "sine": sine})
+
+    @property
     def _same_signs(self) -> list[str]:
         """Statements that compare the signs of a guess read again."""
-        count, p = self.found.formulas.roots.numel(), self.made.name.upper()
+        count, p = self.found.formulas.roots.numel(), self.capital
         return (
             [
                 f"for (int k = 0; (k < {count}) && (status == {p}_OK); ++k) {{",
@@ -150,7 +152,7 @@ class ClosedDirectSource(DirectValues):
             square, sign = emitter.value(0, k), f"w->sign[{k}]"
             emitter.root(k + 1, square, zero, zero, about=name, sign=sign)
         self.store_guards(emitter, 2, "guard", of_divisors=False)
-        for i in sorted(self._answer.needed):
+        for i in sorted(self.needed):
             text = emitter.value(1, i)
             lines.append(f"w->y[{i}] = {text};")
         shares = [
@@ -184,7 +186,7 @@ class ClosedDirectSource(DirectValues):
 
     @property
     def _set_lines(self) -> list[str]:
-        lines, call = [], f"{self.made.name}_cosine_and_sine"
+        lines, call = [], f"{self.name}_cosine_and_sine"
         for i, c in enumerate(self.made.actuated):
             place = self.joint_places[c.name][0]
             if not c.is_angular:
@@ -237,14 +239,14 @@ class ClosedDirectSource(DirectValues):
             "/* which part of the slides' ranges holds both ends of the line */",
             *self.guards.reach_lines(slides),
             f"if (!({' && '.join(tests)})) {{",
-            f"    status = {self.made.name.upper()}_WRONG_BRANCH;",
+            f"    status = {self.capital}_WRONG_BRANCH;",
             "}",
         ]
 
     @property
     def _at_lines(self) -> list[str]:
         """Statements of the joints' values at the guess and the given ones that are meant."""
-        made, p, lines = self.made, self.made.name, list[str]()
+        made, p, lines = self.made, self.name, list[str]()
         angle = f"{p}_angle" if self.real.name == "float" else "atan2"
         for i, c in enumerate(made.actuated):
             places = self.joint_places[c.name]
@@ -252,6 +254,5 @@ class ClosedDirectSource(DirectValues):
                 lines.append(f"at[{i}] = {angle}(w->at[{places[1]}], w->at[{places[0]}]);")
             else:
                 lines.append(f"at[{i}] = w->at[{places[0]}];")
-        if any(made.limited_angles):
-            lines.append(f"{p}_turn_into_limits(at, joints);")
-        return [*lines, f"{p}_unwrap_joints(at, joints, given);"]
+        lines += self.into_limits("at", "joints")
+        return [*lines, *self.unwrapped("given", "joints", "at")]

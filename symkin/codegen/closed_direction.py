@@ -16,6 +16,7 @@ import numpy as np
 from symkin.closure.snapping import snapped_expression
 from symkin.codegen.line_bounds import Span
 from symkin.codegen.map.joint_map import Direction, JointMap
+from symkin.codegen.map.record import Source
 from symkin.codegen.steps.composed import Composed, Condition, Part
 from symkin.codegen.steps.guard_text import GuardText
 from symkin.codegen.steps.guards import (
@@ -29,7 +30,7 @@ from symkin.codegen.steps.guards import (
 )
 from symkin.codegen.steps.newton_kernel import rounded
 from symkin.codegen.text.angles import Numbers, number_counts, numbers_by_name
-from symkin.codegen.text.c import Emitter, Real
+from symkin.codegen.text.c import Emitter
 from symkin.codegen.text.templates import fill
 from symkin.computed_once import cached_property
 from symkin.model.joint import units_of
@@ -49,16 +50,12 @@ _SMALLER = 0.25
 
 
 @dataclass(frozen=True, eq=False)
-class ClosedDirection:
+class ClosedDirection(Source):
     """The formulas of one direction, over its known numbers k, signs and roots."""
 
     made: JointMap
     direction: Direction
     names: Mapping[str, object]
-
-    @property
-    def real(self) -> Real:
-        return self.made.real
 
     @cached_property
     def known(self) -> ca.SX:
@@ -300,10 +297,10 @@ class ClosedDirection:
     @cached_property
     def values(self) -> dict[str, object]:
         """Names of the templates."""
-        literal, count = self.real.literal, max(1, len(self.conditions))
+        literal, count = self.literal, max(1, len(self.conditions))
         return dict(self.names) | {
             "which": self.direction.name,
-            "k": f"{self.made.name}_{self.direction.name}",
+            "k": f"{self.name}_{self.direction.name}",
             "nk": self.known.numel(),
             "ns": self.state.numel(),
             "nto": len(self.direction.known),
@@ -358,7 +355,7 @@ class ClosedDirection:
     @property
     def _formula_lines(self) -> list[str]:
         """Statements of the conditions, the roots and the state."""
-        literal, symbols = self.real.literal, [self.known, self.signs, self.roots]
+        literal, symbols = self.literal, [self.known, self.signs, self.roots]
         conditions = snapped_expression(stacked(c.value for c in self.conditions), symbols)
         names = ("k", "sign", [f"r{k + 1}" for k in range(self.roots.numel())])
         inputs = list(zip(symbols, names, strict=True))
@@ -395,7 +392,7 @@ class ClosedDirection:
         inputs = [self.known, self.state, self.signs, self.roots]
         divisors = [one.value for one in self.conditions if one.root is None]
         expressions = [snapped_expression(stacked(part), inputs) for part in (told, divisors)]
-        literal, fabs, one = self.real.literal, self.real.call("fabs"), self.real.one
+        literal, fabs, one = self.literal, self.real.call("fabs"), self.real.one
         names = ("k", "x", "sign", [f"r{k + 1}" for k in range(len(told))])
         emitter = Emitter.of(self.real, list(zip(inputs, names, strict=True)), *expressions)
         lines = emitter.lines
@@ -424,7 +421,7 @@ class ClosedDirection:
         return [rounded(1.0 / float(usual)) for usual in self.usual]
 
     def _per_usual(self, j: int) -> str:
-        return self.real.literal(self._factors[j])
+        return self.literal(self._factors[j])
 
 
 def _unit(cosine: ca.SX, sine: ca.SX | None) -> ca.SX:

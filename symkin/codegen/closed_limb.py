@@ -16,10 +16,12 @@ import numpy as np
 
 from symkin.closure.snapping import snapped_expression
 from symkin.codegen.map.limb_platform import LimbBlock, LimbPlatform
+from symkin.codegen.map.record import Source
 from symkin.codegen.steps.formula_guards import RESOLVED
 from symkin.codegen.steps.newton_kernel import rounded
+from symkin.codegen.steps.passive_limits import texts_of
 from symkin.codegen.text.angles import Numbers, by_numbers
-from symkin.codegen.text.c import Emitter, Real, indented_by_braces, indexed
+from symkin.codegen.text.c import Emitter, Real, indented_by_braces
 from symkin.codegen.text.templates import fill
 from symkin.computed_once import cached_property
 from symkin.elimination.closed_form import ClosedForm
@@ -50,16 +52,12 @@ def actuated_places(block: LimbBlock) -> list[int]:
 
 
 @dataclass(frozen=True, eq=False)
-class LimbFormulas:
+class LimbFormulas(Source):
     """A limb's formulas with the reference's signs."""
 
     made: LimbPlatform
     block: LimbBlock
     formulas: ClosedForm
-
-    @property
-    def real(self) -> Real:
-        return self.made.real
 
     @cached_property
     def signs(self) -> np.ndarray:
@@ -123,7 +121,7 @@ class LimbFormulas:
         root is below the `least` share of its usual size, SINGULAR where a divisor is,
         OUT_OF_RANGE where `rows` do not close.
         """
-        real, name = self.real, self.made.name.upper()
+        real, name = self.real, self.capital
         known, roots = self.formulas.system.known, self.formulas.roots
         free, count = self.block.free_divisors, roots.numel()
         divisors = self.signed(stacked(self.formulas.divisors[j] for j in free))
@@ -134,7 +132,7 @@ class LimbFormulas:
         inputs = [(known, "c"), (roots, [f"r{k + 1}" for k in range(count)])]
         emitter = Emitter.of(real, inputs, *outputs)
         zeros = [f"{array}[{i}] = {real.zero};" for i in range(results.numel())]
-        status = [f"{self.made.name}_status status = {name}_{refused};"]
+        status = [f"{self.name}_status status = {name}_{refused};"]
         written, closings, tests = list(status if free else []), list[list[str]](), list[str]()
         for k in range(count + 1):
             # a divisor is asked before anything is divided by it
@@ -172,7 +170,7 @@ class LimbFormulas:
         return max(reads, default=0)
 
     def _above(self, text: str, least: float) -> str:
-        return f"({self.real.call('fabs')}({text}) > {self.real.literal(rounded(least))})"
+        return f"({self.real.call('fabs')}({text}) > {self.literal(rounded(least))})"
 
     @property
     def _rows(self) -> ca.SX:
@@ -196,7 +194,7 @@ class LimbFormulas:
         """Statements of the limb's rows, and the status that they leave: a pose off what the
         mechanism can take has no answer.
         """
-        capital, texts = self.made.name.upper(), emitter.values(3)
+        capital, texts = self.capital, emitter.values(3)
         closes = " && ".join(f"({self.real.call('fabs')}({text}) <= within)" for text in texts)
         return [
             "/* the rows that the formulas leave over */",
@@ -227,13 +225,8 @@ def branch_text(made: LimbPlatform, common: Mapping[str, object], tolerance: flo
     `common` has NAME_check_given's bounds `near`.
     """
     lines, known = [], made.inverse.known_coordinates
-    state = [*(c for c in made.passive), *known]
-    names: dict[str, list[str]] = {}
-    place = 0
-    for c in state:
-        names[c.name] = indexed("x", c.width, place)
-        place += c.width
-    names |= {c.name: [f"given[{i}]"] for i, c in enumerate(made.actuated)}
+    state = (*made.passive, *known)
+    names = texts_of("x", state) | texts_of("given", made.actuated)
     for block in made.blocks:
         if block.formulas is None:
             continue
@@ -258,5 +251,6 @@ def branch_text(made: LimbPlatform, common: Mapping[str, object], tolerance: flo
             )
             tests += [f"told = told && ({text} > {made.real.literal(rounded(near))});"]
         lines += [*emitter.lines, *tests]
-    answer = f"&x[{place - sum(c.width for c in known)}]"
-    return fill("told_branch.c", {**common, "count": place, "told": lines, "answer": answer})
+    count, passive = (sum(c.width for c in part) for part in (state, made.passive))
+    shown = {"count": count, "told": lines, "answer": f"&x[{passive}]"}
+    return fill("told_branch.c", {**common, **shown})

@@ -22,7 +22,9 @@ from symkin.codegen.arm_speeds import arm_error, arm_speeds
 from symkin.codegen.closed_line import ClosedLine
 from symkin.codegen.closed_source import ClosedCode
 from symkin.codegen.line_parts import line_target
-from symkin.codegen.map.options import Options
+from symkin.codegen.map.platform_rates import fastest
+from symkin.codegen.map.record import Described, Source
+from symkin.codegen.map.signature import ARM, ARM_SPEEDS, CLOSED_ARM, Function
 from symkin.codegen.steps.geometry import Geometry
 from symkin.codegen.steps.guard_text import Watched
 from symkin.codegen.steps.guards import DETERMINANT
@@ -42,7 +44,6 @@ from symkin.codegen.text.templates import (
 from symkin.computed_once import cached_property
 from symkin.errors import InputError
 from symkin.model.joint import Coordinate
-from symkin.model.mechanism import Mechanism
 from symkin.position.feasible_pose import closing_poses
 from symkin.position.problem import Problem, build_problem, pose_names
 from symkin.spatial.rotation import conjugate, multiply
@@ -64,26 +65,18 @@ def closed_misfit(real: Real, size: float) -> float:
 
 
 @dataclass(frozen=True, eq=False)
-class SerialArm:
+class SerialArm(Described):
     """A serial arm with its options: what its C is written from."""
 
-    mechanism: Mechanism
-    options: Options
-    real: Real
     templates: ClassVar[str] = "serial"
-    has_dead_centres: ClassVar[bool] = False
 
     @property
-    def name(self) -> str:
-        return self.mechanism.name
+    def functions(self) -> tuple[Function, ...]:
+        return (*ARM, *(CLOSED_ARM if self.plan is not None else ()), *ARM_SPEEDS)
 
     @cached_property
     def inverse(self) -> Problem:
         return build_problem(self.mechanism, pose_names(self.mechanism))
-
-    @property
-    def actuated(self) -> tuple[Coordinate, ...]:
-        return self.mechanism.actuated
 
     @cached_property
     def joints(self) -> ca.SX:
@@ -152,12 +145,7 @@ class SerialArm:
         rng = np.random.default_rng(4)
         found = []
         for _ in range(60):
-            q = np.array(
-                [
-                    _middle(c, self.mechanism.characteristic_length, float(rng.uniform(-1, 1)))
-                    for c in self.actuated
-                ]
-            )
+            q = np.array([_middle(c, self.size, float(rng.uniform(-1, 1))) for c in self.actuated])
             found.append((q, self.forward_at(q)))
         return found
 
@@ -198,12 +186,10 @@ class SerialArm:
 
     @property
     def can_be_compact(self) -> bool:
-        """Whether there is code that --compact makes shorter."""
         return self.plan is None and is_unrolled(self.kernel, compact=False)
 
     @property
     def is_redundant(self) -> bool:
-        """A tool pose does not decide the joints."""
         return len(self.actuated) > 6
 
     def check(self) -> None:
@@ -239,17 +225,17 @@ def _middle(c: Coordinate, size: float, part: float) -> float:
 
 
 @dataclass(frozen=True, eq=False)
-class ArmSource:
+class ArmSource(Source):
     """The C of one arm, function by function."""
 
-    arm: SerialArm
+    made: SerialArm
 
     @cached_property
     def code(self) -> NewtonCode:
         """The Newton iteration of the inverse problem; kappa is taken where the matrix is
         regular.
         """
-        arm, kernel, geometry = self.arm, self.arm.kernel, self.arm.geometry
+        arm, kernel, geometry = self.made, self.made.kernel, self.made.geometry
         matrices = np.array([kernel.matrix(q, pose, geometry.values) for q, pose in arm.samples])
         regular = [
             sample
@@ -259,26 +245,26 @@ class ArmSource:
         return NewtonCode(
             kernel=kernel,
             name=arm.name,
-            real=arm.real,
+            real=self.real,
             geometry=geometry.names,
             matrices=matrices,
             kappa=curvature(
                 kernel, [q for q, _ in regular], [pose for _, pose in regular], geometry.values
             ),
-            target_lines=line_target(arm.real, 7, 3),
+            target_lines=line_target(self.real, 7, 3),
             compact=arm.options.compact,
         )
 
     @cached_property
     def values(self) -> dict[str, object]:
         """Values of the names in the templates of this kind, the tests and the header."""
-        nq = len(self.arm.actuated)
-        common = common_values(self.arm.name, self.arm.real, struct=self.arm.geometry.at_run_time)
-        size = self.arm.mechanism.characteristic_length
+        nq = len(self.made.actuated)
+        common = common_values(self.name, self.real, struct=self.made.geometry.at_run_time)
+        size = self.made.size
         far = farthest(
-            size, self.arm.forward_at(np.array([c.reference[0] for c in self.arm.actuated]))[:3]
+            size, self.made.forward_at(np.array([c.reference[0] for c in self.made.actuated]))[:3]
         )
-        literal = self.arm.real.literal
+        literal = self.literal
         return (
             common
             | {
@@ -286,9 +272,10 @@ class ArmSource:
                 "last_joint": nq - 1,
                 "ns": nq,
                 "nj": 6 * nq,
-                "meaning": _meaning(self.arm),
+                "meaning": _meaning(self.made),
                 "farthest": literal(far),
                 "farthest_joint": literal(FARTHEST * max(size, 1.0)),
+                "largest": literal(fastest(size)),
                 "per_size": literal(1.0 / size),
                 "branches_told": "" if self.closed is None else self.closed.header,
                 "line_words": self._line_words,
@@ -299,16 +286,16 @@ class ArmSource:
     @cached_property
     def _frame(self) -> ArmFrame | None:
         """The border of an arm that is solved by its closed form in a frame of its own."""
-        arm = self.arm
+        arm = self.made
         if not arm.follows_closed_form or arm.plan is None or arm.plan[0].arm.base is None:
             return None
         nq = len(arm.actuated)
-        values = common_values(arm.name, arm.real, struct=False) | {"nq": nq, "nj": 6 * nq}
-        return ArmFrame(arm.plan[0].arm.base, arm.real, values)
+        values = common_values(arm.name, self.real, struct=False) | {"nq": nq, "nj": 6 * nq}
+        return ArmFrame(arm.plan[0].arm.base, self.real, values)
 
     @cached_property
     def _frame_names(self) -> dict[str, object]:
-        return unturned(self.arm.name) if self._frame is None else self._frame.names
+        return unturned(self.name) if self._frame is None else self._frame.names
 
     def _in_own(self, screws: ArmScrews) -> ArmScrews:
         """The screws, of an arm with a border without the turn that this makes."""
@@ -317,8 +304,8 @@ class ArmSource:
     @property
     def _line_words(self) -> str:
         """What the line costs at most, and where limits are checked, in words of the header."""
-        prefix = self.arm.name.upper()
-        limited = any(c.limits is not None for c in self.arm.actuated)
+        prefix = self.capital
+        limited = any(c.limits is not None for c in self.made.actuated)
         words = []
         if self.line is None:
             words = [
@@ -339,16 +326,16 @@ class ArmSource:
     @cached_property
     def closed(self) -> ClosedCode | None:
         """The closed form, where the arm has one."""
-        arm = self.arm
+        arm = self.made
         if arm.plan is None:
             return None
         plan, nearly = arm.plan
-        misfit = closed_misfit(arm.real, arm.mechanism.characteristic_length)
-        common = common_values(arm.name, arm.real, struct=False) | self._frame_names
+        misfit = closed_misfit(self.real, arm.size)
+        common = common_values(arm.name, self.real, struct=False) | self._frame_names
         return ClosedCode(
             replace(plan, arm=self._in_own(plan.arm)),
             arm.actuated,
-            arm.real,
+            self.real,
             common,
             misfit,
             self.code if nearly else None,
@@ -359,20 +346,20 @@ class ArmSource:
         """Pose and Jacobian by the screws' motions, where the geometry is that of the code and
         joints turn or slide.
         """
-        arm = self.arm
+        arm = self.made
         screws = None if arm.geometry.at_run_time else arm_screws(arm.mechanism)
         return (
             None
             if screws is None
             else ArmMotion(
-                self._in_own(screws), arm.real, common_values(arm.name, arm.real, struct=False)
+                self._in_own(screws), self.real, common_values(arm.name, self.real, struct=False)
             )
         )
 
     @cached_property
     def line(self) -> ClosedLine | None:
         """The closed form's check of lines, where it is the arm's own."""
-        if self.closed is None or not self.arm.follows_closed_form:
+        if self.closed is None or not self.made.follows_closed_form:
             return None
         assert self.motion is not None  # noqa: S101 - a closed form is one of screws
         return ClosedLine(self.closed, self.motion)
@@ -380,34 +367,23 @@ class ArmSource:
     @property
     def _solving(self) -> dict[str, object]:
         """How NAME_inverse solves: by the closed form along the line, else by Newton's method."""
-        nq, name, config = (
-            len(self.arm.actuated),
-            self.arm.name,
-            "(config != NULL) ? config : &usual",
-        )
-        if self.line is not None:
-            return {
-                "how": "The joints by the closed form",
-                "work": f"{self.arm.real.type} at[{nq}];",
-                "at": "at",
-                "to_x": indent(copy("at", "guess", nq), 2),
-                "out": indent(copy("joints", "at", nq), 3),
-                "solve": indent([f"status = {name}_inverse_along(to, {config}, at, info);"], 2),
-            }
-        first = self.values["ga"]
+        nq, name, config = len(self.made.actuated), self.name, "(config != NULL) ? config : &usual"
+        how, at, work = "the closed form", "at", f"{self.real.type} at[{nq}];"
+        solve = [f"status = {name}_inverse_along(to, {config}, at, info);"]
+        if self.line is None:
+            how, at, work = "Newton's method", "w.x", f"{name}_inverse_work w;"
+            ga = self.values["ga"]
+            solve = [
+                f"{name}_forward({ga}w.x, w.at);",
+                f"status = {name}_inverse_newton({ga}&w, to, {config}, info);",
+            ]
         return {
-            "how": "The joints by Newton's method",
-            "work": f"{name}_inverse_work w;",
-            "at": "w.x",
-            "to_x": indent(copy("w.x", "guess", nq), 2),
-            "out": indent(copy("joints", "w.x", nq), 3),
-            "solve": indent(
-                [
-                    f"{name}_forward({first}w.x, w.at);",
-                    f"status = {name}_inverse_newton({first}&w, to, {config}, info);",
-                ],
-                2,
-            ),
+            "how": f"The joints by {how}",
+            "work": work,
+            "at": at,
+            "to_x": indent(copy(at, "guess", nq), 2),
+            "out": indent(copy("joints", at, nq), 3),
+            "solve": indent(solve, 2),
         }
 
     @property
@@ -420,8 +396,8 @@ class ArmSource:
     @property
     def text(self) -> str:
         """Everything of NAME.c between its beginning and end."""
-        arm, values = self.arm, self.values
-        ranges = ranges_of(arm.actuated, arm.real, arm.mechanism.characteristic_length)
+        arm, values = self.made, self.values
+        ranges = ranges_of(arm.actuated, self.real, arm.size)
         functions = fill(
             "serial_functions.c",
             values
@@ -439,9 +415,9 @@ class ArmSource:
                 "" if frame is None else frame.declaration,
                 normalise_pose(values),
                 fill("info.c", values),
-                range_functions(ranges, arm.real, values),
+                range_functions(ranges, self.real, values),
                 self._forward,
-                arm_error(arm.actuated, arm.real, arm.mechanism.characteristic_length, values),
+                arm_error(arm.actuated, self.real, arm.size, values),
                 newton,
                 closed,
                 line,
@@ -454,25 +430,24 @@ class ArmSource:
     @property
     def _speeds(self) -> str:
         """Rates, twist, feed and the step of a control loop."""
-        arm = self.arm
-        size = arm.mechanism.characteristic_length
-        return arm_speeds(arm.actuated, arm.real, size, self.code.tuning.rounding, self.values)
+        rounding = self.code.tuning.rounding
+        return arm_speeds(self.made.actuated, self.real, rounding, self.values)
 
     def _emitter(self, expression: ca.SX, joints: str) -> Emitter:
         """Emitter of a dense function of the joints, whose C name is given."""
-        arm = self.arm
+        arm = self.made
         inputs = [
             (arm.joints, indexed(joints, len(arm.actuated))),
             (arm.geometry.symbols, arm.geometry.names),
         ]
-        return Emitter.of(arm.real, inputs, expression)
+        return Emitter.of(self.real, inputs, expression)
 
     @property
     def _forward(self) -> str:
         """NAME_forward: the tool's pose of joint values."""
         if self.motion is not None:
             return self.motion.text
-        lines = self._emitter(self.arm.pose, "q").stored(indexed("x", 7))
+        lines = self._emitter(self.made.pose, "q").stored(indexed("x", 7))
         return fill("forward.c", self.values | {"forward": indent(lines)})
 
     @property
@@ -480,5 +455,5 @@ class ArmSource:
         """Statements of the Jacobian, row by row."""
         if self.motion is not None:
             return self.motion.jacobian_lines
-        emitter = self._emitter(ca.vec(self.arm.jacobian.T), "joints")
-        return emitter.stored(indexed("jacobian", 6 * len(self.arm.actuated)))
+        emitter = self._emitter(ca.vec(self.made.jacobian.T), "joints")
+        return emitter.stored(indexed("jacobian", 6 * len(self.made.actuated)))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import accumulate
 from typing import Literal
 
 from symkin.computed_once import cached_property
@@ -94,6 +95,14 @@ class Coordinate:
 def units_of(coordinates: Sequence[Coordinate], length: float) -> list[float]:
     """The unit of each number of the coordinates (see `Coordinate.unit`)."""
     return [c.unit(length) for c in coordinates for _ in range(c.width)]
+
+
+def places_of(coordinates: Sequence[Coordinate], counts: Sequence[int]) -> dict[str, range]:
+    """The places of each coordinate's numbers, so many of each, one coordinate after the other."""
+    ends = accumulate(counts)
+    return {
+        c.name: range(end - n, end) for c, n, end in zip(coordinates, counts, ends, strict=True)
+    }
 
 
 @dataclass(frozen=True)

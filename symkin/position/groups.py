@@ -103,12 +103,12 @@ def implied_parts(group: Problem) -> tuple[Problem, ...]:
     """
     if group.implied or group.closure.partition.geometry or is_tied(group):
         return ()
-    candidates = _with_implied(group, _implied_rows(group))
+    candidates = with_implied(group, implied_rows_of(group))
     if not candidates.implied:
         return ()
     count, chosen = len(group.places_of_rows), _independent_rows(candidates)
     kept = [row for k, row in enumerate(candidates.implied, start=count) if k in chosen]
-    parts = _decomposed(_with_implied(group, kept)) if kept else ()
+    parts = _decomposed(with_implied(group, kept)) if kept else ()
     return parts if len(parts) > 1 else ()
 
 
@@ -148,9 +148,9 @@ def _dependences(problem: Problem) -> tuple[list[set[str]], list[set[str]]]:
     return rows, errors
 
 
-def _implied_rows(group: Problem) -> list[PointRow | ProductRow]:
-    """What each branch of a group says without the joints that no other branch holds, of one
-    floating body at most, which is unknown.
+def implied_rows_of(group: Problem, kept: Collection[str] = ()) -> list[PointRow | ProductRow]:
+    """What each branch of a group says without the joints that no other branch holds, but for those
+    that are `kept`, of one floating body at most, which is unknown.
     """
     closure, places = group.closure, group.places_of_rows
     held = _held(dependence_of(group.system.rows, closure), closure)
@@ -161,20 +161,21 @@ def _implied_rows(group: Problem) -> list[PointRow | ProductRow]:
     known = {c.name for c in group.known_coordinates}
     own = known | {c.name for c in group.system.unknowns}
     fixed = {c.name for c in closure.coordinates if c.body is not None and c.name in known}
-    joints = [c.name for c in closure.coordinates if c.body is None and c.name not in known]
+    staying = known.union(kept)
+    joints = [c.name for c in closure.coordinates if c.body is None and c.name not in staying]
     found = []
     for branch in dict.fromkeys(closure.row_sources[place].limb for place in places):
         gone = [name for name in joints if owners.get(name, {branch}) == {branch}]
         unknowns = (c.name for c in group.system.unknowns)
         left = {name for name in unknowns if branch in owners.get(name, ())} - set(gone)
         for row in implied_rows(closure, branch, gone) if left else []:
-            names = _coordinates_in(row.row, closure)
+            names = coordinates_in(row.row, closure)
             if names <= own and not names & fixed:
                 found.append(row)
     return found
 
 
-def _with_implied(problem: Problem, implied: Sequence[PointRow | ProductRow]) -> Problem:
+def with_implied(problem: Problem, implied: Sequence[PointRow | ProductRow]) -> Problem:
     """The same problem with implied rows behind its own."""
     size, system = problem.closure.characteristic_length, problem.system
     more = [row.row / (2 * size) if row.is_sphere else row.row for row in implied]
@@ -198,7 +199,7 @@ def _part(
     places, checks = (_rows_of(held, unknowns, found) for held in dependence)
     rows, errors = problem.system.rows[places, 0], problem.system.errors[checks, 0]
     rows, errors = (without_later(part, closure, found) for part in (rows, errors))
-    held = _coordinates_in(ca.vertcat(rows, errors), closure)
+    held = coordinates_in(ca.vertcat(rows, errors), closure)
     known = tuple(c for name, c in found.items() if name in held and c not in unknowns)
     system = replace(
         problem.system,
@@ -233,7 +234,7 @@ def without_later(rows: ca.SX, closure: Closure, allowed: Collection[str]) -> ca
     """The same rows with the reference's values of coordinates that they hold with coefficients of
     rounding only.
     """
-    held = _coordinates_in(rows, closure)
+    held = coordinates_in(rows, closure)
     later = [c for c in closure.coordinates if c.name in held and c.name not in allowed]
     if not later:
         return rows
@@ -241,7 +242,7 @@ def without_later(rows: ca.SX, closure: Closure, allowed: Collection[str]) -> ca
     return ca.substitute(rows, closure.symbols(later), ca.SX(ca.DM(values)))
 
 
-def _coordinates_in(rows: ca.SX, closure: Closure) -> set[str]:
+def coordinates_in(rows: ca.SX, closure: Closure) -> set[str]:
     """Names of the coordinates that rows hold."""
     owners = _owners(closure)
     held = (owners.get(symbol.element_hash()) for symbol in ca.symvar(rows))

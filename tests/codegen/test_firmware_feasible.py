@@ -227,6 +227,25 @@ def test_limits_of_passive_joints_are_kept_by_a_map(tmp_path, joint, low, high):
     assert statuses == {OK, OUT_OF_RANGE}
 
 
+def test_a_guess_a_little_beyond_its_limits_begins_where_it_stands(tmp_path):
+    """Not a whole turn away: the line from there to values within is a short one."""
+    text = (Path(symkin.__file__).parent / "mechanisms" / "four_bar.toml").read_text()
+    plain = loaded(tmp_path, text)
+    within, beyond = (
+        symkin.solve(plain, given={"crank": crank}).solution.joints["follower"]
+        for crank in (90.0, 95.0)
+    )
+    high = within + 0.9 * (beyond - within)
+    made = loaded(tmp_path, limited(text, "follower", *sorted((high, 2.0 * within - high))))
+    code = library(made, tmp_path / "c", given=("crank",), find=("follower",))
+    crank = doubles([0.0])
+    status = code.four_bar_inverse(
+        None, doubles([math.radians(within)]), doubles([math.radians(95.0)]), crank, None
+    )
+    assert status == OK
+    assert math.degrees(crank[0]) == pytest.approx(90.0, abs=1e-6)
+
+
 @pytest.mark.parametrize("joint", in_gate(["elbow1", "tip"], ["tip"]))
 def test_limits_of_passive_joints_are_kept_by_a_platform(tmp_path, joint):
     """Direct problem, inverse problem and tracking alike."""

@@ -84,7 +84,7 @@ def test_a_trap_is_told(tmp_path):
     source = folder / "scara.c"
     source.write_text(
         source.read_text().replace(
-            "scara_status status = scara_check_limits(joints);",
+            "scara_status status = scara_limit_joints(SCARA_OK, joints);",
             "scara_status status = (1.0f / (joints[0] - joints[0]) > 2.0f) ? SCARA_OK : "
             "SCARA_SINGULAR;",
             1,

@@ -11,7 +11,7 @@ import numpy as np
 
 from symkin.codegen.folder.vectors import Vectors
 from symkin.codegen.map.joint_map import JointMap
-from symkin.codegen.map.program import Kind, Program, is_closed
+from symkin.codegen.map.program import Kind, Program
 from symkin.codegen.map.signature import CLOSED_ARM, LINE, Function
 from symkin.codegen.serial_arm import SerialArm
 from symkin.codegen.text.c import Real, indent
@@ -202,7 +202,7 @@ def _problems(program: Program) -> list[_Asked]:
         ]
     joints = _joint_weights(program.mechanism.actuated, 0.5 * size)
     if not isinstance(kind, SerialArm):
-        pose, few = _pose_weights(size, 2.0), int(not is_closed(kind))
+        pose, few = _pose_weights(size, 2.0), int(not kind.is_closed)
         return [
             _Asked(direct, "joints", "guesses", "poses", pose, "ask_track", blamed=1, few=few),
             _Asked(inverse, "poses", answers="inverse", weights=joints),
@@ -426,7 +426,7 @@ def _refused_rows(program: Program, vectors: Vectors) -> list[str]:
         told = ", ".join(map(str, vectors.blamed))
         lines = [f"static const int blamed[] = {{ {told} }};", *lines]
     far = vectors.places.get("far")
-    if far is not None and not is_closed(kind):
+    if far is not None and not kind.is_closed:
         away = np.linalg.norm(far[:3] - vectors.answers["poses"][0][:3])
         if away > _TOO_FAR * program.mechanism.characteristic_length:
             lines.append(

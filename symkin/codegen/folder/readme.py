@@ -10,7 +10,7 @@ from collections.abc import Iterable, Sequence
 from symkin.codegen.map.implied_platform import CONFIGURATIONS
 from symkin.codegen.map.joint_map import Direction, JointMap
 from symkin.codegen.map.limb_platform import LimbPlatform
-from symkin.codegen.map.program import Program, is_closed
+from symkin.codegen.map.program import Program
 from symkin.codegen.map.rod_platform import RodPlatform
 from symkin.codegen.serial_arm import SerialArm
 from symkin.codegen.steps.composed import Part
@@ -38,7 +38,7 @@ def readme(program: Program) -> str:
     mechanism, main, known = program.mechanism, program.main, _is_shipped(program.mechanism)
     question = degrees_question(mechanism)
     counts = "; ".join(f"{what}: {count}" for what, count in main.operations.items())
-    is_one = is_closed(program.kind)
+    is_one = program.kind.is_closed
     sines = bool(main.operations.get("sin"))
     return _words(
         "frame",
@@ -99,7 +99,7 @@ def _chapters(program: Program) -> list[str]:
     if isinstance(kind, RodPlatform):
         more = ["\n" + _words("relative")] if program.options.home_relative else []
         return ["".join([_words("rods"), *more]), _newton(program), guards]
-    solved = _words("solved" if is_closed(kind) else "iterated")
+    solved = _words("solved" if kind.is_closed else "iterated")
     ok = [_newton(program)]
     if kind.direct_formulas is not None:
         ok = _direct_formulas(kind, implied=kind.mechanism.motion != program.lowered.motion)

@@ -14,22 +14,23 @@ from typing import ClassVar, Literal
 import casadi as ca
 import numpy as np
 
-from symkin.codegen.map.options import Options
+from symkin.codegen.map.record import Described
+from symkin.codegen.map.signature import MAP, Function
 from symkin.codegen.steps.circle_kernel import CircleKernel, circle_kernel, shortened
 from symkin.codegen.steps.composed import Part
 from symkin.codegen.steps.formula_guards import is_firm
+from symkin.codegen.steps.geometry import Geometry
 from symkin.codegen.steps.newton_kernel import Kernel
 from symkin.codegen.steps.passive_limits import PassiveLimit, passive_limits
 from symkin.codegen.steps.samples import Configuration, all_followed, configurations
 from symkin.codegen.text.angles import numbers_at, sum_of_angles
-from symkin.codegen.text.c import Real
 from symkin.computed_once import cached_property
 from symkin.elimination.closed_form import closed_form, samples_about
 from symkin.errors import InputError
-from symkin.model.joint import Coordinate, units_of
+from symkin.model.joint import Coordinate, places_of, units_of
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.rank import Rank
-from symkin.numeric.system import System
+from symkin.numeric.system import NOTHING, System
 from symkin.position.closed_configurations import closed_configurations
 from symkin.position.given import unknown_name
 from symkin.position.groups import dependence_of, is_linear, structure_groups
@@ -160,26 +161,23 @@ def _part(group: Problem) -> Part:
 
 
 @dataclass(frozen=True, eq=False)
-class JointMap:
+class JointMap(Described):
     """A map between joints with its options: what its C is written from."""
 
-    mechanism: Mechanism
-    options: Options
-    real: Real
     templates: ClassVar[str] = "map"
-    is_redundant: ClassVar[bool] = False
-    has_dead_centres: ClassVar[bool] = False
-    can_be_compact: ClassVar[bool] = False
-    zero: ClassVar[float] = 0.0
-    """Joint values at home are themselves."""
+    of_poses: ClassVar[bool] = False
 
     @property
-    def name(self) -> str:
-        return self.mechanism.name
+    def functions(self) -> tuple[Function, ...]:
+        return MAP
 
     @property
-    def size(self) -> float:
-        return self.mechanism.characteristic_length
+    def geometry(self) -> Geometry:
+        return Geometry(self._whole.closure, at_run_time=False)
+
+    @property
+    def told(self) -> dict[str, tuple[Coordinate, ...]]:
+        return {"joints": self.given, "found": self.found}
 
     @cached_property
     def _whole(self) -> Problem:
@@ -305,9 +303,11 @@ class JointMap:
                 f"{name}: its loops are open at the reference configuration; `symkin close` closes "
                 f"them"
             )
-        jacobians = [_whole_jacobian(self._whole, v) for v in values]
+        everything = (*given, *self.direct.unknown)
+        whole = _partitioned(self._whole, everything, ())
+        jacobians = whole.system.linearise(values[:, whole.unknown_places], NOTHING)[1]
         rank = max(Rank.of(j).value for j in jacobians)
-        columns = _columns((*given, *self.direct.unknown))
+        columns = places_of(everything, [c.freedom for c in everything])
         mobility = jacobians[0].shape[1] - rank
         told, loops = (
             ", ".join(self.options.given),
@@ -356,64 +356,41 @@ class JointMap:
                 )
 
 
-def _columns(coordinates: Sequence[Coordinate]) -> dict[str, list[int]]:
-    """Columns of each coordinate in the Jacobian by all of them."""
-    found, column = {}, 0
-    for c in coordinates:
-        found[c.name] = list(range(column, column + c.freedom))
-        column += c.freedom
-    return found
-
-
-def _whole_jacobian(problem: Problem, values: np.ndarray) -> np.ndarray:
-    """Derivatives of the rows by the known coordinates and the unknown ones."""
-    parts = [problem.known_coordinates, problem.system.unknowns]
-    whole = _partitioned(problem, (*parts[0], *parts[1]), ())
-    return whole.system.linearise_one(values[whole.unknown_places], np.zeros(0))[1]
-
-
 def _partitioned(
     problem: Problem, unknown: tuple[Coordinate, ...], known: tuple[Coordinate, ...]
 ) -> Problem:
     """The same rows with other coordinates known."""
-    closure, system = problem.closure, problem.system
-    stacked = [closure.symbols(part) for part in (unknown, known)]
-    made = System(
-        unknown, stacked[0], stacked[1], system.rows, system.errors, system.characteristic_length
+    symbols = problem.closure.symbols
+    system = replace(
+        problem.system, unknowns=unknown, unknown=symbols(unknown), known=symbols(known)
     )
-    return replace(problem, system=made, known_coordinates=known)
+    return replace(problem, system=system, known_coordinates=known)
 
 
 def _connected(problem: Problem, names: set[str]) -> Problem:
     """The rows and unknowns that are joined with some coordinates by rows."""
-    closure, system = problem.closure, problem.system
-    held = [
-        {c.name for c in closure.coordinates if line[closure.slices[c.name]].any()}
-        for line in dependence_of(system.rows, closure)
-    ]
-    reached, before = set(names), set[str]()
-    while reached != before:
-        before = set(reached)
-        for row in held:
-            if row & reached:
-                reached |= row
-    rows = [k for k, row in enumerate(held) if row & reached]
-    checks = [
-        k
-        for k, line in enumerate(dependence_of(system.errors, closure))
-        if any(line[closure.slices[name]].any() for name in reached)
-    ]
-    unknown = tuple(c for c in system.unknowns if c.name in reached)
-    stacked = closure.symbols(unknown)
-    made = System(
-        unknown,
-        stacked,
-        system.known,
-        system.rows[rows, 0],
-        system.errors[checks, 0],
-        system.characteristic_length,
+    closure, system, reached = problem.closure, problem.system, set(names)
+    rows, errors = (
+        [
+            {c.name for c in closure.coordinates if line[closure.slices[c.name]].any()}
+            for line in dependence_of(part, closure)
+        ]
+        for part in (system.rows, system.errors)
     )
-    return replace(problem, system=made, row_places=tuple(rows))
+    for _ in rows:
+        reached.update(*(held for held in rows if held & reached))
+    places, checks = (
+        [k for k, held in enumerate(part) if held & reached] for part in (rows, errors)
+    )
+    unknowns = tuple(c for c in system.unknowns if c.name in reached)
+    made = replace(
+        system,
+        unknowns=unknowns,
+        unknown=closure.symbols(unknowns),
+        rows=system.rows[places, 0],
+        errors=system.errors[checks, 0],
+    )
+    return replace(problem, system=made, row_places=tuple(places))
 
 
 def map_configurations(

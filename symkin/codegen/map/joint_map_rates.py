@@ -4,13 +4,16 @@ torques, reflected inertia, limits of torque and rate.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
-
-import casadi as ca
+from collections.abc import Mapping, Sequence
 
 from symkin.codegen.map.map_direction import DirectionSource
-from symkin.codegen.map.rates import row_bends, row_derivatives, step_columns, step_text
+from symkin.codegen.map.rates import (
+    SolvedColumns,
+    row_bends,
+    row_derivatives,
+    step_columns,
+    step_text,
+)
 from symkin.codegen.steps.linear_solver import singular_condition
 from symkin.codegen.text.c import Emitter
 from symkin.codegen.text.templates import fill, substitute
@@ -24,153 +27,105 @@ float.
 """
 
 
-@dataclass(frozen=True)
-class _Applied:
-    """A function of a matrix: what of size N is given and of which least value, what is asked, of
-    which size in powers of N, and the statements of each entry i.
-    """
-
-    function: str
-    about: str
-    matrix: str
-    given: str
-    least: str
-    asked: str
-    power: int
-    body: tuple[str, ...]
-
-
-_SUM = ("result[i] = @{zero};", "for (int j = 0; j < @{nq}; ++j) {", "    result[i] += %s;", "}")
-_LIMIT = "of each found coordinate alone, the others without any, within limits of the joints."
+_ALONE = "of each found coordinate alone, the others without any, within limits of the joints."
 _APPLIED = (
-    _Applied(
+    (
         "rates",
         "found_rates = J joint_rates.",
-        "jacobian",
-        "joint_rates",
-        "-@{largest}",
-        "found_rates",
-        1,
-        (*_SUM[:2], _SUM[2] % "jacobian[@{nq} * i + j] * joint_rates[j]", _SUM[3]),
+        ("joint_rates", "found_rates"),
+        "jacobian[@{nq} * i + j] * joint_rates[j]",
     ),
-    _Applied(
+    (
         "torques",
         "joint_torques = J^T found_torques: the power of the joints is that of the found "
         "coordinates.",
-        "jacobian",
-        "found_torques",
-        "-@{largest}",
-        "joint_torques",
-        1,
-        (*_SUM[:2], _SUM[2] % "jacobian[@{nq} * j + i] * found_torques[j]", _SUM[3]),
+        ("found_torques", "joint_torques"),
+        "jacobian[@{nq} * j + i] * found_torques[j]",
     ),
-    _Applied(
+    (
         "inertia",
         "inertia = G^T joint_inertias G with the inverse Jacobian G: the kinetic energy of both "
         "sides is the same.",
-        "inverse_jacobian",
-        "joint_inertias",
-        "@{zero}",
-        "inertia",
-        2,
-        (
-            *_SUM[:2],
-            _SUM[2] % "inverse_jacobian[@{nq} * j + i / @{nq}] * joint_inertias[j] "
-            "* inverse_jacobian[@{nq} * j + i % @{nq}]",
-            _SUM[3],
-        ),
+        ("joint_inertias", "inertia"),
+        "inverse_jacobian[@{nq} * j + i / @{nq}] * joint_inertias[j] "
+        "* inverse_jacobian[@{nq} * j + i % @{nq}]",
     ),
-    _Applied(
+    (
         "torque_limits",
-        f"Largest torque {_LIMIT}",
-        "jacobian",
-        "joint_limits",
-        "@{zero}",
-        "found_limits",
-        1,
-        ("result[i] = name_alone(&jacobian[@{nq} * i], 1, joint_limits);",),
+        f"Largest torque {_ALONE}",
+        ("joint_limits", "found_limits"),
+        "name_alone(&jacobian[@{nq} * i], 1, joint_limits)",
     ),
-    _Applied(
+    (
         "rate_limits",
-        f"Largest rate {_LIMIT}",
-        "inverse_jacobian",
-        "joint_limits",
-        "@{zero}",
-        "found_limits",
-        1,
-        ("result[i] = name_alone(&inverse_jacobian[i], @{nq}, joint_limits);",),
+        f"Largest rate {_ALONE}",
+        ("joint_limits", "found_limits"),
+        "name_alone(&inverse_jacobian[i], @{nq}, joint_limits)",
     ),
 )
+"""Functions of a Jacobian: what they do, what is given and asked, and the terms over joints j of
+each entry i, or the entry of a limit.
+"""
+
+
+def _applied(row: tuple[str, str, tuple[str, str], str], common: Mapping[str, object]) -> str:
+    """A function of a Jacobian that is applied to values."""
+    function, about, (given, asked), term = row
+    body = [f"result[i] = {term};"]
+    if given != "joint_limits":
+        body = [
+            "result[i] = @{zero};",
+            "for (int j = 0; j < @{nq}; ++j) {",
+            f"    result[i] += {term};",
+            "}",
+        ]
+    shown = {
+        "function": function,
+        "about": about,
+        "matrix": "inverse_jacobian" if "inverse" in term else "jacobian",
+        "given": given,
+        # rates and torques have either sign
+        "least": f"-{common['largest']}" if function in ("rates", "torques") else common["zero"],
+        "asked": asked,
+        "count": int(str(common["nq"])) ** (2 if function == "inertia" else 1),
+        "body": [substitute(line, common) for line in body],
+    }
+    return fill("map_applied.c", {**common, **shown})
 
 
 def rates_text(direct: DirectionSource, inverse: DirectionSource) -> str:
     """All functions of derivatives of a map of two directions, and what follows from them."""
-    n, common = direct.n, direct.common
+    common = direct.common
 
-    def filled(text: str) -> str:
-        return substitute(text, common)
-
-    applied = (
-        fill(
-            "map_applied.c",
-            common
-            | vars(one)
-            | {
-                "count": n**one.power,
-                "least": filled(one.least),
-                "body": [filled(line) for line in one.body],
-            },
-        )
-        for one in _APPLIED
-    )
     return "".join(
         [
-            _columns(direct),
+            _columns(direct)[1],
             _jacobian(
                 direct,
                 "jacobian",
                 "Rates of the found coordinates by those of the joints: the matrix solved for each "
                 "joint's column.",
             ),
-            _columns(inverse),
+            _columns(inverse)[1],
             _jacobian(
                 inverse,
                 "inverse_jacobian",
                 "Rates of the joints by those of the found coordinates.",
             ),
             _second(direct),
+            fill("check_sizes.c", common),
             fill("map_rates.c", common),
-            *applied,
+            *(_applied(row, common) for row in _APPLIED),
         ]
     )
 
 
-def _emitted(way: DirectionSource, function: ca.Function, *more: list[str]) -> list[str]:
-    """Statements that set `sides` to what a function gives, row by row."""
-    emitter = Emitter(function, ["w->x", way.numbers_of_known, *more], way.real)
-    rows, columns = function.size_out(0)
-    stores = [
-        f"sides[{columns * i + j}] = {emitter.entry(i, j)};"
-        for i in range(rows)
-        for j in range(columns)
-    ]
-    return [*emitter.lines, *stores]
-
-
-def _names(way: DirectionSource) -> dict[str, object]:
-    """Names that the templates of a direction's derivatives share."""
-    of = "joint" if way.direction.name == "direct" else "found"
-    return way.names | {
-        "of": "joints" if of == "joint" else "found values",
-        "columns": f"{of}_columns",
-        "m": way.kernel.m,
-        "nsides": way.kernel.m * way.n,
-    }
-
-
-def _columns(way: DirectionSource) -> str:
-    lines = _emitted(way, row_derivatives(way.direction))
-    return fill("map_columns.c", _names(way) | {"sides": lines})
+def _columns(way: DirectionSource) -> tuple[SolvedColumns, str]:
+    """The rates by each known value, and the function of their right-hand sides."""
+    of, what = ("joint", "joints") if way.direction.name == "direct" else ("found", "found values")
+    solved = SolvedColumns(way.kernel, way.k, f"{way.name}_{of}_columns", way.n, way.names)
+    emitter = Emitter(row_derivatives(way.direction), ["w->x", way.numbers_of_known], way.real)
+    return solved, solved.text(f"Derivatives of the rows by the {what}, row by row.", emitter)
 
 
 def _jacobian(
@@ -181,18 +136,18 @@ def _jacobian(
     """
     made, n, literal = way.made, way.n, way.real.literal
     y, state = way.state_of("found")
-    set_ = [way.placed]
+    set_ = [f"{way.k}_place(&w, {way.words[0]}, {way.names['from']});"]
     if made.passive and way.direction.name == "inverse":
         # the state has the joints that are given, not those that the found values lead to
         places = way.places(made.given)
         set_ = [*way.circles("joints", made.given, "y", places), *set_]
     rates = _stores(way, way.wanted, "rates", n)
-    nj, values = n * n, _names(way)
+    nj, solved = n * n, _columns(way)[0]
     shown = {
         "function": function,
         "about": about,
         "written": f"{way.real.type} {function}[{nj}]",
-        "most_sides": values["nsides"],
+        "most_sides": solved.size,
         "nrates": nj,
         "kept": "",
         "y": y,
@@ -202,9 +157,9 @@ def _jacobian(
         "singular": singular_condition(way.kernel, way.k, "&w"),
         "more": "",
         "store": [f"for (int i = 0; i < {nj}; ++i) {{", f"    {function}[i] = rates[i];", "}"],
-        "rates": [*rates, *steps],
+        "rates": solved.solved([*rates, *steps]),
     }
-    return fill("map_jacobian.c", values | shown | more)
+    return fill("map_jacobian.c", way.names | shown | more)
 
 
 def _stores(
@@ -220,18 +175,20 @@ def _stores(
 
 def _second(way: DirectionSource) -> str:
     """The function of second derivatives."""
-    n, freedom, m = way.n, way.direction.problem.system.freedom, way.kernel.m
+    n, freedom = way.n, way.direction.problem.system.freedom
     real, pairs = way.real.type, n * (n + 1) // 2
     moved = [f"steps[{freedom * j + i}]" for j in range(n) for i in range(freedom)]
     places = step_columns(way.unknown, way.unknown, way.made.size)
-    values = _names(way) | {
-        "pairs": pairs,
-        "nsteps": n * freedom,
-        "nbends": m * pairs,
-        "bends": _emitted(way, row_bends(way.direction), moved),
-        "seconds": _stores(way, way.wanted, "rates", pairs, n * n),
-    }
-    return fill("map_bends.c", values) + _jacobian(
+    bends = SolvedColumns(
+        way.kernel, way.k, f"{way.name}_joint_bends", pairs, way.names, f"steps[{n * freedom}]"
+    )
+    about = (
+        "Second derivatives of the rows along the motions of two joints each: pair k (k + 1) / 2 + "
+        "j is of the joints j <= k, of which each moves the state by its steps."
+    )
+    inputs = ["w->x", way.numbers_of_known, moved]
+    text = bends.text(about, Emitter(row_bends(way.direction), inputs, way.real))
+    return text + _jacobian(
         way,
         "second",
         "Jacobian, if it is asked for, and second derivatives: the same matrix solved for the "
@@ -241,9 +198,9 @@ def _second(way: DirectionSource) -> str:
             for i, place in enumerate(places)
         ],
         written=f"{real} jacobian[{n * n}], {real} second[{n**3}]",
-        most_sides=m * max(n, pairs),
+        most_sides=way.kernel.m * max(n, pairs),
         nrates=n * n + n * pairs,
         kept=[f"{real} steps[{n * freedom}];"],
-        more=fill("map_second.c", values).splitlines(),
-        store=fill("map_give_second.c", values).splitlines(),
+        more=bends.solved(_stores(way, way.wanted, "rates", pairs, n * n)),
+        store=fill("map_give_second.c", way.names | {"pairs": pairs}).splitlines(),
     )

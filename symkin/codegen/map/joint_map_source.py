@@ -10,11 +10,13 @@ from symkin.codegen.map.joint_map_rates import LARGEST, rates_text
 from symkin.codegen.map.joint_map_values import MapValues
 from symkin.codegen.map.map_direction import DirectionSource
 from symkin.codegen.steps.guard_text import Watched
+from symkin.codegen.steps.joint_ranges import Range, check_text, range_functions, ranges_of
 from symkin.codegen.steps.newton_source import NewtonCode
 from symkin.codegen.text.angles import number_counts
-from symkin.codegen.text.templates import common_values, farthest, fill
+from symkin.codegen.text.templates import FARTHEST, common_values, farthest, fill
 from symkin.codegen.text.turns import angle_of_direction, cosine_and_sine
 from symkin.computed_once import cached_property
+from symkin.model.joint import units_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,7 +44,7 @@ class JointMapSource(MapValues):
 
     @cached_property
     def _common(self) -> dict[str, object]:
-        made, literal = self.made, self.real.literal
+        made, literal = self.made, self.literal
         n = len(made.given)
         return common_values(self.name, self.real, struct=False) | {
             "nq": n,
@@ -79,35 +81,29 @@ class JointMapSource(MapValues):
 
     def _tools(self, text: str) -> str:
         """The functions of angles that a text calls, and the checks of values."""
-        literal, common = self.real.literal, self._common
+        common = self._common
         tools = {
             "angle": angle_of_direction(self.real, common),
             "cosine_and_sine": cosine_and_sine(self.real, common),
-            "turned": fill("map_turned.c", common),
         }
         written = [tool for name, tool in tools.items() if f"{self.name}_{name}(" in text]
-        ends = zip(*self.limits(self.made.given), strict=True)
-        low, high = (", ".join(map(literal, part)) for part in ends)
-        blame = fill("map_blame.c", self._common | {"low": low, "high": high})
-        return "".join([*written, self._checks, blame])
+        turning = self.turning(text, common)
+        return "".join([*written, turning, self._checks, fill("no_step.c", common)])
 
     @property
     def _checks(self) -> str:
         """Checks of joints and of found values: against limits, and of guesses, which need not keep
         to them.
         """
-        literal, found = self.real.literal, list[str]()
-        for what, coordinates in (("joints", self.made.given), ("found", self.made.found)):
-            for bounded in (True, False):
-                within = [
-                    f"(values[{i}] >= {literal(low)}) && (values[{i}] <= {literal(high)})"
-                    for i, (low, high) in enumerate(self.limits(coordinates, bounded=bounded))
-                ]
-                own = {
-                    "what": what if bounded else f"{what} of a guess",
-                    "ranges_word": "limits" if bounded else "bounds",
-                    "function": f"{'limit' if bounded else 'bound'}_{what}",
-                    "within": "\n        && ".join(within),
-                }
-                found.append(fill("map_check.c", self._common | own))
+        real, size, common, found = self.real, self.made.size, self._common, list[str]()
+        for what, coordinates in self.made.told.items():
+            ranges = ranges_of(coordinates, real, size)
+            far = [self.literal(FARTHEST * unit) for unit in units_of(coordinates, size)]
+            bounds = [Range(f"-{most}", most) for most in far]
+            found += [
+                range_functions(ranges, real, common)
+                if what == "joints"
+                else check_text("found values", "ranges", "limit_found", ranges, common),
+                check_text(f"{what} of a guess", "bounds", f"bound_{what}", bounds, common),
+            ]
         return "".join(found)

@@ -7,52 +7,26 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import numpy as np
-
 from symkin.codegen.map.joint_map import JointMap
-from symkin.codegen.steps.joint_ranges import range_of
+from symkin.codegen.map.record import Source
 from symkin.codegen.text.angles import number_counts
-from symkin.codegen.text.c import Real, indexed
-from symkin.codegen.text.templates import FARTHEST
-from symkin.model.joint import Coordinate, units_of
+from symkin.codegen.text.c import indexed
+from symkin.model.joint import Coordinate, places_of
 
 
 def places_among(coordinates: Sequence[Coordinate], wanted: Sequence[Coordinate]) -> list[int]:
     """Places of the numbers of wanted coordinates among those of coordinates that stand beside each
     other.
     """
-    places, start = {}, 0
-    for c, count in zip(coordinates, number_counts(coordinates), strict=True):
-        places[c.name] = list(range(start, start + count))
-        start += count
+    places = places_of(coordinates, number_counts(coordinates))
     return [i for c in wanted for i in places[c.name]]
 
 
 @dataclass(frozen=True, eq=False)
-class MapValues:
+class MapValues(Source):
     """Statements and C text of one map's values."""
 
     made: JointMap
-
-    @property
-    def real(self) -> Real:
-        return self.made.real
-
-    @property
-    def name(self) -> str:
-        return self.made.name
-
-    def limits(
-        self, coordinates: Sequence[Coordinate], *, bounded: bool = True
-    ) -> list[tuple[float, float]]:
-        """Least and largest value of each coordinate: its limits with slack if `bounded`, else how
-        far it may be.
-        """
-        size, far = self.made.size, np.array(units_of(coordinates, self.made.size)) * FARTHEST
-        return [
-            range_of(c, self.real, size) if bounded and c.limits else (-most, most)
-            for c, most in zip(coordinates, far.tolist(), strict=True)
-        ]
 
     def places(self, coordinates: Sequence[Coordinate]) -> list[int]:
         """Where the numbers of coordinates stand in y."""
@@ -89,12 +63,6 @@ class MapValues:
             else:
                 lines.append(f"{entry} = {value};")
         return lines
-
-    def turned(self, c: Coordinate, angle: str, near: str) -> str:
-        """C text of an angle moved by whole turns next to another, within its limits."""
-        ((low, high),) = self.limits([c])
-        literal = self.real.literal
-        return f"{self.name}_turned({angle}, {near}, {literal(low)}, {literal(high)})"
 
     def nearest(self, c: Coordinate, value: str, near: str) -> str:
         """C text of a value; of an angle's, the one of its whole turns that is nearest to another

@@ -18,7 +18,8 @@ import numpy as np
 
 from symkin.closure.closure import Closure
 from symkin.closure.snapping import snapped_expression
-from symkin.codegen.map.options import Options
+from symkin.codegen.map.record import Described
+from symkin.codegen.map.signature import PLATFORM, PLATFORM_SPEEDS, Function
 from symkin.codegen.steps.direct_formulas import DirectFormulas, direct_formulas
 from symkin.codegen.steps.formula_guards import free_divisors, is_firm, keeps_digits
 from symkin.codegen.steps.geometry import Geometry
@@ -30,7 +31,6 @@ from symkin.codegen.steps.passive_reach import PassiveReach, passive_reaches
 from symkin.codegen.steps.pose_coordinates import restricted
 from symkin.codegen.steps.pose_core import PoseCore, pose_core
 from symkin.codegen.steps.samples import Configuration, configurations
-from symkin.codegen.text.c import Real
 from symkin.computed_once import cached_property
 from symkin.elimination.closed_form import ClosedForm, closed_form, samples_about
 from symkin.elimination.implied_rows import unit_of
@@ -38,7 +38,6 @@ from symkin.errors import InputError
 from symkin.machine.frame import Frames
 from symkin.model.changed import scaled
 from symkin.model.joint import Coordinate, units_of
-from symkin.model.mechanism import Mechanism
 from symkin.numeric.rank import Rank
 from symkin.numeric.system import System, constant_rows, split_blocks
 from symkin.numeric.tolerances import CLOSURE_TOLERANCE
@@ -86,27 +85,26 @@ class LimbBlock:
 
 
 @dataclass(frozen=True, eq=False)
-class LimbPlatform:
+class LimbPlatform(Described):
     """A parallel mechanism with its options: what its C is written from."""
 
-    mechanism: Mechanism
-    options: Options
-    real: Real
     held: Held | None = None
     """How its limbs hold it in its motion, where the line has to be watched for that."""
     frames: Frames | None = None
     """The frames in which poses are told; None: those of the mechanism."""
     templates: ClassVar[str] = "parallel"
-    is_redundant: ClassVar[bool] = False
+
+    @property
+    def functions(self) -> tuple[Function, ...]:
+        return (*PLATFORM, *PLATFORM_SPEEDS)
 
     @property
     def can_be_compact(self) -> bool:
-        """Whether there is code that --compact makes shorter."""
-        return self.direct_formulas is None and is_unrolled(self.direct_kernel, compact=False)
+        return not self.is_closed and is_unrolled(self.direct_kernel, compact=False)
 
     @property
-    def name(self) -> str:
-        return self.mechanism.name
+    def is_closed(self) -> bool:
+        return self.direct_formulas is not None
 
     @cached_property
     def direct(self) -> Problem:
@@ -144,7 +142,7 @@ class LimbPlatform:
         """
         known = self.inverse.known_coordinates
         poses = np.array([self.inverse.select_values(s.values, known) for s in self.samples])
-        units = np.array(units_of(known, self.closure.characteristic_length))
+        units = np.array(units_of(known, self.size))
         return np.where(np.abs(poses) <= _ROUNDING * units, 0.0, poses)
 
     @cached_property
@@ -190,11 +188,6 @@ class LimbPlatform:
         return sampled(self.direct_kernel, states, known, self.geometry.values)
 
     @property
-    def zero(self) -> np.ndarray | float:
-        """Joint values at home, where joints are changes from there."""
-        return 0.0
-
-    @property
     def middle(self) -> np.ndarray | Sequence[float]:
         """A usual position of the platform."""
         return self.mechanism.platform_position
@@ -231,7 +224,7 @@ class LimbPlatform:
         """
         if self.geometry.at_run_time or not _tells_branch(self._closure_blocks):
             return None
-        size, large = self.closure.characteristic_length, _LARGE[self.real.name]
+        size, large = self.size, _LARGE[self.real.name]
         if 1.0 / large <= size <= large:
             limbs = [block.system for block in self._closure_blocks]
             return direct_formulas(self.direct, limbs, self.samples, self.held)
@@ -257,15 +250,7 @@ class LimbPlatform:
         return self.passive_limits if self.core is None else self._reaches or []
 
     @property
-    def limited_angles(self) -> tuple[bool, ...]:
-        """Which actuated joints are angles with limits: where they stand in whole turns is told by
-        these.
-        """
-        return tuple(c.kind == "angle" and c.limits is not None for c in self.actuated)
-
-    @property
     def has_dead_centres(self) -> bool:
-        """Whether a limb is more than a rod, whose length the pose decides."""
         return any(block.rod is None for block in self.blocks)
 
     @property
@@ -337,7 +322,7 @@ class LimbPlatform:
         """Derivatives (entries, freedom of the pose) of an expression of a limb's system by the
         platform's twist.
         """
-        pose, size = self.closure.role("pose"), self.closure.characteristic_length
+        pose, size = self.closure.role("pose"), self.size
         of_pose = replace(system.exchanged(pose), rows=expression)
         scale = ca.diag(ca.SX([size if angular else 1.0 for angular in _angular(pose)]))
         return ca.mtimes(of_pose.jacobian, scale)
@@ -448,9 +433,7 @@ class LimbPlatform:
         gap = problem.system.residual(
             *(values[places] for places in (problem.unknown_places, problem.known_places))
         )
-        if gap <= CLOSURE_TOLERANCE * self.closure.characteristic_length and self._is_singular(
-            values
-        ):
+        if gap <= CLOSURE_TOLERANCE * self.size and self._is_singular(values):
             raise InputError(
                 f"{self.name}: the reference configuration is singular for the joints "
                 f"{', '.join(c.name for c in self.actuated)}: "

@@ -4,7 +4,6 @@ Jacobian.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -19,9 +18,11 @@ from symkin.codegen.map.platform_rates import (
     closure_twist,
     decides_twist,
     direct_target,
+    fastest,
     speeds_text,
     square_twist,
 )
+from symkin.codegen.map.record import Source
 from symkin.codegen.steps.formula_guards import feasible_error
 from symkin.codegen.steps.guard_text import Watched
 from symkin.codegen.steps.guards import DETERMINANT
@@ -29,12 +30,11 @@ from symkin.codegen.steps.joint_ranges import range_functions, ranges_of
 from symkin.codegen.steps.linear_solver import singular_condition
 from symkin.codegen.steps.newton_kernel import rounded
 from symkin.codegen.steps.newton_source import NewtonCode, tracked_error
-from symkin.codegen.steps.passive_limits import limit_lines
+from symkin.codegen.steps.passive_limits import limit_lines, texts_of
 from symkin.codegen.steps.pose_coordinates import COLUMNS, pose_coordinates_text, pose_text
-from symkin.codegen.text.c import Emitter, Real, indexed
+from symkin.codegen.text.c import Emitter
 from symkin.codegen.text.templates import common_values, copy, farthest, fill, normalise_pose
 from symkin.computed_once import cached_property
-from symkin.model.joint import Coordinate
 from symkin.numeric.system import System
 
 _TRACKED = 4.0
@@ -46,22 +46,10 @@ it is rounded itself, and its rows are not solved once more.
 
 
 @dataclass(frozen=True, eq=False)
-class LimbPlatformSource:
+class LimbPlatformSource(Source):
     """The C of one mechanism, function by function."""
 
     made: LimbPlatform
-
-    @property
-    def real(self) -> Real:
-        return self.made.real
-
-    @property
-    def name(self) -> str:
-        return self.made.name
-
-    @property
-    def _ok(self) -> str:
-        return f"{self.name.upper()}_OK"
 
     @cached_property
     def _limbs(self) -> list[LimbSource]:
@@ -83,27 +71,26 @@ class LimbPlatformSource:
     @property
     def text(self) -> str:
         """Everything of NAME.c between its beginning and end."""
-        size, values = self.made.closure.characteristic_length, self.values
-        return "".join(
-            [
-                normalise_pose(values),
-                fill("info.c", values),
-                *self._at_pose,
-                *self._direct,
-                "\n",
-                *self._inverse,
-                self._turned("jacobian"),
-                speeds_text("rates", "pose", size, self.real, values),
-                self._twist,
-                self._turned("twist"),
-            ]
-        )
+        values = self.values
+        parts = [
+            *self._at_pose,
+            *self._direct,
+            "\n",
+            *self._inverse,
+            self._in_frame("jacobian"),
+            speeds_text("rates", "pose", values),
+            self._twist,
+            self._in_frame("twist"),
+        ]
+        body = "".join(parts)
+        begin = normalise_pose(values) + fill("info.c", values)
+        return begin + self.turning(body, values) + body
 
     @property
     def _at_pose(self) -> list[str]:
         """What is asked of a pose: its coordinates, joints within limits, the limbs."""
         made, real, values = self.made, self.real, self.values
-        ranges = ranges_of(made.actuated, real, made.closure.characteristic_length)
+        ranges = ranges_of(made.actuated, real, made.size)
         return [
             pose_coordinates_text(made.geometry, real, values),
             "" if made.direct_formulas is not None else pose_text(made.geometry, real, values),
@@ -116,16 +103,14 @@ class LimbPlatformSource:
     @property
     def _direct(self) -> list[str]:
         """The direct problem: by formulas where there are some, else by Newton's method."""
-        found, turns = self.made.direct_formulas, [self._unwrap_joints, self._turn_into_limits]
+        found = self.made.direct_formulas
         if found is not None:
             return [
-                *turns,
                 fill("no_step.c", self._common),
                 ClosedDirectSource(self.made, found, self._common).text,
             ]
         return [
             self.code.text,
-            *turns,
             self._check_branch,
             fill("no_step.c", self._common),
             fill("parallel_direct.c", self.values),
@@ -170,14 +155,14 @@ class LimbPlatformSource:
     @cached_property
     def _common(self) -> dict[str, object]:
         """Values of the names that templates of the limbs need."""
-        made, literal = self.made, self.real.literal
+        made, literal = self.made, self.literal
         return common_values(self.name, self.real, struct=made.geometry.at_run_time) | {
             "nq": len(made.actuated),
             "ns": made.direct_kernel.state.shape[0],
             "nc": sum(c.width for c in made.closure.role("pose")),
             "np": max(1, sum(c.width for c in made.passive)),
-            "farthest": literal(farthest(made.closure.characteristic_length, made.middle)),
-            "many": literal(1e4),
+            "farthest": literal(farthest(made.size, made.middle)),
+            "largest": literal(fastest(made.size)),
             **self._passive_checks,
             "within": f", {self.real.type} within" if self._checks_rows else "",
             **self._names,
@@ -194,23 +179,24 @@ class LimbPlatformSource:
         names = {part: f"{self.name}_own_{part}" for part in ("jacobian", "twist")}
         return {**names, "static_own": "static "}
 
-    def _turned(self, part: str) -> str:
+    def _in_frame(self, part: str) -> str:
         """The function of rates in the base frame, where this is not the machine's own."""
-        rotation, literal = self.made.geometry.rotation, self.real.literal
+        rotation, columns = self.made.geometry.rotation, COLUMNS[self.made.mechanism.motion]
         if rotation is None:
             return ""
-        columns, lines = COLUMNS[self.made.mechanism.motion], list[str]()
+        lines = list[str]()
         for k in range(6):
             own = [(c, float(rotation[c % 3, k % 3])) for c in columns if c // 3 == k // 3]
-            terms = [f"{literal(v)} * a[{c}]" for c, v in own if v != 0.0]
-            lines.append(f"b[{k}] = {' + '.join(terms) or literal(0.0)};")
-        rates, count = f"const {self.real.type} rates[{self._common['nq']}], ", self._common["nq"]
-        about, given, passed, found = "Joint rates by the platform's twist", "", "", "rates"
+            terms = [f"{self.literal(v)} * a[{c}]" for c, v in own if v != 0.0]
+            lines.append(f"b[{k}] = {' + '.join(terms) or self.real.zero};")
+        nq, shown = self._common["nq"], {"part": part, "own": self._names[part]}
+        said: dict[str, object] = {"given": "", "rates": "", "found": "rates", "count": nq}
+        about = "Joint rates by the platform's twist"
         if part == "twist":
-            about, given, passed, found = "The twist of joint rates", rates, "rates, ", "twist"
-            count = 1
-        shown = {"part": part, "own": self._names[part], "turned_row": lines}
-        said = {"about": about, "given": given, "rates": passed, "found": found, "count": count}
+            given = f"const {self.real.type} rates[{nq}], "
+            said = {"given": given, "rates": "rates, ", "found": "twist", "count": 1}
+            about = "The twist of joint rates"
+        said |= {"about": about, "turned_row": lines}
         return fill("turned.c", self._common | shown | said)
 
     @property
@@ -224,16 +210,13 @@ class LimbPlatformSource:
             names = ("inverse_passive", "direct_passive", "check_answer")
             return dict.fromkeys(names, "") | {"write_tracked": [write]}
 
-        def if_ok(statement: str) -> list[str]:
-            return [f"if (status == {self._ok}) {{", f"    {statement}", "}"]
-
         count = sum(c.width for c in self.made.passive)
         of_state = f"status = {check}&w.x[{count}], given, w.x);"
         return {
-            "inverse_passive": if_ok(f"status = {check}c, q, passive);"),
-            "direct_passive": if_ok(of_state),
-            "write_tracked": [of_state, *if_ok(write)],
-            "check_answer": if_ok(f"status = {self.name}_check_answer(&answer);"),
+            "inverse_passive": self.if_ok([f"status = {check}c, q, passive);"]),
+            "direct_passive": self.if_ok([of_state]),
+            "write_tracked": [of_state, *self.if_ok([write])],
+            "check_answer": self.if_ok([f"status = {self.name}_check_answer(&answer);"]),
         }
 
     @property
@@ -243,24 +226,24 @@ class LimbPlatformSource:
 
     @property
     def _feasible(self) -> float:
-        return feasible_error(self.real.epsilon, self.made.closure.characteristic_length)
+        return feasible_error(self.real.epsilon, self.made.size)
 
     @property
     def _guess_error(self) -> float:
         """Largest closure error of a guess, which may be what one step of tracking has left."""
         return max(
             self._feasible,
-            _TRACKED * tracked_error(self.code.tuning, self.made.closure.characteristic_length),
+            _TRACKED * tracked_error(self.code.tuning, self.made.size),
         )
 
     def _within(self, error: float) -> str:
         """An argument of NAME_solve_limbs: how far rows may be off."""
-        return f", {self.real.literal(rounded(error))}" if self._checks_rows else ""
+        return f", {self.literal(rounded(error))}" if self._checks_rows else ""
 
     @cached_property
     def values(self) -> dict[str, object]:
         """Values of the names in the templates of this kind, the tests and the header."""
-        made, literal = self.made, self.real.literal
+        made, literal = self.made, self.literal
         return self._common | {
             "track_factor": singular_condition(
                 made.direct_kernel,
@@ -270,7 +253,7 @@ class LimbPlatformSource:
                 compact=made.options.compact,
             ),
             "kappa": literal(np.sqrt(self.code.tuning.kappa2)),
-            "track2": literal((made.closure.characteristic_length / 24) ** 2),
+            "track2": literal((made.size / 24) ** 2),
             "check_branch": "",
             "stand": "",
             "keep_known": "",
@@ -289,66 +272,41 @@ class LimbPlatformSource:
             if made.tells_branch
             else f"check_given({ga}&w.x[{passive}], given)"
         )
-        branch = [f"if (status == {self._ok}) {{", f"    status = {p}_{check};", "}"]
+        branch = self.if_ok([f"status = {p}_{check};"])
         unwrap = [
             f"{self.real.type} given[{self._common['nq']}];",
-            f"{p}_unwrap_joints(w.at, joints, given);",
+            *self.unwrapped("given", "joints", "w.at"),
         ]
         known = made.direct_kernel.known.numel()
         return {
             "check_branch": branch if made.has_dead_centres else "",
-            "stand": self._stand_lines(branch) if made.has_dead_centres else "",
+            "stand": self._stand(branch) if made.has_dead_centres else "",
             "unwrap": unwrap,
-            "enter": self._enter_lines(passive),
+            "enter": self._enter(passive),
             "leave": [f"{p}_pose_from_coordinates({ga}&w->x[{passive}], pose);"],
             "keep_known": copy("w.k0", "w.k", known) if self._keeps_known else "",
             "to": "given",
             "whole": ", " + self.real.one,
         }
 
-    def _stand_lines(self, branch: list[str]) -> list[str]:
+    def _stand(self, branch: list[str]) -> str:
         """Statements that take a guess whose own rows vanish for the answer, where a step of
         rounding has left its branch beside a dead centre: of what stands still no branch is left.
         """
-        p, ga = self.name, self._ga
-        stands = self.real.literal(_STANDS * self.code.tuning.noise)
-        return [
-            f"if (status == {p.upper()}_WRONG_BRANCH) {{",
-            "    /* a guess whose own rows vanish is the answer: nothing moves */",
-            f"    (void){p}_read_guess({ga}&w, joints, guess);",
-            f"    {p}_direct_set_target({ga}&w, given, {self.real.one});",
-            f"    {p}_direct_rows({ga}&w);",
-            f"    const {self.real.type} residual = {p}_direct_residual(&w);",
-            f"    const {self.real.type} allowed = (config != NULL) ? config->tolerance : "
-            f"{p.upper()}_TOLERANCE;",
-            f"    if (residual <= allowed + {stands}) {{",
-            f"        {p}_write_info(info, 0U, residual, {self.real.zero}, w.spread);",
-            f"        status = {self._ok};",
-            "    }",
-            *("    " + line for line in branch),
-            "}",
-        ]
+        stands = self.literal(_STANDS * self.code.tuning.noise)
+        return fill("stand.c", self._common | {"stands": stands, "branch": branch})
 
-    def _enter_lines(self, passive: int) -> list[str]:
+    def _enter(self, passive: int) -> str:
         """Statements that set the state to the guess's: its limbs by its pose, then the pose."""
-        p, real, nc = self.name, self.real, int(str(self._common["nc"]))
-        return [
-            f"{real.type} c[{nc}];",
-            f"{real.type} passive[{self._common['np']}] = {{ {real.zero} }};",
-            f"status = {p}_pose_coordinates({self._ga}guess, c);",
-            f"if (status == {self._ok}) {{",
-            f"    status = {p}_solve_limbs({self._ga}c, w->at, "
-            f"passive{self._within(self._guess_error)});",
-            *("    " + line for line in copy("w->x", "passive", passive) if passive),
-            *(
-                [f"    {p}_turn_into_limits(w->at, joints);"]
-                if any(self.made.limited_angles)
-                else []
-            ),
-            *(f"    w->x[{passive + i}] = c[{i}];" for i in range(nc)),
-            f"    status = (status == {self._ok}) ? status : {p.upper()}_OUT_OF_RANGE;",
-            "}",
-        ]
+        own = {
+            "of_answer": self._within(self._guess_error),
+            "copied": copy("w->x", "passive", passive) if passive else "",
+            "turned": self.into_limits("w->at", "joints"),
+            "placed": [
+                f"w->x[{passive + i}] = c[{i}];" for i in range(int(str(self._common["nc"])))
+            ],
+        }
+        return fill("enter.c", self._common | own)
 
     # --- limbs ------------------------------------------------------------------------------------
 
@@ -377,7 +335,7 @@ class LimbPlatformSource:
             "/* what the pose alone must satisfy */",
             *emitter.lines,
             f"if (!({' && '.join(tests)})) {{",
-            f"    status = {self.name.upper()}_OUT_OF_RANGE;",
+            f"    status = {self.capital}_OUT_OF_RANGE;",
             "}",
         ]
 
@@ -387,21 +345,15 @@ class LimbPlatformSource:
         made, closure = self.made, self.made.closure
         if not made.passive_checks:
             return ""
-        arrays = {"actuated": "q", "passive": "passive", "pose": "c"}
-        names = {
-            c.name: text
-            for role, array in arrays.items()
-            for c, text in zip(
-                closure.role(role), _indexed_by_width(array, closure.role(role)), strict=True
-            )
-        }
+        arrays = (("q", made.actuated), ("passive", made.passive), ("c", closure.role("pose")))
+        names = dict(pair for array, own in arrays for pair in texts_of(array, own).items())
         variables = [text for c in closure.coordinates for text in names[c.name]]
         lines = limit_lines(
             made.passive_checks,
             variables,
             made.geometry,
             self.real,
-            f"{self.name.upper()}_OUT_OF_RANGE",
+            f"{self.capital}_OUT_OF_RANGE",
         )
         asked = "are within their limits" if made.passive_limits else "exist where the rows hold"
         text = fill("check_passive.c", self._common | {"lines": lines, "asked": asked})
@@ -422,46 +374,22 @@ class LimbPlatformSource:
         made = self.made
         if not made.has_dead_centres:
             return ""
-        size = made.closure.characteristic_length
+        size = made.size
         # near a dead centre the pose moves by the square of the joint: an error t of the pose is
         # sqrt(t) there
         near = [
             BESIDE * np.sqrt(self.code.tuning.tolerance / size) * (1.0 if c.is_angular else size)
             for c in made.actuated
         ]
-        within = [f"{self.name}_turn_into_limits(q, given);"] if any(made.limited_angles) else []
         values = self._common | {
-            "near": ", ".join(self.real.literal(rounded(v)) for v in near),
-            "within_given": within,
+            "near": ", ".join(self.literal(rounded(v)) for v in near),
+            "within_given": self.into_limits("q", "given"),
+            "turned_given": self.unwrapped("turned", "given", "q"),
         }
         text = fill("check_given.c", values)
         return text + (
             branch_text(made, values, self.code.tuning.tolerance) if made.tells_branch else ""
         )
-
-    @property
-    def _turn_into_limits(self) -> str:
-        """NAME_turn_into_limits, where angles have limits."""
-        made, literal = self.made, self.real.literal
-        if not any(made.limited_angles):
-            return ""
-        limits = [c.limits if c.limits is not None else (0.0, 0.0) for c in made.actuated]
-        return fill(
-            "turn_into_limits.c",
-            self._common
-            | {
-                "limited": _flags(made.limited_angles),
-                "low": ", ".join(literal(low) for low, _ in limits),
-                "high": ", ".join(literal(high) for _, high in limits),
-            },
-        )
-
-    @property
-    def _unwrap_joints(self) -> str:
-        """NAME_unwrap_joints."""
-        actuated = self.made.actuated
-        turns = _flags(tuple(c.kind == "angle" and c.limits is None for c in actuated))
-        return fill("unwrap_joints.c", self._common | {"turns": turns})
 
     # --- inverse and Jacobian ---------------------------------------------------------------------
 
@@ -487,29 +415,9 @@ class LimbPlatformSource:
     @property
     def _to_middle(self) -> list[str]:
         """Statements that move limited angles into their limits."""
-        made = self.made
-        if not any(made.limited_angles):
-            return []
-        middles = ", ".join(
-            self.real.literal(0.0 if c.limits is None else 0.5 * float(sum(c.limits)))
-            for c in made.actuated
+        turned = self.into_limits("q", "middle")
+        middles = self.array([0.5 * sum(c.limits or (0.0, 0.0)) for c in self.made.actuated])
+        begin = (
+            f"static const {self.real.type} middle[{len(self.made.actuated)}] = {{ {middles} }};"
         )
-        return [
-            f"static const {self.real.type} middle[{len(made.actuated)}] = {{ {middles} }};",
-            f"{self.name}_turn_into_limits(q, middle);",
-        ]
-
-
-def _flags(flags: tuple[bool, ...]) -> str:
-    """C text of truth values."""
-    return ", ".join("true" if flag else "false" for flag in flags)
-
-
-def _indexed_by_width(array: str, coordinates: Sequence[Coordinate]) -> list[list[str]]:
-    """C text of the numbers of each of some coordinates, which stand beside each other in an
-    array.
-    """
-    ends = np.cumsum([c.width for c in coordinates]).tolist()
-    return [
-        indexed(array, c.width, end - c.width) for c, end in zip(coordinates, ends, strict=True)
-    ]
+        return [begin, *turned] if turned else []

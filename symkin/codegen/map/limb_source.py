@@ -14,15 +14,17 @@ import numpy as np
 from symkin.codegen.closed_limb import LimbFormulas, actuated_places
 from symkin.codegen.line_parts import line_target
 from symkin.codegen.map.limb_platform import LimbBlock, LimbPlatform
-from symkin.codegen.map.rates import step_columns, step_text
+from symkin.codegen.map.rates import SolvedColumns, step_columns, step_text
+from symkin.codegen.map.record import Source
 from symkin.codegen.steps.formula_guards import feasible_error
 from symkin.codegen.steps.linear_solver import singular_condition
 from symkin.codegen.steps.newton_kernel import Kernel, quaternion_place, rounded, sampled
 from symkin.codegen.steps.newton_source import NewtonCode
 from symkin.codegen.steps.pose_coordinates import COLUMNS
-from symkin.codegen.text.c import Emitter, Real, indent, indexed
+from symkin.codegen.text.c import Emitter, indent, indexed
 from symkin.codegen.text.templates import copy, fill
 from symkin.computed_once import cached_property
+from symkin.model.joint import places_of
 from symkin.model.names import identifiers
 from symkin.numeric.tolerances import CLOSURE_TOLERANCE
 from symkin.text import c_comment
@@ -32,7 +34,7 @@ _LINES = 5
 
 
 @dataclass(frozen=True, eq=False)
-class LimbSource:
+class LimbSource(Source):
     """The C of one limb; `common` are the values of names that templates of limbs need."""
 
     made: LimbPlatform
@@ -40,13 +42,9 @@ class LimbSource:
     common: Mapping[str, object]
 
     @property
-    def real(self) -> Real:
-        return self.made.real
-
-    @property
     def k(self) -> str:
         """What the names of its functions begin with."""
-        return f"{self.made.name}_{self.block.name}"
+        return f"{self.name}_{self.block.name}"
 
     @property
     def _ga(self) -> str:
@@ -64,13 +62,17 @@ class LimbSource:
     @cached_property
     def places(self) -> list[tuple[str, int, int]]:
         """(array, index there, index in the block) of each number of the limb's unknowns."""
-        found, system = [], self.block.system
-        for c, place in zip(system.unknowns, system.slices, strict=True):
-            group = self.made.actuated if c.role == "actuated" else self.made.passive
-            before = sum(other.width for other in group[: group.index(c)])
-            array = "q" if c.role == "actuated" else "passive"
-            found += [(array, before + i, place.start + i) for i in range(c.width)]
-        return found
+        arrays = {"q": self.made.actuated, "passive": self.made.passive}
+        there = {
+            name: (array, place)
+            for array, own in arrays.items()
+            for name, place in places_of(own, [c.width for c in own]).items()
+        }
+        return [
+            (there[name][0], k, here.start + i)
+            for name, here in self.block.system.places.items()
+            for i, k in enumerate(there[name][1])
+        ]
 
     @property
     def _actuated(self) -> list[int]:
@@ -95,19 +97,19 @@ class LimbSource:
         code = self._newton_code(kernel)
         if self.block.formulas is not None:
             # the matrix gives the rates alone
-            return text + code.work + code.linear.text + self._twist_columns(kernel)
+            return text + code.work + code.linear.text + self._twist_columns_text(kernel)
         reference = self.made.closure.reference
         parts = (
             ("w->x", self.block.system.unknowns),
             ("w->at", self.made.inverse.known_coordinates),
         )
         begin = [
-            f"{array}[{i}] = {self.real.literal(v)};"
+            f"{array}[{i}] = {self.literal(v)};"
             for array, coordinates in parts
             for i, v in enumerate(self.made.inverse.select_values(reference, coordinates))
         ]
         follow = fill("limb.c", {**self.common, "k": self.k, "begin": indent(begin)})
-        return code.text + follow + self._twist_columns(kernel)
+        return code.text + follow + self._twist_columns_text(kernel)
 
     def _closed_text(self, written: LimbFormulas) -> str:
         """The functions that give its joints by formulas, and their rates where no matrix does."""
@@ -132,20 +134,24 @@ class LimbSource:
             rates = ["(void)c;", *rates]
         return text + fill("closed_rates.c", values | {"rates_lines": rates})
 
-    def _twist_columns(self, kernel: Kernel) -> str:
-        """The function of the right-hand sides of the joint rates, row by row."""
+    def _twist_columns(self, kernel: Kernel) -> SolvedColumns:
+        """The joint rates by each freedom of the platform's twist."""
+        columns = f"{self.k}_twist_columns"
+        return SolvedColumns(kernel, self.k, columns, len(self._columns), self.common)
+
+    def _twist_columns_text(self, kernel: Kernel) -> str:
+        """The function of the right-hand sides of the joint rates."""
         inputs = [
             (kernel.state, "w->x"),
             (kernel.known, "w->k"),
             (kernel.geometry, self.made.geometry.names),
         ]
-        sides = ca.vec(self.block.sides.T)
-        count = sides.numel()
-        lines = Emitter.of(self.real, inputs, sides).stored("sides")
-        unread = [] if any("w->" in line for line in lines) else ["(void)w;"]
-        lines = [*lines[:-count], *unread, *lines[-count:]]
-        own = {"k": self.k, "sides": lines, "count": count}
-        return fill("twist_columns.c", {**self.common, **own})
+        about = (
+            "Minus the derivative of the limb's rows by the platform's twist, row by row: the "
+            "right-hand sides of the joint rates."
+        )
+        emitter = Emitter.of(self.real, inputs, self.block.sides)
+        return self._twist_columns(kernel).text(about, emitter)
 
     def _newton_code(self, kernel: Kernel) -> NewtonCode:
         """Its Newton iteration, tuned at the sampled configurations."""
@@ -187,11 +193,6 @@ class LimbSource:
 
     # --- joints and rates at a pose ---------------------------------------------------------------
 
-    def _if_ok(self, lines: Sequence[str]) -> list[str]:
-        """Statements under the condition that nothing has been refused before."""
-        ok = f"if (status == {self.made.name.upper()}_OK) {{"
-        return [ok, *("    " + line for line in lines), "}"]
-
     def _solve(self, array: str, within: str) -> list[str]:
         """Statements that set an array to its unknowns, a rod's apart."""
         if self.block.formulas is None:
@@ -213,7 +214,7 @@ class LimbSource:
         )
         x = "x" if by_formulas else "w.x"
         copies = [f"{array}[{there}] = {x}[{here}];" for array, there, here in self.places]
-        return [self._comment, *self._if_ok([begin, *self._solve("x", ", within"), *copies])]
+        return [self._comment, *self.if_ok([begin, *self._solve("x", ", within"), *copies])]
 
     @property
     def rate_lines(self) -> list[str]:
@@ -224,41 +225,38 @@ class LimbSource:
             return [self._comment, *self._rod_rate_lines]
         if self.block.kernel is None:
             return [self._comment, *self._closed_rate_lines]
-        return [self._comment, *self._if_ok(self._matrix_rate_lines(self.block.kernel))]
+        return [self._comment, *self.if_ok(self._matrix_rate_lines(self.block.kernel))]
 
     def _matrix_rate_lines(self, kernel: Kernel) -> list[str]:
-        made, k, m, system = self.made, self.k, kernel.m, self.block.system
+        made, k, system, size = self.made, self.k, self.block.system, self.made.size
         wanted = [c for c in system.unknowns if c.role == "actuated"]
-        size = made.closure.characteristic_length
         steps = step_columns(system.unknowns, wanted, size)
         error = rounded(feasible_error(self.real.epsilon, size))
         known = system.known.numel() if self.block.formulas is not None else 0
         singular = singular_condition(kernel, k, "&w", self._ga, compact=made.options.compact)
-        count = len(self._columns)
-        body = [
-            f"{k}_work w;",
-            f"{self.real.type} sides[{m * count}];",
-            *self._solve("w.x", f", {self.real.literal(error)}"),
-            *copy("w.k", "c", known),
-            f"if (status == {made.name.upper()}_OK) {{",
-            f"    {k}_twist_columns({self._ga}&w, sides);",
-            f"    if ({singular}) {{",
-            f"        status = {made.name.upper()}_SINGULAR;",
-            "    } else {",
+        columns, solved = self._columns, self._twist_columns(kernel)
+        table, column = list[str](), "j"
+        if columns != tuple(range(len(columns))):
+            numbers, column = ", ".join(f"{c}U" for c in columns), "(int)column[j]"
+            table = [f"static const uint8_t column[{len(columns)}] = {{ {numbers} }};"]
+        stores = [
+            f"jacobian[{6 * there} + {column}] = {step_text(self.real, *place)};"
+            for there, place in zip(self._actuated, steps, strict=True)
         ]
-        for j, column in enumerate(self._columns):
-            plus = f" + {j}" if j else ""
-            body += [
-                f"        for (int i = 0; i < {m}; ++i) {{",
-                f"            w.f[i] = sides[{count} * i{plus}];",
-                "        }",
-                f"        {k}_solve(&w);",
-            ]
-            body += [
-                f"        jacobian[{6 * there + column}] = {step_text(self.real, *place)};"
-                for there, place in zip(self._actuated, steps, strict=True)
-            ]
-        return [*body, "    }", "}"]
+        return [
+            *table,
+            f"{k}_work w;",
+            f"{self.real.type} sides[{solved.size}];",
+            *self._solve("w.x", f", {self.literal(error)}"),
+            *copy("w.k", "c", known),
+            f"if (status == {self.capital}_OK) {{",
+            f"    if ({singular}) {{",
+            f"        status = {self.capital}_SINGULAR;",
+            "    } else {",
+            *("        " + line for line in solved.solved(stores)),
+            "    }",
+            "}",
+        ]
 
     @property
     def _closed_rate_lines(self) -> list[str]:
@@ -271,7 +269,7 @@ class LimbSource:
             for j, column in enumerate(columns)
         ]
         begin = f"{self.real.type} of_limb[{len(actuated) * len(columns)}];"
-        return self._if_ok([begin, f"status = {self.k}_rates(c, of_limb);", *copies])
+        return self.if_ok([begin, f"status = {self.k}_rates(c, of_limb);", *copies])
 
     def _rod_emitter(self, expression: ca.SX) -> Emitter:
         """Emitter of a function of the pose, temporaries beginning with the rod's name as an
@@ -303,6 +301,6 @@ class LimbSource:
             f"if ({length} > {self.real.zero}) {{",
             *("    " + line for line in lines[first:]),
             "} else {",
-            f"    status = {self.made.name.upper()}_SINGULAR;",
+            f"    status = {self.capital}_SINGULAR;",
             "}",
         ]

@@ -208,7 +208,7 @@ class DirectionSource(MapValues):
         """Newton's method, or formulas with the parts of Newton's method that finish and give
         rates; the function that sets the state, and polynomials near the reference.
         """
-        code, closed, literal = self.code, self.closed, self.real.literal
+        code, closed, literal = self.code, self.closed, self.literal
         if closed is None:
             return self._coefficients_text + code.text + self._place_text + self._sheet_text
         own = {
@@ -247,22 +247,10 @@ class DirectionSource(MapValues):
     @property
     def state_text(self) -> str:
         """The configuration of known values, with the reference's choices."""
-        kind, closed = self.real.type, self.closed
-        if closed is not None:
-            names = closed.values
-            solve = [
-                f"static const {kind} sign[{names['signs']}] = {{ {names['home_signs']} }};",
-                f"{kind} k[{names['nk']}];",
-                f"{kind} x[{names['ns']}];",
-                f"{kind} d[{names['conditions']}];",
-                *self.circles("values", self.known, "k", range(int(str(names["nk"])))),
-                f"{self.k}_formulas(k, sign, x, d);",
-                f"for (int i = 0; i < {names['conditions']}; ++i) {{",
-                f"    if (!(d[i] > {names['resolved']})) {{",
-                f"        status = {self.name.upper()}_OUT_OF_RANGE;",
-                "    }",
-                "}",
-            ]
+        if self.closed is not None:
+            names = self.closed.values
+            circles = self.circles("values", self.known, "k", range(int(str(names["nk"]))))
+            solve = fill("map_closed_state.c", names | {"circles": circles}).splitlines()
             known, state, other = "k", "x", self._other_lines("x")
         else:
             solve = [f"{self.k}_work w;", *self._followed_lines]
@@ -275,67 +263,43 @@ class DirectionSource(MapValues):
         """Statements that bring the work space from the reference configuration to known values:
         near it by one step from polynomials, else along the line.
         """
-        _, out = self.words
-        k, made, prefix, literal = self.k, self.made, self.name.upper(), self.real.literal
-        at = made.reference_of(self.known)
+        made, at = self.made, self.made.reference_of(self.known)
         starts = {
             "at": at,
             "x": numbers_at(self.unknown, made.reference_of(self.unknown)),
             "k0": self.iteration.known_at(numbers_at(self.known, at)),
         }
         # passive joints go on from a guess's own configuration, which is then as an answer's
-        near = f"{prefix}_TOLERANCE" if made.passive else literal(_GUESSED * made.size)
-        line = [
-            f"static const {self.name}_config near = {{ {near}, {prefix}_MAX_STEPS, "
-            f"{prefix}_MAX_STEP }};",
-            f"{self.real.type} to[{self.n}];",
-            "/* along the line from the reference configuration; an error of a guess moves the "
-            "beginning of the line by as much */",
-            *(
-                f"w.{array}[{i}] = {literal(v)};"
+        near = self.literal(_GUESSED * made.size)
+        own = {
+            "near": f"{self.capital}_TOLERANCE" if made.passive else near,
+            "starts": [
+                f"w.{array}[{i}] = {self.literal(v)};"
                 for array, values in starts.items()
                 for i, v in enumerate(values)
-            ),
-            *(
-                f"to[{i}] = {self.turned(c, f'values[{i}]', f'w.at[{i}]')};"
-                if c.kind == "angle" and c.limits is None
-                else f"to[{i}] = values[{i}];"
-                for i, c in enumerate(self.known)
-            ),
-            f"status = {k}_newton(&w, to, &near, NULL);",
-            *self._other_lines("w.x"),
-        ]
+            ],
+            "to": self.unwrapped("to", "values", "w.at", self.known),
+            "other": self._other_lines("w.x"),
+        }
+        line = fill("map_followed.c", self.names | own)
         if self.sheet is None:
-            return line
+            return line.splitlines()
         columns = step_columns(self.unknown, self.wanted, made.size)
-        longest = literal((_ROUGH * self.sheet.error * made.size) ** 2)
-        return [
-            "/* near the reference configuration by one step of Newton's method from polynomials "
-            "*/",
-            f"{self.real.type} {out}[{len(columns)}];",
-            f"bool near_home = {k}_near_home(values, {out});",
-            "if (near_home) {",
-            f"    {k}_place(&w, values, {out});",
-            f"    {k}_rows(&w);",
-            f"    near_home = !({singular_condition(self.kernel, k, '&w')});",
-            "    if (near_home) {",
-            f"        {k}_solve(&w);",
-            *(
-                f"        other[{i}] = {out}[{i}] + {step_text(self.real, *place)};"
+        near_home = {
+            "singular": singular_condition(self.kernel, self.k, "&w"),
+            "others": [
+                f"other[{i}] = {self.words[1]}[{i}] + {step_text(self.real, *place)};"
                 for i, place in enumerate(columns)
-            ),
-            f"        near_home = ({k}_apply_step(&w) <= {longest});",
-            "    }",
-            "}",
-            "if (!near_home) {",
-            *("    " + text for text in line),
-            "}",
-        ]
+            ],
+            "longest": self.literal((_ROUGH * self.sheet.error * made.size) ** 2),
+            "line": line,
+        }
+        return fill("map_near_home.c", self.names | near_home).splitlines()
 
     @property
     def _sheet_text(self) -> str:
         """The function of the polynomials, where there are some."""
-        sheet, literal = self.sheet, self.real.literal
+        sheet, literal = self.sheet, self.literal
         if sheet is None:
             return ""
         inputs = [(sheet.known, [f"u{i}" for i in range(self.n)])]
@@ -362,7 +326,7 @@ class DirectionSource(MapValues):
     def text(self) -> str:
         """The function of the direction, and its one step."""
         (values, out), name, known, wanted = self.words, self.name, self.known, self.wanted
-        n, kind, literal, size = self.n, self.real.type, self.real.literal, self.made.size
+        n, kind, literal, size = self.n, self.real.type, self.literal, self.made.size
         begin = [
             f"w->at[{i}] = {self.nearest(c, f'at[{i}]', f'{values}[{i}]')};"
             for i, c in enumerate(known)
@@ -393,7 +357,13 @@ class DirectionSource(MapValues):
         ]
         unused = [] if any(c.kind == "angle" for c in wanted) else ["(void)guess;"]
         outside = f"{name.upper()}_OUT_OF_RANGE"
-        blame = [f"if (status == {outside}) {{", f"    {name}_blame(info, result);", "}"]
+        blame = [
+            f"if ((info != NULL) && (status == {outside})) {{",
+            f"    info->joint = {name}_first_beyond(result);",
+            "}",
+        ]
+        zero, huge = self.real.zero, self.common["huge"]
+        no_step = f"{name}_write_info(info, 0U, {huge}, {zero}, {zero});"
         stands = max(_GUESSED, _GUESS_ROUNDINGS * self.real.epsilon) * size
         tolerance = tolerance_of(self.real, size)
         own = {
@@ -410,7 +380,7 @@ class DirectionSource(MapValues):
             "line_results": [*unused, *self._results("w->x", "guess")],
             "track_results": [f"{kind} result[{n}];", *self._results("w.x", out)],
             "store": [f"{out}[{i}] = result[{i}];" for i in range(n)],
-            "blame_values": f"        {name}_blame(info, joints);" if self._is_direct else "",
+            "no_step": f"{name}_write_no_step(info, joints);" if self._is_direct else no_step,
             "blame_result": "" if self._is_direct else blame,
             "change": change,
             "stand_at": stand_at,
@@ -437,7 +407,7 @@ class DirectionSource(MapValues):
         """The function of how far wanted values are from others."""
         kind, lines = self.real.type, list[str]()
         for i, c in enumerate(self.wanted):
-            weight = self.real.literal(self.made.size if c.is_angular else 1.0)
+            weight = self.literal(self.made.size if c.is_angular else 1.0)
             other = self.nearest(c, f"other[{i}]", f"guess[{i}]")
             lines += [
                 f"const {kind} way{i} = {weight} * ({other} - guess[{i}]);",
@@ -451,7 +421,7 @@ class DirectionSource(MapValues):
         if not self.made.passive_limits:
             return ""
         call = f"status = {self.k}_check_passive(&w, {self.words[0]});"
-        return indent([f"if (status == {self.name.upper()}_OK) {{", f"    {call}", "}"], 2)
+        return indent([f"if (status == {self.capital}_OK) {{", f"    {call}", "}"], 2)
 
     @property
     def _passive_text(self) -> str:
@@ -466,7 +436,7 @@ class DirectionSource(MapValues):
         variables = [
             texts.get(c.name, self.real.zero) for c in closure.coordinates for _ in range(c.width)
         ]
-        beyond = f"{self.name.upper()}_OUT_OF_RANGE"
+        beyond = f"{self.capital}_OUT_OF_RANGE"
         fixed = Geometry(closure, at_run_time=False)
         lines = limit_lines(limits, variables, fixed, self.real, beyond)
         return fill("map_passive.c", self.names | {"lines": lines})
@@ -479,52 +449,22 @@ class DirectionSource(MapValues):
             return [], []
         kind = self.real.type
         return [f"{kind} y[{self.common['ny']}];", f"{kind} at[{self.n}];"], [
-            f"if (status == {self.name.upper()}_OK) {{",
+            f"if (status == {self.capital}_OK) {{",
             f"    status = {self.name}_state_of_{side}({side}, y, at);",
             "}",
         ]
-
-    @property
-    def placed(self) -> str:
-        """The statement that sets the work space to a configuration."""
-        return f"{self.k}_place(&w, {self.words[0]}, {self.names['from']});"
 
     @property
     def _step(self) -> dict[str, list[str]]:
         """Statements of one step: from the last values' configuration, by Newton's method or by
         formulas.
         """
-        k, kind, prefix, literal = self.k, self.real.type, self.name.upper(), self.real.literal
-        code, closed = self.code, self.closed
         y, last = self.state_of(self.words[1])
-        if closed is None:
-            kappa = literal(np.sqrt(code.tuning.kappa2))
-            step = [
-                self.placed,
-                f"{k}_rows(&w);",
-                f"if ({singular_condition(code.kernel, k, '&w')}) {{",
-                f"    status = {prefix}_SINGULAR;",
-                "} else {",
-                f"    {k}_solve(&w);",
-                f"    const {kind} size = {k}_apply_step(&w);",
-                f"    {self.name}_write_info(info, 1U, {kappa} * size, size, w.spread);",
-                "}",
-            ]
+        if self.closed is None:
+            singular = singular_condition(self.kernel, self.k, "&w")
+            kappa = self.literal(np.sqrt(self.code.tuning.kappa2))
+            step = fill("map_step.c", self.names | {"singular": singular, "kappa": kappa})
         else:
-            names = closed.values
-            step = [
-                f"static const {self.name}_config usual = {{ {prefix}_TOLERANCE, "
-                f"{prefix}_MAX_STEPS, {prefix}_MAX_STEP }};",
-                f"{kind} sign[{names['signs']}];",
-                f"{kind} d[{names['conditions']}];",
-                f"{kind} least = {literal(1.0)};",
-                self.placed,
-                f"{k}_signs(w.k, w.x, sign, d);",
-                f"{k}_formulas(w.k, sign, w.x, d);",
-                f"for (int i = 0; i < {names['conditions']}; ++i) {{",
-                "    least = (d[i] < least) ? d[i] : least;",
-                "}",
-                f"status = (least > {literal(_NOT_DECIDED)}) ? {k}_finish(&w, 1U, least, &usual, "
-                f"info) : {prefix}_SINGULAR;",
-            ]
-        return {"y": y, "last": last, "step": step}
+            own = {"not_decided": self.literal(_NOT_DECIDED)}
+            step = fill("map_closed_step.c", self.closed.values | self.names | own)
+        return {"y": y, "last": last, "step": step.splitlines()}

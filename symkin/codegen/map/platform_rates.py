@@ -12,6 +12,7 @@ import numpy as np
 from symkin.closure.snapping import snapped_expression
 from symkin.codegen.line_parts import core_target, line_target
 from symkin.codegen.map.limb_platform import LimbPlatform
+from symkin.codegen.map.rates import step_text
 from symkin.codegen.steps.linear_solver import SINGULAR, singular_condition
 from symkin.codegen.steps.newton_kernel import Kernel, system_kernel
 from symkin.codegen.steps.newton_source import NewtonCode
@@ -31,9 +32,7 @@ def fastest(size: float) -> float:
     return float(f"{_FASTEST * max(size, 1.0):.1g}")
 
 
-def speeds_text(
-    function: str, at: str, size: float, real: Real, values: Mapping[str, object]
-) -> str:
+def speeds_text(function: str, at: str, values: Mapping[str, object]) -> str:
     """NAME_rates of a twist or NAME_twist of rates, which is the Jacobian at a `pose`, or at
     `joints`, times the other one; and NAME_feed.
     """
@@ -49,9 +48,8 @@ def speeds_text(
         "at": substitute(declared[at], values),
         "at_name": at,
         "no_info": "" if at == "pose" else ", NULL",
-        "fastest": real.literal(fastest(size)),
     }
-    return fill("check_speeds.c", shown) + fill("speeds.c", shown)
+    return fill("check_sizes.c", shown) + fill("speeds.c", shown)
 
 
 def decides_twist(mechanism: Mechanism) -> bool:
@@ -167,8 +165,10 @@ def _of_state(
 
 def _stores(made: LimbPlatform, kernel: Kernel) -> list[str]:
     """Statements of the twist from the step's last entries, turns by the size."""
-    columns, literal = COLUMNS[made.mechanism.motion], made.real.literal
+    columns, per_size = COLUMNS[made.mechanism.motion], 1.0 / made.size
     first = kernel.n - len(columns)
-    per_size = f" * {literal(1.0 / made.closure.characteristic_length)}"
-    texts = {c: f"w->f[{first + i}]" + (per_size if c > 2 else "") for i, c in enumerate(columns)}
-    return [f"twist[{c}] = {texts.get(c, literal(0.0))};" for c in range(6)]
+    texts = {
+        c: step_text(made.real, first + i, per_size if c > 2 else 1.0, "w->")
+        for i, c in enumerate(columns)
+    }
+    return [f"twist[{c}] = {texts.get(c, made.real.zero)};" for c in range(6)]

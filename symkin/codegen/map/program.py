@@ -20,17 +20,7 @@ from symkin.codegen.map.options import Options
 from symkin.codegen.map.platform_rates import fastest
 from symkin.codegen.map.rod_platform import RodPlatform
 from symkin.codegen.map.rod_platform_source import RodSource
-from symkin.codegen.map.signature import (
-    ARM,
-    ARM_SPEEDS,
-    CLOSED_ARM,
-    LINE,
-    MAP,
-    PLATFORM,
-    PLATFORM_SPEEDS,
-    Function,
-    declarations,
-)
+from symkin.codegen.map.signature import Function, declarations
 from symkin.codegen.serial_arm import ArmSource, SerialArm
 from symkin.codegen.steps.formula_guards import feasible_error
 from symkin.codegen.steps.geometry import finite_check
@@ -47,11 +37,10 @@ from symkin.machine.lower import Lowered, lowered_limbs
 from symkin.model.mechanism import Mechanism
 from symkin.model.names import check_c_name, cmake_target
 from symkin.model.oddities import degrees_question
-from symkin.spatial.pose import Pose
 from symkin.text import c_comment
 
 Kind = LimbPlatform | SerialArm | JointMap
-_SOURCES: dict[type, Callable[[Any], LimbPlatformSource | ArmSource | JointMapSource]] = {
+_SOURCES: dict[type, Callable[[Any], Any]] = {
     SerialArm: ArmSource,
     RodPlatform: RodSource,
     LimbPlatform: LimbPlatformSource,
@@ -108,18 +97,16 @@ def build_program(
         )
     source = _SOURCES[type(kind)](kind)
     kind.check()
-    if not isinstance(kind, JointMap):
-        kind.geometry.check(kind.real)
+    kind.geometry.check(kind.real)
     begin = fill("begin.c", source.values | _header_values(kind, source.code, [], described.digest))
     body = source.text.rstrip() + "\n"
     lu = fill("lu.c", source.values) if f"{kind.name}_lu(" in body else ""
-    text = begin + finite_check(kind.name, _numbers_of_struct(kind), kind.real) + lu + body
+    text = begin + finite_check(kind.name, kind.geometry.names, kind.real) + lu + body
     worst = WorstCase.of(kind.name, text, measured)
     values = source.values | _header_values(
         kind, source.code, worst.header_lines(), described.digest
     )
-    functions = _functions(kind)
-    values["declarations"] = declarations(functions, values)
+    values["declarations"] = declarations(kind.functions, values)
     return Program(
         described=described,
         lowered=low.machine,
@@ -128,7 +115,7 @@ def build_program(
         header=fill("header.h", values),
         main=source.code,
         watched=source.watched,
-        functions=functions,
+        functions=kind.functions,
         values=values,
         worst=worst,
     )
@@ -163,23 +150,12 @@ def _kind(low: Lowered, options: Options) -> Kind:
     return limb_platform(mechanism, options, real, low.frames)
 
 
-def _functions(kind: Kind) -> tuple[Function, ...]:
-    """The functions of a kind of machine, in the order of their declarations."""
-    if isinstance(kind, JointMap):
-        return MAP
-    if isinstance(kind, SerialArm):
-        return (*ARM, *(CLOSED_ARM if kind.plan is not None else ()), *ARM_SPEEDS)
-    has_line = isinstance(kind, RodPlatform) and kind.has_limits
-    return (*PLATFORM, *((LINE,) if has_line else ()), *PLATFORM_SPEEDS)
-
-
 def _header_values(
     kind: Kind, main: NewtonCode, worst: list[str], digest: str
 ) -> dict[str, object]:
     mechanism, real, options = kind.mechanism, kind.real, kind.options
     name = mechanism.name
     struct = options.geometry == "struct"
-    relative = options.home_relative
     counts = ", ".join(f"{count} {what}" for what, count in main.operations.items())
     question = degrees_question(mechanism)
     about = [
@@ -187,17 +163,17 @@ def _header_values(
         "",
         "Joint values in this order; lengths in " + mechanism.length_unit + ", angles in radians.",
         *([] if question is None else ["", *wrap(c_comment(f"Note: {question}"), 95), ""]),
-        *(_home_lines(kind.home) if isinstance(kind, RodPlatform) and relative else []),
+        *kind.about_values,
         "Calls keep no state, allocate nothing and end after a bounded number of steps. Results "
         "are written with",
         f"{name.upper()}_OK only; `info` always. config and info may be NULL, guess and "
-        f"{_result(kind)} the same object.",
+        f"{'pose' if kind.of_poses else 'result'} the same object.",
         *_branch_lines(kind),
         "",
         *_effort_lines(kind, counts),
         f"Predicted error of an answer: {name.upper()}_TOLERANCE and the rounding of the type, "
         f"about",
-        f"{_short(8 * real.epsilon * mechanism.characteristic_length)} {mechanism.length_unit} "
+        f"{_short(8 * real.epsilon * kind.size)} {mechanism.length_unit} "
         f"(angles times the size) where the matrix is well conditioned.",
         *worst,
         "",
@@ -211,44 +187,28 @@ def _header_values(
         "target": cmake_target(name),
         "unit": mechanism.length_unit,
         "of_track": _of_track(kind),
-        "track_limit": real.literal(
-            rounded(tracked_error(main.tuning, mechanism.characteristic_length))
-        ),
-        "guess_precision": "" if isinstance(kind, JointMap) else _guess_precision(kind),
-        "pose_type": "" if isinstance(kind, JointMap) else _pose_type(kind),
-        "track_words": "" if isinstance(kind, JointMap) else _track_words(kind),
-        "fastest_text": f"{fastest(mechanism.characteristic_length):g}",
+        "track_limit": real.literal(rounded(tracked_error(main.tuning, kind.size))),
+        "guess_precision": _guess_precision(kind) if kind.of_poses else "",
+        "pose_type": _pose_type(kind) if kind.of_poses else "",
+        "track_words": _track_words(kind) if kind.of_poses else "",
+        "fastest_text": f"{fastest(kind.size):g}",
         "damped_below": DAMPED_BELOW,
         "most_turn": MOST_TURN,
-        "pivot_words": _PIVOT_OF_FORMULAS if is_closed(kind) else _PIVOT,
-        "size": real.literal(mechanism.characteristic_length),
+        "pivot_words": _PIVOT_OF_FORMULAS if kind.is_closed else _PIVOT,
+        "size": real.literal(kind.size),
         "tolerance": real.literal(main.tuning.tolerance),
-        "max_step": real.literal(mechanism.characteristic_length),
-        "geometry": ""
-        if isinstance(kind, JointMap) or not struct
-        else kind.geometry.declaration(name, real),
+        "max_step": real.literal(kind.size),
+        "geometry": kind.geometry.declaration(name, real) if struct else "",
         "gpd": f"const {name}_geometry *geometry, " if struct else "",
     }
 
 
-def _home_lines(home: Pose) -> list[str]:
-    """What changes from home are."""
-    return [
-        "Joint values and positions are changes from home, orientations turns from home's (R "
-        "= R_turn R_home), in base",
-        f"axes. Home: {', '.join(_short(float(v)) for v in [*home.position, *home.quaternion])}.",
-    ]
-
-
 def _of_track(kind: Kind) -> str:
     """What the residual of one step is, as words of a comment."""
-    if isinstance(kind, JointMap):
-        return f" ({kind.name}_track: predicted error of a step of Newton's method)"
-    return (
-        ""
-        if kind.mechanism.serial or is_closed(kind)
-        else f" ({kind.name}_track: predicted error of the pose)"
-    )
+    if kind.templates == "serial" or kind.is_closed:
+        return ""
+    what = "the pose" if kind.of_poses else "a step of Newton's method"
+    return f" ({kind.name}_track: predicted error of {what})"
 
 
 def _pose_type(kind: Kind) -> str:
@@ -263,14 +223,9 @@ def _pose_type(kind: Kind) -> str:
     return "\n" + fill("pose_type.h", values)
 
 
-def is_closed(kind: Kind) -> bool:
-    """Whether formulas solve a platform's direct problem."""
-    return isinstance(kind, LimbPlatform) and kind.direct_formulas is not None
-
-
 def _effort_lines(kind: Kind, counts: str) -> list[str]:
     """What an iteration is and takes."""
-    if not is_closed(kind):
+    if not kind.is_closed:
         return [f"One step of Newton's method: {counts} (rows, matrix, factors, step)."]
     return [
         "Formulas give the direct problem: an iteration is one evaluation of them, at the end of "
@@ -293,7 +248,7 @@ _PIVOT_OF_FORMULAS = (
 def _track_words(kind: Kind) -> str:
     """What the header says of tracking."""
     prefix = kind.mechanism.name
-    if is_closed(kind):
+    if kind.is_closed:
         return (
             "the formulas once, for a line that need not be cut: else WRONG_BRANCH, and call "
             f"{prefix}_direct. info->residual is the answer's closure error, beyond "
@@ -311,7 +266,7 @@ def _guess_precision(kind: Kind) -> str:
     words = "The length of its quaternion may be off by a hundredth"
     if kind.mechanism.motion == "spatial":
         return f"{words}."
-    off = _short(feasible_error(kind.real.epsilon, kind.mechanism.characteristic_length))
+    off = _short(feasible_error(kind.real.epsilon, kind.size))
     motion, unit = kind.mechanism.motion, kind.mechanism.length_unit
     return (
         f"{words}, "
@@ -319,23 +274,13 @@ def _guess_precision(kind: Kind) -> str:
     )
 
 
-def _result(kind: Kind) -> str:
-    return "result" if isinstance(kind, JointMap) else "pose"
-
-
 def _short(value: float) -> str:
     return f"{value:.6g}"
 
 
 def _range_lines(kind: Kind) -> list[str]:
-    unit = kind.mechanism.length_unit
-    lines = []
-    values = (
-        [("joints", kind.given), ("found", kind.found)]
-        if isinstance(kind, JointMap)
-        else [("joints", kind.mechanism.actuated)]
-    )
-    for what, coordinates in values:
+    unit, lines = kind.mechanism.length_unit, []
+    for what, coordinates in kind.told.items():
         for number, c in enumerate(coordinates):
             span = f"[{c.limits[0]:.6g}, {c.limits[1]:.6g}]" if c.limits else "no limits given"
             lines.append(
@@ -355,8 +300,3 @@ def _branch_lines(kind: Kind) -> list[str]:
         "where a limb has passed one, the direct problem answers with the status of a wrong "
         "branch.",
     ]
-
-
-def _numbers_of_struct(kind: Kind) -> list[str]:
-    """C text of each number of the geometry struct; none where there is no struct."""
-    return [] if isinstance(kind, JointMap) else kind.geometry.names

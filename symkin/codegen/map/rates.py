@@ -9,18 +9,20 @@ derivatives of the state.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import casadi as ca
 import numpy as np
 
 from symkin.closure.snapping import snapped_expression
 from symkin.codegen.map.joint_map import Direction, JointMap
-from symkin.codegen.steps.newton_kernel import moves
+from symkin.codegen.steps.newton_kernel import Kernel, moves
 from symkin.codegen.text.angles import numbers_at
-from symkin.codegen.text.c import Real
+from symkin.codegen.text.c import Emitter, Real
+from symkin.codegen.text.templates import fill
 from symkin.computed_once import lru_cache
-from symkin.model.joint import Coordinate
+from symkin.model.joint import Coordinate, places_of
 
 
 @lru_cache(maxsize=32)
@@ -95,22 +97,71 @@ def derivatives(made: JointMap, values: np.ndarray) -> tuple[np.ndarray, np.ndar
     return first, second
 
 
+@dataclass(frozen=True, eq=False)
+class SolvedColumns:
+    """Rates by the matrix of a kernel whose functions begin with `k`: a function `columns` gives
+    right-hand sides, row by row, of motions that are solved one after the other. `values` are those
+    of all templates; `given`, steps that it reads beside the state.
+    """
+
+    kernel: Kernel
+    k: str
+    columns: str
+    count: int
+    values: Mapping[str, object]
+    given: str = ""
+
+    @property
+    def _given(self) -> str:
+        return self.given.split("[")[0]
+
+    @property
+    def size(self) -> int:
+        """Numbers of all right-hand sides."""
+        return self.kernel.m * self.count
+
+    def text(self, about: str, emitter: Emitter) -> str:
+        """The function, of what an emitter has (rows, motions)."""
+        stores = [
+            f"sides[{self.count * i + j}] = {emitter.entry(i, j)};"
+            for i in range(self.kernel.m)
+            for j in range(self.count)
+        ]
+        given = f"const {self.values['real']} {self.given}, " if self.given else ""
+        unused = f"(void){self._given};" if given else ""
+        own = {"about": about, "columns": self.columns, "k": self.k, "nsides": self.size}
+        own |= {"given": given, "unused": unused}
+        shown = {**self.values, **own, "sides": [*emitter.lines, *stores]}
+        return fill("columns.c", shown)
+
+    def solved(self, stores: Sequence[str]) -> list[str]:
+        """Statements that solve for motion j after motion j, and then store its rates."""
+        read = f"&w, {self._given}, " if self.given else "&w, "
+        return [
+            f"{self.columns}({self.values['ga']}{read}sides);",
+            f"for (int j = 0; j < {self.count}; ++j) {{",
+            f"    for (int i = 0; i < {self.kernel.m}; ++i) {{",
+            f"        w.f[i] = sides[{self.count} * i + j];",
+            "    }",
+            f"    {self.k}_solve(&w);",
+            *("    " + line for line in stores),
+            "}",
+        ]
+
+
 def step_columns(
     unknown: Sequence[Coordinate], wanted: Sequence[Coordinate], size: float
 ) -> list[tuple[int, float]]:
     """List the places of each wanted coordinate in a step of the unknown ones, and what turns the
     step's length into its unit.
     """
-    places, column = {}, 0
-    for c in unknown:
-        places[c.name] = (column, 1.0 / size if c.is_angular else 1.0)
-        column += c.freedom
-    return [(places[c.name][0] + k, places[c.name][1]) for c in wanted for k in range(c.freedom)]
+    places = places_of(unknown, [c.freedom for c in unknown])
+    return [(k, 1.0 / size if c.is_angular else 1.0) for c in wanted for k in places[c.name]]
 
 
-def step_text(real: Real, column: int, scale: float) -> str:
+def step_text(real: Real, column: int, scale: float, w: str = "w.") -> str:
     """Write an entry of the step in its coordinate's unit."""
-    return f"w.f[{column}]" + (f" * {real.literal(scale)}" if scale != 1.0 else "")
+    return f"{w}f[{column}]" + (f" * {real.literal(scale)}" if scale != 1.0 else "")
 
 
 def _tangent(coordinates: tuple[Coordinate, ...], numbers: ca.SX) -> ca.SX:

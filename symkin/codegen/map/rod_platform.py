@@ -10,6 +10,7 @@ import casadi as ca
 import numpy as np
 
 from symkin.codegen.map.limb_platform import LimbPlatform
+from symkin.codegen.map.signature import LINE, PLATFORM, PLATFORM_SPEEDS, Function
 from symkin.codegen.steps.geometry import Geometry
 from symkin.codegen.steps.newton_kernel import Kernel, sampled
 from symkin.codegen.steps.rod_kernel import Rods, rod_geometry, rod_kernel
@@ -74,6 +75,7 @@ class RodPlatform(LimbPlatform):
     home: Pose
 
     can_be_compact = True
+    is_closed = False
     core = None
     direct_formulas = None
     blocks = ()
@@ -105,7 +107,7 @@ class RodPlatform(LimbPlatform):
     @cached_property
     def sampled_direct(self) -> tuple[np.ndarray, float]:
         """Matrices at poses within a seventh of the size and 0.3 rad of home, and kappa there."""
-        size = self.closure.characteristic_length
+        size = self.size
         states = [self.stated(pose) for pose in sample_poses(self.home, 100, size / 7, 0.3, 1)]
         known = [np.zeros(6)] * len(states)
         return sampled(self.direct_kernel, states, known, self.geometry.values)
@@ -130,6 +132,21 @@ class RodPlatform(LimbPlatform):
     def joint_values(self, pose: Pose) -> np.ndarray:
         """Joint values as generated code takes them."""
         return np.asarray(self.lengths(pose) - self.zero)
+
+    @property
+    def functions(self) -> tuple[Function, ...]:
+        return (*PLATFORM, *([LINE] if self.has_limits else []), *PLATFORM_SPEEDS)
+
+    @property
+    def about_values(self) -> list[str]:
+        if not self.options.home_relative:
+            return []
+        home = ", ".join(f"{float(v):.6g}" for v in (*self.home.position, *self.home.quaternion))
+        return [
+            "Joint values and positions are changes from home, orientations turns from home's (R "
+            "= R_turn R_home), in base",
+            f"axes. Home: {home}.",
+        ]
 
     @property
     def zero(self) -> np.ndarray | float:

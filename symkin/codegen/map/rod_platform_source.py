@@ -141,7 +141,7 @@ class RodSource(LimbPlatformSource):
         """Statements of the Jacobian, and of its copy."""
         if self.made.options.compact and not self.made.options.home_relative:
             return self._looped_jacobian, copy_loop("jacobian", "rows", 36)
-        x, size = ca.SX.sym("x", 7), self.made.mechanism.characteristic_length
+        x, size = ca.SX.sym("x", 7), self.made.size
         arms, d, _ = rod_vectors(self.made.rods, x[:3], x[3:])
         squared = [dot(v, v) for v in d]
         inverses = [1 / ca.sqrt(s) for s in squared]
@@ -162,34 +162,15 @@ class RodSource(LimbPlatformSource):
         """Statements of the Jacobian's rows in a loop over the rods, whose vectors are those of the
         direct problem's rows: with d = p + R a - b the moment (R a) x d is (b - p) x d.
         """
-        kind, literal, sqrt = self.real.type, self.real.literal, self.real.call("sqrt")
+        kind = self.real.type
         table, b = _bases(self.made, 1.0)
         towards = [
             f"const {kind} {axis} = {b[k] + ' - ' if k in b else '-'}x[{k}];"
             for k, axis in enumerate(("forth", "aside", "up"))
         ]
-        return [
-            *table,
-            f"{self.name}_direct_work w;",
-            f"{kind} rows[36];",
-            f"{kind} shortest = {self._common['huge']};",
-            *copy_loop("w.x", "x", 7),
-            *(f"w.k[{i}] = {literal(0.0)};" for i in range(6)),
-            f"{self.name}_direct_rows({self._ga}&w);",
-            "for (int i = 0; i < 6; ++i) {",
-            f"    const {kind} *const d = &w.d[3 * i];",
-            f"    {kind} *const row = &rows[6 * i];",
-            *("    " + line for line in towards),
-            f"    const {kind} squared = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];",
-            f"    const {kind} inverse = {literal(1.0)} / {sqrt}((squared > {literal(0.0)}) ? "
-            f"squared : {literal(1.0)});",
-            "    shortest = (squared < shortest) ? squared : shortest;",
-            *(f"    row[{k}] = d[{k}] * inverse;" for k in range(3)),
-            "    row[3] = aside * row[2] - up * row[1];",
-            "    row[4] = up * row[0] - forth * row[2];",
-            "    row[5] = forth * row[1] - aside * row[0];",
-            "}",
-        ]
+        state = [*copy_loop("w.x", "x", 7), *(f"w.k[{i}] = {self.real.zero};" for i in range(6))]
+        shown = {"table": table, "state": state, "towards": towards}
+        return fill("rod_jacobian.c", self._common | shown).splitlines()
 
 
 def _matrix_lines(platform: RodPlatform) -> list[str]:
@@ -226,7 +207,7 @@ def _bases(platform: RodPlatform, factor: float) -> tuple[list[str], dict[int, s
     """
     if platform.options.geometry == "struct":
         return [], {k: f"geometry->base[i][{k}]" for k in range(3)}
-    real, size = platform.real, platform.mechanism.characteristic_length
+    real, size = platform.real, platform.size
     rows = platform.geometry.rows[:, :3]
     kept = [k for k in range(3) if np.any(rows[:, k] != 0.0)] or [0]
     numbers = ", ".join(
@@ -241,7 +222,7 @@ def _bases(platform: RodPlatform, factor: float) -> tuple[list[str], dict[int, s
 
 def _ranges(platform: RodPlatform) -> list[Range]:
     """Ranges: the limbs' own, and lengths that are positive."""
-    real, size = platform.real, platform.mechanism.characteristic_length
+    real, size = platform.real, platform.size
     slack = max(1e-9, 16 * real.epsilon) * size
     zero = platform.zero + np.zeros(6)
     found = []

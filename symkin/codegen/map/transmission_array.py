@@ -61,13 +61,13 @@ class _Way:
         """A polynomial of the known values by least squares."""
         low, high = self.box
         middle, half = 0.5 * (low + high), 0.5 * (high - low)
-        powers = _powers(len(middle))
+        monomials = _monomials(len(middle))
         inside = (self.known - middle) / half
-        terms = ca.vertcat(*(_monomial(inside, power) for power in powers))
+        terms = [math.prod((inside[k] for k in m), start=ca.SX(1)) for m in monomials]
         scaled = (self.known_samples - middle) / half
-        matrix = np.stack([np.prod(scaled ** np.array(p), axis=1) for p in powers], axis=1)
+        matrix = np.stack([np.prod(scaled[:, list(m)], axis=1) for m in monomials], axis=1)
         factors = np.linalg.lstsq(matrix, self.samples, rcond=None)[0]
-        return ca.mtimes(ca.SX(ca.DM(factors.T)), terms)
+        return ca.mtimes(ca.SX(ca.DM(factors.T)), ca.vertcat(*terms))
 
     @cached_property
     def steps(self) -> int:
@@ -138,21 +138,10 @@ def _bends(rows: TransmissionRows, both: list[tuple[ca.SX, str]]) -> list[str]:
     return _function("_bends", [*both, (slopes, "s")], ca.vec(ca.horzcat(*bent).T))
 
 
-def _powers(n: int) -> list[tuple[int, ...]]:
-    """Exponents of all monomials of n variables up to the degree for so many."""
-    found = []
-    for degree in range(_DEGREES.get(n, 2) + 1):
-        for chosen in combinations_with_replacement(range(n), degree):
-            found.append(tuple(chosen.count(k) for k in range(n)))
-    return found
-
-
-def _monomial(values: ca.SX, power: Sequence[int]) -> ca.SX:
-    found = ca.SX(1)
-    for k, exponent in enumerate(power):
-        for _ in range(exponent):
-            found *= values[k]
-    return found
+def _monomials(n: int) -> list[tuple[int, ...]]:
+    """Numbers of the factors of all monomials of n variables up to the degree for so many."""
+    degrees = range(_DEGREES.get(n, 2) + 1)
+    return [m for degree in degrees for m in combinations_with_replacement(range(n), degree)]
 
 
 def _turning(transmission: Transmission, names: Sequence[str]) -> tuple[float, ...]:

@@ -19,15 +19,14 @@ from symkin.codegen.map.joint_map import Direction, JointMap
 from symkin.codegen.map.options import Options
 from symkin.codegen.text.c import Real
 from symkin.computed_once import cached_property
-from symkin.elimination.implied_rows import PointRow, implied_rows
+from symkin.elimination.implied_rows import PointRow
 from symkin.elimination.product_rows import ProductRow
 from symkin.errors import InputError
 from symkin.model.joint import Coordinate
 from symkin.numeric.rank import independent_rows
 from symkin.numeric.system import System
-from symkin.position.groups import dependence_of
+from symkin.position.groups import coordinates_in, implied_rows_of
 from symkin.position.problem import Problem
-from symkin.spatial.backend import stacked
 from symkin.transmissions.linkage import Linkage
 
 _OF_POINTS = ("distance", "point")
@@ -123,30 +122,11 @@ class TransmissionRows:
     @cached_property
     def _implied(self) -> tuple[PointRow | ProductRow, ...]:
         """What each loop says without the joints that it alone holds, where that is enough."""
-        problem = self.linkage.problem
-        closure, ends = problem.closure, {*self.linkage.motors, *self.linkage.joints}
-        held: dict[str, set[str]] = {}
-        for source, line in zip(
-            closure.row_sources, dependence_of(closure.bound(closure.rows), closure), strict=True
-        ):
-            if source.relation not in _OF_POINTS:
-                return ()
-            held.setdefault(source.limb, set()).update(
-                c.name for c in closure.coordinates if line[closure.slices[c.name]].any()
-            )
-        found: list[PointRow | ProductRow] = []
-        for branch, names in held.items():
-            others = set().union(*(n for b, n in held.items() if b != branch))
-            found += implied_rows(closure, branch, names - ends - others)
-        known = {c.name for c in self._coordinates(ends)}
-        rows = stacked(row.row for row in found)
-        own = [
-            row
-            for row, line in zip(found, dependence_of(rows, closure), strict=True)
-            if all(
-                c.name in known for c in closure.coordinates if line[closure.slices[c.name]].any()
-            )
-        ]
+        problem, ends = self.linkage.problem, {*self.linkage.motors, *self.linkage.joints}
+        if any(source.relation not in _OF_POINTS for source in problem.closure.row_sources):
+            return ()
+        found = implied_rows_of(problem, ends)
+        own = [row for row in found if coordinates_in(row.row, problem.closure) <= ends]
         return tuple(own) if len(self._independent(own)) == self._needed else ()
 
     @property

@@ -12,6 +12,7 @@ import numpy as np
 
 from symkin.closure.closure import Closure
 from symkin.codegen.text.c import Real
+from symkin.codegen.text.templates import fill
 from symkin.computed_once import cached_property
 from symkin.errors import InputError
 from symkin.machine.frame import Frames
@@ -122,33 +123,14 @@ class Geometry:
 
     def declaration(self, name: str, real: Real) -> str:
         """The struct and its nominal values, for the header."""
-        prefix = name.upper()
-        members = [f"    {name}_real {member};" for member in self.members]
         last = len(self.members) - 1
         numbers = [
-            f"        {real.literal(v)}{',' if k < last else ''} /* {member} */ \\"
+            f"{real.literal(v)}{',' if k < last else ''} /* {member} */ \\"
             for k, (member, v) in enumerate(zip(self.members, self.values, strict=True))
         ]
-        return "\n".join(
-            [
-                "/* Geometry by the model's key paths: lengths, angles in radians, directions and "
-                "quaternions of any length. Branches",
-                " * and pivots were chosen for the nominal values: give what a calibration finds, "
-                "not another machine. Where constraints",
-                " * depend on one another, values that contradict them leave no pose, and no call "
-                "is OK. */",
-                "typedef struct {",
-                *members,
-                f"}} {name}_geometry;",
-                "",
-                "/* Nominal geometry, as an initialiser. */",
-                f"#define {prefix}_NOMINAL \\",
-                "    { \\",
-                *numbers,
-                "    }",
-                "",
-            ]
-        )
+        members = [f"{name}_real {member};" for member in self.members]
+        shown = {"p": name, "P": name.upper(), "members": members, "numbers": numbers}
+        return fill("geometry.h", shown)
 
 
 def exact_turn(numbers: np.ndarray) -> np.ndarray:
@@ -162,21 +144,7 @@ def finite_check(name: str, numbers: Sequence[str], real: Real) -> str:
     """
     if not numbers:
         return ""
-    members = [
-        f"        {text}{',' if k + 1 < len(numbers) else ''}" for k, text in enumerate(numbers)
-    ]
-    return "\n".join(
-        [
-            "/* NONFINITE where a number of the geometry is NaN or infinite, else `otherwise`. */",
-            f"static {name}_status {name}_check_geometry(const {name}_geometry *geometry, "
-            f"{name}_status otherwise)",
-            "{",
-            f"    const {real.type} values[{len(members)}] = {{",
-            *members,
-            "    };",
-            f"    return {name}_check_finite(values, {len(members)}, otherwise);",
-            "}",
-            "",
-            "",
-        ]
-    )
+    last = len(numbers) - 1
+    members = [f"{text}{',' if k < last else ''}" for k, text in enumerate(numbers)]
+    shown = {"p": name, "P": name.upper(), "real": real.type, "count": len(members)}
+    return fill("check_geometry.c", shown | {"members": members})

@@ -48,19 +48,32 @@ def range_of(c: Coordinate, real: Real, size: float) -> tuple[float, float]:
 def range_functions(
     ranges: Sequence[Range], real: Real, values: Mapping[str, object], positive: str = ""
 ) -> str:
-    """NAME_first_beyond and NAME_check_limits. In float, where room counts, ranges that are all
+    """NAME_first_beyond and NAME_limit_joints. In float, where room counts, ranges that are all
     alike are checked in a loop.
     """
     tables, inside = _by_number(ranges, real)
     named = fill("first_beyond.c", {**values, "tables": tables, "inside": inside})
-    tests = "\n        && ".join(r.test(i) for i, r in enumerate(ranges))
-    shared = str(values["SHARED"]) + " "
+    tests, shared = "", str(values["SHARED"]) + " "
     if real.name == "float" and len(ranges) > 1 and len(set(ranges)) == 1:
         shared = ""
         tests = f"{values['p']}_first_beyond({values['ga']}joints) == {len(ranges)}U"
-    return named + fill(
-        "check_limits.c", {**values, "ranges": tests, "positive": positive, "shared": shared}
-    )
+    shown = {**values, "positive": positive, "shared": shared}
+    return named + check_text("joint values", "ranges", "limit_joints", ranges, shown, tests)
+
+
+def check_text(
+    what: str,
+    bounds: str,
+    check: str,
+    ranges: Sequence[Range],
+    values: Mapping[str, object],
+    tests: str = "",
+) -> str:
+    """The function `check` that holds values against ranges, or asks by other `tests`."""
+    told = tests or "\n        && ".join(r.test(i) for i, r in enumerate(ranges))
+    plain = {"positive": "", "shared": ""}
+    own = {"what": what, "bounds": bounds, "check": check, "ranges": told}
+    return fill("within.c", {**plain, **values, **own})
 
 
 def _by_number(ranges: Sequence[Range], real: Real) -> tuple[list[str], str]:

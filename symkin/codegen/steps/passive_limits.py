@@ -21,7 +21,7 @@ from symkin.closure.snapping import snapped_expression
 from symkin.codegen.steps.geometry import Geometry
 from symkin.codegen.steps.joint_ranges import range_of
 from symkin.codegen.text.c import Emitter, Real
-from symkin.model.joint import Coordinate
+from symkin.model.joint import Coordinate, places_of
 from symkin.text import c_comment
 
 
@@ -160,6 +160,14 @@ def keeps_limits(
         if not abs(float(way)) <= half:
             return False
     return True
+
+
+def texts_of(array: str, coordinates: Sequence[Coordinate]) -> dict[str, list[str]]:
+    """C text of the numbers of each of some coordinates, which stand beside each other in an
+    array.
+    """
+    places = places_of(coordinates, [c.width for c in coordinates])
+    return {name: [f"{array}[{k}]" for k in own] for name, own in places.items()}
 
 
 def limit_lines(

@@ -2,7 +2,7 @@
 name_status name_rates(@{gp}const name_real joints[@{nq}], const name_real twist[6], name_real rates[@{nq}], name_info *info)
 {
     name_real jacobian[@{nj}];
-    const name_status status = name_check_speeds(twist, 6, @{own_jacobian}(@{ga}joints, jacobian));
+    const name_status status = name_check_sizes(twist, 6, -@{largest}, @{own_jacobian}(@{ga}joints, jacobian));
     name_write_info(info, 0U, @{huge}, @{zero}, @{zero});
     if (status == NAME_OK) {
         name_real e[6];
@@ -76,7 +76,7 @@ name_status name_track(@{gp}const name_pose *pose, name_real joints[@{nq}], name
                 moved[i] = joints[i];
             }
         }
-        status = name_check_limits(@{ga}moved);
+        status = name_limit_joints(@{ga}status, moved);
         name_write_info(info, 1U, after, part * part * size * NAME_SIZE * NAME_SIZE, (pivot > @{zero}) ? (@{one} / pivot) : @{zero});
         if (status == NAME_OK) {
             for (int i = 0; i < @{nq}; ++i) {

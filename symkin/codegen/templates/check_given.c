@@ -17,7 +17,7 @@ static NAME_COLD name_status name_check_given(@{gp}const name_real x[@{nc}], con
     }
     if (status == NAME_OK) {
         @{within_given}
-        name_unwrap_joints(q, given, turned);
+        @{turned_given}
         for (int i = 0; i < @{nq}; ++i) {
             if (!(@{fabs}(turned[i] - q[i]) <= near[i])) {
                 status = NAME_WRONG_BRANCH;

@@ -28,7 +28,7 @@ static name_status name_turn_near(const name_real about[@{nn}], name_real joints
                 joints[i] += @{turn} * (name_real)whole;
             }
         }
-        status = name_check_limits(joints);
+        status = name_limit_joints(NAME_OK, joints);
     }
     return status;
 }

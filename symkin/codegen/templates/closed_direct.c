@@ -82,13 +82,8 @@ static name_status name_direct_reach(const name_real joints[@{nq}], const name_p
     name_direct_work w;
     unsigned int count = 0U;
     name_real residual = @{huge};
-    name_status status = name_read_guess(&w, guess);
-    const name_status limits = name_check_limits(joints);
+    name_status status = name_limit_joints(name_read_guess(&w, guess), joints);
     w.share = @{zero};
-    /* NaN or infinity anywhere comes first */
-    if ((status == NAME_OK) || (limits == NAME_NONFINITE)) {
-        status = limits;
-    }
     if (config == NULL) {
         config = &usual;
     } else {

@@ -9,7 +9,7 @@
     if (status == NAME_OK) {
         status = (name_solve_limbs(@{ga}c, @{into}, passive@{feasible}) == NAME_OK) ? NAME_OK : NAME_OUT_OF_RANGE;
     }
-    status = name_check_speeds(rates, @{nq}, status);
+    status = name_check_sizes(rates, @{nq}, -@{largest}, status);
     if (status == NAME_OK) {
         @{state}
         if (@{singular_there}) {

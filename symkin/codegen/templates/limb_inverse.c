@@ -11,7 +11,7 @@ name_status name_inverse(@{gp}const name_pose *pose, name_real joints[@{nq}])
             status = NAME_OUT_OF_RANGE;
         } else {
             @{within_middle}
-            status = name_check_limits(@{ga}q);
+            status = name_limit_joints(@{ga}status, q);
         }
         @{inverse_passive}
         if (status == NAME_OK) {

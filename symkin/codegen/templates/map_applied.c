@@ -2,7 +2,7 @@
 name_status name_@{function}(const name_real joints[@{nq}], const name_real found[@{nq}], const name_real @{given}[@{nq}], name_real @{asked}[@{count}])
 {
     name_real @{matrix}[@{nj}];
-    name_status status = name_check_sizes(@{given}, @{least});
+    name_status status = name_check_sizes(@{given}, @{nq}, @{least}, NAME_OK);
     if (status == NAME_OK) {
         status = name_@{matrix}(joints, found, @{matrix});
     }

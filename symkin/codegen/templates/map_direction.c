@@ -69,8 +69,7 @@ name_status @{f}(const name_config *config, const name_real @{values}[@{nto}], c
         status = name_state_of_@{out}(guess, y, at);
     }
     if (status != NAME_OK) {
-        name_write_info(info, 0U, @{huge}, @{zero}, @{zero});
-@{blame_values}
+        @{no_step}
     } else {
         name_real residual;
         const bool still = @{f}_closes(&w, @{values}, @{guess_from}, used, &residual);
@@ -118,8 +117,7 @@ name_status @{track}(const name_real @{values}[@{nto}], name_real @{out}[@{nout}
     if (status == NAME_OK) {
         @{step}
     } else {
-        name_write_info(info, 0U, @{huge}, @{zero}, @{zero});
-@{blame_values}
+        @{no_step}
     }
     if (status == NAME_OK) {
         @{track_results}

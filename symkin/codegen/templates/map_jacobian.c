@@ -17,14 +17,7 @@ name_status name_@{function}(const name_real joints[@{nq}], const name_real foun
         } else if (@{singular}) {
             status = NAME_SINGULAR;
         } else {
-            name_@{columns}(&w, sides);
-            for (int j = 0; j < @{nq}; ++j) {
-                for (int i = 0; i < @{m}; ++i) {
-                    w.f[i] = sides[@{nq} * i + j];
-                }
-                solver_solve(&w);
-                @{rates}
-            }
+            @{rates}
             @{more}
             status = (name_check_finite(rates, @{nrates}, NAME_OK) == NAME_OK) ? NAME_OK : NAME_SINGULAR;
         }

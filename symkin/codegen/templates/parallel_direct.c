@@ -1,11 +1,10 @@
 /* Reads joints and guess: checks both and sets the state to the guess's. What passes is finite and within bounds. */
 static NAME_SHARED name_status name_read_guess(@{gp}name_direct_work *w, const name_real joints[@{nq}], const name_pose *guess)
 {
-    const name_status limits = name_check_limits(@{ga}joints);
     name_status status;
     @{enter}
     /* NaN or infinity anywhere comes first */
-    return ((status == NAME_OK) || (limits == NAME_NONFINITE)) ? limits : status;
+    return name_limit_joints(@{ga}status, joints);
 }
 
 /* Writes the pose of the state. */

@@ -5,7 +5,7 @@ name_status name_inverse(@{gp}const name_pose *pose, name_real joints[6])
     name_status status = name_normalise_pose(@{ga}pose, w.x);
     if (status == NAME_OK) {
         name_rod_values(@{ga}&w);
-        status = name_check_limits(@{ga}w.k);
+        status = name_limit_joints(@{ga}status, w.k);
         if (status == NAME_OK) {
             @{copy_joints}
         }

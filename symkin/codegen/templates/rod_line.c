@@ -94,7 +94,7 @@ name_status name_line(@{gp}const name_config *config, const name_pose *from, con
             w.x[i] = ends[e][i];
         }
         name_rod_values(@{ga}&w);
-        status = name_check_limits(@{ga}w.k);
+        status = name_limit_joints(@{ga}status, w.k);
         joint = name_first_beyond(@{ga}w.k);
         for (int i = 0; i < 18; ++i) {
             rods[2 * e][i] = w.d[i];

@@ -1,7 +1,7 @@
 /* The tool's pose, its quaternion of unit length and with w >= 0. */
 name_status name_direct(@{gp}const name_real joints[@{nq}], name_pose *pose)
 {
-    name_status status = name_check_limits(@{ga}joints);
+    name_status status = name_limit_joints(@{ga}NAME_OK, joints);
     if (status == NAME_OK) {
         name_real x[7];
         name_forward(@{ga}joints, x);
@@ -42,7 +42,7 @@ name_status name_inverse(@{gp}const name_config *config, const name_pose *pose, 
 @{to_x}
 @{solve}
         if (status == NAME_OK) {
-            status = name_check_limits(@{ga}@{at});
+            status = name_limit_joints(@{ga}status, @{at});
             if (info != NULL) {
                 info->joint = name_first_beyond(@{ga}@{at});
             }
@@ -57,7 +57,7 @@ name_status name_inverse(@{gp}const name_config *config, const name_pose *pose, 
 /* Twist of the tool by joint rates, from the derivative of the tool's pose@{in_own}. */
 @{static_own}name_status @{own_jacobian}(@{gp}const name_real joints[@{nq}], name_real jacobian[@{nj}])
 {
-    name_status status = name_check_limits(@{ga}joints);
+    name_status status = name_limit_joints(@{ga}NAME_OK, joints);
 @{use}
     if (status == NAME_OK) {
 @{jacobian}

@@ -3,7 +3,7 @@ name_status name_@{function}(@{gp}@{at}, const name_real @{given}[@{columns}], n
 {
     name_real jacobian[@{nq} * 6];
     name_real found[@{rows}];
-    const name_status status = name_check_speeds(@{given}, @{columns}, name_jacobian(@{ga}@{at_name}, jacobian));
+    const name_status status = name_check_sizes(@{given}, @{columns}, -@{largest}, name_jacobian(@{ga}@{at_name}, jacobian));
     if (status == NAME_OK) {
         for (int i = 0; i < @{rows}; ++i) {
             name_real sum = @{zero};

@@ -9,7 +9,7 @@
     name_real a[@{nq} * @{nq}];
     name_real f[@{nq}];
     uint8_t order[@{nq}];
-    name_status status = name_check_speeds(rates, @{nq}, @{jacobian}(@{ga}pose, jacobian));
+    name_status status = name_check_sizes(rates, @{nq}, -@{largest}, @{jacobian}(@{ga}pose, jacobian));
     if (status == NAME_OK) {
         for (int i = 0; i < @{nq}; ++i) {
             for (int j = 0; j < @{nq}; ++j) {

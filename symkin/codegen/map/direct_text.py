@@ -1,0 +1,356 @@
+"""Write the C of both ends of a line that formulas follow: how a guess is read, by the limbs'
+formulas, and how the answer is checked and written.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import casadi as ca
+import numpy as np
+
+from symkin.codegen.closed_limb import BESIDE, READ_AGAIN, LimbFormulas, side_lines
+from symkin.codegen.map.limb_platform import LimbBlock, LimbPlatform
+from symkin.codegen.map.record import Source
+from symkin.codegen.steps.direct_formulas import DirectFormulas
+from symkin.codegen.steps.formula_guards import RESOLVED
+from symkin.codegen.steps.guard_text import GuardText
+from symkin.codegen.steps.newton_kernel import rounded
+from symkin.codegen.steps.newton_source import tolerance_of
+from symkin.codegen.steps.pose_coordinates import POSE, off_motion, restricted
+from symkin.codegen.text.angles import NotLiftedError, Numbers, lifted
+from symkin.codegen.text.c import Emitter, indent
+from symkin.codegen.text.gathered import gathered
+from symkin.computed_once import cached_property
+from symkin.model.joint import Coordinate, places_of
+from symkin.numeric.system import System
+from symkin.spatial.backend import stacked
+
+_SMALL_SHARE = 1.0 / 64
+"""Share of its usual size below which a root multiplies rounding so much that an answer is read
+again before it is OK.
+"""
+_FIRM = 64.0
+"""How many times what rounding leaves of a guard it is at least where an answer need not be read
+again.
+"""
+
+
+@dataclass(frozen=True, eq=False)
+class DirectText(Source):
+    """The values of one platform's direct problem: `u` the given ones, `y` the unknowns, angles by
+    cosine and sine, `half` those of half the pose's turn.
+    """
+
+    made: LimbPlatform
+    found: DirectFormulas
+
+    @cached_property
+    def guards(self) -> GuardText:
+        return GuardText(self.found.guards, self.real, measures=True)
+
+    @cached_property
+    def joint_places(self) -> dict[str, range]:
+        """Places of each actuated joint's generators in the arrays `at` and `u`."""
+        return _generators_of(self.made.actuated)
+
+    @cached_property
+    def unknown_places(self) -> dict[str, range]:
+        """Places of each unknown's generators in `y`."""
+        return _generators_of(self.unknowns)
+
+    @property
+    def unknowns(self) -> tuple[Coordinate, ...]:
+        return self.found.formulas.system.unknowns
+
+    @cached_property
+    def count(self) -> int:
+        return sum(len(places) for places in self.joint_places.values())
+
+    @cached_property
+    def u(self) -> ca.SX:
+        return ca.SX.sym("u", self.count)
+
+    @cached_property
+    def y(self) -> ca.SX:
+        return ca.SX.sym("y", sum(len(places) for places in self.unknown_places.values()))
+
+    @cached_property
+    def half(self) -> ca.SX:
+        return ca.SX.sym("h", 2)
+
+    def places(self, system: System) -> list[tuple[ca.SX, str]]:
+        """Symbols of a system's coordinates with their names."""
+        whole = system is self.found.formulas.system
+        known = self.made.direct.known_coordinates if whole else self.made.inverse.known_coordinates
+        parts = ((system.unknowns, system.unknown), (known, system.known))
+        return [
+            (symbols[k], c.name)
+            for coordinates, symbols in parts
+            for k, c in enumerate(coordinates)
+        ]
+
+    def signed(self, expression: ca.SX) -> ca.SX:
+        """An expression in which roots have their signs."""
+        return ca.substitute(
+            expression, self.found.formulas.signs, ca.SX.ones(*self.found.formulas.signs.shape)
+        )
+
+    @cached_property
+    def generators(self) -> dict[str, Numbers]:
+        """Symbols of the joints and of the unknowns; of the pose's turn those of half of it."""
+        found = {}
+        for places, array in ((self.joint_places, self.u), (self.unknown_places, self.y)):
+            for name, own in places.items():
+                found[name] = Numbers.of(tuple(array[i] for i in own))
+        return found
+
+    @property
+    def turns(self) -> list[tuple[ca.SX, ca.SX]]:
+        """The joints' symbols that are cosine and sine of one angle."""
+        return [(self.u[p[0]], self.u[p[1]]) for p in self.joint_places.values() if len(p) == 2]
+
+    def store_guards(self, emitter: Emitter, output: int, array: str, *, of_divisors: bool) -> None:
+        """Add statements of guards: those of divisors, by which formulas divide, or those of
+        discriminants.
+        """
+        for j, guard in enumerate(self.found.guards):
+            if guard.is_divisor == of_divisors:
+                emitter.lines.append(f"w->{array}[{j}] = {emitter.value(output, j)};")
+
+    def above(self, array: str, *, of_divisors: bool) -> str:
+        """C condition: these guards are more than rounding, where it is least: the line asks again
+        by the part of the slides' ranges that holds it.
+        """
+        tests = [
+            f"(w->{array}[{j}] > {self.literal(self.guards.roundings(guard)[0])})"
+            for j, guard in enumerate(self.found.guards)
+            if guard.is_divisor == of_divisors
+        ]
+        return " && ".join(tests)
+
+    # --- the guess --------------------------------------------------------------------------------
+
+    @property
+    def guess_lines(self) -> list[str]:
+        """Statements that read a guess: joints by the limbs, signs and guards of the direct
+        problem.
+        """
+        made, found, formulas = self.made, self.found, self.found.formulas
+        x, roots, limits = ca.SX.sym("x", 7), list[ca.SX](), list[float]()
+        taken, discriminants = restricted(made.geometry, x), list[ca.SX]()
+        generators, lengths = dict[str, Numbers](), iter(taken.lengths)
+        for c in made.closure.role("pose"):
+            turn = taken.half_turn if c.is_angular else None
+            generators[c.name] = Numbers.of(
+                (next(lengths),) if turn is None else turn, is_half=turn is not None
+            )
+        for block in made.blocks:
+            own = self._joints(block, generators)
+            if own is not None:
+                roots.append(own[0])
+                discriminants.append(own[1])
+                limits += own[2]
+        places = self.places(formulas.system)
+        told = self._told(lifted(self.signed(formulas.told), places, generators, formulas.roots))
+        divisors, reaches = (
+            lifted(part, places, generators, formulas.roots)
+            for part in (
+                formulas.divisors,
+                stacked(reach.of_configuration for reach in found.whole.reaches),
+            )
+        )
+        guards = ca.vertcat(*(guard.of(told**2, reaches, divisors) for guard in found.guards))
+        at = ca.vertcat(*(part for c in made.actuated for part in generators[c.name].parts))
+        outputs = [stacked(discriminants), at, told, guards, stacked(taken.off)]
+        return self._read(x, stacked(roots), outputs, limits)
+
+    def _joints(
+        self, block: LimbBlock, generators: dict[str, Numbers]
+    ) -> tuple[ca.SX, ca.SX, list[float]] | None:
+        """Add the generators of a limb's joints; its roots, what stands under them, and below which
+        that is nothing; None of a rod.
+        """
+        unknowns, places = block.system.unknowns, self.places(block.system)
+        # symbols for unknowns that no formula reads
+        unread = {
+            c.name: Numbers.of(tuple(map(ca.SX.sym, "cs"[: 1 + c.is_angular]))) for c in unknowns
+        }
+        if block.rod is not None:
+            rod = lifted(block.rod, places, unread | generators, ca.SX(0, 1))
+            generators[unknowns[0].name] = Numbers.of((rod[0],))
+            return None
+        assert block.formulas is not None  # noqa: S101 - the caller has looked
+        limb, own = LimbFormulas(self.made, block, block.formulas), block.formulas
+        symbols = ca.SX.sym(f"{block.name}_r", own.roots.numel())
+        discriminants, first, second = (
+            lifted(
+                ca.substitute(limb.signed(e), own.roots, symbols),
+                places,
+                unread | generators,
+                symbols,
+            )
+            for e in (own.discriminants, own.first, own.second)
+        )
+        for k, c in enumerate(unknowns):
+            generators[c.name] = Numbers.of((first[k], second[k])[: 1 + c.is_angular])
+        least = RESOLVED * self.real.epsilon * limb.usual_roots
+        return symbols, discriminants, (least**2).tolist()
+
+    def _read(
+        self, x: ca.SX, roots: ca.SX, parts: Sequence[ca.SX], limits: Sequence[float]
+    ) -> list[str]:
+        real, name = self.real, self.capital
+        outputs = gathered(parts, [x, roots], [])
+        inputs = [(x, "x"), (roots, [f"r{k + 1}" for k in range(roots.numel())])]
+        emitter, one = Emitter.of(real, inputs, *outputs), real.one
+        tests = [
+            emitter.root(k + 1, emitter.value(0, k), real.literal(rounded(limit)), one)
+            for k, limit in enumerate(limits)
+        ]
+        limit = real.literal(off_motion(self.made.geometry, real))
+        tests += [f"({real.call('fabs')}({text}) <= {limit})" for text in emitter.values(4)]
+        begun, middle = emitter.take(), emitter.stored("w->at", 1)
+        self.store_guards(emitter, 3, "left", of_divisors=True)
+        middle += emitter.take()
+        for k in range(parts[2].numel()):
+            text = emitter.value(2, k)
+            emitter.lines.append(f"w->sign[{k}] = ({text} < {real.zero}) ? -{one} : {one};")
+        self.store_guards(emitter, 3, "left", of_divisors=False)
+        last, near = emitter.take(), self.above("left", of_divisors=False)
+        if near:
+            last += [f"if (!({near})) {{", f"    status = {name}_SINGULAR;", "}"]
+        below = _refused(self.above("left", of_divisors=True), last, f"{name}_SINGULAR")
+        return [*begun, *_refused(" && ".join(tests), [*middle, *below], f"{name}_OUT_OF_RANGE")]
+
+    def _told(self, told: ca.SX) -> ca.SX:
+        """What tells each sign, with those before put in: sign times root."""
+        roots, parts = self.found.formulas.roots, list[ca.SX]()
+        for part in told.elements():
+            for j, before in enumerate(parts):
+                part = ca.substitute(part, roots[j], before)
+            parts.append(part)
+        return stacked(parts)
+
+    # --- the answer -------------------------------------------------------------------------------
+
+    @property
+    def _turns(self) -> list[Coordinate]:
+        """The turn of the pose, if it has one."""
+        return [c for c in self.made.closure.role("pose") if c.is_angular]
+
+    @cached_property
+    def _limbs(self) -> list[LimbFormulas]:
+        """The limbs that have choices."""
+        blocks = [(b, b.formulas) for b in self.made.blocks]
+        return [LimbFormulas(self.made, b, found) for b, found in blocks if found is not None]
+
+    @cached_property
+    def _answer(self) -> tuple[ca.SX, ca.SX, ca.SX]:
+        """Rows, sides of the limbs' choices and numbers of the pose, over u, y and the half
+        turn.
+        """
+        made, system, none = self.made, self.found.formulas.system, ca.SX(0, 1)
+        half = Numbers.of((self.half[0], self.half[1]), is_half=True)
+        generators = self.generators | {c.name: half for c in self._turns}
+        try:
+            rows = lifted(system.rows, self.places(system), generators, none)
+        except NotLiftedError:
+            # these hold whole angles only
+            rows = lifted(system.errors, self.places(system), generators, none)
+        sides = [
+            lifted(
+                limb.formulas.sides(limb.signs), self.places(limb.block.system), generators, none
+            )
+            for limb in self._limbs
+        ]
+        pose = made.closure.role("pose")
+        symbols = [(made.closure.symbols([c]), c.name) for c in pose]
+        return (
+            self._distinct(rows),
+            stacked(sides),
+            lifted(made.geometry.pose, symbols, generators, none),
+        )
+
+    def _distinct(self, rows: ca.SX) -> ca.SX:
+        """Rows without those that equal another one, at values about 1 and about the size: beside
+        the first the squares of a tiny machine's lengths are nothing, beside the second its cosines
+        are.
+        """
+        symbols = ca.vertcat(self.u, self.y, self.half)
+        function = ca.Function("rows", [symbols], [rows])
+        rng = np.random.default_rng(2)
+        sizes = [1.0, 1.0, 1.0, *[self.made.size] * 3]
+        drawn = [s * rng.normal(size=symbols.numel()) for s in sizes]
+        values = np.array([np.asarray(function(one)).ravel() for one in drawn])
+        values /= np.maximum(np.max(np.abs(values), axis=1, keepdims=True), np.finfo(float).tiny)
+        kept: list[int] = []
+        for k in range(values.shape[1]):
+            if not any(
+                np.allclose(values[:, k], s * values[:, j], rtol=1e-9, atol=1e-15)
+                for j in kept
+                for s in (1, -1)
+            ):
+                kept.append(k)
+        return stacked(rows[k] for k in kept)
+
+    @cached_property
+    def needed(self) -> set[int]:
+        """Places of `y` that the answer reads."""
+        reads = ca.which_depends(stacked(self._answer), self.y, 1, False)
+        turns = {i for c in self._turns for i in self.unknown_places[c.name]}
+        return turns | {i for i, is_read in enumerate(reads) if is_read}
+
+    @property
+    def answer_lines(self) -> dict[str, str]:
+        """Statements of the residual, the sides, what is firm, and the pose."""
+        real, symbols = self.real, [self.u, self.y, self.half]
+        outputs = gathered(list(self._answer), symbols, self.turns)
+        names = zip(symbols, ("w->u", "w->y", "h"), strict=True)
+        emitter = Emitter.of(real, list(names), *outputs)
+        squares = " + ".join(f"{t} * {t}" for t in emitter.values(0))
+        emitter.lines.append(f"*residual = {real.call('sqrt')}({squares});")
+        residual, tests, k = emitter.take(), list[str](), 0
+        for limb in self._limbs:
+            size = limb.block.system.characteristic_length
+            near = READ_AGAIN * BESIDE * np.sqrt(tolerance_of(real, size) / size)
+            for root, what in zip(limb.usual_roots, limb.formulas.names, strict=True):
+                bounds = (0.0, float(near * root))
+                tests += side_lines(emitter.value(1, k), what, bounds, real, self.capital)
+                k += 1
+        sides = [*emitter.take(), *tests]
+        parts = {"residual": residual, "side": sides, "firm": self._firm_lines}
+        return {f"{part}_lines": indent(lines) for part, lines in parts.items()} | {
+            "pose_lines": indent(emitter.stored(POSE, 2), 2)
+        }
+
+    @property
+    def _firm_lines(self) -> list[str]:
+        """Statements on what is near a fold: there the pose's error is large beside the
+        distance.
+        """
+        found, lines = self.found, list[str]()
+        tests = [f"(w->share > {self.literal(_SMALL_SHARE)})"] * bool(found.usual_roots.size)
+        for j, guard in enumerate(found.guards):
+            firm = self.guards.by_reach(f"firm{j}", self.guards.roundings(guard, _FIRM), lines)
+            tests.append(f"(w->guard[{j}] > {firm})")
+        return [*lines, f"bool firm = {' && '.join(tests) or 'true'};"]
+
+
+def _generators_of(coordinates: Sequence[Coordinate]) -> dict[str, range]:
+    """Places of the generators of coordinates, one after the other."""
+    return places_of(coordinates, [2 if c.is_angular else 1 for c in coordinates])
+
+
+def _refused(condition: str, lines: Sequence[str], status: str) -> list[str]:
+    """Statements under a condition, without which a status is set."""
+    if not condition:
+        return list(lines)
+    return [
+        f"if (!({condition})) {{",
+        f"    status = {status};",
+        "} else {",
+        *("    " + line for line in lines),
+        "}",
+    ]

@@ -1,7 +1,0 @@
-/* Derivatives of the rows by the @{of}, row by row. */
-static void name_@{columns}(const solver_work *w, name_real sides[@{nsides}])
-{
-    (void)w;
-    @{sides}
-}
-

@@ -1,0 +1,8 @@
+/* An angle moved by whole turns: the one next to `near`, or the next one where the limits hold that and not the first. */
+static name_real name_turned(name_real angle, name_real near, name_real low, name_real high)
+{
+    const name_real moved = name_nearest(angle, near);
+    const name_real other = moved + ((moved > high) ? -@{turn} : ((moved < low) ? @{turn} : @{zero}));
+    return ((other >= low) && (other <= high)) ? other : moved;
+}
+
