@@ -198,6 +198,5 @@ def _family(group: Problem, alike: Problem, numbers: _Numbers, units: np.ndarray
         ),
         system=replace(system, known=ca.vertcat(system.known, symbols), rows=rows, errors=errors),
         known_coordinates=known,
-        by_name=True,
         row_places=None,
     )

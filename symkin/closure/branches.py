@@ -17,7 +17,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from symkin.model.bar import Bar
-from symkin.model.joint import BASE, PLATFORM, Joint
+from symkin.model.joint import BASE, Joint
 from symkin.model.limb import Limb, RodLimb
 from symkin.model.mechanism import Mechanism
 
@@ -83,8 +83,7 @@ def layout_of(mechanism: Mechanism, kept: frozenset[str], *, pose: bool) -> Layo
     """The layout for some coordinates that the closure must hold (`kept`: given or coupled ones),
     and, with `pose`, the platform's pose.
     """
-    if not mechanism.is_graph:
-        return Layout(tuple(_limb_branches(mechanism)), (PLATFORM,))
+    pose = pose or not mechanism.is_graph
     edges, platform = list(edges_of(mechanism)), mechanism.platform_link
     wanted = {platform} if pose and platform is not None else set()
     chains = chains_of(edges, wanted)
@@ -96,25 +95,6 @@ def layout_of(mechanism: Mechanism, kept: frozenset[str], *, pose: bool) -> Layo
     if bridged:
         chains = chains_of(edges, wanted | bridged)
     return _spanned(chains, mechanism, kept, pose)
-
-
-# --- limbs ----------------------------------------------------------------------------------------
-
-
-def _limb_branches(mechanism: Mechanism) -> Iterator[Branch]:
-    """Limbs from the base to the platform; one that ends in rods carries its last link, from which
-    the rods go on.
-    """
-    for limb in mechanism.limbs:
-        joints = tuple(Element(joint, mechanism.key_path(limb, joint)) for joint in limb.joints)
-        bars, last = limb.bars(mechanism.reference_pose), _last_link(limb)
-        if joints:
-            links = tuple(f"{limb.name}.{k}" for k in range(1, len(joints)))
-            yield Branch(
-                limb.name, (BASE, last if bars else PLATFORM), joints, links, carries=bool(bars)
-            )
-        for bar in bars:
-            yield Branch(limb.name, (last, PLATFORM), (Element(bar, bar.path),), ())
 
 
 def _last_link(limb: Limb | RodLimb) -> str:

@@ -63,15 +63,6 @@ def independent_parts(groups: tuple[Problem, ...]) -> list[list[int]]:
 
 
 @lru_cache(maxsize=128)
-def independent_problems(problem: Problem) -> tuple[Problem, ...]:
-    """The parts that read none of each other's values: limbs once the pose is given."""
-    groups = structure_groups(problem)
-    return tuple(
-        joined_groups(problem, tuple(groups[k] for k in part)) for part in independent_parts(groups)
-    )
-
-
-@lru_cache(maxsize=128)
 def joined_groups(problem: Problem, groups: tuple[Problem, ...]) -> Problem:
     """Groups of a problem that read no others' values as one."""
     names = {c.name for group in groups for c in group.system.unknowns}
@@ -91,7 +82,7 @@ def joined_groups(problem: Problem, groups: tuple[Problem, ...]) -> Problem:
             rows=system.rows[places, 0],
             errors=system.errors[checks, 0],
         ),
-        row_places=tuple(own[k] for k in places) if problem.by_name else None,
+        row_places=tuple(own[k] for k in places),
     )
 
 
@@ -211,7 +202,6 @@ def _part(
     own = problem.places_of_rows
     return replace(
         problem,
-        by_name=True,
         system=system,
         known_coordinates=known,
         row_places=tuple(own[k] for k in places if k < len(own)),
@@ -304,7 +294,7 @@ def _parts(problem: Problem, dependence: np.ndarray) -> list[set[int]]:
     every = np.array([dependence[:, slices[c.name]].any(axis=1) for c in system.unknowns]).T
     tied = [set(np.flatnonzero(row).tolist()) for row in every]
     bodies = _bodies(system.unknowns)
-    if not problem.by_name and not any(c.is_rotation for c in system.unknowns):
+    if not any(c.is_rotation for c in system.unknowns):
         # numbers of a platform that rows nowhere tie: its height, say
         alone = components(tied, len(system.unknowns))
         bodies = [body & part for body in bodies for part in alone if body & part]

@@ -46,12 +46,15 @@ class Problem:
     @property
     def of_joints(self) -> bool:
         """Whether the actuated joints of limbs are known."""
-        return not self.by_name and self.known_coordinates[0].role == "actuated"
+        return self._are_known("actuated")
 
     @property
     def of_pose(self) -> bool:
         """Whether the pose of limbs is known."""
-        return not self.by_name and self.known_coordinates[0].role == "pose"
+        return self._are_known("pose")
+
+    def _are_known(self, role: str) -> bool:
+        return not self.by_name and {c.role for c in self.known_coordinates} == {role}
 
     @property
     def mechanism(self) -> Mechanism:

@@ -18,10 +18,10 @@ from helpers.inside import (
     build_problem,
     compute_start,
     content_of,
-    independent_problems,
     solved_parts,
     solvers_of,
     start_key,
+    structure_groups,
     system_of,
 )
 from symkin import load, shipped_names
@@ -48,7 +48,7 @@ def shipped_systems() -> Iterator[tuple[Problem, AlgebraicSystem]]:
             problem = build_problem(mechanism, kind)
             if problem.is_explicit:
                 continue
-            blocks = independent_problems(problem)
+            blocks = structure_groups(problem)
             yield from ((block, system_of(block)) for block in blocks)
             for part in solved_parts(blocks[0]) if len(blocks) == 1 else ():
                 for solver in solvers_of(part):

@@ -298,7 +298,6 @@ NAMES = {
     "build_tape": "symkin.certificate.tape",
     # all modes
     "independent_parts": "symkin.position.groups",
-    "independent_problems": "symkin.position.groups",
     "modes_by_groups": "symkin.assembly.by_groups",
     "group_paths": "symkin.assembly.group_solvers",
     "group_solver": "symkin.assembly.group_solvers",
