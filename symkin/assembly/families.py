@@ -192,11 +192,11 @@ def _family(group: Problem, alike: Problem, numbers: _Numbers, units: np.ndarray
             parameters=ca.SX(0, 1),
             parameter_names=(),
             parameter_values=np.zeros(0),
-            row_sources=tuple(closure.row_sources[k] for k in group.places_of_rows)[:count],
+            row_sources=tuple(closure.row_sources[k] for k in group.row_places)[:count],
             row_numbers=(),
             error_sources=(),
         ),
         system=replace(system, known=ca.vertcat(system.known, symbols), rows=rows, errors=errors),
         known_coordinates=known,
-        row_places=None,
+        row_places=tuple(range(count)),
     )

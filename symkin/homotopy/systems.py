@@ -90,7 +90,7 @@ def _written(
         # rows without unknowns are conditions on what is given
         held = ca.which_depends(rows, closure.symbols(system.unknowns), 1, True)
         rows = rows[[k for k, some in enumerate(held) if some], 0]
-    elif problem.row_places is not None:
+    else:
         rows = without_later(rows[list(problem.row_places), 0], closure, allowed)
         rows = ca.vertcat(rows, _implied(problem, written.symbols))
     return rows, written.symbols, {c: v for c, v in written.eliminated if c.name in allowed}

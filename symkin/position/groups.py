@@ -70,7 +70,7 @@ def joined_groups(problem: Problem, groups: tuple[Problem, ...]) -> Problem:
     places, checks = (
         [k for k, held in enumerate(part) if held & names] for part in _dependences(problem)
     )
-    system, own = problem.system, problem.places_of_rows
+    system, own = problem.system, problem.row_places
     if (len(places), len(checks)) == (int(system.rows.shape[0]), int(system.errors.shape[0])):
         return problem
     return replace(
@@ -97,7 +97,7 @@ def implied_parts(group: Problem) -> tuple[Problem, ...]:
     candidates = _with_implied(group, _implied_rows(group))
     if not candidates.implied:
         return ()
-    count, chosen = len(group.places_of_rows), _independent_rows(candidates)
+    count, chosen = len(group.row_places), _independent_rows(candidates)
     kept = [row for k, row in enumerate(candidates.implied, start=count) if k in chosen]
     parts = _decomposed(_with_implied(group, kept)) if kept else ()
     return parts if len(parts) > 1 else ()
@@ -143,7 +143,7 @@ def _implied_rows(group: Problem) -> list[PointRow | ProductRow]:
     """What each branch of a group says without the joints that no other branch holds, of one
     floating body at most, which is unknown.
     """
-    closure, places = group.closure, group.places_of_rows
+    closure, places = group.closure, group.row_places
     held = _held(dependence_of(group.system.rows, closure), closure)
     owners: dict[str, set[str]] = {}
     for place, names in zip(places, held, strict=True):
@@ -173,7 +173,6 @@ def _with_implied(problem: Problem, implied: Sequence[PointRow | ProductRow]) ->
     return replace(
         problem,
         system=replace(system, rows=rows, errors=errors),
-        row_places=problem.places_of_rows,
         implied=tuple(implied),
     )
 
@@ -199,7 +198,7 @@ def _part(
         rows=rows,
         errors=errors,
     )
-    own = problem.places_of_rows
+    own = problem.row_places
     return replace(
         problem,
         system=system,
@@ -344,7 +343,7 @@ def _independent_rows(problem: Problem) -> np.ndarray:
     row is a branch of its own.
     """
     jacobian = _closed_jacobian(problem)
-    sources = [problem.closure.row_sources[place].limb for place in problem.places_of_rows]
+    sources = [problem.closure.row_sources[place].limb for place in problem.row_places]
     sources += [f"implied {k}" for k in range(len(problem.implied))]
     largest = float(singular_values(jacobian)[0]) or 1.0 if jacobian.size else 1.0
     kept = list[int]()
