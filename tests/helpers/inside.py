@@ -299,6 +299,7 @@ NAMES = {
     # all modes
     "independent_parts": "symkin.position.groups",
     "modes_by_groups": "symkin.assembly.by_groups",
+    "any_paths": "symkin.assembly.group_solvers",
     "group_paths": "symkin.assembly.group_solvers",
     "group_solver": "symkin.assembly.group_solvers",
     "solved_parts": "symkin.assembly.group_solvers",
