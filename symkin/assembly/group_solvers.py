@@ -16,6 +16,7 @@ from symkin.numeric.cache_folder import cache_folder
 from symkin.position.gear_train import gear_train
 from symkin.position.groups import (
     implied_parts,
+    independent_parts,
     is_linear,
     joined_groups,
     structure_groups,
@@ -47,26 +48,29 @@ def any_paths(group: Problem) -> BlockPaths | None:
 
 
 def solved_groups(problem: Problem, search: Search) -> tuple[Problem, ...]:
-    """The structure groups of a problem in the order of their solution; where formulas may solve
-    them and no answer lists them, rods whose ends are known are one.
+    """The structure groups of a problem in the order of their solution. Where no answer lists them,
+    those that formulas solve together are one: those of a limb, and rods whose ends are known.
     """
     formulas = search.method == "continuation" and search.formulas
-    return _solved_groups(problem, formulas and not problem.by_name)
+    return _joined(problem) if formulas and not problem.by_name else structure_groups(problem)
 
 
 @lru_cache(maxsize=128)
-def _solved_groups(problem: Problem, formulas: bool) -> tuple[Problem, ...]:
-    groups = structure_groups(problem)
-    rods = tuple(group for group in groups if formulas and _is_rod(problem, group))
+def _joined(problem: Problem) -> tuple[Problem, ...]:
+    groups, found = structure_groups(problem), list[Problem]()
+    for numbers in independent_parts(groups):
+        own = tuple(groups[k] for k in numbers)
+        is_one = len(own) > 1 and _has_formulas(joined_groups(problem, own))
+        found += [joined_groups(problem, own)] if is_one else own
+    given = {*problem.known_coordinates}
+    rods = tuple(g for g in found if given >= {*g.known_coordinates} and rod_lengths(g.system))
     if len(rods) < 2:
-        return groups
-    return (joined_groups(problem, rods), *(group for group in groups if group not in rods))
+        return tuple(found)
+    return (joined_groups(problem, rods), *(group for group in found if group not in rods))
 
 
-def _is_rod(problem: Problem, group: Problem) -> bool:
-    """Whether a group is the length of a rod whose ends the known values of the problem place."""
-    known = {*group.known_coordinates} <= {*problem.known_coordinates}
-    return known and rod_lengths(group.system) is not None
+def _has_formulas(group: Problem) -> bool:
+    return not solved_at_once(group) and isinstance(group_solver(group), ClosedBlock)
 
 
 def group_paths(group: Problem) -> BlockPaths | None:

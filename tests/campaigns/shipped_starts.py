@@ -15,10 +15,11 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from helpers.inside import (
     SHIPPED,
     Problem,
+    Search,
     any_paths,
     build_problem,
+    solved_groups,
     solved_parts,
-    structure_groups,
 )
 from symkin import load, shipped_names
 
@@ -36,13 +37,14 @@ def write_shipped() -> None:
 
 
 def prepared_groups() -> Iterator[Problem]:
-    """The groups of shipped mechanisms of limbs whose starts the package carries, and the parts into
-    which implied rows take them apart, once their paths are at hand.
+    """The groups of shipped mechanisms of limbs whose starts the package carries, and the parts
+    into which implied rows take them apart, once their paths are at hand.
     """
     for mechanism in (load(name) for name in shipped_names()):
         for kind in () if mechanism.is_graph else ("direct", "inverse"):
             problem = build_problem(mechanism, kind)
-            for group in () if problem.is_explicit else structure_groups(problem):
+            groups = () if problem.is_explicit else solved_groups(problem, Search.of(None))
+            for group in groups:
                 for part in (group, *solved_parts(group)):
                     any_paths(part)
                     yield part

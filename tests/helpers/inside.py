@@ -300,6 +300,7 @@ NAMES = {
     "independent_parts": "symkin.position.groups",
     "modes_by_groups": "symkin.assembly.by_groups",
     "any_paths": "symkin.assembly.group_solvers",
+    "solved_groups": "symkin.assembly.group_solvers",
     "group_paths": "symkin.assembly.group_solvers",
     "group_solver": "symkin.assembly.group_solvers",
     "solved_parts": "symkin.assembly.group_solvers",
