@@ -304,8 +304,6 @@ NAMES = {
     "group_paths": "symkin.assembly.group_solvers",
     "group_solver": "symkin.assembly.group_solvers",
     "solved_parts": "symkin.assembly.group_solvers",
-    "solvers_of": "symkin.assembly.group_solvers",
-    "BlockPaths": "symkin.assembly.block_paths",
     "_labels": "symkin.assembly.mode_groups",
     "COMPLETENESS": "symkin.assembly.mode_table",
     "modes_at_need": "symkin.assembly.modes",
