@@ -856,7 +856,7 @@ static delta_status delta_read_guess(delta_direct_work *w, const delta_pose *gue
             w->at[3] = t73;
             w->at[4] = t79;
             w->at[5] = t83;
-            const delta_real t90 = 0.2191282149274736 * t68;
+            const delta_real t90 = 0.21912821492747364 * t68;
             const delta_real t91 = t90 - 0.19332879957837476;
             const delta_real t92 = 0.2530274677508381 * t62;
             const delta_real t93 = 0.2530274677508381 * t83;
@@ -864,11 +864,11 @@ static delta_status delta_read_guess(delta_direct_work *w, const delta_pose *gue
             const delta_real t95 = t91 * t94;
             const delta_real t96 = 0.2530274677508381 * t73;
             const delta_real t97 = t92 + t96;
-            const delta_real t98 = 0.2191282149274736 * t78;
+            const delta_real t98 = 0.21912821492747364 * t78;
             const delta_real t99 = 0.19332879957837476 - t98;
             const delta_real t100 = t97 * t99;
             const delta_real t101 = t95 - t100;
-            const delta_real t102 = 0.12651373387541898 * t78;
+            const delta_real t102 = 0.126513733875419 * t78;
             const delta_real t103 = 0.3348553034360455 - t102;
             const delta_real t104 = 0.2530274677508381 * t58;
             const delta_real t105 = t103 + t104;
@@ -926,7 +926,7 @@ static void delta_direct_formulas(delta_direct_work *w)
 {
     const delta_real t0 = 112.0 * w->u[0];
     const delta_real t1 = 98.81349857180444 + t0;
-    const delta_real t2 = 0.2191282149274736 * w->u[2];
+    const delta_real t2 = 0.21912821492747364 * w->u[2];
     const delta_real t3 = 0.19332879957837476 + t2;
     const delta_real t4 = 0.2530274677508381 * w->u[1];
     const delta_real t5 = 0.2530274677508381 * w->u[5];
@@ -934,7 +934,7 @@ static void delta_direct_formulas(delta_direct_work *w)
     const delta_real t7 = t3 * t6;
     const delta_real t8 = 0.2530274677508381 * w->u[3];
     const delta_real t9 = t4 - t8;
-    const delta_real t10 = 0.2191282149274736 * w->u[4];
+    const delta_real t10 = 0.21912821492747364 * w->u[4];
     const delta_real t11 = t10 + 0.19332879957837476;
     const delta_real t12 = t9 * t11;
     const delta_real t13 = t7 + t12;
@@ -944,7 +944,7 @@ static void delta_direct_formulas(delta_direct_work *w)
     const delta_real t17 = 0.002259173819203912 * t1;
     const delta_real t18 = t16 + t17;
     const delta_real t19 = t18 * t11;
-    const delta_real t20 = 0.12651373387541898 * w->u[4];
+    const delta_real t20 = 0.126513733875419 * w->u[4];
     const delta_real t21 = t20 + 0.3348553034360455;
     const delta_real t22 = 0.2530274677508381 * w->u[0];
     const delta_real t23 = t21 + t22;
@@ -969,7 +969,7 @@ static void delta_direct_formulas(delta_direct_work *w)
         const delta_real t41 = t6 * t28;
         const delta_real t42 = t40 - t41;
         const delta_real t43 = t39 * t42;
-        const delta_real t44 = 25.00252932322473 * w->u[4];
+        const delta_real t44 = 25.002529323224735 * w->u[4];
         const delta_real t45 = t44 - t38;
         const delta_real t46 = t28 * t9;
         const delta_real t47 = t25 * t3;
@@ -1261,7 +1261,7 @@ static delta_status delta_direct_answer(const delta_direct_work *w, delta_real t
     const delta_real t19 = w->y[0] + 98.81349857180439;
     const delta_real t20 = w->y[0] * t19;
     const delta_real t21 = t18 + t20;
-    const delta_real t22 = 193.98969044771425 * w->y[1];
+    const delta_real t22 = 193.98969044771428 * w->y[1];
     const delta_real t23 = 22134.223680084193 - t22;
     const delta_real t24 = 112.0 * w->y[0];
     const delta_real t25 = t23 + t24;
@@ -1276,7 +1276,7 @@ static delta_status delta_direct_answer(const delta_direct_work *w, delta_real t
     const delta_real t34 = w->y[1] * t33;
     const delta_real t35 = t32 + t34;
     const delta_real t36 = t35 + t20;
-    const delta_real t37 = t22 + 22134.22368008419;
+    const delta_real t37 = t22 + 22134.223680084193;
     const delta_real t38 = t37 + t24;
     const delta_real t39 = w->u[4] * t38;
     const delta_real t40 = t36 + t39;

@@ -180,7 +180,7 @@ static const ur5e_real ur5e_vector_inverse[24][6] = {
         -0x1.c8897e996312fp-2, 0x1.7ae2da554bc44p-1 },
     { 0x1.3ac16df3f9618p-1, -0x1.81b4bb5e10610p-3, 0x1.885a4f00eff47p-2, -0x1.77383f0baec23p-1,
         0x1.5403dddb11d1ap-1, 0x1.e733ebbfd71b0p-5 },
-    { 0x1.065cf67b1c001p-1, -0x1.6f1a5ca29997ap-2, -0x1.95eaee1ffd834p-3, -0x1.f1ee24356c11ep-3,
+    { 0x1.065cf67b1c001p-1, -0x1.6f1a5ca29997ap-2, -0x1.95eaee1ffd834p-3, -0x1.f1ee24356cf31p-3,
         0x1.8305b7cfe54dbp-1, -0x1.ce4a7b4e54f7bp-4 },
     { -0x1.01f31f47ce527p-11, 0x1.7589acbc8b640p-1, 0x1.4a4c404a743cap-1, -0x1.5807789a4bb94p-3,
         -0x1.3b9fdbd2fa0d7p-2, 0x1.f71151611d662p-2 },

@@ -145,7 +145,7 @@ def _paths(group: Problem, combined: bool, _folder: str) -> tuple[BlockPaths | N
     system = system_of(group)
     if combined:
         system = squared(system)
-    elif group.by_name and is_tied(group) and not system.projective:
+    elif is_tied(group) and not system.projective:
         return None, TIED
     start, why = start_of(group, system)
     return (

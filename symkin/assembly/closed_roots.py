@@ -169,7 +169,7 @@ def closed_block(problem: Problem) -> ClosedBlock | None:
     system, arm = problem.system, arm_formulas(problem)
     if arm is not None:
         return ClosedBlock(problem, arm, arm.random_known())
-    if problem.is_explicit or (problem.by_name and is_linear(problem)):
+    if problem.is_explicit or is_linear(problem):
         return None
     if problem.implied and len(problem.system.unknowns) > _MOST_IMPLIED:
         return None
@@ -178,10 +178,10 @@ def closed_block(problem: Problem) -> ClosedBlock | None:
     if rods is not None:
         return ClosedBlock(problem, rods, near)
     samples = samples_about(system, near, problem.known_coordinates)
-    found = closed_form(system, samples, all_rows=problem.by_name)
+    found = closed_form(system, samples, all_rows=True)
     if found is None:
         return None
-    if problem.by_name and found.has_conditions:
+    if found.has_conditions:
         # rows that divisors of the formulas take out may be nothing at the reference
         generic = closed_configurations(problem.closure, 0)[0]
         near = problem.select_values(generic, problem.known_coordinates)

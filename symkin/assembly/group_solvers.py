@@ -2,24 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import replace
+from collections.abc import Sequence
 
 from symkin.assembly.block_paths import BlockPaths, own_paths, paths_of_rows
 from symkin.assembly.closed_roots import ClosedBlock, accounts_for_all, closed_block
-from symkin.assembly.families import members_of
 from symkin.assembly.rod_lengths import rod_lengths
 from symkin.assembly.search import Search
 from symkin.computed_once import lru_cache
 from symkin.homotopy.six_distances import redundant_distances
-from symkin.homotopy.start_store import AGREEING
 from symkin.homotopy.structure import MOST_UNKNOWNS, start_of_structure, structure_of
 from symkin.homotopy.systems import system_of, unsuitable
 from symkin.numeric.cache_folder import cache_folder
 from symkin.position.gear_train import gear_train
 from symkin.position.groups import (
     implied_parts,
-    independent_problems,
+    independent_parts,
     is_linear,
     joined_groups,
     structure_groups,
@@ -51,40 +48,29 @@ def any_paths(group: Problem) -> BlockPaths | None:
 
 
 def solved_groups(problem: Problem, search: Search) -> tuple[Problem, ...]:
-    """The parts of a problem in the order of their solution: structure groups where coordinates are
-    told by name, and where what these join to has neither formulas nor a start of paths; else its
-    independent parts, rods whose ends are known as one.
+    """The structure groups of a problem in the order of their solution. Where no answer lists them,
+    those that formulas solve together are one: those of a limb, and rods whose ends are known.
     """
-    return _solved_groups(problem, search.method == "continuation", search.formulas)
+    formulas = search.method == "continuation" and search.formulas
+    return _joined(problem) if formulas and not problem.by_name else structure_groups(problem)
 
 
 @lru_cache(maxsize=128)
-def _solved_groups(problem: Problem, by_paths: bool, formulas: bool) -> tuple[Problem, ...]:
-    if problem.by_name:
-        return structure_groups(problem)
-    parts = independent_problems(problem)
-    if by_paths and any(_lacks_solver(part) for part in _outside_families(parts)):
-        return structure_groups(problem)
-    rods = tuple(part for part in parts if rod_lengths(part.system) is not None)
-    if len(rods) < 2 or not (by_paths and formulas):
-        return parts
-    return (joined_groups(problem, rods), *(part for part in parts if part not in rods))
+def _joined(problem: Problem) -> tuple[Problem, ...]:
+    groups, found = structure_groups(problem), list[Problem]()
+    for numbers in independent_parts(groups):
+        own = tuple(groups[k] for k in numbers)
+        is_one = len(own) > 1 and _has_formulas(joined_groups(problem, own))
+        found += [joined_groups(problem, own)] if is_one else own
+    given = {*problem.known_coordinates}
+    rods = tuple(g for g in found if given >= {*g.known_coordinates} and rod_lengths(g.system))
+    if len(rods) < 2:
+        return tuple(found)
+    return (joined_groups(problem, rods), *(group for group in found if group not in rods))
 
 
-def _outside_families(parts: tuple[Problem, ...]) -> Iterator[Problem]:
-    """Those of some parts that no formulas or paths of a family solve."""
-    members = members_of(parts)
-    for part in parts:
-        if part not in members or group_solver(members[part].family) is None:
-            yield part
-
-
-def _lacks_solver(part: Problem) -> bool:
-    """Whether only random starts find the solutions of a part, though its values may be any."""
-    if solved_at_once(part) or solved_parts(part) or group_solver(part) is not None:
-        return False
-    paths, why = own_paths(part)
-    return paths is None and AGREEING not in why
+def _has_formulas(group: Problem) -> bool:
+    return not solved_at_once(group) and isinstance(group_solver(group), ClosedBlock)
 
 
 def group_paths(group: Problem) -> BlockPaths | None:
@@ -99,7 +85,7 @@ def _group_paths(group: Problem, _folder: str) -> BlockPaths | None:
     if unsuitable(group) is not None or redundant_distances(group):
         return None
     system = system_of(group)
-    structure = structure_of(group, system) if group.by_name else None
+    structure = structure_of(group, system)
     if structure is not None:
         shared = start_of_structure(group, structure)
         if shared is not None:
@@ -147,14 +133,8 @@ def solved_parts(group: Problem) -> tuple[Problem, ...]:
     """
     if solved_at_once(group) or closed_block(group) is not None:
         return ()
-    whole = group
-    if group.of_pose:
-        return ()
-    if not group.by_name:
-        whole = replace(group, by_name=True, row_places=group.places_of_rows)
-    elif group.system.freedom <= MOST_UNKNOWNS and group_paths(group) is not None:
-        return ()
-    parts = implied_parts(whole)
+    few = group.system.freedom <= MOST_UNKNOWNS and group_paths(group) is not None
+    parts = () if few or group.of_pose else implied_parts(group)
     return parts if parts and not _are_followed_together(group, parts) else ()
 
 

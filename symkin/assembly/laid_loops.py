@@ -16,7 +16,7 @@ from symkin.errors import MechanismError
 from symkin.model.changed import displaced
 from symkin.model.joint import BASE
 from symkin.model.mechanism import Mechanism
-from symkin.position.groups import independent_problems, structure_groups
+from symkin.position.groups import structure_groups
 from symkin.position.problem import Problem, build_problem
 from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import multiply, quaternion_from_matrix
@@ -59,9 +59,10 @@ def laid_loop(group: Problem) -> LaidLoop | None:
     laid = build_problem(
         displaced(loop, by, rounding=_ROUNDING), names, None if group.of_pose else ()
     )
-    parts = independent_problems(laid) if group.of_pose else structure_groups(laid)
-    found = [LaidLoop(part, by) for part in parts]
-    return found[0] if len(found) == 1 and _is_same(group, found[0]) else None
+    own = {c.name for c in group.system.unknowns}
+    parts = (g for g in structure_groups(laid) if own == {c.name for c in g.system.unknowns})
+    found = next((LaidLoop(part, by) for part in parts), None)
+    return found if found is not None and _is_same(group, found) else None
 
 
 def _limb_of(group: Problem) -> Mechanism | None:

@@ -15,7 +15,7 @@ from symkin.errors import InputError
 from symkin.homotopy.systems import unsuitable
 from symkin.numeric.tolerances import CLOSURE_TOLERANCE
 from symkin.position.given import Given
-from symkin.position.groups import independent_problems
+from symkin.position.groups import structure_groups
 from symkin.position.problem import Problem
 from symkin.position.solution_list import SolutionList, checked_solutions
 from symkin.position.starts import begun
@@ -39,10 +39,11 @@ def _certified(problem: Problem, one: SolutionList, values: np.ndarray) -> Solut
     """
     if unsuitable(problem) is not None:
         return one
-    known, owner = values[:, problem.known_places], np.zeros(1, dtype=int)
+    owner = np.zeros(1, dtype=int)
     proofs = PartProofs.of_nothing(1)
-    for part in independent_problems(problem):
+    for part in structure_groups(problem):
         roots = GroupRoots.of_all(values[:, part.unknown_places], owner, np.ones(1))
+        known = values[:, part.known_places]
         proofs = proofs.beside(proofs_of_group(part, roots, known, np.zeros(known.shape))[0])
     return one.chosen(slice(None), **proofs.told())
 

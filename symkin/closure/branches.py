@@ -17,7 +17,7 @@ from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from symkin.model.bar import Bar
-from symkin.model.joint import BASE, PLATFORM, Joint
+from symkin.model.joint import BASE, Joint
 from symkin.model.limb import Limb, RodLimb
 from symkin.model.machine import Machine
 from symkin.model.mechanism import Mechanism
@@ -87,8 +87,7 @@ def layout_of(mechanism: Mechanism, kept: frozenset[str], *, pose: bool) -> Layo
     """
     if isinstance(mechanism, Machine) and mechanism.gaps is not None:
         return _layout_as_told(mechanism, dict(mechanism.gaps))
-    if not mechanism.is_graph and (pose or not kept):
-        return Layout(tuple(_limb_branches(mechanism)), (PLATFORM,))
+    pose = pose or not (mechanism.is_graph or kept)
     edges, platform = list(edges_of(mechanism)), mechanism.platform_link
     wanted = {platform} if pose and platform is not None else set()
     chains = chains_of(edges, wanted)
@@ -113,25 +112,6 @@ def _layout_as_told(mechanism: Mechanism, closing: Collection[str]) -> Layout:
         carrying.append(replace(outward, carries=True))
         placed.add(outward.ends[1])
     return Layout((*carrying, *rest), ())
-
-
-# --- limbs ----------------------------------------------------------------------------------------
-
-
-def _limb_branches(mechanism: Mechanism) -> Iterator[Branch]:
-    """Limbs from the base to the platform; one that ends in rods carries its last link, from which
-    the rods go on.
-    """
-    for limb in mechanism.limbs:
-        joints = tuple(Element(joint, mechanism.key_path(limb, joint)) for joint in limb.joints)
-        bars, last = limb.bars(mechanism.reference_pose), _last_link(limb)
-        if joints:
-            links = tuple(f"{limb.name}.{k}" for k in range(1, len(joints)))
-            yield Branch(
-                limb.name, (BASE, last if bars else PLATFORM), joints, links, carries=bool(bars)
-            )
-        for bar in bars:
-            yield Branch(limb.name, (last, PLATFORM), (Element(bar, bar.path),), ())
 
 
 def _last_link(limb: Limb | RodLimb) -> str:

@@ -25,7 +25,7 @@ from symkin.numeric.cache_folder import cache_folder, discard, keep, read_kept
 
 SHIPPED = Path(__file__).resolve().parent / "data" / "starts"
 _VERSION = 6
-_SEARCHES = 3
+_SEARCHES = 4
 """Version of the searches: why one of another version found nothing is not believed."""
 _SATISFIED = 1e-8
 """Largest row, over the size, that a kept root may leave, and least difference of two roots. Rows

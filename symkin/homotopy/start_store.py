@@ -228,14 +228,13 @@ def _by_monodromy(problem: Problem, system: AlgebraicSystem) -> tuple[Fibre | No
         if found.closed and found.direct_rank.value < found.rank.value:
             return None, f"{AGREEING}: {found.actuated} of them for {found.mobility} freedoms"
     # fewer combinations of the rows than these are no more redundant than they
-    count = int(problem.system.rows.shape[0])
-    whole = count - (redundant_rows(problem) if not problem.of_pose else 0)
-    rank = min(system.count, whole) if problem.by_name else system.count - count + whole
+    redundant = 0 if problem.of_pose else redundant_rows(problem)
+    rank = min(system.count, int(problem.system.rows.shape[0]) - redundant)
 
     def points(rng: np.random.Generator, near: bool) -> tuple[np.ndarray, np.ndarray]:
         return random_point(problem, system, rng, near=near)
 
-    if not _is_determined(system, _closed_points(problem, system) if problem.by_name else points):
+    if not _is_determined(system, _closed_points(problem, system)):
         return None, TIED
     combined = system.count < system_of(problem).count
     loops, runs = (_FEW_LOOPS, _FEW_RUNS) if combined else (_LOOPS, _RUNS)

@@ -79,20 +79,31 @@ def _written(
     of unknown joints that these rows do not hold.
     """
     closure, system = problem.closure, problem.system
-    if problem.by_name and not forms:
+    eliminate = _may_eliminate(problem)
+    if not forms and not eliminate:
         return system.rows, {}, {}
-    written = algebraic_rows(closure, tuple(forms.items()), eliminate=problem.of_pose)
+    written = algebraic_rows(closure, tuple(forms.items()), eliminate=eliminate)
     rows, allowed = written.rows, {c.name for c in (*system.unknowns, *problem.known_coordinates)}
     if distance_function(problem) is not None:
         rows = rows[list(chosen_distances(problem)), 0]
-    elif problem.row_places is None and not floating_bodies(system.unknowns):
+    elif eliminate:
         # rows without unknowns are conditions on what is given
         held = ca.which_depends(rows, closure.symbols(system.unknowns), 1, True)
         rows = rows[[k for k, some in enumerate(held) if some], 0]
-    elif problem.row_places is not None:
+    else:
         rows = without_later(rows[list(problem.row_places), 0], closure, allowed)
         rows = ca.vertcat(rows, _implied(problem, written.symbols))
     return rows, written.symbols, {c: v for c, v in written.eliminated if c.name in allowed}
+
+
+def _may_eliminate(problem: Problem) -> bool:
+    """Whether the unknowns are all joints of some limbs, at a pose: in a limb without a passive
+    joint to cut an actuated one is then found by the others.
+    """
+    own, held = {c.name for c in problem.system.unknowns}, problem.closure.slices.keys()
+    limbs = problem.mechanism.limbs
+    each = [{c.name for joint in limb.joints for c in joint.coordinates} for limb in limbs]
+    return problem.of_pose and all(names & held <= own or not names & own for names in each)
 
 
 def joint_rows(problem: Problem) -> ca.SX:

@@ -5,7 +5,6 @@ complex solutions at generic known values from which paths lead to any others.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import Any
 
 import casadi as ca
@@ -36,9 +35,6 @@ def groups_of(problem: Problem) -> list[Problem]:
     """
     if problem.is_explicit or not problem.known_coordinates:
         return []
-    # of a problem by name the groups are those that `modes` has solved
-    if not problem.by_name:
-        problem = replace(problem, by_name=True, row_places=problem.places_of_rows)
     return _leaves(structure_groups(problem))
 
 

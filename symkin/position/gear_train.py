@@ -42,7 +42,7 @@ def gear_train(group: Problem) -> GearTrain | None:
     than are listed.
     """
     unknowns, known = group.system.unknowns, group.known_coordinates
-    sources = [group.closure.row_sources[place] for place in group.places_of_rows]
+    sources = [group.closure.row_sources[place] for place in group.row_places]
     angles = all(c.is_periodic for c in (*unknowns, *known))
     if (
         not sources

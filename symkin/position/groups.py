@@ -63,15 +63,6 @@ def independent_parts(groups: tuple[Problem, ...]) -> list[list[int]]:
 
 
 @lru_cache(maxsize=128)
-def independent_problems(problem: Problem) -> tuple[Problem, ...]:
-    """The parts that read none of each other's values: limbs once the pose is given."""
-    groups = structure_groups(problem)
-    return tuple(
-        joined_groups(problem, tuple(groups[k] for k in part)) for part in independent_parts(groups)
-    )
-
-
-@lru_cache(maxsize=128)
 def joined_groups(problem: Problem, groups: tuple[Problem, ...]) -> Problem:
     """Groups of a problem that read no others' values as one."""
     names = {c.name for group in groups for c in group.system.unknowns}
@@ -79,7 +70,7 @@ def joined_groups(problem: Problem, groups: tuple[Problem, ...]) -> Problem:
     places, checks = (
         [k for k, held in enumerate(part) if held & names] for part in _dependences(problem)
     )
-    system, own = problem.system, problem.places_of_rows
+    system, own = problem.system, problem.row_places
     if (len(places), len(checks)) == (int(system.rows.shape[0]), int(system.errors.shape[0])):
         return problem
     return replace(
@@ -91,7 +82,7 @@ def joined_groups(problem: Problem, groups: tuple[Problem, ...]) -> Problem:
             rows=system.rows[places, 0],
             errors=system.errors[checks, 0],
         ),
-        row_places=tuple(own[k] for k in places) if problem.by_name else None,
+        row_places=tuple(own[k] for k in places),
     )
 
 
@@ -106,7 +97,7 @@ def implied_parts(group: Problem) -> tuple[Problem, ...]:
     candidates = with_implied(group, implied_rows_of(group))
     if not candidates.implied:
         return ()
-    count, chosen = len(group.places_of_rows), _independent_rows(candidates)
+    count, chosen = len(group.row_places), _independent_rows(candidates)
     kept = [row for k, row in enumerate(candidates.implied, start=count) if k in chosen]
     parts = _decomposed(with_implied(group, kept)) if kept else ()
     return parts if len(parts) > 1 else ()
@@ -152,7 +143,7 @@ def implied_rows_of(group: Problem, kept: Collection[str] = ()) -> list[PointRow
     """What each branch of a group says without the joints that no other branch holds, but for those
     that are `kept`, of one floating body at most, which is unknown.
     """
-    closure, places = group.closure, group.places_of_rows
+    closure, places = group.closure, group.row_places
     held = _held(dependence_of(group.system.rows, closure), closure)
     owners: dict[str, set[str]] = {}
     for place, names in zip(places, held, strict=True):
@@ -183,7 +174,6 @@ def with_implied(problem: Problem, implied: Sequence[PointRow | ProductRow]) -> 
     return replace(
         problem,
         system=replace(system, rows=rows, errors=errors),
-        row_places=problem.places_of_rows,
         implied=tuple(implied),
     )
 
@@ -209,10 +199,9 @@ def _part(
         rows=rows,
         errors=errors,
     )
-    own = problem.places_of_rows
+    own = problem.row_places
     return replace(
         problem,
-        by_name=True,
         system=system,
         known_coordinates=known,
         row_places=tuple(own[k] for k in places if k < len(own)),
@@ -305,7 +294,7 @@ def _parts(problem: Problem, dependence: np.ndarray) -> list[set[int]]:
     every = np.array([dependence[:, slices[c.name]].any(axis=1) for c in system.unknowns]).T
     tied = [set(np.flatnonzero(row).tolist()) for row in every]
     bodies = _bodies(system.unknowns)
-    if not problem.by_name and not any(c.is_rotation for c in system.unknowns):
+    if not any(c.is_rotation for c in system.unknowns):
         # numbers of a platform that rows nowhere tie: its height, say
         alone = components(tied, len(system.unknowns))
         bodies = [body & part for body in bodies for part in alone if body & part]
@@ -355,7 +344,7 @@ def _independent_rows(problem: Problem) -> np.ndarray:
     row is a branch of its own.
     """
     jacobian = _closed_jacobian(problem)
-    sources = [problem.closure.row_sources[place].limb for place in problem.places_of_rows]
+    sources = [problem.closure.row_sources[place].limb for place in problem.row_places]
     sources += [f"implied {k}" for k in range(len(problem.implied))]
     largest = float(singular_values(jacobian)[0]) or 1.0 if jacobian.size else 1.0
     kept = list[int]()

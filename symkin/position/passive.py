@@ -1,5 +1,5 @@
-"""Passive joints for joints and a pose that are both given, if only roughly: the branch of each
-limb that a start means.
+"""Passive joints for values that are given and those of a start, if only roughly: the branch of
+each limb or loop that the start means.
 """
 
 from __future__ import annotations
@@ -9,10 +9,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from symkin.closure.closure import build_closure
+from symkin.closure.closure import Closure
 from symkin.computed_once import lru_cache
 from symkin.model.joint import Coordinate
-from symkin.model.mechanism import Mechanism
 from symkin.numeric.levenberg import levenberg_marquardt
 from symkin.numeric.system import System, split_blocks
 from symkin.position.closed_configurations import whole_system
@@ -27,17 +26,15 @@ the values given is taken.
 """
 
 
-def fit_passive(mechanism: Mechanism, values: np.ndarray) -> np.ndarray:
-    """Values of all variables, the passive ones such that each limb closes as well as it can with
-    its actuated joints and the pose held; of branches that close equally well, the one nearest to
+def fit_passive(closure: Closure, values: np.ndarray, told: frozenset[str]) -> np.ndarray:
+    """Values of all variables, those that are not `told` such that each limb or loop closes as well
+    as it can with the others held; of branches that close equally well, the one nearest to
     `values`.
     """
-    closure, found = build_closure(mechanism), values.copy()
-    parts = limbs(mechanism)
-    known = np.concatenate(
-        [values[closure.slices[c.name]] for c in closure.role("actuated", "pose")]
-    )
-    for part in parts:
+    found = values.copy()
+    held = [values[closure.slices[c.name]] for c in closure.coordinates if c.name in told]
+    known = np.concatenate(held)
+    for part in _parts(closure, told):
         here = np.concatenate([values[closure.slices[c.name]] for c in part.unknowns])
         fitted = _best(part, here, known)
         for name, place in part.places.items():
@@ -46,19 +43,13 @@ def fit_passive(mechanism: Mechanism, values: np.ndarray) -> np.ndarray:
 
 
 @lru_cache(maxsize=128)
-def limbs(mechanism: Mechanism) -> tuple[System, ...]:
-    """The rows of each limb that has passive joints: these unknown, actuated joints and pose
-    known.
-    """
-    closure = build_closure(mechanism)
-    passive = closure.role("passive")
-    if not passive:
-        return ()
-    known = closure.symbols(closure.role("actuated", "pose"))
-    whole = whole_system(closure)
-    return split_blocks(
-        replace(whole, unknowns=passive, unknown=closure.symbols(passive), known=known)
-    )
+def _parts(closure: Closure, told: frozenset[str]) -> tuple[System, ...]:
+    """The rows of each limb or loop that holds coordinates which are not told: these unknown."""
+    held = tuple(c for c in closure.coordinates if c.name in told)
+    left = tuple(c for c in closure.coordinates if c.name not in told)
+    whole, unknown = whole_system(closure), closure.symbols(left)
+    known = closure.symbols(held)
+    return split_blocks(replace(whole, unknowns=left, unknown=unknown, known=known)) if left else ()
 
 
 def _best(part: System, here: np.ndarray, known: np.ndarray) -> np.ndarray:

@@ -32,39 +32,33 @@ Kind = Literal["direct", "inverse", "given"]
 class Problem:
     """A position problem of one mechanism; values of the known coordinates are bound at each solve.
     `by_name`: whether any coordinates are known, not all actuated joints or the pose of limbs.
-    `row_places` are the rows of the closure that its system holds, None for all of them; `implied`
-    are rows behind these that follow from the closure's.
+    `row_places` are the rows of the closure that its system holds; `implied` are rows behind these
+    that follow from the closure's.
     """
 
     closure: Closure
     system: System
     known_coordinates: tuple[Coordinate, ...]
+    row_places: tuple[int, ...]
     by_name: bool = True
-    row_places: tuple[int, ...] | None = None
     implied: tuple[PointRow | ProductRow, ...] = ()
 
     @property
     def of_joints(self) -> bool:
         """Whether the actuated joints of limbs are known."""
-        return not self.by_name and self.known_coordinates[0].role == "actuated"
+        return self._are_known("actuated")
 
     @property
     def of_pose(self) -> bool:
         """Whether the pose of limbs is known."""
-        return not self.by_name and self.known_coordinates[0].role == "pose"
+        return self._are_known("pose")
+
+    def _are_known(self, role: str) -> bool:
+        return not self.by_name and {c.role for c in self.known_coordinates} == {role}
 
     @property
     def mechanism(self) -> Mechanism:
         return self.closure.mechanism
-
-    @property
-    def places_of_rows(self) -> tuple[int, ...]:
-        """The place in the closure of each row of the system, but for implied ones."""
-        return (
-            tuple(range(int(self.system.rows.shape[0])))
-            if self.row_places is None
-            else self.row_places
-        )
 
     @cached_property
     def name(self) -> Kind:
@@ -234,14 +228,12 @@ def _problem(closure: Closure, names: tuple[str, ...], by_name: bool) -> Problem
         unknowns,
         closure.symbols(unknowns),
         closure.symbols(known),
-        algebraic_rows(closure).rows
-        if by_name and not closure.partition.geometry
-        else closure.bound(closure.rows),
+        closure.bound(closure.rows) if closure.partition.geometry else algebraic_rows(closure).rows,
         closure.bound(closure.errors),
         closure.characteristic_length,
         closure.mechanism.farthest,
     )
-    return Problem(closure, system, known, by_name)
+    return Problem(closure, system, known, tuple(range(int(system.rows.shape[0]))), by_name)
 
 
 @lru_cache(maxsize=128)

@@ -13,7 +13,6 @@ import numpy as np
 from symkin.errors import InputError
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism
-from symkin.numeric.levenberg import patiently
 from symkin.numeric.system import System
 from symkin.position.given import Given, given_by_name, joint_values, pose_from
 from symkin.position.passive import fit_passive
@@ -33,10 +32,8 @@ def begun(mechanism: Mechanism, given: Given, start: Start) -> tuple[Problem, np
     """The problem of what is given, which holds the coordinates that tell the start, and its
     unknowns there.
 
-    Of the joints or the pose of limbs passive joints are fitted to joints and pose, one given, the
-    other the start's, so that the pose or the joints of a mode lead to it; where limbs have several
-    branches there, to those nearest to the reference. Of other values they are those of the closed
-    configuration near the reference that has the start's values, or one that nearly has.
+    The others are fitted to both, so that the pose or the joints of a mode lead to it; where limbs
+    or loops have several branches there, to those nearest to the reference.
     """
     problem = build_problem(mechanism, given.names)
     begin = _start_by_name(problem, start)
@@ -48,29 +45,12 @@ def begun(mechanism: Mechanism, given: Given, start: Start) -> tuple[Problem, np
     if forward is not None:
         pose, _ = pose_coordinates(mechanism, Pose(forward[:3], forward[3:]))
         values[problem.places(problem.closure.role("pose"))] = pose
-    elif begin.names and problem.by_name:
-        values = _closed_at(problem, begin)
     elif begin.names:
-        role = "actuated" if problem.of_pose else "pose"
-        values[problem.places(problem.closure.role(role))] = begin.values
+        named = {c.name: c for c in problem.closure.coordinates}
         values[problem.known_places] = given.values
-        values = fit_passive(mechanism, values)
+        values[problem.places(tuple(named[name] for name in begin.names))] = begin.values
+        values = fit_passive(problem.closure, values, frozenset((*given.names, *begin.names)))
     return problem, values[problem.unknown_places]
-
-
-def _closed_at(problem: Problem, begin: Given) -> np.ndarray:
-    """Values of all variables at the closed configuration near the reference that has the start's
-    values, or one that nearly has.
-    """
-    # it holds the same coordinates, so that its closure is the same
-    names = (c.name for c in problem.known_coordinates)
-    left = tuple(name for name in names if name not in begin.names)
-    other = build_problem(problem.mechanism, begin.names, left)
-    z = problem.closure.reference[other.unknown_places]
-    if other.system.width:
-        ends = patiently(other.system, z[None], begin.values).points
-        z = ends[0] if np.isfinite(ends).all() else z
-    return other.join_values(z, begin.values)
 
 
 def _start_by_name(problem: Problem, start: Start) -> Given:

@@ -104,7 +104,7 @@ def _edges(group: Problem) -> set[str]:
     layout = layout_of(
         closure.mechanism, closure.partition.kept | coupled, pose=closure.partition.pose
     )
-    sources = {closure.row_sources[k].limb for k in group.places_of_rows}
+    sources = {closure.row_sources[k].limb for k in group.row_places}
     return {
         element.name
         for branch in layout.branches

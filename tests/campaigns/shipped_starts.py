@@ -4,25 +4,22 @@ tests/campaigns/shipped_starts.py`.
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Iterator
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from helpers.inside import (
     SHIPPED,
-    AlgebraicSystem,
-    BlockPaths,
     Problem,
+    Search,
+    any_paths,
     build_problem,
-    compute_start,
-    content_of,
-    independent_problems,
+    solved_groups,
     solved_parts,
-    solvers_of,
-    start_key,
-    system_of,
 )
 from symkin import load, shipped_names
 
@@ -31,29 +28,26 @@ def write_shipped() -> None:
     """Write the starts of the limbs' direct and inverse problems anew."""
     for old in SHIPPED.glob("*.npz"):
         old.unlink()
-    for problem, system in shipped_systems():
-        start, reason = compute_start(problem, system)
-        (SHIPPED / f"{start_key(problem, system)}.npz").write_bytes(content_of(start, reason))
-        names = ", ".join(c.name for c in problem.system.unknowns)
-        told = reason if start is None else f"{start.z.shape[1]} roots"
-        print(problem.mechanism.name, problem.name, names, told)
+    with TemporaryDirectory() as folder:
+        os.environ["SYMKIN_CACHE"] = folder
+        for problem in prepared_groups():
+            print(problem.mechanism.name, ", ".join(c.name for c in problem.system.unknowns))
+        for kept in Path(folder).glob("*.npz"):
+            (SHIPPED / f"{kept.name.split('-')[0]}.npz").write_bytes(kept.read_bytes())
 
 
-def shipped_systems() -> Iterator[tuple[Problem, AlgebraicSystem]]:
-    """The systems whose starts the package carries: of the blocks of shipped mechanisms of limbs,
-    and of the parts that implied rows take them apart into.
+def prepared_groups() -> Iterator[Problem]:
+    """The groups of shipped mechanisms of limbs whose starts the package carries, and the parts
+    into which implied rows take them apart, once their paths are at hand.
     """
     for mechanism in (load(name) for name in shipped_names()):
         for kind in () if mechanism.is_graph else ("direct", "inverse"):
             problem = build_problem(mechanism, kind)
-            if problem.is_explicit:
-                continue
-            blocks = independent_problems(problem)
-            yield from ((block, system_of(block)) for block in blocks)
-            for part in solved_parts(blocks[0]) if len(blocks) == 1 else ():
-                for solver in solvers_of(part):
-                    if isinstance(solver, BlockPaths) and solver.shared is None:
-                        yield part, solver.algebraic
+            groups = () if problem.is_explicit else solved_groups(problem, Search.of(None))
+            for group in groups:
+                for part in (group, *solved_parts(group)):
+                    any_paths(part)
+                    yield part
 
 
 if __name__ == "__main__":

@@ -80,12 +80,13 @@ def test_direct_of_inverse_is_the_pose_and_closes_every_row(links, asked):
     assert not found.status.any()
     np.testing.assert_allclose(found.found, poses, atol=1e-8)
     closure, problem = build_closure(links), build_problem(links, "direct")
+    told = frozenset(c.name for c in closure.role("actuated", "pose"))
     for pose, q in zip(found.found[:6], joints, strict=False):
         values = closure.reference.copy()
         for c, value in zip(closure.role("actuated"), q, strict=True):
             values[closure.slices[c.name]] = value
         values[closure.slices["pose.x"].start :][:7] = pose
-        values = fit_passive(links, values)
+        values = fit_passive(closure, values, told)
         known = problem.select_values(values, problem.known_coordinates)
         assert (
             problem.system.residual(problem.select_values(values, problem.system.unknowns), known)

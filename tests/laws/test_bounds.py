@@ -19,11 +19,11 @@ from helpers.inside import (
     bound_of,
     build_problem,
     exact_known,
-    independent_problems,
     known_values,
     knowns_of,
     proves,
     root_counts,
+    structure_groups,
     system_of,
 )
 from helpers.known_roots import DIETMAIER, case, complex_roots, dietmaier
@@ -148,7 +148,7 @@ def test_rod_lengths_are_proved_alone():
     platform = symkin.load("zhang2009")
     problem = build_problem(platform, "inverse")
     values = np.array([10.0, 20, 300, 0.9, 0.1, -0.2, 0.05])
-    for part in independent_problems(problem):
+    for part in structure_groups(problem):
         system = system_of(part)
         bound = bound_of(part, system)
         assert bound is not None

@@ -21,7 +21,6 @@ from helpers.inside import (
     angle_sums,
     build_problem,
     closed_form,
-    independent_problems,
     misses_none,
     samples_about,
     start_of,
@@ -57,11 +56,11 @@ NAMES = [
 
 
 @cache
-def parts() -> dict[str, tuple[Problem, int]]:
+def parts() -> dict[str, Problem]:
     """Blocks that have closed forms: of platforms, of their limbs, and structure groups of
     linkages.
     """
-    found = {
+    asked = {
         "five-bar direct": (build_problem(readme_five_bar("planar"), "direct"), 0),
         "delta direct": (build_problem(delta(), "direct"), 0),
         "delta limb": (build_problem(delta(), "inverse"), 0),
@@ -70,6 +69,7 @@ def parts() -> dict[str, tuple[Problem, int]]:
         "zhao2000 direct": (build_problem(symkin.load("zhao2000"), "direct"), 0),
         "zhao2000 limb": (build_problem(symkin.load("zhao2000"), "inverse"), 1),
     }
+    found = {name: structure_groups(problem)[number] for name, (problem, number) in asked.items()}
     for name, count in GROUPS.items():
         mechanism = symkin.load("ankle" if name == "ankle's motors" else name)
         given = (
@@ -79,7 +79,7 @@ def parts() -> dict[str, tuple[Problem, int]]:
         )
         groups = structure_groups(build_problem(mechanism, "given", given))
         assert len(groups) == count
-        found |= {f"{name} {number}": (group, 0) for number, group in enumerate(groups)}
+        found |= {f"{name} {number}": group for number, group in enumerate(groups)}
     return found
 
 
@@ -88,9 +88,8 @@ def about(problem: Problem, system: System, seed: int = 0) -> np.ndarray:
 
 
 def formulas(name: str) -> ClosedForm:
-    problem, number = parts()[name]
-    block = independent_problems(problem)[number].system
-    found = closed_form(block, about(problem, block))
+    group = parts()[name]
+    found = closed_form(group.system, about(group, group.system))
     assert found is not None
     return found
 
@@ -104,7 +103,7 @@ def inputs(problem: Problem, count: int, seed: int = 7) -> np.ndarray:
 
 @pytest.mark.parametrize("name", [name for name in NAMES if name != "3-RPS limb"])
 def test_real_values_close_on_all_rows_and_tell_their_signs(name: str) -> None:
-    found, (problem, _) = formulas(name), parts()[name]
+    found, problem = formulas(name), parts()[name]
     known = inputs(problem, 30)
     solutions, size = found.solutions(known), found.system.characteristic_length
     assert solutions.real.any()
@@ -116,7 +115,7 @@ def test_real_values_close_on_all_rows_and_tell_their_signs(name: str) -> None:
 
 def test_a_limb_that_not_every_pose_lets_close() -> None:
     """A limb R-P-S keeps its ball in a plane: of poses that do, both values close."""
-    found, (problem, _) = formulas("3-RPS limb"), parts()["3-RPS limb"]
+    found, problem = formulas("3-RPS limb"), parts()["3-RPS limb"]
     known = problem.reference_known + np.array(
         [[0.0, 0.0, z, 0.0, 0.0, 0.0, 0.0] for z in (-20.0, 0.0, 30.0)]
     )
@@ -130,7 +129,7 @@ def test_a_limb_that_not_every_pose_lets_close() -> None:
 @pytest.mark.parametrize("name", NAMES)
 def test_formulas_that_lack_a_branch_are_told_from_those_that_have_all(name: str) -> None:
     """By random complex starts, at one instance."""
-    found, (problem, _) = formulas(name), parts()[name]
+    found, problem = formulas(name), parts()[name]
     known = problem.reference_known if name == "3-RPS limb" else inputs(problem, 3)[0]
     assert misses_none(found, known)
     if not found.signs.numel():
@@ -144,7 +143,7 @@ def test_formulas_that_lack_a_branch_are_told_from_those_that_have_all(name: str
 
 def test_rows_of_rounding_are_none() -> None:
     """Nothing is solved by what rounding has left of a row that is zero."""
-    problem, _ = parts()["four_bar 0"]
+    problem = parts()["four_bar 0"]
     system, noise = problem.system, ca.cos(problem.system.unknown[0])
     rows = ca.vertcat(system.rows, 1e-15 * system.characteristic_length * noise)
     found = closed_form(replace(system, rows=rows), about(problem, system))
@@ -154,10 +153,10 @@ def test_rows_of_rounding_are_none() -> None:
 
 def test_sums_of_angles_are_tried_where_axes_are_parallel() -> None:
     """Of the two angles of a planar limb; none of a loop whose axes cross."""
-    limb, _ = parts()["3-RRR limb"]
+    limb = parts()["3-RRR limb"]
     loop = build_problem(symkin.load("bricard"), "given", ("joint2",))
     for problem, block, count in (
-        (limb, independent_problems(limb)[1].system, 2),
+        (limb, limb.system, 2),
         (loop, structure_groups(loop)[0].system, 1),
     ):
         assert sum(c.is_angular for c in block.unknowns) >= 2
@@ -171,8 +170,7 @@ COUNTED = [name for name in NAMES if name != "3-RPS limb"]
 
 @pytest.mark.parametrize("name", in_gate(COUNTED, COUNTED[::3]))
 def test_there_are_as_many_as_paths_find(name: str) -> None:
-    problem, number = parts()[name]
-    part = independent_problems(problem)[number]
+    part = parts()[name]
     start, _ = start_of(part, system_of(part))
     assert start is not None
     assert formulas(name).count == start.z.shape[1]
@@ -190,7 +188,7 @@ def test_there_are_as_many_as_paths_find(name: str) -> None:
     ],
 )
 def test_newton_from_random_starts_finds_no_other(name: str) -> None:
-    found, (problem, _) = formulas(name), parts()[name]
+    found, problem = formulas(name), parts()[name]
     block, rng = found.system, np.random.default_rng(3)
     known = inputs(problem, 6)
     solutions = found.solutions(known)
@@ -235,7 +233,7 @@ def test_circles_that_are_too_far_apart_do_not_meet() -> None:
 def test_a_double_solution_is_not_clear() -> None:
     """A stretched five-bar: both circles touch."""
     found = formulas("five-bar direct")
-    mechanism = parts()["five-bar direct"][0].mechanism
+    mechanism = parts()["five-bar direct"].mechanism
     # the tips of the cranks, 100 above bases 150 apart, are 300 apart where both cranks lean
     # outward by asin(75 / 100)
     stretched = np.arcsin(0.75)
@@ -252,7 +250,7 @@ def test_a_double_solution_is_not_clear() -> None:
 def test_formulas_hold_for_relations_that_hold_at_all_samples() -> None:
     """The platform of the real limbs stays level: what holds of tilted poses needs no formula."""
     problem = build_problem(symkin.load("zhao2000_links"), "inverse")
-    block, rng = independent_problems(problem)[0].system, np.random.default_rng(0)
+    block, rng = structure_groups(problem)[0].system, np.random.default_rng(0)
     quarter = rng.uniform(-0.2, 0.2, size=(3, 1))
     level = problem.reference_known + np.hstack(
         [rng.uniform(-20, 20, size=(3, 3)), np.zeros((3, 4))]

@@ -23,8 +23,8 @@ from helpers.inside import (
     build_problem,
     compiled,
     find_compilers,
-    independent_problems,
     start_of,
+    structure_groups,
     system_of,
     tracker,
 )
@@ -62,7 +62,7 @@ def cache(tmp_path_factory):
 def machine(name, kind):
     """The system of a mechanism's first block and its generic roots."""
     whole = build_problem(five_bar() if name == "five_bar" else symkin.load(name), kind)
-    problem = independent_problems(whole)[0]
+    problem = structure_groups(whole)[0]
     system = system_of(problem)
     start, reason = start_of(problem, system)
     assert start is not None, reason

@@ -71,8 +71,6 @@ def level_platform(link: float) -> Mechanism:
 def group_of(mechanism: Mechanism):
     """The largest structure group of the direct problem at the reference."""
     problem = problem_of(mechanism, read_given(mechanism))
-    if not problem.by_name:
-        return replace(problem, by_name=True, row_places=problem.places_of_rows)
     return max(structure_groups(problem), key=lambda group: group.system.freedom)
 
 
@@ -270,4 +268,4 @@ def test_where_no_mode_is_real_the_parts_are_counted_and_the_least_error_is_told
 def test_build_problem_without_passive_joints_has_no_parts():
     """Rods alone imply nothing."""
     problem = build_problem(symkin.load("zhang2009"), "direct")
-    assert implied_parts(replace(problem, by_name=True, row_places=problem.places_of_rows)) == ()
+    assert implied_parts(problem) == ()

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import symkin
-from helpers.inside import build_problem, independent_problems, redundant_rows
+from helpers.inside import build_problem, redundant_rows, structure_groups
 from oracle.plain_closure import PlainMechanism
 from oracle.plain_search import features, solutions
 from symkin import InputError, Joint, Limb, Mechanism, Modes, Solution
@@ -161,9 +161,7 @@ def test_a_part_that_no_given_value_enters_has_its_own_redundant_rows():
     problem = build_problem(
         Mechanism("slides", limbs, platform_position=(85, 68, -180), motion="schoenflies"), "direct"
     )
-    height, plane = sorted(
-        independent_problems(problem), key=lambda part: len(part.system.unknowns)
-    )
+    height, plane = sorted(structure_groups(problem), key=lambda part: len(part.system.unknowns))
     assert [c.name for c in height.system.unknowns] == ["pose.z"]
     assert (redundant_rows(height), redundant_rows(plane)) == (1, 0)
 

@@ -19,13 +19,13 @@ from helpers.inside import (
     distance_frames,
     engine,
     find_symmetries,
-    independent_problems,
     known_values,
     matrix_from_quaternion,
     orbits,
     plane_frame,
     reflection,
     start_of,
+    structure_groups,
     system_of,
     tracker,
     universal_system,
@@ -55,7 +55,7 @@ def case(name: str) -> tuple[AlgebraicSystem, Symmetries, object]:
         "three_rrr": (three_rrr(), "direct"),
         "pieper": (pieper(), "inverse"),
     }[name]
-    system = system_of(independent_problems(build_problem(mechanism, kind))[0])
+    system = system_of(structure_groups(build_problem(mechanism, kind))[0])
     draw = lengths_only(mechanism) if name == "zhang2009" else None
     return system, find_symmetries(system, draw), draw
 

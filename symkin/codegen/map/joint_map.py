@@ -116,7 +116,7 @@ def _with_continuous_couplings(problem: Problem) -> System:
         for c in problem.mechanism.couplings
         if c.advance_reason(kinds) is None
     }
-    for k, place in enumerate(problem.places_of_rows):
+    for k, place in enumerate(problem.row_places):
         coupling = couplings.get(closure.row_sources[place].limb)
         if coupling is None or coupling.whole_numbers is None:
             continue
@@ -145,7 +145,7 @@ def _part(group: Problem) -> Part:
             return Part(group, total=total)
     if is_linear(group) and system.rows.numel() == system.freedom:
         return Part(group, is_linear=True)
-    sources = [group.closure.row_sources[place].relation for place in group.places_of_rows]
+    sources = [group.closure.row_sources[place].relation for place in group.row_places]
     if periodic and "coupling" in sources:
         # its row is of half an angle and changes its sign with every turn, and the choice of a
         # formula with it
