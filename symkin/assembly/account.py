@@ -40,18 +40,10 @@ class Account:
 
     @staticmethod
     def empty(n: int, groups: int) -> Account:
-        statement, count = (np.zeros((n, groups), dtype=int) for _ in range(2))
-        complex_count, unresolved = (np.zeros((n, groups)) for _ in range(2))
-        seen, continuum = (np.zeros((n, groups), dtype=bool) for _ in range(2))
+        whole, numbers, flags = (np.zeros((2, n, groups), dtype=t) for t in (int, float, bool))
+        least, many = np.full(n, np.inf), np.full(n, FEW)
         return Account(
-            seen,
-            statement,
-            complex_count,
-            count,
-            unresolved,
-            continuum,
-            np.full(n, np.inf),
-            np.full(n, FEW),
+            flags[0], whole[0], numbers[0], whole[1], numbers[1], flags[1], least, many
         )
 
     def add(self, number: int, roots: GroupRoots, owner: np.ndarray, which: np.ndarray) -> None:
@@ -59,17 +51,18 @@ class Account:
         input and a row that it asks for.
         """
         self.seen[owner, number] = True
-        counts = roots.counts
-        with np.errstate(invalid="ignore"):  # a count that is not known stays so
-            for array, values in (
-                (self.statement, roots.statement),
-                (self.complex_count, roots.complex_count),
-                (self.count, counts),
-            ):
+        # a count that is not known stays so
+        np.maximum.at(self.complex_count[:, number], owner, roots.complex_count[which])
+        np.maximum.at(self.count[:, number], owner, roots.counts[which])
+        for array, values in (
+            (self.statement, roots.statement),
+            (self.continuum, roots.continuum),
+        ):
+            if values.any():
                 np.maximum.at(array[:, number], owner, values[which])
         self._add_unresolved(number, roots, owner, which)
-        np.logical_or.at(self.continuum[:, number], owner, roots.continuum[which])
-        self.notes.setdefault(None, []).append((number, roots.orbits))
+        if roots.orbits:
+            self.notes.setdefault(None, []).append((number, roots.orbits))
         if roots.notes:
             asked = np.isin(which, list(roots.notes))
             pairs = np.unique(np.stack([owner[asked], which[asked]], axis=1), axis=0)
@@ -86,12 +79,9 @@ class Account:
         self, number: int, roots: GroupRoots, owner: np.ndarray, which: np.ndarray
     ) -> None:
         """Unresolved paths of all different rows that an input asks for."""
-        pairs = (
-            np.unique(np.stack([owner, which]), axis=1)
-            if roots.unresolved.any()
-            else np.zeros((2, 0), dtype=int)
-        )
-        np.add.at(self.unresolved[:, number], pairs[0], roots.unresolved[pairs[1]])
+        if roots.unresolved.any():
+            pairs = np.unique(np.stack([owner, which]), axis=1)
+            np.add.at(self.unresolved[:, number], pairs[0], roots.unresolved[pairs[1]])
 
     @property
     def engine(self) -> str | None:
@@ -121,7 +111,7 @@ class Account:
 
     def notes_of(self, number: int) -> list[str]:
         """What is said of an input's groups, in their order."""
-        told = [*self.notes.get(None, []), *self.notes.get(number, [])]
+        told = [*self.notes.get(None, ()), *self.notes.get(number, ())]
         chosen = sorted(
             ((group, texts) for group, texts in told if self.seen[number, group]),
             key=lambda note: note[0],

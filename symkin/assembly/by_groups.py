@@ -24,6 +24,7 @@ from symkin.assembly.mode_proofs import PartProofs, can_be_proved, ground_notes,
 from symkin.assembly.modes_result import Modes, sampling
 from symkin.assembly.search import Search
 from symkin.assembly.tree import Solving, Step, Tree, grown_together
+from symkin.computed_once import cached_property
 from symkin.errors import InputError, TooManyModesError
 from symkin.position.given import Given
 from symkin.position.groups import independent_parts
@@ -51,6 +52,11 @@ class GroupedModes:
     statement: np.ndarray
     account: Account
 
+    @cached_property
+    def ends(self) -> list[int]:
+        """Where the modes of each input end, behind a zero."""
+        return [0, *np.cumsum(np.bincount(self.owner, minlength=len(self.total))).tolist()]
+
     @property
     def asked(self) -> Problem:
         """The problem in whose coordinates the modes are told."""
@@ -66,13 +72,14 @@ class GroupedModes:
             raise TooManyModesError(_too_many(self.problem, groups, int(account.too_many[number])))
         found = self.listed
         if len(self.total) > 1:
-            found = found.chosen(np.flatnonzero(self.owner == number))
-        found = found if found.notes == given.notes else replace(found, notes=given.notes, _made={})
-        reached = account.seen[number].nonzero()[0].tolist()
+            found = found.chosen(slice(*self.ends[number : number + 2]), notes=given.notes)
+        elif found.notes != given.notes:
+            found = replace(found, notes=given.notes, _made={})
+        reached = account.seen[number].nonzero()[0].tolist() if self.problem.by_name else ()
         grounds = (
             []
             if found.ground is None
-            else [ground for ground in found.ground if ground is not None]
+            else [ground for ground in found.ground.tolist() if ground is not None]
         )
         smallest = float(account.smallest[number])
         continuum = bool(account.continuum[number].any())
@@ -102,9 +109,7 @@ class GroupedModes:
                 )
             ),
             engine=engine,
-            groups=tuple(account.group_of(number, k, groups[k]) for k in reached)
-            if self.problem.by_name
-            else (),
+            groups=tuple(account.group_of(number, k, groups[k]) for k in reached),
             count=int(self.total[number]),
         )
 
@@ -125,7 +130,7 @@ def modes_by_groups(
     of a description, and held against its rows.
     """
     n, groups = len(known), solved_groups(problem, search)
-    begin = np.zeros((n, int(problem.closure.variables.shape[0])))
+    begin = np.zeros((n, problem.closure.reference.size))
     # of a structure nothing moves, its geometry is what is given
     begin[:, problem.known_places] = known if known.shape[1] else problem.reference_known
     _check_choices(problem, groups, choose)
@@ -148,12 +153,8 @@ def modes_by_groups(
         grown = grown_together(steps, groups, account, solving)
         for k, tree in zip(deep, grown, strict=True):
             trees[k] = tree
-    done = []
-    for tree, numbers in zip(trees, parts, strict=True):
-        columns = np.concatenate([groups[number].unknown_places for number in numbers])
-        own = tree.values[:, columns]
-        done.append(Tree(own, tree.away, tree.owner, tree.hits, tree.proofs, columns))
-    return _checked(problem, search, account, _combined(begin, done), told, certify=certify)
+    whole = _combined(begin, trees, [[groups[k] for k in numbers] for numbers in parts])
+    return _checked(problem, search, account, whole, told, certify=certify)
 
 
 def modes_of_inputs(
@@ -206,18 +207,16 @@ def _too_many(problem: Problem, groups: Sequence[Problem], number: int) -> str:
     )
 
 
-def _combined(begin: np.ndarray, parts: list[Tree]) -> tuple[Tree, np.ndarray]:
-    """Every combination of the parts' solutions of each input, the last part fastest, or, where
-    these are too many, the first of each with every one of one part; and how many each input has,
-    listed or not.
+def _combined(
+    begin: np.ndarray, parts: list[Tree], groups: Sequence[Sequence[Problem]]
+) -> tuple[Tree, np.ndarray]:
+    """Every combination of the solutions of parts, which `groups` make, of each input, the last
+    part fastest, or, where these are too many, the first of each with every one of one part; and
+    how many each input has, listed or not.
     """
     n = len(begin)
     if len(parts) == 1:
-        (part,) = parts
-        values = begin[part.owner]
-        values[:, part.columns] = part.values
-        whole = Tree(values, part.away, part.owner, part.hits, part.proofs)
-        return whole, np.bincount(part.owner, minlength=n)
+        return parts[0], np.bincount(parts[0].owner, minlength=n)
     sizes = np.array([np.bincount(part.owner, minlength=n) for part in parts], dtype=int).reshape(
         len(parts), n
     )
@@ -237,9 +236,10 @@ def _combined(begin: np.ndarray, parts: list[Tree]) -> tuple[Tree, np.ndarray]:
         places = np.concatenate([places[:, :before], some, places[:, before:]], axis=1)
     values, hits = begin[owner], np.full(len(owner), np.inf)
     proofs = PartProofs.of_nothing(len(owner))
-    for part, size, place in zip(parts, sizes, places, strict=True):
+    for part, own, size, place in zip(parts, groups, sizes, places, strict=True):
         row = (np.cumsum(size) - size)[owner] + place
-        values[:, part.columns] = part.values[row]
+        columns = np.concatenate([group.unknown_places for group in own])
+        values[:, columns] = part.values[row[:, None], columns]
         hits = np.minimum(hits, part.hits[row])
         proofs = proofs.beside(part.proofs.of(row))
     total = np.array([prod(column) for column in sizes.T.tolist()], dtype=object)

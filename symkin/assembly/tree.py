@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -29,7 +29,7 @@ from symkin.position.roots import MOST_MODES, NOT_KNOWN, polished_roots, unite
 class Tree:
     """Partial configurations `values` (m, variables), which are within `away` of exact ones (length
     unit), of the inputs `owner` (m,), rising, the `hits` (m,) of the rarest choice of each, and
-    what is proved of them; of a part that is done only its own `columns` of the variables.
+    what is proved of them.
     """
 
     values: np.ndarray
@@ -37,7 +37,6 @@ class Tree:
     owner: np.ndarray
     hits: np.ndarray
     proofs: PartProofs
-    columns: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=int))
 
     @staticmethod
     def begun(values: np.ndarray) -> Tree:
@@ -147,21 +146,23 @@ def _grown(rows: _Rows, found: ProvedRoots, account: Account, solving: Solving) 
             found = _proved(group, roots, rows.known, rows.away, solving)
             roots, lost = found.roots, _lost(found.roots, tree.owner, which, n)
     account.add(number, roots, tree.owner, which)
-    empty, least = lost[tree.owner], np.full(n, np.inf)
-    np.minimum.at(least, tree.owner[empty], roots.smallest[which[empty]])
-    account.smallest = _larger(account.smallest, least)
+    if lost.any():
+        empty, least = lost[tree.owner], np.full(n, np.inf)
+        np.minimum.at(least, tree.owner[empty], roots.smallest[which[empty]])
+        account.smallest = _larger(account.smallest, least)
     first, counts = np.cumsum(roots.counts) - roots.counts, roots.counts[which]
     if choice is not None:
         first, counts = _chosen(group, choice, first, counts)
-    each = np.bincount(tree.owner, weights=counts, minlength=n)
-    account.too_many[(each > MOST_MODES) & (account.too_many == FEW)] = number
-    if solving.keeps_some:
-        # no more than show that they are too many
-        before = np.cumsum(counts) - counts
-        before -= before[np.searchsorted(tree.owner, tree.owner)]
-        counts = np.clip(MOST_MODES + 1 - before, 0, counts)
-    else:
-        counts = np.where(each[tree.owner] > MOST_MODES, 0, counts)
+    if counts.sum() > MOST_MODES:
+        each = np.bincount(tree.owner, weights=counts, minlength=n)
+        account.too_many[(each > MOST_MODES) & (account.too_many == FEW)] = number
+        if solving.keeps_some:
+            # no more than show that they are too many
+            before = np.cumsum(counts) - counts
+            before -= before[np.searchsorted(tree.owner, tree.owner)]
+            counts = np.clip(MOST_MODES + 1 - before, 0, counts)
+        else:
+            counts = np.where(each[tree.owner] > MOST_MODES, 0, counts)
     return tree.grown(group, found, which, first, counts)
 
 

@@ -63,11 +63,11 @@ def _errors_of_given(problem: Problem, known: np.ndarray) -> np.ndarray:
 
 
 def known_without_search(
-    problem: Problem, given: Given, search: Search, told: Told | None = None
+    problem: Problem, given: Given, search: Search, told: Told | None = None, number: int = 0
 ) -> Modes | None:
     """What needs no search: unknowns that nothing determines, a pose off the motion, the direct
     problem of a serial arm, given values that contradict rows without unknowns. The modes of a
-    machine are `told` in the coordinates of a description.
+    machine are `told` in the coordinates of a description, whose input has this `number`.
     """
     free = None if problem.by_name else free_unknowns(problem)
     if free is not None and problem.mechanism.serial:
@@ -81,14 +81,16 @@ def known_without_search(
     if problem.by_name:
         return None
     if problem.is_explicit:
-        return _forward(problem, given, search, told)
+        return _forward(problem, given, search, told, number)
     known = given.values[None]
     if meet_conditions(problem, known)[0]:
         return None
     return _nothing(problem, given, search, float(_errors_of_given(problem, known)[0]))
 
 
-def _forward(problem: Problem, given: Given, search: Search, told: Told | None) -> Modes:
+def _forward(
+    problem: Problem, given: Given, search: Search, told: Told | None, number: int
+) -> Modes:
     """The one mode of a serial arm's joints."""
     search.refuse_unless_multistart(
         "the direct problem of a serial arm is a function of its joints, and nothing is searched"
@@ -97,7 +99,7 @@ def _forward(problem: Problem, given: Given, search: Search, told: Told | None) 
     if told is None:
         one = checked_solutions(problem, values, given.notes)
     else:
-        one = told.listed(problem.closure, values, np.zeros(1, dtype=int))
+        one = told.listed(problem.closure, values, np.array([number]))
     if not one.closed[0]:
         return _nothing(problem, given, search, float(one.residual[0]))
     note = "forward kinematics of a serial arm is a function of its joints: one pose"

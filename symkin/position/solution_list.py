@@ -66,17 +66,18 @@ class SolutionList(Sequence[Solution]):
         return np.asarray(self.residual <= CLOSURE_TOLERANCE * self.closure.characteristic_length)
 
     def chosen(
-        self, places: np.ndarray | Sequence[int] | slice, **told: np.ndarray
+        self, places: np.ndarray | Sequence[int] | slice, **told: Any
     ) -> SolutionList:
         """Some of the solutions, in the order of their places (any,), a part of them, or where a
         mask (m,) holds; with what else is `told` of them.
         """
-        arrays: dict[str, Any] = {
-            name: array[places]
-            for name, array in vars(self).items()
-            if isinstance(array, np.ndarray)
-        }
-        return replace(self, **(arrays | told), _made={})
+        # for each of many inputs: without the loops of `replace`
+        some = object.__new__(SolutionList)
+        vars(some).update(
+            {k: v[places] if isinstance(v, np.ndarray) else v for k, v in vars(self).items()}
+        )
+        vars(some).update(told, _made={})
+        return some
 
     @staticmethod
     def of_none(closure: Closure) -> SolutionList:
