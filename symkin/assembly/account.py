@@ -42,17 +42,15 @@ class Account:
     def empty(n: int, groups: int) -> Account:
         whole, numbers, flags = (np.zeros((2, n, groups), dtype=t) for t in (int, float, bool))
         least, many = np.full(n, np.inf), np.full(n, FEW)
-        return Account(
-            flags[0], whole[0], numbers[0], whole[1], numbers[1], flags[1], least, many
-        )
+        return Account(flags[0], whole[0], numbers[0], whole[1], numbers[1], flags[1], least, many)
 
     def add(self, number: int, roots: GroupRoots, owner: np.ndarray, which: np.ndarray) -> None:
         """What a group's roots say of inputs: each pair of `owner` (k,) and `which` (k,) is an
         input and a row that it asks for.
         """
         self.seen[owner, number] = True
-        # a count that is not known stays so
-        np.maximum.at(self.complex_count[:, number], owner, roots.complex_count[which])
+        with np.errstate(invalid="ignore"):  # a count that is not known stays so
+            np.maximum.at(self.complex_count[:, number], owner, roots.complex_count[which])
         np.maximum.at(self.count[:, number], owner, roots.counts[which])
         for array, values in (
             (self.statement, roots.statement),

@@ -88,7 +88,7 @@ class BlockPaths:
         origin = (whole & (part < _REAL)).nonzero()[0]
         owner = instance[origin]
         points = self.points(z[:, origin], owner, k)
-        points, kept = checked_roots(self.problem.system, points, owner, known, plain)
+        points, kept, judged = checked_roots(self.problem.system, points, owner, known, plain)
         return GroupRoots.of_all(
             points,
             owner[kept],
@@ -98,6 +98,7 @@ class BlockPaths:
             ends=z,
             ends_of=instance,
             origin=origin[kept],
+            judged=judged,
         ), (~plain).nonzero()[0]
 
     def points(self, z: np.ndarray, owner: np.ndarray, k: np.ndarray) -> np.ndarray:

@@ -272,11 +272,12 @@ def _checked(
 ) -> GroupedModes:
     n, asked = len(account.seen), problem if told is None else told.problem
     tree, every = combined
-    found = (
-        checked_solutions(problem, tree.values)
-        if told is None
-        else told.listed(problem.closure, tree.values, tree.owner)
-    )
+    if told is None:
+        # rows of the one group that a problem is need no second look
+        judged = tree.judged if solved_groups(problem, search) == (problem,) else None
+        found = checked_solutions(problem, tree.values, judged=judged)
+    else:
+        found = told.listed(problem.closure, tree.values, tree.owner)
     order = order_of_modes(asked, found, tree.owner)
     # what is listed closes: on all rows together, not only on those of its groups
     closed = found.closed[order]

@@ -127,13 +127,14 @@ class ClosedBlock:
             judged = tuple(part[kept] for part in judged)
         # of an arm whose branches must meet further conditions only real ones are held against them
         count: float = self.formulas.count if self.is_determined else NOT_KNOWN
-        chosen, closed = checked_roots(self.problem.system, chosen, owner, known, plain, judged)
+        chosen, closed, found = checked_roots(
+            self.problem.system, chosen, owner, known, plain, judged
+        )
         # a branch that solves all steps and fails the check leaves a doubt
         n, left = len(known), owner[closed]
         plain[np.bincount(owner, minlength=n) != np.bincount(left, minlength=n)] = False
-        return GroupRoots.of_all(chosen, left, np.full(n, count), engine=self.engine), (
-            ~plain
-        ).nonzero()[0]
+        roots = GroupRoots.of_all(chosen, left, np.full(n, count), engine=self.engine, judged=found)
+        return roots, (~plain).nonzero()[0]
 
 
 def _all_close(formulas: ClosedForm, known: np.ndarray) -> bool:

@@ -14,8 +14,9 @@ import numpy as np
 
 from symkin.assembly.modes_result import Completeness
 from symkin.computed_once import lru_cache
+from symkin.numeric.linear_algebra import extreme_singular_values
 from symkin.numeric.newton import polish
-from symkin.numeric.root_checks import POLISHING, are_roots, suspects
+from symkin.numeric.root_checks import POLISHING, are_roots, are_suspect
 from symkin.numeric.system import System
 from symkin.numeric.tolerances import DISTINCT_ROOTS
 from symkin.position.readings import canonical
@@ -43,7 +44,8 @@ class GroupRoots:
     of those searched from random starts; `engine`, `orbits` (notes) and `theorem` (what
     proves that there are no others) of all; from paths all complex roots `ends` (width, e) of the
     rows `ends_of` (e,), rising, and where they are told the `origin` (m,) of the solutions among
-    these.
+    these; where they are kept the largest and smallest singular value of the group's rows at each
+    solution and its closure error, `judged` (m, 3).
     """
 
     points: np.ndarray
@@ -62,6 +64,7 @@ class GroupRoots:
     ends_of: np.ndarray = field(default_factory=partial(np.zeros, 0, dtype=int))
     samples: Mapping[int, Sample] = field(default_factory=dict)
     origin: np.ndarray | None = None
+    judged: np.ndarray | None = None
 
     @staticmethod
     def of_all(points: np.ndarray, owner: np.ndarray, count: np.ndarray, **told: Any) -> GroupRoots:
@@ -109,6 +112,7 @@ class GroupRoots:
         before = np.cumsum([0, *(len(part.statement) for part in parts)]).tolist()
         begun = list(zip(before, parts, strict=False))
         ends = [part.ends for part in parts if part.ends.size]
+        judged = [part.judged for part in parts if part.judged is not None]
         arrays: dict[str, Any] = {
             name: np.concatenate([getattr(part, name) for part in parts]) for name in _PER_ROW
         }
@@ -129,6 +133,7 @@ class GroupRoots:
             )
             if ends
             else parts[0].ends_of[:0],
+            judged=np.concatenate(judged) if len(judged) == len(parts) else None,
         )
 
     def proved(self, complete: np.ndarray, theorem: str | None) -> GroupRoots:
@@ -155,6 +160,7 @@ class GroupRoots:
             owner=self.owner[order],
             hits=self.hits[order],
             origin=None if self.origin is None else self.origin[order],
+            judged=None if self.judged is None else self.judged[order],
         )
 
     def at(self, rows: np.ndarray) -> GroupRoots:
@@ -174,6 +180,7 @@ class GroupRoots:
             ends=self.ends[:, ends],
             ends_of=rank[self.ends_of[ends]],
             origin=None,
+            judged=None if self.judged is None else self.judged[own],
         )
 
 
@@ -202,11 +209,11 @@ def checked_roots(
     known: np.ndarray,
     plain: np.ndarray,
     judged: tuple[np.ndarray, ...] | None = None,
-) -> tuple[np.ndarray, np.ndarray]:
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Points (m, width) near real roots of the instances `owner` (m,), rising, polished on the
-    block's own rows: those that close on all rows, written in the standard way, and their places
-    among the given ones, which may have been `judged`. Instances (n,) with roots that are badly
-    conditioned or equal are no longer `plain`.
+    block's own rows: those that close on all rows, written in the standard way, their places among
+    the given ones, which may have been `judged`, and what `GroupRoots` holds as that. Instances
+    (n,) with roots that are badly conditioned or equal are no longer `plain`.
     """
     here = known[owner]
     rows, jacobians, residuals = block.judge(points, here) if judged is None else judged
@@ -217,9 +224,10 @@ def checked_roots(
     points = canonical(block.unknowns, block.places, polished.points)
     closed = are_roots(block, polished, residuals).nonzero()[0]
     points, owner = points[closed], owner[closed]
-    plain[owner[suspects(polished.jacobians[closed])]] = False
+    extremes = extreme_singular_values(polished.jacobians[closed])
+    plain[owner[are_suspect(extremes)]] = False
     plain[_owners_of_equal(block, points, owner)] = False
-    return points, closed
+    return points, closed, np.column_stack([extremes, residuals[closed]])
 
 
 def _owners_of_equal(block: System, points: np.ndarray, owner: np.ndarray) -> list[int]:
@@ -254,5 +262,5 @@ def _weights(count: int) -> np.ndarray:
 
 def _has_equal(block: System, f: np.ndarray) -> bool:
     """Whether two of some roots' features (m, any) are one."""
-    apart = np.max(np.abs(f[:, None] - f[None]), axis=2)
-    return bool(np.sum(apart <= DISTINCT_ROOTS * block.characteristic_length) > len(f))
+    apart = np.abs(f[:, None] - f[None]).max(axis=2)
+    return np.count_nonzero(apart <= DISTINCT_ROOTS * block.characteristic_length) > len(f)

@@ -104,7 +104,8 @@ def _proofs_of_near(
     `near` (n,).
     """
     every = PartProofs(
-        np.zeros(len(roots.owner), dtype=bool), np.tile([0.0, 0.0, np.inf, 0.0], (len(roots.owner), 1))
+        np.zeros(len(roots.owner), dtype=bool),
+        np.tile([0.0, 0.0, np.inf, 0.0], (len(roots.owner), 1)),
     )
     rows = near.nonzero()[0]
     if rows.size:

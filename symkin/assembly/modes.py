@@ -194,7 +194,9 @@ def _of_description(
     description whose machine it is of.
     """
     search = ask.search
-    known = [known_without_search(problem, given, search, told, i) for i, given in enumerate(givens)]
+    known = [
+        known_without_search(problem, given, search, told, i) for i, given in enumerate(givens)
+    ]
     left = [i for i, modes in enumerate(known) if modes is None]
     searched = (
         modes_of_inputs(

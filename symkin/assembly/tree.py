@@ -29,7 +29,7 @@ from symkin.position.roots import MOST_MODES, NOT_KNOWN, polished_roots, unite
 class Tree:
     """Partial configurations `values` (m, variables), which are within `away` of exact ones (length
     unit), of the inputs `owner` (m,), rising, the `hits` (m,) of the rarest choice of each, and
-    what is proved of them.
+    what is proved of them; as `GroupRoots` what of the last group was `judged`.
     """
 
     values: np.ndarray
@@ -37,6 +37,7 @@ class Tree:
     owner: np.ndarray
     hits: np.ndarray
     proofs: PartProofs
+    judged: np.ndarray | None = None
 
     @staticmethod
     def begun(values: np.ndarray) -> Tree:
@@ -56,16 +57,16 @@ class Tree:
         """Each with some solutions of a group beside it: `counts` (m,) of them, from the place
         `first` on of those of the row `which` (m,) that it asks for.
         """
-        parent = np.repeat(np.arange(len(which)), counts)
-        number = np.arange(len(parent)) - np.repeat(np.cumsum(counts) - counts, counts)
-        place = first[which[parent]] + number
+        parent = np.arange(len(which)).repeat(counts)
+        place = (first[which] - counts.cumsum() + counts)[parent] + np.arange(len(parent))
         values, away = self.values[parent], self.away[parent]
         proofs = found.proofs.of(place)
         values[:, group.unknown_places] = found.roots.points[place]
         away[:, group.unknown_places] = proofs.radius[:, None]
         hits = np.minimum(self.hits[parent], found.roots.hits[place])
         proofs = self.proofs.of(parent).beside(proofs)
-        return Tree(values, away, self.owner[parent], hits, proofs)
+        judged = None if found.roots.judged is None else found.roots.judged[place]
+        return Tree(values, away, self.owner[parent], hits, proofs, judged)
 
 
 @dataclass(frozen=True)
@@ -145,12 +146,13 @@ def _grown(rows: _Rows, found: ProvedRoots, account: Account, solving: Solving) 
             roots = with_least_errors(group, roots, rows.known, untold, solving)
             found = _proved(group, roots, rows.known, rows.away, solving)
             roots, lost = found.roots, _lost(found.roots, tree.owner, which, n)
+    of_rows = roots.counts
     account.add(number, roots, tree.owner, which)
     if lost.any():
         empty, least = lost[tree.owner], np.full(n, np.inf)
         np.minimum.at(least, tree.owner[empty], roots.smallest[which[empty]])
         account.smallest = _larger(account.smallest, least)
-    first, counts = np.cumsum(roots.counts) - roots.counts, roots.counts[which]
+    first, counts = of_rows.cumsum() - of_rows, of_rows[which]
     if choice is not None:
         first, counts = _chosen(group, choice, first, counts)
     if counts.sum() > MOST_MODES:
@@ -385,7 +387,7 @@ def _held_against(
     system = group.system
     points, n = tree.values[:, group.unknown_places], len(known)
     plain = np.ones(n, dtype=bool)
-    found, origin = checked_roots(system, points, tree.owner, known, plain)
+    found, origin, _ = checked_roots(system, points, tree.owner, known, plain)
     parts = [
         (found[kept], tree.owner[origin[kept]], tree.hits[origin[kept]])
         for kept in [plain[tree.owner[origin]]]

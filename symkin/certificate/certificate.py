@@ -80,7 +80,7 @@ class CertificateBatch:
         """So many certified roots of each instance (m,) are proved to differ."""
         return self._roots.distinct
 
-    @cached_property
+    @property
     def radius(self) -> np.ndarray:
         """How far each root (n,) is from its point in any coordinate, in the length unit: lengths,
         position, and angles and unit quaternion times the size; for a root that is not proved real,
@@ -97,7 +97,7 @@ class CertificateBatch:
         """Why root i is not certified, else nothing."""
         return self.reasons.get(i, "")
 
-    @cached_property
+    @property
     def _marks(self) -> tuple[np.ndarray, np.ndarray]:
         """Certified real roots, and a number for each in which equal roots are about equal."""
         proved = np.flatnonzero(self.real == "real")
@@ -239,7 +239,7 @@ class _Roots:
     def leave_out_far_ones(self) -> None:
         """Roots that are too far from their points to be what was given."""
         far = ~(_away(self.centre, self.half, self.given) <= _FARTHEST)
-        for i in np.flatnonzero(far).tolist() if far.any() else ():
+        for i in far.nonzero()[0].tolist():
             self.half[i] = np.inf
             self.reasons[i] = (
                 self.reasons.get(i)
@@ -280,11 +280,11 @@ class _Roots:
         if not among.any():
             return among
         shown: np.ndarray = are_not_real(self.system, self.centre, self.half) & among
-        for i in np.flatnonzero(among & ~shown).tolist():
+        for i in (among & ~shown).nonzero()[0].tolist():
             shown[i] = not_real(self.system, self._box(i))
         return shown
 
-    @cached_property
+    @property
     def poses(self) -> np.ndarray:
         """Which certified roots (n,) are proved to be poses."""
         found = self.found
@@ -302,7 +302,7 @@ class _Roots:
             point = self.centre[:, i].real if is_real else self.centre[:, i]
             return prove_pose(balls, point, float(self.half[i]), is_real=is_real)
 
-    @cached_property
+    @property
     def distinct(self) -> np.ndarray:
         """So many certified roots of each instance (m,) are proved to differ."""
         found, mixed = self.found, self._features.mixed
@@ -328,7 +328,6 @@ def _away(centre: np.ndarray, half: np.ndarray, points: np.ndarray) -> np.ndarra
     its point (width, n) in any
     |Re| or |Im|; infinite without a box.
     """
-    with np.errstate(invalid="ignore"):
-        apart = centre - points
-        far = np.maximum(np.abs(apart.real), np.abs(apart.imag)).max(axis=0, initial=0.0)
-        return np.asarray((far + half) * UP)
+    apart = centre - points
+    far = np.maximum(np.abs(apart.real), np.abs(apart.imag)).max(axis=0, initial=0.0)
+    return np.asarray((far + half) * UP)

@@ -154,7 +154,7 @@ def _at(array: np.ndarray) -> Any:
     to.
     """
     try:
-        return ctypes.byref(ctypes.c_char.from_buffer(array.data))
+        return ctypes.byref(ctypes.c_char.from_buffer(array))  # type: ignore[arg-type]
     except (TypeError, ValueError):
         if array.size and array.flags.writeable:
             raise  # it is not in one piece

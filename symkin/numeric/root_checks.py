@@ -68,7 +68,7 @@ def are_roots(system: System, polished: Polished, residuals: np.ndarray) -> np.n
     """
     size = system.characteristic_length
     found = residuals <= CLOSURE_TOLERANCE * size
-    left = np.linalg.norm(polished.rows, axis=1)
+    left = np.sqrt(squared_norms(polished.rows))
     doubtful = (found & ~(left <= rounding(system, polished.points))).nonzero()[0]
     if doubtful.size:
         found[doubtful] = _only_redundant_rows(
@@ -106,23 +106,6 @@ def are_suspect(extremes: np.ndarray) -> np.ndarray:
     return np.asarray(
         ~(condition_of(extremes) < SUSPECT_CONDITION) | (extremes[:, 1] < SINGULAR_VALUE)
     )
-
-
-def suspects(jacobians: np.ndarray) -> np.ndarray:
-    """Which roots (n,) `are_suspect`, by their Jacobians (n, rows, freedom): Frobenius's norms of
-    these and of their inverses, of which singular values are no larger, clear most of them.
-    """
-    found = np.ones(len(jacobians), dtype=bool)
-    if len(jacobians) and jacobians.shape[1] == jacobians.shape[2]:
-        try:
-            inverse, square = squared_norms(np.linalg.inv(jacobians)), squared_norms(jacobians)
-        except np.linalg.LinAlgError:
-            pass
-        else:
-            found = ~(inverse * np.maximum(square, 1.0) < 0.5 * SUSPECT_CONDITION**2)
-    if found.any():
-        found[found] = are_suspect(extreme_singular_values(jacobians[found]))
-    return found
 
 
 def are_one(system: System, point: np.ndarray, others: np.ndarray, known: np.ndarray) -> np.ndarray:

@@ -80,7 +80,8 @@ def joined_groups(problem: Problem, groups: tuple[Problem, ...]) -> Problem:
         [k for k, held in enumerate(part) if held & names] for part in _dependences(problem)
     )
     system, own = problem.system, problem.places_of_rows
-    if (len(places), len(checks)) == (int(system.rows.shape[0]), int(system.errors.shape[0])):
+    if len(unknowns) == len(system.unknowns) and len(places) == int(system.rows.shape[0]):
+        # what of the closure errors no unknown enters is held against known values
         return problem
     return replace(
         problem,

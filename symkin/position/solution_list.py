@@ -65,9 +65,7 @@ class SolutionList(Sequence[Solution]):
         """Which of them (m,) close to rounding."""
         return np.asarray(self.residual <= CLOSURE_TOLERANCE * self.closure.characteristic_length)
 
-    def chosen(
-        self, places: np.ndarray | Sequence[int] | slice, **told: Any
-    ) -> SolutionList:
+    def chosen(self, places: np.ndarray | Sequence[int] | slice, **told: Any) -> SolutionList:
         """Some of the solutions, in the order of their places (any,), a part of them, or where a
         mask (m,) holds; with what else is `told` of them.
         """
@@ -142,17 +140,24 @@ class SolutionList(Sequence[Solution]):
 
 
 def checked_solutions(
-    problem: Problem, values: np.ndarray, notes: tuple[str, ...] = ()
+    problem: Problem,
+    values: np.ndarray,
+    notes: tuple[str, ...] = (),
+    judged: np.ndarray | None = None,
 ) -> SolutionList:
     """Solutions from full vectors of variables (m, variables): in their standard writing, with
-    closure errors and conditions.
+    closure errors and conditions, from the extreme singular values and errors (m, 3) where these
+    were `judged`.
     """
     closure, system = problem.closure, problem.system
     values = canonical(closure.coordinates, closure.slices, values)
-    unknown, known = values[:, problem.unknown_places], values[:, problem.known_places]
     inside, untried = within_limits(closure, values), np.full(len(values), -1)
     position, quaternion = poses_of(closure, values)
-    extremes, residuals = system.extremes(unknown, known)
+    if judged is None:
+        unknown, known = values[:, problem.unknown_places], values[:, problem.known_places]
+        extremes, residuals = system.extremes(unknown, known)
+    else:
+        extremes, residuals = judged[:, :2], judged[:, 2]
     return SolutionList(
         closure=closure,
         values=values,
