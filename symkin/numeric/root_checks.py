@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from symkin.numeric.linear_algebra import condition_of, extreme_singular_values, squared_norms
+from symkin.numeric.linear_algebra import condition_of, squared_norms
 from symkin.numeric.newton import Polished
 from symkin.numeric.rank import null_space
 from symkin.numeric.system import System
