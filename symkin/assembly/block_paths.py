@@ -67,8 +67,10 @@ class BlockPaths:
         """What the roots begin from."""
         return self.start.z.tobytes() + self.start.k.tobytes()
 
-    def roots(self, known: np.ndarray) -> tuple[GroupRoots, np.ndarray]:
-        """Roots at instances known (n, values), and those that are left in doubt."""
+    def roots(self, known: np.ndarray, *, judges: bool = False) -> tuple[GroupRoots, np.ndarray]:
+        """Roots at instances known (n, values), with what is `judged` of them if it `judges`, and
+        those that are left in doubt.
+        """
         k = known_values(self.problem, known.T)
         k = k if self.shared is None else self.shared.known(k)
         ends, plain = plain_instances(self.algebraic, self.start, k)
@@ -88,7 +90,9 @@ class BlockPaths:
         origin = (whole & (part < _REAL)).nonzero()[0]
         owner = instance[origin]
         points = self.points(z[:, origin], owner, k)
-        points, kept, judged = checked_roots(self.problem.system, points, owner, known, plain)
+        points, kept, judged = checked_roots(
+            self.problem.system, points, owner, known, plain, judges=judges
+        )
         return GroupRoots.of_all(
             points,
             owner[kept],

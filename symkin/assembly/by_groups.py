@@ -136,7 +136,9 @@ def modes_by_groups(
     _check_choices(problem, groups, choose)
     account, parts = Account.empty(n, len(groups)), independent_parts(groups)
     certify = certify and can_be_proved(groups)
-    solving = Solving(search, least_errors, certify)
+    # rows of the one group that a problem is need no second look
+    judges = told is None and groups == (problem,)
+    solving = Solving(search, least_errors, certify, judges=judges)
     trees = [Tree.begun(begin) for _ in parts]
     for depth in range(max(map(len, parts), default=0)):
         deep = [k for k, numbers in enumerate(parts) if depth < len(numbers)]
@@ -273,9 +275,7 @@ def _checked(
     n, asked = len(account.seen), problem if told is None else told.problem
     tree, every = combined
     if told is None:
-        # rows of the one group that a problem is need no second look
-        judged = tree.judged if solved_groups(problem, search) == (problem,) else None
-        found = checked_solutions(problem, tree.values, judged=judged)
+        found = checked_solutions(problem, tree.values, judged=tree.judged)
     else:
         found = told.listed(problem.closure, tree.values, tree.owner)
     order = order_of_modes(asked, found, tree.owner)

@@ -112,8 +112,8 @@ class ClosedBlock:
         away = np.random.default_rng(5).uniform(-_SPREAD, _SPREAD, (_INSTANCES, len(scale)))
         return np.asarray(self.regular + scale * away)
 
-    def roots(self, known: np.ndarray) -> tuple[GroupRoots, np.ndarray]:
-        """Roots at instances known (n, values), and those that are left in doubt."""
+    def roots(self, known: np.ndarray, *, judges: bool = False) -> tuple[GroupRoots, np.ndarray]:
+        """As `BlockPaths.roots`."""
         points, real, plain = self.formulas.solutions(known)
         owner, branch = np.nonzero(real & plain[:, None])
         chosen, plain = points[owner, branch], plain.copy()
@@ -128,7 +128,7 @@ class ClosedBlock:
         # of an arm whose branches must meet further conditions only real ones are held against them
         count: float = self.formulas.count if self.is_determined else NOT_KNOWN
         chosen, closed, found = checked_roots(
-            self.problem.system, chosen, owner, known, plain, judged
+            self.problem.system, chosen, owner, known, plain, judged, judges=judges
         )
         # a branch that solves all steps and fails the check leaves a doubt
         n, left = len(known), owner[closed]

@@ -16,7 +16,7 @@ from symkin.assembly.modes_result import Completeness
 from symkin.computed_once import lru_cache
 from symkin.numeric.linear_algebra import extreme_singular_values
 from symkin.numeric.newton import polish
-from symkin.numeric.root_checks import POLISHING, are_roots, are_suspect
+from symkin.numeric.root_checks import POLISHING, are_roots, are_suspect, suspects
 from symkin.numeric.system import System
 from symkin.numeric.tolerances import DISTINCT_ROOTS
 from symkin.position.readings import canonical
@@ -209,11 +209,13 @@ def checked_roots(
     known: np.ndarray,
     plain: np.ndarray,
     judged: tuple[np.ndarray, ...] | None = None,
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    *,
+    judges: bool = False,
+) -> tuple[np.ndarray, np.ndarray, np.ndarray | None]:
     """Points (m, width) near real roots of the instances `owner` (m,), rising, polished on the
     block's own rows: those that close on all rows, written in the standard way, their places among
-    the given ones, which may have been `judged`, and what `GroupRoots` holds as that. Instances
-    (n,) with roots that are badly conditioned or equal are no longer `plain`.
+    the given ones, which may have been `judged`, and, if it `judges`, what `GroupRoots` holds as
+    that. Instances (n,) with roots that are badly conditioned or equal are no longer `plain`.
     """
     here = known[owner]
     rows, jacobians, residuals = block.judge(points, here) if judged is None else judged
@@ -224,9 +226,13 @@ def checked_roots(
     points = canonical(block.unknowns, block.places, polished.points)
     closed = are_roots(block, polished, residuals).nonzero()[0]
     points, owner = points[closed], owner[closed]
-    extremes = extreme_singular_values(polished.jacobians[closed])
-    plain[owner[are_suspect(extremes)]] = False
     plain[_owners_of_equal(block, points, owner)] = False
+    jacobians = polished.jacobians[closed]
+    if not judges:
+        plain[owner[suspects(jacobians)]] = False
+        return points, closed, None
+    extremes = extreme_singular_values(jacobians)
+    plain[owner[are_suspect(extremes)]] = False
     return points, closed, np.column_stack([extremes, residuals[closed]])
 
 

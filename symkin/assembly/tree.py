@@ -29,7 +29,7 @@ from symkin.position.roots import MOST_MODES, NOT_KNOWN, polished_roots, unite
 class Tree:
     """Partial configurations `values` (m, variables), which are within `away` of exact ones (length
     unit), of the inputs `owner` (m,), rising, the `hits` (m,) of the rarest choice of each, and
-    what is proved of them; as `GroupRoots` what of the last group was `judged`.
+    what is proved of them; of the one group that a problem is what was `judged` (see `GroupRoots`).
     """
 
     values: np.ndarray
@@ -72,13 +72,15 @@ class Tree:
 @dataclass(frozen=True)
 class Solving:
     """How groups are to be solved: the search, whether least errors are needed, whether solutions
-    are to be proved, and whether inputs with more choices than are listed keep some of them.
+    are to be proved, whether inputs with more choices than are listed keep some of them, and
+    whether a group `judges` its solutions for the whole problem, which it is.
     """
 
     search: Search
     least_errors: bool = False
     certify: bool = False
     keeps_some: bool = False
+    judges: bool = False
 
 
 class Step(NamedTuple):
@@ -213,7 +215,7 @@ def _solved(
             families.setdefault(member.family, []).append(place)
             continue
         group = rows.step.group
-        roots = group_roots(group, rows.known, solving.search)
+        roots = group_roots(group, rows.known, solving)
         found[place] = _proved(group, roots, rows.known, rows.away, solving)
     for family, places in families.items():
         together = _of_family(family, [asked[k] for k in places], members, solving)
@@ -231,12 +233,12 @@ def _of_family(
     away = np.hstack([np.vstack([rows.away for rows in asked]), numbers])
     ends = np.cumsum([len(rows.known) for rows in asked]).tolist()
     places = [slice(end - len(rows.known), end) for end, rows in zip(ends, asked, strict=True)]
-    solved, doubtful = _by_solver(family, known, solving.search)
+    solved, doubtful = _by_solver(family, known, solving)
     if solved is None:
         return [
             _proved(
                 rows.step.group,
-                group_roots(rows.step.group, rows.known, solving.search),
+                group_roots(rows.step.group, rows.known, solving),
                 rows.known,
                 rows.away,
                 solving,
@@ -247,7 +249,7 @@ def _of_family(
         mine = doubtful[(doubtful >= place.start) & (doubtful < place.stop)]
         if mine.size:
             left = rows.known[mine - place.start]
-            alone = group_roots(rows.step.group, left, solving.search)
+            alone = group_roots(rows.step.group, left, solving)
             solved = solved.with_rows(mine, alone)
     if any(one.laid is not None for one in own):
         # complex roots are those of the family's system
@@ -284,8 +286,9 @@ def _proved(
     return ProvedRoots(roots, proofs)
 
 
-def group_roots(group: Problem, known: np.ndarray, search: Search) -> GroupRoots:
+def group_roots(group: Problem, known: np.ndarray, solving: Solving) -> GroupRoots:
     """The solutions of a group at known values (n, known)."""
+    search = solving.search
     if is_linear(group):
         return linear_roots(group, known)
     train = gear_train(group)
@@ -296,7 +299,7 @@ def group_roots(group: Problem, known: np.ndarray, search: Search) -> GroupRoots
     parts = solved_parts(group)
     if parts:
         return roots_of_parts(group, parts, known, search)
-    found, doubtful = _by_solver(group, known, search)
+    found, doubtful = _by_solver(group, known, solving)
     if found is None:
         return searched_alone(group, known, search)
     if not doubtful.size:
@@ -305,21 +308,21 @@ def group_roots(group: Problem, known: np.ndarray, search: Search) -> GroupRoots
 
 
 def _by_solver(
-    group: Problem, known: np.ndarray, search: Search
+    group: Problem, known: np.ndarray, solving: Solving
 ) -> tuple[GroupRoots | None, np.ndarray]:
     """The solutions of a group by its formulas or paths, None where it has neither, and the rows
     that both leave in doubt.
     """
-    solver = group_solver(group, formulas=search.formulas)
+    solver = group_solver(group, formulas=solving.search.formulas)
     if solver is None:
         return None, np.arange(len(known))
-    found, doubtful = solver.roots(known)
+    found, doubtful = solver.roots(known, judges=solving.judges)
     if (
         doubtful.size
         and isinstance(solver, ClosedBlock)
         and (paths := any_paths(group)) is not None
     ):
-        tracked, left = paths.roots(known[doubtful])
+        tracked, left = paths.roots(known[doubtful], judges=solving.judges)
         found, doubtful = found.with_rows(doubtful, tracked), doubtful[left]
     return found, doubtful
 

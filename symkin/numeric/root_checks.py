@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from symkin.numeric.linear_algebra import condition_of, squared_norms
+from symkin.numeric.linear_algebra import condition_of, extreme_singular_values, squared_norms
 from symkin.numeric.newton import Polished
 from symkin.numeric.rank import null_space
 from symkin.numeric.system import System
@@ -106,6 +106,23 @@ def are_suspect(extremes: np.ndarray) -> np.ndarray:
     return np.asarray(
         ~(condition_of(extremes) < SUSPECT_CONDITION) | (extremes[:, 1] < SINGULAR_VALUE)
     )
+
+
+def suspects(jacobians: np.ndarray) -> np.ndarray:
+    """Which roots (n,) `are_suspect`, by their Jacobians (n, rows, freedom): Frobenius's norms of
+    these and of their inverses, of which singular values are no larger, clear most of them.
+    """
+    found = np.ones(len(jacobians), dtype=bool)
+    if len(jacobians) and jacobians.shape[1] == jacobians.shape[2]:
+        try:
+            inverse, square = squared_norms(np.linalg.inv(jacobians)), squared_norms(jacobians)
+        except np.linalg.LinAlgError:
+            pass
+        else:
+            found = ~(inverse * np.maximum(square, 1.0) < 0.5 * SUSPECT_CONDITION**2)
+    if found.any():
+        found[found] = are_suspect(extreme_singular_values(jacobians[found]))
+    return found
 
 
 def are_one(system: System, point: np.ndarray, others: np.ndarray, known: np.ndarray) -> np.ndarray:
