@@ -9,7 +9,7 @@ import numpy as np
 from symkin.assembly.group_roots import STATEMENTS, GroupRoots, engines_together
 from symkin.assembly.modes_result import Completeness, Group
 from symkin.position.problem import Problem
-from symkin.position.roots import Sample, product_of_counts, sum_of_counts
+from symkin.position.roots import Sample, product_of_counts
 
 FEW = -1
 """In place of the group at which choices are too many: there is none."""
@@ -90,26 +90,22 @@ class Account:
         """Inputs (n,) that have reached all groups."""
         return np.asarray(self.seen.all(axis=1))
 
-    def complex_count_of(self, number: int) -> int | None:
-        """Complex solutions of an input; None where they are not known."""
-        return (
-            product_of_counts(self.complex_count[number].tolist())
-            if self.seen[number].all()
-            else None
-        )
-
-    def unresolved_of(self, number: int) -> int | None:
-        """Unresolved paths of an input; None where some group was searched without paths."""
-        return sum_of_counts(self.unresolved[number].tolist())
+    @property
+    def complex_counts(self) -> list[int | None]:
+        """Complex solutions of each input; None where they are not known."""
+        rows = zip(self.complex_count.tolist(), self.whole.tolist(), strict=True)
+        return [product_of_counts(row) if whole else None for row, whole in rows]
 
     def theorems_of(self, number: int) -> list[str]:
         """What proves an input's groups complete, in their order."""
+        if not self.theorems:
+            return []
         proved = (self.seen[number] & (self.statement[number] == 0)).nonzero()[0].tolist()
         return [self.theorems[k] for k in proved if k in self.theorems]
 
     def notes_of(self, number: int) -> list[str]:
         """What is said of an input's groups, in their order."""
-        told = [*self.notes.get(None, ()), *self.notes.get(number, ())]
+        told = [*self.notes.get(None, ()), *self.notes.get(number, ())] if self.notes else []
         chosen = sorted(
             ((group, texts) for group, texts in told if self.seen[number, group]),
             key=lambda note: note[0],

@@ -10,7 +10,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from math import prod
+from math import isfinite, prod
+from typing import Any
 
 import numpy as np
 
@@ -21,7 +22,7 @@ from symkin.assembly.group_solvers import solved_groups
 from symkin.assembly.least_modes import with_least_modes
 from symkin.assembly.mode_order import order_of_modes
 from symkin.assembly.mode_proofs import PartProofs, can_be_proved, ground_notes, theorem_notes
-from symkin.assembly.modes_result import Modes, sampling
+from symkin.assembly.modes_result import Group, Modes, sampling
 from symkin.assembly.search import Search
 from symkin.assembly.tree import Solving, Step, Tree, grown_together
 from symkin.computed_once import cached_property
@@ -30,7 +31,7 @@ from symkin.position.given import Given
 from symkin.position.groups import independent_parts
 from symkin.position.platform_motion import motion_notes
 from symkin.position.problem import Problem
-from symkin.position.roots import MOST_MODES
+from symkin.position.roots import MOST_MODES, sum_of_counts
 from symkin.position.solution_list import SolutionList, checked_solutions
 from symkin.text import shown
 
@@ -62,56 +63,68 @@ class GroupedModes:
         """The problem in whose coordinates the modes are told."""
         return self.problem if self.told is None else self.told.problem
 
-    def modes_of(self, number: int, given: Given) -> Modes:
-        """The modes of one input. Raises TooManyModesError where its groups' choices are more than
-        can be held.
+    def modes(self, givens: Sequence[Given]) -> list[Modes]:
+        """The modes of each input. Raises TooManyModesError where the choices of its groups are
+        more than can be held.
         """
-        account, groups = self.account, solved_groups(self.problem, self.search)
+        account = self.account
+        for number in account.too_many[account.too_many != FEW].tolist():
+            groups = solved_groups(self.problem, self.search)
+            raise TooManyModesError(_too_many(self.problem, groups, number))
+        columns = {
+            "completeness": [STATEMENTS[said] for said in self.statement.tolist()],
+            "complex_count": account.complex_counts,
+            "unresolved_paths": [sum_of_counts(row) for row in account.unresolved.tolist()],
+            "smallest_residual": account.smallest.tolist(),
+            "positive_dimensional": account.continuum.any(axis=1).tolist(),
+            "count": list(map(int, self.total.tolist())),
+        }
+        rows = zip(*columns.values(), strict=True)
         engine = account.engine
-        if account.too_many[number] != FEW:
-            raise TooManyModesError(_too_many(self.problem, groups, int(account.too_many[number])))
-        found = self.listed
+        return [
+            self._modes_of(i, given, engine, dict(zip(columns, row, strict=True)))
+            for i, (given, row) in enumerate(zip(givens, rows, strict=True))
+        ]
+
+    def _modes_of(
+        self, number: int, given: Given, engine: str | None, told: dict[str, Any]
+    ) -> Modes:
+        account, found = self.account, self.listed
         if len(self.total) > 1:
             found = found.chosen(slice(*self.ends[number : number + 2]), notes=given.notes)
         elif found.notes != given.notes:
             found = replace(found, notes=given.notes, _made={})
-        reached = account.seen[number].nonzero()[0].tolist() if self.problem.by_name else ()
+        if len(found) or told["positive_dimensional"] or not isfinite(told["smallest_residual"]):
+            told["smallest_residual"] = None
         grounds = (
             []
             if found.ground is None
             else [ground for ground in found.ground.tolist() if ground is not None]
         )
-        smallest = float(account.smallest[number])
-        continuum = bool(account.continuum[number].any())
         return Modes(
             problem=self.asked,
             given=given.echo,
             modes=found,
-            completeness=STATEMENTS[self.statement[number]],
             method="closed" if engine == "closed form" else self.search.name,
             seed=self.search.seed,
             elapsed_s=0.0,
             **sampling(account.samples.get(number, [])),
-            complex_count=account.complex_count_of(number),
-            unresolved_paths=account.unresolved_of(number),
-            smallest_residual=None
-            if len(found) or continuum or not np.isfinite(smallest)
-            else smallest,
-            positive_dimensional=continuum,
-            notes=tuple(
-                dict.fromkeys(
-                    (
-                        *given.notes,
-                        *account.notes_of(number),
-                        *theorem_notes(account.theorems_of(number)),
-                        *ground_notes(self.problem, grounds, len(found)),
-                    )
-                )
+            **told,
+            notes=(
+                *given.notes,
+                *account.notes_of(number),
+                *theorem_notes(account.theorems_of(number)),
+                *ground_notes(self.problem, grounds, len(found)),
             ),
             engine=engine,
-            groups=tuple(account.group_of(number, k, groups[k]) for k in reached),
-            count=int(self.total[number]),
+            groups=self._groups_of(number) if self.problem.by_name else (),
         )
+
+    def _groups_of(self, number: int) -> tuple[Group, ...]:
+        """What is known of the groups that an input has reached."""
+        account, groups = self.account, solved_groups(self.problem, self.search)
+        reached = account.seen[number].nonzero()[0].tolist()
+        return tuple(account.group_of(number, k, groups[k]) for k in reached)
 
 
 def modes_by_groups(
@@ -175,8 +188,7 @@ def modes_of_inputs(
     grouped = modes_by_groups(
         problem, known, search, choose, least_errors=least_errors, certify=True, told=told
     )
-    each = [grouped.modes_of(number, given) for number, given in enumerate(givens)]
-    found = with_least_modes(problem, givens, search, each)
+    found = with_least_modes(problem, givens, search, grouped.modes(givens))
     if all(modes.completeness != "sampled" for modes in found):
         return found
     notes = motion_notes(problem)

@@ -90,7 +90,7 @@ def proofs_of_group(
             if np.isinf(ground[place, 2])
         }
     )
-    if ends is not None and (own is None or not complete.all()):
+    if ends is not None and not complete.all():
         listed = np.bincount(owner, minlength=knowns.count)
         whole = np.bincount(owner[proofs.certified], minlength=knowns.count) == listed
         complete = complete | (whole & of_paths.completes(ends, listed))
