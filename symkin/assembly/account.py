@@ -58,7 +58,10 @@ class Account:
         ):
             if values.any():
                 np.maximum.at(array[:, number], owner, values[which])
-        self._add_unresolved(number, roots, owner, which)
+        if roots.unresolved.any():
+            # of all different rows that an input asks for
+            pairs = np.unique(np.stack([owner, which]), axis=1)
+            np.add.at(self.unresolved[:, number], pairs[0], roots.unresolved[pairs[1]])
         if roots.orbits:
             self.notes.setdefault(None, []).append((number, roots.orbits))
         if roots.notes:
@@ -72,14 +75,6 @@ class Account:
         for row, sample in roots.samples.items():
             for i in np.unique(owner[which == row]).tolist():
                 self.samples.setdefault(i, []).append(sample)
-
-    def _add_unresolved(
-        self, number: int, roots: GroupRoots, owner: np.ndarray, which: np.ndarray
-    ) -> None:
-        """Unresolved paths of all different rows that an input asks for."""
-        if roots.unresolved.any():
-            pairs = np.unique(np.stack([owner, which]), axis=1)
-            np.add.at(self.unresolved[:, number], pairs[0], roots.unresolved[pairs[1]])
 
     @property
     def engine(self) -> str | None:

@@ -28,6 +28,8 @@ NO_ENDS = np.zeros((0, 0), dtype=complex)
 """Complex roots of what was found without paths."""
 _PER_ROW = ("statement", "complex_count", "unresolved", "smallest", "continuum")
 """The arrays that tell of rows."""
+_PER_ROOT = ("points", "owner", "hits", "origin", "judged")
+"""Those that tell of solutions."""
 _DIGITS = 6
 """Decimals to which values are rounded for the order of a group's solutions, so that rounding
 errors do not decide it.
@@ -69,15 +71,15 @@ class GroupRoots:
     @staticmethod
     def of_all(points: np.ndarray, owner: np.ndarray, count: np.ndarray, **told: Any) -> GroupRoots:
         """All solutions of each row, of as many complex ones as `count` (n,) says."""
-        n = len(count)
+        none = np.zeros(len(count))
         standard = {
-            "statement": np.full(n, STATEMENTS.index("probability one")),
-            "unresolved": np.zeros(n),
-            "smallest": np.full(n, np.inf),
-            "continuum": np.zeros(n, dtype=bool),
+            "statement": none.astype(int) + STATEMENTS.index("probability one"),
+            "unresolved": none,
+            "smallest": none + np.inf,
+            "continuum": none > 0.0,
+            "complex_count": count.astype(float),
         }
-        hits = np.full(len(owner), np.inf)
-        return GroupRoots(points, owner, hits, complex_count=count.astype(float), **standard | told)
+        return GroupRoots(points, owner, np.full(len(owner), np.inf), **standard | told)
 
     @property
     def counts(self) -> np.ndarray:
@@ -153,15 +155,17 @@ class GroupRoots:
         """The same with the solutions of each row in an order that rounding errors do not
         decide.
         """
-        order = np.lexsort((*np.round(self.points.T[::-1], _DIGITS), self.owner))
-        return replace(
-            self,
-            points=self.points[order],
-            owner=self.owner[order],
-            hits=self.hits[order],
-            origin=None if self.origin is None else self.origin[order],
-            judged=None if self.judged is None else self.judged[order],
-        )
+        return self._with(np.lexsort((*self.points.T[::-1].round(_DIGITS), self.owner)))
+
+    def _with(self, places: np.ndarray, **told: Any) -> GroupRoots:
+        """Some of the solutions, with what else is `told`."""
+        some = object.__new__(GroupRoots)
+        vars(some).update(vars(self))
+        for name in _PER_ROOT:
+            array = getattr(self, name)
+            vars(some)[name] = None if array is None else array[places]
+        vars(some).update(told)
+        return some
 
     def at(self, rows: np.ndarray) -> GroupRoots:
         """Some of the rows, in their order."""
@@ -169,18 +173,15 @@ class GroupRoots:
         rank[rows] = np.arange(len(rows))
         own, ends = (_places_of(owner, rank) for owner in (self.owner, self.ends_of))
         kept = dict(zip(rows.tolist(), range(len(rows)), strict=True))
-        return replace(
-            self,
-            points=self.points[own],
+        return self._with(
+            own,
             owner=rank[self.owner[own]],
-            hits=self.hits[own],
             **{name: getattr(self, name)[rows] for name in _PER_ROW},
             notes={kept[row]: told for row, told in self.notes.items() if row in kept},
             samples={kept[row]: one for row, one in self.samples.items() if row in kept},
             ends=self.ends[:, ends],
             ends_of=rank[self.ends_of[ends]],
             origin=None,
-            judged=None if self.judged is None else self.judged[own],
         )
 
 
@@ -269,4 +270,4 @@ def _weights(count: int) -> np.ndarray:
 def _has_equal(block: System, f: np.ndarray) -> bool:
     """Whether two of some roots' features (m, any) are one."""
     apart = np.abs(f[:, None] - f[None]).max(axis=2)
-    return np.count_nonzero(apart <= DISTINCT_ROOTS * block.characteristic_length) > len(f)
+    return bool(np.count_nonzero(apart <= DISTINCT_ROOTS * block.characteristic_length) > len(f))

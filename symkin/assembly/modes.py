@@ -147,8 +147,9 @@ def _found(ask: _Ask, givens: Sequence[Given]) -> tuple[Modes, ...]:
         found = _of_machine(ask, givens)
     lost = [i for i, modes in enumerate(found) if not modes and modes.problem.by_name]
     note = open_loops_note(ask.mechanism) if lost else None
-    for i in lost if note is not None else ():
-        found[i] = replace(found[i], notes=(*found[i].notes, note))
+    for i in lost:
+        more = () if note is None else (note,)
+        found[i] = replace(found[i], notes=(*found[i].notes, *more))
     share = (time.perf_counter() - begin) / max(len(givens), 1)
     for modes in found:
         object.__setattr__(modes, "elapsed_s", share)
@@ -194,9 +195,7 @@ def _of_description(
     description whose machine it is of.
     """
     search = ask.search
-    known = [
-        known_without_search(problem, given, search, told, i) for i, given in enumerate(givens)
-    ]
+    known = known_without_search(problem, givens, search, told)
     left = [i for i, modes in enumerate(known) if modes is None]
     searched = (
         modes_of_inputs(

@@ -128,7 +128,7 @@ class ModeFinder:
             return ModeTable.of_none(self.problem, "off the motion", 0)
         given = Given(tuple(c.name for c in self.problem.known_coordinates), known, {})
         try:
-            found = known_without_search(self.problem, given, self.search)
+            (found,) = known_without_search(self.problem, [given], self.search)
             return ModeTable.of(found or modes_of_inputs(self.problem, [given], self.search)[0])
         except TooManyModesError:
             return ModeTable.of_none(self.problem, "too many to list", -1)

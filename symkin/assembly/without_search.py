@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -49,43 +50,49 @@ def _certified(problem: Problem, one: SolutionList, values: np.ndarray) -> Solut
 
 def meet_conditions(problem: Problem, known: np.ndarray) -> np.ndarray:
     """Which given values (n, known) meet the rows without unknowns."""
-    bound = CLOSURE_TOLERANCE * problem.closure.characteristic_length
-    return _errors_of_given(problem, known) <= bound
+    return _errors_of_given(problem, known) == 0.0
 
 
 def _errors_of_given(problem: Problem, known: np.ndarray) -> np.ndarray:
-    """The errors (n,) of rows without unknowns at given values (n, known). Rows of a problem whose
-    coordinates are told by name are left to its groups.
+    """The errors (n,) of rows without unknowns at given values (n, known), 0 where these are
+    rounding. Rows of a problem whose coordinates are told by name are left to its groups.
     """
     if problem.by_name or problem.conditions.errors.is_zero():
         return np.zeros(len(known))
-    return problem.conditions.residuals(np.zeros((len(known), 0)), known)
+    errors = problem.conditions.residuals(np.zeros((len(known), 0)), known)
+    within = errors <= CLOSURE_TOLERANCE * problem.closure.characteristic_length
+    return np.where(within, 0.0, errors)
 
 
 def known_without_search(
-    problem: Problem, given: Given, search: Search, told: Told | None = None, number: int = 0
-) -> Modes | None:
-    """What needs no search: unknowns that nothing determines, a pose off the motion, the direct
-    problem of a serial arm, given values that contradict rows without unknowns. The modes of a
-    machine are `told` in the coordinates of a description, whose input has this `number`.
+    problem: Problem, givens: Sequence[Given], search: Search, told: Told | None = None
+) -> list[Modes | None]:
+    """What needs no search, of each input: unknowns that nothing determines, a pose off the motion,
+    the direct problem of a serial arm, given values that contradict rows without unknowns. The
+    modes of a machine are `told` in the coordinates of a description.
     """
     free = None if problem.by_name else free_unknowns(problem)
     if free is not None and problem.mechanism.serial:
         raise InputError(free)
     if free is not None:
         search.refuse_unless_multistart(free)
-        empty = _nothing(problem, given, search, note=f"positive-dimensional set: {free}")
-        return replace(empty, positive_dimensional=True)
-    if given.off_motion > 0.0:
-        return _nothing(problem, given, search, given.off_motion)
-    if problem.by_name:
-        return None
-    if problem.is_explicit:
-        return _forward(problem, given, search, told, number)
-    known = given.values[None]
-    if meet_conditions(problem, known)[0]:
-        return None
-    return _nothing(problem, given, search, float(_errors_of_given(problem, known)[0]))
+        empty = [
+            _nothing(problem, given, search, note=f"positive-dimensional set: {free}")
+            for given in givens
+        ]
+        return [replace(one, positive_dimensional=True) for one in empty]
+    off, explicit = [given.off_motion for given in givens], problem.is_explicit
+    if not problem.by_name and not explicit:
+        errors = _errors_of_given(problem, np.array([given.values for given in givens]))
+        off = [away or error for away, error in zip(off, errors.tolist(), strict=True)]
+    return [
+        _nothing(problem, given, search, away)
+        if away > 0.0
+        else _forward(problem, given, search, told, i)
+        if explicit and not problem.by_name
+        else None
+        for i, (given, away) in enumerate(zip(givens, off, strict=True))
+    ]
 
 
 def _forward(
