@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import prod
 from typing import Any, NamedTuple
 
@@ -28,11 +28,13 @@ from symkin.assembly.closed_roots import ClosedBlock
 from symkin.assembly.group_roots import STATEMENTS
 from symkin.assembly.group_solvers import most_roots, solved_groups, solvers_of
 from symkin.assembly.mode_table import COMPLETENESS, ModeTable, stored_counts
+from symkin.assembly.modes_result import Modes
 from symkin.assembly.search import Search
 from symkin.assembly.without_search import (
     free_unknowns,
     known_without_search,
     meet_conditions,
+    nothing,
 )
 from symkin.computed_once import cached_property
 from symkin.errors import InputError, TooManyModesError
@@ -125,13 +127,18 @@ class ModeFinder:
     def _one(self, known: np.ndarray, off_motion: float) -> ModeTable:
         """One point, alone."""
         if off_motion > 0.0:
-            return ModeTable.of_none(self.problem, "off the motion", 0)
+            return ModeTable.of(self._empty, "off the motion")
         given = Given(tuple(c.name for c in self.problem.known_coordinates), known, {})
         try:
             (found,) = known_without_search(self.problem, [given], self.search)
             return ModeTable.of(found or modes_of_inputs(self.problem, [given], self.search)[0])
         except TooManyModesError:
-            return ModeTable.of_none(self.problem, "too many to list", -1)
+            return ModeTable.of(replace(self._empty, count=-1), "too many to list")
+
+    @cached_property
+    def _empty(self) -> Modes:
+        """No modes."""
+        return nothing(self.problem, Given((), np.zeros(0), {}), self.search)
 
 
 @dataclass(frozen=True, eq=False)
@@ -208,14 +215,15 @@ class GroupFinder:
         complex_counts = np.where(
             account.whole & ~many, np.prod(account.complex_count, axis=1), NOT_KNOWN
         )
-        said = np.array([COMPLETENESS.index(statement) for statement in STATEMENTS])[
-            found.statement
-        ]
         return ModeTable(
             found.asked,
             found.listed.chosen(~many[found.owner]) if many.any() else found.listed,
             count=np.where(many, -1, listed),
-            completeness=np.where(many, COMPLETENESS.index("too many to list"), said),
+            completeness=np.where(
+                many,
+                COMPLETENESS.index("too many to list"),
+                COMPLETENESS.index(STATEMENTS[0]) + found.statement,
+            ),
             unresolved=stored_counts(account.unresolved.sum(axis=1)),
             continuum=np.asarray(account.continuum.any(axis=1)),
             complex_count=stored_counts(complex_counts),

@@ -50,7 +50,7 @@ def _certified(problem: Problem, one: SolutionList, values: np.ndarray) -> Solut
 
 def meet_conditions(problem: Problem, known: np.ndarray) -> np.ndarray:
     """Which given values (n, known) meet the rows without unknowns."""
-    return _errors_of_given(problem, known) == 0.0
+    return np.asarray(_errors_of_given(problem, known) == 0.0)
 
 
 def _errors_of_given(problem: Problem, known: np.ndarray) -> np.ndarray:
@@ -77,7 +77,7 @@ def known_without_search(
     if free is not None:
         search.refuse_unless_multistart(free)
         empty = [
-            _nothing(problem, given, search, note=f"positive-dimensional set: {free}")
+            nothing(problem, given, search, note=f"positive-dimensional set: {free}")
             for given in givens
         ]
         return [replace(one, positive_dimensional=True) for one in empty]
@@ -86,8 +86,8 @@ def known_without_search(
         errors = _errors_of_given(problem, np.array([given.values for given in givens]))
         off = [away or error for away, error in zip(off, errors.tolist(), strict=True)]
     return [
-        _nothing(problem, given, search, away)
-        if away > 0.0
+        nothing(problem, given, search, away)
+        if away
         else _forward(problem, given, search, told, i)
         if explicit and not problem.by_name
         else None
@@ -108,7 +108,7 @@ def _forward(
     else:
         one = told.listed(problem.closure, values, np.array([number]))
     if not one.closed[0]:
-        return _nothing(problem, given, search, float(one.residual[0]))
+        return nothing(problem, given, search, float(one.residual[0]))
     note = "forward kinematics of a serial arm is a function of its joints: one pose"
     return Modes(
         problem=problem if told is None else told.problem,
@@ -124,14 +124,14 @@ def _forward(
     )
 
 
-def _nothing(
+def nothing(
     problem: Problem, given: Given, search: Search, smallest: float | None = None, note: str = ""
 ) -> Modes:
     """No modes, and why."""
     return Modes(
         problem=problem,
         given=given.echo,
-        modes=SolutionList.of_none(problem.closure),
+        modes=checked_solutions(problem, np.zeros((0, problem.closure.reference.size))),
         completeness="sampled",
         method=search.method,
         seed=search.seed,

@@ -69,8 +69,8 @@ class CertificateBatch:
     is_real: np.ndarray
     reasons: dict[int, str] = field(default_factory=dict)
     boxes: dict[int, Box] = field(default_factory=dict)
-    certified: np.ndarray = field(init=False)
-    real: np.ndarray = field(init=False)
+    certified: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    real: np.ndarray = field(default_factory=lambda: np.zeros(0))
 
     @property
     def radius(self) -> np.ndarray:

@@ -78,23 +78,6 @@ class SolutionList(Sequence[Solution]):
         return some
 
     @staticmethod
-    def of_none(closure: Closure) -> SolutionList:
-        """No solutions."""
-        none, flags = np.zeros(0), np.zeros(0, dtype=int)
-        return SolutionList(
-            closure,
-            values=np.zeros((0, closure.reference.size)),
-            position=np.zeros((0, 3)),
-            quaternion=np.zeros((0, 4)),
-            residual=none,
-            condition=none,
-            within_limits=flags,
-            certified=flags,
-            radius=none,
-            notes=(),
-        )
-
-    @staticmethod
     def joined(lists: Sequence[SolutionList]) -> SolutionList:
         """The solutions of several lists of one closure, one after the other, with what is said in
         all of these.
