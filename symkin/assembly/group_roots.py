@@ -126,6 +126,7 @@ class GroupRoots:
             notes={row + begin: told for begin, part in begun for row, told in part.notes.items()},
             engine=engines_together(part.engine for part in parts),
             orbits=parts[0].orbits,
+            theorem=next((part.theorem for part in parts if part.theorem), None),
             samples={
                 row + begin: one for begin, part in begun for row, one in part.samples.items()
             },

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -100,23 +100,15 @@ def proofs_of_group(
 def _proofs_of_near(
     group: Problem, roots: GroupRoots, knowns: tuple[np.ndarray, np.ndarray], near: np.ndarray
 ) -> tuple[PartProofs, GroupRoots]:
-    """The same where nothing is known of how far `away` some values are, those that are not
-    `near` (n,).
-    """
-    every = PartProofs(
-        np.zeros(len(roots.owner), dtype=bool),
-        np.tile([0.0, 0.0, np.inf, 0.0], (len(roots.owner), 1)),
-    )
-    rows = near.nonzero()[0]
+    """The same where nothing is known of how far `away` values are but of some, `near` (n,)."""
+    rows, mine = near.nonzero()[0], near[roots.owner]
+    certified, ground = np.zeros(len(mine), dtype=bool), np.zeros((len(mine), 4))
+    ground[:, 2] = np.inf
     if rows.size:
         some, proved = proofs_of_group(group, roots.at(rows), *(part[rows] for part in knowns))
-        chosen = near[roots.owner].nonzero()[0]
-        every.certified[chosen], every.ground[chosen] = some.certified, some.ground
-        told = {int(rows[row]): notes for row, notes in proved.notes.items()}
-        complete = np.zeros(len(near), dtype=bool)
-        complete[rows] = proved.statement == 0
-        roots = replace(roots, notes={**roots.notes, **told}).proved(complete, proved.theorem)
-    return every, roots
+        certified[mine], ground[mine] = some.certified, some.ground
+        roots = roots.with_rows(rows, proved)
+    return PartProofs(certified, ground), roots
 
 
 def theorem_notes(theorems: Iterable[str | None]) -> tuple[str, ...]:
