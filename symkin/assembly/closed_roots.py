@@ -79,18 +79,14 @@ class ClosedBlock:
         """What the roots begin from."""
         return "\n".join(self.formulas.steps).encode()
 
-    @property
-    def _is_square(self) -> bool:
-        """Whether no row is more than the unknowns need."""
-        return int(self.problem.system.rows.shape[0]) <= self.problem.system.freedom
-
     @cached_property
     def is_determined(self) -> bool:
         """Whether each real branch is a solution. Arms of fewer than six joints have branches that
         some of their poses' conditions refuse, and that are none then; formulas that elimination
         has found have none of these (`accounts_for_all`).
         """
-        if self._is_square or isinstance(self.formulas, ClosedForm):
+        rows = int(self.problem.system.rows.shape[0])
+        if rows <= self.problem.system.freedom or isinstance(self.formulas, ClosedForm):
             return True
         found = self.formulas.solutions(self.regular[None])
         errors = self.problem.system.residuals(found.values[0][found.real[0]], self.regular)

@@ -78,8 +78,9 @@ class GroupRoots:
             "smallest": none + np.inf,
             "continuum": none > 0.0,
             "complex_count": count.astype(float),
+            "hits": np.full(len(owner), np.inf),
         }
-        return GroupRoots(points, owner, np.full(len(owner), np.inf), **standard | told)
+        return GroupRoots(points, owner, **standard | told)
 
     @property
     def counts(self) -> np.ndarray:
@@ -89,12 +90,12 @@ class GroupRoots:
     @staticmethod
     def sampled(sample: Sample, notes: tuple[str, ...]) -> GroupRoots:
         """Of one row what random starts have reached."""
-        return GroupRoots(
+        return GroupRoots.of_all(
             sample.points,
             np.zeros(len(sample.points), dtype=int),
-            sample.hits.astype(float),
+            np.array([NOT_KNOWN]),
+            hits=sample.hits.astype(float),
             statement=np.array([STATEMENTS.index("sampled")]),
-            complex_count=np.array([NOT_KNOWN]),
             unresolved=np.array([NOT_KNOWN]),
             smallest=np.array([sample.smallest_residual]),
             continuum=np.array([sample.continuum]),

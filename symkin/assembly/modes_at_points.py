@@ -7,10 +7,9 @@ means; those that need another look one by one, as `symkin.modes` does.
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import prod
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -40,7 +39,7 @@ from symkin.computed_once import cached_property
 from symkin.errors import InputError, TooManyModesError
 from symkin.machine.lower import Lowered
 from symkin.position.determination import determination, refuse_unless_determined
-from symkin.position.given import Given, read_given
+from symkin.position.given import Given
 from symkin.position.problem import Problem, build_problem
 from symkin.position.roots import NOT_KNOWN
 
@@ -86,15 +85,6 @@ class ModeFinder:
         if self.problem.is_explicit:
             return 1
         return self.own.most_modes if self.own.is_tracked else None
-
-    def enumerate(self, inputs: Sequence[Mapping[str, Any]]) -> ModeTable:
-        """All modes at points given as arguments of `symkin.modes`."""
-        return self.find([read_given(self.problem.mechanism, **g) for g in inputs])
-
-    def find(self, givens: Sequence[Given]) -> ModeTable:
-        """All modes at given points."""
-        values = np.array([given.values for given in givens]).reshape(len(givens), -1)
-        return self.find_values(values, np.array([given.off_motion for given in givens]))
 
     def find_values(self, known: np.ndarray, off_motion: np.ndarray | None = None) -> ModeTable:
         """All modes at points known (n, numbers): values of the known coordinates in the length

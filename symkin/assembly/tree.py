@@ -146,7 +146,7 @@ def _grown(rows: _Rows, found: ProvedRoots, account: Account, solving: Solving) 
         untold = np.unique(which[lost[tree.owner] & np.isinf(roots.smallest[which])])
         if untold.size:
             roots = with_least_errors(group, roots, rows.known, untold, solving)
-            found = _proved(group, roots, rows.known, rows.away, solving)
+            found = _alone(rows, solving, roots)
             roots, lost = found.roots, _lost(found.roots, tree.owner, which, n)
     of_rows = roots.counts
     account.add(number, roots, tree.owner, which)
@@ -214,9 +214,7 @@ def _solved(
         if member is not None and solving.search.method == "continuation":
             families.setdefault(member.family, []).append(place)
             continue
-        group = rows.step.group
-        roots = group_roots(group, rows.known, solving)
-        found[place] = _proved(group, roots, rows.known, rows.away, solving)
+        found[place] = _alone(rows, solving)
     for family, places in families.items():
         together = _of_family(family, [asked[k] for k in places], members, solving)
         found |= dict(zip(places, together, strict=True))
@@ -235,16 +233,7 @@ def _of_family(
     places = [slice(end - len(rows.known), end) for end, rows in zip(ends, asked, strict=True)]
     solved, doubtful = _by_solver(family, known, solving)
     if solved is None:
-        return [
-            _proved(
-                rows.step.group,
-                group_roots(rows.step.group, rows.known, solving),
-                rows.known,
-                rows.away,
-                solving,
-            )
-            for rows in asked
-        ]
+        return [_alone(rows, solving) for rows in asked]
     for place, rows in zip(places, asked, strict=True):
         mine = doubtful[(doubtful >= place.start) & (doubtful < place.stop)]
         if mine.size:
@@ -255,13 +244,7 @@ def _of_family(
         # complex roots are those of the family's system
         plain = replace(solved, ends=NO_ENDS, ends_of=solved.ends_of[:0], origin=None)
         return [
-            _proved(
-                rows.step.group,
-                plain.at(np.arange(place.start, place.stop)),
-                rows.known,
-                rows.away,
-                solving,
-            )
+            _alone(rows, solving, plain.at(np.arange(place.start, place.stop)))
             for place, rows in zip(places, asked, strict=True)
         ]
     found = _proved(family, solved, known, away, solving)
@@ -273,6 +256,13 @@ def _of_family(
         )
         for place in places
     ]
+
+
+def _alone(rows: _Rows, solving: Solving, roots: GroupRoots | None = None) -> ProvedRoots:
+    """The solutions of one group at what is asked of it, proved by its own rows."""
+    group = rows.step.group
+    roots = group_roots(group, rows.known, solving) if roots is None else roots
+    return _proved(group, roots, rows.known, rows.away, solving)
 
 
 def _proved(
