@@ -85,7 +85,7 @@ class ModeTable:
         return ModeTable(
             found.problem,
             found.modes,
-            count=np.array([found.total]),
+            count=np.array([min(len(found), found.total)]),
             completeness=np.array([COMPLETENESS.index(why or found.completeness)]),
             unresolved=np.array([-1 if unresolved is None else unresolved]),
             continuum=np.array([found.positive_dimensional]),
