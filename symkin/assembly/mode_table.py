@@ -79,13 +79,13 @@ class ModeTable:
         return ModeTable(tables[0].problem, listed, **told)
 
     @staticmethod
-    def of(found: Modes, why: str = "") -> ModeTable:
-        """One point, from its modes, or `why` in `COMPLETENESS` none are listed of it."""
+    def of(found: Modes, why: str = "", count: int | None = None) -> ModeTable:
+        """One point, from its modes, or `why` in `COMPLETENESS` none are listed of its `count`."""
         unresolved, complex_count = found.unresolved_paths, found.complex_count
         return ModeTable(
             found.problem,
             found.modes,
-            count=np.array([min(len(found), found.total)]),
+            count=np.array([len(found) if count is None else count]),
             completeness=np.array([COMPLETENESS.index(why or found.completeness)]),
             unresolved=np.array([-1 if unresolved is None else unresolved]),
             continuum=np.array([found.positive_dimensional]),

@@ -7,7 +7,7 @@ means; those that need another look one by one, as `symkin.modes` does.
 from __future__ import annotations
 
 import hashlib
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import prod
 from typing import NamedTuple
 
@@ -123,7 +123,7 @@ class ModeFinder:
             (found,) = known_without_search(self.problem, [given], self.search)
             return ModeTable.of(found or modes_of_inputs(self.problem, [given], self.search)[0])
         except TooManyModesError:
-            return ModeTable.of(replace(self._empty, count=-1), "too many to list")
+            return ModeTable.of(self._empty, "too many to list", -1)
 
     @cached_property
     def _empty(self) -> Modes:
