@@ -181,7 +181,7 @@ suffice, so that they are not listed, and no more are results of `transmission`,
 
 def __getattr__(name: str) -> object:
     if name in _LATER:
-        return getattr(import_module(_LATER[name]), name)
+        return globals().setdefault(name, getattr(import_module(_LATER[name]), name))
     raise AttributeError(f"module 'symkin' has no attribute {name!r}")
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from symkin.assembly.group_roots import STATEMENTS, GroupRoots, engines_together
 from symkin.assembly.modes_result import Completeness, Group
 from symkin.position.problem import Problem
-from symkin.position.roots import Sample, product_of_counts, sum_of_counts
+from symkin.position.roots import Sample, product_of_counts
 
 FEW = -1
 """In place of the group at which choices are too many: there is none."""
@@ -40,36 +40,30 @@ class Account:
 
     @staticmethod
     def empty(n: int, groups: int) -> Account:
-        statement, count = (np.zeros((n, groups), dtype=int) for _ in range(2))
-        complex_count, unresolved = (np.zeros((n, groups)) for _ in range(2))
-        seen, continuum = (np.zeros((n, groups), dtype=bool) for _ in range(2))
-        return Account(
-            seen,
-            statement,
-            complex_count,
-            count,
-            unresolved,
-            continuum,
-            np.full(n, np.inf),
-            np.full(n, FEW),
-        )
+        whole, numbers, flags = (np.zeros((2, n, groups), dtype=t) for t in (int, float, bool))
+        least, many = np.full(n, np.inf), np.full(n, FEW)
+        return Account(flags[0], whole[0], numbers[0], whole[1], numbers[1], flags[1], least, many)
 
     def add(self, number: int, roots: GroupRoots, owner: np.ndarray, which: np.ndarray) -> None:
         """What a group's roots say of inputs: each pair of `owner` (k,) and `which` (k,) is an
         input and a row that it asks for.
         """
         self.seen[owner, number] = True
-        counts = roots.counts
         with np.errstate(invalid="ignore"):  # a count that is not known stays so
-            for array, values in (
-                (self.statement, roots.statement),
-                (self.complex_count, roots.complex_count),
-                (self.count, counts),
-            ):
+            np.maximum.at(self.complex_count[:, number], owner, roots.complex_count[which])
+        np.maximum.at(self.count[:, number], owner, roots.counts[which])
+        for array, values in (
+            (self.statement, roots.statement),
+            (self.continuum, roots.continuum),
+        ):
+            if values.any():
                 np.maximum.at(array[:, number], owner, values[which])
-        self._add_unresolved(number, roots, owner, which)
-        np.logical_or.at(self.continuum[:, number], owner, roots.continuum[which])
-        self.notes.setdefault(None, []).append((number, roots.orbits))
+        if roots.unresolved.any():
+            # of all different rows that an input asks for
+            pairs = np.unique(np.stack([owner, which]), axis=1)
+            np.add.at(self.unresolved[:, number], pairs[0], roots.unresolved[pairs[1]])
+        if roots.orbits:
+            self.notes.setdefault(None, []).append((number, roots.orbits))
         if roots.notes:
             asked = np.isin(which, list(roots.notes))
             pairs = np.unique(np.stack([owner[asked], which[asked]], axis=1), axis=0)
@@ -82,17 +76,6 @@ class Account:
             for i in np.unique(owner[which == row]).tolist():
                 self.samples.setdefault(i, []).append(sample)
 
-    def _add_unresolved(
-        self, number: int, roots: GroupRoots, owner: np.ndarray, which: np.ndarray
-    ) -> None:
-        """Unresolved paths of all different rows that an input asks for."""
-        pairs = (
-            np.unique(np.stack([owner, which]), axis=1)
-            if roots.unresolved.any()
-            else np.zeros((2, 0), dtype=int)
-        )
-        np.add.at(self.unresolved[:, number], pairs[0], roots.unresolved[pairs[1]])
-
     @property
     def engine(self) -> str | None:
         return engines_together(self.engines)
@@ -102,26 +85,22 @@ class Account:
         """Inputs (n,) that have reached all groups."""
         return np.asarray(self.seen.all(axis=1))
 
-    def complex_count_of(self, number: int) -> int | None:
-        """Complex solutions of an input; None where they are not known."""
-        return (
-            product_of_counts(self.complex_count[number].tolist())
-            if self.seen[number].all()
-            else None
-        )
-
-    def unresolved_of(self, number: int) -> int | None:
-        """Unresolved paths of an input; None where some group was searched without paths."""
-        return sum_of_counts(self.unresolved[number].tolist())
+    @property
+    def complex_counts(self) -> list[int | None]:
+        """Complex solutions of each input; None where they are not known."""
+        rows = zip(self.complex_count.tolist(), self.whole.tolist(), strict=True)
+        return [product_of_counts(row) if whole else None for row, whole in rows]
 
     def theorems_of(self, number: int) -> list[str]:
         """What proves an input's groups complete, in their order."""
+        if not self.theorems:
+            return []
         proved = (self.seen[number] & (self.statement[number] == 0)).nonzero()[0].tolist()
         return [self.theorems[k] for k in proved if k in self.theorems]
 
     def notes_of(self, number: int) -> list[str]:
         """What is said of an input's groups, in their order."""
-        told = [*self.notes.get(None, []), *self.notes.get(number, [])]
+        told = [*self.notes.get(None, ()), *self.notes.get(number, ())] if self.notes else []
         chosen = sorted(
             ((group, texts) for group, texts in told if self.seen[number, group]),
             key=lambda note: note[0],

@@ -79,8 +79,8 @@ class Told:
         return checked_solutions(self.problem, told)
 
     def of(self, inputs: Sequence[int] | np.ndarray) -> Told:
-        """Some of the inputs."""
-        return replace(self, known=self.known[inputs])
+        """Some of the inputs, in their order."""
+        return self if len(inputs) == len(self.known) else replace(self, known=self.known[inputs])
 
 
 def as_written(told: Told, given: Given, found: Modes) -> Modes | None:
@@ -89,15 +89,15 @@ def as_written(told: Told, given: Given, found: Modes) -> Modes | None:
     """
     if not is_complete(found):
         return None
-    names = {reading.of: reading.name for reading in told.low.readings}
-    told_notes = [_told(note, names) for note in found.notes]
     listed = found.modes
     if listed.notes != given.notes:
         listed = replace(listed, notes=given.notes, _made={})
+    elif not told.low.readings:
+        return found
+    names = {reading.of: reading.name for reading in told.low.readings}
+    told_notes = [_told(note, names) for note in found.notes]
     return replace(
         found,
-        problem=told.problem,
-        given=given.echo,
         modes=listed,
         groups=tuple(_renamed(group, names) for group in found.groups),
         notes=tuple(dict.fromkeys((*given.notes, *told_notes, *_ball_notes(told.low)))),

@@ -67,23 +67,32 @@ class BlockPaths:
         """What the roots begin from."""
         return self.start.z.tobytes() + self.start.k.tobytes()
 
-    def roots(self, known: np.ndarray) -> tuple[GroupRoots, np.ndarray]:
-        """Roots at instances known (n, values), and those that are left in doubt."""
+    def roots(self, known: np.ndarray, *, judges: bool = False) -> tuple[GroupRoots, np.ndarray]:
+        """Roots at instances known (n, values), with what is `judged` of them if it `judges`, and
+        those that are left in doubt.
+        """
         k = known_values(self.problem, known.T)
         k = k if self.shared is None else self.shared.known(k)
         ends, plain = plain_instances(self.algebraic, self.start, k)
-        plain[plain] = self._clear(ends[plain])
-        chosen = plain.nonzero()[0]
-        instance = np.repeat(chosen, ends.shape[2])
-        z = ends[chosen].transpose(1, 0, 2).reshape(self.algebraic.width, -1)
+        n, width, roots = ends.shape
+        z = ends.transpose(1, 0, 2).reshape(width, -1)
+        part = imaginary_part(self.algebraic, z)
+        # every root is real or not, beyond doubt
+        plain &= ((part < _REAL) | (part > _NOT_REAL)).reshape(n, roots).all(axis=1)
+        instance = np.arange(n).repeat(roots)
+        if not plain.all():
+            kept = plain[instance]
+            z, part, instance = z[:, kept], part[kept], instance[kept]
         whole = np.ones(len(instance), dtype=bool)
         if self.combined:
             whole = meets_all_rows(self.problem, self.algebraic, z, k[:, instance])
-        counts = np.bincount(instance[whole], minlength=k.shape[1])
-        origin = (whole & (imaginary_part(self.algebraic, z) < _REAL)).nonzero()[0]
+        counts = np.bincount(instance[whole], minlength=n)
+        origin = (whole & (part < _REAL)).nonzero()[0]
         owner = instance[origin]
         points = self.points(z[:, origin], owner, k)
-        points, kept = checked_roots(self.problem.system, points, owner, known, plain)
+        points, kept, judged = checked_roots(
+            self.problem.system, points, owner, known, plain, judges=judges
+        )
         return GroupRoots.of_all(
             points,
             owner[kept],
@@ -93,14 +102,8 @@ class BlockPaths:
             ends=z,
             ends_of=instance,
             origin=origin[kept],
+            judged=judged,
         ), (~plain).nonzero()[0]
-
-    def _clear(self, ends: np.ndarray) -> np.ndarray:
-        """Instances (n,) whose ends (n, width, roots) are real or not, beyond doubt."""
-        n, width, roots = ends.shape
-        part = imaginary_part(self.algebraic, ends.transpose(1, 0, 2).reshape(width, n * roots))
-        clear = (part < _REAL) | (part > _NOT_REAL)
-        return np.asarray(clear.reshape(n, roots).all(axis=1))
 
     def points(self, z: np.ndarray, owner: np.ndarray, k: np.ndarray) -> np.ndarray:
         """Points of the group for real roots z (width, any) at the instances `owner`."""

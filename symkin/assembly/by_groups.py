@@ -10,7 +10,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from math import prod
+from math import isfinite, prod
+from typing import Any
 
 import numpy as np
 
@@ -21,15 +22,16 @@ from symkin.assembly.group_solvers import solved_groups
 from symkin.assembly.least_modes import with_least_modes
 from symkin.assembly.mode_order import order_of_modes
 from symkin.assembly.mode_proofs import PartProofs, can_be_proved, ground_notes, theorem_notes
-from symkin.assembly.modes_result import Modes, sampling
+from symkin.assembly.modes_result import Group, Modes, sampling
 from symkin.assembly.search import Search
 from symkin.assembly.tree import Solving, Step, Tree, grown_together
+from symkin.computed_once import cached_property
 from symkin.errors import InputError, TooManyModesError
 from symkin.position.given import Given
 from symkin.position.groups import independent_parts
 from symkin.position.platform_motion import motion_notes
 from symkin.position.problem import Problem
-from symkin.position.roots import MOST_MODES
+from symkin.position.roots import MOST_MODES, sum_of_counts
 from symkin.position.solution_list import SolutionList, checked_solutions
 from symkin.text import shown
 
@@ -51,62 +53,78 @@ class GroupedModes:
     statement: np.ndarray
     account: Account
 
+    @cached_property
+    def ends(self) -> list[int]:
+        """Where the modes of each input end, behind a zero."""
+        return [0, *np.cumsum(np.bincount(self.owner, minlength=len(self.total))).tolist()]
+
     @property
     def asked(self) -> Problem:
         """The problem in whose coordinates the modes are told."""
         return self.problem if self.told is None else self.told.problem
 
-    def modes_of(self, number: int, given: Given) -> Modes:
-        """The modes of one input. Raises TooManyModesError where its groups' choices are more than
-        can be held.
+    def modes(self, givens: Sequence[Given]) -> list[Modes]:
+        """The modes of each input. Raises TooManyModesError where the choices of its groups are
+        more than can be held.
         """
-        account, groups = self.account, solved_groups(self.problem, self.search)
+        account = self.account
+        for number in account.too_many[account.too_many != FEW].tolist():
+            groups = solved_groups(self.problem, self.search)
+            raise TooManyModesError(_too_many(self.problem, groups, number))
+        columns = {
+            "completeness": [STATEMENTS[said] for said in self.statement.tolist()],
+            "complex_count": account.complex_counts,
+            "unresolved_paths": [sum_of_counts(row) for row in account.unresolved.tolist()],
+            "smallest_residual": account.smallest.tolist(),
+            "positive_dimensional": account.continuum.any(axis=1).tolist(),
+            "count": list(map(int, self.total.tolist())),
+        }
+        rows = zip(*columns.values(), strict=True)
         engine = account.engine
-        if account.too_many[number] != FEW:
-            raise TooManyModesError(_too_many(self.problem, groups, int(account.too_many[number])))
-        found = self.listed
+        return [
+            self._modes_of(i, given, engine, dict(zip(columns, row, strict=True)))
+            for i, (given, row) in enumerate(zip(givens, rows, strict=True))
+        ]
+
+    def _modes_of(
+        self, number: int, given: Given, engine: str | None, told: dict[str, Any]
+    ) -> Modes:
+        account, found = self.account, self.listed
         if len(self.total) > 1:
-            found = found.chosen(np.flatnonzero(self.owner == number))
-        found = found if found.notes == given.notes else replace(found, notes=given.notes, _made={})
-        reached = account.seen[number].nonzero()[0].tolist()
+            found = found.chosen(slice(*self.ends[number : number + 2]), notes=given.notes)
+        elif found.notes != given.notes:
+            found = replace(found, notes=given.notes, _made={})
+        if len(found) or told["positive_dimensional"] or not isfinite(told["smallest_residual"]):
+            told["smallest_residual"] = None
         grounds = (
             []
             if found.ground is None
-            else [ground for ground in found.ground if ground is not None]
+            else [ground for ground in found.ground.tolist() if ground is not None]
         )
-        smallest = float(account.smallest[number])
-        continuum = bool(account.continuum[number].any())
         return Modes(
             problem=self.asked,
             given=given.echo,
             modes=found,
-            completeness=STATEMENTS[self.statement[number]],
             method="closed" if engine == "closed form" else self.search.name,
             seed=self.search.seed,
             elapsed_s=0.0,
             **sampling(account.samples.get(number, [])),
-            complex_count=account.complex_count_of(number),
-            unresolved_paths=account.unresolved_of(number),
-            smallest_residual=None
-            if len(found) or continuum or not np.isfinite(smallest)
-            else smallest,
-            positive_dimensional=continuum,
-            notes=tuple(
-                dict.fromkeys(
-                    (
-                        *given.notes,
-                        *account.notes_of(number),
-                        *theorem_notes(account.theorems_of(number)),
-                        *ground_notes(self.problem, grounds, len(found)),
-                    )
-                )
+            **told,
+            notes=(
+                *given.notes,
+                *account.notes_of(number),
+                *theorem_notes(account.theorems_of(number)),
+                *ground_notes(self.problem, grounds, len(found)),
             ),
             engine=engine,
-            groups=tuple(account.group_of(number, k, groups[k]) for k in reached)
-            if self.problem.by_name
-            else (),
-            count=int(self.total[number]),
+            groups=self._groups_of(number) if self.problem.by_name else (),
         )
+
+    def _groups_of(self, number: int) -> tuple[Group, ...]:
+        """What is known of the groups that an input has reached."""
+        account, groups = self.account, solved_groups(self.problem, self.search)
+        reached = account.seen[number].nonzero()[0].tolist()
+        return tuple(account.group_of(number, k, groups[k]) for k in reached)
 
 
 def modes_by_groups(
@@ -125,13 +143,15 @@ def modes_by_groups(
     of a description, and held against its rows.
     """
     n, groups = len(known), solved_groups(problem, search)
-    begin = np.zeros((n, int(problem.closure.variables.shape[0])))
+    begin = np.zeros((n, problem.closure.reference.size))
     # of a structure nothing moves, its geometry is what is given
     begin[:, problem.known_places] = known if known.shape[1] else problem.reference_known
     _check_choices(problem, groups, choose)
     account, parts = Account.empty(n, len(groups)), independent_parts(groups)
     certify = certify and can_be_proved(groups)
-    solving = Solving(search, least_errors, certify)
+    # rows of the one group that a problem is need no second look
+    judges = told is None and groups == (problem,)
+    solving = Solving(search, least_errors, certify, judges=judges)
     trees = [Tree.begun(begin) for _ in parts]
     for depth in range(max(map(len, parts), default=0)):
         deep = [k for k, numbers in enumerate(parts) if depth < len(numbers)]
@@ -148,12 +168,8 @@ def modes_by_groups(
         grown = grown_together(steps, groups, account, solving)
         for k, tree in zip(deep, grown, strict=True):
             trees[k] = tree
-    done = []
-    for tree, numbers in zip(trees, parts, strict=True):
-        columns = np.concatenate([groups[number].unknown_places for number in numbers])
-        own = tree.values[:, columns]
-        done.append(Tree(own, tree.away, tree.owner, tree.hits, tree.proofs, columns))
-    return _checked(problem, search, account, _combined(begin, done), told, certify=certify)
+    whole = _combined(begin, trees, [[groups[k] for k in numbers] for numbers in parts])
+    return _checked(problem, search, account, whole, told, certify=certify)
 
 
 def modes_of_inputs(
@@ -172,8 +188,7 @@ def modes_of_inputs(
     grouped = modes_by_groups(
         problem, known, search, choose, least_errors=least_errors, certify=True, told=told
     )
-    each = [grouped.modes_of(number, given) for number, given in enumerate(givens)]
-    found = with_least_modes(problem, givens, search, each)
+    found = with_least_modes(problem, givens, search, grouped.modes(givens))
     if all(modes.completeness != "sampled" for modes in found):
         return found
     notes = motion_notes(problem)
@@ -206,18 +221,16 @@ def _too_many(problem: Problem, groups: Sequence[Problem], number: int) -> str:
     )
 
 
-def _combined(begin: np.ndarray, parts: list[Tree]) -> tuple[Tree, np.ndarray]:
-    """Every combination of the parts' solutions of each input, the last part fastest, or, where
-    these are too many, the first of each with every one of one part; and how many each input has,
-    listed or not.
+def _combined(
+    begin: np.ndarray, parts: list[Tree], groups: Sequence[Sequence[Problem]]
+) -> tuple[Tree, np.ndarray]:
+    """Every combination of the solutions of parts, which `groups` make, of each input, the last
+    part fastest, or, where these are too many, the first of each with every one of one part; and
+    how many each input has, listed or not.
     """
     n = len(begin)
     if len(parts) == 1:
-        (part,) = parts
-        values = begin[part.owner]
-        values[:, part.columns] = part.values
-        whole = Tree(values, part.away, part.owner, part.hits, part.proofs)
-        return whole, np.bincount(part.owner, minlength=n)
+        return parts[0], np.bincount(parts[0].owner, minlength=n)
     sizes = np.array([np.bincount(part.owner, minlength=n) for part in parts], dtype=int).reshape(
         len(parts), n
     )
@@ -237,9 +250,10 @@ def _combined(begin: np.ndarray, parts: list[Tree]) -> tuple[Tree, np.ndarray]:
         places = np.concatenate([places[:, :before], some, places[:, before:]], axis=1)
     values, hits = begin[owner], np.full(len(owner), np.inf)
     proofs = PartProofs.of_nothing(len(owner))
-    for part, size, place in zip(parts, sizes, places, strict=True):
+    for part, own, size, place in zip(parts, groups, sizes, places, strict=True):
         row = (np.cumsum(size) - size)[owner] + place
-        values[:, part.columns] = part.values[row]
+        columns = np.concatenate([group.unknown_places for group in own])
+        values[:, columns] = part.values[row[:, None], columns]
         hits = np.minimum(hits, part.hits[row])
         proofs = proofs.beside(part.proofs.of(row))
     total = np.array([prod(column) for column in sizes.T.tolist()], dtype=object)
@@ -272,11 +286,10 @@ def _checked(
 ) -> GroupedModes:
     n, asked = len(account.seen), problem if told is None else told.problem
     tree, every = combined
-    found = (
-        checked_solutions(problem, tree.values)
-        if told is None
-        else told.listed(problem.closure, tree.values, tree.owner)
-    )
+    if told is None:
+        found = checked_solutions(problem, tree.values, judged=tree.judged)
+    else:
+        found = told.listed(problem.closure, tree.values, tree.owner)
     order = order_of_modes(asked, found, tree.owner)
     # what is listed closes: on all rows together, not only on those of its groups
     closed = found.closed[order]

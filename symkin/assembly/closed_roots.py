@@ -79,18 +79,14 @@ class ClosedBlock:
         """What the roots begin from."""
         return "\n".join(self.formulas.steps).encode()
 
-    @property
-    def _is_square(self) -> bool:
-        """Whether no row is more than the unknowns need."""
-        return int(self.problem.system.rows.shape[0]) <= self.problem.system.freedom
-
     @cached_property
     def is_determined(self) -> bool:
         """Whether each real branch is a solution. Arms of fewer than six joints have branches that
         some of their poses' conditions refuse, and that are none then; formulas that elimination
         has found have none of these (`accounts_for_all`).
         """
-        if self._is_square or isinstance(self.formulas, ClosedForm):
+        rows = int(self.problem.system.rows.shape[0])
+        if rows <= self.problem.system.freedom or isinstance(self.formulas, ClosedForm):
             return True
         found = self.formulas.solutions(self.regular[None])
         errors = self.problem.system.residuals(found.values[0][found.real[0]], self.regular)
@@ -112,8 +108,8 @@ class ClosedBlock:
         away = np.random.default_rng(5).uniform(-_SPREAD, _SPREAD, (_INSTANCES, len(scale)))
         return np.asarray(self.regular + scale * away)
 
-    def roots(self, known: np.ndarray) -> tuple[GroupRoots, np.ndarray]:
-        """Roots at instances known (n, values), and those that are left in doubt."""
+    def roots(self, known: np.ndarray, *, judges: bool = False) -> tuple[GroupRoots, np.ndarray]:
+        """As `BlockPaths.roots`."""
         points, real, plain = self.formulas.solutions(known)
         owner, branch = np.nonzero(real & plain[:, None])
         chosen, plain = points[owner, branch], plain.copy()
@@ -127,13 +123,14 @@ class ClosedBlock:
             judged = tuple(part[kept] for part in judged)
         # of an arm whose branches must meet further conditions only real ones are held against them
         count: float = self.formulas.count if self.is_determined else NOT_KNOWN
-        chosen, closed = checked_roots(self.problem.system, chosen, owner, known, plain, judged)
+        chosen, closed, found = checked_roots(
+            self.problem.system, chosen, owner, known, plain, judged, judges=judges
+        )
         # a branch that solves all steps and fails the check leaves a doubt
         n, left = len(known), owner[closed]
         plain[np.bincount(owner, minlength=n) != np.bincount(left, minlength=n)] = False
-        return GroupRoots.of_all(chosen, left, np.full(n, count), engine=self.engine), (
-            ~plain
-        ).nonzero()[0]
+        roots = GroupRoots.of_all(chosen, left, np.full(n, count), engine=self.engine, judged=found)
+        return roots, (~plain).nonzero()[0]
 
 
 def _all_close(formulas: ClosedForm, known: np.ndarray) -> bool:

@@ -14,8 +14,9 @@ import numpy as np
 
 from symkin.assembly.modes_result import Completeness
 from symkin.computed_once import lru_cache
+from symkin.numeric.linear_algebra import extreme_singular_values
 from symkin.numeric.newton import polish
-from symkin.numeric.root_checks import POLISHING, are_roots, suspects
+from symkin.numeric.root_checks import POLISHING, are_roots, are_suspect, suspects
 from symkin.numeric.system import System
 from symkin.numeric.tolerances import DISTINCT_ROOTS
 from symkin.position.readings import canonical
@@ -27,6 +28,8 @@ NO_ENDS = np.zeros((0, 0), dtype=complex)
 """Complex roots of what was found without paths."""
 _PER_ROW = ("statement", "complex_count", "unresolved", "smallest", "continuum")
 """The arrays that tell of rows."""
+_PER_ROOT = ("points", "owner", "hits", "origin", "judged")
+"""Those that tell of solutions."""
 _DIGITS = 6
 """Decimals to which values are rounded for the order of a group's solutions, so that rounding
 errors do not decide it.
@@ -43,7 +46,8 @@ class GroupRoots:
     of those searched from random starts; `engine`, `orbits` (notes) and `theorem` (what
     proves that there are no others) of all; from paths all complex roots `ends` (width, e) of the
     rows `ends_of` (e,), rising, and where they are told the `origin` (m,) of the solutions among
-    these.
+    these; where they are kept the largest and smallest singular value of the group's rows at each
+    solution and its closure error, `judged` (m, 3).
     """
 
     points: np.ndarray
@@ -62,19 +66,21 @@ class GroupRoots:
     ends_of: np.ndarray = field(default_factory=partial(np.zeros, 0, dtype=int))
     samples: Mapping[int, Sample] = field(default_factory=dict)
     origin: np.ndarray | None = None
+    judged: np.ndarray | None = None
 
     @staticmethod
     def of_all(points: np.ndarray, owner: np.ndarray, count: np.ndarray, **told: Any) -> GroupRoots:
         """All solutions of each row, of as many complex ones as `count` (n,) says."""
-        n = len(count)
+        none = np.zeros(len(count))
         standard = {
-            "statement": np.full(n, STATEMENTS.index("probability one")),
-            "unresolved": np.zeros(n),
-            "smallest": np.full(n, np.inf),
-            "continuum": np.zeros(n, dtype=bool),
+            "statement": none.astype(int) + STATEMENTS.index("probability one"),
+            "unresolved": none,
+            "smallest": none + np.inf,
+            "continuum": none > 0.0,
+            "complex_count": count.astype(float),
+            "hits": np.full(len(owner), np.inf),
         }
-        hits = np.full(len(owner), np.inf)
-        return GroupRoots(points, owner, hits, complex_count=count.astype(float), **standard | told)
+        return GroupRoots(points, owner, **standard | told)
 
     @property
     def counts(self) -> np.ndarray:
@@ -84,12 +90,12 @@ class GroupRoots:
     @staticmethod
     def sampled(sample: Sample, notes: tuple[str, ...]) -> GroupRoots:
         """Of one row what random starts have reached."""
-        return GroupRoots(
+        return GroupRoots.of_all(
             sample.points,
             np.zeros(len(sample.points), dtype=int),
-            sample.hits.astype(float),
+            np.array([NOT_KNOWN]),
+            hits=sample.hits.astype(float),
             statement=np.array([STATEMENTS.index("sampled")]),
-            complex_count=np.array([NOT_KNOWN]),
             unresolved=np.array([NOT_KNOWN]),
             smallest=np.array([sample.smallest_residual]),
             continuum=np.array([sample.continuum]),
@@ -109,6 +115,7 @@ class GroupRoots:
         before = np.cumsum([0, *(len(part.statement) for part in parts)]).tolist()
         begun = list(zip(before, parts, strict=False))
         ends = [part.ends for part in parts if part.ends.size]
+        judged = [part.judged for part in parts if part.judged is not None]
         arrays: dict[str, Any] = {
             name: np.concatenate([getattr(part, name) for part in parts]) for name in _PER_ROW
         }
@@ -120,6 +127,7 @@ class GroupRoots:
             notes={row + begin: told for begin, part in begun for row, told in part.notes.items()},
             engine=engines_together(part.engine for part in parts),
             orbits=parts[0].orbits,
+            theorem=next((part.theorem for part in parts if part.theorem), None),
             samples={
                 row + begin: one for begin, part in begun for row, one in part.samples.items()
             },
@@ -129,6 +137,7 @@ class GroupRoots:
             )
             if ends
             else parts[0].ends_of[:0],
+            judged=np.concatenate(judged) if len(judged) == len(parts) else None,
         )
 
     def proved(self, complete: np.ndarray, theorem: str | None) -> GroupRoots:
@@ -148,14 +157,17 @@ class GroupRoots:
         """The same with the solutions of each row in an order that rounding errors do not
         decide.
         """
-        order = np.lexsort((*np.round(self.points.T[::-1], _DIGITS), self.owner))
-        return replace(
-            self,
-            points=self.points[order],
-            owner=self.owner[order],
-            hits=self.hits[order],
-            origin=None if self.origin is None else self.origin[order],
-        )
+        return self._with(np.lexsort((*self.points.T[::-1].round(_DIGITS), self.owner)))
+
+    def _with(self, places: np.ndarray, **told: Any) -> GroupRoots:
+        """Some of the solutions, with what else is `told`."""
+        some = object.__new__(GroupRoots)
+        vars(some).update(vars(self))
+        for name in _PER_ROOT:
+            array = getattr(self, name)
+            vars(some)[name] = None if array is None else array[places]
+        vars(some).update(told)
+        return some
 
     def at(self, rows: np.ndarray) -> GroupRoots:
         """Some of the rows, in their order."""
@@ -163,11 +175,9 @@ class GroupRoots:
         rank[rows] = np.arange(len(rows))
         own, ends = (_places_of(owner, rank) for owner in (self.owner, self.ends_of))
         kept = dict(zip(rows.tolist(), range(len(rows)), strict=True))
-        return replace(
-            self,
-            points=self.points[own],
+        return self._with(
+            own,
             owner=rank[self.owner[own]],
-            hits=self.hits[own],
             **{name: getattr(self, name)[rows] for name in _PER_ROW},
             notes={kept[row]: told for row, told in self.notes.items() if row in kept},
             samples={kept[row]: one for row, one in self.samples.items() if row in kept},
@@ -202,11 +212,13 @@ def checked_roots(
     known: np.ndarray,
     plain: np.ndarray,
     judged: tuple[np.ndarray, ...] | None = None,
-) -> tuple[np.ndarray, np.ndarray]:
+    *,
+    judges: bool = False,
+) -> tuple[np.ndarray, np.ndarray, np.ndarray | None]:
     """Points (m, width) near real roots of the instances `owner` (m,), rising, polished on the
-    block's own rows: those that close on all rows, written in the standard way, and their places
-    among the given ones, which may have been `judged`. Instances (n,) with roots that are badly
-    conditioned or equal are no longer `plain`.
+    block's own rows: those that close on all rows, written in the standard way, their places among
+    the given ones, which may have been `judged`, and, if it `judges`, what `GroupRoots` holds as
+    that. Instances (n,) with roots that are badly conditioned or equal are no longer `plain`.
     """
     here = known[owner]
     rows, jacobians, residuals = block.judge(points, here) if judged is None else judged
@@ -217,9 +229,14 @@ def checked_roots(
     points = canonical(block.unknowns, block.places, polished.points)
     closed = are_roots(block, polished, residuals).nonzero()[0]
     points, owner = points[closed], owner[closed]
-    plain[owner[suspects(polished.jacobians[closed])]] = False
     plain[_owners_of_equal(block, points, owner)] = False
-    return points, closed
+    jacobians = polished.jacobians[closed]
+    if not judges:
+        plain[owner[suspects(jacobians)]] = False
+        return points, closed, None
+    extremes = extreme_singular_values(jacobians)
+    plain[owner[are_suspect(extremes)]] = False
+    return points, closed, np.column_stack([extremes, residuals[closed]])
 
 
 def _owners_of_equal(block: System, points: np.ndarray, owner: np.ndarray) -> list[int]:
@@ -254,5 +271,5 @@ def _weights(count: int) -> np.ndarray:
 
 def _has_equal(block: System, f: np.ndarray) -> bool:
     """Whether two of some roots' features (m, any) are one."""
-    apart = np.max(np.abs(f[:, None] - f[None]), axis=2)
-    return bool(np.sum(apart <= DISTINCT_ROOTS * block.characteristic_length) > len(f))
+    apart = np.abs(f[:, None] - f[None]).max(axis=2)
+    return bool(np.count_nonzero(apart <= DISTINCT_ROOTS * block.characteristic_length) > len(f))

@@ -7,6 +7,7 @@ from __future__ import annotations
 import numpy as np
 
 from symkin.computed_once import lru_cache
+from symkin.numeric.linear_algebra import squared_norms
 from symkin.position.given import pose_from
 from symkin.position.problem import Problem
 from symkin.position.solution_list import SolutionList
@@ -28,8 +29,8 @@ def order_of_modes(problem: Problem, listed: SolutionList, owner: np.ndarray) ->
         else _distances(problem, listed.position, listed.quaternion)
     )
     order = np.lexsort((away, owner))
-    tied = (np.diff(away[order]) == 0.0) & (np.diff(owner[order]) == 0)
-    if not tied.any():
+    far, of = away[order], owner[order]
+    if not ((far[1:] == far[:-1]) & (of[1:] == of[:-1])).any():
         return order
     return np.lexsort((*np.round(listed.values.T[::-1], _DIGITS), away, owner))
 
@@ -39,7 +40,7 @@ def _distances(problem: Problem, position: np.ndarray, quaternion: np.ndarray) -
     first = _first_pose(problem)
     turn = 8.0 * (1.0 - (quaternion @ np.asarray(first.quaternion)) ** 2)
     step = (position - np.asarray(first.position)) / problem.closure.characteristic_length
-    return np.asarray(np.round(turn + np.einsum("ni,ni->n", step, step), _DIGITS))
+    return np.asarray((turn + squared_norms(step)).round(_DIGITS))
 
 
 def _joint_distances(problem: Problem, values: np.ndarray) -> np.ndarray:

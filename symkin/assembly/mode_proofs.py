@@ -41,9 +41,9 @@ class PartProofs:
 
     def beside(self, other: PartProofs) -> PartProofs:
         """Of the configurations with another part beside each."""
-        sums = self.ground[:, :2] + other.ground[:, :2]
-        largest = np.maximum(self.ground[:, 2:], other.ground[:, 2:])
-        return PartProofs(self.certified & other.certified, np.hstack([sums, largest]))
+        ground = np.maximum(self.ground, other.ground)
+        ground[:, :2] = self.ground[:, :2] + other.ground[:, :2]
+        return PartProofs(self.certified & other.certified, ground)
 
     def told(self) -> dict[str, np.ndarray]:
         """What is proved of them as a `SolutionList` has it."""
@@ -71,37 +71,44 @@ def proofs_of_group(
     (n, known) of exact ones (length unit); and the solutions, proved to be all where a theorem
     allows it, with notes where some have no certificate.
     """
-    ground = np.tile([0.0, 0.0, np.inf, 0.0], (len(roots.owner), 1))
-    certified, complete = np.zeros(len(roots.owner), dtype=bool), np.zeros(len(known), dtype=bool)
     near = np.isfinite(away).all(axis=1)
-    if not near.any():
-        return PartProofs(certified, ground), roots
+    if not near.all():
+        return _proofs_of_near(group, roots, (known, away), near)
     prover = prover_of(group, system_of(group))
-    knowns, number = prover.knowns(known[near], away[near]), np.cumsum(near) - 1
-    chosen = near[roots.owner].nonzero()[0]
-    owner = number[roots.owner[chosen]]
+    knowns, owner = prover.knowns(known, away), roots.owner
     paths, ends = group_paths(group) if len(roots.ends_of) else None, None
     of_paths = prover if paths is None else paths.prover
     if of_paths.bound is not None and paths is not None:
-        here = near[roots.ends_of].nonzero()[0]
-        ends = of_paths.ends(roots.ends[:, here], knowns, number[roots.ends_of[here]])
+        ends = of_paths.ends(roots.ends, knowns, roots.ends_of)
     own = ends if paths is not None and paths.shared is None else None
-    origin = roots.origin if near.all() else None
-    proofs = prover.proofs(roots.points[chosen], owner, knowns, own, origin)
-    certified[chosen], complete[near] = proofs.certified, proofs.complete
-    ground[chosen] = prover.grounds(roots.points[chosen], owner, knowns, proofs)
+    proofs = prover.proofs(roots.points, owner, knowns, own, roots.origin)
+    complete, ground = proofs.complete, prover.grounds(roots.points, owner, knowns, proofs)
     roots = roots.with_notes(
         {
-            int(roots.owner[chosen[place]]): f"not certified: {reason}"
+            int(owner[place]): f"not certified: {reason}"
             for place, reason in proofs.reasons.items()
-            if np.isinf(ground[chosen[place], 2])
+            if np.isinf(ground[place, 2])
         }
     )
-    if ends is not None and (own is None or not proofs.complete.all()):
+    if ends is not None and not complete.all():
         listed = np.bincount(owner, minlength=knowns.count)
         whole = np.bincount(owner[proofs.certified], minlength=knowns.count) == listed
-        complete[near] |= whole & of_paths.completes(ends, listed)
-    return PartProofs(certified, ground), roots.proved(complete, of_paths.theorem)
+        complete = complete | (whole & of_paths.completes(ends, listed))
+    return PartProofs(proofs.certified, ground), roots.proved(complete, of_paths.theorem)
+
+
+def _proofs_of_near(
+    group: Problem, roots: GroupRoots, knowns: tuple[np.ndarray, np.ndarray], near: np.ndarray
+) -> tuple[PartProofs, GroupRoots]:
+    """The same where nothing is known of how far `away` values are but of some, `near` (n,)."""
+    rows, mine = near.nonzero()[0], near[roots.owner]
+    certified, ground = np.zeros(len(mine), dtype=bool), np.zeros((len(mine), 4))
+    ground[:, 2] = np.inf
+    if rows.size:
+        some, proved = proofs_of_group(group, roots.at(rows), *(part[rows] for part in knowns))
+        certified[mine], ground[mine] = some.certified, some.ground
+        roots = roots.with_rows(rows, proved)
+    return PartProofs(certified, ground), roots
 
 
 def theorem_notes(theorems: Iterable[str | None]) -> tuple[str, ...]:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from symkin.assembly.group_roots import STATEMENTS
 from symkin.assembly.modes_result import Modes
 from symkin.closure.link_poses import link_poses
 from symkin.computed_once import cached_property
@@ -17,10 +18,7 @@ from symkin.position.solution_list import SolutionList
 
 COMPLETENESS = (
     "not computed",
-    "proved",
-    "probability one",
-    "incomplete",
-    "sampled",
+    *STATEMENTS,
     "off the motion",
     "too many to list",
 )
@@ -81,47 +79,18 @@ class ModeTable:
         return ModeTable(tables[0].problem, listed, **told)
 
     @staticmethod
-    def of(found: Modes) -> ModeTable:
-        """One point, from its modes."""
-        return _one_point(
+    def of(found: Modes, why: str = "", count: int | None = None) -> ModeTable:
+        """One point, from its modes, or `why` in `COMPLETENESS` none are listed of its `count`."""
+        unresolved, complex_count = found.unresolved_paths, found.complex_count
+        return ModeTable(
             found.problem,
             found.modes,
-            count=len(found),
-            completeness=COMPLETENESS.index(found.completeness),
-            unresolved=found.unresolved_paths,
-            continuum=found.positive_dimensional,
-            complex_count=found.complex_count,
+            count=np.array([len(found) if count is None else count]),
+            completeness=np.array([COMPLETENESS.index(why or found.completeness)]),
+            unresolved=np.array([-1 if unresolved is None else unresolved]),
+            continuum=np.array([found.positive_dimensional]),
+            complex_count=np.array([-1 if complex_count is None else complex_count]),
         )
-
-    @staticmethod
-    def of_none(problem: Problem, why: str, count: int) -> ModeTable:
-        """One point of which no modes are listed, for a reason in `COMPLETENESS`."""
-        return _one_point(
-            problem,
-            SolutionList.of_none(problem.closure),
-            count=count,
-            completeness=COMPLETENESS.index(why),
-        )
-
-
-def _one_point(
-    problem: Problem,
-    listed: SolutionList,
-    count: int,
-    completeness: int,
-    unresolved: int | None = None,
-    continuum: bool = False,
-    complex_count: int | None = None,
-) -> ModeTable:
-    return ModeTable(
-        problem,
-        listed,
-        count=np.array([count]),
-        completeness=np.array([completeness]),
-        unresolved=np.array([-1 if unresolved is None else unresolved]),
-        continuum=np.array([continuum]),
-        complex_count=np.array([-1 if complex_count is None else complex_count]),
-    )
 
 
 def stored_counts(counts: np.ndarray) -> np.ndarray:

@@ -145,14 +145,15 @@ def _found(ask: _Ask, givens: Sequence[Given]) -> tuple[Modes, ...]:
     begin = time.perf_counter()
     with told_of_searches(ask.search.progress):
         found = _of_machine(ask, givens)
+    lost = [i for i, modes in enumerate(found) if not modes and modes.problem.by_name]
+    note = open_loops_note(ask.mechanism) if lost else None
+    for i in lost:
+        more = () if note is None else (note,)
+        found[i] = replace(found[i], notes=(*found[i].notes, *more))
     share = (time.perf_counter() - begin) / max(len(givens), 1)
-    lost = [not modes and modes.problem.by_name for modes in found]
-    note = open_loops_note(ask.mechanism) if any(lost) else None
-    more = () if note is None else (note,)
-    return tuple(
-        replace(modes, elapsed_s=share, notes=(*modes.notes, *more) if none else modes.notes)
-        for modes, none in zip(found, lost, strict=True)
-    )
+    for modes in found:
+        object.__setattr__(modes, "elapsed_s", share)
+    return tuple(found)
 
 
 def _of_machine(ask: _Ask, givens: Sequence[Given]) -> list[Modes]:
@@ -194,10 +195,7 @@ def _of_description(
     description whose machine it is of.
     """
     search = ask.search
-    known = [
-        known_without_search(problem, given, search, None if told is None else told.of([i]))
-        for i, given in enumerate(givens)
-    ]
+    known = known_without_search(problem, givens, search, told)
     left = [i for i, modes in enumerate(known) if modes is None]
     searched = (
         modes_of_inputs(

@@ -7,10 +7,9 @@ means; those that need another look one by one, as `symkin.modes` does.
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import prod
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -28,17 +27,19 @@ from symkin.assembly.closed_roots import ClosedBlock
 from symkin.assembly.group_roots import STATEMENTS
 from symkin.assembly.group_solvers import most_roots, solved_groups, solvers_of
 from symkin.assembly.mode_table import COMPLETENESS, ModeTable, stored_counts
+from symkin.assembly.modes_result import Modes
 from symkin.assembly.search import Search
 from symkin.assembly.without_search import (
     free_unknowns,
     known_without_search,
     meet_conditions,
+    nothing,
 )
 from symkin.computed_once import cached_property
 from symkin.errors import InputError, TooManyModesError
 from symkin.machine.lower import Lowered
 from symkin.position.determination import determination, refuse_unless_determined
-from symkin.position.given import Given, read_given
+from symkin.position.given import Given
 from symkin.position.problem import Problem, build_problem
 from symkin.position.roots import NOT_KNOWN
 
@@ -85,15 +86,6 @@ class ModeFinder:
             return 1
         return self.own.most_modes if self.own.is_tracked else None
 
-    def enumerate(self, inputs: Sequence[Mapping[str, Any]]) -> ModeTable:
-        """All modes at points given as arguments of `symkin.modes`."""
-        return self.find([read_given(self.problem.mechanism, **g) for g in inputs])
-
-    def find(self, givens: Sequence[Given]) -> ModeTable:
-        """All modes at given points."""
-        values = np.array([given.values for given in givens]).reshape(len(givens), -1)
-        return self.find_values(values, np.array([given.off_motion for given in givens]))
-
     def find_values(self, known: np.ndarray, off_motion: np.ndarray | None = None) -> ModeTable:
         """All modes at points known (n, numbers): values of the known coordinates in the length
         unit and radians, quaternions of unit length; `off_motion` (n,) is how far a pose lies off
@@ -125,13 +117,18 @@ class ModeFinder:
     def _one(self, known: np.ndarray, off_motion: float) -> ModeTable:
         """One point, alone."""
         if off_motion > 0.0:
-            return ModeTable.of_none(self.problem, "off the motion", 0)
+            return ModeTable.of(self._empty, "off the motion")
         given = Given(tuple(c.name for c in self.problem.known_coordinates), known, {})
         try:
-            found = known_without_search(self.problem, given, self.search)
+            (found,) = known_without_search(self.problem, [given], self.search)
             return ModeTable.of(found or modes_of_inputs(self.problem, [given], self.search)[0])
         except TooManyModesError:
-            return ModeTable.of_none(self.problem, "too many to list", -1)
+            return ModeTable.of(self._empty, "too many to list", -1)
+
+    @cached_property
+    def _empty(self) -> Modes:
+        """No modes."""
+        return nothing(self.problem, Given((), np.zeros(0), {}), self.search)
 
 
 @dataclass(frozen=True, eq=False)
@@ -208,14 +205,15 @@ class GroupFinder:
         complex_counts = np.where(
             account.whole & ~many, np.prod(account.complex_count, axis=1), NOT_KNOWN
         )
-        said = np.array([COMPLETENESS.index(statement) for statement in STATEMENTS])[
-            found.statement
-        ]
         return ModeTable(
             found.asked,
             found.listed.chosen(~many[found.owner]) if many.any() else found.listed,
             count=np.where(many, -1, listed),
-            completeness=np.where(many, COMPLETENESS.index("too many to list"), said),
+            completeness=np.where(
+                many,
+                COMPLETENESS.index("too many to list"),
+                COMPLETENESS.index(STATEMENTS[0]) + found.statement,
+            ),
             unresolved=stored_counts(account.unresolved.sum(axis=1)),
             continuum=np.asarray(account.continuum.any(axis=1)),
             complex_count=stored_counts(complex_counts),

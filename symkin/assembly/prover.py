@@ -80,22 +80,23 @@ class Prover:
         origin: np.ndarray | None = None,
     ) -> Proofs:
         """What is proved of real roots `points` (m, width) of the group at the instances `owner`,
-        rising, by certificates of the complex roots `ends`, where these stand among them (at
-        `origin`, where that is told), else by their own.
+        rising, by certificates of the complex roots `ends`, which say what is complete, where these
+        stand among them (at `origin`, where that is told), else by their own.
         """
         from symkin.certificate.certificate import certify_batch
 
         if self._unproved is not None:
             return Proofs.none(len(owner), knowns.count, self._unproved)
-        z, listed = self._algebraic(points), np.bincount(owner, minlength=knowns.count)
+        z = self._algebraic(points)
         # a theorem on poses tells nothing of passive joints beside them
         if ends is not None and ends.system.width == len(z):
             index, radius = ends.find(z, owner, origin)
             if (index >= 0).all():
-                return Proofs(index >= 0, radius, self.completes(ends, listed))
+                return Proofs(index >= 0, radius, np.zeros(knowns.count, dtype=bool))
         found = certify_batch(self.whole, z, knowns, owner, self._size)
         real = found.real == "real"
         radius = np.where(real, found.radius, np.nan)
+        listed = np.bincount(owner, minlength=knowns.count)
         return Proofs(real, radius, self.completes(found, listed), found.reasons)
 
     @cached_property

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -29,7 +29,7 @@ from symkin.position.roots import MOST_MODES, NOT_KNOWN, polished_roots, unite
 class Tree:
     """Partial configurations `values` (m, variables), which are within `away` of exact ones (length
     unit), of the inputs `owner` (m,), rising, the `hits` (m,) of the rarest choice of each, and
-    what is proved of them; of a part that is done only its own `columns` of the variables.
+    what is proved of them; of the one group that a problem is what was `judged` (see `GroupRoots`).
     """
 
     values: np.ndarray
@@ -37,7 +37,7 @@ class Tree:
     owner: np.ndarray
     hits: np.ndarray
     proofs: PartProofs
-    columns: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=int))
+    judged: np.ndarray | None = None
 
     @staticmethod
     def begun(values: np.ndarray) -> Tree:
@@ -57,28 +57,30 @@ class Tree:
         """Each with some solutions of a group beside it: `counts` (m,) of them, from the place
         `first` on of those of the row `which` (m,) that it asks for.
         """
-        parent = np.repeat(np.arange(len(which)), counts)
-        number = np.arange(len(parent)) - np.repeat(np.cumsum(counts) - counts, counts)
-        place = first[which[parent]] + number
+        parent = np.arange(len(which)).repeat(counts)
+        place = (first[which] - counts.cumsum() + counts)[parent] + np.arange(len(parent))
         values, away = self.values[parent], self.away[parent]
         proofs = found.proofs.of(place)
         values[:, group.unknown_places] = found.roots.points[place]
         away[:, group.unknown_places] = proofs.radius[:, None]
         hits = np.minimum(self.hits[parent], found.roots.hits[place])
         proofs = self.proofs.of(parent).beside(proofs)
-        return Tree(values, away, self.owner[parent], hits, proofs)
+        judged = None if found.roots.judged is None else found.roots.judged[place]
+        return Tree(values, away, self.owner[parent], hits, proofs, judged)
 
 
 @dataclass(frozen=True)
 class Solving:
     """How groups are to be solved: the search, whether least errors are needed, whether solutions
-    are to be proved, and whether inputs with more choices than are listed keep some of them.
+    are to be proved, whether inputs with more choices than are listed keep some of them, and
+    whether a group `judges` its solutions for the whole problem, which it is.
     """
 
     search: Search
     least_errors: bool = False
     certify: bool = False
     keeps_some: bool = False
+    judges: bool = False
 
 
 class Step(NamedTuple):
@@ -144,24 +146,27 @@ def _grown(rows: _Rows, found: ProvedRoots, account: Account, solving: Solving) 
         untold = np.unique(which[lost[tree.owner] & np.isinf(roots.smallest[which])])
         if untold.size:
             roots = with_least_errors(group, roots, rows.known, untold, solving)
-            found = _proved(group, roots, rows.known, rows.away, solving)
+            found = _alone(rows, solving, roots)
             roots, lost = found.roots, _lost(found.roots, tree.owner, which, n)
+    of_rows = roots.counts
     account.add(number, roots, tree.owner, which)
-    empty, least = lost[tree.owner], np.full(n, np.inf)
-    np.minimum.at(least, tree.owner[empty], roots.smallest[which[empty]])
-    account.smallest = _larger(account.smallest, least)
-    first, counts = np.cumsum(roots.counts) - roots.counts, roots.counts[which]
+    if lost.any():
+        empty, least = lost[tree.owner], np.full(n, np.inf)
+        np.minimum.at(least, tree.owner[empty], roots.smallest[which[empty]])
+        account.smallest = _larger(account.smallest, least)
+    first, counts = of_rows.cumsum() - of_rows, of_rows[which]
     if choice is not None:
         first, counts = _chosen(group, choice, first, counts)
-    each = np.bincount(tree.owner, weights=counts, minlength=n)
-    account.too_many[(each > MOST_MODES) & (account.too_many == FEW)] = number
-    if solving.keeps_some:
-        # no more than show that they are too many
-        before = np.cumsum(counts) - counts
-        before -= before[np.searchsorted(tree.owner, tree.owner)]
-        counts = np.clip(MOST_MODES + 1 - before, 0, counts)
-    else:
-        counts = np.where(each[tree.owner] > MOST_MODES, 0, counts)
+    if counts.sum() > MOST_MODES:
+        each = np.bincount(tree.owner, weights=counts, minlength=n)
+        account.too_many[(each > MOST_MODES) & (account.too_many == FEW)] = number
+        if solving.keeps_some:
+            # no more than show that they are too many
+            before = np.cumsum(counts) - counts
+            before -= before[np.searchsorted(tree.owner, tree.owner)]
+            counts = np.clip(MOST_MODES + 1 - before, 0, counts)
+        else:
+            counts = np.where(each[tree.owner] > MOST_MODES, 0, counts)
     return tree.grown(group, found, which, first, counts)
 
 
@@ -209,9 +214,7 @@ def _solved(
         if member is not None and solving.search.method == "continuation":
             families.setdefault(member.family, []).append(place)
             continue
-        group = rows.step.group
-        roots = group_roots(group, rows.known, solving.search)
-        found[place] = _proved(group, roots, rows.known, rows.away, solving)
+        found[place] = _alone(rows, solving)
     for family, places in families.items():
         together = _of_family(family, [asked[k] for k in places], members, solving)
         found |= dict(zip(places, together, strict=True))
@@ -228,35 +231,20 @@ def _of_family(
     away = np.hstack([np.vstack([rows.away for rows in asked]), numbers])
     ends = np.cumsum([len(rows.known) for rows in asked]).tolist()
     places = [slice(end - len(rows.known), end) for end, rows in zip(ends, asked, strict=True)]
-    solved, doubtful = _by_solver(family, known, solving.search)
+    solved, doubtful = _by_solver(family, known, solving)
     if solved is None:
-        return [
-            _proved(
-                rows.step.group,
-                group_roots(rows.step.group, rows.known, solving.search),
-                rows.known,
-                rows.away,
-                solving,
-            )
-            for rows in asked
-        ]
+        return [_alone(rows, solving) for rows in asked]
     for place, rows in zip(places, asked, strict=True):
         mine = doubtful[(doubtful >= place.start) & (doubtful < place.stop)]
         if mine.size:
             left = rows.known[mine - place.start]
-            alone = group_roots(rows.step.group, left, solving.search)
+            alone = group_roots(rows.step.group, left, solving)
             solved = solved.with_rows(mine, alone)
     if any(one.laid is not None for one in own):
         # complex roots are those of the family's system
         plain = replace(solved, ends=NO_ENDS, ends_of=solved.ends_of[:0], origin=None)
         return [
-            _proved(
-                rows.step.group,
-                plain.at(np.arange(place.start, place.stop)),
-                rows.known,
-                rows.away,
-                solving,
-            )
+            _alone(rows, solving, plain.at(np.arange(place.start, place.stop)))
             for place, rows in zip(places, asked, strict=True)
         ]
     found = _proved(family, solved, known, away, solving)
@@ -270,6 +258,13 @@ def _of_family(
     ]
 
 
+def _alone(rows: _Rows, solving: Solving, roots: GroupRoots | None = None) -> ProvedRoots:
+    """The solutions of one group at what is asked of it, proved by its own rows."""
+    group = rows.step.group
+    roots = group_roots(group, rows.known, solving) if roots is None else roots
+    return _proved(group, roots, rows.known, rows.away, solving)
+
+
 def _proved(
     group: Problem, roots: GroupRoots, known: np.ndarray, away: np.ndarray, solving: Solving
 ) -> ProvedRoots:
@@ -281,8 +276,9 @@ def _proved(
     return ProvedRoots(roots, proofs)
 
 
-def group_roots(group: Problem, known: np.ndarray, search: Search) -> GroupRoots:
+def group_roots(group: Problem, known: np.ndarray, solving: Solving) -> GroupRoots:
     """The solutions of a group at known values (n, known)."""
+    search = solving.search
     if is_linear(group):
         return linear_roots(group, known)
     train = gear_train(group)
@@ -293,7 +289,7 @@ def group_roots(group: Problem, known: np.ndarray, search: Search) -> GroupRoots
     parts = solved_parts(group)
     if parts:
         return roots_of_parts(group, parts, known, search)
-    found, doubtful = _by_solver(group, known, search)
+    found, doubtful = _by_solver(group, known, solving)
     if found is None:
         return searched_alone(group, known, search)
     if not doubtful.size:
@@ -302,21 +298,21 @@ def group_roots(group: Problem, known: np.ndarray, search: Search) -> GroupRoots
 
 
 def _by_solver(
-    group: Problem, known: np.ndarray, search: Search
+    group: Problem, known: np.ndarray, solving: Solving
 ) -> tuple[GroupRoots | None, np.ndarray]:
     """The solutions of a group by its formulas or paths, None where it has neither, and the rows
     that both leave in doubt.
     """
-    solver = group_solver(group, formulas=search.formulas)
+    solver = group_solver(group, formulas=solving.search.formulas)
     if solver is None:
         return None, np.arange(len(known))
-    found, doubtful = solver.roots(known)
+    found, doubtful = solver.roots(known, judges=solving.judges)
     if (
         doubtful.size
         and isinstance(solver, ClosedBlock)
         and (paths := any_paths(group)) is not None
     ):
-        tracked, left = paths.roots(known[doubtful])
+        tracked, left = paths.roots(known[doubtful], judges=solving.judges)
         found, doubtful = found.with_rows(doubtful, tracked), doubtful[left]
     return found, doubtful
 
@@ -384,7 +380,7 @@ def _held_against(
     system = group.system
     points, n = tree.values[:, group.unknown_places], len(known)
     plain = np.ones(n, dtype=bool)
-    found, origin = checked_roots(system, points, tree.owner, known, plain)
+    found, origin, _ = checked_roots(system, points, tree.owner, known, plain)
     parts = [
         (found[kept], tree.owner[origin[kept]], tree.hits[origin[kept]])
         for kept in [plain[tree.owner[origin]]]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -50,46 +51,54 @@ def _certified(problem: Problem, one: SolutionList, values: np.ndarray) -> Solut
 
 def meet_conditions(problem: Problem, known: np.ndarray) -> np.ndarray:
     """Which given values (n, known) meet the rows without unknowns."""
-    bound = CLOSURE_TOLERANCE * problem.closure.characteristic_length
-    return _errors_of_given(problem, known) <= bound
+    return np.asarray(_errors_of_given(problem, known) == 0.0)
 
 
 def _errors_of_given(problem: Problem, known: np.ndarray) -> np.ndarray:
-    """The errors (n,) of rows without unknowns at given values (n, known). Rows of a problem whose
-    coordinates are told by name are left to its groups.
+    """The errors (n,) of rows without unknowns at given values (n, known), 0 where these are
+    rounding. Rows of a problem whose coordinates are told by name are left to its groups.
     """
     if problem.by_name or problem.conditions.errors.is_zero():
         return np.zeros(len(known))
-    return problem.conditions.residuals(np.zeros((len(known), 0)), known)
+    errors = problem.conditions.residuals(np.zeros((len(known), 0)), known)
+    within = errors <= CLOSURE_TOLERANCE * problem.closure.characteristic_length
+    return np.where(within, 0.0, errors)
 
 
 def known_without_search(
-    problem: Problem, given: Given, search: Search, told: Told | None = None
-) -> Modes | None:
-    """What needs no search: unknowns that nothing determines, a pose off the motion, the direct
-    problem of a serial arm, given values that contradict rows without unknowns. The modes of a
-    machine are `told` in the coordinates of a description.
+    problem: Problem, givens: Sequence[Given], search: Search, told: Told | None = None
+) -> list[Modes | None]:
+    """What needs no search, of each input: unknowns that nothing determines, a pose off the motion,
+    the direct problem of a serial arm, given values that contradict rows without unknowns. The
+    modes of a machine are `told` in the coordinates of a description.
     """
     free = None if problem.by_name else free_unknowns(problem)
     if free is not None and problem.mechanism.serial:
         raise InputError(free)
     if free is not None:
         search.refuse_unless_multistart(free)
-        empty = _nothing(problem, given, search, note=f"positive-dimensional set: {free}")
-        return replace(empty, positive_dimensional=True)
-    if given.off_motion > 0.0:
-        return _nothing(problem, given, search, given.off_motion)
-    if problem.by_name:
-        return None
-    if problem.is_explicit:
-        return _forward(problem, given, search, told)
-    known = given.values[None]
-    if meet_conditions(problem, known)[0]:
-        return None
-    return _nothing(problem, given, search, float(_errors_of_given(problem, known)[0]))
+        empty = [
+            nothing(problem, given, search, note=f"positive-dimensional set: {free}")
+            for given in givens
+        ]
+        return [replace(one, positive_dimensional=True) for one in empty]
+    off, explicit = [given.off_motion for given in givens], problem.is_explicit
+    if not problem.by_name and not explicit:
+        errors = _errors_of_given(problem, np.array([given.values for given in givens]))
+        off = [away or error for away, error in zip(off, errors.tolist(), strict=True)]
+    return [
+        nothing(problem, given, search, away)
+        if away
+        else _forward(problem, given, search, told, i)
+        if explicit and not problem.by_name
+        else None
+        for i, (given, away) in enumerate(zip(givens, off, strict=True))
+    ]
 
 
-def _forward(problem: Problem, given: Given, search: Search, told: Told | None) -> Modes:
+def _forward(
+    problem: Problem, given: Given, search: Search, told: Told | None, number: int
+) -> Modes:
     """The one mode of a serial arm's joints."""
     search.refuse_unless_multistart(
         "the direct problem of a serial arm is a function of its joints, and nothing is searched"
@@ -98,9 +107,9 @@ def _forward(problem: Problem, given: Given, search: Search, told: Told | None) 
     if told is None:
         one = checked_solutions(problem, values, given.notes)
     else:
-        one = told.listed(problem.closure, values, np.zeros(1, dtype=int))
+        one = told.listed(problem.closure, values, np.array([number]))
     if not one.closed[0]:
-        return _nothing(problem, given, search, float(one.residual[0]))
+        return nothing(problem, given, search, float(one.residual[0]))
     note = "forward kinematics of a serial arm is a function of its joints: one pose"
     return Modes(
         problem=problem if told is None else told.problem,
@@ -116,14 +125,14 @@ def _forward(problem: Problem, given: Given, search: Search, told: Told | None) 
     )
 
 
-def _nothing(
+def nothing(
     problem: Problem, given: Given, search: Search, smallest: float | None = None, note: str = ""
 ) -> Modes:
     """No modes, and why."""
     return Modes(
         problem=problem,
         given=given.echo,
-        modes=SolutionList.of_none(problem.closure),
+        modes=checked_solutions(problem, np.zeros((0, problem.closure.reference.size))),
         completeness="sampled",
         method=search.method,
         seed=search.seed,

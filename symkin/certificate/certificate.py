@@ -47,15 +47,16 @@ _DIAGONAL = 1.4143
 """At least half the diagonal of a square over half its side."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(eq=False)
 class CertificateBatch:
     """What is proved of n roots of m instances.
 
     `instance` (n,) says which of the known values each root belongs to, in ascending order.
     `certified` (n,): one regular root lies in the box |Re (z_j - centre_j)|, |Im (z_j -
     centre_j)| <= ball about `centre` (width, n); of a ray, the representative x with conj(g).(x -
-    c) = 0, g the given unit ray and c the centre. Where the root is real the box is one of real
+    c) = 0, g the given unit ray and c the centre. Where the root `is_real` the box is one of real
     points. `real` (n,): "real", "not real" or "unknown"; `reasons`: why a root is not certified.
+    Boxes that balls have proved are kept in `boxes`.
     """
 
     system: AlgebraicSystem
@@ -63,24 +64,15 @@ class CertificateBatch:
     instance: np.ndarray
     characteristic_length: float
     given: np.ndarray
-    certified: np.ndarray
     centre: np.ndarray
     ball: np.ndarray
-    real: np.ndarray
-    reasons: dict[int, str]
-    _roots: _Roots
+    is_real: np.ndarray
+    reasons: dict[int, str] = field(default_factory=dict)
+    boxes: dict[int, Box] = field(default_factory=dict)
+    certified: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    real: np.ndarray = field(default_factory=lambda: np.zeros(0))
 
     @property
-    def pose(self) -> np.ndarray:
-        """Which certified roots (n,) are proved to be poses."""
-        return self._roots.poses
-
-    @property
-    def distinct(self) -> np.ndarray:
-        """So many certified roots of each instance (m,) are proved to differ."""
-        return self._roots.distinct
-
-    @cached_property
     def radius(self) -> np.ndarray:
         """How far each root (n,) is from its point in any coordinate, in the length unit: lengths,
         position, and angles and unit quaternion times the size; for a root that is not proved real,
@@ -97,7 +89,7 @@ class CertificateBatch:
         """Why root i is not certified, else nothing."""
         return self.reasons.get(i, "")
 
-    @cached_property
+    @property
     def _marks(self) -> tuple[np.ndarray, np.ndarray]:
         """Certified real roots, and a number for each in which equal roots are about equal."""
         proved = np.flatnonzero(self.real == "real")
@@ -155,6 +147,111 @@ class CertificateBatch:
                 nearest[here] = proved[roots][np.argmin(np.nan_to_num(far, nan=np.inf), axis=1)]
         return nearest
 
+    def prove_open_points(self, near: np.ndarray) -> None:
+        """By balls, what the quick test has not proved, one instance after another; of points that
+        are `near` (n,) real ones real roots.
+        """
+        found = np.isfinite(self.ball)
+        if found.all():
+            return
+        todo = np.flatnonzero(~found)
+        for j in np.flatnonzero(np.bincount(self.instance[todo])).tolist():
+            self._prove_some(j, todo[self.instance[todo] == j], near)
+
+    @precision(_DOUBLE)
+    def _prove_some(self, j: int, chosen: np.ndarray, near: np.ndarray) -> None:
+        balls, real_rows = (
+            BallSystem(self.system, self.knowns.numbers(j)),
+            self.knowns.discs.is_real,
+        )
+        known = self.knowns.discs.middle[j].astype(complex)
+        proved = prove_points(
+            balls, self.given[:, chosen], near[chosen], known, real_rows=real_rows
+        )
+        for i, box, reason in zip(chosen.tolist(), proved.boxes, proved.reasons, strict=True):
+            if box is None:
+                self.reasons[i] = reason
+            else:
+                self.boxes[i] = box
+                self.centre[:, i], self.ball[i], self.is_real[i] = (
+                    box.point,
+                    (box.rounding + box.radius) * UP,
+                    box.ring.is_real,
+                )
+
+    def leave_out_far_ones(self) -> None:
+        """Roots that are too far from their points to be what was given."""
+        far = ~(_away(self.centre, self.ball, self.given) <= _FARTHEST)
+        for i in far.nonzero()[0].tolist():
+            self.ball[i] = np.inf
+            self.reasons[i] = (
+                self.reasons.get(i)
+                or "the point is not a root; the one found is farther away than 1e-7"
+            )
+
+    def tell(self) -> None:
+        """Which roots are certified in the end, and which of them are real."""
+        self.certified = found = np.isfinite(self.ball)
+        real = self.is_real & found
+        self.real = _REALITY[real + 2 * self._not_real(found & ~real)]
+        if not found.all():
+            self.centre = np.where(found, self.centre, self.given)
+
+    @cached_property
+    def _features(self) -> Features:
+        """Of the numbers within discs that hold the boxes."""
+        radius = np.where(self.is_real & self.certified, self.ball, self.ball * _DIAGONAL)
+        return features(
+            self.system, Discs(self.centre.T, np.repeat(radius[:, None], self.system.width, axis=1))
+        )
+
+    def _not_real(self, among: np.ndarray) -> np.ndarray:
+        """Which roots are proved not to be real, of those `among` (n,)."""
+        if not among.any():
+            return among
+        shown: np.ndarray = are_not_real(self.system, self.centre, self.ball) & among
+        for i in (among & ~shown).nonzero()[0].tolist():
+            shown[i] = not_real(self.system, self._box(i))
+        return shown
+
+    @property
+    def pose(self) -> np.ndarray:
+        """Which certified roots (n,) are proved to be poses."""
+        found = self.certified
+        if not self.system.projective:
+            return found
+        poses: np.ndarray = self._features.poses & found
+        for i in np.flatnonzero(found & ~poses).tolist() if not poses.all() else ():
+            poses[i] = is_pose(self.system, self._box(i)) or self._is_pose_by_bits(i)
+        return poses
+
+    def _is_pose_by_bits(self, i: int) -> bool:
+        with precision(_DOUBLE):
+            balls = BallSystem(self.system, self.knowns.numbers(int(self.instance[i])))
+            is_real = bool(self.is_real[i])
+            point = self.centre[:, i].real if is_real else self.centre[:, i]
+            return prove_pose(balls, point, float(self.ball[i]), is_real=is_real)
+
+    @property
+    def distinct(self) -> np.ndarray:
+        """So many certified roots of each instance (m,) are proved to differ."""
+        found, mixed = self.certified, self._features.mixed
+        instance = self.instance
+        if not found.all():
+            instance, mixed = instance[found], mixed.at(found)
+        distinct = np.bincount(instance, minlength=self.knowns.count)
+        apart = are_apart(mixed, instance, len(distinct))
+        for j in np.flatnonzero(~apart).tolist() if not apart.all() else ():
+            chosen = np.flatnonzero(found & (self.instance == j))
+            distinct[j] = len(distinct_boxes(self.system, [self._box(i) for i in chosen.tolist()]))
+        return distinct
+
+    def _box(self, i: int) -> Box:
+        if i not in self.boxes:
+            ring = REAL if self.is_real[i] else COMPLEX
+            self.boxes[i] = box_about(ring, self.centre[:, i], float(self.ball[i]))
+        return self.boxes[i]
+
 
 def certify_batch(
     system: AlgebraicSystem,
@@ -170,157 +267,20 @@ def certify_batch(
     given = in_phase(system, np.asarray(z, dtype=complex))
     near = (np.abs(given.imag).max(axis=0, initial=0.0) <= _FARTHEST) & knowns.discs.is_real
     quick = enclose_all(system, given, near, knowns, instance)
-    roots = _Roots(
-        system=system,
-        knowns=knowns,
-        instance=instance,
-        given=given,
-        near=near,
+    found = CertificateBatch(
+        system,
+        knowns,
+        instance,
+        size or system.characteristic_length,
+        given,
         centre=quick.centre,
-        half=quick.half_width,
-        real=quick.is_real,
+        ball=quick.half_width,
+        is_real=quick.is_real,
     )
-    roots.prove_open_points()
-    roots.leave_out_far_ones()
-    return roots.collect(size or system.characteristic_length)
-
-
-@dataclass(eq=False)
-class _Roots:
-    """Boxes about roots: `centre` (width, n), `half` (n,), infinite where nothing is proved, `real`
-    where the root is; those that balls have proved are kept in `boxes`, with why others are not
-    proved in `reasons`. `found` (n,) are those that are certified in the end.
-    """
-
-    system: AlgebraicSystem
-    knowns: Knowns
-    instance: np.ndarray
-    given: np.ndarray
-    near: np.ndarray
-    centre: np.ndarray
-    half: np.ndarray
-    real: np.ndarray
-    found: np.ndarray = field(init=False)
-
-    def __post_init__(self) -> None:
-        self.boxes: dict[int, Box] = {}
-        self.reasons: dict[int, str] = {}
-
-    def prove_open_points(self) -> None:
-        """By balls, what the quick test has not proved, one instance after another."""
-        found = np.isfinite(self.half)
-        if found.all():
-            return
-        todo = np.flatnonzero(~found)
-        for j in np.flatnonzero(np.bincount(self.instance[todo])).tolist():
-            self._prove_some(j, todo[self.instance[todo] == j])
-
-    @precision(_DOUBLE)
-    def _prove_some(self, j: int, chosen: np.ndarray) -> None:
-        balls, real_rows = (
-            BallSystem(self.system, self.knowns.numbers(j)),
-            self.knowns.discs.is_real,
-        )
-        known = self.knowns.discs.middle[j].astype(complex)
-        proved = prove_points(
-            balls, self.given[:, chosen], self.near[chosen], known, real_rows=real_rows
-        )
-        for i, box, reason in zip(chosen.tolist(), proved.boxes, proved.reasons, strict=True):
-            if box is None:
-                self.reasons[i] = reason
-            else:
-                self.boxes[i] = box
-                self.centre[:, i], self.half[i], self.real[i] = (
-                    box.point,
-                    (box.rounding + box.radius) * UP,
-                    box.ring.is_real,
-                )
-
-    def leave_out_far_ones(self) -> None:
-        """Roots that are too far from their points to be what was given."""
-        far = ~(_away(self.centre, self.half, self.given) <= _FARTHEST)
-        for i in np.flatnonzero(far).tolist() if far.any() else ():
-            self.half[i] = np.inf
-            self.reasons[i] = (
-                self.reasons.get(i)
-                or "the point is not a root; the one found is farther away than 1e-7"
-            )
-
-    def collect(self, size: float) -> CertificateBatch:
-        """All that is proved of the roots, beyond their boxes."""
-        self.found = found = np.isfinite(self.half)
-        real = self.real & found
-        not_real_ones, centre = self._not_real(found & ~real), self.centre
-        if not found.all():
-            centre = np.where(found, centre, self.given)
-        return CertificateBatch(
-            system=self.system,
-            knowns=self.knowns,
-            instance=self.instance,
-            characteristic_length=size,
-            given=self.given,
-            certified=found,
-            centre=centre,
-            ball=self.half,
-            real=_REALITY[real + 2 * not_real_ones],
-            reasons=self.reasons,
-            _roots=self,
-        )
-
-    @cached_property
-    def _features(self) -> Features:
-        """Of the numbers within discs that hold the boxes."""
-        radius = np.where(self.real & self.found, self.half, self.half * _DIAGONAL)
-        return features(
-            self.system, Discs(self.centre.T, np.repeat(radius[:, None], self.system.width, axis=1))
-        )
-
-    def _not_real(self, among: np.ndarray) -> np.ndarray:
-        """Which roots are proved not to be real, of those `among` (n,)."""
-        if not among.any():
-            return among
-        shown: np.ndarray = are_not_real(self.system, self.centre, self.half) & among
-        for i in np.flatnonzero(among & ~shown).tolist():
-            shown[i] = not_real(self.system, self._box(i))
-        return shown
-
-    @cached_property
-    def poses(self) -> np.ndarray:
-        """Which certified roots (n,) are proved to be poses."""
-        found = self.found
-        if not self.system.projective:
-            return found
-        poses: np.ndarray = self._features.poses & found
-        for i in np.flatnonzero(found & ~poses).tolist() if not poses.all() else ():
-            poses[i] = is_pose(self.system, self._box(i)) or self._is_pose_by_bits(i)
-        return poses
-
-    def _is_pose_by_bits(self, i: int) -> bool:
-        with precision(_DOUBLE):
-            balls = BallSystem(self.system, self.knowns.numbers(int(self.instance[i])))
-            is_real = bool(self.real[i])
-            point = self.centre[:, i].real if is_real else self.centre[:, i]
-            return prove_pose(balls, point, float(self.half[i]), is_real=is_real)
-
-    @cached_property
-    def distinct(self) -> np.ndarray:
-        """So many certified roots of each instance (m,) are proved to differ."""
-        found, mixed = self.found, self._features.mixed
-        instance = self.instance
-        if not found.all():
-            instance, mixed = instance[found], mixed.at(found)
-        distinct = np.bincount(instance, minlength=self.knowns.count)
-        apart = are_apart(mixed, instance, len(distinct))
-        for j in np.flatnonzero(~apart).tolist() if not apart.all() else ():
-            chosen = np.flatnonzero(found & (self.instance == j))
-            distinct[j] = len(distinct_boxes(self.system, [self._box(i) for i in chosen.tolist()]))
-        return distinct
-
-    def _box(self, i: int) -> Box:
-        if i not in self.boxes:
-            ring = REAL if self.real[i] else COMPLEX
-            self.boxes[i] = box_about(ring, self.centre[:, i], float(self.half[i]))
-        return self.boxes[i]
+    found.prove_open_points(near)
+    found.leave_out_far_ones()
+    found.tell()
+    return found
 
 
 def _away(centre: np.ndarray, half: np.ndarray, points: np.ndarray) -> np.ndarray:
@@ -328,7 +288,6 @@ def _away(centre: np.ndarray, half: np.ndarray, points: np.ndarray) -> np.ndarra
     its point (width, n) in any
     |Re| or |Im|; infinite without a box.
     """
-    with np.errstate(invalid="ignore"):
-        apart = centre - points
-        far = np.maximum(np.abs(apart.real), np.abs(apart.imag)).max(axis=0, initial=0.0)
-        return np.asarray((far + half) * UP)
+    apart = centre - points
+    far = np.maximum(np.abs(apart.real), np.abs(apart.imag)).max(axis=0, initial=0.0)
+    return np.asarray((far + half) * UP)

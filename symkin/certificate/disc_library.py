@@ -11,7 +11,6 @@ import functools
 import os
 import threading
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -19,7 +18,7 @@ from symkin.certificate.tape import Code, Tape
 from symkin.computed_once import lru_cache
 from symkin.homotopy.compiled import DATA as HOMOTOPY_DATA
 from symkin.homotopy.compiled import OFF
-from symkin.numeric.c_library import CompilerError, find_compilers, load_library
+from symkin.numeric.c_library import CompilerError, begin_of, find_compilers, load_library
 from symkin.numeric.cache_folder import cache_folder
 
 _DATA = Path(__file__).resolve().parent / "data"
@@ -79,7 +78,7 @@ class DiscLibrary:
         """
         n, width = z.shape
         middle, radius = np.empty((n, code.outputs), dtype=z.dtype), np.empty((n, code.outputs))
-        arrays = [_at(a) for a in (z, radii, *known, instance, middle, radius)]
+        arrays = [begin_of(a) for a in (z, radii, *known, instance, middle, radius)]
         if not self._run(
             z.dtype.kind == "c",
             n,
@@ -105,10 +104,10 @@ class DiscLibrary:
         """
         n = len(z)
         centre, half = np.empty(z.shape, dtype=z.dtype), np.empty(n)
-        arrays = [_at(a) for a in (z, patch, *known, instance)]
+        arrays = [begin_of(a) for a in (z, patch, *known, instance)]
         problem = ctypes.byref(_problem_of(tape))
         if not self._enclose(
-            z.dtype.kind == "c", problem, n, *arrays, wide, _at(centre), _at(half)
+            z.dtype.kind == "c", problem, n, *arrays, wide, begin_of(centre), begin_of(half)
         ):
             raise MemoryError
         return centre, half
@@ -147,18 +146,6 @@ def _load() -> DiscLibrary | None:
 def _sources() -> dict[str, str]:
     own = {name: (_DATA / name).read_text() for name in (_MAIN, "discs.h", "krawczyk.h")}
     return own | {"lanes.h": (HOMOTOPY_DATA / "lanes.h").read_text()}
-
-
-def _at(array: np.ndarray) -> Any:
-    """Where an array begins: three times as fast as its own `ctypes.data`, where it may be written
-    to.
-    """
-    try:
-        return ctypes.byref(ctypes.c_char.from_buffer(array.data))
-    except (TypeError, ValueError):
-        if array.size and array.flags.writeable:
-            raise  # it is not in one piece
-        return array.ctypes.data
 
 
 # Two threads may make these twice, which does no harm; they are asked for at every call.

@@ -44,11 +44,11 @@ class Discs:
 
     def beside(self, numbers: np.ndarray) -> Discs:
         """The entries, and further ones: doubles, the same in each row."""
-        further = np.repeat(np.asarray(numbers, dtype=float)[None], len(self.middle), axis=0)
-        return Discs(
-            np.concatenate([self.middle, further], axis=1),
-            np.concatenate([self.radius, np.zeros(further.shape)], axis=1),
-        )
+        n, own = self.middle.shape
+        middle = np.empty((n, own + len(numbers)), dtype=self.middle.dtype)
+        radius = np.zeros(middle.shape)
+        middle[:, :own], middle[:, own:], radius[:, :own] = self.middle, numbers, self.radius
+        return Discs(middle, radius)
 
     def at(self, rows: np.ndarray) -> Discs:
         return Discs(self.middle[rows], self.radius[rows])
@@ -76,8 +76,8 @@ class DiscFunction:
 
     def _prepared(self, known: Discs) -> Discs:
         inputs = known.beside(self.tape.values)
-        nothing = Discs(inputs.middle[:, :0], inputs.radius[:, :0])
-        return run(self.tape.before, nothing, inputs, np.arange(len(inputs.middle)))
+        # all that the code reads stands among the entries of its points
+        return run(self.tape.before, inputs, inputs, np.arange(len(inputs.middle)))
 
     def evaluate(self, part: int, z: Discs, prepared: Discs, instance: np.ndarray) -> Discs:
         """The nonzeros of a part at points z (n, width) of instances (n,)."""

@@ -8,10 +8,13 @@ that its certificates are built from these.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import casadi as ca
 import numpy as np
 from flint import arb
 
+from symkin.certificate.disc_arithmetic import TINY, UNIT, UP
 from symkin.certificate.discs import DiscFunction, Discs, Knowns
 from symkin.certificate.tape import build_tape
 from symkin.closure.rows import RowBuilder
@@ -45,30 +48,27 @@ def knowns_of(problem: Problem, values: np.ndarray) -> Knowns:
     """Known values (m, known) of m instances, length unit and radians, as `exact_known` has
     them.
     """
-    function, divisors = _disc_known(problem)
-    given = Discs.exact(np.asarray(values, dtype=float))
-    discs = function.evaluate(0, given, divisors, np.zeros(len(values), dtype=np.intc))
-    return Knowns(discs, lambda j: exact_known(problem, values[j]))
+    return Knowns(_disc_known(problem)(values), lambda j: exact_known(problem, values[j]))
 
 
 @lru_cache(maxsize=128)
-def _disc_known(problem: Problem) -> tuple[DiscFunction, Discs]:
-    """The algebraic system's known values as a function of the problem's and of what they are
-    divided by; and this, prepared.
-    """
+def _disc_known(problem: Problem) -> Callable[[np.ndarray], Discs]:
+    """The algebraic system's known values as a function of the problem's."""
     balls, scale = _distances(problem), coordinate_scale(problem, problem.known_coordinates)
+    # by 1.0 nothing is divided, nor rounded
+    unit = np.where(scale == 1.0, 0.0, UNIT * UP)
+
+    def quotients(values: np.ndarray) -> Discs:
+        found = values / scale
+        return Discs(found, np.abs(found) * unit + TINY * (unit > 0.0))
+
     if balls is None:
-        joints, divisors = ca.SX.sym("q", len(scale)), ca.SX.sym("s", len(scale))
-        # by 1.0 nothing is divided, nor rounded
-        quotients = [
-            joints[i] if s == 1.0 else joints[i] / divisors[i] for i, s in enumerate(scale.tolist())
-        ]
-        function = DiscFunction(build_tape(joints, divisors, ca.vertcat(*quotients), ("value",)))
-        return function, function.prepare(Discs.exact(scale[None]))
+        return quotients
     size = ca.SX.sym("s")
     function = DiscFunction(build_tape(balls.z, size, balls.f / size, ("value",)))
-    return function, function.prepare(
-        Discs.exact(np.array([[problem.closure.characteristic_length]]))
+    prepared = function.prepare(Discs.exact(np.array([[problem.closure.characteristic_length]])))
+    return lambda values: function.evaluate(
+        0, Discs.exact(values), prepared, np.zeros(len(values), dtype=np.intc)
     )
 
 

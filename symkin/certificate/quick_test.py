@@ -64,25 +64,16 @@ def enclose_all(
     square = system.count + bool(system.projective) == system.width <= _MOST_UNKNOWNS
     if function is None or not square or (n < _WORTH_NUMPY and disc_library() is None):
         return Enclosures(z.copy(), np.full(n, np.inf), is_real)
-    points, prepared, reals = (
-        np.ascontiguousarray(z.T),
-        function.prepare(knowns.discs),
-        int(np.count_nonzero(is_real)),
-    )
-    if reals == 0:
-        centre, half = _enclose(
-            function, system.projective, points, prepared.as_complex(), instance
-        )
-    elif reals == n:
-        centre, half = _enclose(function, system.projective, points.real, prepared, instance)
-    else:
-        centre, half = np.empty_like(points), np.empty(n)
-        for among, ready in ((is_real, prepared), (~is_real, prepared.as_complex())):
-            chosen = points[among].real if ready is prepared else points[among]
+    points, prepared = z.T, function.prepare(knowns.discs)
+    centre, half = np.empty((n, len(z)), dtype=complex), np.empty(n)
+    for among, of_real in ((is_real, True), (~is_real, False)):
+        if among.any():
+            chosen = points[among].real if of_real else points[among]
+            ready = prepared if of_real else prepared.as_complex()
             centre[among], half[among] = _enclose(
                 function, system.projective, chosen, ready, instance[among]
             )
-    return Enclosures(centre.T.astype(complex), half, is_real)
+    return Enclosures(centre.T, half, is_real)
 
 
 @lru_cache(maxsize=128)

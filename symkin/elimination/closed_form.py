@@ -210,9 +210,9 @@ class ClosedForm:
         """Values (n, count, width), discriminants, divisors, and the sizes of the terms of these
         two.
         """
-        signs = np.tile(self.choices, (len(known), 1))
-        parts = self._mapped(signs, np.repeat(known, self.count, axis=0))
-        return [np.asarray(part).reshape(len(known), self.count, -1) for part in parts]
+        signs = self.choices[np.arange(len(known) * self.count) % self.count]
+        parts = self._mapped(signs, known.repeat(self.count, axis=0))
+        return [part.reshape(len(known), self.count, -1) for part in parts]
 
     def closes(self, known: np.ndarray) -> bool:
         """Whether all real solutions for known values (n, known), of which there are some, satisfy

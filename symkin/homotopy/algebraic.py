@@ -168,9 +168,9 @@ def imaginary_part(system: AlgebraicSystem, z: np.ndarray) -> np.ndarray:
     """How far each root (width, n) is from being real: largest imaginary part, rays turned to
     their best phase.
     """
-    ray = list(system.projective)
-    parts = [np.abs(np.delete(z, ray, axis=0).imag)]
-    if ray:
-        turned = z[ray] / z[ray][np.argmax(np.abs(z[ray]), axis=0), np.arange(z.shape[1])]
-        parts.append(np.abs(turned.imag))
-    return np.asarray(np.max(np.concatenate(parts), axis=0, initial=0.0))
+    found = np.abs(z[: len(system.unknowns)].imag).max(axis=0, initial=0.0)
+    if system.projective:
+        ray = z[list(system.projective)]
+        turned = ray / ray[np.abs(ray).argmax(axis=0), np.arange(ray.shape[1])]
+        found = np.maximum(found, np.abs(turned.imag).max(axis=0))
+    return np.asarray(found)

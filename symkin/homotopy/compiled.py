@@ -20,7 +20,13 @@ from symkin.errors import InputError
 from symkin.homotopy.algebraic import AlgebraicSystem
 from symkin.homotopy.lane_code import closure_source
 from symkin.homotopy.tracker import Tracked, TrackSettings
-from symkin.numeric.c_library import CompilerError, NotBuiltError, find_compilers, load_library
+from symkin.numeric.c_library import (
+    CompilerError,
+    NotBuiltError,
+    begin_of,
+    find_compilers,
+    load_library,
+)
 from symkin.numeric.cache_folder import cache_folder
 from symkin.numeric.tolerances import ROOT_POLISHED, ROWS_CONTRADICT
 
@@ -68,14 +74,14 @@ class CompiledTracker:
         ends, chosen = np.empty_like(points), _c_settings(settings or TrackSettings())
         self.library.symkin_track(
             n,
-            _at(points),
-            _at(first),
-            _at(along),
+            begin_of(points),
+            begin_of(first),
+            begin_of(along),
             int(first.ndim > 1),
             ctypes.byref(chosen),
-            _at(ends),
-            _at(s),
-            _at(tries),
+            begin_of(ends),
+            begin_of(s),
+            begin_of(tries),
         )
         with np.errstate(all="ignore"):
             ends = self.system.unit_rays(ends.T)
@@ -91,13 +97,13 @@ class CompiledTracker:
         ends, last, known = np.empty_like(points), np.zeros(n), self._line(k, k, n)[0]
         self.library.symkin_newton(
             n,
-            _at(points),
-            _at(known),
+            begin_of(points),
+            begin_of(known),
             int(known.ndim > 1),
             iterations,
             ROWS_CONTRADICT,
-            _at(ends),
-            _at(last),
+            begin_of(ends),
+            begin_of(last),
         )
         with np.errstate(all="ignore"):
             return self.system.normalise(ends.T), last
@@ -211,7 +217,3 @@ def _c_settings(settings: TrackSettings) -> _Settings:
         corrections=3,
         polishing=6,
     )
-
-
-def _at(array: np.ndarray) -> ctypes.c_void_p:
-    return ctypes.c_void_p(array.ctypes.data)

@@ -54,15 +54,6 @@ def real_values(
     return values
 
 
-def _of_unit(rays: np.ndarray, size: float) -> dict[str, np.ndarray]:
-    """Of rays (4 or 8, n) that begin with quaternions of unit length."""
-    values = {"quaternion": rays[:4].T}
-    if len(rays) == 8:
-        position = 2 * size * multiply(rays[4:], conjugate(rays[:4]))[1:]
-        values |= {axis: position[i][:, None] for i, axis in enumerate("xyz")}
-    return values
-
-
 def complex_values(
     problem: Problem, system: AlgebraicSystem, z: np.ndarray
 ) -> dict[str, np.ndarray]:
@@ -77,7 +68,12 @@ def complex_values(
     if system.projective:
         rays = z[list(system.projective)]
         rays = rays / np.sqrt(np.einsum("in,in->n", rays[:4], rays[:4]))
-        values |= {f"{system.body}.{key}": value for key, value in _of_unit(rays, size).items()}
+        values[f"{system.body}.quaternion"] = rays[:4].T
+        if len(rays) == 8:
+            position = 2 * size * multiply(rays[4:], conjugate(rays[:4]))[1:]
+            values |= {
+                f"{system.body}.{axis}": position[i][:, None] for i, axis in enumerate("xyz")
+            }
     return values
 
 

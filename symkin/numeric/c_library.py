@@ -24,6 +24,9 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
+
+import numpy as np
 
 from symkin.computed_once import lru_cache
 from symkin.numeric.cache_folder import discard, folder_fault, keep, read_kept
@@ -267,3 +270,15 @@ def _in_a_file(content: bytes) -> Iterator[str]:
         yield path
     finally:
         discard(Path(path))
+
+
+def begin_of(array: np.ndarray) -> Any:
+    """Where an array begins: three times as fast as its own `ctypes.data`, where it may be written
+    to.
+    """
+    try:
+        return ctypes.byref(ctypes.c_char.from_buffer(array))  # type: ignore[arg-type]
+    except (TypeError, ValueError):
+        if array.size and array.flags.writeable:
+            raise  # it is not in one piece
+        return array.ctypes.data

@@ -38,14 +38,12 @@ _MINE = (".npz", ".so")
 
 def cache_folder() -> Path:
     """SYMKIN_CACHE, else the platform's folder for caches."""
-    named = os.environ.get("SYMKIN_CACHE")
-    platform = ("HOME", "XDG_CACHE_HOME", "LOCALAPPDATA") if not named else ()
-    return _folder(named, *(os.environ.get(name) for name in platform))
+    return _folder(os.environ.get("SYMKIN_CACHE", ""))
 
 
 @lru_cache(maxsize=8)
-def _folder(named: str | None, *_platform: str | None) -> Path:
-    """The folder for some values of the environment."""
+def _folder(named: str) -> Path:
+    """The folder for a value of the environment."""
     if named:
         return Path(named)
     from platformdirs import user_cache_path

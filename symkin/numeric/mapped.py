@@ -65,7 +65,10 @@ class Mapped:
             self._blocks[size].evaluate(arguments, told, begin)
             begin += size
         results = zip(told, self.shapes, self.places, strict=True)
-        return [_whole(*result).transpose(0, 2, 1) for result in results]
+        return [
+            (numbers if places is None else _whole(numbers, shape, places)).transpose(0, 2, 1)
+            for numbers, shape, places in results
+        ]
 
     @cached_property
     def _shapes(self) -> list[tuple[int, int]]:
@@ -81,10 +84,8 @@ def _is_nearly_empty(result: ca.SX) -> bool:
     return int(result.numel()) >= _LARGE and int(result.nnz()) <= _SPARSE * int(result.numel())
 
 
-def _whole(numbers: np.ndarray, shape: tuple[int, int], places: np.ndarray | None) -> np.ndarray:
-    """Matrices (n, columns, rows) of their nonzeros (n, 1, nonzeros), or as they are."""
-    if places is None:
-        return numbers
+def _whole(numbers: np.ndarray, shape: tuple[int, int], places: np.ndarray) -> np.ndarray:
+    """Matrices (n, columns, rows) of their nonzeros (n, 1, nonzeros)."""
     rows, columns = shape
     found = np.zeros((len(numbers), columns * rows))
     found[:, places] = numbers[:, 0]

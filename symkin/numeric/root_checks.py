@@ -68,7 +68,7 @@ def are_roots(system: System, polished: Polished, residuals: np.ndarray) -> np.n
     """
     size = system.characteristic_length
     found = residuals <= CLOSURE_TOLERANCE * size
-    left = np.linalg.norm(polished.rows, axis=1)
+    left = np.sqrt(squared_norms(polished.rows))
     doubtful = (found & ~(left <= rounding(system, polished.points))).nonzero()[0]
     if doubtful.size:
         found[doubtful] = _only_redundant_rows(

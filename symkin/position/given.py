@@ -17,6 +17,8 @@ from symkin.machine.lower import Lowered
 from symkin.model.joint import POSE_CONDITIONS, Coordinate
 from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.model.oddities import FULL_TURN
+from symkin.numeric.linear_algebra import squared_norms
+from symkin.position.feasible_pose import ties_poses
 from symkin.position.pose_coordinates import (
     feasible_pose,
     motion_pose,
@@ -273,7 +275,14 @@ def read_many(mechanism: Mechanism, joints: Any, pose: Any, given: Columns | Non
     if pose is not None and (joints is not None or mechanism.platform_link is None):
         return [read_given(mechanism, joints, pose)]
     if pose is not None:
-        return [_named_input(i, partial(given_pose, mechanism, one)) for i, one in enumerate(pose)]
+        poses = _poses_without_fault(mechanism, pose)
+        if poses is None:
+            ask = partial(given_pose, mechanism)
+            return [_named_input(i, partial(ask, one)) for i, one in enumerate(pose)]
+        names = pose_names(mechanism)
+        return [
+            Given(names, v, {"pose": echo}) for v, echo in zip(poses, poses.tolist(), strict=True)
+        ]
     joints = joint_rows(mechanism, joints) if isinstance(joints, Mapping) else joints
     rows = _rows_without_fault(mechanism, joints)
     if rows is None:
@@ -299,22 +308,33 @@ def _rows_without_fault(mechanism: Mechanism, joints: Any) -> np.ndarray | None:
     one; else None.
     """
     coordinates = mechanism.actuated
-    try:
-        rows = np.array(joints)
-    except ValueError:
+    rows = _plain_rows(joints, len(coordinates))
+    if rows is None:
         return None
-    if (
-        rows.dtype.kind not in "fiu"
-        or rows.ndim != 2
-        or rows.shape[1] != len(coordinates)
-        or not (np.abs(rows) <= LARGEST_GIVEN).all()
-    ):
-        return None
-    rows = rows.astype(float)
     turn = mechanism.angle_out(2 * math.pi)
     least = np.array([-np.inf if c.least is None else c.least for c in coordinates])
     most = np.array([turn if c.is_periodic else np.inf for c in coordinates])
     return rows if ((rows >= least) & (np.abs(rows) <= most)).all() else None
+
+
+def _poses_without_fault(mechanism: Mechanism, poses: Any) -> np.ndarray | None:
+    """Poses (n, 7) that all fit and may be any, so that they need no look one by one; else None."""
+    rows = _plain_rows(poses, 7) if mechanism.motion == "spatial" else None
+    if rows is None or reader_of_poses(mechanism) is not None or ties_poses(mechanism):
+        return None
+    norms = np.sqrt(squared_norms(rows[:, 3:]))
+    rows[:, 3:] /= norms[:, None]
+    return rows if (np.abs(norms - 1.0) <= 1e-2).all() else None
+
+
+def _plain_rows(values: Any, count: int) -> np.ndarray | None:
+    """Numbers (n, count) to compute with, or None."""
+    try:
+        rows = np.array(values)
+    except ValueError:
+        return None
+    plain = rows.dtype.kind in "fiu" and rows.ndim == 2 and rows.shape[1] == count
+    return rows.astype(float) if plain and (np.abs(rows) <= LARGEST_GIVEN).all() else None
 
 
 def _is_column(name: str, value: Any) -> bool:

@@ -181,7 +181,13 @@ def actuated_names(mechanism: Mechanism) -> tuple[str, ...]:
 
 def pose_names(mechanism: Mechanism) -> tuple[str, ...]:
     """Names of the coordinates of the platform's pose."""
-    return tuple(f"pose.{name}" for name, _ in POSE_COORDINATES[mechanism.motion])
+    return _POSE_NAMES[mechanism.motion]
+
+
+_POSE_NAMES = {
+    motion: tuple(f"pose.{name}" for name, _ in coordinates)
+    for motion, coordinates in POSE_COORDINATES.items()
+}
 
 
 @lru_cache(maxsize=256)

@@ -50,9 +50,9 @@ def positive_quaternions(q: np.ndarray) -> np.ndarray:
     """Quaternions (m, 4) of unit length, the first component that is not zero to rounding
     positive.
     """
-    q = q / np.sqrt(np.einsum("ni,ni->n", q, q))[:, None]
-    leading = np.argmax(np.abs(q) > ROUNDED_COMPONENT, axis=1)
-    sign = np.where(q[np.arange(len(q)), leading] < 0.0, -1.0, 1.0)
+    q = q / np.sqrt(np.add.reduce(q * q, axis=1))[:, None]
+    leading = (np.abs(q) > ROUNDED_COMPONENT).argmax(axis=1)
+    sign = np.copysign(1.0, q[np.arange(len(q)), leading])
     return np.asarray(q * sign[:, None] + 0.0)
 
 

@@ -65,35 +65,17 @@ class SolutionList(Sequence[Solution]):
         """Which of them (m,) close to rounding."""
         return np.asarray(self.residual <= CLOSURE_TOLERANCE * self.closure.characteristic_length)
 
-    def chosen(
-        self, places: np.ndarray | Sequence[int] | slice, **told: np.ndarray
-    ) -> SolutionList:
+    def chosen(self, places: np.ndarray | Sequence[int] | slice, **told: Any) -> SolutionList:
         """Some of the solutions, in the order of their places (any,), a part of them, or where a
         mask (m,) holds; with what else is `told` of them.
         """
-        arrays: dict[str, Any] = {
-            name: array[places]
-            for name, array in vars(self).items()
-            if isinstance(array, np.ndarray)
-        }
-        return replace(self, **(arrays | told), _made={})
-
-    @staticmethod
-    def of_none(closure: Closure) -> SolutionList:
-        """No solutions."""
-        none, flags = np.zeros(0), np.zeros(0, dtype=int)
-        return SolutionList(
-            closure,
-            values=np.zeros((0, closure.reference.size)),
-            position=np.zeros((0, 3)),
-            quaternion=np.zeros((0, 4)),
-            residual=none,
-            condition=none,
-            within_limits=flags,
-            certified=flags,
-            radius=none,
-            notes=(),
+        # for each of many inputs: without the loops of `replace`
+        some = object.__new__(SolutionList)
+        vars(some).update(
+            {k: v[places] if isinstance(v, np.ndarray) else v for k, v in vars(self).items()}
         )
+        vars(some).update(told, _made={})
+        return some
 
     @staticmethod
     def joined(lists: Sequence[SolutionList]) -> SolutionList:
@@ -141,17 +123,24 @@ class SolutionList(Sequence[Solution]):
 
 
 def checked_solutions(
-    problem: Problem, values: np.ndarray, notes: tuple[str, ...] = ()
+    problem: Problem,
+    values: np.ndarray,
+    notes: tuple[str, ...] = (),
+    judged: np.ndarray | None = None,
 ) -> SolutionList:
     """Solutions from full vectors of variables (m, variables): in their standard writing, with
-    closure errors and conditions.
+    closure errors and conditions, from the extreme singular values and errors (m, 3) where these
+    were `judged`.
     """
     closure, system = problem.closure, problem.system
     values = canonical(closure.coordinates, closure.slices, values)
-    unknown, known = values[:, problem.unknown_places], values[:, problem.known_places]
     inside, untried = within_limits(closure, values), np.full(len(values), -1)
     position, quaternion = poses_of(closure, values)
-    extremes, residuals = system.extremes(unknown, known)
+    if judged is None:
+        unknown, known = values[:, problem.unknown_places], values[:, problem.known_places]
+        extremes, residuals = system.extremes(unknown, known)
+    else:
+        extremes, residuals = judged[:, :2], judged[:, 2]
     return SolutionList(
         closure=closure,
         values=values,

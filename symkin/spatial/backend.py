@@ -48,12 +48,8 @@ def vector(*components: Array) -> Array:
     """Stack components along the first axis."""
     if is_casadi(*components):
         return ca.vertcat(*components)
-    shapes = {component.shape for component in components if isinstance(component, np.ndarray)}
-    if len(shapes) == 1 and False not in [isinstance(c, np.ndarray) for c in components]:
-        return np.array(components)
-    if False in [isinstance(component, float) for component in components]:
-        return np.stack(np.broadcast_arrays(*components))
-    return np.array(components, dtype=float)
+    alike = len({getattr(component, "shape", ()) for component in components}) == 1
+    return np.array(components if alike else np.broadcast_arrays(*components))
 
 
 def stacked(columns: Iterable[ca.SX]) -> ca.SX:

@@ -24,6 +24,7 @@ from helpers.inside import (
 )
 from helpers.samples import Z, readme_five_bar
 from helpers.spellings import MACHINES, lacking, named, spellings
+from helpers.sweep_points import tables_of
 from symkin import Joint, Limb, LinkJoint, Mechanism
 
 PLANAR = ("limbs, motion", "limbs", "limbs, turned", "graph, turned", "MJCF")
@@ -167,9 +168,8 @@ def test_a_sweep_finds_the_modes_of_each_point(tmp_path, spelling) -> None:
     values = [machine.values[n] * told.factor for n in names] + scale.T * [[1.0, -0.5, 0.3]]
     inputs = [dict(zip(names, row, strict=True)) for row in values.tolist()]
     problem = problem_of(mechanism, read_given(mechanism, joints=inputs[0]))
-    table = make_finder(problem, starts=100, seed=0, certify=True).enumerate(
-        [{"joints": one} for one in inputs]
-    )
+    finder = make_finder(problem, starts=100, seed=0, certify=True)
+    table = tables_of(finder, [{"joints": one} for one in inputs])
     listed = symkin.modes(mechanism, joints=inputs)
     assert table.count.tolist() == [len(found) for found in listed]
     assert table.count[0] > 0 == table.count[-1]

@@ -9,12 +9,13 @@ import symkin
 from helpers.gate import in_gate
 from helpers.inside import COMPLETENESS, build_problem, make_finder, modes_at_need, multiply, parse
 from helpers.samples import Z, delta, five_bar, hexapod, random_mechanism, three_rps
+from helpers.sweep_points import tables_of
 from symkin import Joint, Limb, Mechanism, Pose
 
 
 def enumerated(mechanism, kind, points, **options):
     chosen = {"starts": 300, "seed": 0, "certify": False} | options
-    return make_finder(build_problem(mechanism, kind), **chosen).enumerate(points)
+    return tables_of(make_finder(build_problem(mechanism, kind), **chosen), points)
 
 
 def modes_of(found, i):

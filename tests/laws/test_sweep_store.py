@@ -19,6 +19,7 @@ import symkin
 from helpers.folders import same_files
 from helpers.inside import COMPLETENESS, classify, make_plan, make_space, store
 from helpers.needed import Later, needs
+from helpers.sweep_points import tables_of
 from symkin import InputError, Pose, sweep
 
 xarray = Later("xarray")
@@ -195,11 +196,8 @@ def test_points_without_solution_and_off_the_motion(tmp_path):
     assert set(np.array(COMPLETENESS)[turned.completeness.values]) == {"probability one"}
     assert turned.rz.attrs["units"] == "deg"
     tilted = Pose(np.array([0.0, 0.0, 100.0]), np.array([math.cos(0.2), math.sin(0.2), 0.0, 0.0]))
-    found = (
-        make_plan(make_space(restricted, {"z": [100.0]}, over="poses"))
-        .finder()
-        .enumerate([{"pose": tilted}])
-    )
+    finder = make_plan(make_space(restricted, {"z": [100.0]}, over="poses")).finder()
+    found = tables_of(finder, [{"pose": tilted}])
     assert found.count.tolist() == [0]
     assert [COMPLETENESS[code] for code in found.completeness] == ["off the motion"]
 
