@@ -17,57 +17,35 @@ import subprocess
 import sys
 import tempfile
 from pathlib import Path
+from shlex import split
 
 from folders import FOLDERS, folder_of
 
 BENCH = Path(__file__).parent
-SANITIZED = [
-    "-O1",
-    "-g",
-    "-fno-omit-frame-pointer",
-    "-ftrapping-math",
-    "-fsanitize=address,undefined",
-    "-fno-sanitize-recover=all",
-]
+FLAGS = """-std=gnu99 -Wall -Wextra -O1 -g -fno-omit-frame-pointer -ftrapping-math -fno-math-errno
+    -ffp-contract=off -fsanitize=address,undefined -fno-sanitize-recover=all"""
 EXTRA = ("track", "inverse_nearest", "rates", "twist", "feed", "line")
 """Functions that some folders have and others have not."""
 
 
-def macros(folder: Path) -> list[str]:
+def macros(folder: Path) -> str:
     """What inputs.h needs to know of a folder."""
     manifest = json.loads((folder / "manifest.json").read_text())
     name, options = manifest["mechanism"], manifest["options"]
     header = (folder / f"{name}.h").read_text()
     arm = re.search(rf"{name}_inverse\([^)]*guess", header) is not None
-    return [
-        f"-D{'MAP' if 'given' in options else 'SERIAL' if arm else 'PARALLEL'}",
-        f"-DNAME={name}",
-        f"-DUPPER={name.upper()}",
-        f'-DHEADER="{name}.h"',
-        f'-DVECTORS="{name}_vectors.h"',
-        *(["-DSTRUCT"] if options["geometry"] == "struct" else []),
-        *(f"-DHAS_{function}" for function in EXTRA if f" {name}_{function}(" in header),
-    ]
+    words = f"-D{'MAP' if 'given' in options else 'SERIAL' if arm else 'PARALLEL'} -DNAME={name}"
+    words += f""" -DUPPER={name.upper()} '-DHEADER="{name}.h"' '-DVECTORS="{name}_vectors.h"'"""
+    words += " -DSTRUCT" if options["geometry"] == "struct" else ""
+    has = (f" -DHAS_{function}" for function in EXTRA if f" {name}_{function}(" in header)
+    return words + "".join(has)
 
 
 def built(folder: Path, output: Path) -> Path:
     """The fuzzing program of a folder."""
     name = json.loads((folder / "manifest.json").read_text())["mechanism"]
-    command = [
-        "gcc",
-        "-std=gnu99",
-        "-Wall",
-        "-Wextra",
-        *SANITIZED,
-        "-fno-math-errno",
-        "-ffp-contract=off",
-        *macros(folder),
-        f"-I{folder}",
-    ]
-    subprocess.run(
-        [*command, str(BENCH / "fuzz.c"), str(folder / f"{name}.c"), "-lm", "-o", str(output)],
-        check=True,
-    )
+    sources = f"{BENCH / 'fuzz.c'} {folder / name}.c -lm -o {output}"
+    subprocess.run(split(f"gcc {FLAGS} {macros(folder)} -I{folder} {sources}"), check=True)
     return output
 
 

@@ -7,6 +7,7 @@ from __future__ import annotations
 import hashlib
 import json
 import re
+import shlex
 import subprocess
 from pathlib import Path
 
@@ -116,7 +117,7 @@ def _counted(folder: str, place: Path, inputs: int) -> dict[str, dict[str, int]]
             text.replace(f"typedef {real} {name}_real;", f"typedef number {name}_real;")
         )
     macros = [
-        *tools.bench_module("fuzz").macros(tools.folder(folder)),
+        *shlex.split(tools.bench_module("fuzz").macros(tools.folder(folder))),
         f"-DNUMBER={real}",
         f'-DSOURCE="{name}.c"',
     ]
