@@ -12,40 +12,24 @@ from __future__ import annotations
 
 import argparse
 import json
-import re
 import subprocess
 import sys
 import tempfile
 from pathlib import Path
 from shlex import split
 
+from calls import driver
 from folders import FOLDERS, folder_of
 
-BENCH = Path(__file__).parent
 FLAGS = """-std=gnu99 -Wall -Wextra -O1 -g -fno-omit-frame-pointer -ftrapping-math -fno-math-errno
     -ffp-contract=off -fsanitize=address,undefined -fno-sanitize-recover=all"""
-EXTRA = ("track", "inverse_nearest", "rates", "twist", "feed", "line")
-"""Functions that some folders have and others have not."""
-
-
-def macros(folder: Path) -> str:
-    """What inputs.h needs to know of a folder."""
-    manifest = json.loads((folder / "manifest.json").read_text())
-    name, options = manifest["mechanism"], manifest["options"]
-    header = (folder / f"{name}.h").read_text()
-    arm = re.search(rf"{name}_inverse\([^)]*guess", header) is not None
-    words = f"-D{'MAP' if 'given' in options else 'SERIAL' if arm else 'PARALLEL'} -DNAME={name}"
-    words += f""" -DUPPER={name.upper()} '-DHEADER="{name}.h"' '-DVECTORS="{name}_vectors.h"'"""
-    words += " -DSTRUCT" if options["geometry"] == "struct" else ""
-    has = (f" -DHAS_{function}" for function in EXTRA if f" {name}_{function}(" in header)
-    return words + "".join(has)
 
 
 def built(folder: Path, output: Path) -> Path:
     """The fuzzing program of a folder."""
     name = json.loads((folder / "manifest.json").read_text())["mechanism"]
-    sources = f"{BENCH / 'fuzz.c'} {folder / name}.c -lm -o {output}"
-    subprocess.run(split(f"gcc {FLAGS} {macros(folder)} -I{folder} {sources}"), check=True)
+    words = f"{driver(folder, 'FUZZ', output.parent)} {folder / name}.c -lm -o {output}"
+    subprocess.run(split(f"gcc {FLAGS} {words}"), check=True)
     return output
 
 

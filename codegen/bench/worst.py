@@ -21,9 +21,9 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
+from calls import driver
 from folders import FOLDERS, folder_of
 from footprint import footprints
-from fuzz import macros
 from processors import BOARDS, LIBRARIES, START, compiled_for, said_on_board
 from readme import table, written
 
@@ -78,18 +78,17 @@ def searched_instructions(
     """
     limits = f"-DSEED={seed} -DMOST_INPUTS={most_inputs}L -DMOST_TICKS={most_ticks}ULL"
     with tempfile.TemporaryDirectory() as scratch:
-        sources = f"{BENCH / 'worst.c'} {folder / name}.c {LIBRARIES} -o worst.elf"
-        words = f"{limits} {macros(folder)} -I{folder} -I{BENCH} {START} {sources}"
-        compiled_for(board, words, Path(scratch))
+        place, sources = Path(scratch), f"{folder / name}.c {LIBRARIES} -o worst.elf"
+        words = f"{limits} {driver(folder, 'WORST', place)} {START} {sources}"
+        compiled_for(board, words, place)
         said = said_on_board(BOARDS[board][0], f"{scratch}/worst.elf", SHIFT)
-    rows = re.findall(r"^(\w+) (\d+) (\d+)$", said, re.M)
+    rows = {
+        f: (int(ticks), int(b)) for f, ticks, b in re.findall(r"^(\w+) (\d+) (\d+)$", said, re.M)
+    }
+    count, _ = rows.pop("inputs")
     # a call that ends within a tick may have taken all of the next
-    instructions = {f: math.ceil((int(ticks) + 1) * 40 / 2**SHIFT) for f, ticks, _ in rows}
-    return (
-        instructions,
-        {f: int(stack) for f, _, stack in rows},
-        int(re.findall(r"^inputs (\d+)$", said, re.M)[0]),
-    )
+    instructions = {f: math.ceil((ticks + 1) * 40 / 2**SHIFT) for f, (ticks, _) in rows.items()}
+    return instructions, {f: stack for f, (_, stack) in rows.items()}, count
 
 
 def figures_table(figures: dict[str, dict[str, Any]]) -> str:
