@@ -2,59 +2,35 @@
  * guesses poses; arms (ARM): goals are poses and guesses joint values; maps (MAP): goals and guesses are values of either side. */
 #include HEADER
 
-#define NAMED(name) OF(name)
+#define POSE (OF(pose) *)
+#define POSE_IN (const OF(pose) *)
 
+/* Calls with a guess: numbers of a goal and of a guess, and as which type these are given. */
+#define ASK(named, function, of_goal, of_guess, goal, guess, result)                                                            \
+    void named(int count, const REAL *goals, const REAL *guesses, REAL *found, int *status, int *steps)                         \
+    {                                                                                                                           \
+        for (int k = 0; k < count; ++k) {                                                                                       \
+            OF(info) info;                                                                                                      \
+            status[k] = (int)OF(function)(0, goal(goals + of_goal * k), guess(guesses + of_guess * k),                          \
+                result(found + of_guess * k), &info);                                                                           \
+            steps[k] = info.iterations;                                                                                         \
+        }                                                                                                                       \
+    }
+#define BACK(function, of_found, of_goal, found_as, goal_as)                                                                    \
+    void back_all(int count, const REAL *found, REAL *goals, int *status)                                                       \
+    {                                                                                                                           \
+        for (int k = 0; k < count; ++k) {                                                                                       \
+            status[k] = (int)OF(function)(found_as(found + of_found * k), goal_as(goals + of_goal * k));                        \
+        }                                                                                                                       \
+    }
 
 #if defined(MAP)
-void ask_all(int count, const REAL *goals, const REAL *guesses, REAL *found, int *status, int *steps)
-{
-    for (int k = 0; k < count; ++k) {
-        NAMED(info) info;
-        status[k] = (int)NAMED(direct)(0, goals + JOINTS * k, guesses + JOINTS * k, found + JOINTS * k, &info);
-        steps[k] = info.iterations;
-    }
-}
-
-void ask_inverse(int count, const REAL *goals, const REAL *guesses, REAL *joints, int *status, int *steps)
-{
-    for (int k = 0; k < count; ++k) {
-        NAMED(info) info;
-        status[k] = (int)NAMED(inverse)(0, goals + JOINTS * k, guesses + JOINTS * k, joints + JOINTS * k, &info);
-        steps[k] = info.iterations;
-    }
-}
+ASK(ask_all, direct, JOINTS, JOINTS, , , )
+ASK(ask_inverse, inverse, JOINTS, JOINTS, , , )
 #elif defined(ARM)
-void ask_all(int count, const REAL *goals, const REAL *guesses, REAL *found, int *status, int *steps)
-{
-    for (int k = 0; k < count; ++k) {
-        NAMED(info) info;
-        const NAMED(pose) *pose = (const NAMED(pose) *)(goals + 7 * k);
-        status[k] = (int)NAMED(inverse)(0, pose, guesses + JOINTS * k, found + JOINTS * k, &info);
-        steps[k] = info.iterations;
-    }
-}
-
-void back_all(int count, const REAL *found, REAL *goals, int *status)
-{
-    for (int k = 0; k < count; ++k) {
-        status[k] = (int)NAMED(direct)(found + JOINTS * k, (NAMED(pose) *)(goals + 7 * k));
-    }
-}
+ASK(ask_all, inverse, 7, JOINTS, POSE_IN, , )
+BACK(direct, JOINTS, 7, , POSE)
 #else
-void ask_all(int count, const REAL *goals, const REAL *guesses, REAL *found, int *status, int *steps)
-{
-    for (int k = 0; k < count; ++k) {
-        NAMED(info) info;
-        const NAMED(pose) *guess = (const NAMED(pose) *)(guesses + 7 * k);
-        status[k] = (int)NAMED(direct)(0, goals + JOINTS * k, guess, (NAMED(pose) *)(found + 7 * k), &info);
-        steps[k] = info.iterations;
-    }
-}
-
-void back_all(int count, const REAL *found, REAL *goals, int *status)
-{
-    for (int k = 0; k < count; ++k) {
-        status[k] = (int)NAMED(inverse)((const NAMED(pose) *)(found + 7 * k), goals + JOINTS * k);
-    }
-}
+ASK(ask_all, direct, JOINTS, 7, , POSE_IN, POSE)
+BACK(inverse, 7, JOINTS, POSE_IN, )
 #endif

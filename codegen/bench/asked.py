@@ -7,8 +7,9 @@ import subprocess
 import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from pathlib import Path
+from shlex import split
 from typing import NamedTuple
 
 import numpy as np
@@ -19,9 +20,8 @@ from symkin.codegen.map.program import Program, build_program
 from symkin.machine.limbs import with_limbs
 from symkin.model.mechanism import Mechanism
 
+BENCH = Path(__file__).parent
 STATUSES = ("OK", "MAX_ITERATIONS", "SINGULAR", "NONFINITE", "OUT_OF_RANGE", "WRONG_BRANCH")
-
-FLAGS = ["-O2", "-std=c99", "-fno-math-errno", "-ffp-contract=off", "-shared", "-fPIC", "-I."]
 
 
 class Answers(NamedTuple):
@@ -49,14 +49,24 @@ class Machine:
         return Options(real, home=self.home, given=self.given, find=self.find)  # type: ignore[arg-type]
 
 
-def built(machine: Machine, real: str, folder: Path) -> ctypes.CDLL:
+def library(folder: Path, sources: str, macros: str) -> ctypes.CDLL:
+    """Compiled C as a library; `sources` stand in the folder or are named whole."""
+    flags = "-O2 -std=c99 -fno-math-errno -ffp-contract=off -shared -fPIC -I."
+    command = split(f"gcc {flags} {macros} {sources} -o code.so -lm")
+    subprocess.run(command, cwd=folder, check=True)
+    return ctypes.CDLL(str(folder / "code.so"))
+
+
+@lru_cache(maxsize=2)
+def built(machine: Machine, real: str) -> ctypes.CDLL:
     """The library of a machine's code; `write_folder` refuses it where its own test fails."""
-    mechanism = (
-        machine.mechanism if machine.given else with_limbs(machine.mechanism, "firmware", "")
-    )
-    write_folder(mechanism, folder, machine.options(real))
+    mechanism = machine.mechanism
+    if not machine.given:
+        mechanism = with_limbs(mechanism, "firmware", "")
     joints = len(machine.given) or len(mechanism.actuated)
-    return compiled(folder, mechanism.name, real, machine.kind, joints)
+    with tempfile.TemporaryDirectory() as folder:
+        write_folder(mechanism, Path(folder), machine.options(real))
+        return _compiled(Path(folder), mechanism.name, real, machine.kind, joints)
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,16 +91,12 @@ class Asked:
         """Answers to each goal from each guess, of a map's inverse problem by `way` "ask_inverse";
         what is not found is zero.
         """
-        function, width = getattr(self._library, way), guesses.shape[1]
-        found, status, steps = asked(
-            function, self.options.real, [goals, guesses], [width], "iiosn"
-        )
-        return Answers(status, found, steps)
+        return asked(getattr(self._library, way), self.options.real, [goals, guesses])
 
     def back(self, found: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Statuses and goals that the other problem gives for what was found."""
         width = 7 if self.mechanism.serial else len(self.mechanism.actuated)
-        goals, status = asked(self._library.back_all, self.options.real, [found], [width], "ios")
+        goals, status = asked_back(self._library.back_all, self.options.real, found, width)
         return status, goals
 
     @cached_property
@@ -101,42 +107,44 @@ class Asked:
     def _library(self) -> ctypes.CDLL:
         if self.built is not None:
             return self.built
-        folder, name = Path(tempfile.mkdtemp()), self.mechanism.name
-        for suffix, text in ((".h", self.program.header), (".c", self.program.source)):
-            (folder / f"{name}{suffix}").write_text(text)
-        kind, joints = "arm" if self.mechanism.serial else "platform", len(self.mechanism.actuated)
-        return compiled(folder, name, self.options.real, kind, joints)
+        name, kind = self.mechanism.name, "arm" if self.mechanism.serial else "platform"
+        with tempfile.TemporaryDirectory() as folder:
+            for suffix, text in (("h", self.program.header), ("c", self.program.source)):
+                Path(folder, f"{name}.{suffix}").write_text(text)
+            joints = len(self.mechanism.actuated)
+            return _compiled(Path(folder), name, self.options.real, kind, joints)
 
 
-def compiled(folder: Path, name: str, real: str, kind: str, joints: int) -> ctypes.CDLL:
+def _compiled(folder: Path, name: str, real: str, kind: str, joints: int) -> ctypes.CDLL:
     """ask.c with the code in a folder, as a library; `kind` is "platform", "arm" or "map"."""
-    macros = [f'-DHEADER="{name}.h"', f"-DREAL={real}", f"-DOF(x)={name}_##x", f"-DJOINTS={joints}"]
-    sources = [str(Path(__file__).with_name("ask.c")), f"{name}.c"]
-    command = ["gcc", *FLAGS, *macros, f"-D{kind.upper()}", *sources, "-o", "code.so", "-lm"]
-    subprocess.run(command, cwd=folder, check=True)
-    return ctypes.CDLL(str(folder / "code.so"))
+    macros = f"""-D'HEADER="{name}.h"' -DREAL={real} -D'OF(x)={name}_##x' -DJOINTS={joints}"""
+    return library(folder, f"{BENCH / 'ask.c'} {name}.c", f"{macros} -D{kind.upper()}")
 
 
-def asked(
+def asked(function: ctypes._CFuncPtr, real: str, given: Sequence[np.ndarray]) -> Answers:
+    """Call a function of ask.c for goals and guesses."""
+    count, number = len(given[0]), np.float32 if real == "float" else np.float64
+    found = np.zeros(given[1].shape, number)
+    status, steps = np.zeros(count, np.int32), np.zeros(count, np.int32)
+    _call(function, number, given, (found, status, steps))
+    return Answers(status, found.astype(float), steps)
+
+
+def asked_back(
+    function: ctypes._CFuncPtr, real: str, found: np.ndarray, width: int
+) -> tuple[np.ndarray, np.ndarray]:
+    """Goals of `width` numbers and statuses, by a function of ask.c that takes no guess."""
+    number = np.float32 if real == "float" else np.float64
+    goals, status = np.zeros((len(found), width), number), np.zeros(len(found), np.int32)
+    _call(function, number, [found], (goals, status))
+    return goals.astype(float), status
+
+
+def _call(
     function: ctypes._CFuncPtr,
-    real: str,
-    inputs: Sequence[np.ndarray],
-    outputs: list[int],
-    order: str,
-) -> list[np.ndarray]:
-    """Call a function of ask.c: its arrays `order` (i input, o output of so many numbers, s status,
-    n numbers of steps).
-    """
-    number, count = np.float32 if real == "float" else np.float64, len(inputs[0])
-    given, widths = iter(inputs), iter(outputs)
-    arrays, results = list[np.ndarray](), list[np.ndarray]()
-    for letter in order:
-        if letter == "i":
-            arrays.append(np.ascontiguousarray(next(given), number))
-            continue
-        arrays.append(
-            np.zeros((count, next(widths)), number) if letter == "o" else np.zeros(count, np.int32)
-        )
-        results.append(arrays[-1])
-    function(count, *(ctypes.c_void_p(a.ctypes.data) for a in arrays))
-    return [r.astype(float) if r.dtype != np.int32 else r for r in results]
+    number: type[np.floating],
+    given: Sequence[np.ndarray],
+    results: Sequence[np.ndarray],
+) -> None:
+    arrays = [*(np.ascontiguousarray(values, number) for values in given), *results]
+    function(len(given[0]), *(ctypes.c_void_p(array.ctypes.data) for array in arrays))

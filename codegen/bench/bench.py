@@ -11,11 +11,11 @@ worst.py.
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 
 from harness import harness_of
 from processors import HOST, measure
-from readme import README, written
+from readme import table, told, written
 from subjects import HOME, machine_of
 from symkin.codegen.map.options import Options
 
@@ -38,47 +38,44 @@ def subjects() -> Iterator[tuple[str, str, Options, tuple[str, ...], str]]:
         yield f"ankle {real}", "ankle", machine_of("ankle").options(real), (board, HOST), "rad"
 
 
-def rows_of(chosen: Sequence[str]) -> dict[str, list[str]]:
-    """The rows of each solver, of the chosen ones or of all."""
-    found: dict[str, list[str]] = {}
+def rows_of(chosen: Sequence[str]) -> Iterator[tuple[str, ...]]:
+    """The rows of the chosen solvers, or of all."""
     for title, name, options, processors, unit in subjects():
         if chosen and title not in chosen:
             continue
         harness = harness_of(name, options)
-        found[title] = [
-            f"| {title} | {processor} | {case} | {f.mean:,.0f} | {f.largest:,.0f} | "
-            f"{f.error:.2g} {unit} |"
-            for processor in processors
-            for case, f in measure(harness, processor).items()
-        ]
-    return found
+        for processor in processors:
+            for case, f in measure(harness, processor).items():
+                yield (
+                    title,
+                    processor,
+                    case,
+                    f"{f.mean:,.0f}",
+                    f"{f.largest:,.0f}",
+                    f"{f.error:.2g} {unit}",
+                )
 
 
-def report(rows: Mapping[str, Sequence[str]]) -> str:
+def report(rows: Sequence[tuple[str, ...]]) -> str:
     """The table, with the rows of README.md for solvers that were not measured."""
-    told = README.read_text().partition("<!-- bench -->")[2].partition("<!-- end")[0].splitlines()
-    lines = [
-        "| solver | processor | case | mean | largest | largest error |",
-        "|---|---|---|---|---|---|",
-    ]
-    for title, *_ in subjects():
-        lines += rows.get(title, [line for line in told if line.startswith(f"| {title} |")])
-    return "\n".join(lines)
+    kept = [tuple(line.strip("| ").split(" | ")) for line in told("bench").splitlines()[2:]]
+    measured = {row[0] for row in rows}
+    every = [*rows, *(row for row in kept if row[0] not in measured)]
+    titles = [title for title, *_ in subjects()]
+    heads = ("solver", "processor", "case", "mean", "largest", "largest error")
+    ordered = sorted(every, key=lambda row: titles.index(row[0]))
+    return table([dict(zip(heads, row, strict=True)) for row in ordered])
 
 
 if __name__ == "__main__":
-    parser = argparse.ArgumentParser(
-        description="Measure the generated C on QEMU's boards and on the host."
-    )
+    parser = argparse.ArgumentParser(description="Instructions of the generated C.")
     parser.add_argument("solvers", nargs="*", metavar="SOLVER", help="these rows alone")
-    parser.add_argument(
-        "--write", action="store_true", help="write the table into codegen/README.md"
-    )
+    parser.add_argument("--write", action="store_true", help="the table of codegen/README.md")
     given = parser.parse_args()
     titles = [title for title, *_ in subjects()]
     if unknown := sorted(set(given.solvers) - set(titles)):
         parser.error(f"{', '.join(unknown)}: no such row; there are {', '.join(titles)}")
-    measured = rows_of(given.solvers)
-    print("\n".join(line for lines in measured.values() for line in lines))
+    measured = list(rows_of(given.solvers))
+    print("\n".join(" | ".join(row) for row in measured))
     if given.write:
         written("bench", report(measured))

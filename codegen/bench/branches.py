@@ -1,84 +1,78 @@
-"""Does NAME_OK mean the branch? Random goals, against a fine continuation of their lines in C of
-its own.
+"""Does OK of generated C mean the machine, on the branch of the guess, and can it be held?
 
-For each goal the known values move along the straight line from the guess's in small steps
-(walk.c); a line is regular where none of its steps has to be shorter than 1/25600 of it and no limb
-passes a dead centre; what is OK on others must be right as well. The generated C is asked for the
-same goals. Guesses: home for the first leg, for each of the next ones (`--legs`) an answer of the
-one before, where that was right, and for a last leg configurations beside the folds at which lines
-stopped.
+    python codegen/bench/branches.py [NAME|FILE ...] [--given A,B --find C,D] [--all] [--random 0]
+        [--part 1/1] [--range RANGE ...] [--count N] [--legs 2] [--steps 400] [--real double]
+        [--seed 0] [--write]
 
-Arms are asked for two kinds of goals more: from joints anywhere for poses of joints anywhere, and
-for such at which lines graze folds, found by bisection with the walk itself.
+Goals of a range are asked for, and each line from the guess's values to the goal is walked in small
+steps by C of its own (walk.c). What is OK must be where the line leads; asked for once more, from
+itself, it must be OK too, where the line is regular: none of its steps shorter than 1/25600 of it,
+no limb past a dead centre. Ranges:
 
-    python codegen/bench/branches.py [NAME|FILE ...] [--count 2000] [--range PART,TURN] [--legs 2]
-        [--real double] [--seed 0] [--write]
+- small, middle, widest, or PART,TURN (of the size, rad): random goals about home in `--legs`, the
+  next from an answer of the one before where that was right, one more from beside the folds at
+  which lines stopped. A fifth of what is refused is walked, and tells how many regular lines are.
+- anywhere, folds: of arms, from joints anywhere to poses of joints anywhere, and to such at which
+  lines graze folds.
+- paths: `--count` smooth paths in `--steps`, of maps both ways. Stuck is what is refused on a
+  regular line far from singularities, to an answer that tells where it stands, no limb beside a
+  dead centre. Anew is a map's answer whose values do not tell where the path stands: it begins at
+  home again.
+- grazes: lines to where the code refuses, and ever nearer (grazes.py). No OK there may be refused
+  as a guess that is not even read.
+- closes: values that the machine can take, and others, against the closures of
+  tests/oracle/plain_*.py (closes.py); the folder's own test is run first.
 
-Without `--range`: three of them, small, middle and widest (goals.py). Every line on which OK was
-wrong is printed, to be repeated. All lines that are OK are walked, and a fifth of the others, which
-tell how many regular lines are OK. `machines/` holds mechanisms that are not shipped.
+Without `--range`: small, middle, widest, of arms anywhere and folds too. Without names: those of
+README.md's table; `--all`: machines of all kinds, shipped or not, and maps, by default on paths,
+grazes and closes; with `--random` random ones; `--part 1/4` every fourth. Whatever is wrong is
+printed with all that repeats it. An interrupted run (Control-C) prints its table. Exit status 1
+where anything is wrong, stuck, unread, does not stand still, or fails its own test.
 """
 
 from __future__ import annotations
 
 import argparse
-import time
+import signal
+import sys
+import tempfile
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
+from itertools import islice
 from pathlib import Path
 
 import numpy as np
 
-from asked import STATUSES, Asked
-from directions import Direction, Outcome, direction_of
-from goals import MIDDLE, SMALL, WIDEST, Reach
-from readme import written
-from subjects import machine_of
+from asked import STATUSES, Asked, Machine
+from closes import closes
+from continuation import LONGEST
+from directions import HARD, PLAIN, Direction, Outcome, direction_of, directions
+from grazes import grazed
+from ranges import ARMS, MIDDLE, RANGES, Reach, by_legs, goals_about, maker
+from readme import table, written
+from rows import Row
+from subjects import drawn, machine_of, named
 from symkin.codegen.map.options import Options
+from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
 
 STUDIED = (
     *("zhang2009", "ren2008", "zhao2000", "zhao2000_links", "delta", "five_bar", "three_rrr"),
     *("three_rpr", "three_rps", "linear_delta", "orthoglide", "six_rss", "hexaglide"),
 )
-RANGES = {"small": SMALL, "middle": MIDDLE, "widest": WIDEST}
-ARMS = {"anywhere": "anywhere", "folds": "towards_folds"}
-"""Kinds of goals of arms, by the method that finds them."""
-_BATCH = 4096
+REALS = ("double", "float")
+HELD = ("paths", "grazes", "closes")
+"""Ranges of all kinds of machines."""
+COUNTS = {"paths": 25, "grazes": 200, "closes": 60}
+"""Goals of a leg, 2000 else."""
 LETTERS = "OMSNRW"
 """Of the statuses, in the order of STATUSES: OUT_OF_RANGE is R, the others begin with theirs."""
-
-
-@dataclass
-class Found:
-    """Counts of one study: goals, answers that are OK, wrong ones; of walked lines the regular
-    ones, and their statuses.
-    """
-
-    goals: int = 0
-    ok: int = 0
-    wrong: int = 0
-    steps: int = 0
-    most_steps: int = 0
-    seconds: float = 0.0
-    regular: np.ndarray = field(default_factory=lambda: np.zeros(len(STATUSES)))
-    """Regular lines by status, refused ones as many as those that were walked stand for."""
-    said: list[str] = field(default_factory=list)
-
-    @property
-    def ok_of_regular(self) -> float:
-        return float(100.0 * self.regular[0] / max(1.0, float(np.sum(self.regular))))
-
-    def row(self, name: str, real: str, reach: str) -> str:
-        refused = ", ".join(
-            f"{STATUSES[k]} {self.regular[k]:,.0f}"
-            for k in range(1, len(STATUSES))
-            if self.regular[k] > 0.5
-        )
-        return (
-            f"| {name} {real} | {reach} | {self.goals:,} | {self.ok:,} | {self.wrong} | "
-            f"{self.ok_of_regular:.1f} % | {refused} | "
-            f"{self.steps / max(1, self.goals):.1f} | {self.most_steps} |"
-        )
+OWN_TEST = "own test fails"
+"""What a refusal says of code that was not written because its test fails."""
+SECONDS = 150
+"""Processor time after which a machine is left out of a range: formulas of random ones may be
+long.
+"""
 
 
 def study(
@@ -89,37 +83,71 @@ def study(
     seed: int = 0,
     legs: int = 1,
     folds: bool = True,
-) -> Found:
-    """Asks the generated C for `count` random goals a leg, and compares what it calls OK with the
-    fine continuation.
+) -> Row:
+    """What random goals about home come to, `count` a leg, of code that is compiled without its
+    folder.
     """
-    return studied(direction_of(Asked(mechanism, options)), count, reach, seed, legs, folds)
+    lines, rng = direction_of(Asked(mechanism, options)), np.random.default_rng(seed)
+    return judged(lines, by_legs(lines, count, rng, reach, legs, folds))
 
 
-def studied(
-    lines: Direction, count: int, reach: Reach | str, seed: int, legs: int, folds: bool = True
-) -> Found:
-    """The same of lines whose code is compiled once; of arms also of a kind of `ARMS`."""
-    rng, found, begun = np.random.default_rng(seed), Found(), time.monotonic()
-    if isinstance(reach, str):
-        for first in range(0, count, _BATCH):
-            begins, goals = getattr(lines, reach)(min(_BATCH, count - first), rng)
-            _count(found, lines, lines.run(begins, goals, rng))
-        found.seconds = time.monotonic() - begun
-        return found
-    for first in range(0, count, _BATCH):
-        number = min(_BATCH, count - first)
-        home = lines.home.repeated(number)
-        starts, stopped = home, None
-        for leg in range(legs + folds):
-            if leg == legs and stopped is not None:
-                starts = lines.beside_folds(stopped, home, rng)
-            outcome = lines.run(starts, lines.goals(number, reach, rng), rng)
-            stopped = outcome if leg == 0 else stopped
-            _count(found, lines, outcome)
-            starts = lines.after(outcome, home)
-    found.seconds = time.monotonic() - begun
-    return found
+def judged(lines: Direction, outcomes: Iterable[Outcome]) -> Row:
+    """Counts of all outcomes, and what is wrong in them."""
+    row = Row()
+    for outcome in outcomes:
+        _count(row, lines, outcome)
+    return row
+
+
+def _count(row: Row, lines: Direction, outcome: Outcome) -> None:
+    ok, ends, goals = outcome.ok, outcome.ends, outcome.goals
+    status, found, steps = outcome.answers
+    reached = lines.stated(ends.unknowns, goals)
+    refused = outcome.regular & ~ok
+    refused[refused] = lines.gives_back(reached[refused], goals[refused])
+    stands_for = np.sum(~ok) / max(1, np.sum(outcome.walked & ~ok))
+    row.regular[0] += np.sum(outcome.regular & ok)
+    row.regular += stands_for * np.bincount(status[refused], minlength=len(STATUSES))
+    row.goals, row.ok = row.goals + len(ok), row.ok + int(np.sum(ok))
+    row.steps, row.most_steps = row.steps + int(steps.sum()), max(row.most_steps, int(steps.max()))
+    told = lines.tells(np.where(ok[:, None], found, reached), goals)
+    row.anew += int(np.sum(outcome.right & ~told))
+    again = lines.answers(goals, np.where(ok[:, None], found, outcome.starts.guesses)).status
+    wrong = {
+        "wrong": ok & ~outcome.right,
+        "moved": outcome.right & outcome.regular & told & (again != 0),
+        "stuck": _stuck(lines, outcome, reached, refused),
+    }
+    for what, which in wrong.items():
+        setattr(row, what, getattr(row, what) + int(which.sum()))
+        row.said += [_said(lines, outcome, what, int(k), reached[k]) for k in np.flatnonzero(which)]
+
+
+def _stuck(
+    lines: Direction, outcome: Outcome, reached: np.ndarray, refused: np.ndarray
+) -> np.ndarray:
+    """Refused lines on which a controller would be locked up."""
+    ends, goals = outcome.ends, outcome.goals
+    stuck = refused & (ends.shortest >= PLAIN)
+    if stuck.any():
+        stuck &= lines.problem.system.conditions(ends.unknowns, goals) < HARD
+        # an answer that could not be left again, because the code does not read it, is rightly
+        # refused
+        stuck &= lines.is_firm(ends.unknowns, goals) & lines.tells(reached, goals, easily=True)
+    return stuck
+
+
+def _said(lines: Direction, outcome: Outcome, what: str, k: int, reached: np.ndarray) -> str:
+    """One wrong answer, with all that repeats it."""
+    guess, goal = (
+        ", ".join(repr(float(v)) for v in lines.asked.number(values[k]))
+        for values in (outcome.starts.guesses, outcome.goals)
+    )
+    ends, told = outcome.ends, f"{lines.mechanism.name} {lines.real}: {what}, goal [{goal}], guess "
+    told += f"[{guess}], {STATUSES[outcome.answers.status[k]]} {outcome.answers.found[k].tolist()}"
+    if ends.shortest[k] > 0.0:
+        return f"{told}, the line leads to {reached.tolist()} by steps of {ends.shortest[k]:.2g}"
+    return f"{told}, the line ends at {ends.done[k]:.9f} of it"
 
 
 def statuses(lines: Direction, count: int, reach: Reach, seed: int, legs: int = 2) -> str:
@@ -129,117 +157,130 @@ def statuses(lines: Direction, count: int, reach: Reach, seed: int, legs: int = 
     rng, home = np.random.default_rng(seed), lines.home.repeated(count).guesses
     guesses, said = home, ""
     for _ in range(legs):
-        answers = lines.answers(lines.goals(count, reach, rng), guesses)
+        answers = lines.answers(goals_about(lines, count, reach, rng), guesses)
         said += "".join(LETTERS[status] for status in answers.status)
         guesses = np.where((answers.status == 0)[:, None], answers.found, home)
     return said
 
 
-def _count(found: Found, lines: Direction, outcome: Outcome) -> None:
-    """Adds one batch to the counts, and says what is wrong in it."""
-    ok, status, steps = outcome.ok, outcome.answers.status, outcome.answers.steps
-    refused = outcome.regular & ~ok
-    reached = lines.stated(outcome.ends.unknowns, outcome.goals)
-    refused[refused] = lines.gives_back(reached[refused], outcome.goals[refused])
-    stands_for = np.sum(~ok) / max(1, np.sum(outcome.walked & ~ok))
-    found.regular[0] += np.sum(outcome.regular & ok)
-    found.regular += stands_for * np.bincount(status[refused], minlength=len(STATUSES))
-    found.goals, found.ok = found.goals + len(ok), found.ok + int(np.sum(ok))
-    found.steps, found.most_steps = (
-        found.steps + int(np.sum(steps)),
-        max(found.most_steps, int(np.max(steps))),
+# --- the campaign ---------------------------------------------------------------------------------
+
+
+@dataclass
+class Campaign:
+    """What the options ask, and the rows that it came to, by machine or way of solving, type and
+    range.
+    """
+
+    chosen: argparse.Namespace
+    rows: dict[tuple[str, str, str], Row] = field(default_factory=dict)
+    failed: list[str] = field(default_factory=list)
+
+    def ask(self, machine: Machine, label: str) -> None:
+        """Ask one machine's code of each type in each range; what is not in time is left out."""
+        name = machine.mechanism.name
+        for real in self.chosen.real:
+            for word in self._ranges(machine):
+                signal.setitimer(signal.ITIMER_PROF, 0 if label else SECONDS)
+                try:
+                    for key, row in self._rows(machine, real, word):
+                        self.rows.setdefault((label or key, real, word), Row()).add(row)
+                        told = (f"{head} {cell}" for head, cell in row.cells().items() if cell)
+                        print(f"{name} {real} {word}", *told, sep=", ", flush=True)
+                        print("".join(f"    {words}\n" for words in row.said), end="", flush=True)
+                except (InputError, TimeoutError) as reason:
+                    print(f"{name} {real} {word}: left out: {str(reason)[:200]}", flush=True)
+                    self.failed += [f"{name} {real}"] if OWN_TEST in str(reason) else []
+                finally:
+                    signal.setitimer(signal.ITIMER_PROF, 0.0)
+
+    def _ranges(self, machine: Machine) -> list[str]:
+        if self.chosen.range:
+            return [w for w in self.chosen.range if w not in ARMS or machine.kind == "arm"]
+        if self.chosen.all or machine.kind == "map":
+            return list(HELD)
+        return [*RANGES, *(ARMS if machine.kind == "arm" else ())]
+
+    def _rows(self, machine: Machine, real: str, word: str) -> Iterator[tuple[str, Row]]:
+        """What solves a problem, and what the range came to, of a map both ways."""
+        count = self.chosen.count or COUNTS.get(word, 2000)
+        if word == "closes":
+            rng = np.random.default_rng(self.chosen.seed)
+            yield machine.kind, closes(machine, real, count, rng)
+            return
+        longest = PLAIN if word in HELD else LONGEST
+        for lines in directions(machine, real, longest):
+            rng = np.random.default_rng(self.chosen.seed)
+            if word == "grazes":
+                yield lines.solved_by, grazed(lines, count, rng)
+            else:
+                outcomes = maker(word, self.chosen.legs, self.chosen.steps)
+                yield lines.solved_by, judged(lines, outcomes(lines, count, rng))
+
+    def table(self) -> str:
+        """All rows, and their sum."""
+        total = Row()
+        for row in self.rows.values():
+            total.add(row)
+        rows = {**dict(sorted(self.rows.items())), ("all", "", ""): total}
+        cells = [dict(zip(("", "type", "range"), key, strict=True)) for key in rows]
+        return table([a | row.cells() for a, row in zip(cells, rows.values(), strict=True)])
+
+    @property
+    def is_good(self) -> bool:
+        return not self.failed and all(row.is_good for row in self.rows.values())
+
+
+def machines_of(chosen: argparse.Namespace, scratch: Path) -> Iterator[tuple[Machine, str]]:
+    """The named machines with their names; else all kinds, random ones among them, told by what
+    solves their problems.
+    """
+    if not chosen.all and not chosen.random:
+        for name in chosen.names or STUDIED:
+            machine = machine_of(name, chosen.given, chosen.find)
+            yield machine, Path(name).stem
+        return
+    number, count = (int(v) for v in chosen.part.split("/"))
+    every = [*(named() if chosen.all else ()), *islice(drawn(chosen.seed, scratch), chosen.random)]
+    for machine in every[number - 1 :: count]:
+        yield machine, ""
+
+
+def _late(*_: object) -> None:
+    raise TimeoutError("not in time")
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    for k in np.flatnonzero(ok & ~outcome.right):
-        found.wrong += 1
-        found.said.append(_said(lines, outcome, int(k), reached[k]))
-
-
-def _said(lines: Direction, outcome: Outcome, k: int, reached: np.ndarray) -> str:
-    """One wrong answer, with all that repeats it."""
-    number = lines.asked.number
-    guess, goal = (
-        ", ".join(repr(float(v)) for v in number(values[k]))
-        for values in (outcome.starts.guesses, outcome.goals)
-    )
-    what = (
-        f"{lines.mechanism.name} {lines.real}: OK is wrong, goal [{goal}], guess "
-        f"[{guess}], found {outcome.answers.found[k].tolist()}, "
-    )
-    if outcome.ends.shortest[k] > 0.0:
-        return (
-            f"{what}the line leads to {reached.tolist()} by steps of {outcome.ends.shortest[k]:.2g}"
-        )
-    return f"{what}the line ends at {outcome.ends.done[k]:.9f} of it"
-
-
-def report(
-    names: list[str],
-    count: int,
-    reals: list[str],
-    seed: int,
-    legs: int,
-    ranges: dict[str, Reach | str],
-) -> str:
-    rows, seconds = [], 0.0
-    for name in names:
-        for real in reals:
-            machine = machine_of(name)
-            lines = direction_of(Asked(machine.mechanism, machine.options(real)))
-            own = ARMS if machine.mechanism.serial and len(ranges) > 1 else {}
-            for words, reach in (ranges | own).items():
-                found = studied(lines, count, reach, seed, legs)
-                rows.append(found.row(Path(name).stem, real, words))
-                seconds += found.seconds
-                print("\n".join([rows[-1] + f" {found.seconds:.0f} s", *found.said]), flush=True)
-    table = [
-        f"Seed {seed}, {count:,} goals a leg, {seconds / 60:.0f} minutes on one core.",
-        "",
-        "| solver | range | goals | OK | OK wrong | OK of regular lines | refused regular lines | "
-        "mean steps | most steps |",
-        "|---|---|---|---|---|---|---|---|---|",
-        *rows,
-    ]
-    return "\n".join(table)
+    parser.add_argument("names", nargs="*")
+    parser.add_argument("--given")
+    parser.add_argument("--find")
+    parser.add_argument("--all", action="store_true")
+    parser.add_argument("--random", type=int, default=0)
+    parser.add_argument("--part", default="1/1")
+    parser.add_argument("--range", nargs="*", metavar="RANGE")
+    for option, usual in (("count", 0), ("legs", 2), ("steps", 400), ("seed", 0)):
+        parser.add_argument(f"--{option}", type=int, default=usual)
+    parser.add_argument("--real", nargs="*", choices=REALS, default=list(REALS))
+    parser.add_argument("--write", action="store_true", help="the table of codegen/README.md")
+    chosen = parser.parse_args()
+    signal.signal(signal.SIGPROF, _late)
+    campaign = Campaign(chosen)
+    with tempfile.TemporaryDirectory() as scratch:
+        try:
+            for machine, label in machines_of(chosen, Path(scratch)):
+                campaign.ask(machine, label)
+        except KeyboardInterrupt:
+            print("interrupted")
+    print(campaign.table())
+    print(f"own tests that fail: {', '.join(campaign.failed) or 'none'}")
+    if chosen.write:
+        told = f"Seed {chosen.seed}, {chosen.count or 2000:,} goals a leg."
+        written("branches", f"{told}\n\n{campaign.table()}")
+    return 0 if campaign.is_good else 1
 
 
 if __name__ == "__main__":
-    parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0] if __doc__ else "")
-    parser.add_argument("names", nargs="*", default=list(STUDIED))
-    parser.add_argument(
-        "--range",
-        metavar="PART,TURN",
-        help="how far goals lie from home: a part of the size, and rad; or a word of "
-        + ", ".join(RANGES)
-        + "; of arms "
-        + ", ".join(ARMS),
-    )
-    parser.add_argument("--count", type=int, default=2000, help="goals a leg (default: 2000)")
-    parser.add_argument(
-        "--legs",
-        type=int,
-        default=2,
-        help="lines that follow each other (default: 2); one more begins beside folds",
-    )
-    parser.add_argument(
-        "--real", choices=("float", "double"), action="append", help="default: both"
-    )
-    parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument(
-        "--write", action="store_true", help="write the table into codegen/README.md"
-    )
-    chosen = parser.parse_args()
-    given: dict[str, Reach | str] = dict(RANGES)
-    if chosen.range in RANGES | ARMS:
-        given = {chosen.range: (RANGES | ARMS)[chosen.range]}
-    elif chosen.range:
-        given = {chosen.range: Reach(*(float(number) for number in chosen.range.split(",")))}
-    measured = report(
-        chosen.names,
-        chosen.count,
-        chosen.real or ["double", "float"],
-        chosen.seed,
-        chosen.legs,
-        given,
-    )
-    if chosen.write:
-        written("branches", measured)
+    sys.exit(main())

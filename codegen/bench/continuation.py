@@ -5,7 +5,6 @@ reference in C of its own (walk.c).
 from __future__ import annotations
 
 import ctypes
-import subprocess
 import tempfile
 from dataclasses import dataclass
 from functools import cached_property
@@ -14,6 +13,7 @@ from pathlib import Path
 import casadi as ca
 import numpy as np
 
+from asked import BENCH, library
 from symkin.numeric.system import System
 from symkin.position.problem import Problem
 from symkin.spatial.rotation import multiply
@@ -58,9 +58,8 @@ class Walker:
             np.array(values, dtype=float, order="C") for values in (start, begin, goals)
         )
         shortest, done = np.zeros(len(z)), np.zeros(len(z))
-        arrays = [ctypes.c_void_p(v.ctypes.data) for v in (z, begin, goals)]
-        outputs = [ctypes.c_void_p(v.ctypes.data) for v in (shortest, done)]
-        self._library.follow_all(len(z), *arrays, ctypes.c_double(self.longest), *outputs)
+        arrays = [ctypes.c_void_p(v.ctypes.data) for v in (z, begin, goals, shortest, done)]
+        self._library.follow_all(len(z), ctypes.c_double(self.longest), *arrays)
         whole = np.flatnonzero(shortest > 0.0)
         if len(whole):
             error = self.system.residuals(z[whole], goals[whole])
@@ -69,62 +68,33 @@ class Walker:
 
     @cached_property
     def _library(self) -> ctypes.CDLL:
-        folder, system = Path(tempfile.mkdtemp()), self.system
+        system, functions = self.system, self._functions
         generator = ca.CodeGenerator("rows.c", {"with_header": False})
-        for function in self._functions:
+        for function in functions:
             generator.add(function)
-        generator.generate(f"{folder}/")
-        sizes = np.max(
-            [[f.sz_arg(), f.sz_res(), f.sz_iw(), f.sz_w()] for f in self._functions], axis=0
-        )
-        counts = dict(
-            zip(("point_SZ_ARG", "point_SZ_RES", "point_SZ_IW", "point_SZ_W"), sizes, strict=True)
-        )
-        counts |= {
-            "N": system.freedom,
-            "M": int(system.rows.shape[0]),
-            "WIDTH": system.width,
-            "KNOWN": int(system.known.shape[0]),
+        counts: dict[str, object] = {
+            f"SZ_{part.upper()}": max(getattr(f, f"sz_{part}")() for f in functions)
+            for part in ("arg", "res", "iw", "w")
         }
-        macros = [f"-D{name}={count}" for name, count in counts.items()] + [
-            f"-DSIZE={system.characteristic_length!r}"
-        ]
-        source = Path(__file__).with_name("walk.c")
-        subprocess.run(
-            [
-                "gcc",
-                "-O2",
-                "-ffp-contract=off",
-                "-fno-math-errno",
-                "-shared",
-                "-fPIC",
-                *macros,
-                f"-I{folder}",
-                str(source),
-                "-o",
-                "walk.so",
-                "-lm",
-            ],
-            cwd=folder,
-            check=True,
-        )
-        return ctypes.CDLL(str(folder / "walk.so"))
+        counts |= {"N": system.freedom, "M": system.rows.shape[0], "WIDTH": system.width}
+        counts |= {"KNOWN": system.known.shape[0], "SIZE": repr(system.characteristic_length)}
+        macros = " ".join(f"-D{name}={count}" for name, count in counts.items())
+        with tempfile.TemporaryDirectory() as folder:
+            generator.generate(f"{folder}/")
+            return library(Path(folder), str(BENCH / "walk.c"), macros)
 
-    @cached_property
+    @property
     def _functions(self) -> tuple[ca.Function, ca.Function]:
         """Rows, their matrix and their rate along a line; the retraction."""
         system = self.system
-        begin, goal, part = (
-            ca.SX.sym(name, *shape)
-            for name, shape in (("b", system.known.shape), ("g", system.known.shape), ("t", (1, 1)))
-        )
+        begin, goal = (ca.SX.sym(name, *system.known.shape) for name in "bg")
+        part, step = ca.SX.sym("t"), ca.SX.sym("step", system.freedom)
         line = self._line(begin, goal, part)
         rows, matrix = (
             ca.substitute(ca.densify(out), system.known, line)
             for out in (system.rows, system.jacobian)
         )
         outputs = [rows, ca.densify(matrix), ca.densify(ca.jacobian(rows, part))]
-        step = ca.SX.sym("step", system.freedom)
         options = {"cse": True}
         return (
             ca.Function("linearised", [system.unknown, begin, goal, part], outputs, options),

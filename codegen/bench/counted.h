@@ -3,8 +3,9 @@
 #define COUNTED_H
 #include <math.h>
 
+enum { ADDITIONS, MULTIPLICATIONS, DIVISIONS, SQRT, SIN, COS, ATAN2, OPERATIONS };
 struct tally {
-    long additions, multiplications, divisions, sqrt, sin, cos, atan2;
+    long of[OPERATIONS] = {};
 };
 static tally counted;
 
@@ -19,10 +20,10 @@ struct number {
     explicit operator double() const { return (double)v; }
     number operator-() const { return number(-v); }
     number operator+() const { return *this; }
-    number &operator+=(number b) { ++counted.additions; v += b.v; return *this; }
-    number &operator-=(number b) { ++counted.additions; v -= b.v; return *this; }
-    number &operator*=(number b) { ++counted.multiplications; v *= b.v; return *this; }
-    number &operator/=(number b) { ++counted.divisions; v /= b.v; return *this; }
+    number &operator+=(number b) { ++counted.of[ADDITIONS]; v += b.v; return *this; }
+    number &operator-=(number b) { ++counted.of[ADDITIONS]; v -= b.v; return *this; }
+    number &operator*=(number b) { ++counted.of[MULTIPLICATIONS]; v *= b.v; return *this; }
+    number &operator/=(number b) { ++counted.of[DIVISIONS]; v /= b.v; return *this; }
     friend number operator+(number a, number b) { return a += b; }
     friend number operator-(number a, number b) { return a -= b; }
     friend number operator*(number a, number b) { return a *= b; }
@@ -34,15 +35,15 @@ struct number {
     friend bool operator==(number a, number b) { return a.v == b.v; }
 };
 
-static inline number sqrt(number x) { ++counted.sqrt; return number((NUMBER)::sqrt((double)x.v)); }
-static inline number sin(number x) { ++counted.sin; return number((NUMBER)::sin((double)x.v)); }
-static inline number cos(number x) { ++counted.cos; return number((NUMBER)::cos((double)x.v)); }
-static inline number atan2(number y, number x) { ++counted.atan2; return number((NUMBER)::atan2((double)y.v, (double)x.v)); }
-static inline number fabs(number x) { return number((NUMBER)::fabs((double)x.v)); }
-static inline number sqrtf(number x) { return sqrt(x); }
-static inline number sinf(number x) { return sin(x); }
-static inline number cosf(number x) { return cos(x); }
+#define COUNTED(function, kind)                                                                                                 \
+    static inline number function(number x) { ++counted.of[kind]; return number((NUMBER)::function((double)x.v)); }             \
+    static inline number function##f(number x) { return function(x); }
+COUNTED(sqrt, SQRT)
+COUNTED(sin, SIN)
+COUNTED(cos, COS)
+static inline number atan2(number y, number x) { ++counted.of[ATAN2]; return number((NUMBER)::atan2((double)y.v, (double)x.v)); }
 static inline number atan2f(number y, number x) { return atan2(y, x); }
+static inline number fabs(number x) { return number((NUMBER)::fabs((double)x.v)); }
 static inline number fabsf(number x) { return fabs(x); }
 static inline int isfinite(number x) { return (int)(x.v - x.v == (NUMBER)0); }
 #endif

@@ -7,14 +7,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
 from asked import STATUSES, Answers, Asked, Machine, built
 from continuation import LONGEST, Ends, Walker
-from goals import Reach, goals_about, goals_anywhere
 from symkin.codegen.map.joint_map import JointMap
 from symkin.codegen.map.limb_platform import LimbPlatform
 from symkin.codegen.map.program import Kind
@@ -41,17 +39,10 @@ _REFUSED = 0.2
 """Refused goals that are walked too, as a part of all goals: they tell how many regular lines are
 OK.
 """
-_BESIDE = {"double": 6.0, "float": 2.5}
-"""Guesses beside a fold lie at most ten to this power nearer to it than the line was long."""
 _FIRM = 0.02
 """Condition of a limb at a given pose, times the root of rounding, from which on the limb is beside
 a dead centre: an error t of the pose is one of sqrt(t) there, and code keeps bounds of some such.
 """
-_BISECTED = 44
-"""Times that a part of a way is bisected: to a double's rounding, but for a digit or two."""
-_WAVES = 3
-_REACH = 0.9
-"""How far paths go from home (rad, or of the size), where no limits are nearer."""
 
 
 class Starts(NamedTuple):
@@ -114,6 +105,11 @@ class Direction:
     def walker(self) -> Walker:
         return Walker(self.problem, self.longest)
 
+    @cached_property
+    def far_walker(self) -> Walker:
+        """One whose steps are long where nothing is near."""
+        return Walker(self.problem, PLAIN)
+
     @property
     def mechanism(self) -> Mechanism:
         return self.asked.mechanism
@@ -137,6 +133,10 @@ class Direction:
     @property
     def is_map(self) -> bool:
         return self.places is not None
+
+    @property
+    def is_platform(self) -> bool:
+        return self.places is None and not self.mechanism.serial
 
     @cached_property
     def home(self) -> Starts:
@@ -181,7 +181,7 @@ class Direction:
         """Whether the code's limbs, on the reference's branches, reach a pose with these joint
         values: else one is past a dead centre.
         """
-        if self.is_map or self.mechanism.serial:
+        if not self.is_platform:
             return np.ones(len(found), bool)
         status, joints = self.asked.back(found)
         away = self._away(joints - known, self.problem.known_coordinates, turns=True)
@@ -192,7 +192,7 @@ class Direction:
         """Whether rounded poses tell on which side of their dead centres limbs stand: those of
         configurations at which the limbs' rows, the pose given, are far from singular.
         """
-        if self.is_map or self.mechanism.serial:
+        if not self.is_platform:
             return np.ones(len(unknowns), bool)
         values = self.problem.join_values(unknowns, known)
         limbs = build_problem(self.mechanism, pose_names(self.mechanism))
@@ -220,7 +220,7 @@ class Direction:
         """Largest differences (n,), over the size or in rad; of quaternions twice that, up to sign;
         of maps but for whole turns.
         """
-        if not self.is_map and not self.mechanism.serial:
+        if self.is_platform:
             q, r = found[:, 3:], reached[:, 3:]
             turned = np.minimum(np.max(np.abs(q - r), axis=1), np.max(np.abs(q + r), axis=1))
             return np.maximum(
@@ -240,67 +240,17 @@ class Direction:
             away[:, angular] = np.angle(np.exp(1j * away[:, angular]))
         return np.asarray(np.max(np.abs(away), axis=1))
 
-    def goals(self, count: int, reach: Reach, rng: np.random.Generator) -> np.ndarray:
-        """Goals as the C's numbers are."""
-        return self.asked.rounded(goals_about(self.kind, count, reach, rng))
-
-    def anywhere(self, count: int, rng: np.random.Generator) -> tuple[Starts, np.ndarray]:
-        """Arms at joints anywhere, and goals at the poses of others, a random part of the way from
-        the first joints to such anywhere; the ends of these ways.
-        """
-        ends = [goals_anywhere(self.mechanism, count, rng) for _ in range(2)]
-        begin = self.asked.rounded(ends[0])
-        parts = 10.0 ** rng.uniform(-2.0, 0.0, (count, 1))
-        return self._at(begin), self._poses(begin + parts * (ends[1] - begin))
-
-    def towards_folds(self, count: int, rng: np.random.Generator) -> tuple[Starts, np.ndarray]:
-        """Arms at joints anywhere, and goals from which lines graze folds: on the way of the goal's
-        joints to such anywhere the place from which on lines are stopped by a singularity is
-        bisected by walks, and goals lie on either side of it, ever nearer.
-        """
-        starts, _ = self.anywhere(count, rng)
-        way = goals_anywhere(self.mechanism, count, rng) - starts.guesses
-        low, high = np.zeros((count, 1)), np.ones((count, 1))
-        for k in range(_BISECTED):
-            middle = high if k == 0 else 0.5 * (low + high)
-            passes = self._passes(starts, self._poses(starts.guesses + middle * way))[:, None]
-            low, high = np.where(passes, middle, low), np.where(passes, high, middle)
-        nearer = rng.choice([-1.0, 1.0], low.shape) * 10.0 ** -rng.uniform(
-            1.0, 2.0 * _BESIDE[self.real], low.shape
-        )
-        return starts, self._poses(starts.guesses + low * (1.0 + nearer) * way)
-
-    def _at(self, joints: np.ndarray) -> Starts:
-        known = np.array([self.kind.forward_at(q) for q in joints])
-        return Starts(joints, known, joints)
-
-    def _poses(self, joints: np.ndarray) -> np.ndarray:
-        """Poses of an arm's joints as the C's numbers are."""
-        return self.asked.rounded(np.array([self.kind.forward_at(q) for q in joints]))
-
-    def _passes(self, starts: Starts, goals: np.ndarray) -> np.ndarray:
-        """Whether lines come to their goals."""
-        ends = self._far_walker.reached(starts.unknowns, *self.line(starts.known, goals))
-        return np.asarray(ends.shortest > 0.0)
-
-    @cached_property
-    def _far_walker(self) -> Walker:
-        """One whose steps are long where nothing is near."""
-        return Walker(self.problem, PLAIN)
-
-    def run(self, starts: Starts, goals: np.ndarray, rng: np.random.Generator) -> Outcome:
-        """Asks for all goals; walks the lines of all that are OK, and of some that are not."""
+    def run(
+        self, starts: Starts, goals: np.ndarray, rng: np.random.Generator, share: float = _REFUSED
+    ) -> Outcome:
+        """Asks for all goals; walks the lines of all that are OK, and of a share of the others."""
         answers = self.answers(goals, starts.guesses)
-        walked = (answers.status == 0) | (rng.random(len(goals)) < _REFUSED)
+        walked = (answers.status == 0) | (rng.random(len(goals)) < share)
         begins, ends_at = self.line(starts.known, goals)
         parts = self.walker.reached(starts.unknowns[walked], begins[walked], ends_at[walked])
         ends = Ends(starts.unknowns.copy(), np.zeros(len(goals)), np.zeros(len(goals)))
-        for whole, part in (
-            (ends.unknowns, parts.unknowns),
-            (ends.done, parts.done),
-            (ends.shortest, parts.shortest),
-        ):
-            whole[walked] = part
+        for key, whole in vars(ends).items():
+            whole[walked] = getattr(parts, key)
         begun = Starts(starts.unknowns, begins, starts.guesses)
         return Outcome(begun, ends_at, answers, walked, ends, self._right(ends, ends_at, answers))
 
@@ -344,28 +294,10 @@ class Direction:
             right[judged] = off < 2e-7 + 16 * self.epsilon * conditions
         return right
 
-    def after(self, outcome: Outcome, home: Starts) -> Starts:
-        """Right answers, else home."""
+    def after(self, outcome: Outcome, other: Starts) -> Starts:
+        """Right answers, else other ones."""
         reached = Starts(outcome.ends.unknowns, outcome.goals, outcome.answers.found)
-        return reached.where(outcome.right, home)
-
-    def beside_folds(self, outcome: Outcome, home: Starts, rng: np.random.Generator) -> Starts:
-        """Guesses short of the folds at which lines stopped, where the code's other problem gives
-        their known values back; else home.
-        """
-        stopped = outcome.walked & (outcome.ends.shortest == 0.0) & (outcome.ends.done > 0.0)
-        nearer = 10.0 ** -rng.uniform(1.0, _BESIDE[self.real], len(stopped))
-        part = (outcome.ends.done * (1.0 - nearer))[:, None]
-        begin = outcome.starts.known
-        known = begin + part * (outcome.goals - begin)
-        z, good = home.unknowns.copy(), np.zeros(len(stopped), dtype=bool)
-        if stopped.any():
-            parts = self.walker.reached(
-                outcome.starts.unknowns[stopped], begin[stopped], known[stopped]
-            )
-            z[stopped], good[stopped] = parts.unknowns, parts.shortest > 0.0
-        starts = Starts(z, known, self.stated(z, known))
-        return starts.where(good & self.gives_back(starts.guesses, known), home)
+        return reached.where(outcome.right, other)
 
 
 def solved_by(kind: object, way: object = None) -> str:
@@ -392,12 +324,12 @@ def direction_of(asked: Asked, longest: float = LONGEST) -> Direction:
     return Direction(asked, problem, longest, solved_by=solved_by(asked.program.kind))
 
 
-def directions(machine: Machine, real: str, folder: Path) -> list[Direction]:
-    """The problems of a machine's code that take a guess, walked in long steps."""
-    asked = Asked(machine.mechanism, machine.options(real), built(machine, real, folder))
+def directions(machine: Machine, real: str, longest: float = PLAIN) -> list[Direction]:
+    """The problems of a machine's code that take a guess, walked in steps of `longest`."""
+    asked = Asked(machine.mechanism, machine.options(real), built(machine, real))
     kind = asked.program.kind
     if not isinstance(kind, JointMap):
-        return [direction_of(asked, PLAIN)]
+        return [direction_of(asked, longest)]
     found = []
     for way, function, wanted in (
         (kind.direct, "ask_all", machine.find),
@@ -405,38 +337,7 @@ def directions(machine: Machine, real: str, folder: Path) -> list[Direction]:
     ):
         names = [c.name for c in way.unknown]
         places = np.array([way.problem.system.slices[names.index(n)].start for n in wanted])
-        found.append(Direction(asked, way.problem, PLAIN, function, places, solved_by(kind, way)))
+        solved = solved_by(kind, way)
+        found.append(Direction(asked, way.problem, longest, function, places, solved))
     direct, inverse = found
     return [replace(direct, back=inverse), replace(inverse, back=direct)]
-
-
-def paths_of(direction: Direction, paths: int, steps: int, rng: np.random.Generator) -> np.ndarray:
-    """Goals (steps, paths, known): sums of sines about home within limits; poses of an arm are
-    those of such joints.
-    """
-    mechanism = direction.mechanism
-    arm = mechanism.serial
-    coordinates = mechanism.actuated if arm else direction.problem.known_coordinates
-    home = direction.home.unknowns[0] if arm else direction.home.known[0]
-    time, goals = np.linspace(0.0, 1.0, steps)[:, None], []
-    for k, c in enumerate(coordinates):
-        unit = 1.0 if c.is_angular else direction.size
-        reach = _REACH * unit * (1.0 if c.is_angular else 0.4)
-        low, high = (
-            (home[k] - reach, home[k] + reach)
-            if c.limits is None
-            else (max(c.limits[0], home[k] - reach), min(c.limits[1], home[k] + reach))
-        )
-        waves = sum(
-            rng.uniform(-1, 1, paths) * np.sin(2 * np.pi * (w * time + rng.uniform(0, 1, paths)))
-            for w in range(1, _WAVES + 1)
-        )
-        waves = (waves - waves[0]) / (2.0 * np.abs(waves).max() + 1e-30)
-        goals.append(
-            home[k] + np.where(waves > 0, (high - home[k]) * waves, (home[k] - low) * waves) * 0.98
-        )
-    found = np.stack(goals, axis=-1)
-    if not arm:
-        return found
-    kind: SerialArm = direction.kind  # type: ignore[assignment]
-    return np.array([[kind.forward_at(q) for q in row] for row in found])

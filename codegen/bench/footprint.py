@@ -12,10 +12,10 @@ import tempfile
 from collections import defaultdict
 from dataclasses import dataclass
 from pathlib import Path
+from shlex import split
 
-from processors import BOARDS, COMMON
+from processors import BOARDS, LIBRARIES, compiled_for
 
-LIBRARIES = ["-lm", "-lc", "-lgcc"]
 _FRAME = re.compile(r"\t(push|vpush|stmdb|sub(?:\.w|w)?|str(?:\.w|d)?|vstmdb)\s+(.*)")
 _JUMP = re.compile(
     r"\t(?:bl|b|b\.w|b\.n|cbz|cbnz|b(?:eq|ne|gt|ge|lt|le|hi|ls|cs|cc|mi|pl|vs|vc)(?:\.[nw])?)\s+.*<([\w.]+)(?:\+0x[0-9a-f]+)?>$"
@@ -41,30 +41,21 @@ def footprints(
     """
     with tempfile.TemporaryDirectory() as scratch:
         place = Path(scratch)
-        flags = [
-            *COMMON,
-            "-ffunction-sections",
-            "-fdata-sections",
-            "-fcallgraph-info=su",
-            *BOARDS[board][1],
-            f"-I{folder}",
-        ]
-        _run(["arm-none-eabi-gcc", *flags, "-c", str(folder / f"{name}.c"), "-o", "z.o"], place)
-        library = _run(["arm-none-eabi-nm", "-u", "z.o"], place).split()[1::2]
+        sections = "-ffunction-sections -fdata-sections -fcallgraph-info=su"
+        compiled_for(board, f"{sections} -I{folder} -c {folder / name}.c -o z.o", place)
+        library = _run("nm -u z.o", place).split()[1::2]
         frames, calls = call_graph(next(place.glob("*.ci")).read_text())
         linked = [_linked([f"{name}_{f}"], board, place, with_library=True) for f in functions]
         alone = [_linked([f"{name}_{f}"], board, place, with_library=False) for f in functions]
         _linked([f"{name}_{f}" for f in functions], board, place, with_library=True)
-        pushed, jumps = disassembled(
-            _run(["arm-none-eabi-objdump", "-d", "--no-show-raw-insn", "z.elf"], place)
-        )
+        pushed, jumps = disassembled(_run("objdump -d --no-show-raw-insn z.elf", place))
         for callee in (set().union(*calls.values()) - set(frames)) & set(pushed):
             frames[callee] = depth(callee, pushed, jumps)
         found = {
             f: Footprint(depth(f"{name}_{f}", frames, calls), own, whole)
             for f, own, whole in zip(functions, alone, linked, strict=True)
         }
-        total = _run(["arm-none-eabi-size", "z.o"], place).splitlines()[1].split()
+        total = _run("size z.o", place).splitlines()[1].split()
         return found, sum(int(v) for v in total[:3]), sorted(library)
 
 
@@ -137,23 +128,13 @@ def depth(
 
 def _linked(roots: list[str], board: str, place: Path, *, with_library: bool) -> int:
     """Bytes of code, constants and data of what some functions need."""
-    wanted = [f"-Wl,-u,{root}" for root in roots]
-    others = LIBRARIES if with_library else ["-nostdlib", "-Wl,--unresolved-symbols=ignore-all"]
-    link = [
-        "-nostartfiles",
-        "-Wl,--gc-sections",
-        f"-Wl,-e,{roots[0]}",
-        *wanted,
-        "z.o",
-        *others,
-        "-o",
-        "z.elf",
-    ]
-    _run(["arm-none-eabi-gcc", "-mthumb", "-mfloat-abi=hard", *BOARDS[board][1], *link], place)
-    return sum(
-        int(v) for v in _run(["arm-none-eabi-size", "z.elf"], place).splitlines()[1].split()[:3]
-    )
+    wanted = " ".join(f"-Wl,-u,{root}" for root in roots)
+    others = LIBRARIES if with_library else "-nostdlib -Wl,--unresolved-symbols=ignore-all"
+    link = f"-nostartfiles -Wl,--gc-sections -Wl,-e,{roots[0]} {wanted} z.o {others} -o z.elf"
+    _run(f"gcc -mthumb -mfloat-abi=hard {BOARDS[board][1]} {link}", place)
+    return sum(int(v) for v in _run("size z.elf", place).splitlines()[1].split()[:3])
 
 
-def _run(command: list[str], place: Path) -> str:
+def _run(words: str, place: Path) -> str:
+    command = split(f"arm-none-eabi-{words}")
     return subprocess.run(command, cwd=place, check=True, capture_output=True, text=True).stdout

@@ -12,62 +12,24 @@ from __future__ import annotations
 
 import argparse
 import json
-import re
 import subprocess
 import sys
 import tempfile
 from pathlib import Path
+from shlex import split
 
+from calls import driver
 from folders import FOLDERS, folder_of
 
-BENCH = Path(__file__).parent
-SANITIZED = [
-    "-O1",
-    "-g",
-    "-fno-omit-frame-pointer",
-    "-ftrapping-math",
-    "-fsanitize=address,undefined",
-    "-fno-sanitize-recover=all",
-]
-EXTRA = ("track", "inverse_nearest", "rates", "twist", "feed", "line")
-"""Functions that some folders have and others have not."""
-
-
-def macros(folder: Path) -> list[str]:
-    """What inputs.h needs to know of a folder."""
-    manifest = json.loads((folder / "manifest.json").read_text())
-    name, options = manifest["mechanism"], manifest["options"]
-    header = (folder / f"{name}.h").read_text()
-    arm = re.search(rf"{name}_inverse\([^)]*guess", header) is not None
-    return [
-        f"-D{'MAP' if 'given' in options else 'SERIAL' if arm else 'PARALLEL'}",
-        f"-DNAME={name}",
-        f"-DUPPER={name.upper()}",
-        f'-DHEADER="{name}.h"',
-        f'-DVECTORS="{name}_vectors.h"',
-        *(["-DSTRUCT"] if options["geometry"] == "struct" else []),
-        *(f"-DHAS_{function}" for function in EXTRA if f" {name}_{function}(" in header),
-    ]
+FLAGS = """-std=gnu99 -Wall -Wextra -O1 -g -fno-omit-frame-pointer -ftrapping-math -fno-math-errno
+    -ffp-contract=off -fsanitize=address,undefined -fno-sanitize-recover=all"""
 
 
 def built(folder: Path, output: Path) -> Path:
     """The fuzzing program of a folder."""
     name = json.loads((folder / "manifest.json").read_text())["mechanism"]
-    command = [
-        "gcc",
-        "-std=gnu99",
-        "-Wall",
-        "-Wextra",
-        *SANITIZED,
-        "-fno-math-errno",
-        "-ffp-contract=off",
-        *macros(folder),
-        f"-I{folder}",
-    ]
-    subprocess.run(
-        [*command, str(BENCH / "fuzz.c"), str(folder / f"{name}.c"), "-lm", "-o", str(output)],
-        check=True,
-    )
+    words = f"{driver(folder, 'FUZZ', output.parent)} {folder / name}.c -lm -o {output}"
+    subprocess.run(split(f"gcc {FLAGS} {words}"), check=True)
     return output
 
 

@@ -20,14 +20,14 @@ from pathlib import Path
 from typing import Any
 
 from asked import Asked
-from branches import LETTERS, RANGES, statuses
+from branches import LETTERS, REALS, statuses
 from directions import direction_of
+from ranges import RANGES
 from subjects import machine_of
 from symkin.codegen.operation_bound import Bound
 
 BENCH = Path(__file__).parent
 GOLDEN = BENCH.parents[1] / "tests" / "data" / "golden_counts.toml"
-REALS = ("float", "double")
 COLUMNS = ("iterations", "additions", "multiplications", "divisions", "sqrt", "sin", "cos", "atan2")
 GOALS = 30
 """Goals a leg and range."""

@@ -3,17 +3,16 @@ can be held and left again.
 
 Lines go from home until a goal is refused: at a fold, a dead centre, a meeting of branches. Between
 the last goal that was OK and the refused one others are asked for, each from the last OK. An OK
-whose own answer is refused as a guess, or leads elsewhere, has moved; it is lost where the goals
-before it are refused as well: a controller that holds it comes no further.
+whose own answer is refused as a guess, or leads elsewhere, slips; it is lost where the goals before
+it are refused as well: a controller that holds it comes no further.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-
 import numpy as np
 
 from directions import OUT_OF_RANGE, Direction
+from rows import Row
 
 _STEP = 0.03
 """Length of a step from home (rad, or of the size)."""
@@ -30,25 +29,11 @@ _WAYS_OUT = (1.0, 0.5, 0.1, 0.01)
 """Parts of the way back to the last goal."""
 
 
-@dataclass
-class Grazes:
-    """What came of goals beside what is refused: asked for, OK, OK that do not stand still, as
-    guesses not even read, and lost.
-    """
-
-    asked: int = 0
-    ok: int = 0
-    moved: int = 0
-    unread: int = 0
-    lost: int = 0
-    examples: list[str] = field(default_factory=list)
-
-
-def grazed(direction: Direction, lines: int, rng: np.random.Generator) -> Grazes:
+def grazed(direction: Direction, lines: int, rng: np.random.Generator) -> Row:
     """Go from home in random directions; nothing where the given values are a pose, which has no
     straight lines.
     """
-    found, coordinates = Grazes(), direction.problem.known_coordinates
+    found, coordinates = Row(), direction.problem.known_coordinates
     if any(c.width != 1 for c in coordinates):
         return found
     known, guesses, beyond = _refused(direction, lines, rng)
@@ -61,19 +46,20 @@ def grazed(direction: Direction, lines: int, rng: np.random.Generator) -> Grazes
         held = np.where(ok, answers, guesses)
         again, there, _ = direction.answers(goal, held)
         there = np.where((again == 0)[:, None], there, held)
-        moved = ok[:, 0] & ((again != 0) | (direction.off(there, held) > near))
-        lost = moved.copy()
-        for way in _WAYS_OUT if moved.any() else ():
+        slips = ok[:, 0] & ((again != 0) | (direction.off(there, held) > near))
+        lost = slips.copy()
+        for way in _WAYS_OUT if slips.any() else ():
             back = direction.asked.rounded(goal + way * (known - goal))
             lost &= direction.answers(back, held).status != 0
-        found.asked, found.ok = found.asked + len(known), found.ok + int(ok.sum())
-        found.moved, found.lost = found.moved + int(moved.sum()), found.lost + int(lost.sum())
-        found.unread += int((moved & (again == OUT_OF_RANGE)).sum())
-        for i in np.flatnonzero(moved)[:1]:
-            found.examples.append(
-                f"from {guesses[i].tolist()} to {goal[i].tolist()}: OK, {answers[i].tolist()}, "
-                f"again: status {again[i]}, {there[i].tolist()}{', lost' if lost[i] else ''}"
-            )
+        unread = slips & (again == OUT_OF_RANGE)
+        row = Row(len(known), int(ok.sum()), slipped=int(slips.sum()))
+        row.lost, row.unread = int(lost.sum()), int(unread.sum())
+        found.add(row)
+        found.said += [
+            f"from {guesses[i].tolist()} to {goal[i].tolist()}: OK, {answers[i].tolist()}, "
+            f"again: status {again[i]}, {there[i].tolist()}{', lost' if lost[i] else ''}"
+            for i in np.flatnonzero(slips)[:1]
+        ]
         known, guesses, beyond = np.where(ok, goal, known), held, np.where(ok, beyond, goal)
     return found
 
@@ -86,10 +72,7 @@ def _refused(
     """
     home, coordinates = direction.home, direction.problem.known_coordinates
     units = np.array([1.0 if c.is_angular else direction.size for c in coordinates])
-    low, high = (
-        np.array([c.limits[e] if c.limits else s * np.inf for c in coordinates])
-        for e, s in ((0, -1), (1, 1))
-    )
+    low, high = np.array([c.limits or (-np.inf, np.inf) for c in coordinates]).T
     _, known, guesses = home.repeated(lines)
     way = rng.normal(size=known.shape)
     step = _STEP * units * way / np.linalg.norm(way, axis=1, keepdims=True)

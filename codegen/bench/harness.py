@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import re
 import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -35,24 +36,32 @@ from symkin.spatial.rotation import multiply
 MAIN = """
 #include "board.h"
 #include <math.h>
-@include@
+#include <string.h>
+#include "@{name}.h"
 #ifndef REPEATS
 #define REPEATS 16 /* solves of one case, at different places within a tick of the counter */
 #endif
-@tables@
+@{tables}
 static uint32_t measured(int kind, int k, double *error)
 {
+    const @{name}_real *const starts[] = { @{starts} };
+    const double *const expected[] = { @{expected} };
+    @{name}_real result[@{width}]@{others};
+    @{name}_info info;
+    int status;
     uint32_t total = 0u;
+    (void)info;
     for (int r = 0; r < REPEATS; ++r) {
         for (volatile int shift = 0; shift < r; ++shift) { }
-        @prepare@
+        memcpy(result, starts[kind], sizeof result);
         const uint32_t begin = board_ticks();
-        @call@
+        @{call}
         total += (board_ticks() - begin) & 0xFFFFFFu;
-        @after@
+        @{after}
         *error = 0.0;
-        for (int i = 0; i < @checked@; ++i) {
-          *error = fmax(*error, fabs((double)result[i] - expected[k][i])); }
+        for (int i = 0; i < @{checked}; ++i) {
+            *error = fmax(*error, fabs((double)result[i] - expected[kind][i]));
+        }
         if (status != 0) { *error = 4e9; }
     }
     return total * board_tick_instructions() / (uint32_t)REPEATS;
@@ -60,19 +69,29 @@ static uint32_t measured(int kind, int k, double *error)
 int main(void)
 {
     board_start_counter();
-    for (int kind = 0; kind < @kinds@; ++kind) {
-        for (int k = 0; k < @count@; ++k) {
+    for (int kind = 0; kind < @{kinds}; ++kind) {
+        for (int k = 0; k < @{count}; ++k) {
             double error;
             const uint32_t instructions = measured(kind, k, &error);
-            board_number((uint32_t)kind); board_text(" "); board_number(instructions);
-              board_text(" ");
-            board_number((uint32_t)fmin(error * 1e12, 4e9)); board_text(" ");
-              board_number((uint32_t)fmin(error * 1e6, 4e9)); board_text("\\n");
+            const uint32_t told[] = { (uint32_t)kind, instructions,
+                (uint32_t)fmin(error * 1e12, 4e9), (uint32_t)fmin(error * 1e6, 4e9) };
+            for (int i = 0; i < 4; ++i) {
+                board_number(told[i]);
+                board_text((i < 3) ? " " : "\\n");
+            }
         }
     }
     return 0;
 }
 """
+NEAREST = """double least = 4e9; /* of all branches, the one that is nearest to the answer */
+        for (int row = 0; row < found; ++row) {
+            double most = 0.0;
+            for (int i = 0; i < @{width}; ++i) {
+                most = fmax(most, fabs((double)all[row][i] - expected[kind][i]));
+            }
+            if (most < least) { least = most; memcpy(result, all[row], sizeof result); }
+        }"""
 
 
 class Case(NamedTuple):
@@ -141,37 +160,9 @@ def cases_of(program: Program) -> Sequence[Case]:
 
 
 def table(kind: str, name: str, rows: np.ndarray, real: Real) -> str:
-    lines = ", ".join(
-        "{ " + ", ".join(real.hexadecimal(float(v)) for v in row) + " }" for row in rows
-    )
-    return f"static const {kind} {name}[{rows.shape[0]}][{rows.shape[1]}] = {{ {lines} }};"
-
-
-def filled(
-    include: str,
-    tables: list[str],
-    prepare: str,
-    call: str,
-    checked: int,
-    kinds: int,
-    count: int,
-    after: str = "",
-) -> str:
-    """MAIN with its parts filled in; `after` follows the call that is measured."""
-    values = {
-        "include": include,
-        "tables": "\n".join(tables),
-        "prepare": prepare,
-        "call": call,
-        "checked": checked,
-        "kinds": kinds,
-        "count": count,
-        "after": after,
-    }
-    text = MAIN
-    for key, value in values.items():
-        text = text.replace(f"@{key}@", str(value))
-    return text
+    lines = (", ".join(real.hexadecimal(float(v)) for v in row) for row in rows)
+    held = ", ".join(f"{{ {line} }}" for line in lines)
+    return f"static const {kind} {name}[{rows.shape[0]}][{rows.shape[1]}] = {{ {held} }};"
 
 
 def tables_of(program: Program) -> dict[str, np.ndarray]:
@@ -214,7 +205,6 @@ def main_text(program: Program) -> str:
     name, real, cases = program.mechanism.name, program.real, cases_of(program)
     rows, poses = tables_of(program), program.kind.templates == "parallel"
     n, count = rows["joints"].shape[1], len(rows["joints"])
-    width = 7 if poses else n
     read = dict.fromkeys(part for case in cases for part in (*case.given, case.start))
     tables = [table(real.type, key, rows[key], real) for key in read]
     exact = dict.fromkeys(case.expected for case in cases)
@@ -222,71 +212,45 @@ def main_text(program: Program) -> str:
     struct = program.options.geometry == "struct"
     if struct:
         tables.append(f"static const {name}_geometry nominal = {name.upper()}_NOMINAL;")
-    pose = "start" if poses else "poses[k]"
-    lines = [
-        f"const {real.type} *const starts[] = {{ {', '.join(f'{c.start}[k]' for c in cases)} }};",
-        f"const {real.type} *const start = starts[kind];",
-        f"const double (*const all_expected[])[{width}] = "
-        f"{{ {', '.join(f'exact_{c.expected}' for c in cases)} }};",
-        f"const double (*const expected)[{width}] = all_expected[kind];",
-        f"{real.type} result[{width}]; {name}_info info; int status;",
-        f"for (int i = 0; i < {width}; ++i) {{ result[i] = start[i]; }}",
-        "(void)info;",
-    ]
-    if program.kind.templates != "map":
-        lines += [
-            f"{name}_pose pose;",
-            f"for (int i = 0; i < 3; ++i) {{ pose.position[i] = {pose}[i]; }}",
-            f"for (int i = 0; i < 4; ++i) {{ pose.quaternion[i] = {pose}[3 + i]; }}",
-        ]
-    else:
-        lines.append(f"{real.type} jacobian[{n * n}], second[{n**3}];")
-    after = ["for (int i = 0; i < 3; ++i) { result[i] = pose.position[i]; }"] if poses else []
+    others = f", jacobian[{n * n}], second[{n**3}]" if program.kind.templates == "map" else ""
+    after = ""
+    if any(case.function == "inverse_all" for case in cases):
+        others += f", all[{name.upper()}_BRANCHES][{n}]; int found = 0"
+        after = NEAREST.replace("@{width}", str(n))
     functions = {f.name: f for f in program.functions}
-    calls = []
-    for k, case in enumerate(cases):
-        if case.function == "inverse_all":
-            lines.append(f"{real.type} all[{name.upper()}_BRANCHES][{n}]; int found = 0;")
-            call = f"found = {name}_inverse_all(&pose, all); status = (found == 0);"
-            after.append(_NEAREST.replace("@n@", str(n)))
-        else:
-            call = _call(functions[case.function], name, case, struct=struct)
-        calls.append(f"if (kind == {k}) {{ {call} }}")
-    return filled(
-        f'#include "{name}.h"',
-        tables,
-        "\n        ".join(lines),
-        "\n        else ".join([*calls, "{ status = 1; }"]),
-        3 if poses else n,
-        len(cases),
-        count,
-        "\n        ".join(after),
-    )
+    calls = (_call(functions.get(case.function), name, case, struct=struct) for case in cases)
+    values = {
+        "name": name,
+        "tables": "\n".join(tables),
+        "starts": ", ".join(f"{case.start}[k]" for case in cases),
+        "expected": ", ".join(f"exact_{case.expected}[k]" for case in cases),
+        "width": 7 if poses else n,
+        "others": others,
+        "call": " else ".join(f"if (kind == {k}) {{ {call} }}" for k, call in enumerate(calls))
+        + " else { status = 1; }",
+        "after": after,
+        "checked": 3 if poses else n,
+        "kinds": len(cases),
+        "count": count,
+    }
+    return re.sub(r"@\{(\w+)\}", lambda hole: str(values[hole[1]]), MAIN)
 
 
-_NEAREST = """double least = 4e9; /* of all branches, the one that is nearest to the answer */
-        for (int row = 0; row < found; ++row) {
-            double most = 0.0;
-            for (int i = 0; i < @n@; ++i) {
-              most = fmax(most, fabs((double)all[row][i] - expected[k][i])); }
-            if (most < least) { least = most; for (int i = 0; i < @n@; ++i) {
-              result[i] = all[row][i]; } }
-        }"""
-
-
-def _call(function: Function, name: str, case: Case, *, struct: bool) -> str:
+def _call(function: Function | None, name: str, case: Case, *, struct: bool) -> str:
     """The call of a case: what it gives begins as its start."""
+    if function is None:
+        pose = f"(const {name}_pose *){case.given[0]}[k]"
+        return f"found = {name}_inverse_all({pose}, all); status = (found == 0);"
     given = iter(case.given)
     arguments = (["&nominal"] if struct else []) + (["0"] if function.config else [])
     for value in (*function.takes, *function.gives):
-        if not value.count:
-            arguments.append("&pose")
-        elif value.name == "guess":
-            arguments.append("start")
-        elif value in function.takes:
-            arguments.append(f"{next(given)}[k]")
-        else:
-            arguments.append(value.name if value.type == "matrix" else "result")
+        read = value in function.takes
+        told = (
+            "starts[kind]" if value.name == "guess" else f"{next(given)}[k]" if read else "result"
+        )
+        told = value.name if value.type == "matrix" else told
+        as_pose = "" if value.count else f"({'const ' if read else ''}{name}_pose *)"
+        arguments.append(as_pose + told)
     arguments += ["&info"] if function.info else []
     return f"status = (int){name}_{function.name}({', '.join(arguments)});"
 

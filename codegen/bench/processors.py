@@ -14,6 +14,7 @@ import sys
 import tempfile
 from dataclasses import dataclass
 from pathlib import Path
+from shlex import split
 
 import numpy as np
 
@@ -21,12 +22,21 @@ from harness import Harness
 
 TARGETS = Path(__file__).parent.parent / "targets"
 BOARDS = {
-    "M4F": ("mps2-an386", ["-mcpu=cortex-m4", "-mfpu=fpv4-sp-d16"]),
-    "M7": ("mps2-an500", ["-mcpu=cortex-m7", "-mfpu=fpv5-d16"]),
+    "M4F": ("mps2-an386", "-mcpu=cortex-m4 -mfpu=fpv4-sp-d16"),
+    "M7": ("mps2-an500", "-mcpu=cortex-m7 -mfpu=fpv5-d16"),
 }
 """QEMU's machine and the compiler's flags of each board."""
 HOST = "host"
-COMMON = ["-O2", "-std=c99", "-mthumb", "-mfloat-abi=hard", "-ffp-contract=off", "-fno-math-errno"]
+START = f"-nostartfiles -T {TARGETS / 'mps2.ld'} -I {TARGETS} {TARGETS / 'board.c'}"
+"""What a program on a board begins with."""
+COMMON = "-O2 -std=c99 -mthumb -mfloat-abi=hard -ffp-contract=off -fno-math-errno"
+LIBRARIES = "-lm -lc -lgcc"
+
+
+def compiled_for(board: str, words: str, folder: Path) -> None:
+    """Run the board's compiler in a folder."""
+    command = split(f"arm-none-eabi-gcc {COMMON} {BOARDS[board][1]} {words}")
+    subprocess.run(command, cwd=folder, check=True)
 
 
 @dataclass(frozen=True)
@@ -50,55 +60,22 @@ def measure(harness: Harness, processor: str) -> dict[str, Figures]:
 
 def on_board(harness: Harness, board: str) -> np.ndarray:
     """Rows (kind, instructions, error)."""
-    machine, flags = BOARDS[board]
-    elf = f"{board}.elf"
-    link = [
-        "-nostartfiles",
-        "-T",
-        str(TARGETS / "mps2.ld"),
-        "-I",
-        str(TARGETS),
-        "-I.",
-        str(TARGETS / "board.c"),
-    ]
-    sources = ["bench.c", f"{harness.source}.c", "-lm", "-lc", "-lgcc", "-o", elf]
-    subprocess.run(
-        ["arm-none-eabi-gcc", *COMMON, *flags, *link, *sources], cwd=harness.folder, check=True
-    )
-    return _rows(said_on_board(machine, harness.folder / elf))
+    sources = f"bench.c {harness.source}.c {LIBRARIES} -o {board}.elf"
+    compiled_for(board, f"{START} -I. {sources}", harness.folder)
+    return _rows(said_on_board(BOARDS[board][0], harness.folder / f"{board}.elf"))
 
 
 def said_on_board(machine: str, program: Path | str, shift: int = 0) -> str:
     """What a program says on stderr on a machine of QEMU's, an instruction 2^shift ns."""
-    qemu = [
-        "qemu-system-arm",
-        "-M",
-        machine,
-        "-nographic",
-        "-icount",
-        f"shift={shift}",
-        "-semihosting-config",
-        "enable=on,target=native",
-        "-kernel",
-        str(program),
-    ]
-    return subprocess.run(qemu, check=True, capture_output=True, text=True, timeout=300).stderr
+    qemu = f"qemu-system-arm -M {machine} -nographic -icount shift={shift} -semihosting-config"
+    command = split(f"{qemu} enable=on,target=native -kernel {program}")
+    return subprocess.run(command, check=True, capture_output=True, text=True, timeout=300).stderr
 
 
 def on_host(harness: Harness, cc: str = "gcc") -> np.ndarray:
     """The same on this machine: built by the host's Makefile, counted by valgrind."""
-    make = [
-        "make",
-        "-s",
-        "-C",
-        str(TARGETS / "host"),
-        f"FOLDER={harness.folder}",
-        f"BUILD={harness.folder}",
-        f"NAME={harness.source}",
-        f"CC={cc}",
-        "bench",
-    ]
-    subprocess.run(make, check=True)
+    place = f"FOLDER={harness.folder} BUILD={harness.folder} NAME={harness.source} CC={cc} bench"
+    subprocess.run(split(f"make -s -C {TARGETS / 'host'} {place}"), check=True)
     return counted(harness.folder / "bench", harness.calls)
 
 
@@ -109,15 +86,8 @@ def counted(program: Path, calls: tuple[str, ...]) -> np.ndarray:
     totals: list[float] = []
     for call in calls:
         with tempfile.TemporaryDirectory() as dumps:
-            command = [
-                "valgrind",
-                "-q",
-                "--tool=callgrind",
-                "--callgrind-out-file=out",
-                f"--toggle-collect={call}",
-                f"--dump-after={call}",
-                str(program.resolve()),
-            ]
+            within = f"--toggle-collect={call} --dump-after={call} {program.resolve()}"
+            command = split(f"valgrind -q --tool=callgrind --callgrind-out-file=out {within}")
             done = subprocess.run(
                 command, cwd=dumps, check=True, capture_output=True, text=True, timeout=300
             )

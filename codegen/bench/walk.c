@@ -28,32 +28,21 @@ typedef struct {
     real r[M];     /* their rate along the line */
 } point;
 
+static casadi_int iw[SZ_IW + 1];
+static real w[SZ_W + 1];
+
 static void evaluate(const real *z, const real *begin, const real *goal, real part, point *at)
 {
-    static casadi_int iw[point_SZ_IW + 1];
-    static real w[point_SZ_W + 1];
-    const real *arg[point_SZ_ARG];
-    real *res[point_SZ_RES];
-    arg[0] = z;
-    arg[1] = begin;
-    arg[2] = goal;
-    arg[3] = &part;
-    res[0] = at->f;
-    res[1] = at->j;
-    res[2] = at->r;
+    const real *arg[SZ_ARG] = { z, begin, goal, &part };
+    real *res[SZ_RES] = { at->f, at->j, at->r };
     linearised(arg, res, iw, w, 0);
 }
 
 static void moved(real *z, const real *step)
 {
-    static casadi_int iw[point_SZ_IW + 1];
-    static real w[point_SZ_W + 1];
-    const real *arg[point_SZ_ARG];
-    real *res[point_SZ_RES];
     real to[WIDTH];
-    arg[0] = z;
-    arg[1] = step;
-    res[0] = to;
+    const real *arg[SZ_ARG] = { z, step };
+    real *res[SZ_RES] = { to };
     retracted(arg, res, iw, w, 0);
     memcpy(z, to, sizeof to);
 }
@@ -240,7 +229,7 @@ static void copied(real *to, const double *from, int count)
 }
 
 /* Many lines; z: begins, overwritten by ends. */
-void follow_all(int count, double *z, const double *begin, const double *goal, double longest, double *shortest, double *done)
+void follow_all(int count, double longest, double *z, const double *begin, const double *goal, double *shortest, double *done)
 {
     for (int k = 0; k < count; ++k) {
         real unknowns[WIDTH];

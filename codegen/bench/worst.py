@@ -21,11 +21,11 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
+from calls import driver
 from folders import FOLDERS, folder_of
-from footprint import LIBRARIES, footprints
-from fuzz import macros
-from processors import BOARDS, COMMON, TARGETS, said_on_board
-from readme import written
+from footprint import footprints
+from processors import BOARDS, LIBRARIES, START, compiled_for, said_on_board
+from readme import table, written
 
 BENCH = Path(__file__).parent
 MEASURED = BENCH.parent / "measured.json"
@@ -76,63 +76,34 @@ def searched_instructions(
     """The most instructions of each function, the most stack that its dearest input touched, and
     how many inputs were tried.
     """
-    machine, flags = BOARDS[board]
-    limits = [f"-DSEED={seed}", f"-DMOST_INPUTS={most_inputs}L", f"-DMOST_TICKS={most_ticks}ULL"]
+    limits = f"-DSEED={seed} -DMOST_INPUTS={most_inputs}L -DMOST_TICKS={most_ticks}ULL"
     with tempfile.TemporaryDirectory() as scratch:
-        elf = f"{scratch}/worst.elf"
-        include = [
-            f"-I{folder}",
-            f"-I{TARGETS}",
-            f"-I{BENCH}",
-            "-nostartfiles",
-            "-T",
-            str(TARGETS / "mps2.ld"),
-        ]
-        sources = [
-            str(BENCH / "worst.c"),
-            str(folder / f"{name}.c"),
-            str(TARGETS / "board.c"),
-            *LIBRARIES,
-            "-o",
-            elf,
-        ]
-        command = [
-            "arm-none-eabi-gcc",
-            *COMMON,
-            *flags,
-            *macros(folder),
-            *limits,
-            *include,
-            *sources,
-        ]
-        subprocess.run(command, check=True)
-        said = said_on_board(machine, elf, SHIFT)
-    rows = re.findall(r"^(\w+) (\d+) (\d+)$", said, re.M)
+        place, sources = Path(scratch), f"{folder / name}.c {LIBRARIES} -o worst.elf"
+        words = f"{limits} {driver(folder, 'WORST', place)} {START} {sources}"
+        compiled_for(board, words, place)
+        said = said_on_board(BOARDS[board][0], f"{scratch}/worst.elf", SHIFT)
+    rows = {
+        f: (int(ticks), int(b)) for f, ticks, b in re.findall(r"^(\w+) (\d+) (\d+)$", said, re.M)
+    }
+    count, _ = rows.pop("inputs")
     # a call that ends within a tick may have taken all of the next
-    instructions = {f: math.ceil((int(ticks) + 1) * 40 / 2**SHIFT) for f, ticks, _ in rows}
-    return (
-        instructions,
-        {f: int(stack) for f, _, stack in rows},
-        int(re.findall(r"^inputs (\d+)$", said, re.M)[0]),
-    )
+    instructions = {f: math.ceil((ticks + 1) * 40 / 2**SHIFT) for f, (ticks, _) in rows.items()}
+    return instructions, {f: stack for f, (_, stack) in rows.items()}, count
 
 
-def table(figures: dict[str, dict[str, Any]]) -> str:
+def figures_table(figures: dict[str, dict[str, Any]]) -> str:
     """The table of codegen/README.md."""
-    lines = [
-        "| folder | function | instructions | stack | bytes | with libm |",
-        "|---|---|---|---|---|---|",
-    ]
+    keys = ("instructions", "stack", "bytes", "bytes_with_library")
+    rows: list[tuple[str, ...]] = []
     for folder, found in sorted(figures.items()):
         for name, f in found["functions"].items():
-            row = (f["instructions"], f["stack"], f["bytes"], f["bytes_with_library"])
-            lines.append(f"| {folder} | {name} | {' | '.join(f'{v:,}' for v in row)} |")
-        named = ", ".join(found["library"]) or "none"
-        lines.append(
-            f"| {folder} | all | {found['inputs']:,} inputs | | {found['object_bytes']:,} | calls "
-            f"{named} |"
+            rows.append((folder, name, *(f"{f[key]:,}" for key in keys)))
+        called = f"calls {', '.join(found['library']) or 'none'}"
+        rows.append(
+            (folder, "all", f"{found['inputs']:,} inputs", "", f"{found['object_bytes']:,}", called)
         )
-    return "\n".join(lines)
+    heads = ("folder", "function", "instructions", "stack", "bytes", "with libm")
+    return table([dict(zip(heads, row, strict=True)) for row in rows])
 
 
 def _gcc_version() -> str:
@@ -143,32 +114,20 @@ def _gcc_version() -> str:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(
-        description="Search the worst cases of folders of generated C."
-    )
-    parser.add_argument(
-        "folders",
-        nargs="*",
-        type=Path,
-        metavar="FOLDER",
-        help="default: all that generate.py writes",
-    )
-    parser.add_argument(
-        "--write",
-        action="store_true",
-        help="write codegen/measured.json and the table of codegen/README.md",
-    )
+    parser = argparse.ArgumentParser(description="Search the worst cases of generated folders.")
+    parser.add_argument("folders", nargs="*", type=Path, metavar="FOLDER", help="default: all")
+    parser.add_argument("--write", action="store_true", help="keep the figures")
     parser.add_argument("--seed", type=int, default=1)
     given = parser.parse_args()
     found = {}
     for folder in given.folders or map(folder_of, FOLDERS):
         found[folder.resolve().name] = measured(folder.resolve(), given.seed)
-        print(table({folder.name: found[folder.resolve().name]}), flush=True)
+        print(figures_table({folder.name: found[folder.resolve().name]}), flush=True)
     if given.write:
         kept = json.loads(MEASURED.read_text()) if MEASURED.exists() else {}
         kept = {name: figures for name, figures in {**kept, **found}.items() if name in FOLDERS}
         MEASURED.write_text(json.dumps(dict(sorted(kept.items())), indent=1) + "\n")
-        written("worst", table(kept))
+        written("worst", figures_table(kept))
 
 
 if __name__ == "__main__":

@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from symkin.codegen.map.platform_rates import speeds_text
-from symkin.codegen.text.c import Real, indent
+from symkin.codegen.text.c import Real
 from symkin.codegen.text.templates import fill
 from symkin.model.joint import Coordinate
 
@@ -39,25 +39,16 @@ def arm_error(
         "least_pivot": literal(16.0 * real.epsilon),
         # of six joints or more J J^T z = e and y = J^T z, of fewer J^T J y = J^T e
         "right_start": "e[i]" if wide else literal(0.0),
-        "right_count": 0 if wide else 6,
-        "right_term": "a[j][i] * e[j]",
+        "right": []
+        if wide
+        else ["for (int j = 0; j < 6; ++j) {", "    r[i] += a[j][i] * e[j];", "}"],
         "inner": count if wide else 6,
         "product": "a[i][k] * a[j][k]" if wide else "a[k][i] * a[k][j]",
-        "back": indent(
-            [f"for (int j = 0; j < {count}; ++j) {{", "    y[j] += a[order[i]][j] * r[i];", "}"]
-            if wide
-            else ["y[order[i]] = r[i];"],
-            3,
-        ),
+        "back": [f"for (int j = 0; j < {count}; ++j) {{", "    y[j] += a[order[i]][j] * r[i];", "}"]
+        if wide
+        else ["y[order[i]] = r[i];"],
     }
-    text = fill("arm_error.c", {**values, **own})
-    if wide:
-        text = text.replace(
-            "            for (int j = 0; j < 0; ++j) {\n                r[i] += a[j][i] * e[j];\n"
-            "            }\n",
-            "",
-        )
-    return text
+    return fill("arm_error.c", {**values, **own})
 
 
 def arm_speeds(

@@ -5,12 +5,13 @@ which the arm is regular and its closed form, where it has one, decides firmly.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from functools import partial
 from typing import NamedTuple
 
 import casadi as ca
 import numpy as np
 
-from symkin.codegen.serial_arm import NEARLY, SerialArm, closed_misfit
+from symkin.codegen.serial_arm import NEARLY, SerialArm, closed_misfit, poses_between
 from symkin.codegen.steps.samples import MORE, followed, pose_scales, rounded_to, tidied_pose
 from symkin.model.joint import Coordinate, units_of
 from symkin.numeric.mapped import Mapped
@@ -205,13 +206,6 @@ def _all_followed(
         np.array(part) for part in zip(*((v.guess, v.target) for v in lines), strict=True)
     )
     starts = np.array([arm.forward_at(guess) for guess in guesses])
-    nearer = np.sum(starts[:, 3:] * targets[:, 3:], axis=1) > 0
-    starts[:, 3:] *= np.where(nearer, 1.0, -1.0)[:, None]
-
-    def line(part: float) -> np.ndarray:
-        poses = np.asarray(starts + part * (targets - starts))
-        poses[:, 3:] /= np.linalg.norm(poses[:, 3:], axis=1, keepdims=True)
-        return poses
 
     def kept(_: np.ndarray, before: np.ndarray, found: Polished, poses: np.ndarray) -> np.ndarray:
         moved = found.points
@@ -221,7 +215,9 @@ def _all_followed(
             fine &= _least_squares(branches, moved, poses) > least
         return np.asarray(fine)
 
-    return followed(arm.inverse.system, guesses, line, _STEPS, kept)
+    return followed(
+        arm.inverse.system, guesses, partial(poses_between, starts, targets), _STEPS, kept
+    )
 
 
 def canonical(pose: np.ndarray) -> np.ndarray:

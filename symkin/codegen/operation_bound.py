@@ -13,6 +13,8 @@ import re
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import pairwise
+from typing import Any
 
 from symkin.computed_once import lru_cache
 
@@ -35,12 +37,11 @@ _TOKEN = re.compile(
 )
 _VALUE = re.compile(r"[\w.)\]]")
 """What begins a token that ends a value: a sign behind it has two sides."""
-_CLOSING = {"(": ")", "[": "]", "{": "}"}
-
 _TYPED = 4
 """Words of a declaration among which its type is."""
 
-Tokens = tuple[str, ...]
+Tokens = tuple[Any, ...]
+"""Words and signs, and what stands in brackets: a tuple of its own behind the opening one."""
 Count = Counter[str]
 Known = Mapping[str, int]
 
@@ -91,54 +92,46 @@ class _Function:
 
 def _functions(source: str) -> Iterator[_Function]:
     """The functions that a file defines, in its order."""
-    tokens = tuple(_TOKEN.findall(_LEFT_OUT.sub(" ", source)))
-    begin = k = 0
-    while k < len(tokens):
-        end = _closing(tokens, k) if tokens[k] == "{" else k
-        if end > k and tokens[k - 1] == ")":
-            opening = tokens.index("(", begin)
-            names = [
-                [t for t in _cut(part, "[")[0] if _NAME.match(t)]
-                for part in _parts(tokens[opening + 1 : k - 1], ",")
-            ]
-            yield _Function(
-                tokens[opening - 1],
-                tuple(n[-1] for n in names),
-                "static" not in tokens[begin:opening],
-                tokens[k + 1 : end],
-            )
-            begin = end + 1
-        if tokens[end] == ";":
-            begin = end + 1
-        k = end + 1
+    tokens, begin = _nested(iter(_TOKEN.findall(_LEFT_OUT.sub(" ", source)))), 0
+    for k, token in enumerate(tokens):
+        if token[0] == "{" and tokens[k - 1][0] == "(":
+            parts, head = _parts(tokens[k - 1][1:], ","), tokens[begin : k - 1]
+            names = tuple(next(t for t in part[::-1] if t[0].isidentifier()) for part in parts)
+            yield _Function(head[-1], names, "static" not in head, token[1:])
+        if token == ";" or token[0] == "{":
+            begin = k + 1
 
 
-def _closing(tokens: Tokens, k: int) -> int:
-    """Where the bracket at k closes."""
-    depth, opening = 0, tokens[k]
-    for at in range(k, len(tokens)):
-        depth += (tokens[at] == opening) - (tokens[at] == _CLOSING[opening])
-        if depth == 0:
-            return at
-    raise ValueError(f"C text: {opening!r} is not closed")
+def _nested(tokens: Iterator[str]) -> Tokens:
+    """Tokens up to a bracket that closes, those within brackets in tuples of their own."""
+    found = list[Any]()
+    for token in tokens:
+        if token in (")", "]", "}"):
+            break
+        found.append((token, *_nested(tokens)) if token in ("(", "[", "{") else token)
+    return tuple(found)
+
+
+@lru_cache(maxsize=1 << 14)
+def _words(tokens: Tokens) -> frozenset[str]:
+    """All tokens, those in brackets too."""
+    return frozenset().union(*(_words(t) if isinstance(t, tuple) else (t,) for t in tokens))
+
+
+def _is_cast(token: str | Tokens) -> bool:
+    """Whether it is a type in brackets."""
+    inside = token[1:] if token[0] == "(" else ()
+    return bool(inside) and all(isinstance(t, str) and (t == "*" or _TYPE.match(t)) for t in inside)
 
 
 def _parts(tokens: Tokens, mark: str) -> list[Tokens]:
-    """A list's parts between marks outside brackets."""
-    found: list[Tokens] = []
-    begin = k = 0
-    while k < len(tokens):
-        if tokens[k] == mark:
-            found.append(tokens[begin:k])
-            begin = k + 1
-        elif tokens[k] in _CLOSING:
-            k = _closing(tokens, k)
-        k += 1
-    return [*found, tokens[begin:]] if tokens else []
+    """A list's parts between marks."""
+    places = [-1, *(k for k, t in enumerate(tokens) if t == mark), len(tokens)]
+    return [tokens[a + 1 : b] for a, b in pairwise(places)] if tokens else []
 
 
 def _cut(tokens: Tokens, sign: str) -> tuple[Tokens, Tokens]:
-    """What stands before and after a sign outside brackets; nothing after where there is none."""
+    """What stands before and after a sign; nothing after where there is none."""
     found = _parts(tokens, sign)
     return (found[0], found[1]) if len(found) == 2 else (tokens, ())
 
@@ -153,12 +146,9 @@ def _conjuncts(tokens: Tokens) -> list[Tokens]:
 def _bare(tokens: Tokens) -> Tokens:
     """Without brackets around all of it, casts and stars before it."""
     while tokens:
-        end = _closing(tokens, 0) if tokens[0] == "(" else -1
-        if end == len(tokens) - 1:
-            tokens = tokens[1:-1]
-        elif end > 0 and all(_TYPE.match(t) for t in tokens[1:end]):
-            tokens = tokens[end + 1 :]
-        elif tokens[0] == "*":
+        if len(tokens) == 1 and tokens[0][0] == "(":
+            tokens = tokens[0][1:]
+        elif tokens[0] == "*" or _is_cast(tokens[0]):
             tokens = tokens[1:]
         else:
             break
@@ -190,24 +180,20 @@ def _statements(tokens: Tokens) -> tuple[_Statement, ...]:
 def _statement(tokens: Tokens, at: int) -> tuple[_Statement, int]:
     """The statement that begins at a place, and where the next one does."""
     word = tokens[at]
-    if word == "{":
-        end = _closing(tokens, at)
-        return _Statement("{", (), tokens[at + 1 : end]), end + 1
+    if word[0] == "{":
+        return _Statement("{", (), word[1:]), at + 1
     if word in ("do", "switch", "goto", "case", "continue"):
         raise ValueError(f"C text: {word!r} is not read here")
     if word not in ("if", "while", "for"):
-        end = at
-        while tokens[end] != ";":
-            end = 1 + (_closing(tokens, end) if tokens[end] in _CLOSING else end)
+        end = tokens.index(";", at)
         return _Statement("", tokens[at:end]), end + 1
-    end = _closing(tokens, at + 1)
-    _, after = _statement(tokens, end + 1)
-    body, other = tokens[end + 1 : after], Tokens()
+    _, after = _statement(tokens, at + 2)
+    body, other = tokens[at + 2 : after], Tokens()
     if word == "if" and tokens[after : after + 1] == ("else",):
         begin = after + 1
         _, after = _statement(tokens, begin)
         other = tokens[begin:after]
-    return _Statement(word, tokens[at + 2 : end], body, other), after
+    return _Statement(word, tokens[at + 1][1:], body, other), after
 
 
 # --- counts ---------------------------------------------------------------------------------------
@@ -252,7 +238,8 @@ class _Counter:
         return self.counts[key]
 
     def _is_straight(self, tokens: Tokens) -> bool:
-        return self.functions.keys().isdisjoint(tokens) and not {"for", "while"} & {*tokens}
+        words = _words(tokens)
+        return self.functions.keys().isdisjoint(words) and words.isdisjoint(("for", "while"))
 
     def _block(self, tokens: Tokens, known: Known) -> Count:
         """The sum of statements; what they tell of whole numbers stays within them."""
@@ -299,10 +286,10 @@ class _Counter:
         found = (self._end(part, name, known) for part in _conjuncts(head[1]))
         ends = [end for end in found if end is not None]
         if first is None or not ends:
-            raise NotDerivedError(f"for ({' '.join(head[1])})")
+            raise NotDerivedError(f"for {name}")
         values = range(first, max(ends) - 1, -1) if down else range(first, min(ends) + 1)
         test = self._expression(head[1], known)
-        if name not in body or self._is_straight(body):
+        if name not in _words(body) or self._is_straight(body):
             return _times(self._block(body, known) + test, len(values)) + test
         passes = (self._block(body, {**known, name: value}) + test for value in values)
         return sum(passes, start=Count(test))
@@ -327,36 +314,29 @@ class _Counter:
             limit = self._whole(most, known)
             if limit is not None and _bare(counter) in counted:
                 return limit
-        raise NotDerivedError(f"{loop.word} ({' '.join(loop.head)})")
+        raise NotDerivedError(loop.word)
 
     # --- numbers and expressions ------------------------------------------------------------------
 
     def _learn(self, tokens: Tokens, known: dict[str, int]) -> None:
         """Keeps what a declaration says of a whole number or of a config."""
-        if "const" not in tokens or not any(
-            t in ("int", "uint8_t") or t.endswith("_config") for t in tokens[:_TYPED]
-        ):
-            return
         declared, value = _cut(tokens, "=")
-        if not value or "const" not in declared or not _NAME.match(declared[-1]):
+        kinds = declared[:_TYPED]
+        is_config = any(t.endswith("_config") for t in kinds if isinstance(t, str))
+        is_read = is_config or "int" in kinds or "uint8_t" in kinds
+        if not (value and is_read and "const" in kinds and declared[-1][0].isidentifier()):
             return
-        found = None
-        if any(t.endswith("_config") for t in declared):
-            inside = value[0] == "{"
-            found = (
-                self._whole(_parts(value[1:-1], ",")[1], known)
-                if inside
-                else self._of_config(value, known)
-            )
-            found = None if found is None else _Allowed(found)
-        elif any(t in ("int", "uint8_t") for t in declared):
-            found = self._whole(value, known)
+        if is_config and value[0][0] == "{":
+            found = self._whole(_parts(value[0][1:], ",")[1], known)
+        else:
+            found = self._of_config(value, known) if is_config else self._whole(value, known)
         if found is not None:
-            known[declared[-1]] = found
+            known[declared[-1]] = _Allowed(found) if is_config else found
 
     def _of_config(self, tokens: Tokens, known: Known) -> int | None:
         """The most iterations of the configs that an expression may stand for."""
-        return max((known[t] for t in tokens if isinstance(known.get(t), _Allowed)), default=None)
+        allowed = (known[t] for t in _words(tokens) if isinstance(known.get(t), _Allowed))
+        return max(allowed, default=None)
 
     def _whole(self, tokens: Tokens, known: Known) -> int | None:
         """The largest value of a whole number, None where the text does not tell it."""
@@ -369,7 +349,7 @@ class _Counter:
                 if a is None or b is None:
                     return None
                 return {"+": a + b, "-": a - b, "*": a * b}[sign]
-            case (name, "(", *_) if name in self.functions:
+            case (name, ("(", *_)) if name in self.functions:
                 return self._returned(tokens, known)
             case (word,):
                 if number := re.match(r"(\d+)[uUlL]*$", word):
@@ -418,34 +398,31 @@ def _operations(tokens: Tokens) -> tuple[Count, list[tuple[str, list[Tokens]]]]:
     """Operations of an expression, and what it calls with which arguments. A sign behind a value
     has two sides; what stands before a cast tells of one behind it.
     """
-    total, calls, before, k = Count(), list[tuple[str, list[Tokens]]](), "", 0
-    while k < len(tokens):
-        token = tokens[k]
-        if token == "(" and _NAME.match(before) and before != "return":
-            calls.append((before, _parts(tokens[k + 1 : _closing(tokens, k)], ",")))
-        elif token == "(" and _is_cast(tokens, k):
-            k, token = _closing(tokens, k), before
-        elif token == "[":
-            k, token = _closing(tokens, k), "]"
-        elif token == "++":
+    total, calls, before = Count(), list[tuple[str, list[Tokens]]](), ""
+    for token in tokens:
+        if isinstance(token, tuple):
+            if token[0] == "(" and _NAME.match(before) and before != "return":
+                calls.append((before, _parts(token[1:], ",")))
+            elif _is_cast(token):
+                continue
+            if token[0] != "[":
+                inside, called = _operations(token[1:])
+                total.update(inside)
+                calls += called
+            before = ")"
+            continue
+        if token == "++":
             total[f"++{tokens[-1]}"] += 1
         elif token[0] in _ARITHMETIC and token not in ("--", "->"):
             is_value = _VALUE.match(before) and not _TYPE.match(before)
             total[_ARITHMETIC[token[0]]] += token.endswith("=") or bool(is_value)
-        before, k = token, k + 1
+        before = token
     return +total, calls
-
-
-def _is_cast(tokens: Tokens, k: int) -> bool:
-    """Whether the bracket at k holds a type."""
-    if not _TYPE.match(tokens[k + 1]):
-        return False
-    return all(t == "*" or _TYPE.match(t) for t in tokens[k + 1 : _closing(tokens, k)])
 
 
 def _breaks(body: Tokens) -> bool:
     """Whether a block ends by leaving its loop."""
-    return body[-3:] == ("break", ";", "}")
+    return bool(body[-1][-2:] == ("break", ";"))
 
 
 def _times(count: Count, factor: int) -> Count:

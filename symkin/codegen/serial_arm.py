@@ -64,6 +64,15 @@ def closed_misfit(real: Real, size: float) -> float:
     return 4.0 * tolerance_of(real, size) + _FINISHED * real.epsilon * size
 
 
+def poses_between(begins: np.ndarray, ends: np.ndarray, part: float) -> np.ndarray:
+    """Poses (n, 7) at a part of straight lines, orientations along the shorter arcs."""
+    is_far = np.sum(begins[:, 3:] * ends[:, 3:], axis=1, keepdims=True) < 0.0
+    begins = np.hstack([begins[:, :3], np.where(is_far, -1.0, 1.0) * begins[:, 3:]])
+    poses = begins + part * (ends - begins)
+    poses[:, 3:] /= np.linalg.norm(poses[:, 3:], axis=1, keepdims=True)
+    return np.asarray(poses)
+
+
 @dataclass(frozen=True, eq=False)
 class SerialArm(Described):
     """A serial arm with its options: what its C is written from."""
@@ -157,13 +166,7 @@ class SerialArm(Described):
         if len(self.actuated) >= 6:
             return True
         first, second = (np.array([pose for _, pose in self.samples[k::2]]) for k in (0, 1))
-        middle = (
-            first
-            + np.where(np.sum(first[:, 3:] * second[:, 3:], axis=1) < 0.0, -1.0, 1.0)[:, None]
-            * second
-        )
-        middle[:, :3] = 0.5 * (first[:, :3] + second[:, :3])
-        middle[:, 3:] /= np.linalg.norm(middle[:, 3:], axis=1)[:, None]
+        middle = poses_between(first, second, 0.5)
         return bool(np.mean(closing_poses(self.mechanism, middle)) > 0.5)
 
     @cached_property

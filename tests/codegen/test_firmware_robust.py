@@ -153,7 +153,7 @@ def test_all_near_goals_are_ok():
         machine.mechanism,
         machine.options("float"),
         200,
-        branches.Reach(60.0 / 531.2592, 0.25),
+        tools.bench_module("ranges").Reach(60.0 / 531.2592, 0.25),
         seed=5,
         folds=False,
     )

@@ -7,7 +7,6 @@ from __future__ import annotations
 import ctypes
 import math
 import subprocess
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -38,7 +37,8 @@ def test_walks_keep_their_branch(name, real):
     tools.compiler("gcc")
     make, turn, least = MECHANISMS[name]
     branches = tools.bench_module("branches")
-    found = branches.study(make(), Options(real), 30, branches.Reach(0.2, turn), seed=6, legs=3)
+    reach = tools.bench_module("ranges").Reach(0.2, turn)
+    found = branches.study(make(), Options(real), 30, reach, seed=6, legs=3)
     assert found.ok > 30
     assert found.wrong == 0
     assert found.ok_of_regular > least
@@ -238,13 +238,12 @@ REGULAR = {
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", in_gate(REGULAR, ["orthoglide"]))
-def test_a_regular_line_is_not_refused(name, tmp_path):
+def test_a_regular_line_is_not_refused(name):
     """A line that is far from singularities is OK, and ends where fifty short ones do."""
     tools.compiler("gcc")
-    closes, directions = tools.bench_module("closes"), tools.bench_module("directions")
+    subjects, directions = tools.bench_module("subjects"), tools.bench_module("directions")
     real, guess, goal = (np.array([v]) for v in REGULAR[name])
-    machine = symkin.load(Path(closes.__file__).parent / "machines" / f"{name}.toml")
-    (direction,) = directions.directions(closes.Machine(machine), str(real[0]), tmp_path)
+    (direction,) = directions.directions(subjects.machine_of(name), str(real[0]))
     status, found, _ = direction.answers(goal, guess)
     assert status[0] == 0
     _, begin = direction.asked.back(guess)
@@ -273,19 +272,19 @@ GRAZES = {
 @pytest.mark.parametrize(
     "name", in_gate_but(GRAZES, ["formulas, elbows", "formulas, slides on arms"])
 )
-def test_what_is_ok_beside_a_dead_centre_can_be_held(name, real, tmp_path):
+def test_what_is_ok_beside_a_dead_centre_can_be_held(name, real):
     """Lines that end at folds and dead centres, goals ever nearer to them: an OK answer is read as
     a guess, and of formulas its own joint values are OK again; of Newton's method all but one in
     200, whose pose is another one after it has been read.
     """
     tools.compiler("gcc")
-    closes, grazes, directions = (tools.bench_module(m) for m in ("closes", "grazes", "directions"))
-    (direction,) = directions.directions(closes.Machine(GRAZES[name]()), real, tmp_path)
+    asked, grazes, directions = map(tools.bench_module, ("asked", "grazes", "directions"))
+    (direction,) = directions.directions(asked.Machine(GRAZES[name]()), real)
     found = grazes.grazed(direction, 200, np.random.default_rng(3))
     assert found.ok > 500
-    assert found.unread == 0, found.examples
+    assert found.unread == 0, found.said
     share = 0.0 if direction.solved_by == "limbs, formulas" else 0.005
-    assert found.moved <= share * found.ok, found.examples
+    assert found.slipped <= share * found.ok, found.said
 
 
 HELD = {
@@ -299,46 +298,45 @@ found coordinates by mechanism and type.
 """
 
 
-def _map_directions(name, real, folder):
+def _map_directions(name, real):
     """Both directions of a map of `HELD`."""
-    closes, directions = tools.bench_module("closes"), tools.bench_module("directions")
-    given, find = (tuple(names.split(",")) for names in HELD[name, real])
-    return directions.directions(closes.Machine(symkin.load(name), given, find), real, folder)
+    machine = tools.bench_module("subjects").machine_of(name, *HELD[name, real])
+    return tools.bench_module("directions").directions(machine, real)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("name", "real"), in_gate(HELD, [("sarrus", "float")]))
-def test_an_answer_of_a_map_can_be_held(name, real, tmp_path):
+def test_an_answer_of_a_map_can_be_held(name, real):
     """Lines that end at folds, goals ever nearer to them: an OK answer, given back as the guess
     with the same values, is OK and stays.
     """
     tools.compiler("gcc")
     grazes = tools.bench_module("grazes")
-    for direction in _map_directions(name, real, tmp_path):
+    for direction in _map_directions(name, real):
         found = grazes.grazed(direction, 60, np.random.default_rng(3))
         assert found.ok > 300
-        assert found.moved == 0, found.examples
+        assert found.slipped == 0, found.said
 
 
 @pytest.mark.slow
-def test_a_short_line_that_is_refused_is_not_tried_for_ever(tmp_path):
+def test_a_short_line_that_is_refused_is_not_tried_for_ever():
     """Steps beside where branches meet are as long as rounding makes them: a line that is neither
     regular nor rounding is refused as such, not after all iterations.
     """
     tools.compiler("gcc")
-    direct, _ = _map_directions("sarrus", "float", tmp_path)
+    direct, _ = _map_directions("sarrus", "float")
     goals = direct.asked.rounded(np.linspace(0.6397, 0.6437, 100)[:, None])
     status = direct.answers(goals, np.full_like(goals, -2.367640733718872)).status
     assert not np.any(status == 1)  # MAX_ITERATIONS
 
 
 @pytest.mark.slow
-def test_a_slide_beside_zero_is_not_answered_on_the_other_side(tmp_path):
+def test_a_slide_beside_zero_is_not_answered_on_the_other_side():
     """A line whose end has a slide of length zero but for rounding: OK only where the pose gives
     the joint values back.
     """
-    closes, directions = tools.bench_module("closes"), tools.bench_module("directions")
-    (direction,) = directions.directions(closes.Machine(_slides_on_arms()), "float", tmp_path)
+    asked, directions = tools.bench_module("asked"), tools.bench_module("directions")
+    (direction,) = directions.directions(asked.Machine(_slides_on_arms()), "float")
     rng, home = np.random.default_rng(5), direction.home
     goal = np.array(
         [[1.9871028661727905, 3.0342817306518555, 5.613564968109131, 141.12986755371094]]

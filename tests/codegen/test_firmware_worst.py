@@ -7,6 +7,7 @@ from __future__ import annotations
 import hashlib
 import json
 import re
+import shlex
 import subprocess
 from pathlib import Path
 
@@ -115,24 +116,10 @@ def _counted(folder: str, place: Path, inputs: int) -> dict[str, dict[str, int]]
         (place / file).write_text(
             text.replace(f"typedef {real} {name}_real;", f"typedef number {name}_real;")
         )
-    macros = [
-        *tools.bench_module("fuzz").macros(tools.folder(folder)),
-        f"-DNUMBER={real}",
-        f'-DSOURCE="{name}.c"',
-    ]
-    command = [
-        tools.compiler("g++"),
-        "-std=gnu++17",
-        "-w",
-        "-O1",
-        "-ffp-contract=off",
-        *macros,
-        f"-I{CODEGEN / 'bench'}",
-        f"-I{place}",
-    ]
-    subprocess.run(
-        [*command, str(CODEGEN / "bench" / "counts.cpp"), "-o", str(place / "counts")], check=True
-    )
+    driver = tools.bench_module("calls").driver(tools.folder(folder), "COUNTS", place)
+    flags = f"-std=gnu++17 -w -O1 -ffp-contract=off -DNUMBER={real} -x c++"
+    command = shlex.split(f"""{tools.compiler("g++")} {flags} '-DSOURCE="{name}.c"' {driver}""")
+    subprocess.run([*command, "-o", str(place / "counts")], check=True)
     said = subprocess.run(
         [str(place / "counts"), str(inputs), "3"], check=True, capture_output=True, text=True
     ).stdout

@@ -208,9 +208,8 @@ def test_quick_campaign(name, real):
     """Two legs and one from beside folds, goals over the whole workspace: nothing wrong is OK."""
     tools.compiler("gcc")
     branches = tools.bench_module("branches")
-    found = branches.study(
-        load(str(MACHINES / f"{name}.toml")), Options(real), 400, branches.WIDEST, seed=9, legs=2
-    )
+    reach, machine = tools.bench_module("ranges").WIDEST, load(str(MACHINES / f"{name}.toml"))
+    found = branches.study(machine, Options(real), 400, reach, seed=9, legs=2)
     assert found.said == []
     assert found.ok > 100
     assert found.ok_of_regular > 80
@@ -230,7 +229,8 @@ def test_a_wrong_ok_is_found(monkeypatch):
         return found._replace(status=0 * found.status)
 
     monkeypatch.setattr(asked.Asked, "answers", careless)
-    found = branches.study(wide_five_bar("planar"), Options("double"), 50, branches.WIDEST, seed=1)
+    reach = tools.bench_module("ranges").WIDEST
+    found = branches.study(wide_five_bar("planar"), Options("double"), 50, reach, seed=1)
     assert found.wrong == len(found.said) > 10
     assert "goal [" in found.said[0]
     assert "guess [" in found.said[0]

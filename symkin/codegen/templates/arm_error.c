@@ -50,9 +50,7 @@ static name_real name_damped(const name_real jacobian[@{nj}], const name_real e[
         for (int i = 0; i < @{nm}; ++i) {
             order[i] = (uint8_t)i;
             r[i] = @{right_start};
-            for (int j = 0; j < @{right_count}; ++j) {
-                r[i] += @{right_term};
-            }
+            @{right}
             for (int j = 0; j < @{nm}; ++j) {
                 g[i][j] = (i == j) ? raised : @{zero};
                 for (int k = 0; k < @{inner}; ++k) {
@@ -107,7 +105,7 @@ static name_real name_damped(const name_real jacobian[@{nj}], const name_real e[
             y[i] = @{zero};
         }
         for (int i = 0; (i < @{nm}) && whole; ++i) {
-@{back}
+            @{back}
         }
     }
     for (int i = 0; i < @{nq}; ++i) {

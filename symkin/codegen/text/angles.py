@@ -51,9 +51,7 @@ class Numbers:
     @property
     def parts(self) -> tuple[ca.SX, ...]:
         """Cosine and sine of an angle, else the value."""
-        if self.cosine is not None and self.sine is not None:
-            return self.cosine, self.sine
-        return (self.value,)
+        return (self.value,) if self.cosine is None else self.circle()
 
     def circle(self) -> tuple[ca.SX, ca.SX]:
         """Cosine and sine as they are known."""
