@@ -31,13 +31,13 @@ from symkin.calibration.judge.mistakes import Case, diagnose, diagnose_labels, n
 from symkin.calibration.judge.outliers import MAX_OUTLIER_SHARE
 from symkin.calibration.judge.result import Calibration
 from symkin.calibration.judge.trials import find_sequence
-from symkin.calibration.options import LEAST_CHANGE, FileOptions, FitOptions, check_seed
+from symkin.calibration.options import LEAST_CHANGE, FileOptions, FitOptions
 from symkin.calibration.report import FitReport
 from symkin.errors import InputError
 from symkin.files.euler_columns import SEQUENCES
 from symkin.model.mechanism import Mechanism
 from symkin.text import first_of, meant, printable
-from symkin.verb_options import refuse_ignored, takes
+from symkin.verb_options import check_seed, refuse_ignored, takes
 
 ALL_PARAMETERS = "all"
 """The pattern that stands for every parameter that moves poses."""
