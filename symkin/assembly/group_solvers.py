@@ -60,7 +60,9 @@ def _joined(problem: Problem) -> tuple[Problem, ...]:
     groups, found = structure_groups(problem), list[Problem]()
     for numbers in independent_parts(groups):
         own = tuple(groups[k] for k in numbers)
-        is_one = len(own) > 1 and _is_solved_as_one(joined_groups(problem, own), own)
+        # formulas of an arm take all numbers of its pose, of which its rows may hold some
+        some = len(own) > 1 or problem.mechanism.serial
+        is_one = some and _is_solved_as_one(joined_groups(problem, own), own)
         found += [joined_groups(problem, own)] if is_one else own
     given = {*problem.known_coordinates}
     rods = tuple(g for g in found if given >= {*g.known_coordinates} and rod_lengths(g.system))
