@@ -71,9 +71,8 @@ def joined_groups(problem: Problem, groups: tuple[Problem, ...]) -> Problem:
         [k for k, held in enumerate(part) if held & names] for part in _dependences(problem)
     )
     system, own = problem.system, problem.row_places
-    # what of the closure errors no unknown enters is held against known values
-    left = 0 if not problem.by_name else int(system.errors.shape[0]) - len(checks)
-    if len(places) == int(system.rows.shape[0]) and not left:
+    if len(places) == int(system.rows.shape[0]):
+        # what of the closure errors no unknown enters is held against known values
         return problem
     return replace(
         problem,
