@@ -246,7 +246,7 @@ def test_each_row_takes_a_freedom_of_the_platform(kinds, rng):
     and not of three, whose rows hold a body within the limb.)
     """
     mechanism = random_mechanism(rng, [kinds])
-    problem = build_problem(mechanism, "direct")
+    problem = build_problem(mechanism, "direct" if mechanism.actuated else "given", held=())
     values = variables(problem.closure, forward_configuration(rng, mechanism))
     z, known = (
         problem.select_values(values, problem.system.unknowns),
