@@ -36,12 +36,10 @@ def content_of(path: Path | str, most: int = -1) -> bytes:
             return file.read(most)
     except FileNotFoundError:
         named, folder = Path(path), Path(path).parent
-        beside = (
-            [file.name for file in folder.iterdir() if file.suffix == named.suffix]
-            if folder.is_dir()
-            else []
-        )
-        raise InputError(f"{path}: there is no such file{meant(named.name, beside)}") from None
+        files = folder.iterdir() if folder.is_dir() else ()
+        beside = [file.stem for file in files if file.suffix == named.suffix]
+        guess = meant(named.stem, beside, named.suffix)  # a suffix makes any two names alike
+        raise InputError(f"{path}: there is no such file{guess}") from None
     except (OSError, ValueError) as error:
         raise InputError(
             f"{path}: the file cannot be read ({getattr(error, 'strerror', None) or error})"

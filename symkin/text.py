@@ -179,12 +179,12 @@ def not_among(name: object, known: Iterable[object]) -> str:
     )
 
 
-def meant(name: object, known: Iterable[object]) -> str:
+def meant(name: object, known: Iterable[object], suffix: str = "") -> str:
     """A question for a message that refuses a name: " (do you mean 'base'?)", or nothing where no
-    known name is like it.
+    known name is like it; all names have the `suffix` besides.
     """
     found = nearest(name, known)
-    return "" if found is None else f" (do you mean {shown(found)}?)"
+    return "" if found is None else f" (do you mean {shown(found + suffix)}?)"
 
 
 def counted(count: int, what: str = "value") -> str:

@@ -112,6 +112,12 @@ def takes(record: type) -> Callable[[Verb], Verb]:
     return decorate
 
 
+def check_seed(seed: int | None) -> None:
+    """Refuse what NumPy's generators do not take."""
+    if seed is not None and seed < 0:
+        raise InputError(f"seed = {seed} is negative; whole numbers from 0 are allowed")
+
+
 def refuse_ignored(options: Mapping[str, object], reason: str, instead: str = "") -> None:
     """Raise InputError for the options, by name, that are given (neither None nor False) although
     `reason` is that nothing reads them; `instead` is what to do in place of leaving them out.

@@ -13,7 +13,7 @@ import argparse
 import json
 import re
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
@@ -233,6 +233,11 @@ def main_text(program: Program) -> str:
         "kinds": len(cases),
         "count": count,
     }
+    return filled(values)
+
+
+def filled(values: Mapping[str, object]) -> str:
+    """MAIN with its holes filled."""
     return re.sub(r"@\{(\w+)\}", lambda hole: str(values[hole[1]]), MAIN)
 
 

@@ -343,7 +343,8 @@ def report_loop(report: Report, platform: symkin.Mechanism, loop: Loop) -> None:
         min(range(len(start)), key=lambda k: gap(start[k], pose)) + 1
         for pose in (loop.poses[0], loop.poses[-1])
     )
-    report.row("number of the mode at the start, at the end", "different", [first, last])
+    report.row("number of the mode at the start, at the end", None, [first, last])
+    report.row("these are different modes", True, first != last)
     misses = [
         min(gap(pose, mode) for mode in modes)
         for pose, modes in ((loop.poses[0], start), (loop.poses[-1], end))

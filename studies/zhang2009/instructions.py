@@ -111,32 +111,44 @@ def _tables(start: np.ndarray, known: np.ndarray, expected: np.ndarray) -> list[
     exact = harness.Real("double")
     return [
         harness.table("double", n, v[None], exact)
-        for n, v in (("begin", start), ("known", known), ("expected", expected))
+        for n, v in (("begin", start), ("known", known), ("exact", expected))
     ]
 
 
 def _folder(
-    source: str, include: str, tables: list[str], prepare: str, call: str, measured: str
+    source: str, include: str, tables: list[str], width: int, others: str, call: str, measured: str
 ) -> Any:
+    """A folder with the main file; `others` are declared behind the result's `width` numbers."""
     harness, _ = bench_tools()
+    values = {
+        "name": include,
+        "tables": "\n".join(tables),
+        "starts": "begin[k]",
+        "expected": "exact[k]",
+        "width": width,
+        "others": others,
+        "call": call,
+        "after": "",
+        "checked": 3,
+        "kinds": 1,
+        "count": 1,
+    }
     folder = Path(tempfile.mkdtemp())
-    (folder / "bench.c").write_text(
-        harness.filled(f'#include "{include}.h"', tables, prepare, call, 3, 1, 1)
-    )
+    (folder / "bench.c").write_text(harness.filled(values))
     return harness.Harness(folder, source, (measured,), ("example",))
+
+
+def _types(name: str) -> str:
+    """The types that the main file knows of symkin's C, for C that has none."""
+    return f"typedef double {name}_real; typedef int {name}_info;"
 
 
 def newton_harness(closure: Closure, start: np.ndarray, expected: np.ndarray) -> Any:
     """The paper's iteration on a closure, written out in C."""
     function, n = PaperNewton(closure).evaluate, int(closure.X.shape[0])
-    tables = _tables(start, TABLE_1 / BASE_RADIUS, expected)
-    prepare = (
-        f"static double result[{n}]; int status; for (int i = 0; i < {n}; ++i) {{ result[i] = "
-        f"begin[k][i]; }}"
-    )
-    bench = _folder(
-        "newton", "written", tables, prepare, "status = written(known[k], result);", "written"
-    )
+    tables = [_types("written"), *_tables(start, TABLE_1 / BASE_RADIUS, expected)]
+    call = "status = written(known[k], result);"
+    bench = _folder("newton", "written", tables, n, "", call, "written")
     generator = ca.CodeGenerator("f_d.c", {"with_header": True})
     generator.add(function)
     generator.generate(f"{bench.folder}/")
@@ -174,14 +186,12 @@ def fast_newton_harness(closure: Closure, start: np.ndarray, expected: np.ndarra
         int(closure.X.shape[0]),
         [solver.sz_arg(), solver.sz_res(), solver.sz_iw(), solver.sz_w()],
     )
-    prepare = f"""static double w[{sizes[3] + 1}]; static casadi_int iw[{sizes[2] + 1}];
-        static double result[{n}]; int status;
-        const double *arg[{sizes[0] + 1}] = {{ begin[k], known[k] }};
-          double *res[{sizes[1] + 1}] = {{ result }};"""
-    tables = _tables(start, TABLE_1 / BASE_RADIUS, expected)
-    bench = _folder(
-        "solver_c", "solver_c", tables, prepare, "status = solver(arg, res, iw, w, 0);", "solver"
-    )
+    others = f"""; static double w[{sizes[3] + 1}]; static casadi_int iw[{sizes[2] + 1}];
+    const double *arg[{sizes[0] + 1}] = {{ begin[k], known[k] }};
+    double *res[{sizes[1] + 1}] = {{ result }}"""
+    tables = [_types("solver_c"), *_tables(start, TABLE_1 / BASE_RADIUS, expected)]
+    call = "status = solver(arg, res, iw, w, 0);"
+    bench = _folder("solver_c", "solver_c", tables, n, others, call, "solver")
     generator = ca.CodeGenerator("solver_c.c", {"with_header": True})
     generator.add(solver)
     generator.generate(f"{bench.folder}/")
@@ -192,12 +202,9 @@ def symkin_harness(expected: np.ndarray) -> Any:
     """symkin's C of this platform, its branch check included, from the same start."""
     first = quaternion_pose(START)
     tables = _tables(np.array([*first.position, *first.quaternion]), TABLE_1, expected)
-    prepare = """zhang2009_pose pose; zhang2009_info info; int status;
-        const double *const result = pose.position;
-        for (int i = 0; i < 3; ++i) { pose.position[i] = begin[k][i]; }
-        for (int i = 0; i < 4; ++i) { pose.quaternion[i] = begin[k][3 + i]; }"""
-    call = "status = (int)zhang2009_direct(0, known[k], &pose, &pose, &info);"
-    bench = _folder("zhang2009", "zhang2009", tables, prepare, call, "zhang2009_direct")
+    others = "; zhang2009_pose *const pose = (zhang2009_pose *)result"
+    call = "status = (int)zhang2009_direct(0, known[k], pose, pose, &info);"
+    bench = _folder("zhang2009", "zhang2009", tables, 7, others, call, "zhang2009_direct")
     write_folder(symkin.load("zhang2009"), bench.folder, Options("double", home=HOME))
     return bench
 

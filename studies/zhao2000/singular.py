@@ -195,6 +195,7 @@ def report_configurations(report: Report, platform: symkin.Mechanism) -> None:
             list(pole(pose)),
             list(_pole(twist)),
             "mm",
+            tolerance=1e-9,
         )
     above = (*(BASE[0] - PLATFORM[0]), 100.0, 0.0)
     found = singularity(platform, pose=full(above), start=inverse((5.0, 5.0, 105.0, 5.0)))

@@ -75,7 +75,7 @@ class Told:
         inputs `owner` (m,), with what the description's rows leave open.
         """
         told = many_as_written(self.problem.closure, own, values, self.low)
-        told[:, self.problem.known_places] = self.known[owner]
+        self.problem.put_known(told, self.known[owner])
         return checked_solutions(self.problem, told)
 
     def of(self, inputs: Sequence[int] | np.ndarray) -> Told:

@@ -144,8 +144,7 @@ def modes_by_groups(
     """
     n, groups = len(known), solved_groups(problem, search)
     begin = np.zeros((n, problem.closure.reference.size))
-    # of a structure nothing moves, its geometry is what is given
-    begin[:, problem.known_places] = known if known.shape[1] else problem.reference_known
+    problem.put_known(begin, known)
     _check_choices(problem, groups, choose)
     account, parts = Account.empty(n, len(groups)), independent_parts(groups)
     certify = certify and can_be_proved(groups)

@@ -15,7 +15,7 @@ from symkin.position.newton import Newton
 from symkin.position.problem import Problem
 from symkin.text import not_among
 from symkin.verb import read_as
-from symkin.verb_options import refuse_ignored
+from symkin.verb_options import check_seed, refuse_ignored
 
 MOST_STARTS = 1_000_000
 DEFAULT_SEED = 0
@@ -59,8 +59,7 @@ class Search:
             raise InputError(f"method = {not_among(chosen, METHODS)}")
         if starts is not None and not 1 <= starts <= MOST_STARTS:
             raise InputError(f"starts = {starts}; allowed: 1 to {MOST_STARTS}")
-        if seed is not None and seed < 0:
-            raise InputError(f"seed = {seed} must not be negative")
+        check_seed(seed)
         if chosen == "continuation":
             refuse_ignored(
                 {"solver": solver},

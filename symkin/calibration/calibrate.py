@@ -45,13 +45,13 @@ from symkin.calibration.judge.outliers import (
 )
 from symkin.calibration.judge.result import Calibration
 from symkin.calibration.judge.statistics import SIGNIFICANCE, chi_square_tail
-from symkin.calibration.options import CalibrateOptions, check_seed
+from symkin.calibration.options import CalibrateOptions
 from symkin.closure.closure import build_closure
 from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.numeric.linear_algebra import largest_of
 from symkin.verb import verb
-from symkin.verb_options import refuse_ignored, takes
+from symkin.verb_options import check_seed, refuse_ignored, takes
 
 
 @verb

@@ -31,13 +31,13 @@ from symkin.calibration.judge.mistakes import Case, diagnose, diagnose_labels, n
 from symkin.calibration.judge.outliers import MAX_OUTLIER_SHARE
 from symkin.calibration.judge.result import Calibration
 from symkin.calibration.judge.trials import find_sequence
-from symkin.calibration.options import LEAST_CHANGE, FileOptions, FitOptions, check_seed
+from symkin.calibration.options import LEAST_CHANGE, FileOptions, FitOptions
 from symkin.calibration.report import FitReport
 from symkin.errors import InputError
 from symkin.files.euler_columns import SEQUENCES
 from symkin.model.mechanism import Mechanism
 from symkin.text import first_of, meant, printable
-from symkin.verb_options import refuse_ignored, takes
+from symkin.verb_options import check_seed, refuse_ignored, takes
 
 ALL_PARAMETERS = "all"
 """The pattern that stands for every parameter that moves poses."""
@@ -110,13 +110,15 @@ def fit_file(
     held_out = None
     if kept_back is not None:
         held_out = predict_held_out(fit, kept_back.with_sequence(case.sequence), seed)
+    suspicions = _mistakes(case, fit)
+    strays = not suspicions and any(o.kind == "group" for o in fit.outliers)
     return FitReport(
         fit=fit,
         data=data.path,
         command=command,
         sequence=choice,
-        suspicions=_mistakes(case, fit),
-        notes=data.notes,
+        suspicions=suspicions,
+        notes=(*(diagnose_labels(case) if strays else ()), *data.notes),
         sigma=predict_pose_sigma(fit, seed),
         at_nominal=0.0 if fit.sound else nominal_misfit(case),
         held_out=held_out,
@@ -128,7 +130,7 @@ def _mistakes(case: Case, fit: Calibration) -> tuple[str, ...]:
     from the file's geometry.
     """
     spoilt = {o.configuration for o in fit.outliers}
-    doubtful = len(spoilt) > MAX_OUTLIER_SHARE * len(fit.measurements)
+    doubtful = len(spoilt) >= MAX_OUTLIER_SHARE * len(fit.measurements)
     doubtful |= fit.identifiability.drowned.shape[1] > 0
     if fit.believable and not fit.is_noticeable and not doubtful:
         return ()

@@ -5,7 +5,6 @@ calibrate fit` and `plan`.
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Annotated, Literal, TypedDict, get_args
 
-from symkin.errors import InputError
 from symkin.verb_options import POSTURES, READINGS, Option
 
 if TYPE_CHECKING:
@@ -23,12 +22,6 @@ OutlierRule = Literal["remove", "report", "ignore"]
 SEED = Option("Seed of random numbers.", "N", default=0)
 LEAST_CHANGE = "least"
 """Frames chosen by the least change from nominal."""
-
-
-def check_seed(seed: int) -> None:
-    """Refuse what NumPy's generators do not take."""
-    if seed < 0:
-        raise InputError(f"seed = {seed} is negative; whole numbers from 0 are allowed")
 
 
 class FitOptions(TypedDict, total=False):

@@ -9,7 +9,7 @@ from collections.abc import Collection, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from symkin.calibration.options import SEED, PlanOptions, check_seed
+from symkin.calibration.options import SEED, PlanOptions
 from symkin.cli.calibrate_options import (
     MEASURES,
     AllNoise,
@@ -36,7 +36,7 @@ from symkin.cli.values import Asked
 from symkin.errors import InputError
 from symkin.files.written_files import check_own_file, write_own_file
 from symkin.formats.read_options import ReadOptions
-from symkin.verb_options import OUTPUT, POSTURES, READINGS, Option, refuse_ignored
+from symkin.verb_options import OUTPUT, POSTURES, READINGS, Option, check_seed, refuse_ignored
 
 if TYPE_CHECKING:
     from symkin.calibration.design import simulation

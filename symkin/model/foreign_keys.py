@@ -40,8 +40,14 @@ JOINT_TYPES = {
     ),
     **dict.fromkeys(("G", "gear", "belt"), _COUPLING),
     "E": "a planar joint is written as two P joints and an R joint",
+    **dict.fromkeys(("revolute", "continuous", "hinge", "rotary"), "R"),
+    **dict.fromkeys(("prismatic", "slide", "slider", "linear"), "P"),
+    **dict.fromkeys(("helical", "screw"), "H"),
+    "cylindrical": "C",
+    **dict.fromkeys(("universal", "cardan"), "U"),
+    **dict.fromkeys(("spherical", "ball"), "S"),
 }
-"""Names of joints that the format has not, with what to write in their place."""
+"""Names of joints that the format has not, with the word or what else to write in their place."""
 LINKS_IN_A_LIMB = (
     "joints of a limb follow each other, from link to link; a joint between two named links stands "
     "at the top of the file, as [[joint]]"

@@ -89,7 +89,8 @@ def read_table(table: Table, raw: Any, place: Place) -> SimpleNamespace:
             found[key.attribute] = key.read(raw[key.name], place.key(key.name))
         elif key.default is _NEEDED:
             _refuse_unknown(table, raw, place)  # which may be this one, misspelt
-            raise MechanismError(f"{place.key(key.name).path} is missing")
+            allowed = f"; {key.read.allowed}" if isinstance(key.read, _Word) else ""
+            raise MechanismError(f"{place.key(key.name).path} is missing{allowed}")
         else:
             found[key.attribute] = key.default
     _refuse_unknown(table, raw, place)
@@ -217,21 +218,27 @@ def _text(fault: Callable[[object], str | None] = lambda _: None) -> Read:
     return read
 
 
-def _word(*words: Any, instead: Mapping[str, str] | None = None) -> Read:
-    """One of some words; `instead` says what to write in place of those of other formats."""
+class _Word:
+    """One of some words; `instead` says what to write in place of those of other formats: a word,
+    or a sentence.
+    """
 
-    def read(value: Any, place: Place) -> Any:
-        if type(value) is type(words[0]) and value in words:
+    def __init__(self, *words: Any, instead: Mapping[str, str] | None = None) -> None:
+        self.words, self.instead = words, instead or {}
+        self.allowed = f"allowed: {', '.join(map(repr, words))}"
+
+    def __call__(self, value: Any, place: Place) -> Any:
+        if type(value) is type(self.words[0]) and value in self.words:
             return value
-        allowed = ", ".join(map(repr, words))
-        guess = meant(value, words) if isinstance(value, str) else ""
-        more = (instead or {}).get(value, "") if isinstance(value, str) else ""
+        guess = more = ""
+        if isinstance(value, str):
+            other = self.instead.get(value, "")
+            is_word = other in self.words
+            guess = f" (do you mean {other!r}?)" if is_word else meant(value, self.words)
+            more = f"; {other}" if other and not is_word else ""
         raise MechanismError(
-            f"{place.path} = {shown(value)} is not allowed{guess}; allowed: {allowed}"
-            + (f"; {more}" if more else "")
+            f"{place.path} = {shown(value)} is not allowed{guess}; {self.allowed}{more}"
         )
-
-    return read
 
 
 def _flag(value: Any, place: Place) -> bool:
@@ -319,7 +326,7 @@ def _of_joint(types: Sequence[str], *links: Key) -> Table:
     """Keys of a joint, those of a graph with the links that it joins."""
     return (
         Key("name", _NAME),
-        Key("type", _word(*types, instead=FOREIGN_TYPES)),
+        Key("type", _Word(*types, instead=FOREIGN_TYPES)),
         *links,
         Key("point", _VECTOR, None),
         Key("axis", _VECTOR, None),
@@ -348,7 +355,7 @@ ROD = (
 )
 ROD_LIMB = (
     Key("name", _NAME),
-    Key("type", _word(*ROD_TYPES), always=True),
+    Key("type", _Word(*ROD_TYPES), always=True),
     Key("base", _VECTOR),
     Key("platform", _VECTOR),
     Key("offset", _number, 0.0),
@@ -386,11 +393,11 @@ PLATFORM = (
     Key("link", _NAME, None),
     Key("position", _VECTOR, None),
     TOOL[1],
-    Key("motion", _word(*MOTIONS), "spatial"),
+    Key("motion", _Word(*MOTIONS), "spatial"),
 )
 DH_ROW = (
     Key("name", _NAME, None),
-    Key("type", _word("R", "P")),
+    Key("type", _Word("R", "P")),
     Key("theta", _number, 0.0, angle_of=("R", "P"), always=True),
     Key("d", _number, 0.0, always=True),
     Key("a", _number, 0.0, always=True),
@@ -398,7 +405,7 @@ DH_ROW = (
     Key("limits", _range, None, angle_of=("R",)),
 )
 DH = (
-    Key("convention", _word("standard", "modified")),
+    Key("convention", _Word("standard", "modified")),
     Key("rows", _tables(DH_ROW, least=1)),
 )
 EXAMPLE = (
@@ -408,12 +415,12 @@ EXAMPLE = (
     Key("given", _mapping(_number), None),
 )
 HEAD = (
-    Key("format", _word(1)),
+    Key("format", _Word(1)),
     Key("name", _text()),
     Key("title", _text(text_fault), ""),
     Key("source", _text(text_fault), ""),
-    Key("length_unit", _word(*LENGTH_UNITS)),
-    Key("angle_unit", _word(*ANGLE_UNITS)),
+    Key("length_unit", _Word(*LENGTH_UNITS)),
+    Key("angle_unit", _Word(*ANGLE_UNITS)),
 )
 MECHANISM = (
     *HEAD,

@@ -27,6 +27,7 @@ from symkin.position.mobility_result import (
     redundant_constraints,
 )
 from symkin.verb import verb
+from symkin.verb_options import check_seed
 
 
 @verb
@@ -40,7 +41,7 @@ def mobility(mechanism: Mechanism, *, seed: int = 0) -> Mobility:
     same links are told apart. Constraint wrenches of the limbs and the platform's twists,
     reciprocal to them, are those at the reference where its rank is the generic one, else at a
     configuration beside it. `seed` is that of the steps' directions. Raises InputError for what is
-    no Mechanism. Screws: Hunt, Kinematic Geometry of Mechanisms, 1978.
+    no Mechanism, and for a negative seed. Screws: Hunt, Kinematic Geometry of Mechanisms, 1978.
 
     >>> import symkin
     >>> found = symkin.mobility(symkin.load("zhao2000"))
@@ -48,6 +49,7 @@ def mobility(mechanism: Mechanism, *, seed: int = 0) -> Mobility:
     (4, 4, 1)
     """
     require_mechanism(mechanism)
+    check_seed(seed)
     closure = build_closure(mechanism)
     system, size = whole_system(closure), closure.characteristic_length
     reference, reference_rank = closure.reference, None

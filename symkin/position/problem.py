@@ -73,6 +73,12 @@ class Problem:
         """The known values at the reference."""
         return self.select_values(self.closure.reference, self.known_coordinates)
 
+    def put_known(self, values: np.ndarray, known: np.ndarray) -> None:
+        """Put known values (n, numbers) into full vectors of variables (n, variables). Where
+        nothing is given, of a structure, the geometry is.
+        """
+        values[:, self.known_places] = known if known.shape[1] else self.reference_known
+
     @cached_property
     def conditions(self) -> System:
         """Rows without unknowns: what the given values alone must satisfy."""

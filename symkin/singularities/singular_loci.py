@@ -30,7 +30,7 @@ from symkin.singularities.motion_ranks import generic_ranks
 from symkin.singularities.options import LociOptions
 from symkin.velocity.roles import Roles
 from symkin.verb import verb
-from symkin.verb_options import takes
+from symkin.verb_options import check_seed, takes
 
 DEFAULT_STARTS = 200
 MOST_STARTS = 100_000
@@ -104,8 +104,7 @@ def singular_loci(solution: Solution, plane: Sequence[str], **options: Unpack[Lo
 
 
 def _check(plane: Plane, kinds: Sequence[str], starts: int, seed: int) -> None:
-    if seed < 0:
-        raise InputError(f"seed = {seed} must not be negative")
+    check_seed(seed)
     if not 1 <= starts <= MOST_STARTS:
         raise InputError(f"starts = {starts}; allowed: 1 to {MOST_STARTS}")
     if not kinds or any(kind not in ("type 1", "type 2") for kind in kinds):

@@ -30,6 +30,7 @@ from symkin.position.varied_pose import ALL_POSE_AXES, given_at
 from symkin.spatial.pose import Pose
 from symkin.sweeps.pose_points import check_poses, pose_units, pose_values
 from symkin.text import meant
+from symkin.verb_options import check_seed
 
 Values = Sequence[float] | np.ndarray
 MOST_POINTS = 10**9
@@ -167,8 +168,7 @@ def make_space(
         raise InputError("grid: nothing is swept; give at least one name with its values")
     if sample is not None and not 1 <= sample <= MOST_POINTS:
         raise InputError(f"random = {sample}; allowed: 1 to {MOST_POINTS} points")
-    if seed < 0:
-        raise InputError(f"seed = {seed} must not be negative")
+    check_seed(seed)
     units = _units(mechanism, over)
     held = {n: v for n, v in ranges.items() if by_name and (np.ndim(v) == 0 or n not in units)}
     axes = tuple(

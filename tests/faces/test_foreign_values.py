@@ -91,6 +91,8 @@ def test_what_is_no_list_of_real_numbers_is_refused(platform, joints, message):
         (lambda _: symkin.mobility("zhao2000"), "symkin.load\\('zhao2000'\\) gives it"),
         (lambda p: symkin.mobility(p, seed="abc"), "seed = 'abc'; a whole number"),
         (lambda p: symkin.modes(p, seed="abc"), "seed = 'abc'; a whole number"),
+        (lambda p: symkin.mobility(p, seed=-1), "seed = -1 is negative; whole numbers from 0"),
+        (lambda p: symkin.modes(p, seed=-1), "seed = -1 is negative; whole numbers from 0"),
         (lambda p: symkin.modes(p, starts=1500.0), "starts = 1500.0; a whole number"),
         (lambda p: symkin.modes(p, choose=3), "choose = 3 is no list of whole numbers"),
         (lambda p: symkin.modes(p, solver=5), "solver = 5 is unknown"),
@@ -101,7 +103,7 @@ def test_what_is_no_list_of_real_numbers_is_refused(platform, joints, message):
         (lambda p: symkin.convert(p, 3), "path = 3; a path"),
     ],
 )
-def test_an_option_of_a_foreign_type_is_named(platform, ask, message):
+def test_an_option_that_cannot_be_is_named(platform, ask, message):
     with pytest.raises(symkin.InputError, match=message):
         ask(platform)
 

@@ -7,6 +7,7 @@ import pytest
 
 import symkin
 from helpers.command_line import run
+from helpers.inside import parse
 
 
 @pytest.mark.parametrize(
@@ -59,6 +60,7 @@ def test_words_are_told_what_they_lack(
         ("mine", "the file is named mine.toml"),
         ("mien.toml", "there is no such file (do you mean 'mine.toml'?)"),
         ("mien.urdf", "there is no such file (do you mean 'mine.urdf'?)"),
+        ("nothere.toml", "nothere.toml: there is no such file\n"),  # not 'str.toml'
         ("some/where", "there is no such file"),
         ("zhao200", "'zhao200' is unknown (do you mean 'zhao2000'?)"),
         ("zhang2009.tml", "zhang2009.tml: there is no such file"),
@@ -79,7 +81,7 @@ def test_what_is_no_mechanism_is_told_apart(
     """
     monkeypatch.chdir(tmp_path)
     (tmp_path / "folder").mkdir()
-    for name in ("loops.yaml", "plain", "notes.txt", "mine.toml", "mine.urdf"):
+    for name in ("loops.yaml", "plain", "notes.txt", "mine.toml", "str.toml", "mine.urdf"):
         (tmp_path / name).write_text("")
     status, out, err = run(capsys, "show", mech)
     assert (status, out, err.count("\n")) == (2, "", 1)
@@ -126,12 +128,17 @@ def test_a_key_of_a_file_is_told_the_nearest_one(
         ('length_unit = "mm"', 'length_unit = "mmm"', "do you mean 'mm'?"),
         ('angle_unit = "deg"', 'angle_unit = "degree"', "do you mean 'deg'?"),
         ('type = "SPS"', 'type = "sps"', "do you mean 'SPS'?"),
+        ("format = 1\n", "", "format is missing; allowed: 1"),
+        ('length_unit = "mm"', "", "length_unit is missing; allowed: 'm', 'mm'"),
     ):
         assert old in text
         (tmp_path / "m.toml").write_text(text.replace(old, new, 1))
         status, _, err = run(capsys, "show", str(tmp_path / "m.toml"))
         assert (status, err.count("\n")) == (2, 1)
         assert expected in err
+    text = symkin.load("four_bar").to_toml().replace('type = "R"', 'type = "revolute"', 1)
+    with pytest.raises(symkin.MechanismError, match=r"\(do you mean 'R'\?\); allowed: 'R'"):
+        parse(text)
 
 
 @pytest.mark.parametrize(

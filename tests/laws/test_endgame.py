@@ -257,7 +257,7 @@ def mechanism_ends(
     mechanism: Mechanism, **given
 ) -> tuple[Problem, AlgebraicSystem, Fibre, np.ndarray, Ends]:
     values = read_given(mechanism, given.get("joints"), given.get("pose"))
-    problem, system, start = problem_of(mechanism, "direct" if "joints" in given else "inverse")
+    problem, system, start = problem_of(mechanism, "inverse" if "pose" in given else "direct")
     k = known_values(problem, values.values)
     return problem, system, start, k, ends_of(system, start, k)
 

@@ -146,8 +146,10 @@ MADE = {"3-RRR": three_rrr, "3-RPS": three_rps, "five-bar": five_bar, "Tricept":
     ],
 )
 def test_a_graph_has_the_jacobians_of_the_limbs_that_it_is(name: str, kind: str) -> None:
-    """Matrices of limbs and of their graph at one configuration; of passive joints both tell all,
-    those at which loops are cut too."""
+    """Matrices of limbs and of their graph at one configuration, told by pose and joints (six
+    lengths have mirrored poses, equally near to a flat reference); of passive joints both tell all,
+    those at which loops are cut too.
+    """
     limbs = MADE.get(name, partial(symkin.load, name))()
     graph = graph_twin(limbs)
     here = symkin.solve(limbs).solution

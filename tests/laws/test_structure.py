@@ -185,6 +185,23 @@ def test_a_part_that_nothing_moves_is_complete_too():
     assert turns == {0.0, round(2 * np.degrees(np.arctan2(80, 30)), 6)}
 
 
+def test_a_tilted_frame_without_freedom_has_its_two_forms():
+    """Three bars in a plane of any direction: as drawn, and turned over about the line of the feet;
+    nothing is given, at which the machine in its own plane is told.
+    """
+    across = np.array([0.0, 0.6, 0.8])
+    places = np.zeros(3), np.array([3.0, 3.2, -2.4]), np.array([6.0, 0.0, 0.0])
+    links = ("base", "b"), ("b", "d"), ("d", "base")
+    text = HEAD + "".join(
+        joint(name, pair, place, axis=str(across.tolist())[1:-1])
+        for name, pair, place in zip("ace", links, places, strict=True)
+    )
+    found = symkin.modes(parse(text))
+    assert found.completeness == "probability one"
+    turns = sorted(abs(mode.joints["a"]) for mode in found)
+    assert turns == pytest.approx([0.0, 2 * np.degrees(np.arctan2(4, 3))])
+
+
 def test_roots_that_no_loop_moves_are_found(tmp_path):
     """Two spherical loops without freedom: two of their roots are the same whatever the angles
     between the axes are, and no loop of these leads from the others to them.

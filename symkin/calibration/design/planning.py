@@ -43,13 +43,13 @@ from symkin.calibration.judge.accuracy import pose_slopes
 from symkin.calibration.judge.departure import less_frames
 from symkin.calibration.judge.identifiability import told_rank
 from symkin.calibration.judge.result import length_and_angle
-from symkin.calibration.options import PlanOptions, check_seed
+from symkin.calibration.options import PlanOptions
 from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.tolerances import RANK_TOLERANCE
 from symkin.result import Result, Summary
 from symkin.verb import verb
-from symkin.verb_options import refuse_ignored, takes
+from symkin.verb_options import check_seed, refuse_ignored, takes
 
 _CANDIDATES_PER_WEDGE, _MAX_CANDIDATES = 150, 3000
 """Candidates for each wedge, and in all."""

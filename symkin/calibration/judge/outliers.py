@@ -47,7 +47,7 @@ OUTLIER_LEVEL = 0.02
 """Share of clean data sets in which a reading may be flagged."""
 MAX_OUTLIER_SHARE, _MAX_OUTLIERS = 0.2, 300
 """The largest share and the largest number of readings that are judged one by one; beyond, the fit
-is wrong as a whole. Postures with readings left out beyond that share hint at a mistake in the
+is wrong as a whole. So many postures with readings left out, or more, hint at a mistake in the
 file; held-out ones beyond it say that the prediction is wrong.
 """
 MIN_REDUNDANCY = 1e-3
