@@ -106,7 +106,7 @@ class ClosedBlock:
         """Random known values (instances, known)."""
         scale = coordinate_scale(self.problem, self.problem.known_coordinates)
         away = np.random.default_rng(5).uniform(-_SPREAD, _SPREAD, (_INSTANCES, len(scale)))
-        return np.asarray(self.regular + scale * away)
+        return self.regular + scale * away
 
     def roots(self, known: np.ndarray, *, judges: bool = False) -> tuple[GroupRoots, np.ndarray]:
         """As `BlockPaths.roots`."""

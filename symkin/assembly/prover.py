@@ -129,7 +129,7 @@ class Prover:
         if self.bound is None:
             return np.zeros(len(listed), dtype=bool)
         real = np.bincount(found.instance[found.real == "real"], minlength=len(listed))
-        return np.asarray(proves(found, self.bound) & (real == listed))
+        return proves(found, self.bound) & (real == listed)
 
     def grounds(
         self, points: np.ndarray, owner: np.ndarray, knowns: Knowns, proofs: Proofs

@@ -180,7 +180,7 @@ def _larger(some: np.ndarray, others: np.ndarray) -> np.ndarray:
 def _lost(roots: GroupRoots, owner: np.ndarray, which: np.ndarray, n: int) -> np.ndarray:
     """Inputs (n,) that ask for rows and get no solution of any."""
     asked = np.bincount(owner, minlength=n) > 0
-    return np.asarray(asked & (np.bincount(owner, weights=roots.counts[which], minlength=n) == 0))
+    return asked & (np.bincount(owner, weights=roots.counts[which], minlength=n) == 0)
 
 
 def _chosen(

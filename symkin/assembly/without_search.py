@@ -51,7 +51,7 @@ def _certified(problem: Problem, one: SolutionList, values: np.ndarray) -> Solut
 
 def meet_conditions(problem: Problem, known: np.ndarray) -> np.ndarray:
     """Which given values (n, known) meet the rows without unknowns."""
-    return np.asarray(_errors_of_given(problem, known) == 0.0)
+    return _errors_of_given(problem, known) == 0.0
 
 
 def _errors_of_given(problem: Problem, known: np.ndarray) -> np.ndarray:

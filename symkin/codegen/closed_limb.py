@@ -67,13 +67,13 @@ class LimbFormulas(Source):
     def usual_roots(self) -> np.ndarray:
         """How large roots are at sampled configurations."""
         discriminants = self.formulas.discriminants_at(self.made.sampled_poses, self.signs)
-        return np.asarray(np.sqrt(np.median(np.abs(discriminants), axis=0)))
+        return np.sqrt(np.median(np.abs(discriminants), axis=0))
 
     @cached_property
     def _usual_divisors(self) -> np.ndarray:
         """How large the divisors with guards of their own are at sampled configurations."""
         divisors = self.formulas.divisors_at(self.made.sampled_poses, self.signs)
-        return np.asarray(np.median(np.abs(divisors[:, list(self.block.free_divisors)]), axis=0))
+        return np.median(np.abs(divisors[:, list(self.block.free_divisors)]), axis=0)
 
     @cached_property
     def _discriminants(self) -> ca.SX:

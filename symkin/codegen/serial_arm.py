@@ -70,7 +70,7 @@ def poses_between(begins: np.ndarray, ends: np.ndarray, part: float) -> np.ndarr
     begins = np.hstack([begins[:, :3], np.where(is_far, -1.0, 1.0) * begins[:, 3:]])
     poses = begins + part * (ends - begins)
     poses[:, 3:] /= np.linalg.norm(poses[:, 3:], axis=1, keepdims=True)
-    return np.asarray(poses)
+    return poses
 
 
 @dataclass(frozen=True, eq=False)

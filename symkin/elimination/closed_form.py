@@ -184,15 +184,11 @@ class ClosedForm:
 
     def discriminants_at(self, known: np.ndarray, signs: np.ndarray) -> np.ndarray:
         """The discriminants (n, choices) for known values (n, known) and signs (choices,)."""
-        return np.asarray(self._mapped(np.tile(signs, (len(known), 1)), known)[1]).reshape(
-            len(known), -1
-        )
+        return self._mapped(np.tile(signs, (len(known), 1)), known)[1].reshape(len(known), -1)
 
     def divisors_at(self, known: np.ndarray, signs: np.ndarray) -> np.ndarray:
         """The divisors (n, divisors) for known values (n, known) and signs (choices,)."""
-        return np.asarray(self._mapped(np.tile(signs, (len(known), 1)), known)[2]).reshape(
-            len(known), -1
-        )
+        return self._mapped(np.tile(signs, (len(known), 1)), known)[2].reshape(len(known), -1)
 
     def solutions(self, known: np.ndarray) -> Solutions:
         """All solutions for known values (n, known)."""
@@ -204,7 +200,7 @@ class ClosedForm:
                 & (np.abs(discriminants) > _DOUBLE * sizes[:, :, :choices]).all(axis=(1, 2))
                 & (np.abs(divisors) > _VANISHING * sizes[:, :, choices:]).all(axis=(1, 2))
             )
-        return Solutions(values, np.asarray((discriminants >= 0.0).all(axis=2)), clear)
+        return Solutions(values, np.all(discriminants >= 0.0, axis=2), clear)
 
     def _evaluated(self, known: np.ndarray) -> list[np.ndarray]:
         """Values (n, count, width), discriminants, divisors, and the sizes of the terms of these
@@ -262,7 +258,7 @@ def samples_about(
     formulas that hold whatever is given.
     """
     scale = np.array(units_of(coordinates, system.characteristic_length))
-    return np.asarray(
+    return (
         near
         + _NEAR * np.random.default_rng(seed).uniform(-1.0, 1.0, size=(_SAMPLES, len(near))) * scale
     )

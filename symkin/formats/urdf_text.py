@@ -71,7 +71,7 @@ class _Text:
         places = {BASE: np.zeros(3)}
         for entry in self.joints:
             carrier, link = entry.links
-            places[link] = np.asarray(moved[carrier].apply(np.array(entry.joint.point)))
+            places[link] = moved[carrier].apply(np.array(entry.joint.point))
         self.zero = {
             link: Pose(place, Pose.identity().quaternion) for link, place in places.items()
         }

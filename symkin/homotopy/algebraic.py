@@ -148,7 +148,7 @@ def _within_reach(*values: np.ndarray) -> list[np.ndarray]:
 
 def complex_normal(count: int, rng: np.random.Generator) -> np.ndarray:
     """Complex numbers of a normal distribution, mean square 1."""
-    return np.asarray((rng.normal(size=count) + 1j * rng.normal(size=count)) / np.sqrt(2))
+    return (rng.normal(size=count) + 1j * rng.normal(size=count)) / np.sqrt(2)
 
 
 def known_root(system: AlgebraicSystem, known: np.ndarray, z: np.ndarray) -> np.ndarray:
@@ -173,4 +173,4 @@ def imaginary_part(system: AlgebraicSystem, z: np.ndarray) -> np.ndarray:
         ray = z[list(system.projective)]
         turned = ray / ray[np.abs(ray).argmax(axis=0), np.arange(ray.shape[1])]
         found = np.maximum(found, np.abs(turned.imag).max(axis=0))
-    return np.asarray(found)
+    return found

@@ -62,9 +62,7 @@ def _distance(hessian: ca.SX) -> ca.SX:
 def _points_from_mixed() -> np.ndarray:
     """Matrix (6, 16) that takes the derivatives by e and g, column by column, to b and m."""
     along = _derivatives()[:4, 4:]
-    return np.asarray(
-        np.linalg.pinv(np.stack([along[:, :, k + 1].ravel(order="F") for k in range(6)], axis=1))
-    )
+    return np.linalg.pinv(np.stack([along[:, :, k + 1].ravel(order="F") for k in range(6)], axis=1))
 
 
 @lru_cache(maxsize=1)

@@ -131,14 +131,12 @@ def arm_data(problem: Problem, pose: np.ndarray) -> np.ndarray:
 
 def _rotated(q: np.ndarray, v: np.ndarray) -> np.ndarray:
     """R v for a quaternion of any length."""
-    turned = np.asarray(multiply(multiply(q, np.array([0.0, *v])), conjugate(q)))
-    return np.asarray(turned[1:] / np.sum(q * q))
+    turned = multiply(multiply(q, np.array([0.0, *v])), conjugate(q))
+    return turned[1:] / np.sum(q * q)
 
 
 def _turn(a: float, b: float) -> np.ndarray:
-    return np.asarray(
-        multiply(quaternion_from_axis_angle(_X, a), quaternion_from_axis_angle(_Y, b))
-    )
+    return multiply(quaternion_from_axis_angle(_X, a), quaternion_from_axis_angle(_Y, b))
 
 
 def _link_between(frame: Pose, point: np.ndarray, axis: np.ndarray) -> np.ndarray:

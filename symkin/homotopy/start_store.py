@@ -302,7 +302,7 @@ def missing_roots(problem: Problem, system: AlgebraicSystem, start: Fibre, seed:
         return np.zeros((system.width, 0), dtype=complex)
     everything = np.hstack([start.z, *missing])
     first = first_of_each(system, everything)
-    return np.asarray(everything[:, first[first >= start.z.shape[1]]])
+    return everything[:, first[first >= start.z.shape[1]]]
 
 
 def _real_points(

@@ -186,7 +186,7 @@ def meets_all_rows(
     if whole.count <= system.count or whole.width != system.width:
         return np.ones(z.shape[1], dtype=bool)
     f, _ = whole.linearise(z, k.astype(complex))
-    return np.asarray(np.max(np.abs(f), axis=1, initial=0.0) < _ALL_ROWS)
+    return np.max(np.abs(f), axis=1, initial=0.0) < _ALL_ROWS
 
 
 def unsuitable(problem: Problem) -> str | None:

@@ -143,11 +143,11 @@ class System:
 
     def checks(self, z: np.ndarray, known: np.ndarray) -> np.ndarray:
         """Closure errors (n, checks) in the length unit, of all constraints and whole rotations."""
-        return np.asarray(self._checked(z, known)[0][:, :, 0])
+        return self._checked(z, known)[0][:, :, 0]
 
     def residuals(self, z: np.ndarray, known: np.ndarray = NOTHING) -> np.ndarray:
         """The largest of the `checks` (n,)."""
-        return np.asarray(np.max(np.abs(self.checks(z, known)), axis=1, initial=0.0))
+        return np.max(np.abs(self.checks(z, known)), axis=1, initial=0.0)
 
     def judge(self, z: np.ndarray, known: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """What `linearise` and `residuals` give, in one evaluation."""
@@ -203,7 +203,7 @@ class System:
 
     def polish(self, z: np.ndarray, known: np.ndarray, steps: int = 4) -> np.ndarray:
         """Gauss-Newton on all rows until the step no longer shrinks them."""
-        return np.asarray(polish(self, z[None], known, steps).points[0])
+        return polish(self, z[None], known, steps).points[0]
 
     # --- points of the configuration space --------------------------------------------------------
 
@@ -260,7 +260,7 @@ class System:
 
     def unit(self, z: np.ndarray) -> np.ndarray:
         """The same point with quaternions of unit length."""
-        return np.asarray(self.move(z[None], np.zeros((1, self.freedom)))[0])
+        return self.move(z[None], np.zeros((1, self.freedom)))[0]
 
     def fold(self, points: np.ndarray) -> np.ndarray:
         """The same configurations with rod lengths that are not negative."""

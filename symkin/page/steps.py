@@ -175,4 +175,4 @@ def _polished(
         length = np.max(np.abs(step), axis=1, initial=0.0)
     moved = np.max(np.abs(values - points) / columns, axis=1, initial=0.0)
     large = 1.0 + np.max(np.abs(values) / columns, axis=1, initial=0.0)
-    return np.asarray(values[(length < _CLOSED * large) & (moved < 1e-3 * large)])
+    return values[(length < _CLOSED * large) & (moved < 1e-3 * large)]

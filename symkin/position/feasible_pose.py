@@ -181,7 +181,7 @@ def _step(problem: Problem, whole: System, z: np.ndarray, wanted: np.ndarray) ->
 def _to_pose(whole: System, joints: int, z: np.ndarray, pose: np.ndarray) -> np.ndarray:
     """Tangent vector (length unit) from the pose at z, the last of its coordinates, to another."""
     there = np.concatenate([z[: -len(pose)], pose])
-    return np.asarray(whole.difference(z[None], there[None])[0, joints:])
+    return whole.difference(z[None], there[None])[0, joints:]
 
 
 @lru_cache(maxsize=64)

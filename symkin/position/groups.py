@@ -260,7 +260,7 @@ def dependence_of(rows: ca.SX, closure: Closure) -> np.ndarray:
     jacobian = ca.Function("j", [closure.variables], [ca.jacobian(rows, closure.variables)])
     units = np.array(units_of(closure.coordinates, closure.characteristic_length))
     sizes = np.max([np.abs(np.asarray(jacobian(v))) for v in values], axis=0) * units
-    return np.asarray(sizes > _ZERO * np.max(sizes, axis=1, keepdims=True, initial=1e-300))
+    return sizes > _ZERO * np.max(sizes, axis=1, keepdims=True, initial=1e-300)
 
 
 def _held(dependence: np.ndarray, closure: Closure) -> list[set[str]]:
@@ -338,7 +338,7 @@ def _closed_jacobian(problem: Problem) -> np.ndarray:
     jacobians = problem.system.linearise(
         values[:, problem.unknown_places], values[:, problem.known_places]
     )[1]
-    return np.asarray(max(jacobians, key=lambda jacobian: Rank.of(jacobian).value))
+    return max(jacobians, key=lambda jacobian: Rank.of(jacobian).value)
 
 
 def _independent_rows(problem: Problem) -> np.ndarray:

@@ -206,7 +206,7 @@ class Mobility(Result):
                 [turns[:, :2], speeds[:, 2:] if mechanism.motion == "planar" else speeds[:, :0]]
             )
         largest = np.linalg.norm(np.hstack([turns, speeds]), axis=1)
-        return np.asarray(twists[np.linalg.norm(outside, axis=1) > RANK_TOLERANCE * largest])
+        return twists[np.linalg.norm(outside, axis=1) > RANK_TOLERANCE * largest]
 
     @property
     def _closing(self) -> tuple[str, ...]:

@@ -126,7 +126,7 @@ class Problem:
         """The part of full vectors of variables (..., variables) that belongs to some
         coordinates.
         """
-        return np.asarray(values[..., self.places(coordinates)])
+        return values[..., self.places(coordinates)]
 
     def join_values(self, unknown: np.ndarray, known: np.ndarray) -> np.ndarray:
         """Full vectors of variables (..., variables) from their unknown and known parts."""

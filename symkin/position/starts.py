@@ -240,7 +240,7 @@ def _parts(closure: Closure, told: frozenset[str]) -> tuple[System, ...]:
 def _best(part: System, here: np.ndarray, known: np.ndarray) -> np.ndarray:
     near = levenberg_marquardt(part, here[None], known)
     if near.largest_row[0] <= 1e-6 * part.characteristic_length:
-        return np.asarray(near.points[0])
+        return near.points[0]
     points = np.vstack([near.points, levenberg_marquardt(part, _starts(part, here), known).points])
     errors = np.linalg.norm(part.linearise(points, known)[0], axis=1)
     errors = np.where(np.isfinite(errors), errors, np.inf)
@@ -248,7 +248,7 @@ def _best(part: System, here: np.ndarray, known: np.ndarray) -> np.ndarray:
     if not np.isfinite(least):
         return here
     good = np.flatnonzero(errors <= _AS_GOOD * least + 1e-6 * part.characteristic_length)
-    return np.asarray(points[min(good, key=lambda k: _distance(part, here, points[k]))])
+    return points[min(good, key=lambda k: _distance(part, here, points[k]))]
 
 
 def _starts(part: System, here: np.ndarray) -> np.ndarray:

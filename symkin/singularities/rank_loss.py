@@ -92,7 +92,7 @@ class RankLoss:
         than one is.
         """
         vectors, singular = self.vectors(z)
-        return np.asarray(vectors[singular <= SINGULAR_VALUE * self._scale])
+        return vectors[singular <= SINGULAR_VALUE * self._scale]
 
     def is_lost(self, z: np.ndarray) -> bool:
         """Whether J itself has less than its generic rank at a closed configuration."""

@@ -391,7 +391,7 @@ def platform_points(mechanism: Mechanism) -> np.ndarray:
 
 def moved_point(poses: np.ndarray, point: np.ndarray) -> np.ndarray:
     """Where a point of a frame is at its poses (n, 7)."""
-    return poses[:, :3] + np.asarray(rotate(poses[:, 3:].T, point[:, None])).T
+    return poses[:, :3] + rotate(poses[:, 3:].T, point[:, None]).T
 
 
 def home_pose(mechanism: Mechanism) -> Pose:

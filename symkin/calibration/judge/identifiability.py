@@ -315,7 +315,7 @@ def _advice(
         not text.startswith(_FREE_FRAMES) and "size of" not in text for text in unobservable
     )
     turns = problem.model.poses(state.z, problem.joints, state.p)[:, 3:].T
-    angles = np.asarray(euler_from_quaternion(turns, "xyz")).T
+    angles = euler_from_quaternion(turns, "xyz").T
     if (
         unusual
         and readings.groups

@@ -117,7 +117,7 @@ class Kernel:
         """J at a point, by CasADi."""
         rows, jacobian = self._sampled
         _, shared = rows(state, known, geometry)
-        return np.asarray(ca.DM(jacobian(state, known, geometry, shared)).full())
+        return ca.DM(jacobian(state, known, geometry, shared)).full()
 
     @cached_property
     def _sampled(self) -> tuple[ca.Function, ca.Function]:
