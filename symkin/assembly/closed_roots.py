@@ -85,7 +85,7 @@ class ClosedBlock:
         some of their poses' conditions refuse, and that are none then; formulas that elimination
         has found have none of these (`accounts_for_all`).
         """
-        rows = int(self.problem.system.rows.shape[0])
+        rows = self.problem.system.rows.shape[0]
         if rows <= self.problem.system.freedom or isinstance(self.formulas, ClosedForm):
             return True
         found = self.formulas.solutions(self.regular[None])

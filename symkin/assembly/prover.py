@@ -138,7 +138,7 @@ class Prover:
         of independent ones of others where rows are redundant, as numbers of a `PartialProof` (m,
         4) whose radius is infinite where nothing is proved.
         """
-        rows = int(self.problem.system.rows.shape[0])
+        rows = self.problem.system.rows.shape[0]
         found = np.zeros((len(owner), 4))
         found[:, :2], found[:, 2] = rows, np.where(proofs.certified, proofs.radius, np.inf)
         left = np.flatnonzero(~proofs.certified) if self.is_redundant else ()

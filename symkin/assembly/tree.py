@@ -344,7 +344,7 @@ def roots_of_parts(
     held against all rows of the group. Passive joints whose rows known values must agree with are
     left to formulas in any case.
     """
-    begin = np.zeros((len(known), int(group.closure.variables.shape[0])))
+    begin = np.zeros((len(known), group.closure.variables.shape[0]))
     begin[:, group.known_places] = known
     tree, account = Tree.begun(begin), Account.empty(len(known), len(parts))
     solving = Solving(replace(search, formulas=True), keeps_some=True)

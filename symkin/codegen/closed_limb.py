@@ -99,7 +99,7 @@ class LimbFormulas(Source):
         Of a root r of D: dr = dD / (2 r).
         """
         values, roots = self._values[actuated_places(self.block), 0], self.formulas.roots
-        found, of_roots = self._by_twist(values), ca.SX(0, int(self.block.sides.shape[1]))
+        found, of_roots = self._by_twist(values), ca.SX(0, self.block.sides.shape[1])
         for k in range(roots.numel()):
             change = self._by_twist(self._discriminants[k])
             if k:

@@ -88,7 +88,7 @@ class ClosedForm:
     @cached_property
     def count(self) -> int:
         """How many solutions the formulas have, over the complex numbers."""
-        return int(2 ** int(self.signs.shape[0]))
+        return 2 ** self.signs.shape[0]
 
     @property
     def values(self) -> ca.SX:
@@ -115,7 +115,7 @@ class ClosedForm:
     @cached_property
     def choices(self) -> np.ndarray:
         """All signs (count, choices)."""
-        return np.array(list(product((1.0, -1.0), repeat=int(self.signs.shape[0])))).reshape(
+        return np.array(list(product((1.0, -1.0), repeat=self.signs.shape[0]))).reshape(
             self.count, -1
         )
 
@@ -127,8 +127,8 @@ class ClosedForm:
         """
         values, discriminants, divisors, sizes = self._parts
         judged = ca.vertcat(ca.SX(0, 1), *discriminants.elements(), *divisors.elements())
-        least = np.full(int(judged.shape[0]), _VANISHING)
-        least[: int(self.signs.shape[0])] = _DOUBLE
+        least = np.full(judged.shape[0], _VANISHING)
+        least[: self.signs.shape[0]] = _DOUBLE
         return values, discriminants, ca.fabs(judged) - ca.DM(least) * sizes
 
     @cached_property
@@ -136,7 +136,7 @@ class ClosedForm:
         """Values, discriminants, divisors and the sizes of the terms of these two, for signs and
         known values.
         """
-        width, choices = self.system.width, int(self.signs.shape[0])
+        width, choices = self.system.width, self.signs.shape[0]
         whole = ca.densify(
             self.at_roots(
                 ca.vertcat(self.values, self.discriminants, self.divisors),
@@ -153,14 +153,14 @@ class ClosedForm:
 
     def at_roots(self, whole: ca.SX, root: Callable[[ca.SX], ca.SX]) -> ca.SX:
         """Expressions with the `root` of each discriminant put in."""
-        for k in reversed(range(int(self.roots.shape[0]))):
+        for k in reversed(range(self.roots.shape[0])):
             whole = ca.substitute(whole, self.roots[k], root(self.discriminants[k]))
         return whole
 
     @cached_property
     def _signs(self) -> ca.Function:
         told = self.told
-        for k in range(int(self.signs.shape[0])):
+        for k in range(self.signs.shape[0]):
             told = ca.substitute(told, self.signs[k], ca.if_else(told[k] < 0, -1, 1))
             told = ca.substitute(told, self.roots[k], ca.fabs(told[k]))
         return ca.Function("signs", [self.system.unknown, self.system.known], [told])
@@ -224,7 +224,7 @@ class ClosedForm:
         """Whether there are more rows than unknowns, so that known values need not have a
         solution.
         """
-        return int(self.system.rows.shape[0]) > self.system.freedom
+        return self.system.rows.shape[0] > self.system.freedom
 
 
 def closed_form(
@@ -383,7 +383,7 @@ def _key(symbol: ca.SX) -> int:
 
 def _inlined(symbols: list[ca.SX], definitions: list[ca.SX], outputs: list[ca.SX]) -> list[ca.SX]:
     """Outputs with definitions put in, which may read earlier ones."""
-    sizes = np.cumsum([0, *(int(o.shape[0]) for o in outputs)]).tolist()
+    sizes = np.cumsum([0, *(o.shape[0] for o in outputs)]).tolist()
     whole = ca.vertcat(*outputs)
     for symbol, definition in zip(reversed(symbols), reversed(definitions), strict=True):
         whole = ca.substitute(whole, symbol, definition)

@@ -103,7 +103,7 @@ def _branches(form: ClosedForm, known: np.ndarray) -> np.ndarray:
     """
     values = ca.densify(form.at_roots(ca.vertcat(form.first, form.second), ca.sqrt))
     inputs = np.tile(form.choices, (len(known), 1)), np.repeat(known, form.count, axis=0)
-    found = np.zeros((len(inputs[1]), int(values.shape[0]), 1), dtype=complex)
+    found = np.zeros((len(inputs[1]), values.shape[0], 1), dtype=complex)
     code = ca.Function("complex", [form.signs, form.system.known], [values], {"cse": True})
     vectorise(code)(*(v.T.astype(complex) for v in inputs), found)
     parts = found[:, :, 0].T.reshape(2, form.system.width, -1)

@@ -86,7 +86,7 @@ class PathSystem:
     @property
     def count(self) -> int:
         """Rows, the norms of quaternions included."""
-        return int(self.rows.shape[0])
+        return self.rows.shape[0]
 
     @cached_property
     def coefficient_scales(self) -> np.ndarray:

@@ -48,17 +48,17 @@ class AlgebraicSystem:
     @cached_property
     def width(self) -> int:
         """Numbers that hold the unknowns."""
-        return int(self.z.shape[0])
+        return self.z.shape[0]
 
     @cached_property
     def count(self) -> int:
         """Rows."""
-        return int(self.rows.shape[0])
+        return self.rows.shape[0]
 
     @cached_property
     def cost(self) -> int:
         """Instructions of one evaluation of the rows and their derivatives."""
-        return int(self._function.n_instructions())
+        return self._function.n_instructions()
 
     @cached_property
     def _code(self) -> Callable[..., None]:

@@ -74,7 +74,7 @@ def _derivatives() -> np.ndarray:
     evaluate = ca.Function("h", [system.k], [ca.hessian(system.rows[1], system.z)[0]])
     found = []
     for place in (None, *range(1, 7)):
-        k = np.zeros(int(system.k.shape[0]))
+        k = np.zeros(system.k.shape[0])
         if place is not None:
             k[place] = 1.0
         found.append(np.asarray(evaluate(k)))

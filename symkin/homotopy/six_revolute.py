@@ -65,7 +65,7 @@ def universal_arm() -> AlgebraicSystem:
     e = multiply(conjugate(before.quaternion), multiply(k[-4:], back.quaternion))
     rows = ca.vertcat(gap, 2 * e[1], 2 * e[2])
     unknowns = tuple(Coordinate(f"q{i + 1}", "angle", "passive") for i in names)
-    last = int(k.shape[0])
+    last = k.shape[0]
     return AlgebraicSystem(1.0, unknowns, z, k, rows, (), known_ray=tuple(range(last - 4, last)))
 
 

@@ -133,7 +133,7 @@ class _Rows:
     def __init__(self, system: AlgebraicSystem, draw: Draw | None) -> None:
         self.system = system
         self.rng = np.random.default_rng(0)
-        self.draw = draw or (lambda rng: complex_normal(int(system.k.shape[0]), rng))
+        self.draw = draw or (lambda rng: complex_normal(system.k.shape[0], rng))
         self.code = vectorise(
             ca.Function("r", [system.z, system.k], [ca.densify(system.rows)], {"cse": True})
         )

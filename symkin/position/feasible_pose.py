@@ -56,7 +56,7 @@ def ties_poses(mechanism: Mechanism) -> bool:
     if plain_kind(mechanism, names) is None:
         return False
     problem = build_problem(mechanism, names)
-    if problem.generic_rank == int(problem.system.rows.shape[0]):
+    if problem.generic_rank == problem.system.rows.shape[0]:
         return False
     return all(both > joints for both, joints in _ranks(mechanism))
 

@@ -72,8 +72,8 @@ def joined_groups(problem: Problem, groups: tuple[Problem, ...]) -> Problem:
     )
     system, own = problem.system, problem.row_places
     # what of the closure errors no unknown enters is held against known values
-    left = 0 if not problem.by_name else int(system.errors.shape[0]) - len(checks)
-    if len(places) == int(system.rows.shape[0]) and not left:
+    left = 0 if not problem.by_name else system.errors.shape[0] - len(checks)
+    if len(places) == system.rows.shape[0] and not left:
         return problem
     return replace(
         problem,
@@ -111,7 +111,7 @@ def is_tied(group: Problem) -> bool:
     leave unknown.
     """
     system = group.system
-    if int(system.rows.shape[0]) <= system.freedom:
+    if system.rows.shape[0] <= system.freedom:
         return False
     values = np.array(closed_configurations(group.closure, 0))
     places = np.concatenate([group.unknown_places, group.known_places])

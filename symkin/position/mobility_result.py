@@ -333,7 +333,7 @@ def count_rows(closure: Closure) -> int:
     floating platform is why they do.
     """
     declared = closure.mechanism.motion != "spatial" and closure.role("pose")
-    return int(closure.rows.shape[0]) + (0 if declared else closure.vanishing)
+    return closure.rows.shape[0] + (0 if declared else closure.vanishing)
 
 
 def redundant_constraints(closure: Closure, values: np.ndarray, rank: int) -> int:

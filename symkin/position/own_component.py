@@ -310,7 +310,7 @@ class _Branching:
 
     @property
     def freedom(self) -> int:
-        return int(self.left[1].shape[1])
+        return self.left[1].shape[1]
 
     def linearise(self, z: np.ndarray, known: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """The rows that are left, and their derivatives along y, across the sphere."""

@@ -44,7 +44,7 @@ class RankLoss:
     @property
     def free_motions(self) -> int:
         """n - r: motions that J w = 0 leaves everywhere."""
-        return int(self.generic.shape[1]) - self.rank
+        return self.generic.shape[1] - self.rank
 
     @cached_property
     def combinations(self) -> np.ndarray:

@@ -199,7 +199,7 @@ class Workspace:
     def _why_none(self, inclination: np.ndarray, held: bool) -> str:
         """What to do where postures are not found."""
         if self.carried and not held:
-            rows, freedom = int(self._model.system.rows.shape[0]), self._model.system.freedom
+            rows, freedom = self._model.system.rows.shape[0], self._model.system.freedom
             redundant = (
                 f"; {rows} rows for {freedom} unknowns close at special geometry alone: check it, "
                 f"or name fewer joints as actuated"

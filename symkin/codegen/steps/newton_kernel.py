@@ -74,12 +74,12 @@ class Kernel:
     @property
     def m(self) -> int:
         """Count of rows."""
-        return int(self.rows.numel())
+        return self.rows.numel()
 
     @property
     def n(self) -> int:
         """Count of unknowns: entries of a step."""
-        return int(self.step.numel())
+        return self.step.numel()
 
     @property
     def is_square(self) -> bool:
