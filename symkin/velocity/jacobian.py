@@ -144,7 +144,7 @@ class Jacobian(Result):
         """Symbols of the rates that `time_derivative` reads: (q'; x'; t), n + p + 6 numbers; of
         coordinates told by name all rates, the known ones first.
         """
-        return ca.SX.sym("rate", int(self.expressions.following.shape[0]))
+        return ca.SX.sym("rate", self.expressions.following.shape[0])
 
     @cached_property
     def time_derivative(self) -> ca.SX:
@@ -160,7 +160,7 @@ class Jacobian(Result):
         then those of "passive" and "direct".
         """
         following = self._by_driven
-        return tuple(self._along(following[:, k]) for k in range(int(following.shape[1])))
+        return tuple(self._along(following[:, k]) for k in range(following.shape[1]))
 
     def time_derivative_at(self, values: Values, rates: Sequence[float] | np.ndarray) -> np.ndarray:
         """dJ/dt at a configuration; `rates` are n actuated ones (the others follow from them) or
