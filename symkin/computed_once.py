@@ -41,7 +41,7 @@ def lru_cache(maxsize: int) -> Callable[[Callable[Arguments, Value]], Callable[A
                     if entry.value is _MISSING:
                         value = function(*args, **kwargs)
                         entry.keep(value)
-            return entry.value  # type: ignore[no-any-return]
+            return entry.value
 
         return cached
 
@@ -71,7 +71,7 @@ class cached_property(Generic[Value]):  # noqa: N801  # the name of what it stan
         with computing((id(instance), self.name)):
             if self.name not in kept:
                 kept.setdefault(self.name, self.function(instance))
-            return kept[self.name]  # type: ignore[no-any-return]
+            return kept[self.name]
 
 
 @contextmanager

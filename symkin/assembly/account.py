@@ -83,7 +83,7 @@ class Account:
     @property
     def whole(self) -> np.ndarray:
         """Inputs (n,) that have reached all groups."""
-        return np.asarray(self.seen.all(axis=1))
+        return np.all(self.seen, axis=1)
 
     @property
     def complex_counts(self) -> list[int | None]:

@@ -51,7 +51,7 @@ class BlockPaths:
     @property
     def most_roots(self) -> int:
         """Complex roots of a generic instance."""
-        return int(self.start.z.shape[1])
+        return self.start.z.shape[1]
 
     @cached_property
     def notes(self) -> tuple[str, ...]:

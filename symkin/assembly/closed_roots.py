@@ -85,7 +85,7 @@ class ClosedBlock:
         some of their poses' conditions refuse, and that are none then; formulas that elimination
         has found have none of these (`accounts_for_all`).
         """
-        rows = int(self.problem.system.rows.shape[0])
+        rows = self.problem.system.rows.shape[0]
         if rows <= self.problem.system.freedom or isinstance(self.formulas, ClosedForm):
             return True
         found = self.formulas.solutions(self.regular[None])
@@ -106,7 +106,7 @@ class ClosedBlock:
         """Random known values (instances, known)."""
         scale = coordinate_scale(self.problem, self.problem.known_coordinates)
         away = np.random.default_rng(5).uniform(-_SPREAD, _SPREAD, (_INSTANCES, len(scale)))
-        return np.asarray(self.regular + scale * away)
+        return self.regular + scale * away
 
     def roots(self, known: np.ndarray, *, judges: bool = False) -> tuple[GroupRoots, np.ndarray]:
         """As `BlockPaths.roots`."""

@@ -77,9 +77,9 @@ def members_of(groups: tuple[Problem, ...]) -> dict[Problem, Member]:
 def _is_whole(group: Problem) -> bool:
     """Whether a group has no more rows than unknowns, and turns as a family."""
     return (
-        int(group.system.rows.shape[0]) == group.system.freedom
+        group.system.rows.shape[0] == group.system.freedom
         and _turns_as_family(group)
-        and int(joint_rows(group).shape[0]) == group.system.freedom
+        and joint_rows(group).shape[0] == group.system.freedom
     )
 
 
@@ -176,7 +176,7 @@ def _family(group: Problem, alike: Problem, numbers: _Numbers, units: np.ndarray
         return ca.SX(sign) if place < 0 else sign * units[place] * symbols[place]
 
     whole = rebuilt(_function(alike), [system.unknown, system.known], lifted, lambda value: value)
-    count = int(alike.system.rows.shape[0])
+    count = alike.system.rows.shape[0]
     # what is known of a body is any numbers to its rows
     plain = (replace(c, role="geometry") if c.body else c for c in alike.known_coordinates)
     known = (*plain, *more)

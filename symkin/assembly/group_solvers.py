@@ -60,7 +60,9 @@ def _joined(problem: Problem) -> tuple[Problem, ...]:
     groups, found = structure_groups(problem), list[Problem]()
     for numbers in independent_parts(groups):
         own = tuple(groups[k] for k in numbers)
-        is_one = len(own) > 1 and _has_formulas(joined_groups(problem, own))
+        # formulas of an arm take all numbers of its pose, of which its rows may hold some
+        some = len(own) > 1 or problem.mechanism.serial
+        is_one = some and _is_solved_as_one(joined_groups(problem, own), own)
         found += [joined_groups(problem, own)] if is_one else own
     given = {*problem.known_coordinates}
     rods = tuple(g for g in found if given >= {*g.known_coordinates} and rod_lengths(g.system))
@@ -69,8 +71,15 @@ def _joined(problem: Problem) -> tuple[Problem, ...]:
     return (joined_groups(problem, rods), *(group for group in found if group not in rods))
 
 
-def _has_formulas(group: Problem) -> bool:
-    return not solved_at_once(group) and isinstance(group_solver(group), ClosedBlock)
+def _is_solved_as_one(joined: Problem, own: tuple[Problem, ...]) -> bool:
+    """Whether formulas solve groups together, or further rows of a later one refuse solutions of
+    an earlier one, so that products of their counts are too large.
+    """
+    if solved_at_once(joined):
+        return False
+    refuses = any(int(g.system.rows.shape[0]) > g.system.freedom for g in own[1:])
+    solver = group_solver(joined)
+    return isinstance(solver, ClosedBlock) or (refuses and solver is not None)
 
 
 def group_paths(group: Problem) -> BlockPaths | None:

@@ -46,7 +46,7 @@ def _labels(features: np.ndarray) -> np.ndarray:
         begins |= np.diff(along[order], prepend=np.nan) > _SAME
         labels[order] = np.cumsum(begins) - 1
     _, first, inverse = np.unique(labels, return_index=True, return_inverse=True)
-    return np.asarray(np.argsort(np.argsort(first))[inverse.ravel()])
+    return np.argsort(np.argsort(first))[inverse.ravel()]
 
 
 def differing_universal_joints(

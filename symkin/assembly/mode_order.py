@@ -40,7 +40,7 @@ def _distances(problem: Problem, position: np.ndarray, quaternion: np.ndarray) -
     first = _first_pose(problem)
     turn = 8.0 * (1.0 - (quaternion @ np.asarray(first.quaternion)) ** 2)
     step = (position - np.asarray(first.position)) / problem.closure.characteristic_length
-    return np.asarray((turn + squared_norms(step)).round(_DIGITS))
+    return (turn + squared_norms(step)).round(_DIGITS)
 
 
 def _joint_distances(problem: Problem, values: np.ndarray) -> np.ndarray:
@@ -60,7 +60,7 @@ def _joint_distances(problem: Problem, values: np.ndarray) -> np.ndarray:
                 total += gap[:, 0] ** 2
             case _:
                 total += (gap[:, 0] / closure.characteristic_length) ** 2
-    return np.asarray(np.round(total, _DIGITS))
+    return np.round(total, _DIGITS)
 
 
 @lru_cache(maxsize=64)

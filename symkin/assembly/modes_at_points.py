@@ -146,7 +146,7 @@ class GroupFinder:
     def _groups(self) -> tuple[Problem, ...]:
         """The groups of the problem; none where nothing is searched."""
         problem = self.problem
-        if not problem.by_name and (problem.is_explicit or free_unknowns(problem)):
+        if problem.is_explicit or free_unknowns(problem):
             return ()
         return solved_groups(problem, self.search)
 
@@ -255,7 +255,7 @@ def _of_machine(problem: Problem, search: Search, certify: bool) -> ModeFinder |
 def _own(problem: Problem, search: Search) -> GroupFinder:
     """The finder of a description itself."""
     mechanism = problem.mechanism
-    if not problem.by_name and mechanism.serial and problem.system.freedom > problem.generic_rank:
+    if mechanism.serial and free_unknowns(problem):
         raise InputError(
             f"{mechanism.name}: its {len(mechanism.actuated)} joints leave solutions of a pose "
             f"free, so that none is isolated; "

@@ -138,7 +138,7 @@ class Modes(Result):
         """Places of the first mode at each distinct pose and actuated joints, which were found; of
         all modes where neither was.
         """
-        return np.unique(self._sets, return_index=True)[1].tolist()  # type: ignore[no-any-return]
+        return np.unique(self._sets, return_index=True)[1].tolist()
 
     @cached_property
     def representatives(self) -> list[Solution]:

@@ -129,7 +129,7 @@ class Prover:
         if self.bound is None:
             return np.zeros(len(listed), dtype=bool)
         real = np.bincount(found.instance[found.real == "real"], minlength=len(listed))
-        return np.asarray(proves(found, self.bound) & (real == listed))
+        return proves(found, self.bound) & (real == listed)
 
     def grounds(
         self, points: np.ndarray, owner: np.ndarray, knowns: Knowns, proofs: Proofs
@@ -138,7 +138,7 @@ class Prover:
         of independent ones of others where rows are redundant, as numbers of a `PartialProof` (m,
         4) whose radius is infinite where nothing is proved.
         """
-        rows = int(self.problem.system.rows.shape[0])
+        rows = self.problem.system.rows.shape[0]
         found = np.zeros((len(owner), 4))
         found[:, :2], found[:, 2] = rows, np.where(proofs.certified, proofs.radius, np.inf)
         left = np.flatnonzero(~proofs.certified) if self.is_redundant else ()

@@ -180,7 +180,7 @@ def _larger(some: np.ndarray, others: np.ndarray) -> np.ndarray:
 def _lost(roots: GroupRoots, owner: np.ndarray, which: np.ndarray, n: int) -> np.ndarray:
     """Inputs (n,) that ask for rows and get no solution of any."""
     asked = np.bincount(owner, minlength=n) > 0
-    return np.asarray(asked & (np.bincount(owner, weights=roots.counts[which], minlength=n) == 0))
+    return asked & (np.bincount(owner, weights=roots.counts[which], minlength=n) == 0)
 
 
 def _chosen(
@@ -344,7 +344,7 @@ def roots_of_parts(
     held against all rows of the group. Passive joints whose rows known values must agree with are
     left to formulas in any case.
     """
-    begin = np.zeros((len(known), int(group.closure.variables.shape[0])))
+    begin = np.zeros((len(known), group.closure.variables.shape[0]))
     begin[:, group.known_places] = known
     tree, account = Tree.begun(begin), Account.empty(len(known), len(parts))
     solving = Solving(replace(search, formulas=True), keeps_some=True)

@@ -23,8 +23,10 @@ from symkin.position.starts import begun
 
 
 def free_unknowns(problem: Problem) -> str | None:
-    """What to say where the rows leave unknowns free, so that no solution is isolated."""
-    free = problem.system.freedom - problem.generic_rank
+    """What to say where the rows leave unknowns free, so that no solution is isolated; coordinates
+    by name are refused where they do not determine the others.
+    """
+    free = 0 if problem.by_name else problem.system.freedom - problem.generic_rank
     if free <= 0:
         return None
     return (
@@ -51,7 +53,7 @@ def _certified(problem: Problem, one: SolutionList, values: np.ndarray) -> Solut
 
 def meet_conditions(problem: Problem, known: np.ndarray) -> np.ndarray:
     """Which given values (n, known) meet the rows without unknowns."""
-    return np.asarray(_errors_of_given(problem, known) == 0.0)
+    return _errors_of_given(problem, known) == 0.0
 
 
 def _errors_of_given(problem: Problem, known: np.ndarray) -> np.ndarray:
@@ -72,7 +74,7 @@ def known_without_search(
     the direct problem of a serial arm, given values that contradict rows without unknowns. The
     modes of a machine are `told` in the coordinates of a description.
     """
-    free = None if problem.by_name else free_unknowns(problem)
+    free = free_unknowns(problem)
     if free is not None and problem.mechanism.serial:
         raise InputError(free)
     if free is not None:
@@ -83,14 +85,14 @@ def known_without_search(
         ]
         return [replace(one, positive_dimensional=True) for one in empty]
     off, explicit = [given.off_motion for given in givens], problem.is_explicit
-    if not problem.by_name and not explicit:
+    if not explicit:
         errors = _errors_of_given(problem, np.array([given.values for given in givens]))
         off = [away or error for away, error in zip(off, errors.tolist(), strict=True)]
     return [
         nothing(problem, given, search, away)
         if away
         else _forward(problem, given, search, told, i)
-        if explicit and not problem.by_name
+        if explicit
         else None
         for i, (given, away) in enumerate(zip(givens, off, strict=True))
     ]

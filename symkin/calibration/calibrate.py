@@ -106,7 +106,7 @@ def calibrate(
         unknown = sum(c.freedom for c in closure.role("passive", "body", "pose"))
         why = (
             ": loops that are redundant close at no geometry near the file's for these readings"
-            if int(closure.rows.numel()) > unknown
+            if closure.rows.numel() > unknown
             else ""
         )
         raise InputError(

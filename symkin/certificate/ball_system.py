@@ -59,14 +59,14 @@ class BallSystem:
         second, first, constant = self._at(ring)
         column = ring.column(z)
         slope = ring.matrix(self.count, self.width, (second * column + first + first).entries())
-        return (slope * column * ring.number(0.5) + constant).entries()  # type: ignore[no-any-return]
+        return (slope * column * ring.number(0.5) + constant).entries()
 
     def jacobian(self, ring: Ring, z: Sequence[Number]) -> list[Number]:
         """dF/dz at balls z, row by row."""
         if not _is_quadratic(self.system):
             return _graph(self.system).evaluate(1, z, self._at(ring))
         second, first, _ = self._at(ring)
-        return (second * ring.column(z) + first).entries()  # type: ignore[no-any-return]
+        return (second * ring.column(z) + first).entries()
 
     def _at(self, ring: Ring) -> list[Any]:
         """What the known values determine, at the present precision."""

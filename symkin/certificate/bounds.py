@@ -158,4 +158,4 @@ def proves(found: CertificateBatch, bound: Bound) -> np.ndarray:
         return np.zeros(n, dtype=bool)
     whole = found.certified & found.pose & (found.real != "unknown")
     every, sure = (np.bincount(found.instance[some], minlength=n) for some in (slice(None), whole))
-    return np.asarray((every == count) & (sure == count) & (found.distinct == count))
+    return (every == count) & (sure == count) & (found.distinct == count)

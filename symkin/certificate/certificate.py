@@ -290,4 +290,4 @@ def _away(centre: np.ndarray, half: np.ndarray, points: np.ndarray) -> np.ndarra
     """
     apart = centre - points
     far = np.maximum(np.abs(apart.real), np.abs(apart.imag)).max(axis=0, initial=0.0)
-    return np.asarray((far + half) * UP)
+    return (far + half) * UP

@@ -67,9 +67,9 @@ Disc = tuple[np.ndarray, np.ndarray]
 def modulus(x: np.ndarray) -> np.ndarray:
     """A bound of the modulus, at most 1.12 times it."""
     if not np.iscomplexobj(x):
-        return np.asarray(np.abs(x))
+        return np.abs(x)
     a, b = np.abs(x.real), np.abs(x.imag)
-    return np.asarray(0.75 * (a + b) + 0.25 * np.abs(a - b))
+    return 0.75 * (a + b) + 0.25 * np.abs(a - b)
 
 
 def run(code: Code, inputs: Sequence[Disc], count: int, kind: np.dtype[Any]) -> list[Disc]:

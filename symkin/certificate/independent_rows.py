@@ -71,7 +71,7 @@ def _largest_other(
         )
         size = np.zeros((len(sure), system.count))
         size[:, function.tape.patterns[0][0]] = (modulus(values.middle) + values.radius) * UP
-        return np.asarray(np.max(size[:, others], axis=1, initial=0.0))
+        return np.max(size[:, others], axis=1, initial=0.0)
     with precision(_BITS):
         found = []
         for z, side, j in zip(

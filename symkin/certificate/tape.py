@@ -123,11 +123,11 @@ def build_tape(z: ca.SX, k: ca.SX, f: ca.SX, parts: Sequence[Part]) -> Tape:
         {a for i in moving for a in _operands(nodes[i]) if not nodes[a].moving}
         | {n for part in wanted for n in part if not nodes[n].moving}
     )
-    entry = {n: int(z.shape[0]) + i for i, n in enumerate(kept)}
-    before = _code(nodes, kept, {}, int(k.shape[0]) + constants.shape[0])
-    codes = tuple(_code(nodes, part, entry, int(z.shape[0]) + len(kept)) for part in wanted)
+    entry = {n: z.shape[0] + i for i, n in enumerate(kept)}
+    before = _code(nodes, kept, {}, k.shape[0] + constants.shape[0])
+    codes = tuple(_code(nodes, part, entry, z.shape[0] + len(kept)) for part in wanted)
     patterns = tuple(_pattern(function, i) for i in range(len(parts)))
-    return Tape(int(z.shape[0]), before, codes, patterns, np.array(values, dtype=float))
+    return Tape(z.shape[0], before, codes, patterns, np.array(values, dtype=float))
 
 
 def _pattern(function: ca.Function, i: int) -> tuple[np.ndarray, np.ndarray]:

@@ -302,8 +302,6 @@ def _column(v: object) -> ca.SX:
 
 
 def _matrix(quaternion: object) -> ca.SX:
-    rotation = snapped_constants(
-        ca.SX(ca.DM(np.asarray(matrix_from_quaternion(np.asarray(quaternion)))))
-    )
+    rotation = snapped_constants(ca.SX(ca.DM(matrix_from_quaternion(np.asarray(quaternion)))))
     assert rotation is not None  # noqa: S101 - numbers stay numbers
     return rotation

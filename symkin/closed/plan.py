@@ -192,8 +192,8 @@ def forward(arm: ArmScrews, values: np.ndarray) -> Pose:
         if screw.slides:
             pose = Pose(value * k, np.array([1.0, 0.0, 0.0, 0.0])) @ pose
         else:
-            q = np.asarray(quaternion_from_axis_angle(k, value))
-            pose = Pose(point - np.asarray(rotate(q, point)), q) @ pose
+            q = quaternion_from_axis_angle(k, value)
+            pose = Pose(point - rotate(q, point), q) @ pose
     return arm.told(pose)
 
 

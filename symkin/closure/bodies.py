@@ -155,9 +155,7 @@ class BodyBuilder:
     def _middle(self, body: str) -> np.ndarray:
         """The middle of a body's joint points at the reference."""
         ends = [_end_of(branch, body) for branch in self.layout.branches if body in branch.ends]
-        return np.asarray(
-            np.mean([self._place(element, first=first) for element, first in ends], axis=0)
-        )
+        return np.mean([self._place(element, first=first) for element, first in ends], axis=0)
 
     def _declare_body(self, body: str) -> PlatformSide:
         """A floating body by the position of the middle of its joints' points and its turn from the

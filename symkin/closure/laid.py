@@ -151,7 +151,7 @@ class _Chain:
         if self.at is None:
             return np.array(p)
         near = _ROUNDING * self.size
-        moved = _without(np.asarray(self.at.apply(np.array(p))), near)
+        moved = _without(self.at.apply(np.array(p)), near)
         before = np.array(self.joints[-1].point if self.joints else np.zeros(3))
         return np.where(np.abs(moved - before) <= near, before, moved)
 
@@ -159,7 +159,7 @@ class _Chain:
         """A unit vector of the link that the joints lead to."""
         if self.at is None:
             return np.array(v)
-        moved = _without(np.asarray(self.at.turn(np.array(v))), _ROUNDING)
+        moved = _without(self.at.turn(np.array(v)), _ROUNDING)
         return np.where(np.abs(np.abs(moved) - 1.0) <= _ROUNDING, np.sign(moved), moved)
 
     def carried(self, joint: Joint) -> Joint:
@@ -216,8 +216,8 @@ class _Chain:
         a = np.array(axis)
         value = -_angle_to_simplest(a, ways) if value is None else value
         if abs(value) > _ROUNDING:
-            turn = Pose(np.zeros(3), np.asarray(quaternion_from_axis_angle(a, -value)))
-            self._step(np.asarray(own.point - turn.apply(np.array(own.point))), turn.quaternion)
+            turn = Pose(np.zeros(3), quaternion_from_axis_angle(a, -value))
+            self._step(own.point - turn.apply(np.array(own.point)), turn.quaternion)
         return value
 
     def _slide(self, own: Joint, value: float) -> float:

@@ -131,6 +131,6 @@ def linear_parts(point: ca.SX, position: ca.SX, quaternion: ca.SX) -> tuple[ca.S
 def weighted_point(point: ca.SX, position: ca.SX, quaternion: ca.SX, pose: PlatformPose) -> ca.SX:
     """Points A p + R a + b times the weight of a pose in another form."""
     moved, arm, still = linear_parts(point, position, quaternion)
-    arms = [pose.direction(arm[k : k + 3]) for k in range(0, int(point.shape[0]), 3)]
-    place = pose.point(ca.SX(3, 1)) if int(position.shape[0]) else position
+    arms = [pose.direction(arm[k : k + 3]) for k in range(0, point.shape[0], 3)]
+    place = pose.point(ca.SX(3, 1)) if position.shape[0] else position
     return ca.mtimes(moved, place) + ca.vertcat(*arms) + pose.weight * still

@@ -69,7 +69,7 @@ def _described(value: Any, leaves: list[ca.SX]) -> Hashable:
     if is_dataclass(value):
         parts = (getattr(value, field.name) for field in fields(value))
         return type(value), tuple(_described(part, leaves) for part in parts)
-    return value  # type: ignore[no-any-return]
+    return value
 
 
 def _made(described: Any, symbols: list[ca.SX]) -> Any:

@@ -114,7 +114,7 @@ class ArmMotion:
         symbols = [self.halves, ca.SX(0, 1) if pose is None else pose]
         (short,) = gathered([expression], symbols, self.turns)
         snapped = snapped_expression(short, symbols)
-        names = [indexed("u", 2 * len(self.arm)), indexed("x", int(symbols[1].shape[0]))]
+        names = [indexed("u", 2 * len(self.arm)), indexed("x", symbols[1].shape[0])]
         return Emitter.of(self.real, list(zip(symbols, names, strict=True)), snapped)
 
     @property

@@ -128,7 +128,7 @@ def _decided(arm: SerialArm, branches: Mapped | None) -> list[bool]:
             -1, 1, (_BESIDE, 7)
         )
         gaps.append(max(_reached(arm, branches, near) for near in (target, *beside)))
-    return (firm & (np.array(gaps) < _REACHED * closed_misfit(arm.real, size))).tolist()  # type: ignore[no-any-return]
+    return (firm & (np.array(gaps) < _REACHED * closed_misfit(arm.real, size))).tolist()
 
 
 def _reached(arm: SerialArm, branches: Mapped, target: np.ndarray) -> float:
@@ -156,7 +156,7 @@ def _within(joints: np.ndarray, coordinates: Sequence[Coordinate]) -> np.ndarray
     ranges = np.array([c.limits or (-np.inf, np.inf) for c in coordinates])
     finite = np.isfinite(ranges[:, 1])
     aside = np.where(finite, _ASIDE * (ranges[:, 1] - np.where(finite, ranges[:, 0], 0.0)), 0.0)
-    return np.asarray(np.clip(joints, ranges[:, 0] + aside, ranges[:, 1] - aside))
+    return np.clip(joints, ranges[:, 0] + aside, ranges[:, 1] - aside)
 
 
 def _scales(arm: SerialArm) -> np.ndarray:
@@ -191,7 +191,7 @@ def _least_squares(branches: Mapped, joints: np.ndarray, poses: np.ndarray) -> n
     gaps = np.where(np.isfinite(gaps), gaps, np.inf)
     every, nearest = np.arange(len(joints)), np.argmin(gaps, axis=1)
     told = np.maximum(squares[every, 0, nearest], 0.0)
-    return np.asarray(np.where(np.isfinite(gaps[every, nearest]), told, 0.0))
+    return np.where(np.isfinite(gaps[every, nearest]), told, 0.0)
 
 
 def _all_followed(
@@ -213,7 +213,7 @@ def _all_followed(
         fine &= np.all(moved == _within(moved, arm.actuated), axis=1)
         if branches is not None:
             fine &= _least_squares(branches, moved, poses) > least
-        return np.asarray(fine)
+        return fine
 
     return followed(
         arm.inverse.system, guesses, partial(poses_between, starts, targets), _STEPS, kept

@@ -67,13 +67,13 @@ class LimbFormulas(Source):
     def usual_roots(self) -> np.ndarray:
         """How large roots are at sampled configurations."""
         discriminants = self.formulas.discriminants_at(self.made.sampled_poses, self.signs)
-        return np.asarray(np.sqrt(np.median(np.abs(discriminants), axis=0)))
+        return np.sqrt(np.median(np.abs(discriminants), axis=0))
 
     @cached_property
     def _usual_divisors(self) -> np.ndarray:
         """How large the divisors with guards of their own are at sampled configurations."""
         divisors = self.formulas.divisors_at(self.made.sampled_poses, self.signs)
-        return np.asarray(np.median(np.abs(divisors[:, list(self.block.free_divisors)]), axis=0))
+        return np.median(np.abs(divisors[:, list(self.block.free_divisors)]), axis=0)
 
     @cached_property
     def _discriminants(self) -> ca.SX:
@@ -99,7 +99,7 @@ class LimbFormulas(Source):
         Of a root r of D: dr = dD / (2 r).
         """
         values, roots = self._values[actuated_places(self.block), 0], self.formulas.roots
-        found, of_roots = self._by_twist(values), ca.SX(0, int(self.block.sides.shape[1]))
+        found, of_roots = self._by_twist(values), ca.SX(0, self.block.sides.shape[1])
         for k in range(roots.numel()):
             change = self._by_twist(self._discriminants[k])
             if k:

@@ -70,7 +70,7 @@ def poses_between(begins: np.ndarray, ends: np.ndarray, part: float) -> np.ndarr
     begins = np.hstack([begins[:, :3], np.where(is_far, -1.0, 1.0) * begins[:, 3:]])
     poses = begins + part * (ends - begins)
     poses[:, 3:] /= np.linalg.norm(poses[:, 3:], axis=1, keepdims=True)
-    return np.asarray(poses)
+    return poses
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,7 +108,7 @@ class SerialArm(Described):
         rates = ca.jacobian(self.pose, self.joints)
         q = self.pose[3:]
         columns = []
-        for i in range(int(self.joints.shape[0])):
+        for i in range(self.joints.shape[0]):
             # dq/dt = (0, w) q / 2, so that w is the vector part of 2 dq/dt q*
             spin = multiply(2 * rates[3:, i], conjugate(q))
             columns.append(ca.vertcat(rates[:3, i], spin[1:]))

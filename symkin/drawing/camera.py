@@ -63,7 +63,7 @@ class Camera:
 
     def flat(self, points: np.ndarray) -> np.ndarray:
         """Points (..., 3) in the picture (..., 2)."""
-        return np.asarray(np.asarray(points, dtype=float) @ self.axes[:2].T)
+        return np.asarray(points, dtype=float) @ self.axes[:2].T
 
 
 def _plane_normal(layout: Layout) -> np.ndarray | None:

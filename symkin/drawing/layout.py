@@ -439,4 +439,4 @@ class _Gathered:
 
 
 def _unit(vector: np.ndarray) -> np.ndarray:
-    return np.asarray(vector / np.linalg.norm(vector))
+    return vector / np.linalg.norm(vector)

@@ -84,4 +84,4 @@ def _beside(anchor: np.ndarray, target: np.ndarray, rails: Sequence[Joint]) -> n
     u, s, _ = np.linalg.svd(np.array([rail.axis for rail in rails]).T, full_matrices=False)
     basis = u[:, s > 1e-9]
     away = target - anchor
-    return np.asarray(anchor + away - basis @ (basis.T @ away))
+    return anchor + away - basis @ (basis.T @ away)

@@ -88,7 +88,7 @@ class ClosedForm:
     @cached_property
     def count(self) -> int:
         """How many solutions the formulas have, over the complex numbers."""
-        return int(2 ** int(self.signs.shape[0]))
+        return 2 ** self.signs.shape[0]
 
     @property
     def values(self) -> ca.SX:
@@ -115,7 +115,7 @@ class ClosedForm:
     @cached_property
     def choices(self) -> np.ndarray:
         """All signs (count, choices)."""
-        return np.array(list(product((1.0, -1.0), repeat=int(self.signs.shape[0])))).reshape(
+        return np.array(list(product((1.0, -1.0), repeat=self.signs.shape[0]))).reshape(
             self.count, -1
         )
 
@@ -127,8 +127,8 @@ class ClosedForm:
         """
         values, discriminants, divisors, sizes = self._parts
         judged = ca.vertcat(ca.SX(0, 1), *discriminants.elements(), *divisors.elements())
-        least = np.full(int(judged.shape[0]), _VANISHING)
-        least[: int(self.signs.shape[0])] = _DOUBLE
+        least = np.full(judged.shape[0], _VANISHING)
+        least[: self.signs.shape[0]] = _DOUBLE
         return values, discriminants, ca.fabs(judged) - ca.DM(least) * sizes
 
     @cached_property
@@ -136,7 +136,7 @@ class ClosedForm:
         """Values, discriminants, divisors and the sizes of the terms of these two, for signs and
         known values.
         """
-        width, choices = self.system.width, int(self.signs.shape[0])
+        width, choices = self.system.width, self.signs.shape[0]
         whole = ca.densify(
             self.at_roots(
                 ca.vertcat(self.values, self.discriminants, self.divisors),
@@ -153,14 +153,14 @@ class ClosedForm:
 
     def at_roots(self, whole: ca.SX, root: Callable[[ca.SX], ca.SX]) -> ca.SX:
         """Expressions with the `root` of each discriminant put in."""
-        for k in reversed(range(int(self.roots.shape[0]))):
+        for k in reversed(range(self.roots.shape[0])):
             whole = ca.substitute(whole, self.roots[k], root(self.discriminants[k]))
         return whole
 
     @cached_property
     def _signs(self) -> ca.Function:
         told = self.told
-        for k in range(int(self.signs.shape[0])):
+        for k in range(self.signs.shape[0]):
             told = ca.substitute(told, self.signs[k], ca.if_else(told[k] < 0, -1, 1))
             told = ca.substitute(told, self.roots[k], ca.fabs(told[k]))
         return ca.Function("signs", [self.system.unknown, self.system.known], [told])
@@ -184,15 +184,11 @@ class ClosedForm:
 
     def discriminants_at(self, known: np.ndarray, signs: np.ndarray) -> np.ndarray:
         """The discriminants (n, choices) for known values (n, known) and signs (choices,)."""
-        return np.asarray(self._mapped(np.tile(signs, (len(known), 1)), known)[1]).reshape(
-            len(known), -1
-        )
+        return self._mapped(np.tile(signs, (len(known), 1)), known)[1].reshape(len(known), -1)
 
     def divisors_at(self, known: np.ndarray, signs: np.ndarray) -> np.ndarray:
         """The divisors (n, divisors) for known values (n, known) and signs (choices,)."""
-        return np.asarray(self._mapped(np.tile(signs, (len(known), 1)), known)[2]).reshape(
-            len(known), -1
-        )
+        return self._mapped(np.tile(signs, (len(known), 1)), known)[2].reshape(len(known), -1)
 
     def solutions(self, known: np.ndarray) -> Solutions:
         """All solutions for known values (n, known)."""
@@ -204,7 +200,7 @@ class ClosedForm:
                 & (np.abs(discriminants) > _DOUBLE * sizes[:, :, :choices]).all(axis=(1, 2))
                 & (np.abs(divisors) > _VANISHING * sizes[:, :, choices:]).all(axis=(1, 2))
             )
-        return Solutions(values, np.asarray((discriminants >= 0.0).all(axis=2)), clear)
+        return Solutions(values, np.all(discriminants >= 0.0, axis=2), clear)
 
     def _evaluated(self, known: np.ndarray) -> list[np.ndarray]:
         """Values (n, count, width), discriminants, divisors, and the sizes of the terms of these
@@ -228,7 +224,7 @@ class ClosedForm:
         """Whether there are more rows than unknowns, so that known values need not have a
         solution.
         """
-        return int(self.system.rows.shape[0]) > self.system.freedom
+        return self.system.rows.shape[0] > self.system.freedom
 
 
 def closed_form(
@@ -262,7 +258,7 @@ def samples_about(
     formulas that hold whatever is given.
     """
     scale = np.array(units_of(coordinates, system.characteristic_length))
-    return np.asarray(
+    return (
         near
         + _NEAR * np.random.default_rng(seed).uniform(-1.0, 1.0, size=(_SAMPLES, len(near))) * scale
     )
@@ -387,7 +383,7 @@ def _key(symbol: ca.SX) -> int:
 
 def _inlined(symbols: list[ca.SX], definitions: list[ca.SX], outputs: list[ca.SX]) -> list[ca.SX]:
     """Outputs with definitions put in, which may read earlier ones."""
-    sizes = np.cumsum([0, *(int(o.shape[0]) for o in outputs)]).tolist()
+    sizes = np.cumsum([0, *(o.shape[0] for o in outputs)]).tolist()
     whole = ca.vertcat(*outputs)
     for symbol, definition in zip(reversed(symbols), reversed(definitions), strict=True):
         whole = ca.substitute(whole, symbol, definition)

@@ -103,11 +103,11 @@ def _branches(form: ClosedForm, known: np.ndarray) -> np.ndarray:
     """
     values = ca.densify(form.at_roots(ca.vertcat(form.first, form.second), ca.sqrt))
     inputs = np.tile(form.choices, (len(known), 1)), np.repeat(known, form.count, axis=0)
-    found = np.zeros((len(inputs[1]), int(values.shape[0]), 1), dtype=complex)
+    found = np.zeros((len(inputs[1]), values.shape[0], 1), dtype=complex)
     code = ca.Function("complex", [form.signs, form.system.known], [values], {"cse": True})
     vectorise(code)(*(v.T.astype(complex) for v in inputs), found)
     parts = found[:, :, 0].T.reshape(2, form.system.width, -1)
-    return np.asarray(parts / _units(form.system))
+    return parts / _units(form.system)
 
 
 def _angular(system: System) -> np.ndarray:
@@ -122,4 +122,4 @@ def _units(system: System) -> np.ndarray:
 
 def _reach(parts: np.ndarray) -> np.ndarray:
     """How large points (n,) of parts (2, width, n) are, at least 1: rows are of second degree."""
-    return np.asarray(np.maximum(1.0, np.max(np.abs(parts[0]) + np.abs(parts[1]), axis=0)))
+    return np.maximum(1.0, np.max(np.abs(parts[0]) + np.abs(parts[1]), axis=0))

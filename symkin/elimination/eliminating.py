@@ -243,7 +243,7 @@ def _coefficient_vectors(work: Workspace, unknown: int, rows: list[Polynomial]) 
     own = work.ring.places[unknown]
     monomials = sorted({m for row in rows for m in row.terms if any(m[place] for place in own)})
     columns = [work.numbers([row.terms.get(m, ca.SX(0)) for m in monomials]) for row in rows]
-    return np.asarray(np.stack(columns, axis=-1).reshape(-1, len(rows)))
+    return np.stack(columns, axis=-1).reshape(-1, len(rows))
 
 
 def _combination(work: Workspace, rows: list[Polynomial], factors: np.ndarray) -> Polynomial:

@@ -339,7 +339,7 @@ class _Limb:
         ).reshape(len(terms), len(polynomials))
         sizes = np.max(np.abs(matrix), axis=1, initial=0.0)
         kept = sizes > _CANCELLED * np.max(sizes, initial=0.0)
-        return np.asarray(matrix[kept] / sizes[kept, None])
+        return matrix[kept] / sizes[kept, None]
 
     def planes(self, most: int) -> list[PointRow]:
         """Planes in which the point lies, at most so many."""
@@ -478,4 +478,4 @@ def _reduced_null_space(matrix: np.ndarray) -> np.ndarray:
     null = np.array(
         [[snap(float(v)) if abs(v) >= _VANISHED else 0.0 for v in row] for row in null]
     ).reshape(null.shape)
-    return np.asarray(null / np.linalg.norm(null, axis=1, keepdims=True))
+    return null / np.linalg.norm(null, axis=1, keepdims=True)

@@ -96,9 +96,7 @@ class Normal:
         turns = np.random.default_rng(0).normal(size=(16, 4))
         turns /= np.linalg.norm(turns, axis=1)[:, None]
         values = np.array([np.asarray(read(q)).ravel() for q in turns])
-        basis = np.array(
-            [[*np.asarray(matrix_from_quaternion(q)).T.ravel().tolist(), 1.0] for q in turns]
-        )
+        basis = np.array([[*matrix_from_quaternion(q).T.ravel().tolist(), 1.0] for q in turns])
         linear = np.linalg.lstsq(basis, values, rcond=None)[0]
         size = float(np.max(np.abs(values), initial=0.0))
         if not size or np.max(np.abs(basis @ linear - values)) > _VANISHED * size:

@@ -41,7 +41,7 @@ def polynomial_rows(ring: Ring, system: System, rows: ca.SX, sums: Sums) -> list
     halves = _halved(function, ring)
     reader = _Reader(ring, system, halves)
     walk(function, reader)
-    whole = (_whole(ring, reader.found[k], halves) for k in range(int(rows.shape[0])))
+    whole = (_whole(ring, reader.found[k], halves) for k in range(rows.shape[0]))
     return [Polynomial({m: ca.SX(c) for m, c in row.terms.items()}) for row in whole]
 
 

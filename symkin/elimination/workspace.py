@@ -172,7 +172,7 @@ class Workspace:
     def agree(self, first: ca.SX, second: ca.SX) -> np.ndarray:
         """Samples at which two expressions differ by rounding only."""
         values, sizes = self._numbers_and_sizes([first, second])
-        return np.asarray(np.abs(values[:, 0] - values[:, 1]) <= ROUNDING * np.sum(sizes, axis=1))
+        return np.abs(values[:, 0] - values[:, 1]) <= ROUNDING * np.sum(sizes, axis=1)
 
     def multiple(self, expression: ca.SX, of: ca.SX) -> float | None:
         """The constant by which an expression is a multiple of another, if it is one at all

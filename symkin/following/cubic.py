@@ -61,7 +61,7 @@ class Cubic:
 
     def at(self, share: float) -> np.ndarray:
         """The point at `share` of the length."""
-        return np.asarray(_polar(share, share, share) @ self.control)
+        return _polar(share, share, share) @ self.control
 
     def share_at(self, value: float) -> float:
         """The share at which the last component, which grows along one cubic, has a value."""
@@ -75,7 +75,7 @@ class Cubic:
     def middle_velocity(self) -> np.ndarray:
         """The derivative in the middle."""
         difference = np.array([-0.75, -0.75, 0.75, 0.75]) @ self.control
-        return np.asarray(difference / self.length[..., None])
+        return difference / self.length[..., None]
 
     @property
     def acceleration(self) -> tuple[np.ndarray, np.ndarray]:

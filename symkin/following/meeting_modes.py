@@ -206,9 +206,7 @@ def nearest_mode(problem: Problem, listed: np.ndarray, unknown: np.ndarray) -> i
 
 def _distances(problem: Problem, points: np.ndarray, unknown: np.ndarray) -> np.ndarray:
     away = features(problem.system, points) - features(problem.system, unknown[None])
-    return np.asarray(
-        np.max(np.abs(away), axis=1, initial=0.0) / problem.closure.characteristic_length
-    )
+    return np.max(np.abs(away), axis=1, initial=0.0) / problem.closure.characteristic_length
 
 
 def _is_turning(block: BlockFollower) -> bool:

@@ -127,7 +127,7 @@ class ModeGraph(Result):
             return None
         rows = self.inputs[[point for point, _ in nodes]]
         moved = np.any(np.diff(rows, axis=0) != 0.0, axis=1)
-        return np.asarray(rows[np.append(True, moved)])
+        return rows[np.append(True, moved)]
 
     def to_dict(self) -> dict[str, Any]:
         last = self.inputs[-1].tolist()

@@ -95,4 +95,4 @@ def _between(block: BlockFollower, trajectory: Trajectory, row: int, u: float) -
 
 def _interpolated(one: Station, two: Station, u: float) -> np.ndarray:
     share = (u - one.u) / (two.u - one.u) if two.u > one.u else 0.0
-    return np.asarray(one.z + share * (two.z - one.z))
+    return one.z + share * (two.z - one.z)

@@ -86,7 +86,7 @@ class PathSystem:
     @property
     def count(self) -> int:
         """Rows, the norms of quaternions included."""
-        return int(self.rows.shape[0])
+        return self.rows.shape[0]
 
     @cached_property
     def coefficient_scales(self) -> np.ndarray:
@@ -154,13 +154,13 @@ def least_squares(matrices: np.ndarray, right: np.ndarray) -> np.ndarray:
     """
     if matrices.shape[1] == matrices.shape[2]:
         try:
-            return np.asarray(np.linalg.solve(matrices, right[..., None])[..., 0])
+            return np.linalg.solve(matrices, right[..., None])[..., 0]
         except np.linalg.LinAlgError:
             if len(matrices) == 1:
                 return np.full((1, matrices.shape[2]), np.nan)
             each = [least_squares(m[None], r[None]) for m, r in zip(matrices, right, strict=True)]
             return np.concatenate(each)
-    return np.asarray((inverses(matrices) @ right[..., None])[..., 0])
+    return (inverses(matrices) @ right[..., None])[..., 0]
 
 
 def along(slopes: np.ndarray) -> np.ndarray:
@@ -176,7 +176,7 @@ def inverses(matrices: np.ndarray) -> np.ndarray:
     left, singular, right = np.linalg.svd(
         np.where(fine[:, None, None], matrices, 0.0), full_matrices=False
     )
-    return np.asarray(right.transpose(0, 2, 1) @ scaled_left(singular, left))
+    return right.transpose(0, 2, 1) @ scaled_left(singular, left)
 
 
 def scaled_left(singular: np.ndarray, left: np.ndarray) -> np.ndarray:
@@ -185,7 +185,7 @@ def scaled_left(singular: np.ndarray, left: np.ndarray) -> np.ndarray:
     """
     regular = singular > ROUNDED_STEP * singular.max(axis=1, keepdims=True, initial=0.0)
     over = np.where(regular, 1.0 / np.where(regular, singular, 1.0), 0.0)
-    return np.asarray(left.transpose(0, 2, 1) * over[..., None])
+    return left.transpose(0, 2, 1) * over[..., None]
 
 
 @lru_cache(maxsize=128)

@@ -99,7 +99,7 @@ def _bifurcation(
 
 def _jacobian(system: PathSystem, y: np.ndarray, c: np.ndarray) -> np.ndarray:
     """dG/dy (rows, w + 1) at a point."""
-    return np.asarray(system.evaluate(y[None], c[None])[1][0])
+    return system.evaluate(y[None], c[None])[1][0]
 
 
 def _is_where_led(actual: np.ndarray, expected: np.ndarray) -> bool:

@@ -33,7 +33,7 @@ class Stations:
     @property
     def is_regular(self) -> np.ndarray:
         """Whether branches have slopes there (n,)."""
-        return np.asarray(np.isfinite(self.slope).all(axis=1))
+        return np.isfinite(self.slope).all(axis=1)
 
     @property
     def speed(self) -> np.ndarray:

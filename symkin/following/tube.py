@@ -101,7 +101,7 @@ class Tubes:
             )
             room = np.minimum(inside, 1.0 - inside) * self.curve.length
             fits = (away * _MANY <= self.half).all(axis=1) & (slowest > 0.0) & (late < room)
-        return np.asarray(self.proved & fits)
+        return self.proved & fits
 
 
 @dataclass(frozen=True, eq=False)
@@ -212,7 +212,7 @@ class Interval:
             error += _fixed_points(image.shrinks, _product(image.shrinks, size))
             up = operator.frame[:, -1, :-1]
             curved = _dot(up, middle) > _dot(np.abs(up), error) * _MANY
-        return np.asarray(tubes.proved & curved)
+        return tubes.proved & curved
 
     def boxes(
         self,
@@ -254,7 +254,7 @@ class Matrix:
     def loose(self) -> np.ndarray:
         """The radius, and what a product with other matrices is rounded by."""
         gamma = 2.0 * (sum(self.middle.shape[1:]) + 8) * UNIT
-        return np.asarray((self.radius + gamma * np.abs(self.middle)) * _MANY)
+        return (self.radius + gamma * np.abs(self.middle)) * _MANY
 
     def over(self, unit: np.ndarray) -> Matrix:
         """The columns over powers of two (n, b)."""
@@ -277,12 +277,12 @@ class Matrix:
         """Bounds (n, w) of |M A v| for all A and all v within `spread`."""
         away = _product(self.loose, np.abs(v) + spread) + _product(np.abs(self.middle), spread)
         middle = np.abs(_product(inverse, _product(self.middle, v)))
-        return np.asarray((middle + _product(np.abs(inverse), away)) * _MANY)
+        return (middle + _product(np.abs(inverse), away)) * _MANY
 
     def between(self, inverse: np.ndarray, across: np.ndarray) -> np.ndarray:
         """Bounds (n, w, w) of |M A T| for all A."""
         away = np.abs(inverse) @ self.loose @ np.abs(across)
-        return np.asarray((np.abs(inverse @ self.middle @ across) + away) * _MANY)
+        return (np.abs(inverse @ self.middle @ across) + away) * _MANY
 
     def shrinks(
         self, inverse: np.ndarray, across: np.ndarray, unit: np.ndarray | None = None
@@ -290,7 +290,7 @@ class Matrix:
         """Bounds of |1 - M A T| for all A, or of |unit - M A T|."""
         whole = np.eye(across.shape[-1]) if unit is None else unit
         rest = np.abs(inverse @ self.middle @ across - whole)
-        return np.asarray((rest + np.abs(inverse) @ self.loose @ np.abs(across)) * _MANY)
+        return (rest + np.abs(inverse) @ self.loose @ np.abs(across)) * _MANY
 
 
 class _Operator:
@@ -391,7 +391,7 @@ class _Image:
         """A bound (n,) of what w' adds to du/ds."""
         with np.errstate(all="ignore"):
             along = self.turning[:, -1] + _dot(self.all_shrinks[:, -1], self.tangent)
-        return np.asarray(along * _MANY)
+        return along * _MANY
 
     def fill(self, half: np.ndarray) -> np.ndarray:
         """The largest share (n,) of the boxes that the images fill."""
@@ -460,9 +460,9 @@ def _product(matrices: np.ndarray, vectors: np.ndarray | float) -> np.ndarray:
     """Matrices (n, a, b) times vectors (n, b), or one (b,), or one number in all entries."""
     if np.ndim(vectors) == 0 or np.shape(vectors)[-1] != matrices.shape[-1]:
         vectors = np.broadcast_to(vectors, (len(matrices), matrices.shape[-1]))
-    return np.asarray((matrices @ np.asarray(vectors)[..., None])[..., 0])
+    return (matrices @ np.asarray(vectors)[..., None])[..., 0]
 
 
 def _dot(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     """Scalar products (n,)."""
-    return np.asarray(np.sum(a * b, axis=1))
+    return np.sum(a * b, axis=1)

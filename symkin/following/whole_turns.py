@@ -43,7 +43,7 @@ class ClosedBranch:
 
     def moved(self, z: np.ndarray, times: int) -> np.ndarray:
         """Unknowns of the first period so many periods later."""
-        return np.asarray(self.signs**times * z + times * self.shift)
+        return self.signs**times * z + times * self.shift
 
 
 def whole_turns(trajectory: Trajectory, row: int) -> float | None:

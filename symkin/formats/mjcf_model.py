@@ -48,7 +48,7 @@ def meshes_of(compiled: CompiledModel) -> list[tuple[int, Mesh]]:
             )
         turn = np.array(mesh.refquat)
         back = Pose(np.zeros(3), turn / np.linalg.norm(turn)).inverse()
-        at = Pose(-scale * np.asarray(back.turn(np.array(mesh.refpos))), back.quaternion)
+        at = Pose(-scale * back.turn(np.array(mesh.refpos)), back.quaternion)
         found[mesh.name] = packages.written(mesh.file), at, (float(x), float(y), float(z))
     shown = ((g, *found[g.mesh]) for g in compiled.shown)
     return [

@@ -256,7 +256,7 @@ class _Reader(GraphReader):
             factors: dict[str, float] = {}
             ratio = element.needed("gearbox_ratio").text_number()
             for tag, axis, weight in (("parent", "axis", ratio), ("child", "axis2", 1.0)):
-                about = np.asarray(at.turn(np.asarray(self._axis(element, axis, scope, at))))
+                about = at.turn(np.asarray(self._axis(element, axis, scope, at)))
                 turns = self._turns(
                     element, joints, reference, self._body(element, tag, scope), about
                 )
@@ -294,7 +294,7 @@ class _Reader(GraphReader):
         if joint.type != "R" or joint.axis is None:
             return None
         frame = self.poses[joint.links[0]] @ joint.frames[0]
-        turn = float(np.asarray(frame.turn(np.asarray(joint.axis))) @ about)
+        turn = float(frame.turn(np.asarray(joint.axis)) @ about)
         return float(round(turn)) if abs(abs(turn) - 1.0) <= _PARALLEL else None
 
     # --- the rest ---------------------------------------------------------------------------------

@@ -68,7 +68,7 @@ def refuse_model_frame(axis: Element, vector: tuple[float, ...], joint_pose: Pos
     use_parent_model_frame of versions before.
     """
     flag = _model_frame(axis)
-    turned = np.asarray(joint_pose.inverse().turn(np.asarray(vector)))
+    turned = joint_pose.inverse().turn(np.asarray(vector))
     if flag is not None and np.linalg.norm(
         turned - np.asarray(vector)
     ) > _ONE_AXIS * np.linalg.norm(vector):

@@ -9,14 +9,15 @@ Masses are plain: they have no meaning for the kinematics.
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from symkin.formats.couplings import mimic_of
-from symkin.formats.frames import closing_frames, xyz_rpy, zero_displacements
 from symkin.formats.naming import fresh_name
 from symkin.formats.parts import JOINTS_TAG, NAMESPACE, Parts, Whole, parts_text
+from symkin.formats.robot_joint import frame_along, moved_along
 from symkin.formats.written_tree import (
     INERTIA,
     MASS,
@@ -32,6 +33,7 @@ from symkin.model.joint_forms import JointType
 from symkin.model.mechanism import Mechanism
 from symkin.model.motor import Motor
 from symkin.spatial.pose import Pose
+from symkin.spatial.rotation import euler_from_quaternion
 
 _CARRY: frozenset[JointType] = frozenset({"R", "P"})
 _FORMS = {
@@ -69,7 +71,7 @@ class _Text:
         places = {BASE: np.zeros(3)}
         for entry in self.joints:
             carrier, link = entry.links
-            places[link] = np.asarray(moved[carrier].apply(np.array(entry.joint.point)))
+            places[link] = moved[carrier].apply(np.array(entry.joint.point))
         self.zero = {
             link: Pose(place, Pose.identity().quaternion) for link, place in places.items()
         }
@@ -210,3 +212,41 @@ class _Text:
         if any(joint.name in whole.parts for whole in parts.wholes):
             return parts.renamed(joint.name, own)
         return parts.with_whole(Whole(joint.name, joint.type, (own,)))
+
+
+# --- frames ---------------------------------------------------------------------------------------
+
+
+def displacement(joint: Joint, value: float) -> Pose:
+    """How far a joint of one coordinate moves its second link from the reference to a value."""
+    frame = Pose(np.array(joint.point), Pose.identity().quaternion)
+    return frame @ moved_along(joint, value - joint.zero) @ frame.inverse()
+
+
+def zero_displacements(joints: Sequence[LinkJoint]) -> dict[str, Pose]:
+    """The displacements of all links of a tree from the reference to the configuration where its
+    joints are 0.
+    """
+    found = {BASE: Pose.identity()}
+    for entry in joints:
+        carrier, link = entry.links
+        moved = found[carrier]
+        found[link] = moved @ displacement(entry.joint, 0.0) if entry.joint.zero else moved
+    return found
+
+
+def closing_frames(joint: Joint) -> tuple[Pose, Pose]:
+    """The frames of a closing joint on its two links, in the base frame at the reference: z along
+    its axis, which coincide at 0.
+    """
+    turn = Pose.identity() if joint.axis is None else frame_along(joint.axis)
+    frame = Pose(np.array(joint.point), turn.quaternion)
+    return frame, displacement(joint, 2.0 * joint.zero) @ frame if joint.zero else frame
+
+
+def xyz_rpy(pose: Pose) -> dict[str, list[float] | None]:
+    """The attributes of an origin; angles about the fixed axes x, y, z, and none where it is not
+    turned.
+    """
+    angles = [float(v) + 0.0 for v in euler_from_quaternion(pose.quaternion, "xyz")]
+    return {"xyz": [float(v) + 0.0 for v in pose.position], "rpy": angles if any(angles) else None}

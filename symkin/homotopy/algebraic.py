@@ -48,17 +48,17 @@ class AlgebraicSystem:
     @cached_property
     def width(self) -> int:
         """Numbers that hold the unknowns."""
-        return int(self.z.shape[0])
+        return self.z.shape[0]
 
     @cached_property
     def count(self) -> int:
         """Rows."""
-        return int(self.rows.shape[0])
+        return self.rows.shape[0]
 
     @cached_property
     def cost(self) -> int:
         """Instructions of one evaluation of the rows and their derivatives."""
-        return int(self._function.n_instructions())
+        return self._function.n_instructions()
 
     @cached_property
     def _code(self) -> Callable[..., None]:
@@ -148,7 +148,7 @@ def _within_reach(*values: np.ndarray) -> list[np.ndarray]:
 
 def complex_normal(count: int, rng: np.random.Generator) -> np.ndarray:
     """Complex numbers of a normal distribution, mean square 1."""
-    return np.asarray((rng.normal(size=count) + 1j * rng.normal(size=count)) / np.sqrt(2))
+    return (rng.normal(size=count) + 1j * rng.normal(size=count)) / np.sqrt(2)
 
 
 def known_root(system: AlgebraicSystem, known: np.ndarray, z: np.ndarray) -> np.ndarray:
@@ -173,4 +173,4 @@ def imaginary_part(system: AlgebraicSystem, z: np.ndarray) -> np.ndarray:
         ray = z[list(system.projective)]
         turned = ray / ray[np.abs(ray).argmax(axis=0), np.arange(ray.shape[1])]
         found = np.maximum(found, np.abs(turned.imag).max(axis=0))
-    return np.asarray(found)
+    return found

@@ -62,9 +62,7 @@ def _distance(hessian: ca.SX) -> ca.SX:
 def _points_from_mixed() -> np.ndarray:
     """Matrix (6, 16) that takes the derivatives by e and g, column by column, to b and m."""
     along = _derivatives()[:4, 4:]
-    return np.asarray(
-        np.linalg.pinv(np.stack([along[:, :, k + 1].ravel(order="F") for k in range(6)], axis=1))
-    )
+    return np.linalg.pinv(np.stack([along[:, :, k + 1].ravel(order="F") for k in range(6)], axis=1))
 
 
 @lru_cache(maxsize=1)
@@ -76,7 +74,7 @@ def _derivatives() -> np.ndarray:
     evaluate = ca.Function("h", [system.k], [ca.hessian(system.rows[1], system.z)[0]])
     found = []
     for place in (None, *range(1, 7)):
-        k = np.zeros(int(system.k.shape[0]))
+        k = np.zeros(system.k.shape[0])
         if place is not None:
             k[place] = 1.0
         found.append(np.asarray(evaluate(k)))

@@ -76,7 +76,7 @@ def separations(system: AlgebraicSystem, z: np.ndarray) -> np.ndarray:
     """Distance (n,) of each point to the nearest other one; infinite for a single point."""
     apart = distances(system, z, z)
     np.fill_diagonal(apart, np.inf)
-    return np.asarray(apart.min(axis=1, initial=np.inf))
+    return apart.min(axis=1, initial=np.inf)
 
 
 def follow(
@@ -204,7 +204,7 @@ def _germ(system: AlgebraicSystem, samples: np.ndarray, members: list[int]) -> G
 
 def _vanishes_inside(u: np.ndarray) -> np.ndarray:
     """Whether functions with samples u (n, any) are zero at t = 0."""
-    return np.asarray(np.abs(u.mean(axis=0)) < _NOTHING * np.abs(u).max(axis=0))
+    return np.abs(u.mean(axis=0)) < _NOTHING * np.abs(u).max(axis=0)
 
 
 def _is_pole(negative: np.ndarray) -> np.ndarray:
@@ -212,7 +212,7 @@ def _is_pole(negative: np.ndarray) -> np.ndarray:
     beyond its order there are none, as there would be of a pole at another place within the circle.
     """
     largest = negative.max(axis=0)
-    return np.asarray(
+    return (
         (largest > _POLE)
         & (negative[-1] < _NOTHING * largest)
         & (negative[-2] < _NOTHING * largest)

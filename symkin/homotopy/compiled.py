@@ -121,7 +121,7 @@ class CompiledTracker:
 
     def _line(self, begin: np.ndarray, end: np.ndarray, n: int) -> tuple[np.ndarray, np.ndarray]:
         """begin and end - begin, both (known,) or both (n, known), in one piece."""
-        known = int(self.system.k.shape[0])
+        known = self.system.k.shape[0]
         first, last = (np.ascontiguousarray(np.asarray(k).T, dtype=complex) for k in (begin, end))
         if first.ndim + last.ndim > 2:
             first, last = (

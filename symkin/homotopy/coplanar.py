@@ -31,7 +31,7 @@ class Frame:
 
     def coordinates(self, points: np.ndarray) -> np.ndarray:
         """Points (n, 3) in this frame."""
-        return np.asarray((points - self.origin) @ self.rotation)
+        return (points - self.origin) @ self.rotation
 
     @property
     def study(self) -> np.ndarray:
@@ -58,12 +58,12 @@ class Frames:
         """Matrix (8, 8) from Study coordinates of a pose to those between the frames: base^-1 pose
         platform.
         """
-        return np.asarray(times_left(self.base.inverse.study) @ times_right(self.platform.study))
+        return times_left(self.base.inverse.study) @ times_right(self.platform.study)
 
     @property
     def back(self) -> np.ndarray:
         """Its inverse."""
-        return np.asarray(times_left(self.base.study) @ times_right(self.platform.inverse.study))
+        return times_left(self.base.study) @ times_right(self.platform.inverse.study)
 
 
 def plane_frame(points: np.ndarray) -> Frame | None:
@@ -89,7 +89,7 @@ def distance_frames(data: np.ndarray) -> Frames | None:
 
 def reflection(frames: Frames) -> np.ndarray:
     """The reflection (8, 8) of Study coordinates in the points' own frames."""
-    return np.asarray(frames.back @ np.diag(REFLECTION) @ frames.into)
+    return frames.back @ np.diag(REFLECTION) @ frames.into
 
 
 def times_left(a: np.ndarray) -> np.ndarray:

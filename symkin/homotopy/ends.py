@@ -31,7 +31,7 @@ class SingularRoots:
         )
 
     def __len__(self) -> int:
-        return int(self.z.shape[1])
+        return self.z.shape[1]
 
 
 @dataclass(frozen=True, eq=False)

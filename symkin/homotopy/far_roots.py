@@ -64,7 +64,7 @@ def are_far(system: AlgebraicSystem, z: np.ndarray) -> np.ndarray:
     far = np.max(np.abs(z[angles].imag), axis=0, initial=0.0) > _FAR
     if system.projective:
         far |= is_no_pose(system, z, thin=_LARGE_ENTRIES, far=_LARGE_ENTRIES)
-    return np.asarray(np.isfinite(z).all(axis=0) & far)
+    return np.isfinite(z).all(axis=0) & far
 
 
 def settled(system: AlgebraicSystem, z: np.ndarray, k: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -279,7 +279,7 @@ def _predicted(system: AlgebraicSystem, stations: list[_Station], u: float) -> n
         ]
         product *= u - places[order - 1]
         total += product * column[0]
-    return np.asarray(total)
+    return total
 
 
 def _corrected(
@@ -313,7 +313,7 @@ def _corrected(
     ray = list(system.projective)
     if ray:
         along[ray] /= np.linalg.norm(root[ray])
-    return np.asarray(system.unit_rays(root)), along, sizes[0]
+    return system.unit_rays(root), along, sizes[0]
 
 
 def _at(system: AlgebraicSystem, k: np.ndarray) -> tuple[BallFunction, list[Any]]:

@@ -74,9 +74,7 @@ def _pivot_order(system: AlgebraicSystem, need: int) -> list[int]:
     jacobian = ca.Function("j", [system.z, system.k], [ca.jacobian(system.rows, system.z)])
     a = np.nan_to_num(
         np.asarray(
-            ca.densify(
-                jacobian(rng.normal(size=system.width), rng.normal(size=int(system.k.shape[0])))
-            )
+            ca.densify(jacobian(rng.normal(size=system.width), rng.normal(size=system.k.shape[0])))
         )
     )
     a /= np.maximum(np.linalg.norm(a, axis=1, keepdims=True), 1e-300)

@@ -74,7 +74,7 @@ def _unfolded(mirrors: Orbits, ends: np.ndarray) -> np.ndarray:
         mirrors.symmetries.matrices[mirrors.maps],
         mirrors.symmetries.shifts[mirrors.maps],
     )
-    return np.asarray(np.einsum("rij,njr->nir", matrices, ends[:, :, mirrors.labels]) + shifts.T)
+    return np.einsum("rij,njr->nir", matrices, ends[:, :, mirrors.labels]) + shifts.T
 
 
 def nearest(system: AlgebraicSystem, ends: np.ndarray) -> np.ndarray:
@@ -98,7 +98,7 @@ def nearest(system: AlgebraicSystem, ends: np.ndarray) -> np.ndarray:
         )
     diagonal = np.arange(roots)
     found[:, diagonal, diagonal] = np.inf
-    return np.asarray(found.min(axis=(1, 2)))
+    return found.min(axis=(1, 2))
 
 
 def _differences(system: AlgebraicSystem, values: np.ndarray, i: int) -> np.ndarray:
@@ -107,11 +107,11 @@ def _differences(system: AlgebraicSystem, values: np.ndarray, i: int) -> np.ndar
     gap = values[:, :, None] - values[:, None, :]
     if c.is_periodic:
         gap -= 2.0 * np.pi * np.rint(gap.real / (2.0 * np.pi))
-        return np.asarray(np.abs(gap))
+        return np.abs(gap)
     if c.least is not None:
         least = c.least / system.characteristic_length
         gap = gap * (values[:, :, None] + values[:, None, :] - 2.0 * least)
-    return np.asarray(np.abs(gap) / np.maximum(1.0, np.abs(values))[:, None, :])
+    return np.abs(gap) / np.maximum(1.0, np.abs(values))[:, None, :]
 
 
 # --- one instance with its endgame ----------------------------------------------------------------

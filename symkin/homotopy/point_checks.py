@@ -47,21 +47,21 @@ class Local:
 
     @property
     def largest_row(self) -> np.ndarray:
-        return np.asarray(np.max(np.abs(self.rows), axis=1, initial=0.0))
+        return np.max(np.abs(self.rows), axis=1, initial=0.0)
 
     @property
     def shares(self) -> np.ndarray:
-        return np.asarray(self.values / np.maximum(self.values[:, :1], 1.0))
+        return self.values / np.maximum(self.values[:, :1], 1.0)
 
     @property
     def share(self) -> np.ndarray:
         """That of the smallest singular value."""
-        return np.asarray(self.shares[:, -1])
+        return self.shares[:, -1]
 
     def step(self, weights: np.ndarray) -> np.ndarray:
         """-V diag(weights) U^H F, (width, n)."""
         along = np.einsum("nij,ni->nj", np.conj(self.left), self.rows) * weights
-        return np.asarray(-np.einsum("nji,nj->in", np.conj(self.right), along))
+        return -np.einsum("nji,nj->in", np.conj(self.right), along)
 
 
 def look(system: AlgebraicSystem, z: np.ndarray, k: np.ndarray) -> Local:
@@ -115,7 +115,7 @@ def is_no_pose(
     e = ray[:4]
     norm = np.linalg.norm(e, axis=0)
     short = norm <= max(far, 10 * error) * np.linalg.norm(ray, axis=0)
-    return np.asarray(short | (np.abs(np.sum(e * e, axis=0)) <= max(thin, 10 * error) * norm**2))
+    return short | (np.abs(np.sum(e * e, axis=0)) <= max(thin, 10 * error) * norm**2)
 
 
 def lie_on_sets(system: AlgebraicSystem, z: np.ndarray, k: np.ndarray) -> np.ndarray:

@@ -87,7 +87,7 @@ def _least_steps(jacobian: np.ndarray, f: np.ndarray, rank: int) -> np.ndarray:
     )
     steps = -np.einsum("nji,nj->ni", np.conj(right), weights)
     steps[bad] = np.nan
-    return np.asarray(steps.T)
+    return steps.T
 
 
 def _with_rays(
@@ -125,7 +125,7 @@ def regular(system: AlgebraicSystem, z: np.ndarray, k: np.ndarray) -> np.ndarray
     singular = np.linalg.svd(np.where(np.isfinite(jz), jz, 0.0), compute_uv=False)
     if singular.shape[1] < need:
         return np.zeros(z.shape[1], dtype=bool)
-    return np.asarray(singular[:, need - 1] > 1e-7 * np.maximum(singular[:, 0], _ORDINARY))
+    return singular[:, need - 1] > 1e-7 * np.maximum(singular[:, 0], _ORDINARY)
 
 
 def carried(system: AlgebraicSystem, z: np.ndarray, k: np.ndarray, base: np.ndarray) -> np.ndarray:
@@ -173,7 +173,7 @@ def _reference_pose(problem: Problem, system: AlgebraicSystem) -> Pose:
 def random_known(problem: Problem, rng: np.random.Generator, *, near: bool) -> np.ndarray:
     """Complex values of the known coordinates, in the length unit and radians."""
     known = _about_reference(problem, problem.known_coordinates, rng, near)
-    return np.asarray(known * coordinate_scale(problem, problem.known_coordinates))
+    return known * coordinate_scale(problem, problem.known_coordinates)
 
 
 def _about_reference(
@@ -183,10 +183,8 @@ def _about_reference(
     closure = problem.closure
     parts = [closure.reference[closure.slices[c.name]] for c in coordinates]
     values = np.concatenate([*parts, np.zeros(0)]) / coordinate_scale(problem, coordinates)
-    return np.asarray(values + _noise(len(values), rng, near))
+    return values + _noise(len(values), rng, near)
 
 
 def _noise(count: int, rng: np.random.Generator, near: bool) -> np.ndarray:
-    return np.asarray(
-        (0.5 if near else 1.5) * complex_normal(count, rng) + 0.3j * rng.choice([-1, 1], count)
-    )
+    return (0.5 if near else 1.5) * complex_normal(count, rng) + 0.3j * rng.choice([-1, 1], count)

@@ -133,7 +133,7 @@ def distance_data(problem: Problem) -> Callable[[np.ndarray], np.ndarray] | None
         columns = np.asarray(joints, dtype=complex).reshape(len(joints), -1)
         numbers = np.zeros((columns.shape[1], 7 * DISTANCES, 1), dtype=complex)
         code(columns, numbers)
-        return np.asarray(numbers[:, :, 0].T.reshape(7 * DISTANCES, *joints.shape[1:]) / size)
+        return numbers[:, :, 0].T.reshape(7 * DISTANCES, *joints.shape[1:]) / size
 
     return data
 

@@ -65,7 +65,7 @@ def universal_arm() -> AlgebraicSystem:
     e = multiply(conjugate(before.quaternion), multiply(k[-4:], back.quaternion))
     rows = ca.vertcat(gap, 2 * e[1], 2 * e[2])
     unknowns = tuple(Coordinate(f"q{i + 1}", "angle", "passive") for i in names)
-    last = int(k.shape[0])
+    last = k.shape[0]
     return AlgebraicSystem(1.0, unknowns, z, k, rows, (), known_ray=tuple(range(last - 4, last)))
 
 
@@ -131,14 +131,12 @@ def arm_data(problem: Problem, pose: np.ndarray) -> np.ndarray:
 
 def _rotated(q: np.ndarray, v: np.ndarray) -> np.ndarray:
     """R v for a quaternion of any length."""
-    turned = np.asarray(multiply(multiply(q, np.array([0.0, *v])), conjugate(q)))
-    return np.asarray(turned[1:] / np.sum(q * q))
+    turned = multiply(multiply(q, np.array([0.0, *v])), conjugate(q))
+    return turned[1:] / np.sum(q * q)
 
 
 def _turn(a: float, b: float) -> np.ndarray:
-    return np.asarray(
-        multiply(quaternion_from_axis_angle(_X, a), quaternion_from_axis_angle(_Y, b))
-    )
+    return multiply(quaternion_from_axis_angle(_X, a), quaternion_from_axis_angle(_Y, b))
 
 
 def _link_between(frame: Pose, point: np.ndarray, axis: np.ndarray) -> np.ndarray:

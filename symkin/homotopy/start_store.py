@@ -76,7 +76,7 @@ def compute_start(problem: Problem, system: AlgebraicSystem) -> tuple[Fibre | No
     """Generic roots from the universal start of six distances where the closure is that, else by
     monodromy; at a base from which real instances take few steps.
     """
-    if not int(system.k.shape[0]):
+    if not system.k.shape[0]:
         return None, RIGID
     LOG.info("the generic solutions of the %s problem are found, once", problem.name)
     data = distance_data(problem)
@@ -229,7 +229,7 @@ def _by_monodromy(problem: Problem, system: AlgebraicSystem) -> tuple[Fibre | No
             return None, f"{AGREEING}: {found.actuated} of them for {found.mobility} freedoms"
     # fewer combinations of the rows than these are no more redundant than they
     redundant = 0 if problem.of_pose else redundant_rows(problem)
-    rank = min(system.count, int(problem.system.rows.shape[0]) - redundant)
+    rank = min(system.count, problem.system.rows.shape[0] - redundant)
 
     def points(rng: np.random.Generator, near: bool) -> tuple[np.ndarray, np.ndarray]:
         return random_point(problem, system, rng, near=near)
@@ -273,7 +273,7 @@ def redundant_rows(problem: Problem) -> int:
             problem.select_values(values, system.unknowns), np.zeros(0)
         )
         ranks.append(Rank.of(jacobian).value)
-    return int(system.rows.shape[0]) - max(ranks)
+    return system.rows.shape[0] - max(ranks)
 
 
 def missing_roots(problem: Problem, system: AlgebraicSystem, start: Fibre, seed: int) -> np.ndarray:
@@ -302,7 +302,7 @@ def missing_roots(problem: Problem, system: AlgebraicSystem, start: Fibre, seed:
         return np.zeros((system.width, 0), dtype=complex)
     everything = np.hstack([start.z, *missing])
     first = first_of_each(system, everything)
-    return np.asarray(everything[:, first[first >= start.z.shape[1]]])
+    return everything[:, first[first >= start.z.shape[1]]]
 
 
 def _real_points(

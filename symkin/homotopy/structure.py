@@ -90,7 +90,7 @@ class Structure:
         """Known values of the structure's system (coefficients, n) from those of the block's,
         (known, n).
         """
-        numbers = np.zeros((k.shape[1], int(self.system.k.shape[0]), 1), dtype=complex)
+        numbers = np.zeros((k.shape[1], self.system.k.shape[0], 1), dtype=complex)
         self._code(np.asarray(k, dtype=complex), numbers)
         return numbers[:, :, 0].T
 
@@ -303,7 +303,7 @@ def _search(
     progress: Progress | None = None,
 ) -> Fibre | None:
     def points(rng: np.random.Generator, near: bool) -> tuple[np.ndarray, np.ndarray]:  # noqa: ARG001 - no reference here
-        return complex_normal(system.width, rng), complex_normal(int(system.k.shape[0]), rng)
+        return complex_normal(system.width, rng), complex_normal(system.k.shape[0], rng)
 
     rng = np.random.default_rng(seed)
     found = fibre(system, points, rng, seed, system.count, Looping(), known, progress)
@@ -343,7 +343,7 @@ def _unpaired(system: AlgebraicSystem, start: Fibre, seed: int) -> np.ndarray:
     """Roots at the start's base that are missing there: conjugates of roots for random real
     coefficients.
     """
-    k = np.random.default_rng([seed, 1]).normal(size=int(system.k.shape[0])).astype(complex)
+    k = np.random.default_rng([seed, 1]).normal(size=system.k.shape[0]).astype(complex)
     tracked = track(system, start.z, start.k, k, TrackSettings(tolerance=1e-5))
     ends, last = newton(system, tracked.z[:, tracked.arrived], k)
     ends = ends[:, last <= _CLOSED]

@@ -47,7 +47,7 @@ class Symmetries:
 
     def apply(self, z: np.ndarray) -> np.ndarray:
         """Images (maps, width, n) of points z (width, n)."""
-        return np.asarray(self.matrices @ z + self.shifts[:, :, None])
+        return self.matrices @ z + self.shifts[:, :, None]
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,7 +68,7 @@ class Orbits:
         stand for them.
         """
         images = self.symmetries.apply(z)
-        return np.asarray(images[self.maps, :, self.labels].T)
+        return images[self.maps, :, self.labels].T
 
     def unfold_tracked(self, tracked: Tracked) -> Tracked:
         """What all paths came to, from the paths of `first`."""
@@ -133,7 +133,7 @@ class _Rows:
     def __init__(self, system: AlgebraicSystem, draw: Draw | None) -> None:
         self.system = system
         self.rng = np.random.default_rng(0)
-        self.draw = draw or (lambda rng: complex_normal(int(system.k.shape[0]), rng))
+        self.draw = draw or (lambda rng: complex_normal(system.k.shape[0], rng))
         self.code = vectorise(
             ca.Function("r", [system.z, system.k], [ca.densify(system.rows)], {"cse": True})
         )
@@ -219,7 +219,7 @@ def binary_null_space(a: np.ndarray) -> np.ndarray:
 
 
 def _all_sets(count: int) -> np.ndarray:
-    return np.asarray((np.arange(2**count)[:, None] >> np.arange(count)) % 2 == 1)
+    return (np.arange(2**count)[:, None] >> np.arange(count)) % 2 == 1
 
 
 def _images(z: np.ndarray, flips: Sequence[_Flip], chosen: np.ndarray) -> np.ndarray:

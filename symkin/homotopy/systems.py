@@ -52,7 +52,7 @@ def system_of(problem: Problem) -> AlgebraicSystem:
     for body in unknown:
         z_parts.append(symbols[body])
         z_scale += [1.0] * 4
-        if int(symbols[body].shape[0]) == 8:
+        if symbols[body].shape[0] == 8:
             z_scale += [size] * 4
             rows = ca.vertcat(rows, ca.dot(symbols[body][:4], symbols[body][4:]))
     k_parts, k_scale, ray = _known_parts(problem, symbols)
@@ -65,7 +65,7 @@ def system_of(problem: Problem) -> AlgebraicSystem:
         z,
         k,
         ca.substitute(rows, ca.vertcat(z, k), scaled) / size,
-        tuple(range(len(affine), int(z.shape[0]))) if unknown else (),
+        tuple(range(len(affine), z.shape[0])) if unknown else (),
         eliminated=tuple(zip(eliminated, ca.vertsplit(angles), strict=True)),
         known_ray=ray,
         body=unknown[0] if unknown else "pose",
@@ -186,7 +186,7 @@ def meets_all_rows(
     if whole.count <= system.count or whole.width != system.width:
         return np.ones(z.shape[1], dtype=bool)
     f, _ = whole.linearise(z, k.astype(complex))
-    return np.asarray(np.max(np.abs(f), axis=1, initial=0.0) < _ALL_ROWS)
+    return np.max(np.abs(f), axis=1, initial=0.0) < _ALL_ROWS
 
 
 def unsuitable(problem: Problem) -> str | None:

@@ -206,7 +206,7 @@ def _runge_kutta(system: AlgebraicSystem, paths: _Paths, h: np.ndarray, line: _L
     k2 = _slope(system, z + 0.5 * h * k1, line, s + 0.5 * h, patch)
     k3 = _slope(system, z + 0.5 * h * k2, line, s + 0.5 * h, patch)
     k4 = _slope(system, z + h * k3, line, s + h, patch)
-    return np.asarray(z + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4))
+    return z + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
 
 
 def _extrapolate(system: AlgebraicSystem, paths: _Paths, h: np.ndarray) -> np.ndarray:
@@ -224,7 +224,7 @@ def _extrapolate(system: AlgebraicSystem, paths: _Paths, h: np.ndarray) -> np.nd
     ccbba, cbbaa = (cbba - ccbb) / d2, (bbaa - cbba) / d2
     high = np.where(three, ccbba + (h - d2) * (cbbaa - ccbba) / d2, 0.0)
     middle = np.where(two, ccb + (h - d1) * (ccbb + (h - d1) * high), 0.0)
-    return np.asarray(z[0] + h * (t[0] + h * middle))
+    return z[0] + h * (t[0] + h * middle)
 
 
 def in_newest_chart(
@@ -271,7 +271,7 @@ def _correct(
 
 
 def _relative(dz: np.ndarray, z: np.ndarray) -> np.ndarray:
-    return np.asarray(np.max(np.abs(dz), axis=0) / np.maximum(1.0, np.max(np.abs(z), axis=0)))
+    return np.max(np.abs(dz), axis=0) / np.maximum(1.0, np.max(np.abs(z), axis=0))
 
 
 def _patch(system: AlgebraicSystem, z: np.ndarray) -> np.ndarray | None:
@@ -311,4 +311,4 @@ def solve_rows(a: np.ndarray, b: np.ndarray) -> np.ndarray:
         x = np.linalg.solve(a, right)
     except np.linalg.LinAlgError:
         x = np.linalg.pinv(a) @ right
-    return np.asarray(x.transpose(1, 0, 2))
+    return x.transpose(1, 0, 2)

@@ -64,7 +64,7 @@ def compute_start(
     """
 
     def points(rng: np.random.Generator, near: bool) -> tuple[np.ndarray, np.ndarray]:  # noqa: ARG001 - no reference here
-        return point(rng), complex_normal(int(system.k.shape[0]), rng)
+        return point(rng), complex_normal(system.k.shape[0], rng)
 
     found = fibre(
         system,

@@ -31,7 +31,7 @@ def known_values(problem: Problem, known: np.ndarray) -> np.ndarray:
     if data is not None:
         return data(known)
     scale = coordinate_scale(problem, problem.known_coordinates)
-    return np.asarray((known.T / scale).T)
+    return (known.T / scale).T
 
 
 def real_values(

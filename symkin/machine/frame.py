@@ -126,7 +126,7 @@ def simplest_turn(told: np.ndarray, first: np.ndarray, *, in_plane: bool) -> np.
     always, few = (int(counts[1].min()), 0.0) if in_plane else (0, _FEW * first.size)
     most = int(counts[1][best]) - always
     is_simpler = most > max(_SIMPLER * (int(written[0]) - always), few)
-    return np.asarray(frames[best]) if is_simpler else None
+    return frames[best] if is_simpler else None
 
 
 def _promising(vectors: np.ndarray) -> np.ndarray:
@@ -161,7 +161,7 @@ def _zeros_about(axes: np.ndarray, vectors: np.ndarray) -> np.ndarray:
     for gap, angle in zip(gaps, angles[1:], strict=True):
         same = np.where(gap <= _SAME_WAY, same + 1, np.isfinite(angle))
         most = np.maximum(most, same)
-    return np.asarray(most + np.sum(np.abs(z) <= ALIGNED, axis=0) + 2 * np.sum(is_along, axis=0))
+    return most + np.sum(np.abs(z) <= ALIGNED, axis=0) + 2 * np.sum(is_along, axis=0)
 
 
 def _frames(vectors: np.ndarray, normals: Iterable[np.ndarray]) -> np.ndarray:

@@ -192,7 +192,7 @@ def _crossing(a: Joint, b: Joint) -> np.ndarray:
     """The point of an axis where it meets another one."""
     away, normal = np.subtract(b.point, a.point), np.cross(_axis(a), _axis(b))
     along = float(np.cross(away, _axis(b)) @ normal) / float(normal @ normal)
-    return np.asarray(np.array(a.point) + along * _axis(a))
+    return np.array(a.point) + along * _axis(a)
 
 
 def _outward(element: Element) -> Joint | None:

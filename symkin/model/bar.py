@@ -27,7 +27,7 @@ class RodEnd:
         `platform`.
         """
         point = np.array(self.point)
-        return np.asarray(platform.apply(point)) if self.in_platform_frame else point
+        return platform.apply(point) if self.in_platform_frame else point
 
 
 @dataclass(frozen=True)

@@ -118,12 +118,12 @@ class _Changed:
         return tuple(self.factor * v for v in lengths)
 
     def _at(self, link: str, point: Sequence[float]) -> tuple[float, ...]:
-        return tuple(np.asarray(self._point(link, np.array(point, dtype=float))).tolist())
+        return tuple(self._point(link, np.array(point, dtype=float)).tolist())
 
     def _turned(self, link: str, axis: Sequence[float] | None) -> tuple[float, ...] | None:
         if axis is None:
             return None
-        return tuple(np.asarray(self._direction(link, np.array(axis, dtype=float))).tolist())
+        return tuple(self._direction(link, np.array(axis, dtype=float)).tolist())
 
     def _joint(self, joint: Joint, carrier: str, link: str) -> Joint:
         unit = joint.coordinates[0].unit(self.factor) if joint.freedom == 1 else 1.0

@@ -72,4 +72,4 @@ def _shifts(joints: Sequence[Joint], moved: Sequence[Joint], end: np.ndarray) ->
             rows[3 * i : 3 * i + 3, column[joint.name]] = joint.axis
             if i > 0:
                 rows[3 * i - 3 : 3 * i, column[joint.name]] = -np.array(joint.axis)
-    return np.asarray(np.linalg.lstsq(rows, gaps, rcond=None)[0])
+    return np.linalg.lstsq(rows, gaps, rcond=None)[0]

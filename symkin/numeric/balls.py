@@ -137,11 +137,11 @@ class BallFunction:
     def prepare(self, ring: Ring, known: Sequence[Number]) -> list[Any]:
         """What k alone determines, at the present precision; k as doubles (exact) or balls."""
         prepare, _, values = self._code
-        return prepare([ring.number(v) for v in (*known, *values)], ring.number)  # type: ignore[no-any-return]
+        return prepare([ring.number(v) for v in (*known, *values)], ring.number)
 
     def evaluate(self, which: int, z: Sequence[Number], prepared: list[Any]) -> list[Number]:
         """Part `which` at balls z, a dense matrix row by row."""
-        return self._code[1][which](z, prepared[which])  # type: ignore[no-any-return]
+        return self._code[1][which](z, prepared[which])
 
 
 def derive(f: ca.SX, z: ca.SX, part: Part) -> ca.SX:

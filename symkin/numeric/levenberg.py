@@ -132,4 +132,4 @@ def _damped_steps(jacobians: np.ndarray, values: np.ndarray, damping: np.ndarray
         steps = np.linalg.solve(normal, -(transposed @ values[:, :, None]))
     except np.linalg.LinAlgError:
         return np.zeros((len(values), freedom))
-    return np.asarray(steps[:, :, 0])
+    return steps[:, :, 0]

@@ -35,7 +35,7 @@ def pattern_of(matrices: np.ndarray) -> np.ndarray:
     """
     if matrices.shape[2] < _LARGE:
         return np.ones(matrices.shape[1:], dtype=bool)
-    return np.asarray((matrices != 0.0).any(axis=0))
+    return (matrices != 0.0).any(axis=0)
 
 
 def parts_of_pattern(
@@ -114,7 +114,7 @@ def singular_values(matrices: np.ndarray) -> np.ndarray:
     stack = matrices.reshape(prod(matrices.shape[:-2]), *matrices.shape[-2:])
     parts = diagonal_parts(stack)
     if not parts:
-        return np.asarray(np.linalg.svd(matrices, compute_uv=False))
+        return np.linalg.svd(matrices, compute_uv=False)
     found = [
         np.linalg.svd(stack[:, rows[:, :, None], columns[:, None, :]], compute_uv=False)
         for rows, columns in parts
@@ -154,7 +154,7 @@ def extreme_singular_values(matrices: np.ndarray) -> np.ndarray:
     doubtful = (~(found[:, 0] < GRAM_CONDITION * found[:, 1])).nonzero()[0]
     if doubtful.size:
         found[doubtful] = singular_values(matrices[doubtful])[:, [0, -1]]
-    return np.asarray(found)
+    return found
 
 
 def _squared_extremes(matrices: np.ndarray) -> np.ndarray:
@@ -173,7 +173,7 @@ def _squared_extremes(matrices: np.ndarray) -> np.ndarray:
 
 def squared_norms(stack: np.ndarray) -> np.ndarray:
     """Sums (n,) of the squares of the entries of each vector or matrix of a stack (n, ...)."""
-    return np.asarray(np.add.reduce(stack * stack, axis=tuple(range(1, stack.ndim))))
+    return np.add.reduce(stack * stack, axis=tuple(range(1, stack.ndim)))
 
 
 def least_squares_steps(

@@ -81,7 +81,7 @@ class Mapped:
 
 
 def _is_nearly_empty(result: ca.SX) -> bool:
-    return int(result.numel()) >= _LARGE and int(result.nnz()) <= _SPARSE * int(result.numel())
+    return result.numel() >= _LARGE and result.nnz() <= _SPARSE * result.numel()
 
 
 def _whole(numbers: np.ndarray, shape: tuple[int, int], places: np.ndarray) -> np.ndarray:

@@ -79,7 +79,7 @@ class NearestRoot:
                 tangent = float(np.linalg.norm(turn)) / (2.0 * system.characteristic_length)
                 turn *= np.arctan(tangent) / tangent if tangent else 1.0
             begin += c.freedom
-        return np.asarray(step)
+        return step
 
     def without_turns(self, z: np.ndarray) -> np.ndarray:
         """The same configuration with angles within half a turn of the start's, but those whose
@@ -87,7 +87,7 @@ class NearestRoot:
         """
         turns = np.array([c.is_periodic for c in self.system.unknowns for _ in range(c.width)])
         away = z - self.start
-        return np.asarray(np.where(turns, z - (away - wrapped(away)), z))
+        return np.where(turns, z - (away - wrapped(away)), z)
 
     def _open_by(self, z: np.ndarray) -> float:
         return self.system.residual(z)
@@ -97,7 +97,7 @@ class NearestRoot:
 
     def _searched(self, starts: np.ndarray) -> np.ndarray:
         """Where least squares on all rows ends: at rounding, or at a local minimum."""
-        return np.asarray(self.system.polish_many(self._ends(starts, _STALLED)).points)
+        return self.system.polish_many(self._ends(starts, _STALLED)).points
 
     def _ends(self, starts: np.ndarray, patience: int) -> np.ndarray:
         """The same to the digits that its steps reach."""

@@ -85,15 +85,13 @@ def null_space(
     if parts and not least:
         return _null_space_of_parts(matrix, parts, bound, relative=relative)
     _, singular, right = np.linalg.svd(matrix)
-    return np.asarray(
-        right[min(count_above(singular, bound, relative=relative), len(right) - least) :]
-    )
+    return right[min(count_above(singular, bound, relative=relative), len(right) - least) :]
 
 
 def row_space(matrix: np.ndarray, bound: float, *, relative: bool = False) -> np.ndarray:
     """Orthonormal rows of the same span."""
     _, singular, right = np.linalg.svd(matrix, full_matrices=False)
-    return np.asarray(right[: count_above(singular, bound, relative=relative)])
+    return right[: count_above(singular, bound, relative=relative)]
 
 
 def _null_space_of_parts(

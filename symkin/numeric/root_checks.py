@@ -56,7 +56,7 @@ def rounding(system: System, points: np.ndarray) -> np.ndarray:
     size = system.characteristic_length
     long = np.abs(points[:, system.lengths]).max(axis=1, initial=0.0)
     scale = np.maximum(long, max(size, system.farthest))
-    return np.asarray(np.minimum(CLOSURE_ROUNDING * scale, CLOSURE_TOLERANCE * size))
+    return np.minimum(CLOSURE_ROUNDING * scale, CLOSURE_TOLERANCE * size)
 
 
 def are_roots(system: System, polished: Polished, residuals: np.ndarray) -> np.ndarray:
@@ -74,7 +74,7 @@ def are_roots(system: System, polished: Polished, residuals: np.ndarray) -> np.n
         found[doubtful] = _only_redundant_rows(
             polished.rows[doubtful], polished.jacobians[doubtful], size
         )
-    return np.asarray(found)
+    return found
 
 
 def is_root(system: System, point: np.ndarray, known: np.ndarray) -> bool:
@@ -103,9 +103,7 @@ def are_suspect(extremes: np.ndarray) -> np.ndarray:
     singular values (n, 2) there: by their ratio, and by the smallest alone, since a block of one
     unknown has no other.
     """
-    return np.asarray(
-        ~(condition_of(extremes) < SUSPECT_CONDITION) | (extremes[:, 1] < SINGULAR_VALUE)
-    )
+    return ~(condition_of(extremes) < SUSPECT_CONDITION) | (extremes[:, 1] < SINGULAR_VALUE)
 
 
 def suspects(jacobians: np.ndarray) -> np.ndarray:
@@ -135,7 +133,7 @@ def are_one(system: System, point: np.ndarray, others: np.ndarray, known: np.nda
     )
     n = len(others)
     misfit = np.maximum(here[0], here[1 : n + 1])
-    return np.asarray(here[n + 1 :] <= np.maximum(rounding(system, middle), 2.0 * misfit))
+    return here[n + 1 :] <= np.maximum(rounding(system, middle), 2.0 * misfit)
 
 
 def _halfway(system: System, point: np.ndarray, others: np.ndarray) -> np.ndarray:
@@ -170,7 +168,7 @@ def are_double(system: System, points: np.ndarray, known: np.ndarray) -> np.ndar
     ]
     bent = np.einsum("ni,nij,nj->n", weakest, slopes[0] - slopes[1], step) / (2.0 * _ASIDE)
     depth = singular[:, -1] ** 2 * size / (2.0 * np.maximum(np.abs(bent), _LEAST_CURVATURE))
-    return np.asarray(depth <= rounding(system, points))
+    return depth <= rounding(system, points)
 
 
 def lost_directions(jacobian: np.ndarray, share: float) -> np.ndarray:

@@ -51,7 +51,7 @@ class System:
     @cached_property
     def width(self) -> int:
         """Numbers that hold the unknowns."""
-        return int(self.unknown.shape[0])
+        return self.unknown.shape[0]
 
     @cached_property
     def freedom(self) -> int:
@@ -119,12 +119,12 @@ class System:
 
     @cached_property
     def _linearised(self) -> Mapped:
-        few = int(self.rows.shape[0]) * self.freedom < _MANY_NUMBERS
+        few = self.rows.shape[0] * self.freedom < _MANY_NUMBERS
         return Mapped.of([self.unknown, self.known], [self.rows, self.jacobian], common=few)
 
     @cached_property
     def _judged(self) -> Mapped:
-        few = int(self.rows.shape[0]) * self.freedom < _MANY_NUMBERS
+        few = self.rows.shape[0] * self.freedom < _MANY_NUMBERS
         told = [self.rows, self.jacobian, self.errors]
         return Mapped.of([self.unknown, self.known], told, common=few)
 
@@ -143,11 +143,11 @@ class System:
 
     def checks(self, z: np.ndarray, known: np.ndarray) -> np.ndarray:
         """Closure errors (n, checks) in the length unit, of all constraints and whole rotations."""
-        return np.asarray(self._checked(z, known)[0][:, :, 0])
+        return self._checked(z, known)[0][:, :, 0]
 
     def residuals(self, z: np.ndarray, known: np.ndarray = NOTHING) -> np.ndarray:
         """The largest of the `checks` (n,)."""
-        return np.asarray(np.max(np.abs(self.checks(z, known)), axis=1, initial=0.0))
+        return np.max(np.abs(self.checks(z, known)), axis=1, initial=0.0)
 
     def judge(self, z: np.ndarray, known: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """What `linearise` and `residuals` give, in one evaluation."""
@@ -159,7 +159,7 @@ class System:
         `residuals` (n,); few points at a time, since the Jacobians of a large system hold millions
         of numbers.
         """
-        rows = int(self.rows.shape[0])
+        rows = self.rows.shape[0]
         if min(rows, self.freedom) == 0:
             return np.ones((len(z), 2)), self.residuals(z, known)
         each = max(1, _AT_ONCE // (rows * self.freedom))
@@ -203,7 +203,7 @@ class System:
 
     def polish(self, z: np.ndarray, known: np.ndarray, steps: int = 4) -> np.ndarray:
         """Gauss-Newton on all rows until the step no longer shrinks them."""
-        return np.asarray(polish(self, z[None], known, steps).points[0])
+        return polish(self, z[None], known, steps).points[0]
 
     # --- points of the configuration space --------------------------------------------------------
 
@@ -260,7 +260,7 @@ class System:
 
     def unit(self, z: np.ndarray) -> np.ndarray:
         """The same point with quaternions of unit length."""
-        return np.asarray(self.move(z[None], np.zeros((1, self.freedom)))[0])
+        return self.move(z[None], np.zeros((1, self.freedom)))[0]
 
     def fold(self, points: np.ndarray) -> np.ndarray:
         """The same configurations with rod lengths that are not negative."""
@@ -325,7 +325,7 @@ def incidence_of(rows: ca.SX, system: System) -> list[set[int]]:
     pattern = np.asarray(ca.DM(ca.jacobian_sparsity(rows, system.unknown), 1)) != 0
     return [
         {k for k, place in enumerate(system.slices) if pattern[i, place].any()}
-        for i in range(int(rows.shape[0]))
+        for i in range(rows.shape[0])
     ]
 
 

@@ -102,7 +102,7 @@ def page_model(
             "singular": SINGULAR_VALUE,
             "same": DISTINCT_ROOTS,
         },
-        "width": int(closure.variables.shape[0]),
+        "width": closure.variables.shape[0],
         "start": start.tolist(),
         "hasPlatform": mechanism.platform_link is not None,
         "readings": _readings(closure),
@@ -364,8 +364,8 @@ def _functions(problem: Problem, links: Mapping[str, Pose]) -> tuple[str, dict[s
         javascript("twist", x, [_twist(pose, x) @ ca.diag(ca.SX(ca.DM(columns)))]),
     ]
     sizes = {
-        "rows": int(rows.shape[0]),
-        "errors": int(problem.system.errors.shape[0]),
+        "rows": rows.shape[0],
+        "errors": problem.system.errors.shape[0],
         "columns": columns.tolist(),
     }
     return "\n".join(texts), sizes

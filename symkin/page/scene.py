@@ -127,7 +127,7 @@ def _grid(items: Sequence[Item], view: Item, size: float, symbol: float) -> list
     ends, k = np.array([-_LINES, _LINES]), np.arange(-_LINES, _LINES + 1)[:, None]
     across = np.stack(np.broadcast_arrays(k, ends), axis=2)
     lines = np.stack([across, across[..., ::-1]], axis=1).reshape(-1, 2)
-    return (step * (centre + lines) @ along + level * normal).tolist()  # type: ignore[no-any-return]
+    return (step * (centre + lines) @ along + level * normal).tolist()
 
 
 def _items(layout: Layout, links: Sequence[str]) -> Iterator[Item]:

@@ -165,12 +165,12 @@ class _Solids:
 
     def axis_ends(self) -> list[list[float]]:
         axes = np.vstack([np.zeros(3), np.transpose(self.item["rotation"])])
-        return (np.array(self.item["position"]) + _FRAME * self.symbol * axes).tolist()  # type: ignore[no-any-return]
+        return (np.array(self.item["position"]) + _FRAME * self.symbol * axes).tolist()
 
     def corners(self) -> list[list[float]]:
         """Of the box that holds a mesh."""
         shares = np.stack(np.meshgrid(*([0.0, 1.0],) * 3), axis=-1).reshape(-1, 3)
-        return (np.array(self.item["low"]) + shares * np.array(self.item["span"])).tolist()  # type: ignore[no-any-return]
+        return (np.array(self.item["low"]) + shares * np.array(self.item["span"])).tolist()
 
     def frame(self) -> Iterator[Json]:
         s, origin = self.symbol, self.item["position"]

@@ -75,7 +75,7 @@ def _step(
         "number": number,
         "known": group.known_places.tolist(),
         "unknown": group.unknown_places.tolist(),
-        "rows": int(rows.shape[0]),
+        "rows": rows.shape[0],
         "starts": [np.column_stack([z.real, z.imag]).ravel().tolist() for z in starts],
         "signs": None,
         "margins": 0,
@@ -87,7 +87,7 @@ def _step(
         inputs = ca.vertcat(x, form.signs)
         outputs = [values, discriminants, margins]
         texts.append(javascript(f"branches{number}", inputs, [ca.densify(v) for v in outputs]))
-        step |= {"signs": form.choices.tolist(), "margins": int(margins.shape[0])}
+        step |= {"signs": form.choices.tolist(), "margins": margins.shape[0]}
     return step, texts
 
 
@@ -164,7 +164,7 @@ def _polished(
     """
     x, unknown = group.closure.variables, group.unknown_places
     evaluate = vectorise(ca.Function("step", [x], [rows, ca.densify(gradients)], {"cse": True}))
-    values, count = points.copy(), int(rows.shape[0])
+    values, count = points.copy(), rows.shape[0]
     length = np.zeros(len(values))
     for _ in range(_ROUNDS):
         f = np.zeros((len(values), count, 1), dtype=complex)
@@ -175,4 +175,4 @@ def _polished(
         length = np.max(np.abs(step), axis=1, initial=0.0)
     moved = np.max(np.abs(values - points) / columns, axis=1, initial=0.0)
     large = 1.0 + np.max(np.abs(values) / columns, axis=1, initial=0.0)
-    return np.asarray(values[(length < _CLOSED * large) & (moved < 1e-3 * large)])
+    return values[(length < _CLOSED * large) & (moved < 1e-3 * large)]

@@ -75,8 +75,8 @@ class Box:
 
     def holds(self, points: np.ndarray, gap: float = 0.0) -> np.ndarray:
         """Which of the points (n, 2) lie inside (n,)."""
-        return np.asarray(
-            (np.abs(points - (self.x, self.y)) < (self.wide + gap, self.high + gap)).all(axis=1)
+        return np.all(
+            np.abs(points - (self.x, self.y)) < (self.wide + gap, self.high + gap), axis=1
         )
 
 

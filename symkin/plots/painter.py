@@ -93,7 +93,7 @@ class Painter:
 
     def at(self, points: np.ndarray) -> np.ndarray:
         """Points (..., 3) in the picture (..., 2)."""
-        return np.asarray(self.shift + self.scale * self.camera.flat(points))
+        return self.shift + self.scale * self.camera.flat(points)
 
     def depth(self, point: np.ndarray) -> float:
         """Nearness to the eye, over the size, within -1 and 1."""
@@ -213,7 +213,7 @@ class Painter:
         for k in np.flatnonzero(within & (widths[1] > 0.0)):
             nearest = corners[int(np.argmin(gaps[:, k]))]
             self._flat(self.at(points[k]), nearest, widths[1], edge, gid, inner)
-        return np.asarray(points[within])
+        return points[within]
 
     def _couplings(self) -> None:
         """Dotted lines between coupled joints; those that share a place have none."""

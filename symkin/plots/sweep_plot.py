@@ -8,19 +8,28 @@ sample is drawn as points.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from symkin.drawing.palette import COLOURS
+from symkin.drawing.palette import COLOURS, KIND_COLOURS
 from symkin.errors import InputError
-from symkin.plots.sheet import colour_bar, name_axes, new_figure, own_legend
+from symkin.plots.loci_plot import draw_locus
+from symkin.plots.sheet import (
+    colour_bar,
+    foot_legend,
+    labelled,
+    name_axes,
+    new_figure,
+    note,
+    own_legend,
+)
 from symkin.plots.style import drawing
-from symkin.plots.sweep_loci import draw_loci
 from symkin.plots.sweep_text import axis_text, write_title
 from symkin.plots.sweep_values import figure_of_values
-from symkin.singularities.loci import Loci
+from symkin.singularities.loci import MISSING, NONE_MET, Loci
 from symkin.sweeps.interrupts import interrupts_held
 from symkin.sweeps.map_loci import loci_over
 from symkin.sweeps.map_slice import SHOWN, TITLES, MapSlice, check_map, edges, map_slice, opened
@@ -210,3 +219,41 @@ def _words(ax: Any, part: MapSlice, attributes: Mapping[str, Any], name: str) ->
         spans = [float(np.ptp(axis[2])) for axis in axes]
         if part.x[1] == part.y[1] and 0.8 < spans[0] / max(spans[1], 1e-300) < 1.25:
             ax.set_aspect("equal")
+
+
+# --- loci -----------------------------------------------------------------------------------------
+
+
+_WORDS = "singular, "
+_WIDTH, _EDGE = 1.8, 4.0
+"""Widths in points of a curve and of the white edge that parts it from the map."""
+
+
+def draw_loci(ax: Any, loci: Loci, names: Sequence[str]) -> None:
+    """The curves on a map whose axes are `names`, with a legend below it; the map's limits stay."""
+    from matplotlib.patheffects import withStroke
+
+    edge = [withStroke(linewidth=_EDGE, foreground="white", alpha=0.9)]
+    limits = ax.get_xlim(), ax.get_ylim()
+    order = [loci.plane.names.index(name) for name in names]
+    for curve in loci.curves:
+        if len(order) == 1:
+            look = {"lw": _WIDTH, "zorder": 5.0, "gid": f"locus {curve.kind}"}
+            ax.axvline(
+                curve.points[0, 0],
+                color=KIND_COLOURS[curve.kind],
+                label=f"{_WORDS}{curve.kind}",
+                path_effects=edge,
+                **look,
+            )
+        else:
+            turned = replace(curve, points=curve.points[:, order], cusps=curve.cusps[:, order])
+            draw_locus(ax, turned, emphasise=False, words=_WORDS, path_effects=edge)
+    ax.set(xlim=limits[0], ylim=limits[1])
+    missing = {MISSING, NONE_MET} & set(loci.notes)
+    told = "" if loci.curves else f"{loci.without_curves}; "
+    text = f"{told}curves may be missing" if missing else told.removesuffix("; ")
+    if text:
+        look = {"ha": "right", "va": "top", "color": COLOURS["text"], "path_effects": edge}
+        note(ax, text, (1.0, 1.0), (0, -4), xycoords="axes fraction", **look)
+    foot_legend(ax.figure, labelled(ax), 3)

@@ -50,7 +50,7 @@ class ArmFormulas:
         shape = (len(known), self.plan.count)
         marks = marks.reshape(*shape, 2, -1)
         real, doubtful = judged(marks[:, :, 0], marks[:, :, 1])
-        return Solutions(values.reshape(*shape, -1), real, np.asarray(~doubtful.any(axis=1)))
+        return Solutions(values.reshape(*shape, -1), real, ~np.any(doubtful, axis=1))
 
     @cached_property
     def _formulas(self) -> Mapped:
@@ -93,4 +93,4 @@ def judged(discriminants: np.ndarray, strengths: np.ndarray) -> tuple[np.ndarray
     before = np.cumprod(
         np.concatenate([np.ones_like(regular[:, :, :1]), regular[:, :, :-1]], axis=2), axis=2
     ).astype(bool)
-    return np.asarray(regular.all(axis=2)), np.asarray((before & ~regular & ~none).any(axis=2))
+    return np.all(regular, axis=2), np.any(before & ~regular & ~none, axis=2)

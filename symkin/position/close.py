@@ -73,7 +73,7 @@ def close_robot(robot: Robot, *, seed: int = 0) -> ClosedConfiguration:
     """As `close`, of a robot that is read."""
     found = nearest_closed(robot)
     tree = found.tree
-    rows = int(tree.system.rows.shape[0])
+    rows = tree.system.rows.shape[0]
     _, jacobian = tree.constraints.linearise_one(found.state)
     rank = Rank.of(jacobian, RANK_TOLERANCE if found.closed else FILE_DIGITS).value
     generic = (

@@ -56,7 +56,7 @@ def ties_poses(mechanism: Mechanism) -> bool:
     if plain_kind(mechanism, names) is None:
         return False
     problem = build_problem(mechanism, names)
-    if problem.generic_rank == int(problem.system.rows.shape[0]):
+    if problem.generic_rank == problem.system.rows.shape[0]:
         return False
     return all(both > joints for both, joints in _ranks(mechanism))
 
@@ -181,7 +181,7 @@ def _step(problem: Problem, whole: System, z: np.ndarray, wanted: np.ndarray) ->
 def _to_pose(whole: System, joints: int, z: np.ndarray, pose: np.ndarray) -> np.ndarray:
     """Tangent vector (length unit) from the pose at z, the last of its coordinates, to another."""
     there = np.concatenate([z[: -len(pose)], pose])
-    return np.asarray(whole.difference(z[None], there[None])[0, joints:])
+    return whole.difference(z[None], there[None])[0, joints:]
 
 
 @lru_cache(maxsize=64)

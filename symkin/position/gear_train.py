@@ -33,7 +33,7 @@ class GearTrain:
     def solutions(self, known: np.ndarray) -> np.ndarray:
         """All solutions (n, count, unknowns) at known values (n, known)."""
         first = np.linalg.solve(self.own, (self.constant - known @ self.read.T).T).T
-        return np.asarray(first[:, None, :] + self.places[None, :, :])
+        return first[:, None, :] + self.places[None, :, :]
 
 
 @lru_cache(maxsize=256)

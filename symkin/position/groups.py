@@ -71,9 +71,8 @@ def joined_groups(problem: Problem, groups: tuple[Problem, ...]) -> Problem:
         [k for k, held in enumerate(part) if held & names] for part in _dependences(problem)
     )
     system, own = problem.system, problem.row_places
-    # what of the closure errors no unknown enters is held against known values
-    left = 0 if not problem.by_name else int(system.errors.shape[0]) - len(checks)
-    if len(places) == int(system.rows.shape[0]) and not left:
+    if len(places) == system.rows.shape[0]:
+        # what of the closure errors no unknown enters is held against known values
         return problem
     return replace(
         problem,
@@ -111,7 +110,7 @@ def is_tied(group: Problem) -> bool:
     leave unknown.
     """
     system = group.system
-    if int(system.rows.shape[0]) <= system.freedom:
+    if system.rows.shape[0] <= system.freedom:
         return False
     values = np.array(closed_configurations(group.closure, 0))
     places = np.concatenate([group.unknown_places, group.known_places])
@@ -260,7 +259,7 @@ def dependence_of(rows: ca.SX, closure: Closure) -> np.ndarray:
     jacobian = ca.Function("j", [closure.variables], [ca.jacobian(rows, closure.variables)])
     units = np.array(units_of(closure.coordinates, closure.characteristic_length))
     sizes = np.max([np.abs(np.asarray(jacobian(v))) for v in values], axis=0) * units
-    return np.asarray(sizes > _ZERO * np.max(sizes, axis=1, keepdims=True, initial=1e-300))
+    return sizes > _ZERO * np.max(sizes, axis=1, keepdims=True, initial=1e-300)
 
 
 def _held(dependence: np.ndarray, closure: Closure) -> list[set[str]]:
@@ -338,7 +337,7 @@ def _closed_jacobian(problem: Problem) -> np.ndarray:
     jacobians = problem.system.linearise(
         values[:, problem.unknown_places], values[:, problem.known_places]
     )[1]
-    return np.asarray(max(jacobians, key=lambda jacobian: Rank.of(jacobian).value))
+    return max(jacobians, key=lambda jacobian: Rank.of(jacobian).value)
 
 
 def _independent_rows(problem: Problem) -> np.ndarray:

@@ -66,7 +66,7 @@ class _Recorder(ca.Callback):  # type: ignore[misc]  # CasADi is untyped here
         self.construct("recorder", {})
 
     def get_n_in(self) -> int:
-        return int(ca.nlpsol_n_out())
+        return ca.nlpsol_n_out()
 
     def get_n_out(self) -> int:
         return 1
@@ -87,7 +87,7 @@ def _solver(problem: Problem, settings: LeastSquares) -> tuple[ca.Function, _Rec
     system = problem.system
     scaled = system.rows / system.characteristic_length
     norms = system.norms(system.unknown)
-    recorder = _Recorder(system.width, int(norms.shape[0]), int(system.known.shape[0]))
+    recorder = _Recorder(system.width, norms.shape[0], system.known.shape[0])
     options = {
         "print_time": False,
         "show_eval_warnings": False,

@@ -76,7 +76,7 @@ def in_space(closure: Closure, values: np.ndarray) -> tuple[Closure, np.ndarray,
     of its rows there.
     """
     spatial = build_closure(replace(closure.mechanism, motion="spatial"))
-    z = np.asarray(many_elsewhere(spatial, closure, values[None])[0])
+    z = many_elsewhere(spatial, closure, values[None])[0]
     return spatial, z, whole_system(spatial).linearise_one(z)[1]
 
 
@@ -122,7 +122,7 @@ def _platform_twists(closure: Closure, system: System, values: np.ndarray) -> np
     position, quaternion = at[:3, 0], at[3:, 0]
     twists = []
     for rate in moved.T:
-        angular = 2.0 * np.asarray(multiply(rate[3:], conjugate(quaternion)))[1:]
+        angular = 2.0 * multiply(rate[3:], conjugate(quaternion))[1:]
         twists.append(np.concatenate([angular, rate[:3] - np.cross(angular, position)]))
     size = closure.characteristic_length
     return readable_span(np.array(twists), size) if twists else np.zeros((0, 6))
@@ -135,7 +135,7 @@ def reciprocal_system(screws: np.ndarray, size: float = 1.0) -> np.ndarray:
     weights = _weights(size)
     scaled = _even(np.atleast_2d(screws), size) * weights
     swapped = np.hstack([scaled[:, 3:], scaled[:, :3]])
-    return np.asarray(tidy_rows(null_space(swapped, RANK_TOLERANCE, relative=True)) / weights)
+    return tidy_rows(null_space(swapped, RANK_TOLERANCE, relative=True)) / weights
 
 
 def _even(screws: np.ndarray, size: float) -> np.ndarray:
@@ -143,7 +143,7 @@ def _even(screws: np.ndarray, size: float) -> np.ndarray:
     and of a tiny one the forces are.
     """
     norms = np.linalg.norm(screws * _weights(size), axis=1, keepdims=True)
-    return np.asarray(screws / np.where(norms > 0.0, norms, 1.0))
+    return screws / np.where(norms > 0.0, norms, 1.0)
 
 
 def _weights(size: float) -> np.ndarray:
@@ -162,7 +162,7 @@ def readable_span(wrenches: np.ndarray, size: float) -> np.ndarray:
         return basis
     rows = tidy_rows(basis) / weights
     forces, moments = np.linalg.norm(rows[:, :3], axis=1), np.linalg.norm(rows[:, 3:], axis=1)
-    return np.asarray(rows / np.where(forces > 1e-9, forces, moments)[:, None])
+    return rows / np.where(forces > 1e-9, forces, moments)[:, None]
 
 
 def per_freedom(coordinates: tuple[Coordinate, ...]) -> list[Coordinate]:

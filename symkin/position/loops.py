@@ -202,7 +202,7 @@ def _screws(mechanism: Mechanism, edge: Branch, poses: Mapping[str, Pose]) -> np
     if isinstance(part, Bar):
         ends = []
         for pose, end in ((before, part.start), (after, part.end)):
-            ends.append(np.asarray(pose.apply(end.at_reference(mechanism.reference_pose))))
+            ends.append(pose.apply(end.at_reference(mechanism.reference_pose)))
         ball = JOINT_FORMS["S"]
         turns = np.vstack([ball.screws((end - middle) / size, (), 0.0) for end in ends])
         along = np.concatenate([np.zeros(3), ends[1] - ends[0]])[None]
@@ -210,9 +210,9 @@ def _screws(mechanism: Mechanism, edge: Branch, poses: Mapping[str, Pose]) -> np
         return (
             turns if part.coordinate is None or not length else np.vstack([turns, along / length])
         )
-    point = np.asarray(before.apply(np.array(mechanism.places[part.name]))) - middle
+    point = before.apply(np.array(mechanism.places[part.name])) - middle
     axes = [
-        np.asarray(pose.turn(np.array(axis)))
+        pose.turn(np.array(axis))
         for pose, axis in ((before, part.axis), (after, part.axis2))
         if axis is not None
     ]
@@ -225,4 +225,4 @@ def _middle(mechanism: Mechanism) -> np.ndarray:
     mechanism, however far that stands from the base's origin."""
     pose = mechanism.reference_pose
     ends = [end.at_reference(pose) for bar in mechanism.bars for end in (bar.start, bar.end)]
-    return np.asarray(np.mean(np.array([*mechanism.places.values(), *ends], dtype=float), axis=0))
+    return np.mean(np.array([*mechanism.places.values(), *ends], dtype=float), axis=0)

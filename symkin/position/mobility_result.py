@@ -206,7 +206,7 @@ class Mobility(Result):
                 [turns[:, :2], speeds[:, 2:] if mechanism.motion == "planar" else speeds[:, :0]]
             )
         largest = np.linalg.norm(np.hstack([turns, speeds]), axis=1)
-        return np.asarray(twists[np.linalg.norm(outside, axis=1) > RANK_TOLERANCE * largest])
+        return twists[np.linalg.norm(outside, axis=1) > RANK_TOLERANCE * largest]
 
     @property
     def _closing(self) -> tuple[str, ...]:
@@ -333,7 +333,7 @@ def count_rows(closure: Closure) -> int:
     floating platform is why they do.
     """
     declared = closure.mechanism.motion != "spatial" and closure.role("pose")
-    return int(closure.rows.shape[0]) + (0 if declared else closure.vanishing)
+    return closure.rows.shape[0] + (0 if declared else closure.vanishing)
 
 
 def redundant_constraints(closure: Closure, values: np.ndarray, rank: int) -> int:

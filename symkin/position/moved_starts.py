@@ -100,7 +100,7 @@ def _ratios(problem: Problem, points: np.ndarray, known: np.ndarray) -> np.ndarr
     _, jacobians = problem.system.linearise(points, known)
     finite = np.all(np.isfinite(jacobians), axis=(1, 2))
     singular = np.linalg.svd(np.where(finite[:, None, None], jacobians, 0.0), compute_uv=False)
-    return np.asarray(singular[:, problem.generic_rank - 1] / np.maximum(singular[:, 0], 1e-300))
+    return singular[:, problem.generic_rank - 1] / np.maximum(singular[:, 0], 1e-300)
 
 
 def _within_limits(problem: Problem, points: np.ndarray) -> np.ndarray:

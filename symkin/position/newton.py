@@ -75,7 +75,7 @@ def _functions(problem: Problem, method: str) -> tuple[Pool[ca.Function], ca.Fun
     """Rootfinders of one iteration each, and the rows."""
     system = problem.system
     rows = flat_rows(system)
-    m, n = int(rows.shape[0]), system.width
+    m, n = rows.shape[0], system.width
     evaluate = ca.Function("rows", [system.unknown, system.known], [rows], {"cse": True})
     project, hold, start = ca.SX.sym("S", n, m), ca.SX.sym("T", n, n), ca.SX.sym("z0", n)
     square = m == n and problem.generic_rank == system.freedom

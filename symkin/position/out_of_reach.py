@@ -34,7 +34,7 @@ def reach_note(problem: Problem, given: Given) -> str | None:
     least squares close them after all, and where nothing is sought.
     """
     system, sources = problem.system, problem.closure.row_sources
-    if given.off_motion > 0.0 or not system.width or int(system.rows.shape[0]) != len(sources):
+    if given.off_motion > 0.0 or not system.width or system.rows.shape[0] != len(sources):
         return None
     nearest = _nearest(problem, given)
     if nearest is None:

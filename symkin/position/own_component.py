@@ -138,7 +138,7 @@ def component_at_singular(system: System, start: np.ndarray, seed: int) -> Compo
 
 def _unit(vectors: np.ndarray) -> np.ndarray:
     lengths = np.linalg.norm(vectors, axis=1, keepdims=True)
-    return np.asarray(vectors / np.where(lengths > 0.0, lengths, 1.0))
+    return vectors / np.where(lengths > 0.0, lengths, 1.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -235,9 +235,7 @@ class _Walker:
     def closed(self, points: np.ndarray) -> np.ndarray:
         """The points to full precision, those that close."""
         points = self.system.polish_many(points).points
-        return np.asarray(
-            points[self.system.residuals(points) <= self.allowed(CLOSED_CONFIGURATION)]
-        )
+        return points[self.system.residuals(points) <= self.allowed(CLOSED_CONFIGURATION)]
 
     def near(
         self, centre: np.ndarray, motions: np.ndarray, count: int, distance: float
@@ -255,7 +253,7 @@ class _Walker:
         # halves what is left
         ends = polish(here, batch.points, NOTHING, _HALVINGS).points
         open_by = self.system.residuals(ends)
-        return np.asarray(ends[open_by <= self.allowed(_CLOSED_STEP)])
+        return ends[open_by <= self.allowed(_CLOSED_STEP)]
 
     def dimension(self, points: np.ndarray, motions: list[np.ndarray]) -> int:
         """How many dimensions of the motions of first order at generic configurations those span
@@ -312,7 +310,7 @@ class _Branching:
 
     @property
     def freedom(self) -> int:
-        return int(self.left[1].shape[1])
+        return self.left[1].shape[1]
 
     def linearise(self, z: np.ndarray, known: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """The rows that are left, and their derivatives along y, across the sphere."""
@@ -340,9 +338,7 @@ class _Branching:
         return z
 
     def _motion_of(self, z: np.ndarray) -> np.ndarray:
-        return np.asarray(
-            self.system.difference(np.tile(self.centre, (len(z), 1)), z) @ self.left[1]
-        )
+        return self.system.difference(np.tile(self.centre, (len(z), 1)), z) @ self.left[1]
 
 
 def _solved(matrices: np.ndarray, right: np.ndarray) -> np.ndarray:

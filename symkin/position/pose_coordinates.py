@@ -78,18 +78,18 @@ def _off_motion(mechanism: Mechanism, position: np.ndarray, quaternion: np.ndarr
     reference, size = mechanism.reference_pose, mechanism.characteristic_length
     away = np.abs(position - np.asarray(reference.position)[:, None])
     if mechanism.motion == "spherical":
-        return np.asarray(away.max(axis=0))
+        return away.max(axis=0)
     w, x, y, z = multiply(quaternion, conjugate(reference.quaternion))
     # a turn about z and one about an axis normal to it: each has a half of the quaternion
     tilt = 2.0 * size * np.arctan2(np.hypot(x, y), np.hypot(w, z))
     match mechanism.motion:
         case "planar":
-            return np.asarray(np.maximum(tilt, away[2]))
+            return np.maximum(tilt, away[2])
         case "translation":
             turn = np.arctan2(np.sqrt(x * x + y * y + z * z), np.abs(w))
-            return np.asarray(2.0 * size * turn)
+            return 2.0 * size * turn
         case _:
-            return np.asarray(tilt)
+            return tilt
 
 
 def leaves_motion(mechanism: Mechanism, position: np.ndarray, quaternion: np.ndarray) -> bool:

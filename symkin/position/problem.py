@@ -135,11 +135,11 @@ class Problem:
         """The part of full vectors of variables (..., variables) that belongs to some
         coordinates.
         """
-        return np.asarray(values[..., self.places(coordinates)])
+        return values[..., self.places(coordinates)]
 
     def join_values(self, unknown: np.ndarray, known: np.ndarray) -> np.ndarray:
         """Full vectors of variables (..., variables) from their unknown and known parts."""
-        values = np.empty((*unknown.shape[:-1], int(self.closure.variables.shape[0])))
+        values = np.empty((*unknown.shape[:-1], self.closure.variables.shape[0]))
         values[..., self.unknown_places] = unknown
         values[..., self.known_places] = known
         return values
@@ -248,7 +248,7 @@ def _problem(closure: Closure, names: tuple[str, ...], by_name: bool) -> Problem
         closure.characteristic_length,
         closure.mechanism.farthest,
     )
-    return Problem(closure, system, known, tuple(range(int(system.rows.shape[0]))), by_name)
+    return Problem(closure, system, known, tuple(range(system.rows.shape[0])), by_name)
 
 
 @lru_cache(maxsize=128)

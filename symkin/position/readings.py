@@ -43,7 +43,7 @@ def canonical(
             values[:, place] = np.where(
                 values[:, place] < c.least, 2.0 * c.least - values[:, place], values[:, place]
             )
-    return np.asarray(values + 0.0)
+    return values + 0.0
 
 
 def positive_quaternions(q: np.ndarray) -> np.ndarray:
@@ -53,7 +53,7 @@ def positive_quaternions(q: np.ndarray) -> np.ndarray:
     q = q / np.sqrt(np.add.reduce(q * q, axis=1))[:, None]
     leading = (np.abs(q) > ROUNDED_COMPONENT).argmax(axis=1)
     sign = np.copysign(1.0, q[np.arange(len(q)), leading])
-    return np.asarray(q * sign[:, None] + 0.0)
+    return q * sign[:, None] + 0.0
 
 
 def _without_turns(angles: np.ndarray) -> np.ndarray:

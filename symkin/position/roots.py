@@ -299,9 +299,7 @@ def _beside(system: System, polished: Polished, places: list[int], known: np.nda
     )
     found = system.polish_many(starts, known, POLISHING)
     points = system.fold(found.points)
-    return np.asarray(
-        points[are_roots(system, replace(found, points=points), system.residuals(points, known))]
-    )
+    return points[are_roots(system, replace(found, points=points), system.residuals(points, known))]
 
 
 def unite(
@@ -353,4 +351,4 @@ def move_freely(system: System, points: np.ndarray, known: np.ndarray) -> np.nda
         for places in (end, begin)
     )
     free = closed & (moved > 0.1 * stepped)
-    return np.asarray(np.bincount(owner, weights=free, minlength=len(points)) > 0)
+    return np.bincount(owner, weights=free, minlength=len(points)) > 0

@@ -63,7 +63,7 @@ class SolutionList(Sequence[Solution]):
     @property
     def closed(self) -> np.ndarray:
         """Which of them (m,) close to rounding."""
-        return np.asarray(self.residual <= CLOSURE_TOLERANCE * self.closure.characteristic_length)
+        return self.residual <= CLOSURE_TOLERANCE * self.closure.characteristic_length
 
     def chosen(self, places: np.ndarray | Sequence[int] | slice, **told: Any) -> SolutionList:
         """Some of the solutions, in the order of their places (any,), a part of them, or where a

@@ -29,7 +29,7 @@ def variables_elsewhere(closure: Closure, solution: Solution) -> np.ndarray:
     """The full vector of a closure's variables at a solution, its own where the closure is the
     solution's.
     """
-    return np.asarray(many_elsewhere(closure, own_closure(solution), solution.variables[None])[0])
+    return many_elsewhere(closure, own_closure(solution), solution.variables[None])[0]
 
 
 def own_closure(solution: Solution) -> Closure:

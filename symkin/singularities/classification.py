@@ -269,7 +269,7 @@ def _direct_map(
         return np.full(count, np.inf)
     jacobian = np.linalg.pinv(inputs, rcond=RANK_TOLERANCE) @ outputs
     values = np.linalg.svd(jacobian, compute_uv=False)[:count]
-    return np.asarray(np.where(values > tolerance, values, 0.0))
+    return np.where(values > tolerance, values, 0.0)
 
 
 # --- the screws that show it ----------------------------------------------------------------------
@@ -302,7 +302,7 @@ def _borne_wrenches(
     """
     if reduced is None:
         return null_space(feasible, tolerance)
-    return np.asarray(null_space(feasible @ reduced.rows.T, tolerance) @ reduced.rows)
+    return null_space(feasible @ reduced.rows.T, tolerance) @ reduced.rows
 
 
 def _twists(

@@ -67,7 +67,7 @@ def tangent(system: System, z: np.ndarray) -> np.ndarray | None:
     padded[: len(singular)] = singular
     if padded[-1] > RANK_TOLERANCE * padded[0] or padded[-2] <= RANK_TOLERANCE * padded[0]:
         return None
-    return np.asarray(right[-1])
+    return right[-1]
 
 
 def is_regular(system: System, z: np.ndarray) -> bool:

@@ -85,7 +85,7 @@ class Locus:
             and float(np.abs((self.cusps - end) / (high - low)).max(axis=1).min()) < _SAME_PLACE
             for end in ends
         ]
-        return np.asarray(ends[within & ~np.array(at_cusp)])
+        return ends[within & ~np.array(at_cusp)]
 
 
 def make_locus(

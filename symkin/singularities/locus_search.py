@@ -131,7 +131,7 @@ def _turned_into(system: LocusSystem, point: np.ndarray, window: np.ndarray) -> 
         if c.is_periodic and not low <= uv[k] <= high:
             uv[k] = low + np.remainder(uv[k] - low, 2 * np.pi)
     if not np.array_equal(turned, point) and system.loss.free_motions:
-        return np.asarray(system.lift(turned[: system.uv.stop])[0][0])
+        return system.lift(turned[: system.uv.stop])[0][0]
     return turned
 
 
@@ -253,7 +253,7 @@ def same_mode(system: LocusSystem, points: np.ndarray) -> np.ndarray:
     count = system.uv.stop
     own = _signs(blocks, system.centre)
     here = np.array([_signs(blocks, z[:count]) for z in points])
-    return np.asarray(np.all((own == 0.0) | (here == own), axis=1))
+    return np.all((own == 0.0) | (here == own), axis=1)
 
 
 def _signs(blocks: Sequence[ca.Function], z: np.ndarray) -> np.ndarray:

@@ -315,9 +315,7 @@ def locus_systems(plane: Plane, kinds: Sequence[LocusKind]) -> list[LocusSystem]
         owners = [c.name for c in closure.coordinates for _ in range(c.freedom)]
         kept = [k for k, name in enumerate(owners) if name not in family]
         systems.append(
-            _system(
-                plane, whole, "type 2", None, list(range(int(closure.rows.shape[0]))), kept, generic
-            )
+            _system(plane, whole, "type 2", None, list(range(closure.rows.shape[0])), kept, generic)
         )
     if "type 1" in kinds and not plane.by_name:
         for block in limb_blocks(closure):
@@ -343,7 +341,7 @@ def _system(
     alone = plane.of_pose and kind == "type 1"
     names = {per_freedom[k].name for k in columns}
     free = tuple(c for c in plane.free if c.name in names) if alone else plane.free
-    used = rows if alone else list(range(int(closure.rows.shape[0])))
+    used = rows if alone else list(range(closure.rows.shape[0]))
     closed_rows = _substituted(plane, whole.rows[used, 0])
     jacobian = _substituted(plane, whole.jacobian[rows, columns])
     fixed, nothing = ca.vertcat(plane.closure.symbols(free), plane.symbols), ca.SX(0, 1)

@@ -68,7 +68,7 @@ class OutputEquations:
         combinations of them.
         """
         left, singular, _ = np.linalg.svd(twists @ self.rows.T)
-        return np.asarray(left.T[: count_above(singular, RANK_TOLERANCE)] @ twists)
+        return left.T[: count_above(singular, RANK_TOLERANCE)] @ twists
 
 
 def coordinate_names(mechanism: Mechanism, names: Sequence[str] | None) -> list[str] | None:

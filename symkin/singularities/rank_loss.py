@@ -44,7 +44,7 @@ class RankLoss:
     @property
     def free_motions(self) -> int:
         """n - r: motions that J w = 0 leaves everywhere."""
-        return int(self.generic.shape[1]) - self.rank
+        return self.generic.shape[1] - self.rank
 
     @cached_property
     def combinations(self) -> np.ndarray:
@@ -92,7 +92,7 @@ class RankLoss:
         than one is.
         """
         vectors, singular = self.vectors(z)
-        return np.asarray(vectors[singular <= SINGULAR_VALUE * self._scale])
+        return vectors[singular <= SINGULAR_VALUE * self._scale]
 
     def is_lost(self, z: np.ndarray) -> bool:
         """Whether J itself has less than its generic rank at a closed configuration."""

@@ -71,7 +71,7 @@ def _steps_along(closed: System, begin: np.ndarray, sense: float) -> np.ndarray:
 
 def _moved(closed: System, z: np.ndarray, step: np.ndarray) -> np.ndarray:
     """A step of the free coordinates alone."""
-    return np.asarray(closed.move(z[None], np.append(step, [0.0, 0.0])[None])[0])
+    return closed.move(z[None], np.append(step, [0.0, 0.0])[None])[0]
 
 
 def _null_space(closed: System, z: np.ndarray) -> np.ndarray:

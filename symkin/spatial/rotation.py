@@ -35,7 +35,7 @@ def wrapped(angles: np.ndarray) -> np.ndarray:
     """The same directions within half a turn of zero; angles that are stay as they are, bit by
     bit.
     """
-    return np.asarray(angles - 2.0 * np.pi * np.rint(angles / (2.0 * np.pi)))
+    return angles - 2.0 * np.pi * np.rint(angles / (2.0 * np.pi))
 
 
 # --- unit quaternions -----------------------------------------------------------------------------

@@ -160,6 +160,6 @@ def _sampled(attributes: Mapping[str, Any], data: Any, name: str) -> MapSlice:
 def edges(values: np.ndarray) -> np.ndarray:
     """Edges of the cells about rising values."""
     if len(values) == 1:
-        return np.asarray(values[0] + np.array([-0.5, 0.5]))
+        return values[0] + np.array([-0.5, 0.5])
     middle = 0.5 * (values[1:] + values[:-1])
     return np.concatenate([[2 * values[0] - middle[0]], middle, [2 * values[-1] - middle[-1]]])

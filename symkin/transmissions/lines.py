@@ -42,7 +42,7 @@ class Followed:
 
     @property
     def reached(self) -> np.ndarray:
-        return np.asarray(self.shares >= 1.0)
+        return self.shares >= 1.0
 
 
 def follow_lines(
@@ -91,4 +91,4 @@ def _distances(after: np.ndarray, before: np.ndarray, eye: np.ndarray) -> np.nda
     gram = turned @ after
     floor = _TINY * np.trace(gram, axis1=1, axis2=2) + np.finfo(float).tiny
     near = np.linalg.solve(gram + floor[:, None, None] * eye, turned @ before) - eye
-    return np.asarray(np.abs(near).sum(axis=2).max(axis=1))
+    return np.abs(near).sum(axis=2).max(axis=1)

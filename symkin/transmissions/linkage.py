@@ -88,7 +88,7 @@ class Linkage:
     def reference(self) -> np.ndarray:
         """w at the reference, polished."""
         closure = self.problem.closure
-        return np.asarray(self.system.polish(closure.reference, np.zeros(0)))
+        return self.system.polish(closure.reference, np.zeros(0))
 
     @property
     def size(self) -> float:

@@ -120,4 +120,4 @@ def _read(key: str, names: tuple[str, ...], told: Any) -> np.ndarray:
                 f"{key}: {name} = {low:g} to {high:g}; the lower limit comes first, and a single "
                 f"number is positive"
             )
-    return np.asarray(pairs)
+    return pairs

@@ -116,4 +116,4 @@ def _around(points: np.ndarray) -> np.ndarray:
     if points.shape[1] != 2 or len(points) < 3:
         return points
     x, y = (points - points.mean(axis=0)).T
-    return np.asarray(points[np.argsort(np.arctan2(y, x))])
+    return points[np.argsort(np.arctan2(y, x))]

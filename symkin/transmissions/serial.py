@@ -133,4 +133,4 @@ def largest_box(effects: np.ndarray, limits: np.ndarray, what: str) -> np.ndarra
     found = ca.nlpsol("box", "ipopt", problem, quiet)(x0=begin, lbx=0.0, ubg=1.0)
     sides = np.asarray(found["x"]).ravel()
     # rounding of the search leaves no row beyond its bound
-    return np.asarray(sides / (rows @ sides).max())
+    return sides / (rows @ sides).max()

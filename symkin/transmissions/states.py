@@ -23,11 +23,11 @@ class States:
 
     @property
     def motors(self) -> np.ndarray:
-        return np.asarray(self.w[:, self.linkage.motor_places])
+        return self.w[:, self.linkage.motor_places]
 
     @property
     def joints(self) -> np.ndarray:
-        return np.asarray(self.w[:, self.linkage.joint_places])
+        return self.w[:, self.linkage.joint_places]
 
     @cached_property
     def _chart(self) -> tuple[np.ndarray, np.ndarray]:
@@ -97,13 +97,11 @@ class States:
     def inertia(self, motors: np.ndarray) -> np.ndarray:
         """J^-T I J^-1 (n, joints, joints) for inertias I of the motors."""
         g = self.inverse_jacobian
-        return np.asarray(np.einsum("nai,a,naj->nij", g, motors, g))
+        return np.einsum("nai,a,naj->nij", g, motors, g)
 
     def bias(self, motors: np.ndarray) -> np.ndarray:
         """What multiplies squares of joint rates, G^T I d2m/dj2 (n, joints, joints, joints)."""
-        return np.asarray(
-            np.einsum("nai,a,najk->nijk", self.inverse_jacobian, motors, self.inverse_second)
-        )
+        return np.einsum("nai,a,najk->nijk", self.inverse_jacobian, motors, self.inverse_second)
 
     def _inverse(self, matrices: np.ndarray, places: np.ndarray) -> np.ndarray:
         """Inverses (n, k, k), NaN where there is none: judged with lengths over the size."""
@@ -164,4 +162,4 @@ def _least_norm(matrices: np.ndarray) -> np.ndarray:
 
 def _pulled_back(bent: np.ndarray, slopes: np.ndarray) -> np.ndarray:
     """Second derivatives (n, i, a, b) by what `slopes` (n, a, c) lead to: (n, i, c, d)."""
-    return np.asarray(np.einsum("niab,nac,nbd->nicd", bent, slopes, slopes))
+    return np.einsum("niab,nac,nbd->nicd", bent, slopes, slopes)

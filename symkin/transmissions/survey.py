@@ -106,7 +106,7 @@ class Survey:
         low, high = self.data.torque_limits.T
         g = self.states.inverse_jacobian
         most = np.einsum("nai,a->ni", np.abs(g), 0.5 * (high - low))
-        return np.asarray(most - np.abs(np.einsum("nai,a->ni", g, 0.5 * (high + low))))
+        return most - np.abs(np.einsum("nai,a->ni", g, 0.5 * (high + low)))
 
     @cached_property
     def rates(self) -> np.ndarray:
@@ -280,7 +280,7 @@ def _is_led_back(linkage: Linkage, w: np.ndarray, names: tuple[str, ...]) -> np.
     """
     back = linkage.moved(names, linkage.reference, w[:, linkage.places_of(names)])
     off = np.abs((back.points - w) / linkage.units).max(axis=1, initial=0.0)
-    return np.asarray(back.reached & (off < _SAME))
+    return back.reached & (off < _SAME)
 
 
 def _goals(linkage: Linkage) -> tuple[tuple[str, ...], np.ndarray]:
@@ -327,12 +327,12 @@ def _ends(linkage: Linkage, states: States) -> tuple[tuple[End, End], ...]:
     final = linkage.moved(linkage.joints, starts, begin + ways)
     low, high = np.zeros(2 * n), final.shares.copy()
     over = linkage.beyond_limits(final.points)
-    stopped = np.asarray((over > 0.0).any(axis=1))
+    stopped = np.any(over > 0.0, axis=1)
     for _ in range(_HALVINGS if stopped.any() else 0):
         middle = np.where(stopped, 0.5 * (low + high), high)
         w = linkage.moved(linkage.joints, starts, begin + middle[:, None] * ways).points
         here = linkage.beyond_limits(w)
-        out = np.asarray((here > 0.0).any(axis=1))
+        out = np.any(here > 0.0, axis=1)
         over[out] = here[out]
         starts = np.where(out[:, None], starts, w)
         low, high = np.where(out, low, middle), np.where(out, middle, high)

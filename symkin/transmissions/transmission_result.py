@@ -99,18 +99,14 @@ class Transmission(Result):
     ) -> np.ndarray:
         """The motors' torques J^T tau_j (..., m) that hold torques of joints (..., n)."""
         jacobian = self.jacobian(motors, joints=joints, check=check)
-        return np.asarray(
-            np.einsum("...ji,...j->...i", jacobian, self._numbers(of_joints, self.joints))
-        )
+        return np.einsum("...ji,...j->...i", jacobian, self._numbers(of_joints, self.joints))
 
     def joint_torques(
         self, of_motors: Any, motors: Any = None, *, joints: Any = None, check: bool = True
     ) -> np.ndarray:
         """The joints' torques G^T tau_m (..., n) of torques of motors (..., m)."""
         inverse = self.inverse_jacobian(motors, joints=joints, check=check)
-        return np.asarray(
-            np.einsum("...ij,...i->...j", inverse, self._numbers(of_motors, self.motors))
-        )
+        return np.einsum("...ij,...i->...j", inverse, self._numbers(of_motors, self.motors))
 
     def inertia(
         self,
@@ -299,7 +295,7 @@ class Transmission(Result):
 
     def _out(self, values: np.ndarray, names: tuple[str, ...], lead: tuple[int, ...]) -> np.ndarray:
         units = _radians(self.linkage.coordinates_of(names), self.linkage)
-        return np.asarray((values / units).reshape(*lead, len(names)))
+        return (values / units).reshape(*lead, len(names))
 
 
 @dataclass(frozen=True, eq=False, repr=False)

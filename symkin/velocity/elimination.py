@@ -38,8 +38,8 @@ class Factors:
 
 def factored(matrix: ca.SX, rest: ca.SX) -> Factors:
     """Orthogonal columns of `matrix`, and `rest` without their span."""
-    left, k = ca.sparsify(matrix), int(matrix.shape[1])
-    triangular, coefficients = ca.SX.eye(k), ca.SX(k, int(rest.shape[1]))
+    left, k = ca.sparsify(matrix), matrix.shape[1]
+    triangular, coefficients = ca.SX.eye(k), ca.SX(k, rest.shape[1])
     squares, columns = [], []
     for j in range(k):
         column = ca.sparsify(left[:, j])
@@ -63,10 +63,10 @@ def factored(matrix: ca.SX, rest: ca.SX) -> Factors:
 def back_substituted(triangular: ca.SX, right: ca.SX) -> ca.SX:
     """Y of U Y = right for a unit upper triangular U."""
     rows: list[ca.SX] = []
-    for j in reversed(range(int(triangular.shape[0]))):
-        known = ca.vertcat(*rows) if rows else ca.SX(0, int(right.shape[1]))
+    for j in reversed(range(triangular.shape[0])):
+        known = ca.vertcat(*rows) if rows else ca.SX(0, right.shape[1])
         rows.insert(0, ca.sparsify(right[j, :] - ca.mtimes(triangular[j, j + 1 :], known)))
-    return ca.vertcat(*rows) if rows else ca.SX(0, int(right.shape[1]))
+    return ca.vertcat(*rows) if rows else ca.SX(0, right.shape[1])
 
 
 def outer_rates(inner: ca.SX, outer: ca.SX, driving: ca.SX, *, minors: bool = True) -> ca.SX:
@@ -75,14 +75,14 @@ def outer_rates(inner: ca.SX, outer: ca.SX, driving: ca.SX, *, minors: bool = Tr
     With `minors`, one row of a few x is made of minors: other weights, for equations that have a
     solution.
     """
-    width = int(outer.shape[1])
+    width = outer.shape[1]
     rows = _without_inner(inner, ca.horzcat(outer, driving), minors=minors)
     return -factored(rows[:, :width], rows[:, width:]).solution()
 
 
 def inner_rates(inner: ca.SX, outer: ca.SX, driving: ca.SX, found: ca.SX) -> ca.SX:
     """x of (inner) x + (outer) y + driving = 0 by least squares, with y `found`."""
-    width = int(outer.shape[1])
+    width = outer.shape[1]
     parts = factored(inner, ca.horzcat(outer, driving))
     moved = ca.mtimes(parts.coefficients[:, :width], found)
     return -back_substituted(parts.triangular, moved + parts.coefficients[:, width:])
@@ -90,11 +90,11 @@ def inner_rates(inner: ca.SX, outer: ca.SX, driving: ca.SX, found: ca.SX) -> ca.
 
 def _without_inner(inner: ca.SX, rest: ca.SX, *, minors: bool) -> ca.SX:
     """What is left of the rest's rows in parts that share no column of `inner`."""
-    held: list[set[int]] = [set() for _ in range(int(inner.shape[0]))]
+    held: list[set[int]] = [set() for _ in range(inner.shape[0])]
     for row, column in zip(*inner.sparsity().get_triplet(), strict=True):
         held[row].add(column)
     found = [rest[[k for k, columns in enumerate(held) if not columns], :]]
-    for part in components(held, int(inner.shape[1])):
+    for part in components(held, inner.shape[1]):
         rows = [k for k, columns in enumerate(held) if columns & part]
         own, left = inner[rows, sorted(part)], rest[rows, :]
         if minors and len(rows) - len(part) == 1 and len(part) <= _LARGEST_MINOR:
@@ -110,7 +110,7 @@ def shortest(matrix: ca.SX, right: ca.SX) -> ca.SX:
     D^-1 U^-T right.
     """
     factors = factored(matrix.T, ca.SX(matrix.shape[1], 0))
-    reversed_rows = list(reversed(range(int(matrix.shape[0]))))
+    reversed_rows = list(reversed(range(matrix.shape[0])))
     lower = factors.triangular.T
     weights = back_substituted(lower[reversed_rows, reversed_rows], right[reversed_rows, :])[
         reversed_rows, :
@@ -132,7 +132,7 @@ def cofactors(matrix: ca.SX) -> ca.SX:
     """(1, k + 1): y with y M = 0 for M of shape (k + 1, k), the signed minors; zero only where M
     loses rank.
     """
-    count = int(matrix.shape[0])
+    count = matrix.shape[0]
     minors = []
     for k in range(count):
         others = [i for i in range(count) if i != k]

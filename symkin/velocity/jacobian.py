@@ -25,7 +25,7 @@ from symkin.velocity.differential import differentiate, variable_rates
 from symkin.velocity.equations import VelocityEquations, variables_of, velocity_equations
 from symkin.velocity.jacobian_expressions import Expressions
 from symkin.velocity.jacobian_names import KINDS, Matrix, Variable, variables_read
-from symkin.velocity.kinds import matrix_of
+from symkin.velocity.kinds import driven_places, matrix_of
 from symkin.velocity.options import JacobianOptions
 from symkin.velocity.rates import NamedRates, check_names, graph_rates, rates_by_name
 from symkin.verb import verb
@@ -144,7 +144,7 @@ class Jacobian(Result):
         """Symbols of the rates that `time_derivative` reads: (q'; x'; t), n + p + 6 numbers; of
         coordinates told by name all rates, the known ones first.
         """
-        return ca.SX.sym("rate", int(self.expressions.following.shape[0]))
+        return ca.SX.sym("rate", self.expressions.following.shape[0])
 
     @cached_property
     def time_derivative(self) -> ca.SX:
@@ -159,15 +159,15 @@ class Jacobian(Result):
         J's shape. With more actuated joints than freedoms one joint cannot move alone; x' and t are
         then those of "passive" and "direct".
         """
-        following = self.expressions.following
-        return tuple(self._along(following[:, k]) for k in range(int(following.shape[1])))
+        following = self._by_driven
+        return tuple(self._along(following[:, k]) for k in range(following.shape[1]))
 
     def time_derivative_at(self, values: Values, rates: Sequence[float] | np.ndarray) -> np.ndarray:
         """dJ/dt at a configuration; `rates` are n actuated ones (the others follow from them) or
         all of (q'; x'; t).
         """
         given, z = np.asarray(rates, dtype=float), variables_of(self.closure, values)
-        all_rates, n = self.expressions.following.shape
+        all_rates, n = self._by_driven.shape
         if given.shape == (n,):
             given = np.asarray(self._following(z, self._geometry)) @ given
         if given.shape != (all_rates,):
@@ -200,7 +200,15 @@ class Jacobian(Result):
 
     @cached_property
     def _following(self) -> ca.Function:
-        return self._made("following", [], [self.expressions.following])
+        return self._made("following", [], [self._by_driven])
+
+    @property
+    def _by_driven(self) -> ca.SX:
+        """All rates by those of the known coordinates, in the order of the description."""
+        following = self.expressions.following
+        if self.kind == "rates":
+            return following
+        return following[:, list(driven_places(self.expressions, self.mechanism).values())]
 
     def _made(self, name: str, more: list[ca.SX], outputs: list[ca.SX]) -> ca.Function:
         inputs = [self.closure.variables, self.closure.parameters, *more]

@@ -60,7 +60,7 @@ class Expressions:
     @property
     def following(self) -> ca.SX:
         """All rates (q'; x'; t) by q'."""
-        unit = ca.SX.eye(int(self.differential.actuated.shape[1]))
+        unit = ca.SX.eye(self.differential.actuated.shape[1])
         return ca.vertcat(unit, self.passive, self.direct)
 
     def split(self, rates: ca.SX) -> dict[str, ca.SX]:
@@ -73,7 +73,7 @@ class Expressions:
     def direct(self) -> ca.SX:
         """J (6, n)."""
         minors = not self._is_loaded
-        result = ca.SX(6, int(self._actuated.shape[1]))
+        result = ca.SX(6, self._actuated.shape[1])
         result[list(self.equations.columns), :] = outer_rates(
             self._passive, self._twist, self._actuated, minors=minors
         )
@@ -83,7 +83,7 @@ class Expressions:
     def passive(self) -> ca.SX:
         """Jp (p, n); passive joints that are held rest."""
         twist = self.direct[list(self.equations.columns), :]
-        result = ca.SX(int(self.differential.passive.shape[1]), int(self._actuated.shape[1]))
+        result = ca.SX(self.differential.passive.shape[1], self._actuated.shape[1])
         result[self._used, :] = inner_rates(self._passive, self._twist, self._actuated, twist)
         return ca.sparsify(result)
 
@@ -97,7 +97,7 @@ class Expressions:
                 without_span(ca.mtimes(rates, self._to_lengths), forbidden),
                 ca.inv(self._to_lengths),
             )
-        result = ca.SX(int(rates.shape[0]), 6)
+        result = ca.SX(rates.shape[0], 6)
         result[:, list(self.equations.columns)] = rates
         return ca.sparsify(result)
 
@@ -142,7 +142,7 @@ class Expressions:
     def _driving(self) -> tuple[ca.SX, ca.SX]:
         """K (n, r), q' = K t for feasible t, and rows (., r) that every feasible t makes zero."""
         twist, passive, actuated = self._twist, self._passive, self._actuated
-        if self.equations.decided < int(actuated.shape[1]):
+        if self.equations.decided < actuated.shape[1]:
             return self._shortest_rates()
         parts = factored(ca.horzcat(passive, actuated), twist)
         left = parts.remainder
@@ -151,13 +151,13 @@ class Expressions:
     def _shortest_rates(self) -> tuple[ca.SX, ca.SX]:
         """The shortest rates (angles times the size) where the twist does not decide them."""
         left = factored(self._passive, ca.horzcat(self._twist, self._actuated)).remainder
-        width, size = int(self._twist.shape[1]), self.closure.characteristic_length
+        width, size = self._twist.shape[1], self.closure.characteristic_length
         twist, own = left[:, :width], left[:, width:]
         scales = ca.diag(ca.DM([c.lever(size) for c in self.closure.role("actuated")]))
         scaled = ca.mtimes(own, ca.inv(scales))
         chosen = self._independent_rows(scaled, self.equations.decided)
         rates = -ca.mtimes(ca.inv(scales), shortest(scaled[chosen, :], twist[chosen, :]))
-        others = [k for k in range(int(own.shape[0])) if k not in chosen]
+        others = [k for k in range(own.shape[0]) if k not in chosen]
         return rates, ca.sparsify(twist[others, :] + ca.mtimes(own[others, :], rates))
 
     @property
@@ -166,8 +166,8 @@ class Expressions:
         rank.
         """
         constraints = self.equations.constraints
-        among_limbs = constraints and int(self._driving[1].shape[0]) > constraints
-        return bool(among_limbs) or self.equations.decided < int(self._actuated.shape[1])
+        among_limbs = constraints and self._driving[1].shape[0] > constraints
+        return bool(among_limbs) or self.equations.decided < self._actuated.shape[1]
 
     @cached_property
     def _chosen(self) -> list[int]:

@@ -51,7 +51,7 @@ def variables_read(
     joints.
     """
     taken = set(_TAKEN)
-    size = int(closure.variables.shape[0])
+    size = closure.variables.shape[0]
     used = ca.which_depends(
         ca.vec(ca.densify(expression)), ca.vertcat(closure.variables, closure.parameters), 1, False
     )

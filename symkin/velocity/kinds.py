@@ -12,19 +12,28 @@ from symkin.velocity.jacobian_names import TWIST, JacobianKind, Matrix, names_of
 from symkin.velocity.rates import NamedRates
 
 
+def driven_places(rates: Expressions | NamedRates, mechanism: Mechanism) -> dict[str, int]:
+    """The place among the rates of each actuated joint in the order of a description: of one that
+    is an arm these stand along the arm, without those beside it.
+    """
+    own = [c.name for c in rates.closure.mechanism.actuated]
+    return {c.name: own.index(c.name) for c in mechanism.actuated if c.name in own}
+
+
 def matrix_of(rates: Expressions | NamedRates, kind: JacobianKind, mechanism: Mechanism) -> Matrix:
     """A Jacobian of one of the kinds, its passive joints in the order of a description. Raises
     InputError where no joint is passive.
     """
-    joints = tuple(c.name for c in mechanism.actuated)
+    own = driven_places(rates, mechanism)
+    joints, places = tuple(own), list(own.values())
     if kind == "direct":
-        return Matrix(TWIST, joints, rates.direct)
+        return Matrix(TWIST, joints, rates.direct[:, places])
     if kind == "inverse":
-        return Matrix(joints, TWIST, rates.inverse)
+        return Matrix(joints, TWIST, rates.inverse[places, :])
     if kind == "analytic":
         pose = rates.closure.role("pose")
         rows = tuple(name for c in pose for name in names_of(c.name, c.width))
-        told = (pose_rates(c, rates.quaternion, rates.direct) for c in pose)
+        told = (pose_rates(c, rates.quaternion, rates.direct[:, places]) for c in pose)
         return Matrix(rows, joints, ca.sparsify(ca.vertcat(*told)))
     passive = passive_rates(rates.closure, rates.split(rates.following), rates.free)
     if not passive:
@@ -35,4 +44,6 @@ def matrix_of(rates: Expressions | NamedRates, kind: JacobianKind, mechanism: Me
         )
     listed = [c for c in mechanism.coordinates if c.name in passive]
     rows = rate_names(listed)
-    return Matrix(rows, joints, ca.sparsify(ca.vertcat(*(passive[c.name] for c in listed))))
+    return Matrix(
+        rows, joints, ca.sparsify(ca.vertcat(*(passive[c.name] for c in listed)))[:, places]
+    )

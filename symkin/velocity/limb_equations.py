@@ -203,6 +203,4 @@ def row_basis(rows: np.ndarray, tolerance: float = RANK_TOLERANCE) -> np.ndarray
     `tolerance` of the largest.
     """
     _, lengths, basis = np.linalg.svd(rows, full_matrices=False)
-    return np.asarray(
-        basis[lengths > tolerance * max(float(np.max(lengths, initial=0.0)), _SHORTEST_ROW)]
-    )
+    return basis[lengths > tolerance * max(float(np.max(lengths, initial=0.0)), _SHORTEST_ROW)]

@@ -186,7 +186,7 @@ NAMES = {
     "loops_at": "symkin.position.loops",
     "with_reference_at": "symkin.position.moved_reference",
     "moved_starts": "symkin.position.moved_starts",
-    "fit_passive": "symkin.position.passive",
+    "fit_passive": "symkin.position.starts",
     "fewer_rows": "symkin.position.platform_motion",
     "implied_motion": "symkin.position.platform_motion",
     "poses_vary": "symkin.position.pose_conditions",
@@ -537,7 +537,7 @@ NAMES = {
     "page_model": "symkin.page.model_data",
     "scene_of": "symkin.page.scene",
     "page_html": "symkin.page.page",
-    "completed_sliders": "symkin.page.sliders",
+    "completed_sliders": "symkin.page.page",
     # the command line
     "_status": "symkin.cli.app",
     "app": "symkin.cli.app",

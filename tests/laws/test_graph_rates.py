@@ -17,7 +17,7 @@ from helpers.graph_twin import graph_twin
 from helpers.inside import build_closure, variables_elsewhere
 from helpers.moved_points import tricept
 from helpers.samples import five_bar, three_rps, three_rrr
-from symkin import Solution
+from symkin import Joint, LinkJoint, Mechanism, Solution
 
 CASES = [
     ("four_bar", ["follower", "crank_pin"], {"crank": 60.0}),
@@ -146,13 +146,15 @@ MADE = {"3-RRR": three_rrr, "3-RPS": three_rps, "five-bar": five_bar, "Tricept":
     ],
 )
 def test_a_graph_has_the_jacobians_of_the_limbs_that_it_is(name: str, kind: str) -> None:
-    """Matrices of limbs and of their graph at one configuration; of passive joints both tell all,
-    those at which loops are cut too."""
+    """Matrices of limbs and of their graph at one configuration, told by pose and joints (six
+    lengths have mirrored poses, equally near to a flat reference); of passive joints both tell all,
+    those at which loops are cut too.
+    """
     limbs = MADE.get(name, partial(symkin.load, name))()
     graph = graph_twin(limbs)
     here = symkin.solve(limbs).solution
     start = {n: v for n, v in here.joints.items() if isinstance(v, float)}
-    there = symkin.solve(graph, joints=here.actuated_values, start=start)
+    there = symkin.solve(graph, joints=here.actuated_values, start=start | {"pose": here.pose})
     own = symkin.jacobian(limbs, kind)
     found = symkin.jacobian(graph, kind)
     numbers = found.at(there.solution)
@@ -178,6 +180,41 @@ def test_a_graph_has_the_inverse_jacobian_of_its_limbs_where_these_are_singular(
     own, found = (symkin.jacobian(m, "inverse").at(reference) for m in (limbs, graph))
     assert found == pytest.approx(own, abs=1e-9)
     assert not np.isfinite(symkin.jacobian(graph).at(reference)).all()
+
+
+@pytest.mark.parametrize("listed", [(2, 3, 0, 1), (3, 1, 2, 0)])
+def test_columns_of_an_arm_are_those_of_its_joints_in_whatever_order(listed: tuple[int, ...]):
+    """Twists, rates and second derivatives of an arm whose joints a graph lists in another order
+    than they stand, with a joint beside it that moves no platform, are those of the arm.
+    """
+    chain = [
+        ("a", "R", (0, 0, 0), (0, 0, 1), ("base", "l1")),
+        ("b", "R", (10, 0, 5), (0, 1, 0), ("l1", "l2")),
+        ("c", "P", (30, 0, 5), (0, 0.6, 0.8), ("l2", "platform")),
+        ("beside", "R", (12, 3, 4), (1, 0, 0), ("l1", "finger")),
+    ]
+    joints = [
+        LinkJoint(Joint(name, kind, point, axis, actuated=True), links)
+        for name, kind, point, axis, links in chain
+    ]
+    plain, mixed = (
+        Mechanism("arm", link_joints=[joints[k] for k in order], platform_position=(25, 40, 0))
+        for order in ((0, 1, 2), listed)
+    )
+    values = {"a": 0.2, "b": 0.3, "c": 4.0}
+    here = symkin.solve(plain, given=values).solution
+    there = symkin.solve(mixed, given=values | {"beside": 0.1}).solution
+    for kind, axis in (("direct", 1), ("inverse", 0), ("analytic", 1)):
+        own, found = symkin.jacobian(plain, kind), symkin.jacobian(mixed, kind)
+        names = found.columns if axis else found.rows
+        places = [(own.columns if axis else own.rows).index(name) for name in names]
+        assert names == tuple(joints[k].joint.name for k in listed if k < len(values))
+        assert np.allclose(found.at(there), own.at(here).take(places, axis), atol=1e-9)
+        second = own.hessian_at(here).take(places, 0).take(places, axis + 1)
+        assert np.allclose(found.hessian_at(there), second, atol=1e-9)
+        rates = np.array([0.3, -0.2, 0.5])
+        slope = own.time_derivative_at(here, rates).take(places, axis)
+        assert np.allclose(found.time_derivative_at(there, rates[places]), slope, atol=1e-9)
 
 
 def test_rates_of_a_platform_of_loops_within_loops_are_differences() -> None:

@@ -144,6 +144,27 @@ def test_arms_whose_joints_do_not_meet_in_a_row_have_their_one_inverse(name):
     assert np.allclose(found[0].actuated_values, values)
 
 
+def test_solutions_that_further_rows_of_a_limb_refuse_are_not_counted():
+    """At a pose the angle of a limb C P U has two values, and for one of them its two slides meet
+    the three rows of a point; the limb beside it stands in two ways.
+    """
+    cpu = [
+        Joint("c", "C", (-9, -120, 8), (-0.99, -0.05, 0.12)),
+        Joint("p", "P", (-10, -90, 21), (0.14, 0.5, 0.85), actuated=True),
+        Joint("u", "U", (8, -60, 110), (0.44, 0.77, 0.46), (0.54, 0.47, -0.7)),
+    ]
+    rps = [
+        Joint("r", "R", (50, 60, 0), X),
+        Joint("q", "P", (50, 60, 0), (0, 0.2, 1), actuated=True),
+        Joint("s", "S", (50, 70, 100)),
+    ]
+    machine = Mechanism(
+        "mixed", [Limb("cpu", cpu), Limb("rps", rps)], platform_position=(5, -3, 100)
+    )
+    found = symkin.modes(machine, pose=[5, -3, 100, 1, 0, 0, 0])
+    assert len(found) == found.complex_count == 2
+
+
 def test_a_part_that_no_given_value_enters_has_its_own_redundant_rows():
     """Limbs P S under schoenflies motion: two rows tell the height, whatever the driven slide does,
     and one is redundant; the four rows of the other part are independent.

@@ -166,7 +166,7 @@ def read_measurements(
 
 def euler_quaternions(angles: np.ndarray, sequence: str) -> np.ndarray:
     """Convert Euler angles (n, 3) in radians to unit quaternions (n, 4); NaN stays NaN."""
-    return np.ascontiguousarray(np.asarray(quaternion_from_euler(angles.T, sequence)).T)
+    return np.ascontiguousarray(quaternion_from_euler(angles.T, sequence).T)
 
 
 # --- writing --------------------------------------------------------------------------------------
@@ -200,7 +200,7 @@ def measurements_text(
         if o is PLATFORM["orientation"] and sequence is not None:
             begin, kind = "euler_" if hidden else f"euler_{sequence}_", "angle"
             columns = tuple(begin + k for k in "123")
-            values = np.asarray(euler_from_quaternion(values.T, sequence)).T
+            values = euler_from_quaternion(values.T, sequence).T
         for k, name in enumerate(columns):
             table.number(name, values[:, k], kind)
     sigmas = [(o, r.sigma) for o, r in channels]

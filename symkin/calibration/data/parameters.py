@@ -127,7 +127,7 @@ def bound_by_motion(mechanism: Mechanism, read: tuple[str, ...] = ()) -> frozens
     closure = observing_closure(mechanism, read)
     builder = RowBuilder(mechanism, partition=closure.partition)
     builder.build_rows()
-    if len(builder.rows) == int(closure.rows.shape[0]):
+    if len(builder.rows) == closure.rows.shape[0]:
         return frozenset()
     variables = ca.vertcat(*(builder.coordinates[c.name][1] for c in closure.coordinates))
     rows, table = ca.vertcat(*builder.rows), ca.vertcat(*builder.table.symbols)

@@ -229,7 +229,7 @@ class ConfigurationModel:
         quaternions: np.ndarray | None = None,
     ) -> list[np.ndarray]:
         if quaternions is None:
-            quaternions = np.zeros((len(z), int(self.quaternion.shape[0])))
+            quaternions = np.zeros((len(z), self.quaternion.shape[0]))
         results = self._mapped[what](z, joints, p, quaternions)
         vectors = _VECTOR_OUTPUTS[what]
         return [a[:, :, 0] if k in vectors else a for k, a in enumerate(results)]

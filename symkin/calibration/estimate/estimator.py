@@ -140,7 +140,7 @@ def parameters_at_poses(problem: CalibrationProblem) -> np.ndarray | None:
     """
     model, m = problem.model, problem.measurements
     given = np.isfinite(whole_poses(m, measured=True)[:, 0])
-    rows = int(np.sum(given)) * int(model.system.rows.shape[0])
+    rows = int(np.sum(given)) * model.system.rows.shape[0]
     if is_carried(model.closure) or model.observes_through_frames or rows < len(model.names):
         return None
     chosen = np.flatnonzero(given)

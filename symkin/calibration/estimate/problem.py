@@ -99,9 +99,7 @@ class CalibrationProblem:
         parameters, which bind all configurations.
         """
         system = self.model.system
-        return (
-            len(self.measurements) > MAX_WHOLE_ROWS and int(system.rows.shape[0]) == system.freedom
-        )
+        return len(self.measurements) > MAX_WHOLE_ROWS and system.rows.shape[0] == system.freedom
 
     @cached_property
     def parts(self) -> tuple[tuple[np.ndarray, CalibrationProblem], ...]:

@@ -38,9 +38,7 @@ def loss_weights(loss: str, t: np.ndarray) -> np.ndarray:
     """Return the weights (n, K) of readings whose residuals are t of their scale."""
     if loss == "huber":
         return np.minimum(1.0, _TUNING[loss] / np.maximum(np.abs(t), 1e-300))
-    return (
-        np.asarray(1.0 / (1.0 + (t / _TUNING[loss]) ** 2)) if loss == "cauchy" else np.ones_like(t)
-    )
+    return (1.0 / (1.0 + (t / _TUNING[loss]) ** 2)) if loss == "cauchy" else np.ones_like(t)
 
 
 def loss_note(loss: str) -> str:

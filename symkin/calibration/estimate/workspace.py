@@ -199,7 +199,7 @@ class Workspace:
     def _why_none(self, inclination: np.ndarray, held: bool) -> str:
         """What to do where postures are not found."""
         if self.carried and not held:
-            rows, freedom = int(self._model.system.rows.shape[0]), self._model.system.freedom
+            rows, freedom = self._model.system.rows.shape[0], self._model.system.freedom
             redundant = (
                 f"; {rows} rows for {freedom} unknowns close at special geometry alone: check it, "
                 f"or name fewer joints as actuated"
@@ -391,7 +391,7 @@ def platform_points(mechanism: Mechanism) -> np.ndarray:
 
 def moved_point(poses: np.ndarray, point: np.ndarray) -> np.ndarray:
     """Where a point of a frame is at its poses (n, 7)."""
-    return poses[:, :3] + np.asarray(rotate(poses[:, 3:].T, point[:, None])).T
+    return poses[:, :3] + rotate(poses[:, 3:].T, point[:, None]).T
 
 
 def home_pose(mechanism: Mechanism) -> Pose:

@@ -114,7 +114,7 @@ class Identifiability:
 
     @property
     def rank(self) -> int:
-        return len(self.names) - int(self.null_space.shape[1])
+        return len(self.names) - self.null_space.shape[1]
 
     @property
     def drowned(self) -> np.ndarray:
@@ -176,7 +176,7 @@ def told_rank(problem: CalibrationProblem, state: State) -> int:
     they tell, and those that redundant loops hold.
     """
     untold = _told(problem, error_free_state(problem, state), 1.0)[2]
-    return len(problem.names) - int(untold.shape[1])
+    return len(problem.names) - untold.shape[1]
 
 
 def _told(
@@ -315,7 +315,7 @@ def _advice(
         not text.startswith(_FREE_FRAMES) and "size of" not in text for text in unobservable
     )
     turns = problem.model.poses(state.z, problem.joints, state.p)[:, 3:].T
-    angles = np.asarray(euler_from_quaternion(turns, "xyz")).T
+    angles = euler_from_quaternion(turns, "xyz").T
     if (
         unusual
         and readings.groups

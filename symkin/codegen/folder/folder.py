@@ -1,5 +1,6 @@
 """Write the folder of one mechanism: sources, test, build files, README and manifest; the same
-model gives the same bytes.
+model gives the same bytes. What package managers of microcontrollers read stands beside the
+sources; answers of the machine that a description means are held against the description itself.
 """
 
 from __future__ import annotations
@@ -11,18 +12,17 @@ from pathlib import Path
 from typing import Any, Unpack
 
 import casadi as ca
+import numpy as np
 
 from symkin._version import __version__
 from symkin.codegen.folder.cpp_header import cpp_text
-from symkin.codegen.folder.described import check_description
 from symkin.codegen.folder.example import example_text
 from symkin.codegen.folder.linuxcnc import linuxcnc_text
 from symkin.codegen.folder.own_test import run_own_test
 from symkin.codegen.folder.own_test_text import nominal, own_test_text, vectors_text
-from symkin.codegen.folder.package import package_files
 from symkin.codegen.folder.readme import readme
 from symkin.codegen.folder.ros2 import ros2_files
-from symkin.codegen.folder.vectors import build_vectors
+from symkin.codegen.folder.vectors import Vectors, build_vectors
 from symkin.codegen.map.firmware_options import FirmwareOptions
 from symkin.codegen.map.joint_map import JointMap
 from symkin.codegen.map.options import Options
@@ -41,6 +41,10 @@ from symkin.files.written_files import (
 )
 from symkin.model.arm import arm_of
 from symkin.model.mechanism import Mechanism, require_mechanism
+from symkin.position.given import read_given
+from symkin.position.problem import build_problem
+from symkin.position.solve import solve
+from symkin.spatial.pose import Pose
 from symkin.verb import verb
 from symkin.verb_options import takes
 
@@ -216,3 +220,77 @@ def _folder_values(program: Program) -> dict[str, object]:
         "version": ".".join(re.findall(r"[0-9]+", __version__)[:3]),
         "installed": f"{name}.h" + (f" {name}.hpp" if "cpp" in program.options.also else ""),
     }
+
+
+# --- package --------------------------------------------------------------------------------------
+
+
+_URL = "https://pypi.org/project/symkin"
+_LONGEST = 80
+"""Characters of the sentence that a library manager shows in a line."""
+
+
+def package_files(mechanism: Mechanism, values: Mapping[str, object]) -> dict[str, str]:
+    """Text of each file by its name. Arduino compiles `src/` alone, so that test and example stay
+    out; PlatformIO and Zephyr name the source.
+    """
+    name = mechanism.name
+    shown = {**values, "sentence": _sentence(mechanism), "url": _URL}
+    templates = {
+        "library.json": "library.json",
+        "library.properties": "library.properties",
+        f"src/{name}.h": "arduino.h",
+        f"src/{name}.c": "arduino.c",
+        "zephyr/module.yml": "module.yml",
+        "zephyr/CMakeLists.txt": "zephyr.cmake",
+        "zephyr/Kconfig": "Kconfig",
+    }
+    return {file: fill(template, shown) for file, template in templates.items()}
+
+
+def _sentence(mechanism: Mechanism) -> str:
+    """The title as one line that JSON, properties and Kconfig all take."""
+    title = re.sub(r"""[^ -~]|["'\\$=]""", " ", mechanism.title or "")
+    return " ".join(f"Kinematics of {mechanism.name} {title}".split())[:_LONGEST].rstrip()
+
+
+# --- what it is written for -----------------------------------------------------------------------
+
+
+_JUDGED = 4
+"""Vectors of which the description is asked: enough to tell another machine."""
+
+
+def check_description(program: Program, vectors: Vectors) -> None:
+    """Raises InputError where the described machine, from the pose of a vector, does not come to
+    rest at that pose with the vector's joint values.
+    """
+    described, size = program.described, program.described.characteristic_length
+    if described == program.lowered:
+        return
+    answers = vectors.answers
+    rows = zip(answers["joints"], answers["poses"], vectors.bounds, strict=True)
+    for joints, pose, bound in list(rows)[:_JUDGED]:
+        given = {
+            c.name: described.angle_out(value) if c.is_angular else value
+            for c, value in zip(described.actuated, joints.tolist(), strict=True)
+        }
+        there = Pose(pose[:3], pose[3:])
+        # the pose of a chain of driven joints is no matter of a start
+        problem = build_problem(described, read_given(described, given).names)
+        start = None if problem.is_explicit else there
+        found = solve(described, joints=given, start=start, check=False).solution
+        away = np.inf if found is None else _distance(found.pose, there, size)
+        if not away <= bound:
+            raise InputError(
+                f"{described.name}: at {given} the described machine is {away:.3g} "
+                f"{described.length_unit} from where its generated code is; write its links as "
+                f"limbs and declare its motion"
+            )
+
+
+def _distance(pose: Pose, other: Pose, size: float) -> float:
+    """How far poses are apart, turns times the size."""
+    away = pose.inverse() @ other
+    turn = 2.0 * float(np.linalg.norm(away.quaternion[1:]))
+    return float(np.linalg.norm(away.position)) + size * turn

@@ -51,7 +51,7 @@ def _moved(pose: Pose, column: int, step: float, size: float) -> Pose:
         position[column] += step * size
     else:
         turn[0], turn[column - 2] = np.cos(0.5 * step), np.sin(0.5 * step)
-    return Pose(position, np.asarray(multiply(turn, pose.quaternion)).ravel())
+    return Pose(position, multiply(turn, pose.quaternion).ravel())
 
 
 def infeasible(problem: Problem, cases: Sequence[np.ndarray], most: int = MOST) -> list[np.ndarray]:

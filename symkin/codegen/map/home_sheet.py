@@ -98,7 +98,7 @@ def _followed_rays(
 def _determinants(matrices: np.ndarray) -> np.ndarray:
     """|det| (n,); 0 of matrices that are not square, of which no box is told."""
     square = matrices.shape[1] == matrices.shape[2]
-    return np.asarray(np.abs(np.linalg.det(matrices))) if square else np.zeros(len(matrices))
+    return np.abs(np.linalg.det(matrices)) if square else np.zeros(len(matrices))
 
 
 def _fitted(

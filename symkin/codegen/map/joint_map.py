@@ -409,7 +409,7 @@ def map_configurations(
         begin = home[inverse.unknown_places], home[inverse.known_places]
         back, whole = all_followed(inverse, *begin, known)
         same = np.all(np.abs(back - unknown) <= _BACK * scales, axis=1)
-        return np.asarray(whole & same & np.all((low < known) & (known < high), axis=1))
+        return whole & same & np.all((low < known) & (known < high), axis=1)
 
     direct = made.direct.problem
     return configurations(direct, home, count, seed, spread, turn, leads_back)

@@ -345,8 +345,9 @@ class LimbPlatformSource(Source):
         made, closure = self.made, self.made.closure
         if not made.passive_checks:
             return ""
-        arrays = (("q", made.actuated), ("passive", made.passive), ("c", closure.role("pose")))
-        names = dict(pair for array, own in arrays for pair in texts_of(array, own).items())
+        arrays = {"q": "actuated", "passive": "passive", "c": "pose"}
+        texts = (texts_of(array, closure.role(role)) for array, role in arrays.items())
+        names = dict(pair for own in texts for pair in own.items())
         variables = [text for c in closure.coordinates for text in names[c.name]]
         lines = limit_lines(
             made.passive_checks,

@@ -114,7 +114,7 @@ class LimbSource(Source):
     def _closed_text(self, written: LimbFormulas) -> str:
         """The functions that give its joints by formulas, and their rates where no matrix does."""
         block = self.block
-        count = len(actuated_places(block)) * int(block.sides.shape[1])
+        count = len(actuated_places(block)) * block.sides.shape[1]
         within = f", {self.real.type} within" if block.is_checked else ""
         values = {
             **self.common,

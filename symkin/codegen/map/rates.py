@@ -82,8 +82,8 @@ def derivatives(made: JointMap, values: np.ndarray) -> tuple[np.ndarray, np.ndar
     matrix = kernel.matrix(state, circles.known_at(numbers), np.zeros(0))
 
     def solved(function: ca.Function, *read: np.ndarray) -> np.ndarray:
-        sides = np.asarray(ca.DM(function(*read)).full())
-        return np.asarray(np.linalg.lstsq(matrix, sides, rcond=1e-12)[0])
+        sides = ca.DM(function(*read)).full()
+        return np.linalg.lstsq(matrix, sides, rcond=1e-12)[0]
 
     steps = solved(row_derivatives(direct), state, numbers)
     scales = [scale for _, scale in step_columns(direct.unknown, direct.unknown, made.size)]

@@ -131,7 +131,7 @@ class RodPlatform(LimbPlatform):
 
     def joint_values(self, pose: Pose) -> np.ndarray:
         """Joint values as generated code takes them."""
-        return np.asarray(self.lengths(pose) - self.zero)
+        return self.lengths(pose) - self.zero
 
     @property
     def functions(self) -> tuple[Function, ...]:

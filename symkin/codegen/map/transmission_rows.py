@@ -115,7 +115,7 @@ class TransmissionRows:
         return Formula(ca.vertcat(*values), closed.signs, closed.reference_signs)
 
     def _reference(self, names: tuple[str, ...]) -> np.ndarray:
-        return np.asarray(self.linkage.reference[self.linkage.places_of(names)])
+        return self.linkage.reference[self.linkage.places_of(names)]
 
     # --- implied rows -----------------------------------------------------------------------------
 

@@ -110,11 +110,9 @@ def circle_kernel(
 
 def _length(expressions: Sequence[ca.SX], symbols: Sequence[ca.SX]) -> int:
     """Operations of expressions."""
-    return int(
-        ca.Function(
-            "f", list(symbols), [ca.densify(e) for e in expressions], {"cse": True}
-        ).n_instructions()
-    )
+    return ca.Function(
+        "f", list(symbols), [ca.densify(e) for e in expressions], {"cse": True}
+    ).n_instructions()
 
 
 # --- rows as polynomials --------------------------------------------------------------------------

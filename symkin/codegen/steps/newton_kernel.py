@@ -74,12 +74,12 @@ class Kernel:
     @property
     def m(self) -> int:
         """Count of rows."""
-        return int(self.rows.numel())
+        return self.rows.numel()
 
     @property
     def n(self) -> int:
         """Count of unknowns: entries of a step."""
-        return int(self.step.numel())
+        return self.step.numel()
 
     @property
     def is_square(self) -> bool:
@@ -117,7 +117,7 @@ class Kernel:
         """J at a point, by CasADi."""
         rows, jacobian = self._sampled
         _, shared = rows(state, known, geometry)
-        return np.asarray(ca.DM(jacobian(state, known, geometry, shared)).full())
+        return ca.DM(jacobian(state, known, geometry, shared)).full()
 
     @cached_property
     def _sampled(self) -> tuple[ca.Function, ca.Function]:

@@ -370,10 +370,8 @@ class NewtonCode:
         """
         literal, tuning = self.real.literal, self.tuning
         return {
-            "row_length": literal(self.kernel.row_length),
             "rounding": literal(tuning.rounding),
             "noise_of_rows": literal(tuning.noise),
-            "floor2": literal(tuning.floor**2),
             "kappa2": literal(tuning.kappa2),
             "contraction2": literal(1.0 / 16.0),
             "far2": literal(1.0 / 36.0),

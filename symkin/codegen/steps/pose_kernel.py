@@ -234,7 +234,7 @@ class PlatformPose:
             values = [unit * rng.uniform(-1.0, 1.0, len(unit)) for unit in units]
             if self.motion == "spatial":
                 values[0][3:] /= np.linalg.norm(values[0][3:])
-            found.append(np.asarray(ca.DM(function(*values)).full()))
+            found.append(ca.DM(function(*values)).full())
         return found
 
     def _vanishes(
@@ -314,7 +314,7 @@ def numbers_of(values: Sequence[float] | np.ndarray) -> ca.SX:
 
 
 def _values(constants: ca.SX) -> np.ndarray:
-    return np.asarray(ca.DM(constants).full()).ravel()
+    return ca.DM(constants).full().ravel()
 
 
 @dataclass

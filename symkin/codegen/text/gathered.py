@@ -52,7 +52,7 @@ def gathered(
     found = [whole, _Writer(reader, _by_cones(reader)).whole(count)]
     best = min(
         found,
-        key=lambda e: int(ca.Function("f", [reader.symbols], [e], {"cse": True}).n_instructions()),
+        key=lambda e: ca.Function("f", [reader.symbols], [e], {"cse": True}).n_instructions(),
     )
     parts, begin = [], 0
     for size in sizes:

@@ -45,7 +45,7 @@ def javascript(name: str, x: ca.SX, outputs: list[ca.SX], *, over_complex: bool 
 def _row_major(output: ca.SX) -> list[int]:
     """Places of the nonzeros of a matrix in its dense row-major writing."""
     rows, columns = output.sparsity().get_triplet()
-    width = int(output.shape[1])
+    width = output.shape[1]
     return [row * width + column for row, column in zip(rows, columns, strict=True)]
 
 
@@ -55,7 +55,7 @@ def _in_parts(x: ca.SX, outputs: list[ca.SX]) -> tuple[ca.SX, list[ca.SX]]:
     reader = _Parts(parts)
     walk(ca.Function("f", [x], outputs, {"cse": True}), reader)
     return parts, [
-        stacked(part for k in range(int(output.nnz())) for part in reader.found[number, k])
+        stacked(part for k in range(output.nnz()) for part in reader.found[number, k])
         for number, output in enumerate(outputs)
     ]
 
