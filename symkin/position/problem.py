@@ -50,8 +50,11 @@ class Problem:
 
     @property
     def of_pose(self) -> bool:
-        """Whether the pose of limbs is known."""
-        return self._are_known("pose")
+        """Whether the pose of limbs is known, all of it: parts may read less, as a flat arm's do of
+        its height.
+        """
+        whole = len(self.known_coordinates) == len(self.closure.role("pose"))
+        return whole and self._are_known("pose")
 
     def _are_known(self, role: str) -> bool:
         return not self.by_name and {c.role for c in self.known_coordinates} == {role}

@@ -130,7 +130,7 @@ def test_modes_are_those_of_continuation(name: str) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", in_gate(ALL, SEARCHED))
+@pytest.mark.parametrize("name", in_gate(ALL, [*SEARCHED, "planar"]))
 def test_all_structures_have_the_modes_of_continuation(name: str) -> None:
     same_as_continuation(ALL[name], 6)
 
