@@ -228,7 +228,10 @@ def tried(roots: Roots, rng: np.random.Generator, most: int | None = None) -> Tr
     )
     found = boxes[0]
     proved = np.flatnonzero(found.found)[:most].tolist()
-    balls, failures = BallSystem(roots.system, roots.knowns.numbers(0)), list[int]()
+    # a structure's known values are wide balls: a box holds for all in them, so for the middles
+    known = roots.knowns.numbers(0)
+    thin = tuple(k if isinstance(k, float) else k.mid() for k in known)
+    balls, failures = BallSystem(roots.system, thin), list[int]()
     slow = seconds(
         lambda: failures.extend(i for i in proved if not is_true(balls, start[:, i], found, i))
     )
