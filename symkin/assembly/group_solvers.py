@@ -94,7 +94,8 @@ def _group_paths(group: Problem, _folder: str) -> BlockPaths | None:
     if unsuitable(group) is not None or redundant_distances(group):
         return None
     system = system_of(group)
-    structure = structure_of(group, system)
+    # the own start of limbs tells their operation modes; that of a structure has one
+    structure = structure_of(group, system) if group.by_name else None
     if structure is not None:
         shared = start_of_structure(group, structure)
         if shared is not None:
