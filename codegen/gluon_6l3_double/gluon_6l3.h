@@ -30,18 +30,18 @@
  *   feed: 890 add, 1060 mul, 53 div, 5 sqrt, 6 sin, 6 cos
  *   rates: 884 add, 1054 mul, 47 div, 5 sqrt, 6 sin, 6 cos
  *   track: 1243 add, 1626 mul, 49 div, 10 sqrt, 36 sin, 36 cos
- *   measured (Cortex-M7, GCC 12.2.1 -O2, 14201 inputs, seed 1): instructions, bytes of stack with
+ *   measured (Cortex-M7, GCC 12.2.1 -O2, 11934 inputs, seed 1): instructions, bytes of stack with
  *     callees, bytes of code with callees but without those of libm:
  *   inverse_all: 19845 instructions, 1560 stack, 6500 code
- *   inverse_branch: 2925 instructions, 1616 stack, 6584 code
- *   inverse_nearest: 3555 instructions, 1680 stack, 6804 code
- *   direct: 1690 instructions, 944 stack, 1228 code
- *   inverse: 129340 instructions, 2432 stack, 11472 code
- *   jacobian: 1810 instructions, 1032 stack, 1688 code
- *   twist: 2245 instructions, 1376 stack, 1888 code
- *   feed: 10240 instructions, 1496 stack, 3308 code
- *   rates: 10115 instructions, 1432 stack, 3208 code
- *   track: 14575 instructions, 1576 stack, 4676 code
+ *   inverse_branch: 2895 instructions, 1616 stack, 6584 code
+ *   inverse_nearest: 3535 instructions, 1680 stack, 6804 code
+ *   direct: 1705 instructions, 944 stack, 1228 code
+ *   inverse: 125545 instructions, 2432 stack, 11472 code
+ *   jacobian: 1820 instructions, 1032 stack, 1688 code
+ *   twist: 2255 instructions, 1376 stack, 1888 code
+ *   feed: 10250 instructions, 1496 stack, 3308 code
+ *   rates: 10130 instructions, 1432 stack, 3208 code
+ *   track: 14655 instructions, 1576 stack, 4676 code
  *
  * Model SHA-256 0a6a5e74c351eb572b3af256f5135e52918e945b40d14db040ccc931c6eb898c
  */

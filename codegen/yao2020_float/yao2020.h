@@ -30,18 +30,18 @@
  *   feed: 916 add, 1107 mul, 53 div, 5 sqrt
  *   rates: 910 add, 1101 mul, 47 div, 5 sqrt
  *   track: 1484 add, 1923 mul, 49 div, 10 sqrt
- *   measured (Cortex-M4F, GCC 12.2.1 -O2, 14134 inputs, seed 1): instructions, bytes of stack with
+ *   measured (Cortex-M4F, GCC 12.2.1 -O2, 11864 inputs, seed 1): instructions, bytes of stack with
  *     callees, bytes of code with callees but without those of libm:
- *   inverse_all: 81385 instructions, 696 stack, 5920 code
- *   inverse_branch: 11280 instructions, 720 stack, 5992 code
- *   inverse_nearest: 11415 instructions, 768 stack, 6188 code
+ *   inverse_all: 81470 instructions, 696 stack, 5920 code
+ *   inverse_branch: 11175 instructions, 720 stack, 5992 code
+ *   inverse_nearest: 11810 instructions, 768 stack, 6188 code
  *   direct: 625 instructions, 112 stack, 1304 code
- *   inverse: 120690 instructions, 1064 stack, 9848 code
+ *   inverse: 119940 instructions, 1064 stack, 9848 code
  *   jacobian: 685 instructions, 112 stack, 1548 code
  *   twist: 1090 instructions, 288 stack, 1712 code
  *   feed: 9880 instructions, 656 stack, 3132 code
- *   rates: 9765 instructions, 616 stack, 3028 code
- *   track: 12305 instructions, 696 stack, 4436 code
+ *   rates: 9770 instructions, 616 stack, 3028 code
+ *   track: 10810 instructions, 696 stack, 4436 code
  *
  * Model SHA-256 98eb777f285bb0f01202bb6155b0345518c2eb31f42fdf259ae851aac40d2594
  */
