@@ -330,7 +330,7 @@ def test_a_double_root_is_one_and_flagged():
 
 
 def test_operation_modes_are_told_at_every_input():
-    """A note of the machine does not hang on the input: it is told where no path is in doubt too."""
+    """A note of the machine does not hang on the input: it is told where no path is in doubt."""
     delta = symkin.load("delta_parallelograms")
     doubtful, plain = symkin.modes(delta), symkin.modes(delta, joints=[-4.9, -10.2, -2.7])
     told = [{n for n in found.notes if "operation modes" in n} for found in (doubtful, plain)]
