@@ -91,6 +91,7 @@ def _track(trajectory: Trajectory, options: TrackOptions) -> Track:
     if mode is None:
         return _not_begun(trajectory, "; ".join(notes))
     path = machine_path(replace(trajectory, notes=(*trajectory.notes, *notes)))
+    _check_isolated(path.trajectory.problem)
     begin = path.unknowns(own_closure(mode), mode.variables[None])[0]
     limits, progress = options["limits"], options["progress"]
     branch = branch_from(begin, path.trajectory, limits=limits, progress=progress)

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import json
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +16,7 @@ import symkin
 from helpers.command_line import run, run_json
 from helpers.inside import read_table, read_trajectory, write_track
 from helpers.laws import closes
-from helpers.samples import bars
+from helpers.samples import bars, three_rrr
 from symkin import InputError, track
 
 EXAMPLE = "144.6,347.0,110.3,178.6,277.6,269.4"
@@ -525,3 +526,15 @@ def test_a_name_is_no_mechanism(verb, wrong):
         InputError, match=r"symkin\.load\('zhang2009'\)" if wrong == "zhang2009" else "int"
     ):
         verb(wrong)
+
+
+@pytest.mark.parametrize("motion", ["spatial", "planar"])
+def test_motors_that_leave_a_platform_free_are_refused(motion: str) -> None:
+    """Two limbs of a 3-RRR hold its platform but for one freedom, whether or not its motion is
+    declared: there is no mode to stay on.
+    """
+    whole = three_rrr(motion)
+    free = replace(whole, limbs=whole.limbs[:2])
+    first = [free.angle_out(c.reference[0]) for c in free.actuated]
+    with pytest.raises(InputError, match=r"leaves 1 of . unknowns free"):
+        track(free, joints=[first, [value + 3.0 for value in first]])
