@@ -60,9 +60,7 @@ def _joined(problem: Problem) -> tuple[Problem, ...]:
     groups, found = structure_groups(problem), list[Problem]()
     for numbers in independent_parts(groups):
         own = tuple(groups[k] for k in numbers)
-        # formulas of an arm take all numbers of its pose, of which its rows may hold some
-        some = len(own) > 1 or problem.mechanism.serial
-        is_one = some and _is_solved_as_one(joined_groups(problem, own), own)
+        is_one = len(own) > 1 and _is_solved_as_one(joined_groups(problem, own), own)
         found += [joined_groups(problem, own)] if is_one else own
     given = {*problem.known_coordinates}
     rods = tuple(g for g in found if given >= {*g.known_coordinates} and rod_lengths(g.system))
@@ -77,7 +75,7 @@ def _is_solved_as_one(joined: Problem, own: tuple[Problem, ...]) -> bool:
     """
     if solved_at_once(joined):
         return False
-    refuses = any(int(g.system.rows.shape[0]) > g.system.freedom for g in own[1:])
+    refuses = any(g.system.rows.shape[0] > g.system.freedom for g in own[1:])
     solver = group_solver(joined)
     return isinstance(solver, ClosedBlock) or (refuses and solver is not None)
 
