@@ -161,13 +161,11 @@ class GroupRoots:
 
     def _with(self, places: np.ndarray, **told: Any) -> GroupRoots:
         """Some of the solutions, with what else is `told`."""
-        some = object.__new__(GroupRoots)
-        vars(some).update(vars(self))
-        for name in _PER_ROOT:
-            array = getattr(self, name)
-            vars(some)[name] = None if array is None else array[places]
-        vars(some).update(told)
-        return some
+        arrays = ((name, getattr(self, name)) for name in _PER_ROOT)
+        chosen: dict[str, Any] = {
+            name: None if array is None else array[places] for name, array in arrays
+        }
+        return replace(self, **chosen | told)
 
     def at(self, rows: np.ndarray) -> GroupRoots:
         """Some of the rows, in their order."""

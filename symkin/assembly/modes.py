@@ -145,15 +145,14 @@ def _found(ask: _Ask, givens: Sequence[Given]) -> tuple[Modes, ...]:
     begin = time.perf_counter()
     with told_of_searches(ask.search.progress):
         found = _of_machine(ask, givens)
-    lost = [i for i, modes in enumerate(found) if not modes and modes.problem.by_name]
-    note = open_loops_note(ask.mechanism) if lost else None
-    for i in lost:
-        more = () if note is None else (note,)
-        found[i] = replace(found[i], notes=(*found[i].notes, *more))
+    lost = [not modes and modes.problem.by_name for modes in found]
+    note = open_loops_note(ask.mechanism) if any(lost) else None
+    more = () if note is None else (note,)
     share = (time.perf_counter() - begin) / max(len(givens), 1)
-    for modes in found:
-        object.__setattr__(modes, "elapsed_s", share)
-    return tuple(found)
+    return tuple(
+        replace(modes, elapsed_s=share, notes=(*modes.notes, *more) if none else modes.notes)
+        for modes, none in zip(found, lost, strict=True)
+    )
 
 
 def _of_machine(ask: _Ask, givens: Sequence[Given]) -> list[Modes]:

@@ -19,7 +19,7 @@ from dataclasses import dataclass, replace
 from symkin.model.bar import Bar
 from symkin.model.joint import BASE, Joint
 from symkin.model.limb import Limb, RodLimb
-from symkin.model.machine import Machine
+from symkin.model.machine import gaps_of
 from symkin.model.mechanism import Mechanism
 
 _POSE_FREEDOM = 6
@@ -85,8 +85,9 @@ def layout_of(mechanism: Mechanism, kept: frozenset[str], *, pose: bool) -> Layo
     and, with `pose`, the platform's pose. Limbs of which it must hold none, or the pose, begin and
     end at the base and the platform, whose pose is a coordinate.
     """
-    if isinstance(mechanism, Machine) and mechanism.gaps is not None:
-        return _layout_as_told(mechanism, dict(mechanism.gaps))
+    gaps = gaps_of(mechanism)
+    if gaps is not None:
+        return _layout_as_told(mechanism, gaps)
     pose = pose or not (mechanism.is_graph or kept)
     edges, platform = list(edges_of(mechanism)), mechanism.platform_link
     wanted = {platform} if pose and platform is not None else set()

@@ -38,7 +38,7 @@ from symkin.model.bar import Bar
 from symkin.model.graph import Coupling
 from symkin.model.joint import BASE, POSE_CONDITIONS, Coordinate, Joint
 from symkin.model.joint_forms import Relation
-from symkin.model.machine import Machine, as_described
+from symkin.model.machine import as_described, gaps_of
 from symkin.model.mechanism import Mechanism
 from symkin.spatial.backend import cross, dot
 from symkin.spatial.pose import Pose
@@ -79,10 +79,7 @@ class RowBuilder(BodyBuilder):
         self.eliminated: list[tuple[Coordinate, ca.SX]] = []
         self.forward: Pose | None = None
         self.arm: Side = Chain(())
-        gaps = mechanism.gaps if isinstance(mechanism, Machine) else None
-        self.gaps = {
-            name: Pose(np.array(numbers[:3]), np.array(numbers[3:])) for name, numbers in gaps or ()
-        }
+        self.gaps = gaps_of(mechanism) or {}
 
     def build_rows(self) -> None:
         self.declare()

@@ -57,6 +57,13 @@ def is_laid(mechanism: Mechanism) -> bool:
     return isinstance(mechanism, Machine) and mechanism.laid
 
 
+def gaps_of(mechanism: Mechanism) -> dict[str, Pose] | None:
+    """What joints that close loops of a file leave open; None where no file leaves loops open."""
+    if not isinstance(mechanism, Machine) or mechanism.gaps is None:
+        return None
+    return {name: Pose(np.array(gap[:3]), np.array(gap[3:])) for name, gap in mechanism.gaps}
+
+
 def as_described(mechanism: Mechanism, pose: Pose) -> Pose:
     """A pose, its quaternion of any length, in the frames of the description: turned back by that
     of its base, seen from its platform.

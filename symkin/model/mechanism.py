@@ -24,7 +24,7 @@ from symkin.model.limb import Limb, RodLimb, coincide
 from symkin.model.mesh import LinkMesh
 from symkin.model.names import check_mechanism_name, check_name, check_text
 from symkin.model.placement import placed_points
-from symkin.spatial.pose import Pose
+from symkin.spatial.pose import NORM_OFF, Pose
 from symkin.text import meant, not_among
 
 _MUCH_LARGER = 3.0
@@ -409,7 +409,7 @@ def unit_quaternion(value: Sequence[float], where: str) -> tuple[float, ...]:
         )
     length = math.hypot(*q)
     # beyond a slip of digits, numbers in another order or of another kind have been given
-    if abs(length - 1.0) > 1e-2:
+    if abs(length - 1.0) > NORM_OFF:
         raise MechanismError(
             f"{where} = {list(q)} has norm {length:.6g}; a unit quaternion is needed (1 to within "
             f"0.01)"

@@ -27,7 +27,7 @@ from symkin.position.pose_coordinates import (
     reader_of_poses,
 )
 from symkin.position.problem import actuated_names, plain_kind, pose_names
-from symkin.spatial.pose import Pose
+from symkin.spatial.pose import NORM_OFF, Pose
 from symkin.text import counted, first_of, meant, shown
 from symkin.verb import real
 
@@ -324,7 +324,7 @@ def _poses_without_fault(mechanism: Mechanism, poses: Any) -> np.ndarray | None:
         return None
     norms = np.sqrt(squared_norms(rows[:, 3:]))
     rows[:, 3:] /= norms[:, None]
-    return rows if (np.abs(norms - 1.0) <= 1e-2).all() else None
+    return rows if (np.abs(norms - 1.0) <= NORM_OFF).all() else None
 
 
 def _plain_rows(values: Any, count: int) -> np.ndarray | None:
@@ -474,7 +474,7 @@ def pose_from(values: Joints | Pose, what: str = "pose") -> Pose:
             f"{what}: {counted(len(numbers))} given, 7 are needed: x, y, z, qw, qx, qy, qz"
         )
     norm = math.hypot(*numbers[3:])
-    if abs(norm - 1.0) > 1e-2:
+    if abs(norm - 1.0) > NORM_OFF:
         raise InputError(
             f"{what}: the quaternion {numbers[3:]} has norm {norm:.6g}; allowed: 1 to within 0.01"
         )

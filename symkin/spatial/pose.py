@@ -27,7 +27,7 @@ _NOT_ORTHONORMAL = 1e-3
 """Largest entry of R^T R - 1 that is taken for the rounding of printed digits; beyond, a matrix is
 no rotation.
 """
-_NORM_OFF = 1e-2
+NORM_OFF = 1e-2
 """How far a quaternion's norm may be from 1, as in mechanism files; beyond, its numbers are not
 those of a rotation.
 """
@@ -166,7 +166,7 @@ class Pose:
         numbers = _array(quaternion, "quaternion", 4)
         norms = np.linalg.norm(numbers, axis=0)
         worst = float(norms.ravel()[np.argmax(np.abs(norms - 1.0))])
-        if abs(worst - 1.0) > _NORM_OFF:
+        if abs(worst - 1.0) > NORM_OFF:
             raise InputError(
                 f"quaternion: norm {worst:.6g}; a unit quaternion is needed (1 to within 0.01)"
             )
