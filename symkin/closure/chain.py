@@ -85,7 +85,7 @@ class Ball:
 Step = Turn | Ball
 
 
-def steps_of(pose: Pose) -> tuple[Step, ...]:
+def displacement_steps(pose: Pose) -> tuple[Step, ...]:
     """A displacement by numbers."""
     away, turn = (ca.SX(ca.DM(part)) for part in (pose.position, pose.quaternion))
     return (Turn(away, away, None, ca.SX(1)), Ball(ca.SX(3, 1), turn))

@@ -26,8 +26,8 @@ from symkin.closure.chain import (
     JointSymbols,
     PlatformSide,
     Side,
+    displacement_steps,
     relative_sides,
-    steps_of,
 )
 from symkin.closure.partition import ALL_JOINTS, Partition
 from symkin.closure.pose_forms import PlatformPose, StudyPose, UnitPose
@@ -229,7 +229,7 @@ class RowBuilder(BodyBuilder):
             )
         if branch.name in self.gaps:
             first, last = (self.bodies[link] for link in branch.ends)
-            opened = last.extended(steps_of(self.gaps[branch.name]))
+            opened = last.extended(displacement_steps(self.gaps[branch.name]))
             self._cut(branch.name, elements[0], *relative_sides(first, opened))
             return
         balls = [k for k, element in enumerate(elements) if element.balls]

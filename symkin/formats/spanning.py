@@ -14,7 +14,7 @@ from dataclasses import replace
 
 import casadi as ca
 
-from symkin.closure.chain import Chain, JointSymbols, steps_of
+from symkin.closure.chain import Chain, JointSymbols, displacement_steps
 from symkin.closure.parameters import ParameterTable
 from symkin.closure.rows import Cut, rows_of_joint
 from symkin.errors import MechanismError
@@ -164,7 +164,7 @@ def _within_a_link(robot: Robot, joint: RobotJoint) -> str | None:
     first, second = robot.ends_of(joint)
     made = joint_at(first, joint.name, joint.type, pitch=joint.pitch)
     cut = Cut.of(JointSymbols.declare(made, made.name, ParameterTable(bound=True)))
-    gap = Chain(steps_of(second @ first.inverse()))
+    gap = Chain(displacement_steps(second @ first.inverse()))
     found = rows_of_joint(cut, Chain(()), gap, ca.SX(1))
     errors = ca.vertcat(*(error for _, _, own in found for error in own))
     open_by = float(ca.norm_2(ca.evalf(errors)))
