@@ -18,7 +18,7 @@ import numpy as np
 from symkin.assembly.account import FEW, Account
 from symkin.assembly.as_written import Told
 from symkin.assembly.group_roots import STATEMENTS
-from symkin.assembly.group_solvers import solved_groups
+from symkin.assembly.group_solvers import dependent_parts, solved_groups
 from symkin.assembly.least_modes import with_least_modes
 from symkin.assembly.mode_order import order_of_modes
 from symkin.assembly.mode_proofs import PartProofs, can_be_proved, ground_notes, theorem_notes
@@ -31,7 +31,7 @@ from symkin.position.given import Given
 from symkin.position.groups import independent_parts
 from symkin.position.platform_motion import motion_notes
 from symkin.position.problem import Problem
-from symkin.position.roots import MOST_MODES, sum_of_counts
+from symkin.position.roots import MOST_MODES, product_of_counts, sum_of_counts
 from symkin.position.solution_list import SolutionList, checked_solutions
 from symkin.text import shown
 
@@ -63,6 +63,12 @@ class GroupedModes:
         """The problem in whose coordinates the modes are told."""
         return self.problem if self.told is None else self.told.problem
 
+    @property
+    def factors(self) -> np.ndarray:
+        """Numbers (n, groups) whose product is the count of an input's complex solutions."""
+        groups = solved_groups(self.problem, self.search)
+        return self.account.factors(dependent_parts(self.problem, groups))
+
     def modes(self, givens: Sequence[Given]) -> list[Modes]:
         """The modes of each input. Raises TooManyModesError where the choices of its groups are
         more than can be held.
@@ -73,22 +79,23 @@ class GroupedModes:
             raise TooManyModesError(_too_many(self.problem, groups, number))
         columns = {
             "completeness": [STATEMENTS[said] for said in self.statement.tolist()],
-            "complex_count": account.complex_counts,
+            "complex_count": [
+                product_of_counts(row) if whole else None
+                for row, whole in zip(self.factors.tolist(), account.whole.tolist(), strict=True)
+            ],
             "unresolved_paths": [sum_of_counts(row) for row in account.unresolved.tolist()],
             "smallest_residual": account.smallest.tolist(),
             "positive_dimensional": account.continuum.any(axis=1).tolist(),
             "count": list(map(int, self.total.tolist())),
+            "engine": account.each_engine,
         }
         rows = zip(*columns.values(), strict=True)
-        engine = account.engine
         return [
-            self._modes_of(i, given, engine, dict(zip(columns, row, strict=True)))
+            self._modes_of(i, given, dict(zip(columns, row, strict=True)))
             for i, (given, row) in enumerate(zip(givens, rows, strict=True))
         ]
 
-    def _modes_of(
-        self, number: int, given: Given, engine: str | None, told: dict[str, Any]
-    ) -> Modes:
+    def _modes_of(self, number: int, given: Given, told: dict[str, Any]) -> Modes:
         account, found = self.account, self.listed
         if len(self.total) > 1:
             found = found.chosen(slice(*self.ends[number : number + 2]), notes=given.notes)
@@ -105,7 +112,7 @@ class GroupedModes:
             problem=self.asked,
             given=given.echo,
             modes=found,
-            method="closed" if engine == "closed form" else self.search.name,
+            method="closed" if told["engine"] == "closed form" else self.search.name,
             seed=self.search.seed,
             elapsed_s=0.0,
             **sampling(account.samples.get(number, [])),
@@ -116,7 +123,6 @@ class GroupedModes:
                 *theorem_notes(account.theorems_of(number)),
                 *ground_notes(self.problem, grounds, len(found)),
             ),
-            engine=engine,
             groups=self._groups_of(number) if self.problem.by_name else (),
         )
 

@@ -23,7 +23,7 @@ from symkin.elimination.complex_branches import complex_errors, misses_none
 from symkin.homotopy.values import coordinate_scale
 from symkin.position.arm_formulas import arm_formulas
 from symkin.position.closed_configurations import closed_configurations
-from symkin.position.groups import is_linear
+from symkin.position.groups import is_linear, is_tied
 from symkin.position.problem import Problem
 from symkin.position.roots import NOT_KNOWN
 
@@ -121,25 +121,36 @@ class ClosedBlock:
         if not kept.all():
             chosen, owner = chosen[kept], owner[kept]
             judged = tuple(part[kept] for part in judged)
-        # of an arm whose branches must meet further conditions only real ones are held against them
-        count: float = self.formulas.count if self.is_determined else NOT_KNOWN
+        count = self._complex_counts(known, real)
         chosen, closed, found = checked_roots(
             self.problem.system, chosen, owner, known, plain, judged, judges=judges
         )
         # a branch that solves all steps and fails the check leaves a doubt
         n, left = len(known), owner[closed]
         plain[np.bincount(owner, minlength=n) != np.bincount(left, minlength=n)] = False
-        roots = GroupRoots.of_all(chosen, left, np.full(n, count), engine=self.engine, judged=found)
+        roots = GroupRoots.of_all(chosen, left, count, engine=self.engine, judged=found)
         return roots, (~plain).nonzero()[0]
 
+    def _complex_counts(self, known: np.ndarray, real: np.ndarray) -> np.ndarray:
+        """Complex solutions (n,) of known values (n, known), of which branches are `real` (n,
+        count). Those of an arm that its pose's conditions may refuse are not known.
+        """
+        if not self.is_determined:
+            return np.full(len(known), NOT_KNOWN)
+        counts = np.full(len(known), float(self.formulas.count))
+        if isinstance(self.formulas, ClosedForm) and is_tied(self.problem):
+            rows = np.flatnonzero(~real.all(axis=1))
+            if rows.size:
+                counts[rows] = _closing(self.formulas, known[rows]).sum(axis=1)
+        return counts
 
-def _all_close(formulas: ClosedForm, known: np.ndarray) -> bool:
-    """Whether all branches close for known values (n, known), over the complex numbers."""
+
+def _closing(formulas: ClosedForm, known: np.ndarray) -> np.ndarray:
+    """Which branches (n, count) close for known values (n, known), over the complex numbers."""
     try:
-        errors = complex_errors(formulas, known)
+        return complex_errors(formulas, known) <= _SOLVES
     except NotImplementedError:
-        return False
-    return bool(np.all(errors <= _SOLVES))
+        return np.zeros((len(known), formulas.count), dtype=bool)
 
 
 @lru_cache(maxsize=256)
@@ -151,13 +162,12 @@ def accounts_for_all(closed: ClosedBlock, paths: BlockPaths | None) -> bool:
     """
     if not isinstance(closed.formulas, ClosedForm):
         return True
+    formulas, regular = closed.formulas, closed.regular
     if paths is None:
-        return _all_close(closed.formulas, closed.regular[None]) and misses_none(
-            closed.formulas, closed.regular
-        )
-    return closed.formulas.count == paths.most_roots and _all_close(
-        closed.formulas, closed.generic_known
-    )
+        return bool(_closing(formulas, regular[None]).all()) and misses_none(formulas, regular)
+    if formulas.count != paths.most_roots:
+        return False
+    return bool(_closing(formulas, closed.generic_known).all())
 
 
 @lru_cache(maxsize=256)

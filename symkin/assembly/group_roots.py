@@ -26,7 +26,7 @@ STATEMENTS: tuple[Completeness, ...] = ("proved", "probability one", "incomplete
 """What is said of a list, from the strongest to the weakest; of several parts the weakest holds."""
 NO_ENDS = np.zeros((0, 0), dtype=complex)
 """Complex roots of what was found without paths."""
-_PER_ROW = ("statement", "complex_count", "unresolved", "smallest", "continuum")
+_PER_ROW = ("statement", "complex_count", "unresolved", "smallest", "continuum", "engine")
 """The arrays that tell of rows."""
 _PER_ROOT = ("points", "owner", "hits", "origin", "judged")
 """Those that tell of solutions."""
@@ -42,8 +42,9 @@ class GroupRoots:
     each, rising, and its `hits` (m,), infinite where it was not searched from random starts. Of
     each row (n,): the place of what is said of it in `STATEMENTS`, complex solutions and unresolved
     paths (`NOT_KNOWN`), the least closure error that a search without success has reached (else
-    infinite), whether a set that is not isolated was met; `notes` of single rows, and the `samples`
-    of those searched from random starts; `engine`, `orbits` (notes) and `theorem` (what
+    infinite), whether a set that is not isolated was met, what `engine` found them (None where none
+    was needed); `notes` of single rows, and the `samples`
+    of those searched from random starts; `orbits` (notes) and `theorem` (what
     proves that there are no others) of all; from paths all complex roots `ends` (width, e) of the
     rows `ends_of` (e,), rising, and where they are told the `origin` (m,) of the solutions among
     these; where they are kept the largest and smallest singular value of the group's rows at each
@@ -58,8 +59,8 @@ class GroupRoots:
     unresolved: np.ndarray
     smallest: np.ndarray
     continuum: np.ndarray
+    engine: np.ndarray
     notes: Mapping[int, tuple[str, ...]] = field(default_factory=dict)
-    engine: str | None = None
     orbits: tuple[str, ...] = ()
     theorem: str | None = None
     ends: np.ndarray = field(default_factory=lambda: NO_ENDS)
@@ -69,7 +70,14 @@ class GroupRoots:
     judged: np.ndarray | None = None
 
     @staticmethod
-    def of_all(points: np.ndarray, owner: np.ndarray, count: np.ndarray, **told: Any) -> GroupRoots:
+    def of_all(
+        points: np.ndarray,
+        owner: np.ndarray,
+        count: np.ndarray,
+        *,
+        engine: str | None = None,
+        **told: Any,
+    ) -> GroupRoots:
         """All solutions of each row, of as many complex ones as `count` (n,) says."""
         none = np.zeros(len(count))
         standard = {
@@ -79,6 +87,7 @@ class GroupRoots:
             "continuum": none > 0.0,
             "complex_count": count.astype(float),
             "hits": np.full(len(owner), np.inf),
+            "engine": np.full(len(count), engine, dtype=object),
         }
         return GroupRoots(points, owner, **standard | told)
 
@@ -125,7 +134,6 @@ class GroupRoots:
             np.concatenate([part.hits for part in parts]),
             **arrays,
             notes={row + begin: told for begin, part in begun for row, told in part.notes.items()},
-            engine=engines_together(part.engine for part in parts),
             orbits=parts[0].orbits,
             theorem=next((part.theorem for part in parts if part.theorem), None),
             samples={

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from symkin.assembly.account import Part
 from symkin.assembly.block_paths import BlockPaths, own_paths, paths_of_rows
 from symkin.assembly.closed_roots import ClosedBlock, accounts_for_all, closed_block
 from symkin.assembly.rod_lengths import rod_lengths
@@ -18,6 +19,7 @@ from symkin.position.groups import (
     implied_parts,
     independent_parts,
     is_linear,
+    is_tied,
     joined_groups,
     structure_groups,
 )
@@ -69,15 +71,28 @@ def _joined(problem: Problem) -> tuple[Problem, ...]:
     return (joined_groups(problem, rods), *(group for group in found if group not in rods))
 
 
+@lru_cache(maxsize=128)
+def dependent_parts(problem: Problem, groups: tuple[Problem, ...]) -> tuple[Part, ...]:
+    """The parts of a problem that are several groups."""
+    parts = [numbers for numbers in independent_parts(groups) if len(numbers) > 1]
+    own = [tuple(groups[k] for k in numbers) for numbers in parts]
+    ties = [_may_refuse(some) and is_tied(joined_groups(problem, some)) for some in own]
+    return tuple(zip(parts, ties, strict=True))
+
+
+def _may_refuse(groups: tuple[Problem, ...]) -> bool:
+    """Whether further rows of later groups may refuse solutions of earlier ones."""
+    return any(g.system.rows.shape[0] > g.system.freedom for g in groups[1:])
+
+
 def _is_solved_as_one(joined: Problem, own: tuple[Problem, ...]) -> bool:
     """Whether formulas solve groups together, or further rows of a later one refuse solutions of
     an earlier one, so that products of their counts are too large.
     """
     if solved_at_once(joined):
         return False
-    refuses = any(g.system.rows.shape[0] > g.system.freedom for g in own[1:])
     solver = group_solver(joined)
-    return isinstance(solver, ClosedBlock) or (refuses and solver is not None)
+    return isinstance(solver, ClosedBlock) or (_may_refuse(own) and solver is not None)
 
 
 def group_paths(group: Problem) -> BlockPaths | None:

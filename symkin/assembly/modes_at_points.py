@@ -202,9 +202,7 @@ class GroupFinder:
         listed = np.bincount(found.owner, minlength=len(known))
         account = found.account
         many = (account.too_many != FEW) | np.array(listed < found.total, dtype=bool)
-        complex_counts = np.where(
-            account.whole & ~many, np.prod(account.complex_count, axis=1), NOT_KNOWN
-        )
+        complex_counts = np.where(account.whole & ~many, np.prod(found.factors, axis=1), NOT_KNOWN)
         return ModeTable(
             found.asked,
             found.listed.chosen(~many[found.owner]) if many.any() else found.listed,

@@ -357,17 +357,18 @@ def roots_of_parts(
     many = account.too_many != FEW
     statement[many] = np.maximum(statement[many], STATEMENTS.index("incomplete"))
     told = {i: tuple(dict.fromkeys(account.notes_of(i))) for i in range(len(known))}
+    counts = account.factors([([*range(len(parts))], False)])
     return GroupRoots(
         points,
         owner,
         hits,
         statement=statement,
-        complex_count=np.prod(np.where(account.seen, account.complex_count, most), axis=1),
+        complex_count=np.prod(np.where(account.seen, counts, most), axis=1),
         unresolved=np.sum(account.unresolved, axis=1),
         smallest=np.full(len(known), np.inf),
         continuum=account.continuum.any(axis=1) | met,
         notes={i: texts for i, texts in told.items() if texts},
-        engine=account.engine,
+        engine=np.array(account.each_engine, dtype=object),
     )
 
 

@@ -10,10 +10,12 @@ import casadi as ca
 import numpy as np
 
 from symkin.closure.numpy_code import vectorise
+from symkin.computed_once import lru_cache
 from symkin.elimination.closed_form import ClosedForm
 from symkin.model.joint import units_of
 from symkin.numeric.system import System
 
+Evaluate = Callable[..., list[np.ndarray]]
 _STARTS, _STEPS = 64, 40
 """Random complex starts of Newton's method, and its steps."""
 _FEWEST = 40
@@ -38,8 +40,7 @@ def complex_errors(form: ClosedForm, known: np.ndarray) -> np.ndarray:
     with np.errstate(all="ignore"):
         first, second = parts = _branches(form, known)
         u = np.where(angular, -1j * np.log(first + 1j * second), first)
-        rows = system.rows / system.characteristic_length
-        (rows,) = _over_complex(system, [rows])(u, np.repeat(known, form.count, axis=0))
+        (rows,) = _rows_over_complex(system)(u, np.repeat(known, form.count, axis=0))
         circles = np.where(angular, first**2 + second**2 - 1.0, 0.0).T
         found = np.max(np.abs(np.hstack([rows[:, :, 0], circles])), axis=1) / _reach(parts) ** 2
     return np.where(np.isfinite(found), found, np.inf).reshape(len(known), form.count)
@@ -82,7 +83,12 @@ def _solutions(system: System, known: np.ndarray) -> np.ndarray:
     return parts[:, :, closes & (length < _CONVERGED)]
 
 
-def _over_complex(system: System, outputs: Sequence[ca.SX]) -> Callable[..., list[np.ndarray]]:
+@lru_cache(maxsize=64)
+def _rows_over_complex(system: System) -> Evaluate:
+    return _over_complex(system, [system.rows / system.characteristic_length])
+
+
+def _over_complex(system: System, outputs: Sequence[ca.SX]) -> Evaluate:
     """Expressions, an array (n, rows, columns) of each, at complex values u (width, n) of the
     unknowns, angles and lengths in sizes, for known values (n, known).
     """
@@ -101,13 +107,18 @@ def _branches(form: ClosedForm, known: np.ndarray) -> np.ndarray:
     """Parts (2, width, branches) of all branches for known values (n, known): cosines and sines,
     lengths in sizes and 0.
     """
-    values = ca.densify(form.at_roots(ca.vertcat(form.first, form.second), ca.sqrt))
     inputs = np.tile(form.choices, (len(known), 1)), np.repeat(known, form.count, axis=0)
-    found = np.zeros((len(inputs[1]), values.shape[0], 1), dtype=complex)
-    code = ca.Function("complex", [form.signs, form.system.known], [values], {"cse": True})
-    vectorise(code)(*(v.T.astype(complex) for v in inputs), found)
+    found = np.zeros((len(inputs[1]), 2 * form.system.width, 1), dtype=complex)
+    _branches_over_complex(form)(*(v.T.astype(complex) for v in inputs), found)
     parts = found[:, :, 0].T.reshape(2, form.system.width, -1)
     return parts / _units(form.system)
+
+
+@lru_cache(maxsize=64)
+def _branches_over_complex(form: ClosedForm) -> Callable[..., None]:
+    values = ca.densify(form.at_roots(ca.vertcat(form.first, form.second), ca.sqrt))
+    code = ca.Function("complex", [form.signs, form.system.known], [values], {"cse": True})
+    return vectorise(code)
 
 
 def _angular(system: System) -> np.ndarray:

@@ -182,15 +182,14 @@ def test_a_wrist_without_an_angle_is_left_to_paths() -> None:
 
 
 def test_a_stretched_elbow_is_left_to_paths() -> None:
-    """Two solutions in one: the discriminant is zero."""
+    """Two solutions in one: the discriminant is zero. What has solved a pose beside it is said of
+    that one.
+    """
     arm = symkin.load("gluon_6l3")
-    assert (
-        symkin.modes(arm, pose=pose_of(arm, [10.0, 20.0, 0.0, 40.0, 50.0, 60.0])).method
-        == "continuation"
-    )
-    assert (
-        symkin.modes(arm, pose=pose_of(arm, [10.0, 20.0, 5.0, 40.0, 50.0, 60.0])).method == "closed"
-    )
+    poses = [pose_of(arm, [10.0, 20.0, elbow, 40.0, 50.0, 60.0]) for elbow in (0.0, 5.0)]
+    stretched, bent = symkin.modes(arm, pose=poses)
+    assert (stretched.method, bent.method) == ("continuation", "closed")
+    assert (bent.engine, "closed form" in stretched.engine) == ("closed form", False)
 
 
 def test_other_arms_have_no_plan() -> None:

@@ -165,6 +165,32 @@ def test_solutions_that_further_rows_of_a_limb_refuse_are_not_counted():
     assert len(found) == found.complex_count == 2
 
 
+@pytest.mark.parametrize("seed", [0, 1, 3])
+def test_choices_that_given_values_refuse_are_not_counted(seed: int) -> None:
+    """A platform that does not turn, its place by one slide in two ways, and a limb P U S whose
+    driven slide refuses one of them: its joint centre is too far or too near there, or, over the
+    complex numbers, at no such distance.
+    """
+    rng = np.random.default_rng(seed)
+
+    def joints(spec: str) -> list[Joint]:
+        found = []
+        for name in spec.split():
+            point, axis = rng.uniform(-100, 100, 3).round(), rng.normal(size=3).round(2)
+            if name[0] == "S":
+                found.append(Joint(name, "S", point))
+                continue
+            axes = (axis, np.cross(axis, rng.normal(size=3))) if name[0] == "U" else (axis,)
+            found.append(Joint(name, name[0], point, *axes, actuated=name[0] == "P"))
+        return found
+
+    limbs = [Limb(str(k), joints(spec)) for k, spec in enumerate(["P1 R S1", "S2 S3", "P2 U S4"])]
+    machine = Mechanism("prs", limbs, motion="translation", platform_position=(5, -3, 100))
+    found = symkin.modes(machine, joints=[0.0, 0.0])
+    assert len(found) == found.complex_count == 2
+    assert found.completeness == "probability one"
+
+
 def test_a_part_that_no_given_value_enters_has_its_own_redundant_rows():
     """Limbs P S under schoenflies motion: two rows tell the height, whatever the driven slide does,
     and one is redundant; the four rows of the other part are independent.
