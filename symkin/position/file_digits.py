@@ -31,8 +31,10 @@ BLUR = 30.0
 """Singular values that are zero but for a misfit, over it (a share of the size): what loops are
 larger than their shortest links.
 """
-_WALKS, _WALK = 3, 0.1
-"""Steps along what is free to digits, and their length (of the size)."""
+_WALKS, _WALK = 10, 0.1
+"""Steps along what is free to digits, and their length (of the size): a few do not lead away from a
+singular place, which most directions lead back to.
+"""
 _CLOSING_STEPS = 8
 """Steps of Gauss-Newton from there: each squares what is left of a tenth."""
 _STARTS, _FEW_STARTS, _MANY_FREEDOMS = 8, 2, 40

@@ -584,6 +584,18 @@ def test_show_and_close_give_one_account_of_a_singular_file_that_closes_to_its_d
         }
 
 
+def test_another_format_tells_the_mobility_of_a_singular_file_that_closes_to_its_digits(
+    tmp_path: Path,
+) -> None:
+    """Minitaur's legs move alike however their file is written: where its digits lead back to the
+    singular place, 10 freedoms were told for 8.
+    """
+    converted = tmp_path / "minitaur.urdf"
+    symkin.convert(MODELS / "sdf/minitaur.sdf", converted)
+    told = symkin.close(converted).to_dict()
+    assert told["generic"]["mobility"] == facts("sdf/minitaur")["mobility_generic"]
+
+
 def test_a_universal_joint_that_is_told_from_the_other_link_is_as_the_file_has_it(
     tmp_path: Path,
 ) -> None:
