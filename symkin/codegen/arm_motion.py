@@ -124,11 +124,9 @@ class ArmMotion:
         for i, screw in enumerate(self.arm.screws):
             value = f"(joints[{i}] - {literal(screw.zero)})" if screw.zero else f"joints[{i}]"
             if screw.slides:
-                lines += [f"u[{2 * i}] = {value};", f"u[{2 * i + 1}] = {literal(0.0)};"]
+                lines += [f"u[{2 * i}] = {value};", f"u[{2 * i + 1}] = 0.0;"]
             elif self.real.name == "float":
-                lines.append(
-                    f"{self.values['p']}_cosine_and_sine({literal(0.5)} * {value}, &u[{2 * i}]);"
-                )
+                lines.append(f"{self.values['p']}_cosine_and_sine(0.5 * {value}, &u[{2 * i}]);")
             else:
                 lines += [
                     f"u[{2 * i}] = cos(0.5 * {value});",

@@ -162,7 +162,7 @@ class HeldPart:
         elif step.speed is not None:
             asked = f"{p}_least_length({texts}, {real.literal(rounded(step.least))})"
         else:
-            asked, root = f"{p}_least({texts})", real.call("sqrt") if step.is_square else ""
+            asked, root = f"{p}_least({texts})", "sqrt" if step.is_square else ""
         if self._reads(self._roots[i]) or not step.less.is_zero():
             name = "root" if step.less.is_zero() else "whole"
             text = f"{root}({asked})" if root else asked
@@ -176,7 +176,7 @@ class HeldPart:
         whole = f"whole{i}" if self.code.squares[i].own else self._text("whole root", i)
         self._add(f"{p}_inverse_take(w, {less}, {whole});")
         if self._reads(self._roots[i]):
-            rest = f"({less} < {whole}) ? ({whole} - {less}) : {real.one}"
+            rest = f"({less} < {whole}) ? ({whole} - {less}) : 1.0"
             self._add(f"const {real.type} root{i} = {rest};")
 
     def _bound(self, i: int, joint: int) -> None:
@@ -191,13 +191,13 @@ class HeldPart:
         does not depend on the speed.
         """
         speed, own = self._text("speed", joint), self._text("own", joint)
-        told, half = f"w->speed[{joint}]", self.code.real.literal(0.5)
+        told = f"w->speed[{joint}]"
         if any(not self._told[kind, joint].is_zero() for kind in ("curved", "crossed")):
             self._add(f"{told} = {speed};")
             texts = ", ".join(self._text(kind, joint) for kind in ("curved", "crossed", "own"))
             self._add(f"{self.code.values['p']}_inverse_bounds(w, {joint}, {texts});")
             return
-        self._add(f"const {self.code.real.type} way{joint} = w->way[{joint}] + ({half} * {own});")
+        self._add(f"const {self.code.real.type} way{joint} = w->way[{joint}] + (0.5 * {own});")
         self._add(f"{told} = (way{joint} < {speed}) ? way{joint} : {speed};")
         self._add(f"w->change[{joint}] = {own};")
 
@@ -213,7 +213,7 @@ class HeldPart:
             here, there = (f"w->{part}[{number}]" for part in ("left", "guard"))
             ends, sides = f"{here} + {there}", range(len(self.steps[i].sides))
             if len(sides) == 1:
-                ends += f" + ({real.literal(2.0)} * (({here} < {there}) ? {here} : {there}))"
+                ends += f" + (2.0 * (({here} < {there}) ? {here} : {there}))"
             texts = [self._text(f"side {k}", i) for k in sides]
             short = [f"({real.literal(RAISED)} * {s} * {s} < {ends})" for s in texts]
             asked = f"({asked}) && !({' && '.join(short)})"
@@ -242,18 +242,18 @@ class HeldPart:
     def _begin_lines(self) -> list[str]:
         """Statements of what changes on the part, as far as the others read it."""
         real, bounds, size = self.code.real, self.bounds, self.code.plan.arm.size
-        found = ["w->kept = true;", f"w->bent = {real.zero};", f"w->most = {real.one};"]
+        found = ["w->kept = true;", "w->bent = 0.0;", "w->most = 1.0;"]
         if self._has_turns:
-            found.append(f"{real.type} most = {real.zero};")
+            found.append(f"{real.type} most = 0.0;")
         for i, (name, symbol) in enumerate((("place", bounds.place), ("turn", bounds.turn))):
             if self._reads(symbol):
-                found.append(f"const {real.type} {name} = {real.call('sqrt')}(change[{i}]);")
+                found.append(f"const {real.type} {name} = sqrt(change[{i}]);")
         for i in range(len(self.code.plan.arm)):
             if self._reads(bounds.ends[i]):
-                fabs, per = real.call("fabs"), real.literal(1.0 / size)
+                per = real.literal(1.0 / size)
                 found += [
-                    f"const {real.type} begin{i} = {fabs}(w->turned[{i}][0]) * {per};",
-                    f"const {real.type} goal{i} = {fabs}(w->aimed[{i}][0]) * {per};",
+                    f"const {real.type} begin{i} = fabs(w->turned[{i}][0]) * {per};",
+                    f"const {real.type} goal{i} = fabs(w->aimed[{i}][0]) * {per};",
                     f"const {real.type} end{i} = (begin{i} < goal{i}) ? goal{i} : begin{i};",
                 ]
         return found

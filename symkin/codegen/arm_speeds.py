@@ -33,12 +33,12 @@ def arm_error(
         "nm": min(count, 6),
         "last": min(count, 6) - 1,
         "per_count": literal(1.0 / min(count, 6)),
-        "row_scales": ", ".join([str(values["per_size"])] * 3 + [literal(1.0)] * 3),
+        "row_scales": ", ".join([str(values["per_size"])] * 3 + ["1.0"] * 3),
         "column_scales": ", ".join(literal(1.0 if c.is_angular else size) for c in coordinates),
         "damped_pivot": literal(DAMPED_BELOW**2),
         "least_pivot": literal(16.0 * real.epsilon),
         # of six joints or more J J^T z = e and y = J^T z, of fewer J^T J y = J^T e
-        "right_start": "e[i]" if wide else literal(0.0),
+        "right_start": "e[i]" if wide else "0.0",
         "right": []
         if wide
         else ["for (int j = 0; j < 6; ++j) {", "    r[i] += a[j][i] * e[j];", "}"],
@@ -63,7 +63,7 @@ def arm_speeds(
     literal = real.literal
     own = {
         "per_turns": ", ".join(
-            literal(1.0) if c.is_angular else str(values["per_size"]) for c in coordinates
+            "1.0" if c.is_angular else str(values["per_size"]) for c in coordinates
         ),
         "most_turn_literal": literal(MOST_TURN),
         "quarter_part": literal(_SHORTER),

@@ -86,7 +86,7 @@ class ClosedDirectSource(DirectText):
         aim = [
             f"for (int i = 0; i < {len(made.actuated)}; ++i) {{",
             f"    const {real.type} there = at[i] + end * (to[i] - at[i]);",
-            f"    at_end[i] = (end < {literal(1.0)}) ? there : joints[i];",
+            "    at_end[i] = (end < 1.0) ? there : joints[i];",
             "}",
             f"{made.name}_direct_set(w, at_end);",
             f"{made.name}_direct_formulas(w);",
@@ -113,8 +113,7 @@ class ClosedDirectSource(DirectText):
         return (
             [
                 f"for (int k = 0; (k < {count}) && (status == {p}_OK); ++k) {{",
-                f"    status = (again.sign[k] * w->sign[k] > {self.real.zero}) ? {p}_OK : "
-                f"{p}_WRONG_BRANCH;",
+                f"    status = (again.sign[k] * w->sign[k] > 0.0) ? {p}_OK : {p}_WRONG_BRANCH;",
                 "}",
             ]
             if count
@@ -145,31 +144,31 @@ class ClosedDirectSource(DirectText):
         outputs = [discriminants, ca.vertcat(*unknowns), ca.vertcat(*guards)]
         outputs = gathered(outputs, [self.u, formulas.roots], self.turns)
         inputs = [(self.u, "w->u"), (formulas.roots, [f"r{k + 1}" for k in range(count)])]
-        emitter, zero, one = Emitter.of(real, inputs, *outputs), real.zero, real.one
+        emitter = Emitter.of(real, inputs, *outputs)
         self.store_guards(emitter, 2, "guard", of_divisors=True)
         begun, lines = emitter.take(), emitter.lines
         for k, name in enumerate(formulas.names):
             square, sign = emitter.value(0, k), f"w->sign[{k}]"
-            emitter.root(k + 1, square, zero, zero, about=name, sign=sign)
+            emitter.root(k + 1, square, "0.0", "0.0", about=name, sign=sign)
         self.store_guards(emitter, 2, "guard", of_divisors=False)
         for i in sorted(self.needed):
             text = emitter.value(1, i)
             lines.append(f"w->y[{i}] = {text};")
         shares = [
-            f"{real.call('fabs')}(r{k + 1}) * {real.literal(1.0 / float(root))}"
+            f"fabs(r{k + 1}) * {real.literal(1.0 / float(root))}"
             for k, root in enumerate(self.found.usual_roots)
         ]
-        lines.append(f"w->share = {shares[0] if shares else one};")
+        lines.append(f"w->share = {shares[0] if shares else 1.0};")
         for k, share in enumerate(shares[1:], start=2):
             lines.append(f"const {real.type} share{k} = {share};")
             lines.append(f"w->share = (share{k} < w->share) ? share{k} : w->share;")
         if not self.found.guards:
-            lines.append(f"w->guard[0] = {one}; /* nothing can vanish */")
+            lines.append("w->guard[0] = 1.0; /* nothing can vanish */")
         condition = self.above("guard", of_divisors=True)
         if not condition:
             return [*begun, *emitter.take()]
         none = [
-            f"    w->guard[{j}] = {zero};"
+            f"    w->guard[{j}] = 0.0;"
             for j, guard in enumerate(self.found.guards)
             if not guard.is_divisor
         ]
@@ -180,7 +179,7 @@ class ClosedDirectSource(DirectText):
             "} else {",
             "    /* what formulas divide by vanishes: no guard is above zero */",
             *none,
-            f"    w->share = {zero};",
+            "    w->share = 0.0;",
             "}",
         ]
 
@@ -215,7 +214,7 @@ class ClosedDirectSource(DirectText):
                 continue
             lines += [
                 f"const {real.type} chord{i} = {square};",
-                f"kept = kept && (chord{i} <= {real.literal(2.0)});",
+                f"kept = kept && (chord{i} <= 2.0);",
                 f"change[{i}] = chord{i} + {real.literal(_ARC)} * chord{i} * chord{i};",
             ]
         return lines

@@ -311,7 +311,7 @@ class ClosedDirection(Source):
                 literal(s)
                 for s in (*self.reference_signs, *(self._factors[j] for j in self.divisors))
             )
-            or literal(1.0),
+            or "1.0",
         }
 
     @property
@@ -370,10 +370,10 @@ class ClosedDirection(Source):
                 continue
             number += 1
             least = literal(rounded(_ROOT * float(self.usual[j])))
-            emitter.root(number, text, least, literal(0.0), about=one.name)
+            emitter.root(number, text, least, "0.0", about=one.name)
             emitter.lines.insert(-1, f"d[{j}] = d{number} * {self._per_usual(j)};")
         if not self.conditions:
-            emitter.lines.append(f"d[0] = {literal(1.0)};")
+            emitter.lines.append("d[0] = 1.0;")
         return emitter.stored("x", 1)
 
     @property
@@ -392,26 +392,26 @@ class ClosedDirection(Source):
         inputs = [self.known, self.state, self.signs, self.roots]
         divisors = [one.value for one in self.conditions if one.root is None]
         expressions = [snapped_expression(stacked(part), inputs) for part in (told, divisors)]
-        literal, fabs, one = self.literal, self.real.call("fabs"), self.real.one
+        literal = self.literal
         names = ("k", "x", "sign", [f"r{k + 1}" for k in range(len(told))])
         emitter = Emitter.of(self.real, list(zip(inputs, names, strict=True)), *expressions)
         lines = emitter.lines
         for k, j in enumerate(j for j, c in enumerate(self.conditions) if c.root is not None):
             text = emitter.value(0, k)
-            lines.append(f"sign[{k}] = ({text} < {literal(0.0)}) ? -{one} : {one};")
+            lines.append(f"sign[{k}] = ({text} < 0.0) ? -1.0 : 1.0;")
             if ca.depends_on(stacked([*told[k + 1 :], *divisors]), self.roots[k]):
-                lines.append(f"const {self.real.type} r{k + 1} = {fabs}({text});")
+                lines.append(f"const {self.real.type} r{k + 1} = fabs({text});")
             lines.append(f"d[{j}] = {text} * {text} * {self._per_usual(j)};")
         for place, j in enumerate(self.divisors):
             # on which side of zero it has to stay, over its usual size
             text, side = emitter.value(1, place), f"sign[{len(told) + place}]"
             per = literal(abs(self._factors[j]))
             lines += [
-                f"{side} = ({text} < {literal(0.0)}) ? -{per} : {per};",
+                f"{side} = ({text} < 0.0) ? -{per} : {per};",
                 f"d[{j}] = {side} * {text};",
             ]
-        lines += [] if told or divisors else [f"sign[0] = {one};"]
-        return [*lines, *([] if self.conditions else [f"d[0] = {one};"])]
+        lines += [] if told or divisors else ["sign[0] = 1.0;"]
+        return [*lines, *([] if self.conditions else ["d[0] = 1.0;"])]
 
     @cached_property
     def _factors(self) -> list[float]:

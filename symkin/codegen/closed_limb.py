@@ -131,7 +131,7 @@ class LimbFormulas(Source):
         ]
         inputs = [(known, "c"), (roots, [f"r{k + 1}" for k in range(count)])]
         emitter = Emitter.of(real, inputs, *outputs)
-        zeros = [f"{array}[{i}] = {real.zero};" for i in range(results.numel())]
+        zeros = [f"{array}[{i}] = 0.0;" for i in range(results.numel())]
         status = [f"{self.name}_status status = {name}_{refused};"]
         written, closings, tests = list(status if free else []), list[list[str]](), list[str]()
         for k in range(count + 1):
@@ -148,7 +148,7 @@ class LimbFormulas(Source):
             if k < count:
                 limit = real.literal(rounded((least * self.usual_roots[k]) ** 2))
                 about, square = self.formulas.names[k], emitter.value(0, k)
-                tests.append(emitter.root(k + 1, square, limit, real.one, about=about))
+                tests.append(emitter.root(k + 1, square, limit, "1.0", about=about))
         written += emitter.take()
         if tests:
             # only where the roots are there: then nothing that is divided by vanishes with them
@@ -170,7 +170,7 @@ class LimbFormulas(Source):
         return max(reads, default=0)
 
     def _above(self, text: str, least: float) -> str:
-        return f"({self.real.call('fabs')}({text}) > {self.literal(rounded(least))})"
+        return f"(fabs({text}) > {self.literal(rounded(least))})"
 
     @property
     def _rows(self) -> ca.SX:
@@ -195,7 +195,7 @@ class LimbFormulas(Source):
         mechanism can take has no answer.
         """
         capital, texts = self.capital, emitter.values(3)
-        closes = " && ".join(f"({self.real.call('fabs')}({text}) <= within)" for text in texts)
+        closes = " && ".join(f"(fabs({text}) <= within)" for text in texts)
         return [
             "/* the rows that the formulas leave over */",
             *emitter.take(),

@@ -37,7 +37,7 @@ _HELPERS = ("take", "least", "least_length", "least_sine", "bounds")
 """Functions that hold squares and bound joints, the first of which others call."""
 _NEARLY_ONE = 0.999
 """Share of a discriminant that rounding leaves above zero."""
-_LONGER = "part * ((w->bent < {0} * w->most) ? {1} : ({2} * {3}(w->most / w->bent)))"
+_LONGER = "part * ((w->bent < {0} * w->most) ? {1} : ({2} * sqrt(w->most / w->bent)))"
 """The next part where one was kept at once: by _GROWS of what would do, at most _LONGEST times as
 long. Bounds grow faster than by the square of a part, and a refused point costs as much as a kept
 one: of random lines these take fewest points (a fifth fewer than four fifths and 2 did).
@@ -120,7 +120,7 @@ class ClosedLine:
     @property
     def _read_lines(self) -> list[str]:
         """Statements that set squares, the branch and the joints' pairs."""
-        real, pairs = self.real, [e for m in self.motion.motions.values() for e in m.pair]
+        pairs = [e for m in self.motion.motions.values() for e in m.pair]
         emitter = self.emitter(ca.vertcat(self._guards, *pairs))
         choices = [i for i, step in enumerate(self.plan.steps) if step.branch is not None]
         for k, i in enumerate(self.code.guarded):
@@ -129,7 +129,7 @@ class ClosedLine:
             square = f"{text} * {text}" if i in choices else text
             emitter.lines.append(f"w->left[{k}] = {square};")
             if i in choices:
-                sign = f"({text} < {real.zero}) ? -{real.one} : {real.one}"
+                sign = f"({text} < 0.0) ? -1.0 : 1.0"
                 emitter.lines.append(f"w->sign[{choices.index(i)}] = {sign};")
         pairs_of = (f"w->turned[{i}][{k}]" for i in range(len(self.plan.arm)) for k in range(2))
         for k, target in enumerate(pairs_of, start=len(self.code.guarded)):
@@ -154,7 +154,7 @@ class ClosedLine:
             lines += [
                 f"const {real.type} way{i} = {way};",
                 f"w->found[{i}] = w->joints[{i}] + way{i};",
-                f"w->way[{i}] = {real.call('fabs')}(way{i}){per * screw.slides};",
+                f"w->way[{i}] = fabs(way{i}){per * screw.slides};",
             ]
         squares = (f"(w->way[{i}] * w->way[{i}])" for i in range(len(self.plan.arm)))
         return [*lines, f"w->way2 = {' + '.join(squares)};"]
@@ -201,17 +201,14 @@ class ClosedLine:
             "per_size2": size**-2,
             "size2": size**2,
             "least": LEAST * real.epsilon,
-            "four": 4.0,
-            "quarter_part": 0.25,
-            "eight": 8.0,
             "sixth": 1.0 / 6.0,
             "turn_noise": 4.0 * real.epsilon,
             "raised": RAISED,
             "nearly_one": _NEARLY_ONE,
         }
         shares = (rounded((_GROWS / _LONGEST) ** 2), _LONGEST, _GROWS)
-        longer = _LONGER.format(*map(literal, shares), real.call("sqrt"))
-        beyond = f"(reached == {capital}_OUT_OF_RANGE) && (end >= {real.one})"
+        longer = _LONGER.format(*map(literal, shares))
+        beyond = f"(reached == {capital}_OUT_OF_RANGE) && (end >= 1.0)"
         texts = {
             "k": f"{p}_inverse",
             "nto": 2,
@@ -308,9 +305,6 @@ def limit_check(code: ClosedCode) -> LimitCheck:
             for screw in code.plan.arm.screws
         ),
         "nn": n,
-        "four": real.literal(4.0),
-        "two": real.literal(2.0),
-        "half": real.literal(0.5),
         "raised": real.literal(RAISED),
     }
     members = (

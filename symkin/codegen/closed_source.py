@@ -273,13 +273,13 @@ class ClosedCode:
 
     def _choice_lines(self, number: int, lean: str) -> list[str]:
         """The loop over the solutions of one choice."""
-        zero, one, k = self.real.zero, self.real.one, f"k{number}"
+        k = f"k{number}"
         return [
             f"const unsigned int bits{number} = (wanted >> {2 * number}U) & 3U;",
-            f"const unsigned int side{number} = ({lean} < {zero}) ? 2U : 1U;",
+            f"const unsigned int side{number} = ({lean} < 0.0) ? 2U : 1U;",
             f"for (unsigned int {k} = 1U; {k} <= 2U; ++{k}) {{",
             f"if ((((bits{number} != 0U) ? bits{number} : side{number}) & {k}) != 0U) {{",
-            f"const {self.real.type} sign{number} = ({k} == 1U) ? {one} : -{one};",
+            f"const {self.real.type} sign{number} = ({k} == 1U) ? 1.0 : -1.0;",
         ]
 
     @property
@@ -294,8 +294,8 @@ class ClosedCode:
             value = f"guess[{joint}]" + (
                 f" - {self.real.literal(screw.zero)}" if screw.zero else ""
             )
-            p, quarter = self.values["p"], self.real.literal(0.5 * np.pi)
-            cosine = value if screw.slides else f"{p}_sine({value} + {quarter})"
+            p = self.values["p"]
+            cosine = value if screw.slides else f"{p}_sine({value} + 1.5707963267948966)"
             lines += [f"near[{2 * number}] = {cosine};"]
             lines += [] if screw.slides else [f"near[{2 * number + 1}] = {p}_sine({value});"]
             number += 1

@@ -59,7 +59,7 @@ class LineParts:
                 "next_part": f"({doubled})",
                 "first_try": "The whole line is tried first",
             }
-        two, first, middle = literal(2.0), self.first_turn, f"done + {literal(0.5)} * (aim - done)"
+        first, middle = self.first_turn, "done + 0.5 * (aim - done)"
         check = [
             f"if (accepted && (taken == 1U) && ((aim - done) * (aim - done) * turn2 * w->spread > "
             f"{literal(_STRAIGHT2)})) {{",
@@ -72,7 +72,7 @@ class LineParts:
             "of the line is tried first */",
             *self._turn_lines,
             f"if (turn2 > {literal(first**2)}) {{",
-            f"    aim = {literal(first)} / {self.real.call('sqrt')}(turn2);",
+            f"    aim = {literal(first)} / sqrt(turn2);",
             "}",
         ]
         longest = literal((0.5 * LONGEST_TURN) ** 2)
@@ -80,47 +80,44 @@ class LineParts:
             "turn": indent(start),
             "check_middle": indent(check, 2),
             "still": f"((taken > 0U) && {floor})",
-            "next_part": self._longer(f"part * part * turn2 <= {longest}", two),
+            "next_part": self._longer(f"part * part * turn2 <= {longest}"),
             "first_try": "A part in which known values turn by at most "
             f"{first:g} rad is tried first",
         }
 
-    def _longer(self, fits: str, two: str) -> str:
+    def _longer(self, fits: str) -> str:
         """The next part, where parts are bounded: `fits` says of half of it that the whole does."""
         if not self.measured:
-            return f"(quick && ({fits})) ? ({two} * part) : part"
-        return f"((stretch < {self.real.one}) || ({fits})) ? (stretch * part) : part"
+            return f"(quick && ({fits})) ? (2.0 * part) : part"
+        return f"((stretch < 1.0) || ({fits})) ? (stretch * part) : part"
 
     @property
     def _stretching(self) -> dict[str, str]:
         """How far the next part reaches: half or twice, or, where `measured`, as far as the ratio
         of steps, which grows with the part, lets expect.
         """
-        literal, two = self.real.literal, self.real.literal(2.0)
-        nearer = f"aim = done + {literal(0.375)} * (aim - done);"
+        nearer = "aim = done + 0.375 * (aim - done);"
         if not self.measured:
             return {
                 "quick_variable": (
                     "bool quick = false; /* whether the second step was far shorter than it "
                     "had to be */"
                 ),
-                "set_quick": f"quick = (size * {literal(100.0)} <= before);",
+                "set_quick": "quick = (size * 100.0 <= before);",
                 "nearer": indent([nearer], 3),
             }
-        root = self.real.call("sqrt")
         return {
             "quick_variable": (
-                f"{self.real.type} stretch = {literal(1.0)}; /* how much longer the next part "
+                f"{self.real.type} stretch = 1.0; /* how much longer the next part "
                 f"may be than the last */"
             ),
             "set_quick": (
-                f"stretch = (size * {literal(100.0)} <= before) ? {two} : ({literal(0.2)} * "
-                f"{root}(before / size));"
+                "stretch = (size * 100.0 <= before) ? 2.0 : (0.2 * sqrt(before / size));"
             ),
             "nearer": indent(
                 [
-                    f"if ((size > limit) && (size < {literal(4.0)} * limit)) {{",
-                    f"    aim = done + {literal(0.8)} * {root}(limit / size) * (aim - done);",
+                    "if ((size > limit) && (size < 4.0 * limit)) {",
+                    "    aim = done + 0.8 * sqrt(limit / size) * (aim - done);",
                     "} else {",
                     "    " + nearer,
                     "}",
@@ -135,7 +132,7 @@ class LineParts:
         quaternion by its own turn.
         """
         kind, literal, turns = self.real.type, self.real.literal, self.kernel.turns
-        lines, start = [f"{kind} turn2 = {literal(0.0)};"], self.kernel.quaternion
+        lines, start = [f"{kind} turn2 = 0.0;"], self.kernel.quaternion
         if turns:
             places, parts = (
                 ", ".join(text)
@@ -155,7 +152,7 @@ class LineParts:
             cosine = " + ".join(f"w->at[{i}] * to[{i}]" for i in range(start, start + 4))
             lines += [
                 f"const {kind} cosine = {cosine}; /* of half the turn */",
-                f"turn2 = {literal(8.0)} * ({literal(1.0)} - {self.real.call('fabs')}(cosine));",
+                "turn2 = 8.0 * (1.0 - fabs(cosine));",
             ]
         return lines
 
@@ -170,18 +167,18 @@ def line_target(real: Real, count: int, quaternion: int | None) -> list[str]:
     if quaternion is not None:
         lines.append("/* of q and -q, one rotation, the one on the guess's side */")
         lines.append(
-            f"if ({' + '.join(f'{a} * {b}' for a, b in zip(at, to, strict=True))} < {real.zero}) {{"
+            f"if ({' + '.join(f'{a} * {b}' for a, b in zip(at, to, strict=True))} < 0.0) {{"
         )
         lines += [*(f"    {v} = -{v};" for v in k), "}"]
     lines += [
-        f"if (part < {real.one}) {{",
+        "if (part < 1.0) {",
         f"    {loop}",
         "        w->k[i] = w->at[i] + part * (w->k[i] - w->at[i]);",
         "    }",
     ]
     if quaternion is not None:
         square = " + ".join(f"{v} * {v}" for v in k)
-        lines.append(f"    const {real.type} inverse = {real.one} / {real.call('sqrt')}({square});")
+        lines.append(f"    const {real.type} inverse = 1.0 / sqrt({square});")
         lines += [f"    {v} *= inverse;" for v in k]
     return [*lines, "}"]
 
@@ -194,7 +191,7 @@ def core_target(made: PoseKernel, real: Real) -> list[str]:
     return [
         f"{real.type} q[{count}];",
         f"for (int i = 0; i < {count}; ++i) {{",
-        f"    q[i] = (part < {real.one}) ? (w->at[i] + part * (to[i] - w->at[i])) : to[i];",
+        "    q[i] = (part < 1.0) ? (w->at[i] + part * (to[i] - w->at[i])) : to[i];",
         "}",
         *Emitter.of(real, [(made.joints, "q")], made.target).stored("w->k"),
     ]

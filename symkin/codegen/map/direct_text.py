@@ -204,19 +204,19 @@ class DirectText(Source):
         real, name = self.real, self.capital
         outputs = gathered(parts, [x, roots], [])
         inputs = [(x, "x"), (roots, [f"r{k + 1}" for k in range(roots.numel())])]
-        emitter, one = Emitter.of(real, inputs, *outputs), real.one
+        emitter = Emitter.of(real, inputs, *outputs)
         tests = [
-            emitter.root(k + 1, emitter.value(0, k), real.literal(rounded(limit)), one)
+            emitter.root(k + 1, emitter.value(0, k), real.literal(rounded(limit)), "1.0")
             for k, limit in enumerate(limits)
         ]
         limit = real.literal(off_motion(self.made.geometry, real))
-        tests += [f"({real.call('fabs')}({text}) <= {limit})" for text in emitter.values(4)]
+        tests += [f"(fabs({text}) <= {limit})" for text in emitter.values(4)]
         begun, middle = emitter.take(), emitter.stored("w->at", 1)
         self.store_guards(emitter, 3, "left", of_divisors=True)
         middle += emitter.take()
         for k in range(parts[2].numel()):
             text = emitter.value(2, k)
-            emitter.lines.append(f"w->sign[{k}] = ({text} < {real.zero}) ? -{one} : {one};")
+            emitter.lines.append(f"w->sign[{k}] = ({text} < 0.0) ? -1.0 : 1.0;")
         self.store_guards(emitter, 3, "left", of_divisors=False)
         last, near = emitter.take(), self.above("left", of_divisors=False)
         if near:
@@ -310,7 +310,7 @@ class DirectText(Source):
         names = zip(symbols, ("w->u", "w->y", "h"), strict=True)
         emitter = Emitter.of(real, list(names), *outputs)
         squares = " + ".join(f"{t} * {t}" for t in emitter.values(0))
-        emitter.lines.append(f"*residual = {real.call('sqrt')}({squares});")
+        emitter.lines.append(f"*residual = sqrt({squares});")
         residual, tests, k = emitter.take(), list[str](), 0
         for limb in self._limbs:
             size = limb.block.system.characteristic_length

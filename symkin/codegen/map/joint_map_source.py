@@ -177,7 +177,7 @@ def _applied(row: tuple[str, str, tuple[str, str], str], common: Mapping[str, ob
     body = [f"result[i] = {term};"]
     if given != "joint_limits":
         body = [
-            "result[i] = @{zero};",
+            "result[i] = 0.0;",
             "for (int j = 0; j < @{nq}; ++j) {",
             f"    result[i] += {term};",
             "}",
@@ -188,7 +188,7 @@ def _applied(row: tuple[str, str, tuple[str, str], str], common: Mapping[str, ob
         "matrix": "inverse_jacobian" if "inverse" in term else "jacobian",
         "given": given,
         # rates and torques have either sign
-        "least": f"-{common['largest']}" if function in ("rates", "torques") else common["zero"],
+        "least": f"-{common['largest']}" if function in ("rates", "torques") else "0.0",
         "asked": asked,
         "count": int(str(common["nq"])) ** (2 if function == "inertia" else 1),
         "body": [substitute(line, common) for line in body],

@@ -188,7 +188,7 @@ class LimbPlatformSource(Source):
         for k in range(6):
             own = [(c, float(rotation[c % 3, k % 3])) for c in columns if c // 3 == k // 3]
             terms = [f"{self.literal(v)} * a[{c}]" for c, v in own if v != 0.0]
-            lines.append(f"b[{k}] = {' + '.join(terms) or self.real.zero};")
+            lines.append(f"b[{k}] = {' + '.join(terms) or '0.0'};")
         nq, shown = self._common["nq"], {"part": part, "own": self._names[part]}
         said: dict[str, object] = {"given": "", "rates": "", "found": "rates", "count": nq}
         about = "Joint rates by the platform's twist"
@@ -286,7 +286,7 @@ class LimbPlatformSource(Source):
             "leave": [f"{p}_pose_from_coordinates({ga}&w->x[{passive}], pose);"],
             "keep_known": copy("w.k0", "w.k", known) if self._keeps_known else "",
             "to": "given",
-            "whole": ", " + self.real.one,
+            "whole": ", 1.0",
         }
 
     def _stand(self, branch: list[str]) -> str:
@@ -328,8 +328,7 @@ class LimbPlatformSource(Source):
         emitter = Emitter.of(real, inputs, conditions.rows, prefix="v")
         limit = real.literal(feasible_error(real.epsilon, conditions.characteristic_length))
         tests = [
-            f"({real.call('fabs')}({emitter.value(0, i)}) <= {limit})"
-            for i in range(conditions.rows.numel())
+            f"(fabs({emitter.value(0, i)}) <= {limit})" for i in range(conditions.rows.numel())
         ]
         return [
             "/* what the pose alone must satisfy */",

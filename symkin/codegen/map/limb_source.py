@@ -298,7 +298,7 @@ class LimbSource(Source):
         first, length = emitter.divisions[0]
         return [
             *lines[:first],
-            f"if ({length} > {self.real.zero}) {{",
+            f"if ({length} > 0.0) {{",
             *("    " + line for line in lines[first:]),
             "} else {",
             f"    status = {self.capital}_SINGULAR;",

@@ -172,10 +172,9 @@ class DirectionSource(MapValues):
     @property
     def _target_lines(self) -> list[str]:
         """Statements that set w->k, the known values, on the line from w->at to `to`."""
-        one = self.real.one
         return self._known_lines(
             [
-                f"(part < {one}) ? (w->at[{i}] + part * (to[{i}] - w->at[{i}])) : to[{i}]"
+                f"(part < 1.0) ? (w->at[{i}] + part * (to[{i}] - w->at[{i}])) : to[{i}]"
                 for i in range(self.n)
             ]
         )
@@ -308,9 +307,7 @@ class DirectionSource(MapValues):
             for i, v in enumerate(self.made.reference_of(self.known))
         ]
         lines = [*begin, *Emitter.of(self.real, inputs, sheet.values).stored("wanted")]
-        within = [
-            f"({self.real.call('fabs')}(u{i}) <= {literal(v)})" for i, v in enumerate(sheet.reach)
-        ]
+        within = [f"(fabs(u{i}) <= {literal(v)})" for i, v in enumerate(sheet.reach)]
         own = {"count": self.n, "lines": lines, "within": " && ".join(within)}
         return fill("map_sheet.c", self.names | own)
 
@@ -362,8 +359,7 @@ class DirectionSource(MapValues):
             f"    info->joint = {name}_first_beyond(result);",
             "}",
         ]
-        zero, huge = self.real.zero, self.common["huge"]
-        no_step = f"{name}_write_info(info, 0U, {huge}, {zero}, {zero});"
+        no_step = f"{name}_write_info(info, 0U, HUGE_VAL, 0.0, 0.0);"
         stands = max(_GUESSED, _GUESS_ROUNDINGS * self.real.epsilon) * size
         tolerance = tolerance_of(self.real, size)
         own = {
@@ -433,9 +429,7 @@ class DirectionSource(MapValues):
         found = self.plain_values(self.unknown, numbers)
         texts = {c.name: text for c, text in zip(self.unknown, found, strict=True)}
         texts |= {c.name: f"{self.words[0]}[{i}]" for i, c in enumerate(self.known)}
-        variables = [
-            texts.get(c.name, self.real.zero) for c in closure.coordinates for _ in range(c.width)
-        ]
+        variables = [texts.get(c.name, "0.0") for c in closure.coordinates for _ in range(c.width)]
         beyond = f"{self.capital}_OUT_OF_RANGE"
         fixed = Geometry(closure, at_run_time=False)
         lines = limit_lines(limits, variables, fixed, self.real, beyond)

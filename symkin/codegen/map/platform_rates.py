@@ -67,7 +67,7 @@ def square_twist(mechanism: Mechanism, real: Real, values: Mapping[str, object])
         "row_scales": ", ".join(scales),
         "columns": ", ".join(f"{c}U" for c in columns),
         "column_scales": ", ".join(real.literal(1.0 / size if c > 2 else 1.0) for c in columns),
-        "others": [f"twist[{c}] = {real.zero};" for c in range(6) if c not in columns],
+        "others": [f"twist[{c}] = 0.0;" for c in range(6) if c not in columns],
         "least_pivots": ", ".join([real.literal(SINGULAR * real.epsilon)] * len(columns)),
     }
     return fill("square_twist.c", {**values, **shown})
@@ -84,7 +84,7 @@ def closure_twist(made: LimbPlatform, values: Mapping[str, object], driver: Kern
     """NAME_twist by the rows of the direct problem, over the pose alone or of the whole closure: by
     the driver's kernel where it is that of these rows, else by one of its own (None: no driver).
     """
-    kernel, text, nq, real = made.direct_kernel, "", len(made.actuated), made.real
+    kernel, text, nq = made.direct_kernel, "", len(made.actuated)
     core = None if made.core is None else made.core.direct
     if driver is not kernel or (core is None and kernel.n != made.direct.system.freedom):
         # the direct problem has another way: these rows are written for the twist alone
@@ -103,7 +103,7 @@ def closure_twist(made: LimbPlatform, values: Mapping[str, object], driver: Kern
     else:
         joints, target, into = core.joints, core.target, "w->at"
         store = _of_state(kernel, core.twist, kernel.step, "w->f", made).stored("twist")
-        aim = [f"{k}_set_target(w, w->at, {real.one});", f"{k}_rows(w);"]
+        aim = [f"{k}_set_target(w, w->at, 1.0);", f"{k}_rows(w);"]
         if driver is kernel and kernel.reads_known:
             aim += copy("w->k0", "w->k", kernel.known.numel())
     rates = ca.SX.sym("v", nq)
@@ -171,4 +171,4 @@ def _stores(made: LimbPlatform, kernel: Kernel) -> list[str]:
         c: step_text(made.real, first + i, per_size if c > 2 else 1.0, "w->")
         for i, c in enumerate(columns)
     }
-    return [f"twist[{c}] = {texts.get(c, made.real.zero)};" for c in range(6)]
+    return [f"twist[{c}] = {texts.get(c, '0.0')};" for c in range(6)]

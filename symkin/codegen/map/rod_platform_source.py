@@ -101,7 +101,7 @@ class RodSource(LimbPlatformSource):
                 for i, length in enumerate(rods.home_lengths)
             ]
         return [
-            *(f"w->k[{i}] = {self.real.zero};" for i in range(6)),
+            *(f"w->k[{i}] = 0.0;" for i in range(6)),
             f"{self.name}_direct_rows({self._ga}w);",
             *self._rolled([(f, "w->f")], joints),
         ]
@@ -168,7 +168,7 @@ class RodSource(LimbPlatformSource):
             f"const {kind} {axis} = {b[k] + ' - ' if k in b else '-'}x[{k}];"
             for k, axis in enumerate(("forth", "aside", "up"))
         ]
-        state = [*copy_loop("w.x", "x", 7), *(f"w.k[{i}] = {self.real.zero};" for i in range(6))]
+        state = [*copy_loop("w.x", "x", 7), *(f"w.k[{i}] = 0.0;" for i in range(6))]
         shown = {"table": table, "state": state, "towards": towards}
         return fill("rod_jacobian.c", self._common | shown).splitlines()
 
@@ -180,15 +180,13 @@ def _matrix_lines(platform: RodPlatform) -> list[str]:
     real = platform.real
     struct = platform.options.geometry == "struct"
     table, b = _bases(platform, 4.0)
-    four = f"{real.literal(4.0)} * " if struct else ""
+    four = "4.0 * " if struct else ""
     entries = [f"row[{k}] = d[{k}];" for k in range(3)]
     for k, m, n in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
         plus = f"{four}{b[m]} * d[{n}]" if m in b else ""
         minus = f"{four}{b[n]} * d[{m}]" if n in b else ""
         text = (
-            f"{plus} - {minus}"
-            if plus and minus
-            else plus or (f"-({minus})" if minus else real.zero)
+            f"{plus} - {minus}" if plus and minus else plus or (f"-({minus})" if minus else "0.0")
         )
         entries.append(f"row[{3 + k}] = {text};")
     return [

@@ -36,7 +36,7 @@ _WAYS = """\
 
 _HOLD_GUARDS = """\
         for (int j = 0; j < @{ng}; ++j) {
-            above = above && (w->guard[j] > @{zero});
+            above = above && (w->guard[j] > 0.0);
         }"""
 
 
@@ -69,11 +69,11 @@ class GuardText:
         values: C text, the middle of the range and half of its width. `away0`, ... are how far they
         are from the middle.
         """
-        literal, fabs = self.real.literal, self.real.call("fabs")
+        literal = self.real.literal
         lines = ["w->reach = 0U;"] if self._has_parts else []
         for i, (text, middle, half) in enumerate(slides):
             value = text if middle == 0.0 else f"{text} - {literal(middle)}"
-            lines.append(f"const {self.real.type} away{i} = {fabs}({value});")
+            lines.append(f"const {self.real.type} away{i} = fabs({value});")
             for k, part in enumerate(SLIDE_PARTS[:-1] if self._has_parts else (), start=1):
                 beyond = f"(w->reach < {k}U) && (away{i} > {literal(part * half)})"
                 lines.append(f"w->reach = ({beyond}) ? {k}U : w->reach;")
@@ -118,7 +118,6 @@ class GuardText:
             | {
                 "aim": indent(aim, 2),
                 "first_part": call(first_part),
-                "near_one": call(0.9999),
                 "least_part": call(_LEAST_PART),
                 "not_measured": indent(self._reset_lines, 2),
             },
@@ -127,26 +126,23 @@ class GuardText:
     @property
     def shorter_lines(self) -> list[str]:
         """Statements of the next part where one was too long."""
-        literal = self.real.literal
         if not self.measures:
-            return [f"part = {literal(0.5)} * share;"]
+            return ["part = 0.5 * share;"]
         return [
             "/* what is too long by its square is cut to nine tenths of what would do */",
-            f"part = share * ((w->bent < {literal(80.0)} * w->most)",
-            f"    ? ({literal(0.9)} * {self.real.call('sqrt')}(w->most / w->bent)) : "
-            f"{literal(0.1)});",
+            "part = share * ((w->bent < 80.0 * w->most)",
+            "    ? (0.9 * sqrt(w->most / w->bent)) : 0.1);",
         ]
 
     @property
     def _reset_lines(self) -> list[str]:
         """Statements for a part whose bend is not told: it is cut to less than a half."""
-        one, four = self.real.literal(1.0), self.real.literal(4.0)
-        return [f"w->bent = {four};", f"w->most = {one};"] if self.measures else []
+        return ["w->bent = 4.0;", "w->most = 1.0;"] if self.measures else []
 
     @property
     def _keep_lines(self) -> list[str]:
         """Statements that compare each guard with how far it may bend on the way."""
-        real, zero = self.real, self.real.literal(0.0)
+        real = self.real
         later = {j for guard in self.guards for j in (guard.root, *guard.read) if j is not None}
         roots = {guard.root for guard in self.guards}
         shared = {j for guard in self.guards for j in guard.read}
@@ -160,11 +156,11 @@ class GuardText:
                 f"const {real.type} bend{j} = {bend};",
                 f"const {real.type} lesser{j} = (({a} < {b}) ? {a} : {b}) - {rounding};",
                 f"const {real.type} greater{j} = ({a} < {b}) ? {b} : {a};",
-                f"const {real.type} most{j} = {real.literal(3.0)} * lesser{j} + greater{j};",
-                f"if (!((lesser{j} > {zero}) && (bend{j} < most{j}))) {{",
+                f"const {real.type} most{j} = 3.0 * lesser{j} + greater{j};",
+                f"if (!((lesser{j} > 0.0) && (bend{j} < most{j}))) {{",
                 *(
                     [
-                        f"    if (kept && (lesser{j} > {zero})) {{",
+                        f"    if (kept && (lesser{j} > 0.0)) {{",
                         f"        w->bent = bend{j};",
                         f"        w->most = most{j};",
                         "    }",
@@ -178,10 +174,7 @@ class GuardText:
             if j in later:
                 lines += self._least_lines(j)
             if j in roots:
-                lines += [
-                    f"const {real.type} per{j} = {real.literal(1.0)} / "
-                    f"{real.call('sqrt')}(under{j});"
-                ]
+                lines += [f"const {real.type} per{j} = 1.0 / sqrt(under{j});"]
             if j in shared:
                 lines += self._share_lines(j)
         # guards that do not bend, of linear formulas, read no changes
@@ -208,23 +201,23 @@ class GuardText:
 
     def _least_lines(self, j: int) -> list[str]:
         """Statements of what a guard keeps at least on the way."""
-        real, zero = self.real, self.real.literal(0.0)
+        real = self.real
         return [
-            f"const {real.type} least{j} = lesser{j} - {real.literal(0.25)} * bend{j};",
-            f"kept = kept && (least{j} > {zero});",
-            f"const {real.type} under{j} = (least{j} > {zero}) ? least{j} : {real.literal(1.0)};",
+            f"const {real.type} least{j} = lesser{j} - 0.25 * bend{j};",
+            f"kept = kept && (least{j} > 0.0);",
+            f"const {real.type} under{j} = (least{j} > 0.0) ? least{j} : 1.0;",
         ]
 
     def _share_lines(self, j: int) -> list[str]:
         """Statements of the share that a guard leaves of the bends of those that read it."""
-        kind, one = self.real.type, self.real.literal(1.0)
+        kind = self.real.type
         power = (
             f"(rest{j} * rest{j}) * (rest{j} * rest{j})"
             if self.guards[j].is_divisor
-            else f"rest{j} * {self.real.call('sqrt')}(rest{j})"
+            else f"rest{j} * sqrt(rest{j})"
         )
         return [
-            f"const {kind} rest{j} = (under{j} < {one}) ? under{j} : {one};",
+            f"const {kind} rest{j} = (under{j} < 1.0) ? under{j} : 1.0;",
             f"const {kind} share{j} = {power};",
         ]
 
@@ -255,7 +248,7 @@ class GuardText:
                 added = sums[added]
             weight = self.by_reach(f"{name}_{alike[0]}", column.tolist(), lines)
             parts.append(f"{weight} * {added}")
-        return " + ".join(parts) or real.literal(0.0)
+        return " + ".join(parts) or "0.0"
 
 
 _BENDS = r"""Discriminants $D$ and divisors $v$ of the formulas are the guards $g$: while none of

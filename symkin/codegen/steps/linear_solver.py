@@ -187,9 +187,7 @@ class UnrolledLU:
         emitter.operations["divisions"] += 1
         emitter.operations["additions"] += 1
         self.inverses.append(
-            emitter.assign(
-                f"{emitter.real.one} / ({pivot} + {emitter.real.literal(self._least(i))})"
-            )
+            emitter.assign(f"1.0 / ({pivot} + {emitter.real.literal(self._least(i))})")
         )
         self._store({i: self.inverses[i]}, i)
         self.upper.append(row)
@@ -332,7 +330,7 @@ def _loops_over_columns(n: int, m: int, real: Real) -> dict[str, object]:
         return {"others": "", "above": ""}
     others = [
         f"for (int j = c + 1; j < {n}; ++j) {{",
-        f"    {real.type} r = {real.zero};",
+        f"    {real.type} r = 0.0;",
         f"    for (int i = 0; i < {m}; ++i) {{",
         f"        r += w->a[{n} * i + c] * w->a[{n} * i + j];",
         "    }",

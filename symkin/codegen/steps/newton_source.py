@@ -255,7 +255,7 @@ class NewtonCode:
         adds = [f"sum += w->f[{i}] * w->f[{i}];" for i in range(1, count)]
         if real.name == "float":
             adds = [f"for (int i = 1; i < {count}; ++i) {{", "    sum += w->f[i] * w->f[i];", "}"]
-        root = f"{real.call('sqrt')}(sum)"
+        root = "sqrt(sum)"
         result = f"return {root};" if length == 1.0 else f"return {root} * {real.literal(length)};"
         return [f"{real.type} sum = w->f[0] * w->f[0];", *adds, result]
 
@@ -376,13 +376,10 @@ class NewtonCode:
             "contraction2": literal(1.0 / 16.0),
             "far2": literal(1.0 / 36.0),
             "very_far2": literal(1.0 / 64.0),
-            "ten": literal(10.0),
             "later_fresh2": literal(0.0064 if self.on_the_way else 1.0),
             "very_far_later2": literal(0.09 if self.on_the_way else 1.0),
             "very_far_fresh2": literal(9e-4 if self.on_the_way else 1.0),
             "later2": literal(9.0 / 64.0 if self.on_the_way else 1.0),
-            "chord2": literal(0.3),
-            "near_one": literal(0.999),
             "least_part": literal(1.0 / 1024.0),
             "singular": literal(SINGULAR * self.real.epsilon),
             "least_sides": ", ".join([literal(SINGULAR * self.real.epsilon)] * self.kernel.n),
@@ -408,7 +405,7 @@ class NewtonCode:
         elif kept and self.measured:
             # the caller has set the kept values, or they are made here
             begin_target, back = [], ["if (!kept) {", *("    " + line for line in back), "}"]
-            save0 += [f"{k}_set_target({ga}w, to, {self.real.zero});", *keep, aim]
+            save0 += [f"{k}_set_target({ga}w, to, 0.0);", *keep, aim]
         # the matrix reads known values: it is made at the part of the line that is done. Of wide
         # systems it is made at the part aimed at, because shortest steps follow the path more
         # closely by that one
@@ -450,7 +447,7 @@ class NewtonCode:
         common: dict[str, object] = {
             "row_noise2": line,
             "moved": " && (before > still2)",
-            "by_kappa": f"(fresh || !(before > {literal(0.0)}))",
+            "by_kappa": "(fresh || !(before > 0.0))",
         }
         if not self.retarget:
             return common | {
@@ -461,7 +458,7 @@ class NewtonCode:
                 "noise": [f"still2 = ({test}) ? ({noise}) : {floor};"],
                 "stay": copy_loop("w->x", "w->x0", state),
             }
-        put_back = [f"{self.k}_retarget({self._ga}w, to, {literal(1.0)}, {literal(0.0)});"]
+        put_back = [f"{self.k}_retarget({self._ga}w, to, 1.0, 0.0);"]
         return common | {
             "still2": floor,
             "still_variable": "",

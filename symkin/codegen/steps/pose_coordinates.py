@@ -81,7 +81,7 @@ def pose_coordinates_text(geometry: Geometry, real: Real, values: dict[str, obje
     emitter = Emitter.of(real, inputs, coordinates, stacked(off))
     texts = [emitter.value(0, i) for i in range(count)]
     limit = real.literal(off_motion(geometry, real))
-    tests = [f"({real.call('fabs')}({emitter.value(1, i)}) <= {limit})" for i in range(len(off))]
+    tests = [f"(fabs({emitter.value(1, i)}) <= {limit})" for i in range(len(off))]
     body = [*emitter.lines, *(f"c[{i}] = {text};" for i, text in enumerate(texts))]
     if motion in ABOUT_Z:
         pi, two_pi = real.literal(np.pi), real.literal(2 * np.pi)

@@ -29,10 +29,6 @@ within it.
 def rod_line(ranges: Sequence[Range], real: Real, values: Mapping[str, object]) -> str:
     """NAME_line, of rods whose joint values have these ranges."""
     numbers = {
-        "two_fifths": 0.4,
-        "three_fifths": 0.6,
-        "tenth": 0.1,
-        "nine_tenths": 0.9,
         "third": 1.0 / 3.0,
         "least_part": _LEAST_PART,
     }

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -13,6 +14,13 @@ from symkin.codegen.text.languages import ARITHMETIC, calls
 from symkin.codegen.text.printer import POWER, PRODUCT, Form, Language, Printer
 from symkin.errors import InputError
 from symkin.text import c_comment
+
+_DOUBLE = re.compile(
+    r"/\*.*?\*/|(?<![\w.])\d+\.\d+(?:e[-+]?\d+)?(?!\w)"
+    r"|\b(?:(?:fabs|sqrt|sin|cos|atan2)(?=\()|HUGE_VAL\b)",
+    re.S,
+)
+"""Comments; numbers, functions and the infinity of doubles."""
 
 
 @dataclass(frozen=True)
@@ -58,6 +66,18 @@ class Real:
         if not any(mark in text for mark in ".e"):
             text += ".0"
         return text + self.suffix
+
+    def typed(self, text: str) -> str:
+        """C text with numbers and functions of math.h of this type in the places of those of
+        doubles; comments, and what has a type already, stay.
+        """
+        return text if self.name == "double" else _DOUBLE.sub(self._in_float, text)
+
+    def _in_float(self, found: re.Match[str]) -> str:
+        word = found[0]
+        if word.startswith("/*"):
+            return word
+        return self.literal(float(word)) if word[0].isdigit() else word + "fF"[word.isupper()]
 
     def hexadecimal(self, value: float) -> str:
         """The exact bits of the rounded value, for test vectors."""
