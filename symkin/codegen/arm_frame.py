@@ -16,10 +16,10 @@ from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import multiply
 
 
-def unturned(name: str) -> dict[str, object]:
+def unturned() -> dict[str, object]:
     """What the templates ask of an arm that stands as it is described."""
     nothing = dict.fromkeys(("taken", "told", "static_own", "in_own", "twist_taken"), "")
-    return {**nothing, "own_jacobian": f"{name}_jacobian", "given": "twist"}
+    return {**nothing, "own_jacobian": "name_jacobian", "given": "twist"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,26 +35,25 @@ class ArmFrame:
     @property
     def names(self) -> dict[str, object]:
         """Values of names in the templates: statements that turn a pose x or a twist."""
-        name, ok = self.values["p"], f"if (status == {self.values['P']}_OK) {{"
+        ok = "if (status == NAME_OK) {"
         return {
             "taken": indent([ok, *(f"    {line}" for line in self._pose_lines(self.base)), "}"]),
             "told": indent(self._pose_lines(self.base.inverse()), 2),
             "static_own": "static ",
             "in_own": ", in the arm's own frame",
-            "own_jacobian": f"{name}_own_jacobian",
+            "own_jacobian": "name_own_jacobian",
             "given": "own",
             "twist_taken": indent(
-                [f"{self.real.type} own[6];", *self._twist_lines(self.base, "twist", "own")], 2
+                ["real own[6];", *self._twist_lines(self.base, "twist", "own")], 2
             ),
         }
 
     @property
     def declaration(self) -> str:
         """The declaration of the own Jacobian, which others call before it is written."""
-        real, n = self.real.type, self.values["nq"]
         return (
-            f"static {self.values['p']}_status {self.names['own_jacobian']}(const {real} "
-            f"joints[{n}], {real} jacobian[{self.values['nj']}]);\n\n"
+            f"static name_status name_own_jacobian(const real joints[{self.values['nq']}], "
+            f"real jacobian[{self.values['nj']}]);\n\n"
         )
 
     @property

@@ -126,7 +126,7 @@ class ArmMotion:
             if screw.slides:
                 lines += [f"u[{2 * i}] = {value};", f"u[{2 * i + 1}] = 0.0;"]
             elif self.real.name == "float":
-                lines.append(f"{self.values['p']}_cosine_and_sine(0.5 * {value}, &u[{2 * i}]);")
+                lines.append(f"name_cosine_and_sine(0.5 * {value}, &u[{2 * i}]);")
             else:
                 lines += [
                     f"u[{2 * i}] = cos(0.5 * {value});",
@@ -139,7 +139,7 @@ class ArmMotion:
         """Statements of the Jacobian of `joints`, row by row."""
         count = len(self.arm)
         emitter = self.emitter(ca.vec(self.jacobian.T))
-        begin = [f"{self.real.type} u[{2 * count}];", f"{self.values['p']}_half_turns(joints, u);"]
+        begin = [f"real u[{2 * count}];", "name_half_turns(joints, u);"]
         return [*begin, *emitter.stored(indexed("jacobian", 6 * count))]
 
     @property

@@ -60,14 +60,14 @@ class ClosedDirectSource(DirectText):
             "nu": self.count,
             "nk": max(1, len(self.found.formulas.names)),
             "nto": len(made.actuated),
-            "k": f"{made.name}_direct",
+            "k": "name_direct",
             "ny": self.y.numel(),
             "guess_lines": self.guess_lines,
             "formula_lines": self._formula_lines,
             "set_lines": self._set_lines,
             "guard_members": self.guards.members,
-            "aimed": f"const {real.type} joints[{len(made.actuated)}], ",
-            "walk_members": f"    {real.type} at_end[{len(made.actuated)}];",
+            "aimed": f"const real joints[{len(made.actuated)}], ",
+            "walk_members": f"    real at_end[{len(made.actuated)}];",
             "at_lines": self._at_lines,
             "span_lines": self._span_lines,
             "change_lines": self._change_lines,
@@ -85,11 +85,11 @@ class ClosedDirectSource(DirectText):
         }
         aim = [
             f"for (int i = 0; i < {len(made.actuated)}; ++i) {{",
-            f"    const {real.type} there = at[i] + end * (to[i] - at[i]);",
+            "    const real there = at[i] + end * (to[i] - at[i]);",
             "    at_end[i] = (end < 1.0) ? there : joints[i];",
             "}",
-            f"{made.name}_direct_set(w, at_end);",
-            f"{made.name}_direct_formulas(w);",
+            "name_direct_set(w, at_end);",
+            "name_direct_formulas(w);",
         ]
         walk = self.guards.text(values, aim, 1.0 if any(wide) else 0.5)
         whole = fill("closed_direct.c", values | {"walk": angle + walk})
@@ -109,11 +109,11 @@ class ClosedDirectSource(DirectText):
     @property
     def _same_signs(self) -> list[str]:
         """Statements that compare the signs of a guess read again."""
-        count, p = self.found.formulas.roots.numel(), self.capital
+        count = self.found.formulas.roots.numel()
         return (
             [
-                f"for (int k = 0; (k < {count}) && (status == {p}_OK); ++k) {{",
-                f"    status = (again.sign[k] * w->sign[k] > 0.0) ? {p}_OK : {p}_WRONG_BRANCH;",
+                f"for (int k = 0; (k < {count}) && (status == NAME_OK); ++k) {{",
+                "    status = (again.sign[k] * w->sign[k] > 0.0) ? NAME_OK : NAME_WRONG_BRANCH;",
                 "}",
             ]
             if count
@@ -160,7 +160,7 @@ class ClosedDirectSource(DirectText):
         ]
         lines.append(f"w->share = {shares[0] if shares else 1.0};")
         for k, share in enumerate(shares[1:], start=2):
-            lines.append(f"const {real.type} share{k} = {share};")
+            lines.append(f"const real share{k} = {share};")
             lines.append(f"w->share = (share{k} < w->share) ? share{k} : w->share;")
         if not self.found.guards:
             lines.append("w->guard[0] = 1.0; /* nothing can vanish */")
@@ -185,7 +185,7 @@ class ClosedDirectSource(DirectText):
 
     @property
     def _set_lines(self) -> list[str]:
-        lines, call = [], f"{self.name}_cosine_and_sine"
+        lines, call = [], "name_cosine_and_sine"
         for i, c in enumerate(self.made.actuated):
             place = self.joint_places[c.name][0]
             if not c.is_angular:
@@ -207,13 +207,13 @@ class ClosedDirectSource(DirectText):
         lines, real = list[str](), self.real
         for i, c in enumerate(self.made.actuated):
             places = self.joint_places[c.name]
-            lines += [f"const {real.type} move{n} = w->u[{n}] - w->at[{n}];" for n in places]
+            lines += [f"const real move{n} = w->u[{n}] - w->at[{n}];" for n in places]
             square = " + ".join(f"move{n} * move{n}" for n in places)
             if not c.is_angular:
                 lines += [f"change[{i}] = {square};"]
                 continue
             lines += [
-                f"const {real.type} chord{i} = {square};",
+                f"const real chord{i} = {square};",
                 f"kept = kept && (chord{i} <= 2.0);",
                 f"change[{i}] = chord{i} + {real.literal(_ARC)} * chord{i} * chord{i};",
             ]
@@ -238,19 +238,18 @@ class ClosedDirectSource(DirectText):
             "/* which part of the slides' ranges holds both ends of the line */",
             *self.guards.reach_lines(slides),
             f"if (!({' && '.join(tests)})) {{",
-            f"    status = {self.capital}_WRONG_BRANCH;",
+            "    status = NAME_WRONG_BRANCH;",
             "}",
         ]
 
     @property
     def _at_lines(self) -> list[str]:
         """Statements of the joints' values at the guess and the given ones that are meant."""
-        made, p, lines = self.made, self.name, list[str]()
-        angle = f"{p}_angle" if self.real.name == "float" else "atan2"
+        made, lines = self.made, list[str]()
         for i, c in enumerate(made.actuated):
             places = self.joint_places[c.name]
             if c.is_angular:
-                lines.append(f"at[{i}] = {angle}(w->at[{places[1]}], w->at[{places[0]}]);")
+                lines.append(f"at[{i}] = atan2(w->at[{places[1]}], w->at[{places[0]}]);")
             else:
                 lines.append(f"at[{i}] = w->at[{places[0]}];")
         lines += self.into_limits("at", "joints")

@@ -321,7 +321,7 @@ class ClosedDirection(Source):
     @property
     def members(self) -> list[str]:
         """Members of the work space beside those of Newton's method."""
-        return [f"{self.real.type} sign[{self.values['signs']}];", *self.guard_text.members]
+        return [f"real sign[{self.values['signs']}];", *self.guard_text.members]
 
     @property
     def _reach_lines(self) -> list[str]:
@@ -400,7 +400,7 @@ class ClosedDirection(Source):
             text = emitter.value(0, k)
             lines.append(f"sign[{k}] = ({text} < 0.0) ? -1.0 : 1.0;")
             if ca.depends_on(stacked([*told[k + 1 :], *divisors]), self.roots[k]):
-                lines.append(f"const {self.real.type} r{k + 1} = fabs({text});")
+                lines.append(f"const real r{k + 1} = fabs({text});")
             lines.append(f"d[{j}] = {text} * {text} * {self._per_usual(j)};")
         for place, j in enumerate(self.divisors):
             # on which side of zero it has to stay, over its usual size

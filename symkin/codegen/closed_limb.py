@@ -121,7 +121,7 @@ class LimbFormulas(Source):
         root is below the `least` share of its usual size, SINGULAR where a divisor is,
         OUT_OF_RANGE where `rows` do not close.
         """
-        real, name = self.real, self.capital
+        real = self.real
         known, roots = self.formulas.system.known, self.formulas.roots
         free, count = self.block.free_divisors, roots.numel()
         divisors = self.signed(stacked(self.formulas.divisors[j] for j in free))
@@ -132,7 +132,7 @@ class LimbFormulas(Source):
         inputs = [(known, "c"), (roots, [f"r{k + 1}" for k in range(count)])]
         emitter = Emitter.of(real, inputs, *outputs)
         zeros = [f"{array}[{i}] = 0.0;" for i in range(results.numel())]
-        status = [f"{self.name}_status status = {name}_{refused};"]
+        status = [f"name_status status = NAME_{refused};"]
         written, closings, tests = list(status if free else []), list[list[str]](), list[str]()
         for k in range(count + 1):
             # a divisor is asked before anything is divided by it
@@ -143,7 +143,7 @@ class LimbFormulas(Source):
             ]
             if conditions:
                 written += [*emitter.take(), f"if ({' && '.join(conditions)}) {{"]
-                vanishes = ["/* what is divided by vanishes */", f"status = {name}_SINGULAR;"]
+                vanishes = ["/* what is divided by vanishes */", "status = NAME_SINGULAR;"]
                 closings.append(["} else {", *vanishes, *zeros, "}"])
             if k < count:
                 limit = real.literal(rounded((least * self.usual_roots[k]) ** 2))
@@ -156,7 +156,7 @@ class LimbFormulas(Source):
             written += [*([] if free else status), f"if {whole} {{"]
             closings.append(["} else {", *zeros, "}"])
         written += emitter.stored(array, 1)
-        checks, result = self._row_checks(emitter) if rows.numel() else ([], f"{name}_OK")
+        checks, result = self._row_checks(emitter) if rows.numel() else ([], "NAME_OK")
         ending = [f"return {result};"]
         if closings:
             closed = (line for lines in reversed(closings) for line in lines)
@@ -194,17 +194,15 @@ class LimbFormulas(Source):
         """Statements of the limb's rows, and the status that they leave: a pose off what the
         mechanism can take has no answer.
         """
-        capital, texts = self.capital, emitter.values(3)
+        texts = emitter.values(3)
         closes = " && ".join(f"(fabs({text}) <= within)" for text in texts)
         return [
             "/* the rows that the formulas leave over */",
             *emitter.take(),
-        ], f"({closes}) ? {capital}_OK : {capital}_OUT_OF_RANGE"
+        ], f"({closes}) ? NAME_OK : NAME_OUT_OF_RANGE"
 
 
-def side_lines(
-    side: str, what: str, bounds: tuple[float, float], real: Real, name: str
-) -> list[str]:
+def side_lines(side: str, what: str, bounds: tuple[float, float], real: Real) -> list[str]:
     """Statements on a limb's side of a dead centre, sign times root: below the first bound it is
     the other one, below the second it is not firm.
     """
@@ -213,7 +211,7 @@ def side_lines(
     )
     return [
         f"if (!({side} >= {wrong})) {{ /* {c_comment(what)} */",
-        f"    status = {name}_WRONG_BRANCH;",
+        "    status = NAME_WRONG_BRANCH;",
         "}",
         f"firm = firm && ({side} > {beside});",
     ]
@@ -246,9 +244,7 @@ def branch_text(made: LimbPlatform, common: Mapping[str, object], tolerance: flo
             near = float(
                 BESIDE * np.sqrt(tolerance / system.characteristic_length) * written.usual_roots[k]
             )
-            tests += side_lines(
-                text, name, (-near, READ_AGAIN * near), made.real, made.name.upper()
-            )
+            tests += side_lines(text, name, (-near, READ_AGAIN * near), made.real)
             tests += [f"told = told && ({text} > {made.real.literal(rounded(near))});"]
         lines += [*emitter.lines, *tests]
     count, passive = (sum(c.width for c in part) for part in (state, made.passive))

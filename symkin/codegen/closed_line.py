@@ -145,14 +145,14 @@ class ClosedLine:
     @property
     def _way_lines(self) -> list[str]:
         """Statements of the joints' ways between two points, and of their values at the second."""
-        real, k, lines = self.real, f"{self.code.values['p']}_inverse", list[str]()
+        real, lines = self.real, list[str]()
         per = f" * {real.literal(1.0 / self.plan.arm.size)}"
         for i, (screw, exact) in enumerate(zip(self.plan.arm.screws, self._exact, strict=True)):
-            way = f"{k}_turn(w->turned[{i}], w->aimed[{i}])"
+            way = f"name_inverse_turn(w->turned[{i}], w->aimed[{i}])"
             if exact:
-                way = f"{k}_joint({i}, w->aimed[{i}], w->joints[{i}]) - w->joints[{i}]"
+                way = f"name_inverse_joint({i}, w->aimed[{i}], w->joints[{i}]) - w->joints[{i}]"
             lines += [
-                f"const {real.type} way{i} = {way};",
+                f"const real way{i} = {way};",
                 f"w->found[{i}] = w->joints[{i}] + way{i};",
                 f"w->way[{i}] = fabs(way{i}){per * screw.slides};",
             ]
@@ -196,7 +196,7 @@ class ClosedLine:
     def _values(self) -> dict[str, object]:
         """Values of the names in the templates."""
         literal, screws, real = self.real.literal, self.plan.arm.screws, self.real
-        p, capital, size = self.code.values["p"], self.code.values["P"], self.plan.arm.size
+        size = self.plan.arm.size
         numbers = {
             "per_size2": size**-2,
             "size2": size**2,
@@ -208,27 +208,26 @@ class ClosedLine:
         }
         shares = (rounded((_GROWS / _LONGEST) ** 2), _LONGEST, _GROWS)
         longer = _LONGER.format(*map(literal, shares))
-        beyond = f"(reached == {capital}_OUT_OF_RANGE) && (end >= 1.0)"
+        beyond = "(reached == NAME_OUT_OF_RANGE) && (end >= 1.0)"
         texts = {
-            "k": f"{p}_inverse",
+            "k": "name_inverse",
             "nto": 2,
             "nat": 7,
             "turns": 2 * len(screws),
             "zeros": ", ".join(literal(screw.zero) for screw in screws),
-            "arctangent2": f"{p}_angle" if real.name == "float" else "atan2",
             "near_arctangent": near_arctangent(real),
-            "walks": f"{capital}_SHARED",
+            "walks": "NAME_SHARED",
             "hold_guards": "",
             "read": indent(self._read_lines),
             "reach": indent(self.code.line_body),
             "way_lines": indent(self._way_lines, 2),
             "keep_lines": indent(self._held.lines),
-            "aimed": f"{real.type} most2, ",
+            "aimed": "real most2, ",
             "take": indent(self._taken, 3),
             "longer": longer,
-            "and_follows": f" && {p}_inverse_follows(w, most2)",
-            "unreached": f"((reached == {capital}_SINGULAR) || ({beyond})) ? reached : "
-            f"{capital}_WRONG_BRANCH",
+            "and_follows": " && name_inverse_follows(w, most2)",
+            "unreached": f"((reached == NAME_SINGULAR) || ({beyond})) ? reached : "
+            "NAME_WRONG_BRANCH",
         }
         told = {name: literal(number) for name, number in numbers.items()}
         return self.code.names | told | texts | self._limits.names
@@ -257,18 +256,18 @@ class LimitCheck:
 def limit_check(code: ClosedCode) -> LimitCheck:
     """The check of an arm's limits along the line; of an arm without limits the plain text."""
     real, p, n = code.real, code.values, len(code.plan.arm)
-    prefix, capital, count = p["p"], p["P"], f"{n}U"
+    count = f"{n}U"
     limited = tuple(i for i, c in enumerate(code.coordinates) if c.limits is not None)
     if not limited:
-        plain = {"limits_kept": "    return follows;", "refused": f"{capital}_WRONG_BRANCH"}
+        plain = {"limits_kept": "    return follows;", "refused": "NAME_WRONG_BRANCH"}
         return LimitCheck((), _WITHOUT | plain, "")
-    beyond = f"    status = {capital}_OUT_OF_RANGE;"
+    beyond = "    status = NAME_OUT_OF_RANGE;"
     names = {
         "and_within": ", and the joints keep their limits",
         "guess_beyond": indent(
             [
                 "w->beyond = false;",
-                f"w->blamed = {prefix}_first_beyond(joints);",
+                "w->blamed = name_first_beyond(joints);",
                 f"if (w->blamed < {count}) {{",
                 beyond,
                 "}",
@@ -277,17 +276,17 @@ def limit_check(code: ClosedCode) -> LimitCheck:
         "limits_kept": indent(
             [
                 "if (follows) {",
-                f"    w->blamed = {prefix}_first_leaving(w, w->joints, w->found);",
-                f"    w->beyond = (w->blamed < {count}) && ({prefix}_first_beyond(w->found) < "
+                "    w->blamed = name_first_leaving(w, w->joints, w->found);",
+                f"    w->beyond = (w->blamed < {count}) && (name_first_beyond(w->found) < "
                 f"{count});",
                 "}",
                 f"return follows && (w->blamed == {count});",
             ]
         ),
-        "refused": f"(w->blamed < {count}) ? {capital}_OUT_OF_RANGE : {capital}_WRONG_BRANCH",
+        "refused": f"(w->blamed < {count}) ? NAME_OUT_OF_RANGE : NAME_WRONG_BRANCH",
         "blame": indent(
             [
-                f"if ((info != NULL) && (status == {capital}_OUT_OF_RANGE)) {{",
+                "if ((info != NULL) && (status == NAME_OUT_OF_RANGE)) {",
                 "    info->joint = w->blamed;",
                 "}",
             ]
@@ -295,7 +294,7 @@ def limit_check(code: ClosedCode) -> LimitCheck:
     }
     ranges = [range_of(c, real, code.plan.arm.size) for c in code.coordinates]
     own = {
-        "k": f"{prefix}_inverse",
+        "k": "name_inverse",
         "last": n - 1,
         "limited": ", ".join("true" if c.limits is not None else "false" for c in code.coordinates),
         "lows": ", ".join(real.literal(low) for low, _ in ranges),

@@ -214,7 +214,7 @@ class ClosedCode:
         found = [f"found[count][{k}] = {joints[k]};" for k in range(len(self.plan.arm))]
         text = "\n".join(self._closed_text(emitter, opened, [*found, "++count;"]))
         if self.real.name == "float":
-            text = text.replace("atan2f(", f"{self.values['p']}_angle(")
+            text = text.replace("atan2f(", "atan2(")
         return indented_by_braces(text.split("\n"))
 
     @property
@@ -223,15 +223,15 @@ class ClosedCode:
         are known, and the status.
         """
         emitter = self._emitter(indexed("w->sign", len(self.plan.branches)), is_line=True)
-        capital, n = self.values["P"], len(self.plan.arm)
+        n = len(self.plan.arm)
         opened = list[str]()
         for i in range(len(self.plan.steps)):
-            opened += self._conditions(emitter, i, f"status = {capital}_SINGULAR;")
+            opened += self._conditions(emitter, i, "status = NAME_SINGULAR;")
         squares = {f"w->guard[{k}]": self._square(emitter, i) for k, i in enumerate(self.guarded)}
         first = 3 * len(self.plan.steps) + 1
         pairs = {f"w->aimed[{k // 2}][{k % 2}]": emitter.value(0, first + k) for k in range(2 * n)}
         told = [f"{target} = {text};" for target, text in (squares | pairs).items()]
-        closed = self._closed_text(emitter, opened, [*told, f"status = {capital}_OK;"])
+        closed = self._closed_text(emitter, opened, [*told, "status = NAME_OK;"])
         return indented_by_braces("\n".join(closed).split("\n"))
 
     def _conditions(self, emitter: Emitter, i: int, undecided: str) -> list[str]:
@@ -279,7 +279,7 @@ class ClosedCode:
             f"const unsigned int side{number} = ({lean} < 0.0) ? 2U : 1U;",
             f"for (unsigned int {k} = 1U; {k} <= 2U; ++{k}) {{",
             f"if ((((bits{number} != 0U) ? bits{number} : side{number}) & {k}) != 0U) {{",
-            f"const {self.real.type} sign{number} = ({k} == 1U) ? 1.0 : -1.0;",
+            f"const real sign{number} = ({k} == 1U) ? 1.0 : -1.0;",
         ]
 
     @property
@@ -294,10 +294,9 @@ class ClosedCode:
             value = f"guess[{joint}]" + (
                 f" - {self.real.literal(screw.zero)}" if screw.zero else ""
             )
-            p = self.values["p"]
-            cosine = value if screw.slides else f"{p}_sine({value} + 1.5707963267948966)"
+            cosine = value if screw.slides else f"name_sine({value} + 1.5707963267948966)"
             lines += [f"near[{2 * number}] = {cosine};"]
-            lines += [] if screw.slides else [f"near[{2 * number + 1}] = {p}_sine({value});"]
+            lines += [] if screw.slides else [f"near[{2 * number + 1}] = name_sine({value});"]
             number += 1
         # what no statement reads is not computed
         text = "\n".join(self.body)
@@ -338,11 +337,7 @@ class ClosedCode:
             if any("_sine(" in line for line in self._near_lines)
             else ""
         )
-        angle = (
-            angle_of_direction(self.real, self.names)
-            if any("_angle(" in line for line in self.body)
-            else ""
-        )
+        angle = angle_of_direction(self.real, self.names, "".join(self.body))
         return angle + sine + fill("closed.c", self.names | {"finish": self._finish})
 
     @property

@@ -108,8 +108,7 @@ class LineParts:
             }
         return {
             "quick_variable": (
-                f"{self.real.type} stretch = 1.0; /* how much longer the next part "
-                f"may be than the last */"
+                "real stretch = 1.0; /* how much longer the next part may be than the last */"
             ),
             "set_quick": (
                 "stretch = (size * 100.0 <= before) ? 2.0 : (0.2 * sqrt(before / size));"
@@ -131,8 +130,8 @@ class LineParts:
         """Statements that set turn2: angles and rods' lengths over the size by their largest, a
         quaternion by its own turn.
         """
-        kind, literal, turns = self.real.type, self.real.literal, self.kernel.turns
-        lines, start = [f"{kind} turn2 = 0.0;"], self.kernel.quaternion
+        literal, turns = self.real.literal, self.kernel.turns
+        lines, start = ["real turn2 = 0.0;"], self.kernel.quaternion
         if turns:
             places, parts = (
                 ", ".join(text)
@@ -140,9 +139,9 @@ class LineParts:
             )
             lines += [
                 f"static const uint8_t places[{len(turns)}] = {{ {places} }};",
-                f"static const {kind} radians[{len(turns)}] = {{ {parts} }};",
+                f"static const real radians[{len(turns)}] = {{ {parts} }};",
                 f"for (int i = 0; i < {len(turns)}; ++i) {{",
-                f"    const {kind} turned = radians[i] * (to[places[i]] - w->at[places[i]]);",
+                "    const real turned = radians[i] * (to[places[i]] - w->at[places[i]]);",
                 "    if (turned * turned > turn2) {",
                 "        turn2 = turned * turned;",
                 "    }",
@@ -151,13 +150,13 @@ class LineParts:
         if start is not None:
             cosine = " + ".join(f"w->at[{i}] * to[{i}]" for i in range(start, start + 4))
             lines += [
-                f"const {kind} cosine = {cosine}; /* of half the turn */",
+                f"const real cosine = {cosine}; /* of half the turn */",
                 "turn2 = 8.0 * (1.0 - fabs(cosine));",
             ]
         return lines
 
 
-def line_target(real: Real, count: int, quaternion: int | None) -> list[str]:
+def line_target(count: int, quaternion: int | None) -> list[str]:
     """Statements that set w->k on the line from w->at to `to`; unit quaternions go along the
     shorter arc, with the sign of the guess's.
     """
@@ -178,7 +177,7 @@ def line_target(real: Real, count: int, quaternion: int | None) -> list[str]:
     ]
     if quaternion is not None:
         square = " + ".join(f"{v} * {v}" for v in k)
-        lines.append(f"    const {real.type} inverse = 1.0 / sqrt({square});")
+        lines.append(f"    const real inverse = 1.0 / sqrt({square});")
         lines += [f"    {v} *= inverse;" for v in k]
     return [*lines, "}"]
 
@@ -189,7 +188,7 @@ def core_target(made: PoseKernel, real: Real) -> list[str]:
     """
     count = made.joints.numel()
     return [
-        f"{real.type} q[{count}];",
+        f"real q[{count}];",
         f"for (int i = 0; i < {count}; ++i) {{",
         "    q[i] = (part < 1.0) ? (w->at[i] + part * (to[i] - w->at[i])) : to[i];",
         "}",

@@ -254,7 +254,7 @@ class ArmSource(Source):
             kappa=curvature(
                 kernel, [q for q, _ in regular], [pose for _, pose in regular], geometry.values
             ),
-            target_lines=line_target(self.real, 7, 3),
+            target_lines=line_target(7, 3),
             compact=arm.options.compact,
         )
 
@@ -298,7 +298,7 @@ class ArmSource(Source):
 
     @cached_property
     def _frame_names(self) -> dict[str, object]:
-        return unturned(self.name) if self._frame is None else self._frame.names
+        return unturned() if self._frame is None else self._frame.names
 
     def _in_own(self, screws: ArmScrews) -> ArmScrews:
         """The screws, of an arm with a border without the turn that this makes."""
@@ -307,7 +307,7 @@ class ArmSource(Source):
     @property
     def _line_words(self) -> str:
         """What the line costs at most, and where limits are checked, in words of the header."""
-        prefix = self.capital
+        prefix = self.name.upper()
         limited = any(c.limits is not None for c in self.made.actuated)
         words = []
         if self.line is None:
@@ -370,15 +370,15 @@ class ArmSource(Source):
     @property
     def _solving(self) -> dict[str, object]:
         """How NAME_inverse solves: by the closed form along the line, else by Newton's method."""
-        nq, name, config = len(self.made.actuated), self.name, "(config != NULL) ? config : &usual"
-        how, at, work = "the closed form", "at", f"{self.real.type} at[{nq}];"
-        solve = [f"status = {name}_inverse_along(to, {config}, at, info);"]
+        nq, config = len(self.made.actuated), "(config != NULL) ? config : &usual"
+        how, at, work = "the closed form", "at", f"real at[{nq}];"
+        solve = [f"status = name_inverse_along(to, {config}, at, info);"]
         if self.line is None:
-            how, at, work = "Newton's method", "w.x", f"{name}_inverse_work w;"
+            how, at, work = "Newton's method", "w.x", "name_inverse_work w;"
             ga = self.values["ga"]
             solve = [
-                f"{name}_forward({ga}w.x, w.at);",
-                f"status = {name}_inverse_newton({ga}&w, to, {config}, info);",
+                f"name_forward({ga}w.x, w.at);",
+                f"status = name_inverse_newton({ga}&w, to, {config}, info);",
             ]
         return {
             "how": f"The joints by {how}",

@@ -201,7 +201,7 @@ class DirectText(Source):
     def _read(
         self, x: ca.SX, roots: ca.SX, parts: Sequence[ca.SX], limits: Sequence[float]
     ) -> list[str]:
-        real, name = self.real, self.capital
+        real = self.real
         outputs = gathered(parts, [x, roots], [])
         inputs = [(x, "x"), (roots, [f"r{k + 1}" for k in range(roots.numel())])]
         emitter = Emitter.of(real, inputs, *outputs)
@@ -220,9 +220,9 @@ class DirectText(Source):
         self.store_guards(emitter, 3, "left", of_divisors=False)
         last, near = emitter.take(), self.above("left", of_divisors=False)
         if near:
-            last += [f"if (!({near})) {{", f"    status = {name}_SINGULAR;", "}"]
-        below = _refused(self.above("left", of_divisors=True), last, f"{name}_SINGULAR")
-        return [*begun, *_refused(" && ".join(tests), [*middle, *below], f"{name}_OUT_OF_RANGE")]
+            last += [f"if (!({near})) {{", "    status = NAME_SINGULAR;", "}"]
+        below = _refused(self.above("left", of_divisors=True), last, "NAME_SINGULAR")
+        return [*begun, *_refused(" && ".join(tests), [*middle, *below], "NAME_OUT_OF_RANGE")]
 
     def _told(self, told: ca.SX) -> ca.SX:
         """What tells each sign, with those before put in: sign times root."""
@@ -317,7 +317,7 @@ class DirectText(Source):
             near = READ_AGAIN * BESIDE * np.sqrt(tolerance_of(real, size) / size)
             for root, what in zip(limb.usual_roots, limb.formulas.names, strict=True):
                 bounds = (0.0, float(near * root))
-                tests += side_lines(emitter.value(1, k), what, bounds, real, self.capital)
+                tests += side_lines(emitter.value(1, k), what, bounds, real)
                 k += 1
         sides = [*emitter.take(), *tests]
         parts = {"residual": residual, "side": sides, "firm": self._firm_lines}

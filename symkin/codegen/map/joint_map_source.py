@@ -92,13 +92,10 @@ class JointMapSource(MapValues):
     def _tools(self, text: str) -> str:
         """The functions of angles that a text calls, and the checks of values."""
         common = self._common
-        tools = {
-            "angle": angle_of_direction(self.real, common),
-            "cosine_and_sine": cosine_and_sine(self.real, common),
-        }
-        written = [tool for name, tool in tools.items() if f"{self.name}_{name}(" in text]
+        turn = cosine_and_sine(self.real, common) if "_cosine_and_sine(" in text else ""
         turning = self.turning(text, common)
-        return "".join([*written, turning, self._checks, fill("no_step.c", common)])
+        angle = angle_of_direction(self.real, common, text)
+        return "".join([angle, turn, turning, self._checks, fill("no_step.c", common)])
 
     @property
     def _checks(self) -> str:
@@ -249,7 +246,7 @@ def _jacobian(
     shown = {
         "function": function,
         "about": about,
-        "written": f"{way.real.type} {function}[{nj}]",
+        "written": f"real {function}[{nj}]",
         "most_sides": solved.size,
         "nrates": nj,
         "kept": "",

@@ -164,7 +164,7 @@ class LimbPlatformSource(Source):
             "farthest": literal(farthest(made.size, made.middle)),
             "largest": literal(fastest(made.size)),
             **self._passive_checks,
-            "within": f", {self.real.type} within" if self._checks_rows else "",
+            "within": ", real within" if self._checks_rows else "",
             **self._names,
             "feasible": self._within(self._feasible),
         }
@@ -176,7 +176,7 @@ class LimbPlatformSource(Source):
         """
         if self.made.frames is None:
             return {}
-        names = {part: f"{self.name}_own_{part}" for part in ("jacobian", "twist")}
+        names = {part: f"name_own_{part}" for part in ("jacobian", "twist")}
         return {**names, "static_own": "static "}
 
     def _in_frame(self, part: str) -> str:
@@ -193,7 +193,7 @@ class LimbPlatformSource(Source):
         said: dict[str, object] = {"given": "", "rates": "", "found": "rates", "count": nq}
         about = "Joint rates by the platform's twist"
         if part == "twist":
-            given = f"const {self.real.type} rates[{nq}], "
+            given = f"const real rates[{nq}], "
             said = {"given": given, "rates": "rates, ", "found": "twist", "count": 1}
             about = "The twist of joint rates"
         said |= {"about": about, "turned_row": lines}
@@ -205,7 +205,7 @@ class LimbPlatformSource(Source):
         they exist: of an inverse, of Newton's method, of formulas.
         """
         ga = "geometry, " if self.made.geometry.at_run_time else ""
-        write, check = f"{self.name}_write_pose({ga}&w, pose);", f"{self.name}_check_passive({ga}"
+        write, check = f"name_write_pose({ga}&w, pose);", f"name_check_passive({ga}"
         if not self.made.passive_checks:
             names = ("inverse_passive", "direct_passive", "check_answer")
             return dict.fromkeys(names, "") | {"write_tracked": [write]}
@@ -216,7 +216,7 @@ class LimbPlatformSource(Source):
             "inverse_passive": self.if_ok([f"status = {check}c, q, passive);"]),
             "direct_passive": self.if_ok([of_state]),
             "write_tracked": [of_state, *self.if_ok([write])],
-            "check_answer": self.if_ok([f"status = {self.name}_check_answer(&answer);"]),
+            "check_answer": self.if_ok(["status = name_check_answer(&answer);"]),
         }
 
     @property
@@ -247,7 +247,7 @@ class LimbPlatformSource(Source):
         return self._common | {
             "track_factor": singular_condition(
                 made.direct_kernel,
-                f"{self.name}_direct",
+                "name_direct",
                 "&w",
                 self._ga,
                 compact=made.options.compact,
@@ -265,16 +265,16 @@ class LimbPlatformSource(Source):
         """Statements of the line: from the guess, by joints near its own, to the pose; and what is
         asked of the limbs' branches.
         """
-        made, p, ga = self.made, self.name, self._ga
+        made, ga = self.made, self._ga
         passive = sum(c.width for c in made.passive)
         check = (
             f"check_branch({ga}w.x, w.at, given)"
             if made.tells_branch
             else f"check_given({ga}&w.x[{passive}], given)"
         )
-        branch = self.if_ok([f"status = {p}_{check};"])
+        branch = self.if_ok([f"status = name_{check};"])
         unwrap = [
-            f"{self.real.type} given[{self._common['nq']}];",
+            f"real given[{self._common['nq']}];",
             *self.unwrapped("given", "joints", "w.at"),
         ]
         known = made.direct_kernel.known.numel()
@@ -283,7 +283,7 @@ class LimbPlatformSource(Source):
             "stand": self._stand(branch) if made.has_dead_centres else "",
             "unwrap": unwrap,
             "enter": self._enter(passive),
-            "leave": [f"{p}_pose_from_coordinates({ga}&w->x[{passive}], pose);"],
+            "leave": [f"name_pose_from_coordinates({ga}&w->x[{passive}], pose);"],
             "keep_known": copy("w.k0", "w.k", known) if self._keeps_known else "",
             "to": "given",
             "whole": ", 1.0",
@@ -334,7 +334,7 @@ class LimbPlatformSource(Source):
             "/* what the pose alone must satisfy */",
             *emitter.lines,
             f"if (!({' && '.join(tests)})) {{",
-            f"    status = {self.capital}_OUT_OF_RANGE;",
+            "    status = NAME_OUT_OF_RANGE;",
             "}",
         ]
 
@@ -353,7 +353,7 @@ class LimbPlatformSource(Source):
             variables,
             made.geometry,
             self.real,
-            f"{self.capital}_OUT_OF_RANGE",
+            "NAME_OUT_OF_RANGE",
         )
         asked = "are within their limits" if made.passive_limits else "exist where the rows hold"
         text = fill("check_passive.c", self._common | {"lines": lines, "asked": asked})
@@ -417,7 +417,5 @@ class LimbPlatformSource(Source):
         """Statements that move limited angles into their limits."""
         turned = self.into_limits("q", "middle")
         middles = self.array([0.5 * sum(c.limits or (0.0, 0.0)) for c in self.made.actuated])
-        begin = (
-            f"static const {self.real.type} middle[{len(self.made.actuated)}] = {{ {middles} }};"
-        )
+        begin = f"static const real middle[{len(self.made.actuated)}] = {{ {middles} }};"
         return [begin, *turned] if turned else []

@@ -115,7 +115,7 @@ class LimbSource(Source):
         """The functions that give its joints by formulas, and their rates where no matrix does."""
         block = self.block
         count = len(actuated_places(block)) * block.sides.shape[1]
-        within = f", {self.real.type} within" if block.is_checked else ""
+        within = ", real within" if block.is_checked else ""
         values = {
             **self.common,
             "k": self.k,
@@ -166,7 +166,7 @@ class LimbSource(Source):
             geometry=made.geometry.names,
             matrices=matrices,
             kappa=kappa,
-            target_lines=line_target(self.real, kernel.known.numel(), kernel.quaternion),
+            target_lines=line_target(kernel.known.numel(), kernel.quaternion),
             on_the_way=kernel.is_square or self._closes_on_the_way(states, poses),
             compact=made.options.compact,
         )
@@ -207,11 +207,7 @@ class LimbSource(Source):
             array, there, _ = self.places[0]
             return [self._comment, *emitter.stored([f"{array}[{there}]"])]
         by_formulas = self.block.formulas is not None
-        begin = (
-            f"{self.real.type} x[{self.block.system.width}];"
-            if by_formulas
-            else (f"{self.k}_work w;")
-        )
+        begin = f"real x[{self.block.system.width}];" if by_formulas else (f"{self.k}_work w;")
         x = "x" if by_formulas else "w.x"
         copies = [f"{array}[{there}] = {x}[{here}];" for array, there, here in self.places]
         return [self._comment, *self.if_ok([begin, *self._solve("x", ", within"), *copies])]
@@ -246,12 +242,12 @@ class LimbSource(Source):
         return [
             *table,
             f"{k}_work w;",
-            f"{self.real.type} sides[{solved.size}];",
+            f"real sides[{solved.size}];",
             *self._solve("w.x", f", {self.literal(error)}"),
             *copy("w.k", "c", known),
-            f"if (status == {self.capital}_OK) {{",
+            "if (status == NAME_OK) {",
             f"    if ({singular}) {{",
-            f"        status = {self.capital}_SINGULAR;",
+            "        status = NAME_SINGULAR;",
             "    } else {",
             *("        " + line for line in solved.solved(stores)),
             "    }",
@@ -268,7 +264,7 @@ class LimbSource(Source):
             for i, there in enumerate(actuated)
             for j, column in enumerate(columns)
         ]
-        begin = f"{self.real.type} of_limb[{len(actuated) * len(columns)}];"
+        begin = f"real of_limb[{len(actuated) * len(columns)}];"
         return self.if_ok([begin, f"status = {self.k}_rates(c, of_limb);", *copies])
 
     def _rod_emitter(self, expression: ca.SX) -> Emitter:
@@ -301,6 +297,6 @@ class LimbSource(Source):
             f"if ({length} > 0.0) {{",
             *("    " + line for line in lines[first:]),
             "} else {",
-            f"    status = {self.capital}_SINGULAR;",
+            "    status = NAME_SINGULAR;",
             "}",
         ]

@@ -152,7 +152,7 @@ class DirectionSource(MapValues):
         members = [] if self.closed is None else self.closed.members
         if self.closed is None and not self.iteration.is_plain:
             members = [
-                f"{self.real.type} numbers[{self.iteration.numbers.numel()}]; /* numbers of what "
+                f"real numbers[{self.iteration.numbers.numel()}]; /* numbers of what "
                 "is aimed at: of angles cosine and sine */"
             ]
         return NewtonCode(
@@ -218,7 +218,7 @@ class DirectionSource(MapValues):
         finish = fill("map_finish.c", code.factoring | closed.values | own)
         text = closed.text
         if self.real.name == "float":
-            text = text.replace("atan2f(", f"{self.name}_angle(")
+            text = text.replace("atan2f(", "atan2(")
         work = "\n".join(line for line in code.work.split("\n") if " x0[" not in line)
         solver = work + code.functions + code.target + code.linear.text + finish + text
         return solver + self._place_text
@@ -271,7 +271,7 @@ class DirectionSource(MapValues):
         # passive joints go on from a guess's own configuration, which is then as an answer's
         near = self.literal(_GUESSED * made.size)
         own = {
-            "near": f"{self.capital}_TOLERANCE" if made.passive else near,
+            "near": "NAME_TOLERANCE" if made.passive else near,
             "starts": [
                 f"w.{array}[{i}] = {self.literal(v)};"
                 for array, values in starts.items()
@@ -303,7 +303,7 @@ class DirectionSource(MapValues):
             return ""
         inputs = [(sheet.known, [f"u{i}" for i in range(self.n)])]
         begin = [
-            f"const {self.real.type} u{i} = values[{i}] - {literal(v)};"
+            f"const real u{i} = values[{i}] - {literal(v)};"
             for i, v in enumerate(self.made.reference_of(self.known))
         ]
         lines = [*begin, *Emitter.of(self.real, inputs, sheet.values).stored("wanted")]
@@ -322,8 +322,8 @@ class DirectionSource(MapValues):
     @property
     def text(self) -> str:
         """The function of the direction, and its one step."""
-        (values, out), name, known, wanted = self.words, self.name, self.known, self.wanted
-        n, kind, literal, size = self.n, self.real.type, self.literal, self.made.size
+        (values, out), known, wanted = self.words, self.known, self.wanted
+        n, literal, size = self.n, self.literal, self.made.size
         begin = [
             f"w->at[{i}] = {self.nearest(c, f'at[{i}]', f'{values}[{i}]')};"
             for i, c in enumerate(known)
@@ -335,9 +335,9 @@ class DirectionSource(MapValues):
             solve, begun, of_known = "follow", "home", self.copies("w->k", known)
             home = ", ".join(literal(v) for v in self.made.reference_of(known))
             stand_at = [
-                f"static const {kind} home[{n}] = {{ {home} }};",
-                f"{kind} there[{n}];",
-                f"(void){name}_state_of_{values}(home, y, there);",
+                f"static const real home[{n}] = {{ {home} }};",
+                f"real there[{n}];",
+                f"(void)name_state_of_{values}(home, y, there);",
             ]
         elif not self.iteration.is_plain:
             of_known = self._coefficients(f"&y[{self.places(known)[0]}]", "w->k0")
@@ -353,13 +353,13 @@ class DirectionSource(MapValues):
             for i, w in enumerate(weights)
         ]
         unused = [] if any(c.kind == "angle" for c in wanted) else ["(void)guess;"]
-        outside = f"{name.upper()}_OUT_OF_RANGE"
+        outside = "NAME_OUT_OF_RANGE"
         blame = [
             f"if ((info != NULL) && (status == {outside})) {{",
-            f"    info->joint = {name}_first_beyond(result);",
+            "    info->joint = name_first_beyond(result);",
             "}",
         ]
-        no_step = f"{name}_write_info(info, 0U, HUGE_VAL, 0.0, 0.0);"
+        no_step = "name_write_info(info, 0U, HUGE_VAL, 0.0, 0.0);"
         stands = max(_GUESSED, _GUESS_ROUNDINGS * self.real.epsilon) * size
         tolerance = tolerance_of(self.real, size)
         own = {
@@ -370,13 +370,13 @@ class DirectionSource(MapValues):
             ),
             "about_track": f"One step of the {self.direction.name} problem from the last values.",
             "f": self.k,
-            "track": f"{name}_track" if self._is_direct else f"{name}_track_inverse",
+            "track": "name_track" if self._is_direct else "name_track_inverse",
             "begin": indent(begin),
             "follow": follow,
             "line_results": [*unused, *self._results("w->x", "guess")],
-            "track_results": [f"{kind} result[{n}];", *self._results("w.x", out)],
+            "track_results": [f"real result[{n}];", *self._results("w.x", out)],
             "store": [f"{out}[{i}] = result[{i}];" for i in range(n)],
-            "no_step": f"{name}_write_no_step(info, joints);" if self._is_direct else no_step,
+            "no_step": "name_write_no_step(info, joints);" if self._is_direct else no_step,
             "blame_result": "" if self._is_direct else blame,
             "change": change,
             "stand_at": stand_at,
@@ -401,12 +401,12 @@ class DirectionSource(MapValues):
     @property
     def away_text(self) -> str:
         """The function of how far wanted values are from others."""
-        kind, lines = self.real.type, list[str]()
+        lines = list[str]()
         for i, c in enumerate(self.wanted):
             weight = self.literal(self.made.size if c.is_angular else 1.0)
             other = self.nearest(c, f"other[{i}]", f"guess[{i}]")
             lines += [
-                f"const {kind} way{i} = {weight} * ({other} - guess[{i}]);",
+                f"const real way{i} = {weight} * ({other} - guess[{i}]);",
                 f"away2 += way{i} * way{i};",
             ]
         return fill("map_away.c", self.names | {"away": lines})
@@ -417,7 +417,7 @@ class DirectionSource(MapValues):
         if not self.made.passive_limits:
             return ""
         call = f"status = {self.k}_check_passive(&w, {self.words[0]});"
-        return indent([f"if (status == {self.capital}_OK) {{", f"    {call}", "}"], 2)
+        return indent(["if (status == NAME_OK) {", f"    {call}", "}"], 2)
 
     @property
     def _passive_text(self) -> str:
@@ -430,7 +430,7 @@ class DirectionSource(MapValues):
         texts = {c.name: text for c, text in zip(self.unknown, found, strict=True)}
         texts |= {c.name: f"{self.words[0]}[{i}]" for i, c in enumerate(self.known)}
         variables = [texts.get(c.name, "0.0") for c in closure.coordinates for _ in range(c.width)]
-        beyond = f"{self.capital}_OUT_OF_RANGE"
+        beyond = "NAME_OUT_OF_RANGE"
         fixed = Geometry(closure, at_run_time=False)
         lines = limit_lines(limits, variables, fixed, self.real, beyond)
         return fill("map_passive.c", self.names | {"lines": lines})
@@ -441,10 +441,9 @@ class DirectionSource(MapValues):
         """
         if not self.made.passive:
             return [], []
-        kind = self.real.type
-        return [f"{kind} y[{self.common['ny']}];", f"{kind} at[{self.n}];"], [
-            f"if (status == {self.capital}_OK) {{",
-            f"    status = {self.name}_state_of_{side}({side}, y, at);",
+        return [f"real y[{self.common['ny']}];", f"real at[{self.n}];"], [
+            "if (status == NAME_OK) {",
+            f"    status = name_state_of_{side}({side}, y, at);",
             "}",
         ]
 

@@ -76,7 +76,7 @@ def square_twist(mechanism: Mechanism, real: Real, values: Mapping[str, object])
 def direct_target(made: LimbPlatform) -> list[str]:
     """Statements that aim the direct problem at a point of the joints' line."""
     if made.core is None:
-        return line_target(made.real, len(made.actuated), None)
+        return line_target(len(made.actuated), None)
     return core_target(made.core.direct, made.real)
 
 

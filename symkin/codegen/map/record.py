@@ -107,11 +107,6 @@ class Source:
     def name(self) -> str:
         return self.made.name
 
-    @property
-    def capital(self) -> str:
-        """What the names of its constants begin with."""
-        return self.name.upper()
-
     def literal(self, value: float) -> str:
         """C text of a number."""
         return self.real.literal(value)
@@ -123,9 +118,9 @@ class Source:
     def turned(self, c: Coordinate, angle: str, near: str) -> str:
         """C text of an angle moved by whole turns next to another, within its limits."""
         if c.limits is None:
-            return f"{self.name}_nearest({angle}, {near})"
+            return f"name_nearest({angle}, {near})"
         limits = self.array(range_of(c, self.real, self.made.size))
-        return f"{self.name}_turned({angle}, {near}, {limits})"
+        return f"name_turned({angle}, {near}, {limits})"
 
     def into_limits(self, at: str, near: str) -> list[str]:
         """Statements that turn limited angles of an array of joints by whole turns towards another,
@@ -155,10 +150,10 @@ class Source:
         """The functions that move an angle by whole turns, where a text calls them."""
         shown, found = {**values, "many": self.literal(_MOST_TURNS)}, ""
         for called, template in (("turned", "turned_angle.c"), ("nearest", "nearest_turn.c")):
-            if f"{self.name}_{called}(" in found + text:
+            if f"_{called}(" in found + text:
                 found = fill(template, shown) + found
         return found
 
     def if_ok(self, lines: Sequence[str]) -> list[str]:
         """Statements under the condition that nothing has been refused before."""
-        return [f"if (status == {self.capital}_OK) {{", *("    " + line for line in lines), "}"]
+        return ["if (status == NAME_OK) {", *("    " + line for line in lines), "}"]

@@ -32,21 +32,21 @@ class RodSource(LimbPlatformSource):
 
     @property
     def _driver(self) -> dict[str, Any]:
-        retarget = f"{self.name}_direct_retarget({self._ga}w, to, aim, done);"
+        retarget = f"name_direct_retarget({self._ga}w, to, aim, done);"
         return {
-            "members": [f"const {self.name}_pose *guess; /* where the line begins */"],
+            "members": ["const name_pose *guess; /* where the line begins */"],
             "matrix": _matrix_lines(self.made),
             "retarget": retarget,
         }
 
     @property
     def _line(self) -> dict[str, object]:
-        p, ga = self.name, self._ga
+        ga = self._ga
         leave = [
             *copy("pose->position", "w->x", 3),
             *(f"pose->quaternion[{i}] = w->x[{3 + i}];" for i in range(4)),
         ]
-        enter = ["w->guess = guess;", f"status = {p}_normalise_pose({ga}guess, w->x);"]
+        enter = ["w->guess = guess;", f"status = name_normalise_pose({ga}guess, w->x);"]
         return {"enter": enter, "leave": leave, "unwrap": "", "to": "joints", "whole": ""}
 
     @property
@@ -102,7 +102,7 @@ class RodSource(LimbPlatformSource):
             ]
         return [
             *(f"w->k[{i}] = 0.0;" for i in range(6)),
-            f"{self.name}_direct_rows({self._ga}w);",
+            f"name_direct_rows({self._ga}w);",
             *self._rolled([(f, "w->f")], joints),
         ]
 
@@ -155,17 +155,16 @@ class RodSource(LimbPlatformSource):
         emitter = Emitter.of(self.real, inputs, ca.vertcat(*rows), shortest)
         text, texts = emitter.value(1, 0), emitter.values(0)
         stores = [f"jacobian[{k}] = {text};" for k, text in enumerate(texts)]
-        return [*emitter.lines, f"const {self.real.type} shortest = {text};"], stores
+        return [*emitter.lines, f"const real shortest = {text};"], stores
 
     @property
     def _looped_jacobian(self) -> list[str]:
         """Statements of the Jacobian's rows in a loop over the rods, whose vectors are those of the
         direct problem's rows: with d = p + R a - b the moment (R a) x d is (b - p) x d.
         """
-        kind = self.real.type
         table, b = _bases(self.made, 1.0)
         towards = [
-            f"const {kind} {axis} = {b[k] + ' - ' if k in b else '-'}x[{k}];"
+            f"const real {axis} = {b[k] + ' - ' if k in b else '-'}x[{k}];"
             for k, axis in enumerate(("forth", "aside", "up"))
         ]
         state = [*copy_loop("w.x", "x", 7), *(f"w.k[{i}] = 0.0;" for i in range(6))]
@@ -177,7 +176,6 @@ def _matrix_lines(platform: RodPlatform) -> list[str]:
     """Statements for [d, 4 b x d] in a loop: the fallback's matrix, where time does not matter but
     room does. The table holds 4 b without coordinates that are zero for all bases.
     """
-    real = platform.real
     struct = platform.options.geometry == "struct"
     table, b = _bases(platform, 4.0)
     four = "4.0 * " if struct else ""
@@ -192,8 +190,8 @@ def _matrix_lines(platform: RodPlatform) -> list[str]:
     return [
         *table,
         "for (int i = 0; i < 6; ++i) {",
-        f"    const {real.type} *const d = &w->d[3 * i];",
-        f"    {real.type} *const row = &w->a[6 * i];",
+        "    const real *const d = &w->d[3 * i];",
+        "    real *const row = &w->a[6 * i];",
         *("    " + text for text in entries),
         "}",
     ]
@@ -212,7 +210,7 @@ def _bases(platform: RodPlatform, factor: float) -> tuple[list[str], dict[int, s
         "{ " + ", ".join(real.literal(factor * snap(float(row[k]), size)) for k in kept) + " }"
         for row in rows
     )
-    table = f"static const {real.type} base[6][{len(kept)}] = {{ {numbers} }};"
+    table = f"static const real base[6][{len(kept)}] = {{ {numbers} }};"
     return [table + (" /* 4 b */" if factor == 4.0 else "")], {
         k: f"base[i][{place}]" for place, k in enumerate(kept)
     }

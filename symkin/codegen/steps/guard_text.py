@@ -54,10 +54,10 @@ class GuardText:
     @property
     def members(self) -> list[str]:
         """Members of the work space."""
-        kind, count = self.real.type, max(1, len(self.guards))
-        lines = [f"{kind} left[{count}];", f"{kind} guard[{count}];"]
+        count = max(1, len(self.guards))
+        lines = [f"real left[{count}];", f"real guard[{count}];"]
         if self.measures:
-            lines += [f"{kind} bent;", f"{kind} most;"]
+            lines += ["real bent;", "real most;"]
         return [*lines, *(["unsigned int reach;"] if self._has_parts else [])]
 
     @property
@@ -73,7 +73,7 @@ class GuardText:
         lines = ["w->reach = 0U;"] if self._has_parts else []
         for i, (text, middle, half) in enumerate(slides):
             value = text if middle == 0.0 else f"{text} - {literal(middle)}"
-            lines.append(f"const {self.real.type} away{i} = fabs({value});")
+            lines.append(f"const real away{i} = fabs({value});")
             for k, part in enumerate(SLIDE_PARTS[:-1] if self._has_parts else (), start=1):
                 beyond = f"(w->reach < {k}U) && (away{i} > {literal(part * half)})"
                 lines.append(f"w->reach = ({beyond}) ? {k}U : w->reach;")
@@ -92,7 +92,7 @@ class GuardText:
         if all(value == values[0] for value in values):
             return self.real.literal(values[0])
         texts = ", ".join(self.real.literal(value) for value in values)
-        lines.append(f"static const {self.real.type} {name}[{len(values)}] = {{ {texts} }};")
+        lines.append(f"static const real {name}[{len(values)}] = {{ {texts} }};")
         return f"{name}[w->reach]"
 
     def text(self, values: Mapping[str, object], aim: Sequence[str], first_part: float) -> str:
@@ -100,7 +100,7 @@ class GuardText:
         put the guards of its point `end` into w->guard. Values beside those of `_STRAIGHT` say
         what else a walk asks and does.
         """
-        call, wrong = self.real.literal, f"{values['P']}_WRONG_BRANCH"
+        call, wrong = self.real.literal, "NAME_WRONG_BRANCH"
         plain = {"unreached": wrong, "refused": wrong, "nat": values["nto"], "nways": values["nto"]}
         own = {"ng": max(1, len(self.guards)), "walks": values["COLD"]}
         plain |= {
@@ -142,7 +142,6 @@ class GuardText:
     @property
     def _keep_lines(self) -> list[str]:
         """Statements that compare each guard with how far it may bend on the way."""
-        real = self.real
         later = {j for guard in self.guards for j in (guard.root, *guard.read) if j is not None}
         roots = {guard.root for guard in self.guards}
         shared = {j for guard in self.guards for j in guard.read}
@@ -153,10 +152,10 @@ class GuardText:
             bend = self._bend_text(j, guard, lines, sums)
             a, b = f"w->left[{j}]", f"w->guard[{j}]"
             lines += [
-                f"const {real.type} bend{j} = {bend};",
-                f"const {real.type} lesser{j} = (({a} < {b}) ? {a} : {b}) - {rounding};",
-                f"const {real.type} greater{j} = ({a} < {b}) ? {b} : {a};",
-                f"const {real.type} most{j} = 3.0 * lesser{j} + greater{j};",
+                f"const real bend{j} = {bend};",
+                f"const real lesser{j} = (({a} < {b}) ? {a} : {b}) - {rounding};",
+                f"const real greater{j} = ({a} < {b}) ? {b} : {a};",
+                f"const real most{j} = 3.0 * lesser{j} + greater{j};",
                 f"if (!((lesser{j} > 0.0) && (bend{j} < most{j}))) {{",
                 *(
                     [
@@ -174,7 +173,7 @@ class GuardText:
             if j in later:
                 lines += self._least_lines(j)
             if j in roots:
-                lines += [f"const {real.type} per{j} = 1.0 / sqrt(under{j});"]
+                lines += [f"const real per{j} = 1.0 / sqrt(under{j});"]
             if j in shared:
                 lines += self._share_lines(j)
         # guards that do not bend, of linear formulas, read no changes
@@ -201,24 +200,22 @@ class GuardText:
 
     def _least_lines(self, j: int) -> list[str]:
         """Statements of what a guard keeps at least on the way."""
-        real = self.real
         return [
-            f"const {real.type} least{j} = lesser{j} - 0.25 * bend{j};",
+            f"const real least{j} = lesser{j} - 0.25 * bend{j};",
             f"kept = kept && (least{j} > 0.0);",
-            f"const {real.type} under{j} = (least{j} > 0.0) ? least{j} : 1.0;",
+            f"const real under{j} = (least{j} > 0.0) ? least{j} : 1.0;",
         ]
 
     def _share_lines(self, j: int) -> list[str]:
         """Statements of the share that a guard leaves of the bends of those that read it."""
-        kind = self.real.type
         power = (
             f"(rest{j} * rest{j}) * (rest{j} * rest{j})"
             if self.guards[j].is_divisor
             else f"rest{j} * sqrt(rest{j})"
         )
         return [
-            f"const {kind} rest{j} = (under{j} < 1.0) ? under{j} : 1.0;",
-            f"const {kind} share{j} = {power};",
+            f"const real rest{j} = (under{j} < 1.0) ? under{j} : 1.0;",
+            f"const real share{j} = {power};",
         ]
 
     def _weighted(
@@ -227,7 +224,7 @@ class GuardText:
         """C text of a sum of squared changes by weights of each reach; known values of about one
         weight are added first. `lines` get tables and sums.
         """
-        real, parts = self.real, list[str]()
+        parts = list[str]()
         table = np.array([[rounded_up(float(v)) for v in part] for part in weights])
         left = [i for i in range(table.shape[1]) if np.any(table[:, i] > 0.0)]
         while left:
@@ -244,7 +241,7 @@ class GuardText:
             if len(alike) > 1:
                 if added not in sums:
                     sums[added] = f"sum{len(sums)}"
-                    lines.append(f"const {real.type} {sums[added]} = {added};")
+                    lines.append(f"const real {sums[added]} = {added};")
                 added = sums[added]
             weight = self.by_reach(f"{name}_{alike[0]}", column.tolist(), lines)
             parts.append(f"{weight} * {added}")

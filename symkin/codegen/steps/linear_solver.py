@@ -218,17 +218,17 @@ class UnrolledLU:
 
     def solve(self) -> list[str]:
         """Statements of the forward and back substitution of f into the step, in place."""
-        n, kind, pivots = self.n, self.emitter.real.type, self.pivots
+        n, pivots = self.n, self.pivots
         lines = ["/* forward substitution, the rows in the order of the pivots */"]
         for i in range(n):
             terms = "".join(f" - w->a[{n * i + k}] * y{k}" for k in self.lower[i])
-            lines.append(f"const {kind} y{i} = w->f[{pivots.rows[i]}]{terms};")
+            lines.append(f"const real y{i} = w->f[{pivots.rows[i]}]{terms};")
         lines.append("/* back substitution */")
         for i in reversed(range(n)):
             terms = "".join(
                 f" - w->a[{n * i + j}] * s{j}" for j in sorted(self.upper[i], reverse=True)
             )
-            lines.append(f"const {kind} s{i} = (y{i}{terms}) * w->a[{n * i + i}];")
+            lines.append(f"const real s{i} = (y{i}{terms}) * w->a[{n * i + i}];")
         return [
             *lines,
             "/* the step in the order of the unknowns */",
@@ -273,7 +273,7 @@ def linear_solver(
         given or dense_statements(dense, kernel.m, kernel.n, "w->a", transposed=kernel.is_wide)
     )
     if not kernel.is_square:
-        return _qr(kernel, real, {**values, "matrix": matrix}, dense.operations)
+        return _qr(kernel, {**values, "matrix": matrix}, dense.operations)
     _, column_scale = scales(matrices)
     rounded_scales = [rounded(s) for s in column_scale]
     tables = {
@@ -302,7 +302,7 @@ def linear_solver(
 
 
 def _qr(
-    kernel: Kernel, real: Real, values: Mapping[str, object], operations: Mapping[str, int]
+    kernel: Kernel, values: Mapping[str, object], operations: Mapping[str, int]
 ) -> LinearSolver:
     """QR of a matrix of more rows than unknowns, or of the transposed matrix of fewer: least
     squares, or the shortest step.
@@ -316,7 +316,7 @@ def _qr(
         "last": n - 1,
         "m": m,
         "which": which,
-        **_loops_over_columns(n, m, real),
+        **_loops_over_columns(n, m),
     }
     return LinearSolver(
         fill("qr.c", shown) + fill("least_norm.c" if kernel.is_wide else "least_squares.c", shown),
@@ -324,13 +324,13 @@ def _qr(
     )
 
 
-def _loops_over_columns(n: int, m: int, real: Real) -> dict[str, object]:
+def _loops_over_columns(n: int, m: int) -> dict[str, object]:
     """Loops over further columns; a single column has none."""
     if n == 1:
         return {"others": "", "above": ""}
     others = [
         f"for (int j = c + 1; j < {n}; ++j) {{",
-        f"    {real.type} r = 0.0;",
+        "    real r = 0.0;",
         f"    for (int i = 0; i < {m}; ++i) {{",
         f"        r += w->a[{n} * i + c] * w->a[{n} * i + j];",
         "    }",

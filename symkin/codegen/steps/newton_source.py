@@ -175,7 +175,7 @@ class NewtonCode:
         }
         if self.keeps_known:
             nk = self.kernel.known.numel()
-            copies["aimed_at"] = f"    {self.real.type} aimed[{nk}];"
+            copies["aimed_at"] = f"    real aimed[{nk}];"
             copies["to_begin"] += "\n" + indent(copy_loop("aimed", "w->k", nk))
             copies["to_end"] += "\n" + indent(copy_loop("w->k", "aimed", nk))
         return fill("middle.c", self._values | copies) if self.bends else ""
@@ -257,7 +257,7 @@ class NewtonCode:
             adds = [f"for (int i = 1; i < {count}; ++i) {{", "    sum += w->f[i] * w->f[i];", "}"]
         root = "sqrt(sum)"
         result = f"return {root};" if length == 1.0 else f"return {root} * {real.literal(length)};"
-        return [f"{real.type} sum = w->f[0] * w->f[0];", *adds, result]
+        return ["real sum = w->f[0] * w->f[0];", *adds, result]
 
     # --- values of the templates ------------------------------------------------------------------
 
@@ -305,7 +305,7 @@ class NewtonCode:
     @property
     def _members(self) -> dict[str, object]:
         """Members of the work space that not every kernel has, and what its arrays hold."""
-        kernel, kind = self.kernel, self.real.type
+        kernel = self.kernel
         nd, square = kernel.shared_symbols.numel(), min(kernel.m, kernel.n) ** 2
         meaning = kernel.meaning
         told = [
@@ -331,14 +331,14 @@ class NewtonCode:
             "at": ""
             if self.retarget
             else (
-                f"    {kind} at[{self._sizes['nto']}]; /* known values at the guess, where the "
+                f"    real at[{self._sizes['nto']}]; /* known values at the guess, where the "
                 f"line begins */"
             ),
             "shared": "\n".join(
-                ([f"    {kind} d[{nd}]; /* values that rows and matrix share */"] if nd else [])
+                ([f"    real d[{nd}]; /* values that rows and matrix share */"] if nd else [])
                 + (
                     [
-                        f"    {kind} k0[{self._sizes['nk']}]; /* known values at the part that is "
+                        f"    real k0[{self._sizes['nk']}]; /* known values at the part that is "
                         f"done: the matrix's */"
                     ]
                     if self.keeps_known
@@ -347,8 +347,8 @@ class NewtonCode:
             ),
             "r": ""
             if kernel.is_square
-            else f"    {kind} r[{square}]; /* R of QR, reciprocals on its diagonal */",
-            "sides": f"    {kind} q[{kernel.m * kernel.n}]; /* Q at the part of the line that is "
+            else f"    real r[{square}]; /* R of QR, reciprocals on its diagonal */",
+            "sides": f"    real q[{kernel.m * kernel.n}]; /* Q at the part of the line that is "
             f"done */\n"
             "    int8_t side; /* sign of the determinant there, 0 before the line has begun */"
             if self._has_side
@@ -417,7 +417,7 @@ class NewtonCode:
         keeping = indent(["if (taken > 0U) {", *("    " + line for line in keep), "}"], 3)
         return {
             "begin_target": begin_target,
-            "part": "" if by_call else f", {self.real.type} part",
+            "part": "" if by_call else ", real part",
             "aimed": "" if by_call else ": a part of the line from the guess's to `to`",
             "at_done": keeping if kept else first(done),
             "at_aim": first(aim),
@@ -453,7 +453,7 @@ class NewtonCode:
             return common | {
                 "still2": "still2",
                 "still_variable": [
-                    f"{self.real.type} still2 = {floor}; /* square of a step that is rounding */"
+                    f"real still2 = {floor}; /* square of a step that is rounding */"
                 ],
                 "noise": [f"still2 = ({test}) ? ({noise}) : {floor};"],
                 "stay": copy_loop("w->x", "w->x0", state),

@@ -95,7 +95,7 @@ def pose_coordinates_text(geometry: Geometry, real: Real, values: dict[str, obje
             "}",
         ]
     if tests:
-        refused = f"    status = {values['P']}_OUT_OF_RANGE;"
+        refused = "    status = NAME_OUT_OF_RANGE;"
         body += [f"if (!({' && '.join(tests)})) {{", refused, "}"]
     return fill("pose_coordinates.c", values | {"count": count, "body": body})
 

@@ -5,7 +5,7 @@ static name_real solver_joint(int i, const name_real pair[2], name_real about)
     static const bool angular[@nn] = { @angular };
     name_real value = zeros[i] + pair[0];
     if (angular[i]) {
-        value = zeros[i] + @arctangent2(pair[1], pair[0]);
+        value = zeros[i] + atan2(pair[1], pair[0]);
         const name_real number = (about - value) * 0.15915494309189535;
         if (fabs(number) > 0.5) {
             value += 6.283185307179586 * (name_real)(int)(number + ((number < 0.0) ? -0.5 : 0.5));

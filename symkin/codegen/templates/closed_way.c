@@ -9,7 +9,7 @@ static name_real solver_turn(const name_real a[2], const name_real b[2])
         const name_real square = ratio * ratio;
         way = ratio * (@near_arctangent);
     } else {
-        way = @arctangent2(s, c);
+        way = atan2(s, c);
     }
     return way;
 }

@@ -15,12 +15,12 @@ from symkin.codegen.text.printer import POWER, PRODUCT, Form, Language, Printer
 from symkin.errors import InputError
 from symkin.text import c_comment
 
-_DOUBLE = re.compile(
+_PLAIN = re.compile(
     r"/\*.*?\*/|(?<![\w.])\d+\.\d+(?:e[-+]?\d+)?(?!\w)"
-    r"|\b(?:(?:fabs|sqrt|sin|cos|atan2)(?=\()|HUGE_VAL\b)",
+    r"|(?<![\w>])(?:(?:fabs|sqrt|sin|cos|atan2)(?=\()|(?:HUGE_VAL|real)\b|(?:name|NAME)(?=_))",
     re.S,
 )
-"""Comments; numbers, functions and the infinity of doubles."""
+"""Comments; numbers, functions and the infinity of doubles; names that stand for others."""
 
 
 @dataclass(frozen=True)
@@ -67,17 +67,24 @@ class Real:
             text += ".0"
         return text + self.suffix
 
-    def typed(self, text: str) -> str:
-        """C text with numbers and functions of math.h of this type in the places of those of
-        doubles; comments, and what has a type already, stay.
+    def typed(self, text: str, name: str) -> str:
+        """C text of the machine of a name, with names, numbers and functions of math.h of this type
+        in the places of name_, NAME_, real and what doubles have; comments, and what has a type
+        already, stay.
         """
-        return text if self.name == "double" else _DOUBLE.sub(self._in_float, text)
+        own = {"real": self.type, "name": name, "NAME": name.upper()}
 
-    def _in_float(self, found: re.Match[str]) -> str:
-        word = found[0]
-        if word.startswith("/*"):
-            return word
-        return self.literal(float(word)) if word[0].isdigit() else word + "fF"[word.isupper()]
+        def word(found: re.Match[str]) -> str:
+            told = found[0]
+            if told.startswith("/*") or told in own:
+                return own.get(told, told)
+            if self.name == "double":
+                return told
+            if told == "atan2":
+                return f"{name}_angle"
+            return self.literal(float(told)) if told[0].isdigit() else told + "fF"[told.isupper()]
+
+        return _PLAIN.sub(word, text)
 
     def hexadecimal(self, value: float) -> str:
         """The exact bits of the rounded value, for test vectors."""
