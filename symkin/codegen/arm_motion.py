@@ -120,9 +120,9 @@ class ArmMotion:
     @property
     def _turned_lines(self) -> list[str]:
         """Statements that set u from the joint values."""
-        lines, literal = [], self.real.literal
+        lines = list[str]()
         for i, screw in enumerate(self.arm.screws):
-            value = f"(joints[{i}] - {literal(screw.zero)})" if screw.zero else f"joints[{i}]"
+            value = f"(joints[{i}] - {screw.zero})" if screw.zero else f"joints[{i}]"
             if screw.slides:
                 lines += [f"u[{2 * i}] = {value};", f"u[{2 * i + 1}] = 0.0;"]
             elif self.real.name == "float":

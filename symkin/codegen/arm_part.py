@@ -154,13 +154,13 @@ class HeldPart:
         """Statements of what a step divides by at least; where nothing reads that, its square is
         held all the same.
         """
-        step, real, number = self.steps[i], self.code.real, self.code.squares[i].number
+        step, number = self.steps[i], self.code.squares[i].number
         texts = f"w, {number}, {self._text('rounding', i)}, {self._text('change', i)}"
         root = ""
         if step.is_sine:
             asked = f"name_inverse_least_sine({texts})"
         elif step.speed is not None:
-            asked = f"name_inverse_least_length({texts}, {real.literal(rounded(step.least))})"
+            asked = f"name_inverse_least_length({texts}, {rounded(step.least)})"
         else:
             asked, root = f"name_inverse_least({texts})", "sqrt" if step.is_square else ""
         if self._reads(self._roots[i]) or not step.less.is_zero():
@@ -206,7 +206,7 @@ class HeldPart:
         `whole` and its way, unless what is turned and where it goes to cover too short ways across
         the axis for a quarter turn each, or the only one of them that turns for a half.
         """
-        real, number = self.code.real, self.code.squares[i].number
+        number = self.code.squares[i].number
         whole = self._emitter.assign(f"{self._text('whole', joint)} + w->way[{joint}]")
         asked = f"{whole} > most"
         if self._turns_short(i):
@@ -215,10 +215,10 @@ class HeldPart:
             if len(sides) == 1:
                 ends += f" + (2.0 * (({here} < {there}) ? {here} : {there}))"
             texts = [self._text(f"side {k}", i) for k in sides]
-            short = [f"({real.literal(RAISED)} * {s} * {s} < {ends})" for s in texts]
+            short = [f"({RAISED} * {s} * {s} < {ends})" for s in texts]
             asked = f"({asked}) && !({' && '.join(short)})"
         self._add(f"most = ({asked}) ? {whole} : most;")
-        told = real.literal(MOST_WAY)
+        told = MOST_WAY
         self._emitter.lines += [f"if (!(most < {told})) {{", f"    {self._take_most}", "}"]
 
     @property
@@ -228,7 +228,7 @@ class HeldPart:
 
     @property
     def _take_most(self) -> str:
-        turn2 = self.code.real.literal(MOST_WAY**2)
+        turn2 = MOST_WAY**2
         return f"name_inverse_take(w, most * most, {turn2});"
 
     @property
@@ -241,7 +241,7 @@ class HeldPart:
     @property
     def _begin_lines(self) -> list[str]:
         """Statements of what changes on the part, as far as the others read it."""
-        real, bounds, size = self.code.real, self.bounds, self.code.plan.arm.size
+        bounds, size = self.bounds, self.code.plan.arm.size
         found = ["w->kept = true;", "w->bent = 0.0;", "w->most = 1.0;"]
         if self._has_turns:
             found.append("real most = 0.0;")
@@ -250,7 +250,7 @@ class HeldPart:
                 found.append(f"const real {name} = sqrt(change[{i}]);")
         for i in range(len(self.code.plan.arm)):
             if self._reads(bounds.ends[i]):
-                per = real.literal(1.0 / size)
+                per = 1.0 / size
                 found += [
                     f"const real begin{i} = fabs(w->turned[{i}][0]) * {per};",
                     f"const real goal{i} = fabs(w->aimed[{i}][0]) * {per};",

@@ -47,7 +47,7 @@ class ClosedDirectSource(DirectText):
     @property
     def text(self) -> str:
         """All functions of the direct problem."""
-        real, made, literal = self.real, self.made, self.literal
+        real, made = self.real, self.made
         angular = any(c.is_angular for c in made.actuated)
         polynomial = real.name == "float" and angular
         angle = angle_of_direction(real, self.common) if polynomial else ""
@@ -80,7 +80,7 @@ class ClosedDirectSource(DirectText):
             else "one evaluation",
             "evaluation_count": 2 if any(wide) else 1,
             "half_lines": self._half_lines,
-            "rounding": literal(rounded(64 * real.epsilon * made.size)),
+            "rounding": rounded(64 * real.epsilon * made.size),
             **self.answer_lines,
         }
         aim = [
@@ -155,8 +155,7 @@ class ClosedDirectSource(DirectText):
             text = emitter.value(1, i)
             lines.append(f"w->y[{i}] = {text};")
         shares = [
-            f"fabs(r{k + 1}) * {real.literal(1.0 / float(root))}"
-            for k, root in enumerate(self.found.usual_roots)
+            f"fabs(r{k + 1}) * {1.0 / float(root)}" for k, root in enumerate(self.found.usual_roots)
         ]
         lines.append(f"w->share = {shares[0] if shares else 1.0};")
         for k, share in enumerate(shares[1:], start=2):
@@ -204,7 +203,7 @@ class ClosedDirectSource(DirectText):
     @property
     def _change_lines(self) -> list[str]:
         """Statements of the squares of changes, of an angle by its chord's."""
-        lines, real = list[str](), self.real
+        lines = list[str]()
         for i, c in enumerate(self.made.actuated):
             places = self.joint_places[c.name]
             lines += [f"const real move{n} = w->u[{n}] - w->at[{n}];" for n in places]
@@ -215,7 +214,7 @@ class ClosedDirectSource(DirectText):
             lines += [
                 f"const real chord{i} = {square};",
                 f"kept = kept && (chord{i} <= 2.0);",
-                f"change[{i}] = chord{i} + {real.literal(_ARC)} * chord{i} * chord{i};",
+                f"change[{i}] = chord{i} + {_ARC} * chord{i} * chord{i};",
             ]
         return lines
 
@@ -230,7 +229,7 @@ class ClosedDirectSource(DirectText):
             if not span.angular:
                 guess = f"w->at[{self.joint_places[c.name][0]}]"
                 for text, room in ((guess, 1.0 + _ROUNDED * real.epsilon), (f"joints[{i}]", 1.0)):
-                    tests.append(f"(away{len(slides)} <= {real.literal(room * span.half)})")
+                    tests.append(f"(away{len(slides)} <= {room * span.half})")
                     slides.append((text, span.middle, span.half))
         if not slides:
             return []

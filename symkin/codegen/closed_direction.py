@@ -297,7 +297,7 @@ class ClosedDirection(Source):
     @cached_property
     def values(self) -> dict[str, object]:
         """Names of the templates."""
-        literal, count = self.literal, max(1, len(self.conditions))
+        count = max(1, len(self.conditions))
         return dict(self.names) | {
             "which": self.direction.name,
             "k": f"{self.name}_{self.direction.name}",
@@ -306,10 +306,9 @@ class ClosedDirection(Source):
             "nto": len(self.direction.known),
             "signs": max(1, self.signs.numel() + len(self.divisors)),
             "conditions": count,
-            "resolved": literal(_RESOLVED * self.real.epsilon),
+            "resolved": _RESOLVED * self.real.epsilon,
             "home_signs": ", ".join(
-                literal(s)
-                for s in (*self.reference_signs, *(self._factors[j] for j in self.divisors))
+                str(s) for s in (*self.reference_signs, *(self._factors[j] for j in self.divisors))
             )
             or "1.0",
         }
@@ -355,7 +354,7 @@ class ClosedDirection(Source):
     @property
     def _formula_lines(self) -> list[str]:
         """Statements of the conditions, the roots and the state."""
-        literal, symbols = self.literal, [self.known, self.signs, self.roots]
+        symbols = [self.known, self.signs, self.roots]
         conditions = snapped_expression(stacked(c.value for c in self.conditions), symbols)
         names = ("k", "sign", [f"r{k + 1}" for k in range(self.roots.numel())])
         inputs = list(zip(symbols, names, strict=True))
@@ -369,9 +368,9 @@ class ClosedDirection(Source):
                 side += 1
                 continue
             number += 1
-            least = literal(rounded(_ROOT * float(self.usual[j])))
-            emitter.root(number, text, least, "0.0", about=one.name)
-            emitter.lines.insert(-1, f"d[{j}] = d{number} * {self._per_usual(j)};")
+            least = rounded(_ROOT * float(self.usual[j]))
+            emitter.root(number, text, str(least), "0.0", about=one.name)
+            emitter.lines.insert(-1, f"d[{j}] = d{number} * {self._factors[j]};")
         if not self.conditions:
             emitter.lines.append("d[0] = 1.0;")
         return emitter.stored("x", 1)
@@ -392,7 +391,6 @@ class ClosedDirection(Source):
         inputs = [self.known, self.state, self.signs, self.roots]
         divisors = [one.value for one in self.conditions if one.root is None]
         expressions = [snapped_expression(stacked(part), inputs) for part in (told, divisors)]
-        literal = self.literal
         names = ("k", "x", "sign", [f"r{k + 1}" for k in range(len(told))])
         emitter = Emitter.of(self.real, list(zip(inputs, names, strict=True)), *expressions)
         lines = emitter.lines
@@ -401,11 +399,11 @@ class ClosedDirection(Source):
             lines.append(f"sign[{k}] = ({text} < 0.0) ? -1.0 : 1.0;")
             if ca.depends_on(stacked([*told[k + 1 :], *divisors]), self.roots[k]):
                 lines.append(f"const real r{k + 1} = fabs({text});")
-            lines.append(f"d[{j}] = {text} * {text} * {self._per_usual(j)};")
+            lines.append(f"d[{j}] = {text} * {text} * {self._factors[j]};")
         for place, j in enumerate(self.divisors):
             # on which side of zero it has to stay, over its usual size
             text, side = emitter.value(1, place), f"sign[{len(told) + place}]"
-            per = literal(abs(self._factors[j]))
+            per = abs(self._factors[j])
             lines += [
                 f"{side} = ({text} < 0.0) ? -{per} : {per};",
                 f"d[{j}] = {side} * {text};",
@@ -419,9 +417,6 @@ class ClosedDirection(Source):
         reference.
         """
         return [rounded(1.0 / float(usual)) for usual in self.usual]
-
-    def _per_usual(self, j: int) -> str:
-        return self.literal(self._factors[j])
 
 
 def _unit(cosine: ca.SX, sine: ca.SX | None) -> ca.SX:

@@ -21,7 +21,7 @@ from symkin.codegen.steps.formula_guards import RESOLVED
 from symkin.codegen.steps.newton_kernel import rounded
 from symkin.codegen.steps.passive_limits import texts_of
 from symkin.codegen.text.angles import Numbers, by_numbers
-from symkin.codegen.text.c import Emitter, Real, indented_by_braces
+from symkin.codegen.text.c import Emitter, indented_by_braces
 from symkin.codegen.text.templates import fill
 from symkin.computed_once import cached_property
 from symkin.elimination.closed_form import ClosedForm
@@ -146,9 +146,9 @@ class LimbFormulas(Source):
                 vanishes = ["/* what is divided by vanishes */", "status = NAME_SINGULAR;"]
                 closings.append(["} else {", *vanishes, *zeros, "}"])
             if k < count:
-                limit = real.literal(rounded((least * self.usual_roots[k]) ** 2))
+                limit = rounded((least * self.usual_roots[k]) ** 2)
                 about, square = self.formulas.names[k], emitter.value(0, k)
-                tests.append(emitter.root(k + 1, square, limit, "1.0", about=about))
+                tests.append(emitter.root(k + 1, square, str(limit), "1.0", about=about))
         written += emitter.take()
         if tests:
             # only where the roots are there: then nothing that is divided by vanishes with them
@@ -170,7 +170,7 @@ class LimbFormulas(Source):
         return max(reads, default=0)
 
     def _above(self, text: str, least: float) -> str:
-        return f"(fabs({text}) > {self.literal(rounded(least))})"
+        return f"(fabs({text}) > {rounded(least)})"
 
     @property
     def _rows(self) -> ca.SX:
@@ -202,13 +202,11 @@ class LimbFormulas(Source):
         ], f"({closes}) ? NAME_OK : NAME_OUT_OF_RANGE"
 
 
-def side_lines(side: str, what: str, bounds: tuple[float, float], real: Real) -> list[str]:
+def side_lines(side: str, what: str, bounds: tuple[float, float]) -> list[str]:
     """Statements on a limb's side of a dead centre, sign times root: below the first bound it is
     the other one, below the second it is not firm.
     """
-    wrong, beside = (
-        real.literal(float(np.copysign(rounded(abs(bound)), bound))) for bound in bounds
-    )
+    wrong, beside = (float(np.copysign(rounded(abs(bound)), bound)) for bound in bounds)
     return [
         f"if (!({side} >= {wrong})) {{ /* {c_comment(what)} */",
         "    status = NAME_WRONG_BRANCH;",
@@ -244,8 +242,8 @@ def branch_text(made: LimbPlatform, common: Mapping[str, object], tolerance: flo
             near = float(
                 BESIDE * np.sqrt(tolerance / system.characteristic_length) * written.usual_roots[k]
             )
-            tests += side_lines(text, name, (-near, READ_AGAIN * near), made.real)
-            tests += [f"told = told && ({text} > {made.real.literal(rounded(near))});"]
+            tests += side_lines(text, name, (-near, READ_AGAIN * near))
+            tests += [f"told = told && ({text} > {rounded(near)});"]
         lines += [*emitter.lines, *tests]
     count, passive = (sum(c.width for c in part) for part in (state, made.passive))
     shown = {"count": count, "told": lines, "answer": f"&x[{passive}]"}

@@ -145,8 +145,8 @@ class ClosedLine:
     @property
     def _way_lines(self) -> list[str]:
         """Statements of the joints' ways between two points, and of their values at the second."""
-        real, lines = self.real, list[str]()
-        per = f" * {real.literal(1.0 / self.plan.arm.size)}"
+        lines = list[str]()
+        per = f" * {1.0 / self.plan.arm.size}"
         for i, (screw, exact) in enumerate(zip(self.plan.arm.screws, self._exact, strict=True)):
             way = f"name_inverse_turn(w->turned[{i}], w->aimed[{i}])"
             if exact:
@@ -195,7 +195,7 @@ class ClosedLine:
     @property
     def _values(self) -> dict[str, object]:
         """Values of the names in the templates."""
-        literal, screws, real = self.real.literal, self.plan.arm.screws, self.real
+        screws, real = self.plan.arm.screws, self.real
         size = self.plan.arm.size
         numbers = {
             "per_size2": size**-2,
@@ -207,14 +207,14 @@ class ClosedLine:
             "nearly_one": _NEARLY_ONE,
         }
         shares = (rounded((_GROWS / _LONGEST) ** 2), _LONGEST, _GROWS)
-        longer = _LONGER.format(*map(literal, shares))
+        longer = _LONGER.format(*map(str, shares))
         beyond = "(reached == NAME_OUT_OF_RANGE) && (end >= 1.0)"
         texts = {
             "k": "name_inverse",
             "nto": 2,
             "nat": 7,
             "turns": 2 * len(screws),
-            "zeros": ", ".join(literal(screw.zero) for screw in screws),
+            "zeros": ", ".join(str(screw.zero) for screw in screws),
             "near_arctangent": near_arctangent(real),
             "walks": "NAME_SHARED",
             "hold_guards": "",
@@ -229,8 +229,7 @@ class ClosedLine:
             "unreached": f"((reached == NAME_SINGULAR) || ({beyond})) ? reached : "
             "NAME_WRONG_BRANCH",
         }
-        told = {name: literal(number) for name, number in numbers.items()}
-        return self.code.names | told | texts | self._limits.names
+        return self.code.names | numbers | texts | self._limits.names
 
 
 # --- limits ---------------------------------------------------------------------------------------
@@ -297,14 +296,13 @@ def limit_check(code: ClosedCode) -> LimitCheck:
         "k": "name_inverse",
         "last": n - 1,
         "limited": ", ".join("true" if c.limits is not None else "false" for c in code.coordinates),
-        "lows": ", ".join(real.literal(low) for low, _ in ranges),
-        "highs": ", ".join(real.literal(high) for _, high in ranges),
+        "lows": ", ".join(str(low) for low, _ in ranges),
+        "highs": ", ".join(str(high) for _, high in ranges),
         "per_lengths": ", ".join(
-            real.literal(1.0 / code.plan.arm.size if screw.slides else 1.0)
-            for screw in code.plan.arm.screws
+            str(1.0 / code.plan.arm.size if screw.slides else 1.0) for screw in code.plan.arm.screws
         ),
         "nn": n,
-        "raised": real.literal(RAISED),
+        "raised": RAISED,
     }
     members = (
         "uint8_t blamed; /* the joint that leaves its limits */",

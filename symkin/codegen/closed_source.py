@@ -238,7 +238,7 @@ class ClosedCode:
         """Add what must hold before a step's solutions are formed; what is said where it does not:
         nothing decides the joint, two solutions meet, or there is none.
         """
-        least, opened = self.real.literal(LEAST * self.real.epsilon), list[str]()
+        least, opened = LEAST * self.real.epsilon, list[str]()
         emitter.comment(self.plan.steps[i].reason)
         strength = emitter.value(0, 3 * i)
         if not _is_number(strength):
@@ -261,7 +261,7 @@ class ClosedCode:
         """
         if self.is_checked:
             gap = emitter.value(0, 3 * len(self.plan.steps))
-            emitter.lines.append(f"if ({gap} < {self.real.literal(self.misfit**2)}) {{")
+            emitter.lines.append(f"if ({gap} < {self.misfit**2}) {{")
             opened = [*opened, "}"]
         return [*emitter.lines, *innermost, *reversed(opened)]
 
@@ -291,9 +291,7 @@ class ClosedCode:
                 continue
             (joint,) = step.joints
             screw = self.plan.arm.screws[joint]
-            value = f"guess[{joint}]" + (
-                f" - {self.real.literal(screw.zero)}" if screw.zero else ""
-            )
+            value = f"guess[{joint}]" + (f" - {screw.zero}" if screw.zero else "")
             cosine = value if screw.slides else f"name_sine({value} + 1.5707963267948966)"
             lines += [f"near[{2 * number}] = {cosine};"]
             lines += [] if screw.slides else [f"near[{2 * number + 1}] = name_sine({value});"]
@@ -304,7 +302,7 @@ class ClosedCode:
 
     @property
     def names(self) -> dict[str, object]:
-        literal, names = self.real.literal, self.plan.branches
+        names = self.plan.branches
         spans = [c.limits for c in self.coordinates]
         middles = [0.5 * (s[0] + s[1]) if s else 0.0 for s in spans]
         named = [
@@ -323,8 +321,8 @@ class ClosedCode:
             "near": indent(self._near_lines, 2),
             "nn": len(self.plan.arm),
             "angular": ", ".join("true" if c.is_angular else "false" for c in self.coordinates),
-            "middles": ", ".join(literal(m) for m in middles),
-            "many": literal(_MOST_TURNS),
+            "middles": ", ".join(str(m) for m in middles),
+            "many": _MOST_TURNS,
             "sine": rough_sine(self.real),
             "named": indent(named, 2),
         }
@@ -343,11 +341,9 @@ class ClosedCode:
     @property
     def _finish(self) -> str:
         if self.newton is None:
-            return fill(
-                "closed_hold.c", self.names | {"answer_rounding": self.real.literal(self.misfit)}
-            )
-        literal, size = self.real.literal, self.plan.arm.size
-        own = {"most_steps": _FINISH_STEPS, "longest2": literal((_FINISH_REACH * size) ** 2)}
+            return fill("closed_hold.c", self.names | {"answer_rounding": self.misfit})
+        size = self.plan.arm.size
+        own = {"most_steps": _FINISH_STEPS, "longest2": (_FINISH_REACH * size) ** 2}
         return fill("closed_finish.c", self.newton.factoring | self.names | own)
 
     @property

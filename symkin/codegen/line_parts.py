@@ -49,7 +49,7 @@ class LineParts:
         """What known values that turn ask for: a first part, a longest part, and the middle of each
         part.
         """
-        literal, floor = self.real.literal, f"(size <= {self.still2})"
+        floor = f"(size <= {self.still2})"
         doubled = "stretch * part" if self.measured else "quick ? (part + part) : part"
         if not self.bends:
             return {
@@ -62,7 +62,7 @@ class LineParts:
         first, middle = self.first_turn, "done + 0.5 * (aim - done)"
         check = [
             f"if (accepted && (taken == 1U) && ((aim - done) * (aim - done) * turn2 * w->spread > "
-            f"{literal(_STRAIGHT2)})) {{",
+            f"{_STRAIGHT2})) {{",
             f"    accepted = {self.k}_reaches_middle({self.ga}w, to, {middle}, still2);",
             *([] if self.keeps_known else [f"    {self.k}_set_target({self.ga}w, to, aim);"]),
             "}",
@@ -71,11 +71,11 @@ class LineParts:
             "/* the square of the largest turn of a known value on the line (rad), and what part "
             "of the line is tried first */",
             *self._turn_lines,
-            f"if (turn2 > {literal(first**2)}) {{",
-            f"    aim = {literal(first)} / sqrt(turn2);",
+            f"if (turn2 > {first**2}) {{",
+            f"    aim = {first} / sqrt(turn2);",
             "}",
         ]
-        longest = literal((0.5 * LONGEST_TURN) ** 2)
+        longest = (0.5 * LONGEST_TURN) ** 2
         return {
             "turn": indent(start),
             "check_middle": indent(check, 2),
@@ -130,12 +130,12 @@ class LineParts:
         """Statements that set turn2: angles and rods' lengths over the size by their largest, a
         quaternion by its own turn.
         """
-        literal, turns = self.real.literal, self.kernel.turns
+        turns = self.kernel.turns
         lines, start = ["real turn2 = 0.0;"], self.kernel.quaternion
         if turns:
             places, parts = (
                 ", ".join(text)
-                for text in zip(*((str(i), literal(weight)) for i, weight in turns), strict=True)
+                for text in zip(*((str(i), str(weight)) for i, weight in turns), strict=True)
             )
             lines += [
                 f"static const uint8_t places[{len(turns)}] = {{ {places} }};",

@@ -267,7 +267,6 @@ class ArmSource(Source):
         far = farthest(
             size, self.made.forward_at(np.array([c.reference[0] for c in self.made.actuated]))[:3]
         )
-        literal = self.literal
         return (
             common
             | {
@@ -276,10 +275,10 @@ class ArmSource(Source):
                 "ns": nq,
                 "nj": 6 * nq,
                 "meaning": _meaning(self.made),
-                "farthest": literal(far),
-                "farthest_joint": literal(FARTHEST * max(size, 1.0)),
-                "largest": literal(fastest(size)),
-                "per_size": literal(1.0 / size),
+                "farthest": far,
+                "farthest_joint": FARTHEST * max(size, 1.0),
+                "largest": fastest(size),
+                "per_size": 1.0 / size,
                 "branches_told": "" if self.closed is None else self.closed.header,
                 "line_words": self._line_words,
             }
@@ -434,7 +433,7 @@ class ArmSource(Source):
     def _speeds(self) -> str:
         """Rates, twist, feed and the step of a control loop."""
         rounding = self.code.tuning.rounding
-        return arm_speeds(self.made.actuated, self.real, rounding, self.values)
+        return arm_speeds(self.made.actuated, rounding, self.values)
 
     def _emitter(self, expression: ca.SX, joints: str) -> Emitter:
         """Emitter of a dense function of the joints, whose C name is given."""

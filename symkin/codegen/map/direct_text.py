@@ -124,7 +124,7 @@ class DirectText(Source):
         by the part of the slides' ranges that holds it.
         """
         tests = [
-            f"(w->{array}[{j}] > {self.literal(self.guards.roundings(guard)[0])})"
+            f"(w->{array}[{j}] > {self.guards.roundings(guard)[0]})"
             for j, guard in enumerate(self.found.guards)
             if guard.is_divisor == of_divisors
         ]
@@ -206,10 +206,10 @@ class DirectText(Source):
         inputs = [(x, "x"), (roots, [f"r{k + 1}" for k in range(roots.numel())])]
         emitter = Emitter.of(real, inputs, *outputs)
         tests = [
-            emitter.root(k + 1, emitter.value(0, k), real.literal(rounded(limit)), "1.0")
+            emitter.root(k + 1, emitter.value(0, k), str(rounded(limit)), "1.0")
             for k, limit in enumerate(limits)
         ]
-        limit = real.literal(off_motion(self.made.geometry, real))
+        limit = off_motion(self.made.geometry, real)
         tests += [f"(fabs({text}) <= {limit})" for text in emitter.values(4)]
         begun, middle = emitter.take(), emitter.stored("w->at", 1)
         self.store_guards(emitter, 3, "left", of_divisors=True)
@@ -317,7 +317,7 @@ class DirectText(Source):
             near = READ_AGAIN * BESIDE * np.sqrt(tolerance_of(real, size) / size)
             for root, what in zip(limb.usual_roots, limb.formulas.names, strict=True):
                 bounds = (0.0, float(near * root))
-                tests += side_lines(emitter.value(1, k), what, bounds, real)
+                tests += side_lines(emitter.value(1, k), what, bounds)
                 k += 1
         sides = [*emitter.take(), *tests]
         parts = {"residual": residual, "side": sides, "firm": self._firm_lines}
@@ -331,7 +331,7 @@ class DirectText(Source):
         distance.
         """
         found, lines = self.found, list[str]()
-        tests = [f"(w->share > {self.literal(_SMALL_SHARE)})"] * bool(found.usual_roots.size)
+        tests = [f"(w->share > {_SMALL_SHARE})"] * bool(found.usual_roots.size)
         for j, guard in enumerate(found.guards):
             firm = self.guards.by_reach(f"firm{j}", self.guards.roundings(guard, _FIRM), lines)
             tests.append(f"(w->guard[{j}] > {firm})")

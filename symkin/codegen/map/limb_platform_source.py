@@ -155,14 +155,14 @@ class LimbPlatformSource(Source):
     @cached_property
     def _common(self) -> dict[str, object]:
         """Values of the names that templates of the limbs need."""
-        made, literal = self.made, self.literal
+        made = self.made
         return common_values(self.name, self.real, struct=made.geometry.at_run_time) | {
             "nq": len(made.actuated),
             "ns": made.direct_kernel.state.shape[0],
             "nc": sum(c.width for c in made.closure.role("pose")),
             "np": max(1, sum(c.width for c in made.passive)),
-            "farthest": literal(farthest(made.size, made.middle)),
-            "largest": literal(fastest(made.size)),
+            "farthest": farthest(made.size, made.middle),
+            "largest": fastest(made.size),
             **self._passive_checks,
             "within": ", real within" if self._checks_rows else "",
             **self._names,
@@ -187,7 +187,7 @@ class LimbPlatformSource(Source):
         lines = list[str]()
         for k in range(6):
             own = [(c, float(rotation[c % 3, k % 3])) for c in columns if c // 3 == k // 3]
-            terms = [f"{self.literal(v)} * a[{c}]" for c, v in own if v != 0.0]
+            terms = [f"{v} * a[{c}]" for c, v in own if v != 0.0]
             lines.append(f"b[{k}] = {' + '.join(terms) or '0.0'};")
         nq, shown = self._common["nq"], {"part": part, "own": self._names[part]}
         said: dict[str, object] = {"given": "", "rates": "", "found": "rates", "count": nq}
@@ -238,12 +238,12 @@ class LimbPlatformSource(Source):
 
     def _within(self, error: float) -> str:
         """An argument of NAME_solve_limbs: how far rows may be off."""
-        return f", {self.literal(rounded(error))}" if self._checks_rows else ""
+        return f", {rounded(error)}" if self._checks_rows else ""
 
     @cached_property
     def values(self) -> dict[str, object]:
         """Values of the names in the templates of this kind, the tests and the header."""
-        made, literal = self.made, self.literal
+        made = self.made
         return self._common | {
             "track_factor": singular_condition(
                 made.direct_kernel,
@@ -252,8 +252,8 @@ class LimbPlatformSource(Source):
                 self._ga,
                 compact=made.options.compact,
             ),
-            "kappa": literal(np.sqrt(self.code.tuning.kappa2)),
-            "track2": literal((made.size / 24) ** 2),
+            "kappa": np.sqrt(self.code.tuning.kappa2),
+            "track2": (made.size / 24) ** 2,
             "check_branch": "",
             "stand": "",
             "keep_known": "",
@@ -293,7 +293,7 @@ class LimbPlatformSource(Source):
         """Statements that take a guess whose own rows vanish for the answer, where a step of
         rounding has left its branch beside a dead centre: of what stands still no branch is left.
         """
-        stands = self.literal(_STANDS * self.code.tuning.noise)
+        stands = _STANDS * self.code.tuning.noise
         return fill("stand.c", self._common | {"stands": stands, "branch": branch})
 
     def _enter(self, passive: int) -> str:
@@ -326,7 +326,7 @@ class LimbPlatformSource(Source):
             (geometry.symbols, geometry.names),
         ]
         emitter = Emitter.of(real, inputs, conditions.rows, prefix="v")
-        limit = real.literal(feasible_error(real.epsilon, conditions.characteristic_length))
+        limit = feasible_error(real.epsilon, conditions.characteristic_length)
         tests = [
             f"(fabs({emitter.value(0, i)}) <= {limit})" for i in range(conditions.rows.numel())
         ]
@@ -382,7 +382,7 @@ class LimbPlatformSource(Source):
             for c in made.actuated
         ]
         values = self._common | {
-            "near": ", ".join(self.literal(rounded(v)) for v in near),
+            "near": ", ".join(str(rounded(v)) for v in near),
             "within_given": self.into_limits("q", "given"),
             "turned_given": self.unwrapped("turned", "given", "q"),
         }

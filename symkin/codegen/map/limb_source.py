@@ -104,7 +104,7 @@ class LimbSource(Source):
             ("w->at", self.made.inverse.known_coordinates),
         )
         begin = [
-            f"{array}[{i}] = {self.literal(v)};"
+            f"{array}[{i}] = {v};"
             for array, coordinates in parts
             for i, v in enumerate(self.made.inverse.select_values(reference, coordinates))
         ]
@@ -236,14 +236,14 @@ class LimbSource(Source):
             numbers, column = ", ".join(f"{c}U" for c in columns), "(int)column[j]"
             table = [f"static const uint8_t column[{len(columns)}] = {{ {numbers} }};"]
         stores = [
-            f"jacobian[{6 * there} + {column}] = {step_text(self.real, *place)};"
+            f"jacobian[{6 * there} + {column}] = {step_text(*place)};"
             for there, place in zip(self._actuated, steps, strict=True)
         ]
         return [
             *table,
             f"{k}_work w;",
             f"real sides[{solved.size}];",
-            *self._solve("w.x", f", {self.literal(error)}"),
+            *self._solve("w.x", f", {error}"),
             *copy("w.k", "c", known),
             "if (status == NAME_OK) {",
             f"    if ({singular}) {{",

@@ -207,13 +207,13 @@ class DirectionSource(MapValues):
         """Newton's method, or formulas with the parts of Newton's method that finish and give
         rates; the function that sets the state, and polynomials near the reference.
         """
-        code, closed, literal = self.code, self.closed, self.literal
+        code, closed = self.code, self.closed
         if closed is None:
             return self._coefficients_text + code.text + self._place_text + self._sheet_text
         own = {
             "singular": singular_condition(code.kernel, code.k, "w"),
-            "rounding": literal(code.tuning.rounding),
-            "noise": literal(_NOISE * self.real.epsilon * self.made.size),
+            "rounding": code.tuning.rounding,
+            "noise": _NOISE * self.real.epsilon * self.made.size,
         }
         finish = fill("map_finish.c", code.factoring | closed.values | own)
         text = closed.text
@@ -269,11 +269,11 @@ class DirectionSource(MapValues):
             "k0": self.iteration.known_at(numbers_at(self.known, at)),
         }
         # passive joints go on from a guess's own configuration, which is then as an answer's
-        near = self.literal(_GUESSED * made.size)
+        near = _GUESSED * made.size
         own = {
             "near": "NAME_TOLERANCE" if made.passive else near,
             "starts": [
-                f"w.{array}[{i}] = {self.literal(v)};"
+                f"w.{array}[{i}] = {v};"
                 for array, values in starts.items()
                 for i, v in enumerate(values)
             ],
@@ -287,10 +287,10 @@ class DirectionSource(MapValues):
         near_home = {
             "singular": singular_condition(self.kernel, self.k, "&w"),
             "others": [
-                f"other[{i}] = {self.words[1]}[{i}] + {step_text(self.real, *place)};"
+                f"other[{i}] = {self.words[1]}[{i}] + {step_text(*place)};"
                 for i, place in enumerate(columns)
             ],
-            "longest": self.literal((_ROUGH * self.sheet.error * made.size) ** 2),
+            "longest": (_ROUGH * self.sheet.error * made.size) ** 2,
             "line": line,
         }
         return fill("map_near_home.c", self.names | near_home).splitlines()
@@ -298,16 +298,16 @@ class DirectionSource(MapValues):
     @property
     def _sheet_text(self) -> str:
         """The function of the polynomials, where there are some."""
-        sheet, literal = self.sheet, self.literal
+        sheet = self.sheet
         if sheet is None:
             return ""
         inputs = [(sheet.known, [f"u{i}" for i in range(self.n)])]
         begin = [
-            f"const real u{i} = values[{i}] - {literal(v)};"
+            f"const real u{i} = values[{i}] - {v};"
             for i, v in enumerate(self.made.reference_of(self.known))
         ]
         lines = [*begin, *Emitter.of(self.real, inputs, sheet.values).stored("wanted")]
-        within = [f"(fabs(u{i}) <= {literal(v)})" for i, v in enumerate(sheet.reach)]
+        within = [f"(fabs(u{i}) <= {v})" for i, v in enumerate(sheet.reach)]
         own = {"count": self.n, "lines": lines, "within": " && ".join(within)}
         return fill("map_sheet.c", self.names | own)
 
@@ -323,7 +323,7 @@ class DirectionSource(MapValues):
     def text(self) -> str:
         """The function of the direction, and its one step."""
         (values, out), known, wanted = self.words, self.known, self.wanted
-        n, literal, size = self.n, self.literal, self.made.size
+        n, size = self.n, self.made.size
         begin = [
             f"w->at[{i}] = {self.nearest(c, f'at[{i}]', f'{values}[{i}]')};"
             for i, c in enumerate(known)
@@ -333,7 +333,7 @@ class DirectionSource(MapValues):
         if self.closed is not None:
             # formulas tell an answer anywhere, so that the line to it begins at the reference
             solve, begun, of_known = "follow", "home", self.copies("w->k", known)
-            home = ", ".join(literal(v) for v in self.made.reference_of(known))
+            home = ", ".join(str(v) for v in self.made.reference_of(known))
             stand_at = [
                 f"static const real home[{n}] = {{ {home} }};",
                 f"real there[{n}];",
@@ -347,7 +347,7 @@ class DirectionSource(MapValues):
             *of_known,
             f"status = {self.k}_{solve}(w, {values}, config, info);",
         ]
-        weights = [literal((size if c.is_angular else 1.0) ** 2) for c in wanted]
+        weights = [(size if c.is_angular else 1.0) ** 2 for c in wanted]
         change = [
             f"change2 += {w} * (result[{i}] - {out}[{i}]) * (result[{i}] - {out}[{i}]);"
             for i, w in enumerate(weights)
@@ -381,13 +381,13 @@ class DirectionSource(MapValues):
             "change": change,
             "stand_at": stand_at,
             # of the checks that a guess, or an answer, stands where the known values are
-            "stands2": literal(stands**2),
-            "held2": literal(self.real.epsilon * size**2),
-            "reading": literal(_READING * tolerance),
-            "same2": literal((_SAME * tolerance) ** 2),
+            "stands2": stands**2,
+            "held2": self.real.epsilon * size**2,
+            "reading": _READING * tolerance,
+            "same2": (_SAME * tolerance) ** 2,
             "guess_from": "y" if self.made.passive else "guess",
             "answer_from": "y" if self.made.passive else "answer",
-            "track2": literal((size / _TRACKED) ** 2),
+            "track2": (size / _TRACKED) ** 2,
             **self._step,
         }
         return self._passive_text + fill("map_direction.c", self.names | own)
@@ -403,7 +403,7 @@ class DirectionSource(MapValues):
         """The function of how far wanted values are from others."""
         lines = list[str]()
         for i, c in enumerate(self.wanted):
-            weight = self.literal(self.made.size if c.is_angular else 1.0)
+            weight = self.made.size if c.is_angular else 1.0
             other = self.nearest(c, f"other[{i}]", f"guess[{i}]")
             lines += [
                 f"const real way{i} = {weight} * ({other} - guess[{i}]);",
@@ -455,9 +455,9 @@ class DirectionSource(MapValues):
         y, last = self.state_of(self.words[1])
         if self.closed is None:
             singular = singular_condition(self.kernel, self.k, "&w")
-            kappa = self.literal(np.sqrt(self.code.tuning.kappa2))
+            kappa = np.sqrt(self.code.tuning.kappa2)
             step = fill("map_step.c", self.names | {"singular": singular, "kappa": kappa})
         else:
-            own = {"not_decided": self.literal(_NOT_DECIDED)}
+            own = {"not_decided": _NOT_DECIDED}
             step = fill("map_closed_step.c", self.closed.values | self.names | own)
         return {"y": y, "last": last, "step": step.splitlines()}

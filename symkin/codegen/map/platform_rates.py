@@ -62,13 +62,13 @@ def square_twist(mechanism: Mechanism, real: Real, values: Mapping[str, object])
     turns.
     """
     size, columns = mechanism.characteristic_length, COLUMNS[mechanism.motion]
-    scales = [real.literal(size if c.is_angular else 1.0) for c in mechanism.actuated]
+    scales = [str(size if c.is_angular else 1.0) for c in mechanism.actuated]
     shown = {
         "row_scales": ", ".join(scales),
         "columns": ", ".join(f"{c}U" for c in columns),
-        "column_scales": ", ".join(real.literal(1.0 / size if c > 2 else 1.0) for c in columns),
+        "column_scales": ", ".join(str(1.0 / size if c > 2 else 1.0) for c in columns),
         "others": [f"twist[{c}] = 0.0;" for c in range(6) if c not in columns],
-        "least_pivots": ", ".join([real.literal(SINGULAR * real.epsilon)] * len(columns)),
+        "least_pivots": ", ".join([str(SINGULAR * real.epsilon)] * len(columns)),
     }
     return fill("square_twist.c", {**values, **shown})
 
@@ -168,7 +168,6 @@ def _stores(made: LimbPlatform, kernel: Kernel) -> list[str]:
     columns, per_size = COLUMNS[made.mechanism.motion], 1.0 / made.size
     first = kernel.n - len(columns)
     texts = {
-        c: step_text(made.real, first + i, per_size if c > 2 else 1.0, "w->")
-        for i, c in enumerate(columns)
+        c: step_text(first + i, per_size if c > 2 else 1.0, "w->") for i, c in enumerate(columns)
     }
     return [f"twist[{c}] = {texts.get(c, '0.0')};" for c in range(6)]

@@ -107,13 +107,9 @@ class Source:
     def name(self) -> str:
         return self.made.name
 
-    def literal(self, value: float) -> str:
-        """C text of a number."""
-        return self.real.literal(value)
-
     def array(self, values: Sequence[float] | np.ndarray) -> str:
         """C text of the numbers of an array."""
-        return ", ".join(map(self.literal, values))
+        return ", ".join(map(str, values))
 
     def turned(self, c: Coordinate, angle: str, near: str) -> str:
         """C text of an angle moved by whole turns next to another, within its limits."""
@@ -148,7 +144,7 @@ class Source:
 
     def turning(self, text: str, values: Mapping[str, object]) -> str:
         """The functions that move an angle by whole turns, where a text calls them."""
-        shown, found = {**values, "many": self.literal(_MOST_TURNS)}, ""
+        shown, found = {**values, "many": _MOST_TURNS}, ""
         for called, template in (("turned", "turned_angle.c"), ("nearest", "nearest_turn.c")):
             if f"_{called}(" in found + text:
                 found = fill(template, shown) + found

@@ -133,7 +133,7 @@ class RodSource(LimbPlatformSource):
             "store_jacobian": stores,
             "copy_joints": copy("joints", "w.k", 6),
         }
-        line = rod_line(self._ranges, self.real, self.values) if self.made.has_limits else ""
+        line = rod_line(self._ranges, self.values) if self.made.has_limits else ""
         return [fill("rod_inverse.c", self.values | own), line]
 
     @property
@@ -203,11 +203,11 @@ def _bases(platform: RodPlatform, factor: float) -> tuple[list[str], dict[int, s
     """
     if platform.options.geometry == "struct":
         return [], {k: f"geometry->base[i][{k}]" for k in range(3)}
-    real, size = platform.real, platform.size
+    size = platform.size
     rows = platform.geometry.rows[:, :3]
     kept = [k for k in range(3) if np.any(rows[:, k] != 0.0)] or [0]
     numbers = ", ".join(
-        "{ " + ", ".join(real.literal(factor * snap(float(row[k]), size)) for k in kept) + " }"
+        "{ " + ", ".join(str(factor * snap(float(row[k]), size)) for k in kept) + " }"
         for row in rows
     )
     table = f"static const real base[6][{len(kept)}] = {{ {numbers} }};"
@@ -225,15 +225,13 @@ def _ranges(platform: RodPlatform) -> list[Range]:
     for i, bar in enumerate(platform.mechanism.bars):
         limits = platform.mechanism.actuated[i].limits
         low = max(-bar.offset + 1e-6 * size, limits[0] - slack if limits else -np.inf) - zero[i]
-        high = real.literal(limits[1] + slack - zero[i] if limits else FARTHEST * size)
+        high = str(limits[1] + slack - zero[i] if limits else FARTHEST * size)
         if (
             platform.options.geometry == "struct"
             and not limits
             and not platform.options.home_relative
         ):
-            found.append(
-                Range(real.literal(1e-6 * size), high, "joints[{i}] + geometry->offset[{i}]")
-            )
+            found.append(Range(str(1e-6 * size), high, "joints[{i}] + geometry->offset[{i}]"))
         else:
-            found.append(Range(real.literal(low), high))
+            found.append(Range(str(low), high))
     return found

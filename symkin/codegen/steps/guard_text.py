@@ -69,13 +69,12 @@ class GuardText:
         values: C text, the middle of the range and half of its width. `away0`, ... are how far they
         are from the middle.
         """
-        literal = self.real.literal
         lines = ["w->reach = 0U;"] if self._has_parts else []
         for i, (text, middle, half) in enumerate(slides):
-            value = text if middle == 0.0 else f"{text} - {literal(middle)}"
+            value = text if middle == 0.0 else f"{text} - {middle}"
             lines.append(f"const real away{i} = fabs({value});")
             for k, part in enumerate(SLIDE_PARTS[:-1] if self._has_parts else (), start=1):
-                beyond = f"(w->reach < {k}U) && (away{i} > {literal(part * half)})"
+                beyond = f"(w->reach < {k}U) && (away{i} > {part * half})"
                 lines.append(f"w->reach = ({beyond}) ? {k}U : w->reach;")
         return lines
 
@@ -90,8 +89,8 @@ class GuardText:
         `lines` get their table where they differ.
         """
         if all(value == values[0] for value in values):
-            return self.real.literal(values[0])
-        texts = ", ".join(self.real.literal(value) for value in values)
+            return str(values[0])
+        texts = ", ".join(str(value) for value in values)
         lines.append(f"static const real {name}[{len(values)}] = {{ {texts} }};")
         return f"{name}[w->reach]"
 
@@ -100,7 +99,7 @@ class GuardText:
         put the guards of its point `end` into w->guard. Values beside those of `_STRAIGHT` say
         what else a walk asks and does.
         """
-        call, wrong = self.real.literal, "NAME_WRONG_BRANCH"
+        wrong = "NAME_WRONG_BRANCH"
         plain = {"unreached": wrong, "refused": wrong, "nat": values["nto"], "nways": values["nto"]}
         own = {"ng": max(1, len(self.guards)), "walks": values["COLD"]}
         plain |= {
@@ -117,8 +116,8 @@ class GuardText:
             | dict(values)
             | {
                 "aim": indent(aim, 2),
-                "first_part": call(first_part),
-                "least_part": call(_LEAST_PART),
+                "first_part": first_part,
+                "least_part": _LEAST_PART,
                 "not_measured": indent(self._reset_lines, 2),
             },
         )

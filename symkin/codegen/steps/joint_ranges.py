@@ -31,7 +31,7 @@ def ranges_of(coordinates: Sequence[Coordinate], real: Real, size: float) -> lis
     """The limits, with room for rounding; rods are not shorter than zero; without limits a value is
     at least finite.
     """
-    return [Range(*map(real.literal, range_of(c, real, size))) for c in coordinates]
+    return [Range(*map(str, range_of(c, real, size))) for c in coordinates]
 
 
 def range_of(c: Coordinate, real: Real, size: float) -> tuple[float, float]:

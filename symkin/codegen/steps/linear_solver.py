@@ -153,7 +153,7 @@ class UnrolledLU:
             pivot = self._eliminate_row(i)
             signs.append(pivot if self.pivots.large_first(i) else self.inverses[i])
             scale = self.pivots.row_scale[i] * self.pivots.column_scale[i]
-            scaled = self.emitter.assign(f"{self.inverses[i]} * {self.emitter.real.literal(scale)}")
+            scaled = self.emitter.assign(f"{self.inverses[i]} * {scale}")
             squares.append(f"{scaled} * {scaled}")
             self._store(self.upper[i], i)
         lines = self.emitter.lines
@@ -186,9 +186,7 @@ class UnrolledLU:
         pivot = row.pop(i, zero)
         emitter.operations["divisions"] += 1
         emitter.operations["additions"] += 1
-        self.inverses.append(
-            emitter.assign(f"1.0 / ({pivot} + {emitter.real.literal(self._least(i))})")
-        )
+        self.inverses.append(emitter.assign(f"1.0 / ({pivot} + {self._least(i)})"))
         self._store({i: self.inverses[i]}, i)
         self.upper.append(row)
         self.lower.append(factors)
@@ -277,10 +275,8 @@ def linear_solver(
     _, column_scale = scales(matrices)
     rounded_scales = [rounded(s) for s in column_scale]
     tables = {
-        "column_scales": ", ".join(map(real.literal, rounded_scales)),
-        "least_pivots": ", ".join(
-            real.literal(SINGULAR * real.epsilon * s) for s in rounded_scales
-        ),
+        "column_scales": ", ".join(map(str, rounded_scales)),
+        "least_pivots": ", ".join(str(SINGULAR * real.epsilon * s) for s in rounded_scales),
     }
     text = fill("pivoted.c", {**values, "matrix": matrix, **tables}) + "\n"
     if not is_unrolled(kernel, compact=compact):

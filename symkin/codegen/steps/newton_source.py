@@ -256,7 +256,7 @@ class NewtonCode:
         if real.name == "float":
             adds = [f"for (int i = 1; i < {count}; ++i) {{", "    sum += w->f[i] * w->f[i];", "}"]
         root = "sqrt(sum)"
-        result = f"return {root};" if length == 1.0 else f"return {root} * {real.literal(length)};"
+        result = f"return {root};" if length == 1.0 else f"return {root} * {length};"
         return ["real sum = w->f[0] * w->f[0];", *adds, result]
 
     # --- values of the templates ------------------------------------------------------------------
@@ -368,24 +368,24 @@ class NewtonCode:
         """Constants of the driver: squares of lengths, of ratios of steps, and parts of the
         line.
         """
-        literal, tuning = self.real.literal, self.tuning
+        tuning = self.tuning
         return {
-            "rounding": literal(tuning.rounding),
-            "noise_of_rows": literal(tuning.noise),
-            "kappa2": literal(tuning.kappa2),
-            "contraction2": literal(1.0 / 16.0),
-            "far2": literal(1.0 / 36.0),
-            "very_far2": literal(1.0 / 64.0),
-            "later_fresh2": literal(0.0064 if self.on_the_way else 1.0),
-            "very_far_later2": literal(0.09 if self.on_the_way else 1.0),
-            "very_far_fresh2": literal(9e-4 if self.on_the_way else 1.0),
-            "later2": literal(9.0 / 64.0 if self.on_the_way else 1.0),
-            "least_part": literal(1.0 / 1024.0),
-            "singular": literal(SINGULAR * self.real.epsilon),
-            "least_sides": ", ".join([literal(SINGULAR * self.real.epsilon)] * self.kernel.n),
-            "sure": literal(_SURE),
-            "size2": literal(self.kernel.characteristic_length**2),
-            "guard": literal(GUARD**-2),
+            "rounding": tuning.rounding,
+            "noise_of_rows": tuning.noise,
+            "kappa2": tuning.kappa2,
+            "contraction2": 1.0 / 16.0,
+            "far2": 1.0 / 36.0,
+            "very_far2": 1.0 / 64.0,
+            "later_fresh2": 0.0064 if self.on_the_way else 1.0,
+            "very_far_later2": 0.09 if self.on_the_way else 1.0,
+            "very_far_fresh2": 9e-4 if self.on_the_way else 1.0,
+            "later2": 9.0 / 64.0 if self.on_the_way else 1.0,
+            "least_part": 1.0 / 1024.0,
+            "singular": SINGULAR * self.real.epsilon,
+            "least_sides": ", ".join([str(SINGULAR * self.real.epsilon)] * self.kernel.n),
+            "sure": _SURE,
+            "size2": self.kernel.characteristic_length**2,
+            "guard": GUARD**-2,
         }
 
     @property
@@ -435,15 +435,15 @@ class NewtonCode:
         of the way to that, which the least pivot tells. Of rods, whose matrix is well scaled, a
         constant.
         """
-        literal, floor = self.real.literal, self.real.literal(self.tuning.floor**2)
+        floor = self.tuning.floor**2
         epsilon, state = self.real.epsilon, self.kernel.state.numel()
-        rounding = literal((_ROWS * epsilon * self.kernel.characteristic_length) ** 2)
+        rounding = (_ROWS * epsilon * self.kernel.characteristic_length) ** 2
         far = rounded(1.0 / (8.0 * _ROWS * epsilon))
-        eighth = literal((_ROWS * epsilon * self.kernel.characteristic_length * far) ** 2)
-        test = f"w->spread > {literal((64.0 / _ROWS) ** 2)}"
-        noise = f"(w->spread < {literal(far)}) ? ({rounding} * w->spread) : ({eighth} / w->spread)"
+        eighth = (_ROWS * epsilon * self.kernel.characteristic_length * far) ** 2
+        test = f"w->spread > {(64.0 / _ROWS) ** 2}"
+        noise = f"(w->spread < {far}) ? ({rounding} * w->spread) : ({eighth} / w->spread)"
         # what follows a step that is rounding or nothing tells no ratio of steps
-        line = literal((_LINE * epsilon * self.kernel.characteristic_length) ** 2)
+        line = (_LINE * epsilon * self.kernel.characteristic_length) ** 2
         common: dict[str, object] = {
             "row_noise2": line,
             "moved": " && (before > still2)",

@@ -75,14 +75,13 @@ class PassiveLimit:
     def test(self, texts: Sequence[str], real: Real, size: float) -> str:
         """C condition that the coordinate is within its limits."""
         (low, high), half = range_of(self.coordinate, real, size), self._half(real, size)
-        literal = real.literal
         if len(self.parts) == 1:
-            return f"({texts[0]} >= {literal(low)}) && ({texts[0]} <= {literal(high)})"
+            return f"({texts[0]} >= {low}) && ({texts[0]} <= {high})"
         if len(texts) == 1:
-            return f"{texts[0]} >= {literal(np.cos(half))}"
+            return f"{texts[0]} >= {np.cos(half)}"
         cosine, sine = texts
         beyond, join = ("<=", "&&") if half < 0.5 * np.pi else (">=", "||")
-        return f"({cosine} > 0.0) {join} (fabs({sine}) {beyond} {literal(np.sin(half))})"
+        return f"({cosine} > 0.0) {join} (fabs({sine}) {beyond} {np.sin(half)})"
 
 
 def passive_limits(

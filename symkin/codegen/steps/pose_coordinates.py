@@ -80,11 +80,11 @@ def pose_coordinates_text(geometry: Geometry, real: Real, values: dict[str, obje
     inputs = [(x, "x"), (geometry.symbols, geometry.names)]
     emitter = Emitter.of(real, inputs, coordinates, stacked(off))
     texts = [emitter.value(0, i) for i in range(count)]
-    limit = real.literal(off_motion(geometry, real))
+    limit = off_motion(geometry, real)
     tests = [f"(fabs({emitter.value(1, i)}) <= {limit})" for i in range(len(off))]
     body = [*emitter.lines, *(f"c[{i}] = {text};" for i, text in enumerate(texts))]
     if motion in ABOUT_Z:
-        pi, two_pi = real.literal(np.pi), real.literal(2 * np.pi)
+        pi, two_pi = np.pi, 2 * np.pi
         angle = f"c[{count - 1}]"
         body += [
             f"if ({angle} > {pi}) {{",

@@ -17,7 +17,7 @@ from symkin.text import c_comment
 
 _PLAIN = re.compile(
     r"/\*.*?\*/|(?<![\w.])\d+\.\d+(?:e[-+]?\d+)?(?!\w)"
-    r"|(?<![\w>])(?:(?:fabs|sqrt|sin|cos|atan2)(?=\()|(?:HUGE_VAL|real)\b|(?:name|NAME)(?=_))",
+    r"|(?<![\w>])(?:(?:fabs|sqrt|sin|cos|atan2)(?=\()|(?:HUGE_VAL|real|inf|nan)\b|(?:name|NAME)(?=_))",
     re.S,
 )
 """Comments; numbers, functions and the infinity of doubles; names that stand for others."""
@@ -78,6 +78,8 @@ class Real:
             told = found[0]
             if told.startswith("/*") or told in own:
                 return own.get(told, told)
+            if told in ("inf", "nan"):
+                return self.literal(float(told))
             if self.name == "double":
                 return told
             if told == "atan2":
