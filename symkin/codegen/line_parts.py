@@ -25,15 +25,14 @@ Newton and Kantorovich allow.
 
 @dataclass(frozen=True, eq=False)
 class LineParts:
-    """Values of the driver's template for one kernel, whose functions begin with `k` and take the
-    geometry `ga`; `still2`: C text of the square of a step that is rounding; `bends`, `first_turn`,
+    """Values of the driver's template for one kernel, whose functions begin with `k`;
+    `still2`: C text of the square of a step that is rounding; `bends`, `first_turn`,
     `measured` and `keeps_known` as of `NewtonCode`.
     """
 
     kernel: Kernel
     real: Real
     k: str
-    ga: str
     still2: str
     bends: bool
     first_turn: float
@@ -63,8 +62,8 @@ class LineParts:
         check = [
             f"if (accepted && (taken == 1U) && ((aim - done) * (aim - done) * turn2 * w->spread > "
             f"{_STRAIGHT2})) {{",
-            f"    accepted = {self.k}_reaches_middle({self.ga}w, to, {middle}, still2);",
-            *([] if self.keeps_known else [f"    {self.k}_set_target({self.ga}w, to, aim);"]),
+            f"    accepted = {self.k}_reaches_middle(GEOMETRY w, to, {middle}, still2);",
+            *([] if self.keeps_known else [f"    {self.k}_set_target(GEOMETRY w, to, aim);"]),
             "}",
         ]
         start = [

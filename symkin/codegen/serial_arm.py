@@ -374,10 +374,9 @@ class ArmSource(Source):
         solve = [f"status = name_inverse_along(to, {config}, at, info);"]
         if self.line is None:
             how, at, work = "Newton's method", "w.x", "name_inverse_work w;"
-            ga = self.values["ga"]
             solve = [
-                f"name_forward({ga}w.x, w.at);",
-                f"status = name_inverse_newton({ga}&w, to, {config}, info);",
+                "name_forward(GEOMETRY w.x, w.at);",
+                f"status = name_inverse_newton(GEOMETRY &w, to, {config}, info);",
             ]
         return {
             "how": f"The joints by {how}",

@@ -57,11 +57,6 @@ class LimbPlatformSource(Source):
         return [LimbSource(self.made, block, self._common) for block in self.made.blocks]
 
     @property
-    def _ga(self) -> str:
-        """The geometry as an argument."""
-        return str(self._common["ga"])
-
-    @property
     def watched(self) -> dict[str, Watched]:
         """What the direct problem watches along lines."""
         found = self.made.direct_formulas
@@ -204,8 +199,7 @@ class LimbPlatformSource(Source):
         """Statements that hold joints which are not actuated against their limits, or ask whether
         they exist: of an inverse, of Newton's method, of formulas.
         """
-        ga = "geometry, " if self.made.geometry.at_run_time else ""
-        write, check = f"name_write_pose({ga}&w, pose);", f"name_check_passive({ga}"
+        write, check = "name_write_pose(GEOMETRY &w, pose);", "name_check_passive(GEOMETRY "
         if not self.made.passive_checks:
             names = ("inverse_passive", "direct_passive", "check_answer")
             return dict.fromkeys(names, "") | {"write_tracked": [write]}
@@ -249,7 +243,6 @@ class LimbPlatformSource(Source):
                 made.direct_kernel,
                 "name_direct",
                 "&w",
-                self._ga,
                 compact=made.options.compact,
             ),
             "kappa": np.sqrt(self.code.tuning.kappa2),
@@ -265,12 +258,12 @@ class LimbPlatformSource(Source):
         """Statements of the line: from the guess, by joints near its own, to the pose; and what is
         asked of the limbs' branches.
         """
-        made, ga = self.made, self._ga
+        made = self.made
         passive = sum(c.width for c in made.passive)
         check = (
-            f"check_branch({ga}w.x, w.at, given)"
+            "check_branch(GEOMETRY w.x, w.at, given)"
             if made.tells_branch
-            else f"check_given({ga}&w.x[{passive}], given)"
+            else f"check_given(GEOMETRY &w.x[{passive}], given)"
         )
         branch = self.if_ok([f"status = name_{check};"])
         unwrap = [
@@ -283,7 +276,7 @@ class LimbPlatformSource(Source):
             "stand": self._stand(branch) if made.has_dead_centres else "",
             "unwrap": unwrap,
             "enter": self._enter(passive),
-            "leave": [f"name_pose_from_coordinates({ga}&w->x[{passive}], pose);"],
+            "leave": [f"name_pose_from_coordinates(GEOMETRY &w->x[{passive}], pose);"],
             "keep_known": copy("w.k0", "w.k", known) if self._keeps_known else "",
             "to": "given",
             "whole": ", 1.0",

@@ -47,11 +47,6 @@ class LimbSource(Source):
         return f"{self.name}_{self.block.name}"
 
     @property
-    def _ga(self) -> str:
-        """The geometry as an argument of a call."""
-        return str(self.common["ga"])
-
-    @property
     def _pose(self) -> list[str]:
         return indexed("c", self.block.system.known.numel())
 
@@ -196,7 +191,7 @@ class LimbSource(Source):
     def _solve(self, array: str, within: str) -> list[str]:
         """Statements that set an array to its unknowns, a rod's apart."""
         if self.block.formulas is None:
-            return [f"status = {self.k}_follow_pose({self._ga}&w, c);"]
+            return [f"status = {self.k}_follow_pose(GEOMETRY &w, c);"]
         return [f"status = {self.k}_joints(c, {array}{within if self.block.is_checked else ''});"]
 
     @property
@@ -229,7 +224,7 @@ class LimbSource(Source):
         steps = step_columns(system.unknowns, wanted, size)
         error = rounded(feasible_error(self.real.epsilon, size))
         known = system.known.numel() if self.block.formulas is not None else 0
-        singular = singular_condition(kernel, k, "&w", self._ga, compact=made.options.compact)
+        singular = singular_condition(kernel, k, "&w", compact=made.options.compact)
         columns, solved = self._columns, self._twist_columns(kernel)
         table, column = list[str](), "j"
         if columns != tuple(range(len(columns))):

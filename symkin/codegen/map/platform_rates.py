@@ -95,7 +95,7 @@ def closure_twist(made: LimbPlatform, values: Mapping[str, object], driver: Kern
         code = _newton_code(made, kernel)
         own = "" if core is None else code.functions + code.target
         text = code.work + own + code.linear.text
-    k, ga, passive = f"{made.name}_{kernel.name}", str(values["ga"]), 0
+    k, passive = f"{made.name}_{kernel.name}", 0
     joints, target, into = kernel.known, kernel.known, "w->k"
     if core is None:
         passive = sum(c.width for c in made.passive)
@@ -120,7 +120,7 @@ def closure_twist(made: LimbPlatform, values: Mapping[str, object], driver: Kern
         "into": into,
         "state": [*state, *aim],
         "sides": sides,
-        "singular_there": singular_condition(kernel, k, "w", ga, compact=made.options.compact),
+        "singular_there": singular_condition(kernel, k, "w", compact=made.options.compact),
         "nf": kernel.n,
         "store": store,
     }

@@ -102,7 +102,7 @@ def build_program(
     body = source.text.rstrip() + "\n"
     lu = fill("lu.c", source.values) if f"{kind.name}_lu(" in body else ""
     checks = finite_check(kind.name, kind.geometry.names, kind.real)
-    text = kind.real.typed(begin + checks + lu + body, kind.name)
+    text = kind.real.typed(begin + checks + lu + body, kind.name, struct=bool(kind.geometry.names))
     worst = WorstCase.of(kind.name, text, measured)
     values = source.values | _header_values(
         kind, source.code, worst.header_lines(), described.digest

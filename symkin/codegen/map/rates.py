@@ -138,7 +138,7 @@ class SolvedColumns:
         """Statements that solve for motion j after motion j, and then store its rates."""
         read = f"&w, {self._given}, " if self.given else "&w, "
         return [
-            f"{self.columns}({self.values['ga']}{read}sides);",
+            f"{self.columns}(GEOMETRY {read}sides);",
             f"for (int j = 0; j < {self.count}; ++j) {{",
             f"    for (int i = 0; i < {self.kernel.m}; ++i) {{",
             f"        w.f[i] = sides[{self.count} * i + j];",

@@ -32,7 +32,7 @@ class RodSource(LimbPlatformSource):
 
     @property
     def _driver(self) -> dict[str, Any]:
-        retarget = f"name_direct_retarget({self._ga}w, to, aim, done);"
+        retarget = "name_direct_retarget(GEOMETRY w, to, aim, done);"
         return {
             "members": ["const name_pose *guess; /* where the line begins */"],
             "matrix": _matrix_lines(self.made),
@@ -41,12 +41,11 @@ class RodSource(LimbPlatformSource):
 
     @property
     def _line(self) -> dict[str, object]:
-        ga = self._ga
         leave = [
             *copy("pose->position", "w->x", 3),
             *(f"pose->quaternion[{i}] = w->x[{3 + i}];" for i in range(4)),
         ]
-        enter = ["w->guess = guess;", f"status = name_normalise_pose({ga}guess, w->x);"]
+        enter = ["w->guess = guess;", "status = name_normalise_pose(GEOMETRY guess, w->x);"]
         return {"enter": enter, "leave": leave, "unwrap": "", "to": "joints", "whole": ""}
 
     @property
@@ -102,7 +101,7 @@ class RodSource(LimbPlatformSource):
             ]
         return [
             *(f"w->k[{i}] = 0.0;" for i in range(6)),
-            f"name_direct_rows({self._ga}w);",
+            "name_direct_rows(GEOMETRY w);",
             *self._rolled([(f, "w->f")], joints),
         ]
 

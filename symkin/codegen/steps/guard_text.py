@@ -101,7 +101,7 @@ class GuardText:
         """
         wrong = "NAME_WRONG_BRANCH"
         plain = {"unreached": wrong, "refused": wrong, "nat": values["nto"], "nways": values["nto"]}
-        own = {"ng": max(1, len(self.guards)), "walks": values["COLD"]}
+        own = {"ng": max(1, len(self.guards)), "walks": "NAME_COLD"}
         plain |= {
             "ways": substitute(_WAYS, values),
             "hold_guards": substitute(_HOLD_GUARDS, {**values, **own}),

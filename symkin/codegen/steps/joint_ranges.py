@@ -53,10 +53,10 @@ def range_functions(
     """
     tables, inside = _by_number(ranges)
     named = fill("first_beyond.c", {**values, "tables": tables, "inside": inside})
-    tests, shared = "", str(values["SHARED"]) + " "
+    tests, shared = "", "NAME_SHARED "
     if real.name == "float" and len(ranges) > 1 and len(set(ranges)) == 1:
         shared = ""
-        tests = f"name_first_beyond({values['ga']}joints) == {len(ranges)}U"
+        tests = f"name_first_beyond(GEOMETRY joints) == {len(ranges)}U"
     shown = {**values, "positive": positive, "shared": shared}
     return named + check_text("joint values", "ranges", "limit_joints", ranges, shown, tests)
 

@@ -365,28 +365,26 @@ def is_unrolled(kernel: Kernel, *, compact: bool) -> bool:
     return kernel.is_square and kernel.n <= UNROLLED and not compact
 
 
-def factor_calls(kernel: Kernel, k: str, ga: str, *, compact: bool = False) -> dict[str, str]:
+def factor_calls(kernel: Kernel, k: str, *, compact: bool = False) -> dict[str, str]:
     """How the driver gets its factors: unrolled with the pivoting fallback, pivoting loops, or
     QR.
     """
     if is_unrolled(kernel, compact=compact):
-        second = ["if (turn == 0) {", f"    turn = {k}_pivoted({ga}w);", "}"]
-        return {"first_factor": f"{k}_factor({ga}w)", "second_factor": indent(second, 3)}
+        second = ["if (turn == 0) {", f"    turn = {k}_pivoted(GEOMETRY w);", "}"]
+        return {"first_factor": f"{k}_factor(GEOMETRY w)", "second_factor": indent(second, 3)}
     return {
-        "first_factor": f"{k}_{'pivoted' if kernel.is_square else 'factor'}({ga}w)",
+        "first_factor": f"{k}_{'pivoted' if kernel.is_square else 'factor'}(GEOMETRY w)",
         "second_factor": "",
     }
 
 
-def singular_condition(
-    kernel: Kernel, k: str, work: str, ga: str = "", *, compact: bool = False
-) -> str:
+def singular_condition(kernel: Kernel, k: str, work: str, *, compact: bool = False) -> str:
     """C condition that factorises: the matrix is singular."""
     if not kernel.is_square:
-        return f"{k}_factor({ga}{work}) == 0"
-    pivoted = f"{k}_pivoted({ga}{work}) == 0"
+        return f"{k}_factor(GEOMETRY {work}) == 0"
+    pivoted = f"{k}_pivoted(GEOMETRY {work}) == 0"
     return (
-        f"({k}_factor({ga}{work}) == 0) && ({pivoted})"
+        f"({k}_factor(GEOMETRY {work}) == 0) && ({pivoted})"
         if is_unrolled(kernel, compact=compact)
         else pivoted
     )

@@ -265,7 +265,7 @@ class NewtonCode:
     def _values(self) -> dict[str, object]:
         return (
             common_values(self.name, self.real, struct=bool(self.geometry))
-            | {"k": self.k, **factor_calls(self.kernel, self.k, self._ga, compact=self.compact)}
+            | {"k": self.k, **factor_calls(self.kernel, self.k, compact=self.compact)}
             | self._sizes
             | self._members
             | self._constants
@@ -273,11 +273,6 @@ class NewtonCode:
             | self._parts.values
             | self._still
         )
-
-    @property
-    def _ga(self) -> str:
-        """The geometry as an argument."""
-        return "geometry, " if self.geometry else ""
 
     @property
     def _sizes(self) -> dict[str, object]:
@@ -394,18 +389,18 @@ class NewtonCode:
         where those at the part that is done are kept, new factors on the way to the aim are those
         of the aim.
         """
-        k, ga = self.k, self._ga
-        aim, done = (f"{k}_set_target({ga}w, to, {part});" for part in ("aim", "done"))
+        k = self.k
+        aim, done = (f"{k}_set_target(GEOMETRY w, to, {part});" for part in ("aim", "done"))
         state, by_call = self.kernel.state.numel(), bool(self.retarget)
         kept, save0 = self.keeps_known, copy("w->x0", "w->x", state)
         keep = copy("w->k0", "w->k", self.kernel.known.numel()) if kept else []
         back, begin_target = [done, *keep] if kept else [], [aim]
         if by_call:
-            begin_target, save0 = [f"{k}_set_target({ga}w, to);"], []
+            begin_target, save0 = [f"{k}_set_target(GEOMETRY w, to);"], []
         elif kept and self.measured:
             # the caller has set the kept values, or they are made here
             begin_target, back = [], ["if (!kept) {", *("    " + line for line in back), "}"]
-            save0 += [f"{k}_set_target({ga}w, to, 0.0);", *keep, aim]
+            save0 += [f"{k}_set_target(GEOMETRY w, to, 0.0);", *keep, aim]
         # the matrix reads known values: it is made at the part of the line that is done. Of wide
         # systems it is made at the part aimed at, because shortest steps follow the path more
         # closely by that one
@@ -458,7 +453,7 @@ class NewtonCode:
                 "noise": [f"still2 = ({test}) ? ({noise}) : {floor};"],
                 "stay": copy_loop("w->x", "w->x0", state),
             }
-        put_back = [f"{self.k}_retarget({self._ga}w, to, 1.0, 0.0);"]
+        put_back = [f"{self.k}_retarget(GEOMETRY w, to, 1.0, 0.0);"]
         return common | {
             "still2": floor,
             "still_variable": "",
@@ -475,7 +470,6 @@ class NewtonCode:
             self.kernel,
             self.real,
             self.k,
-            self._ga,
             str(self._still["still2"]),
             self.bends,
             self.first_turn,

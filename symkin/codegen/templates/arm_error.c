@@ -10,10 +10,10 @@ static name_real name_length_of(const name_real e[6])
 
 /* How far the tool pose of joint values is from `to`: lengths over the size, and twice the vector of the turn's quaternion. Returns
  * its length. */
-static name_real name_pose_error(@gp const name_real q[@nq], const name_real to[7], name_real e[6])
+static name_real name_pose_error(GEOMETRY_GIVEN const name_real q[@nq], const name_real to[7], name_real e[6])
 {
     name_real x[7];
-    name_forward(@ga q, x);
+    name_forward(GEOMETRY q, x);
     const name_real w = to[3] * x[3] + to[4] * x[4] + to[5] * x[5] + to[6] * x[6];
     const name_real twice = (w < 0.0) ? -2.0 : 2.0;
     for (int i = 0; i < 3; ++i) {

@@ -1,8 +1,8 @@
 /* Joint rates next to a twist, damped near singularities. */
-name_status name_rates(@gp const name_real joints[@nq], const name_real twist[6], name_real rates[@nq], name_info *info)
+name_status name_rates(GEOMETRY_GIVEN const name_real joints[@nq], const name_real twist[6], name_real rates[@nq], name_info *info)
 {
     name_real jacobian[@nj];
-    const name_status status = name_check_sizes(twist, 6, -@largest, @own_jacobian(@ga joints, jacobian));
+    const name_status status = name_check_sizes(twist, 6, -@largest, @own_jacobian(GEOMETRY joints, jacobian));
     name_write_info(info, 0U, HUGE_VAL, 0.0, 0.0);
     if (status == NAME_OK) {
         name_real e[6];
@@ -29,25 +29,25 @@ name_status name_rates(@gp const name_real joints[@nq], const name_real twist[6]
 }
 
 /* One damped step towards a pose, shortened where the error would grow. */
-name_status name_track(@gp const name_pose *pose, name_real joints[@nq], name_info *info)
+name_status name_track(GEOMETRY_GIVEN const name_pose *pose, name_real joints[@nq], name_info *info)
 {
     static const name_real per_turn[@nq] = { @per_turns };
     name_real to[7];
     name_real jacobian[@nj];
-    name_status status = name_normalise_pose(@ga pose, to);
-    const name_status started = @own_jacobian(@ga joints, jacobian);
+    name_status status = name_normalise_pose(GEOMETRY pose, to);
+    const name_status started = @own_jacobian(GEOMETRY joints, jacobian);
     name_write_info(info, 0U, HUGE_VAL, 0.0, 0.0);
     if ((started != NAME_OK) && (status != NAME_NONFINITE)) {
         status = started;
         if (info != NULL) {
-            info->joint = name_first_beyond(@ga joints);
+            info->joint = name_first_beyond(GEOMETRY joints);
         }
     }
     if (status == NAME_OK) {
         name_real e[6];
         name_real step[@nq];
         name_real moved[@nq];
-        const name_real before = name_pose_error(@ga joints, to, e);
+        const name_real before = name_pose_error(GEOMETRY joints, to, e);
         const name_real pivot = name_damped(jacobian, e, step);
         name_real after = HUGE_VAL;
         name_real part = 1.0;
@@ -66,7 +66,7 @@ name_status name_track(@gp const name_pose *pose, name_real joints[@nq], name_in
             for (int i = 0; i < @nq; ++i) {
                 moved[i] = joints[i] + part * step[i];
             }
-            after = name_pose_error(@ga moved, to, e);
+            after = name_pose_error(GEOMETRY moved, to, e);
         }
         if (!(after <= before + @rounding)) {
             /* nothing is nearer: the joints stay */
@@ -76,14 +76,14 @@ name_status name_track(@gp const name_pose *pose, name_real joints[@nq], name_in
                 moved[i] = joints[i];
             }
         }
-        status = name_limit_joints(@ga status, moved);
+        status = name_limit_joints(GEOMETRY status, moved);
         name_write_info(info, 1U, after, part * part * size * NAME_SIZE * NAME_SIZE, (pivot > 0.0) ? (1.0 / pivot) : 0.0);
         if (status == NAME_OK) {
             for (int i = 0; i < @nq; ++i) {
                 joints[i] = moved[i];
             }
         } else if (info != NULL) {
-            info->joint = name_first_beyond(@ga moved);
+            info->joint = name_first_beyond(GEOMETRY moved);
         } else {
             /* nobody asks which joint */
         }

@@ -1,5 +1,5 @@
 /* @about */
-static void @columns(@gp const solver_work *w, @{given}name_real sides[@nsides])
+static void @columns(GEOMETRY_GIVEN const solver_work *w, @{given}name_real sides[@nsides])
 {
     (void)w;
     @unused

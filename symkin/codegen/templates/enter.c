@@ -1,8 +1,8 @@
 name_real c[@nc];
 name_real passive[@np] = { 0.0 };
-status = name_pose_coordinates(@ga guess, c);
+status = name_pose_coordinates(GEOMETRY guess, c);
 if (status == NAME_OK) {
-    status = name_solve_limbs(@ga c, w->at, passive@of_answer);
+    status = name_solve_limbs(GEOMETRY c, w->at, passive@of_answer);
     @copied
     @turned
     @placed

@@ -5,7 +5,7 @@
  * the one before (two twenty-fifths after new factors), the theorem of Newton and Kantorovich does not tie the point to the part that is done (README.md says what
  * is proved): the state is put back and a nearer point of the line is aimed at. Factors are kept for one more step where that is predicted to
  * reach the tolerance. The answer's rows are evaluated before it is called OK. */
-static name_status solver_newton(@gp solver_work *w, const name_real to[@nto], const name_config *config, name_info *info)
+static name_status solver_newton(GEOMETRY_GIVEN solver_work *w, const name_real to[@nto], const name_config *config, name_info *info)
 {
     /* squares of lengths and of ratios of lengths, so that no step needs a root; ratio2: the largest ones that are accepted, of the
      * second step, of later ones after new factors, and of others, as the first step is near, far or very far */
@@ -43,7 +43,7 @@ static name_status solver_newton(@gp solver_work *w, const name_real to[@nto], c
     @begin_target
 @save0
     for (;;) {
-        solver_rows(@ga w);
+        solver_rows(GEOMETRY w);
         if (verify) {
             residual = solver_residual(w);
             if (residual <= config->tolerance + room) {
@@ -81,7 +81,7 @@ static name_status solver_newton(@gp solver_work *w, const name_real to[@nto], c
         /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4 to 1/8, later 3/8 to 3/10 (README.md) */
         solver_solve(w);
         const name_real before = size;
-        size = solver_apply_step(@ga w);
+        size = solver_apply_step(GEOMETRY w);
         if (taken == 0U) {
             limit = longest2;
             const name_real reach = size * w->spread;

@@ -1,6 +1,6 @@
 /* Normalises a pose: (x, y, z, qw, qx, qy, qz) with a quaternion of unit length. Lengths off by more than 1e-2 are refused,
  * and positions so far away that squares could overflow. */
-static name_status name_normalise_pose(@gp const name_pose *pose, name_real x[7])
+static name_status name_normalise_pose(GEOMETRY_GIVEN const name_pose *pose, name_real x[7])
 {
     const name_real *const q = pose->quaternion;
     name_status status = NAME_OK;

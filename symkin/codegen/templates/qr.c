@@ -1,5 +1,5 @@
 /* The @which into w->a, row by row. */
-static void solver_matrix(@gp solver_work *w)
+static void solver_matrix(GEOMETRY_GIVEN solver_work *w)
 {
 @use
 @matrix
@@ -7,9 +7,9 @@ static void solver_matrix(@gp solver_work *w)
 
 /* QR of the @m x @n @which by modified Gram-Schmidt: Q in w->a, R in w->r with reciprocals on the diagonal; 0 where
  * its columns are dependent. */
-static int solver_factor(@gp solver_work *w)
+static int solver_factor(GEOMETRY_GIVEN solver_work *w)
 {
-    solver_matrix(@ga w);
+    solver_matrix(GEOMETRY w);
     w->spread = 0.0;
     for (int c = 0; c < @n; ++c) {
         /* the length of the column, its reciprocal on R's diagonal */

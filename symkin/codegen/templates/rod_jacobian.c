@@ -3,7 +3,7 @@ name_direct_work w;
 name_real rows[36];
 name_real shortest = HUGE_VAL;
 @state
-name_direct_rows(@ga&w);
+name_direct_rows(GEOMETRY &w);
 for (int i = 0; i < 6; ++i) {
     const name_real *const d = &w.d[3 * i];
     name_real *const row = &rows[6 * i];

@@ -65,7 +65,7 @@ static void name_add_square(const name_real b[4], name_real factor, name_real c[
 
 /* Joint limits along the line of poses. With the quaternion q0 + t (q1 - q0), whose squared length is n, the vector n d of a rod is a
  * cubic in t, by its values at both ends and at the middle pose, and n^2 (|d|^2 - L^2) is of degree 6. */
-name_status name_line(@gp const name_config *config, const name_pose *from, const name_pose *to, name_info *info)
+name_status name_line(GEOMETRY_GIVEN const name_config *config, const name_pose *from, const name_pose *to, name_info *info)
 {
     static const name_real low[6] = { @lows };
     static const name_real high[6] = { @highs };
@@ -79,8 +79,8 @@ name_status name_line(@gp const name_config *config, const name_pose *from, cons
     name_real offset[6];
     uint8_t joint = 6U;
     unsigned int count = 1U;
-    const name_status last = name_normalise_pose(@ga to, ends[1]);
-    name_status status = name_normalise_pose(@ga from, ends[0]);
+    const name_status last = name_normalise_pose(GEOMETRY to, ends[1]);
+    name_status status = name_normalise_pose(GEOMETRY from, ends[0]);
     status = ((status == NAME_OK) || (last == NAME_NONFINITE)) ? last : status;
     if (config != NULL) {
         status = name_check_config(config, status);
@@ -93,9 +93,9 @@ name_status name_line(@gp const name_config *config, const name_pose *from, cons
         for (int i = 0; i < 7; ++i) {
             w.x[i] = ends[e][i];
         }
-        name_rod_values(@ga&w);
-        status = name_limit_joints(@ga status, w.k);
-        joint = name_first_beyond(@ga w.k);
+        name_rod_values(GEOMETRY &w);
+        status = name_limit_joints(GEOMETRY status, w.k);
+        joint = name_first_beyond(GEOMETRY w.k);
         for (int i = 0; i < 18; ++i) {
             rods[2 * e][i] = w.d[i];
         }
@@ -120,7 +120,7 @@ name_status name_line(@gp const name_config *config, const name_pose *from, cons
         for (int i = 0; i < 4; ++i) {
             w.x[3 + i] = inverse * (a[i] + side * b[i]);
         }
-        name_direct_rows(@ga&w);
+        name_direct_rows(GEOMETRY &w);
         for (int i = 0; i < 18; ++i) {
             rods[1][i] = w.d[i];
         }

@@ -1,5 +1,5 @@
 /* The twist of joint rates: the Jacobian's linear system, lengths and angles times the size. */
-@static_own name_status @twist(@gp const name_pose *pose, const name_real rates[@nq], name_real twist[6])
+@static_own name_status @twist(GEOMETRY_GIVEN const name_pose *pose, const name_real rates[@nq], name_real twist[6])
 {
     static const name_real row_scale[@nq] = { @row_scales };
     static const name_real column_scale[@nq] = { @column_scales };
@@ -9,7 +9,7 @@
     name_real a[@nq * @nq];
     name_real f[@nq];
     uint8_t order[@nq];
-    name_status status = name_check_sizes(rates, @nq, -@largest, @jacobian(@ga pose, jacobian));
+    name_status status = name_check_sizes(rates, @nq, -@largest, @jacobian(GEOMETRY pose, jacobian));
     if (status == NAME_OK) {
         for (int i = 0; i < @nq; ++i) {
             for (int j = 0; j < @nq; ++j) {

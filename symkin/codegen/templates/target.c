@@ -1,5 +1,5 @@
 /* Sets w->k, the known values aimed at@aimed. */
-static NAME_SHARED void solver_set_target(@gp solver_work *w, const name_real to[@nto]@part)
+static NAME_SHARED void solver_set_target(GEOMETRY_GIVEN solver_work *w, const name_real to[@nto]@part)
 {
 @use
     @target

@@ -2,7 +2,7 @@
  * centres, which is a sign. Else a limb has passed one on the way, which is a singularity. Beside a dead centre the pose, rounded, may
  * lie beyond it: where the pose does not give the joint values back none is OK, and where it does not tell the side only what stands still,
  * from the guess's joint values `at`. */
-static NAME_COLD name_status name_check_branch(@gp const name_real x[@count], const name_real at[@nq], const name_real given[@nq])
+static NAME_COLD name_status name_check_branch(GEOMETRY_GIVEN const name_real x[@count], const name_real at[@nq], const name_real given[@nq])
 {
     static const name_real near[@nq] = { @near };
     name_status status = NAME_OK;
@@ -16,7 +16,7 @@ static NAME_COLD name_status name_check_branch(@gp const name_real x[@count], co
         }
     }
     if ((status == NAME_OK) && !firm) {
-        status = name_check_given(@ga@answer, given);
+        status = name_check_given(GEOMETRY @answer, given);
     }
     return status;
 }

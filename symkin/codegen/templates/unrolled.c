@@ -1,7 +1,7 @@
 /* LU of the matrix, unrolled in an order of pivots chosen over sampled poses; the sign of the determinant, 0 where a
  * pivot is far below its usual size, which is left to solver_pivoted. What is added to pivots is below the rounding of any other, and
  * keeps divisions by zero away. */
-static int solver_factor(@gp solver_work *w)
+static int solver_factor(GEOMETRY_GIVEN solver_work *w)
 {
     name_real det;
 @use

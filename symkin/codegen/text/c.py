@@ -16,8 +16,9 @@ from symkin.errors import InputError
 from symkin.text import c_comment
 
 _PLAIN = re.compile(
-    r"/\*.*?\*/|(?<![\w.])\d+\.\d+(?:e[-+]?\d+)?(?!\w)"
-    r"|(?<![\w>])(?:(?:fabs|sqrt|sin|cos|atan2)(?=\()|(?:HUGE_VAL|real|inf|nan)\b|(?:name|NAME)(?=_))",
+    r"/\*.*?\*/|(?<![\w.])\d+\.\d+(?:e[-+]?\d+)?(?!\w)|(?<![\w.])\d+e[-+]?\d+(?!\w)"
+    r"|(?<![\w>])(?:(?:fabs|sqrt|sin|cos|atan2)(?=\()|(?:HUGE_VAL|real|inf|nan)\b"
+    r"|(?:name|NAME)(?=_)|GEOMETRY(?:_GIVEN)? )",
     re.S,
 )
 """Comments; numbers, functions and the infinity of doubles; names that stand for others."""
@@ -67,12 +68,15 @@ class Real:
             text += ".0"
         return text + self.suffix
 
-    def typed(self, text: str, name: str) -> str:
+    def typed(self, text: str, name: str, *, struct: bool) -> str:
         """C text of the machine of a name, with names, numbers and functions of math.h of this type
         in the places of name_, NAME_, real and what doubles have; comments, and what has a type
-        already, stay.
+        already, stay. A `struct` of its geometry is an argument where GEOMETRY stands.
         """
-        own = {"real": self.type, "name": name, "NAME": name.upper()}
+        own = {"real": self.type, "name": name, "NAME": name.upper()} | {
+            "GEOMETRY ": "geometry, " if struct else "",
+            "GEOMETRY_GIVEN ": f"const {name}_geometry *geometry, " if struct else "",
+        }
 
         def word(found: re.Match[str]) -> str:
             told = found[0]
