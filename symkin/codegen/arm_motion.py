@@ -16,7 +16,6 @@ import numpy as np
 from symkin.closed.evaluation import Evaluation, Motion
 from symkin.closed.screws import ArmScrews
 from symkin.closed.steps import Factor, Operand, Word
-from symkin.closure.snapping import snapped_expression
 from symkin.codegen.text.c import Emitter, Real, indent, indexed
 from symkin.codegen.text.gathered import gathered
 from symkin.codegen.text.templates import fill
@@ -113,9 +112,8 @@ class ArmMotion:
         """
         symbols = [self.halves, ca.SX(0, 1) if pose is None else pose]
         (short,) = gathered([expression], symbols, self.turns)
-        snapped = snapped_expression(short, symbols)
         names = [indexed("u", 2 * len(self.arm)), indexed("x", symbols[1].shape[0])]
-        return Emitter.of(self.real, list(zip(symbols, names, strict=True)), snapped)
+        return Emitter.of(self.real, list(zip(symbols, names, strict=True)), short)
 
     @property
     def _turned_lines(self) -> list[str]:

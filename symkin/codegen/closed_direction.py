@@ -13,7 +13,6 @@ from dataclasses import dataclass, replace
 import casadi as ca
 import numpy as np
 
-from symkin.closure.snapping import snapped_expression
 from symkin.codegen.line_bounds import Span
 from symkin.codegen.map.joint_map import Direction, JointMap
 from symkin.codegen.map.record import Source
@@ -86,7 +85,7 @@ class ClosedDirection(Source):
             for c in self.direction.unknown
             for n in self.numbers[c.name]
         ]
-        return snapped_expression(ca.vertcat(*found), [self.known, self.signs, self.roots])
+        return ca.vertcat(*found)
 
     @property
     def conditions(self) -> list[Condition]:
@@ -355,7 +354,7 @@ class ClosedDirection(Source):
     def _formula_lines(self) -> list[str]:
         """Statements of the conditions, the roots and the state."""
         symbols = [self.known, self.signs, self.roots]
-        conditions = snapped_expression(stacked(c.value for c in self.conditions), symbols)
+        conditions = stacked(c.value for c in self.conditions)
         names = ("k", "sign", [f"r{k + 1}" for k in range(self.roots.numel())])
         inputs = list(zip(symbols, names, strict=True))
         emitter = Emitter.of(self.real, inputs, conditions, self._outputs)
@@ -390,9 +389,10 @@ class ClosedDirection(Source):
                 told += there.written(part.form.told, read, part.form).elements()
         inputs = [self.known, self.state, self.signs, self.roots]
         divisors = [one.value for one in self.conditions if one.root is None]
-        expressions = [snapped_expression(stacked(part), inputs) for part in (told, divisors)]
         names = ("k", "x", "sign", [f"r{k + 1}" for k in range(len(told))])
-        emitter = Emitter.of(self.real, list(zip(inputs, names, strict=True)), *expressions)
+        emitter = Emitter.of(
+            self.real, list(zip(inputs, names, strict=True)), stacked(told), stacked(divisors)
+        )
         lines = emitter.lines
         for k, j in enumerate(j for j, c in enumerate(self.conditions) if c.root is not None):
             text = emitter.value(0, k)

@@ -14,7 +14,6 @@ from dataclasses import dataclass
 import casadi as ca
 import numpy as np
 
-from symkin.closure.snapping import snapped_expression
 from symkin.codegen.map.limb_platform import LimbBlock, LimbPlatform
 from symkin.codegen.map.record import Source
 from symkin.codegen.steps.formula_guards import RESOLVED
@@ -125,12 +124,8 @@ class LimbFormulas(Source):
         known, roots = self.formulas.system.known, self.formulas.roots
         free, count = self.block.free_divisors, roots.numel()
         divisors = self.signed(stacked(self.formulas.divisors[j] for j in free))
-        outputs = [
-            snapped_expression(ca.densify(part), [known, roots])
-            for part in (self._discriminants, results, divisors, rows)
-        ]
         inputs = [(known, "c"), (roots, [f"r{k + 1}" for k in range(count)])]
-        emitter = Emitter.of(real, inputs, *outputs)
+        emitter = Emitter.of(real, inputs, self._discriminants, results, divisors, rows)
         zeros = [f"{array}[{i}] = 0.0;" for i in range(results.numel())]
         status = [f"name_status status = NAME_{refused};"]
         written, closings, tests = list(status if free else []), list[list[str]](), list[str]()
@@ -228,9 +223,7 @@ def branch_text(made: LimbPlatform, common: Mapping[str, object], tolerance: flo
             continue
         system, formulas = block.system, block.formulas
         written = LimbFormulas(made, block, formulas)
-        sides = snapped_expression(
-            ca.densify(formulas.sides(written.signs)), [system.unknown, system.known]
-        )
+        sides = formulas.sides(written.signs)
         inputs = [
             (symbols, [text for c in part for text in names[c.name]])
             for symbols, part in ((system.unknown, system.unknowns), (system.known, known))

@@ -19,7 +19,6 @@ from symkin.closed.evaluation import Decision, Evaluation
 from symkin.closed.geometry import across
 from symkin.closed.plan import Plan, forward
 from symkin.closed.steps import TOOL, Factor, Operand, Step, Word
-from symkin.closure.snapping import snapped_expression
 from symkin.codegen.steps.newton_source import NewtonCode
 from symkin.codegen.text.c import Emitter, Real, indent, indented_by_braces, indexed
 from symkin.codegen.text.templates import fill
@@ -149,7 +148,7 @@ class ClosedCode:
         told = [e for motion in motions for e in motion.pair] if is_line else values
         symbols = [self._pose, self._signs, self._near]
         gap = self._gap(at) if self.is_checked else ca.SX(0)
-        expression = snapped_expression(ca.vertcat(*outputs, gap, *told), symbols)
+        expression = ca.vertcat(*outputs, gap, *told)
         texts = ["x", signs, indexed("near", 2 * len(signs))]
         return Emitter.of(self.real, list(zip(symbols, texts, strict=True)), expression)
 

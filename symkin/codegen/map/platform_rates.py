@@ -9,7 +9,6 @@ from collections.abc import Mapping
 import casadi as ca
 import numpy as np
 
-from symkin.closure.snapping import snapped_expression
 from symkin.codegen.line_parts import core_target, line_target
 from symkin.codegen.map.limb_platform import LimbPlatform
 from symkin.codegen.map.rates import step_text
@@ -108,7 +107,6 @@ def closure_twist(made: LimbPlatform, values: Mapping[str, object], driver: Kern
             aim += copy("w->k0", "w->k", kernel.known.numel())
     rates = ca.SX.sym("v", nq)
     change = ca.jtimes(ca.substitute(kernel.rows, kernel.known, target), joints, rates)
-    change = snapped_expression(change, [kernel.state, joints, kernel.geometry, rates])
     sides = _of_state(kernel, change, joints, into, made, rates).stored("w->f")
     count = kernel.state.numel() - passive
     state = [

@@ -17,7 +17,6 @@ import numpy as np
 
 from symkin.closure.closure import Closure
 from symkin.closure.link_poses import reading_expressions
-from symkin.closure.snapping import snapped_expression
 from symkin.codegen.steps.geometry import Geometry
 from symkin.codegen.steps.joint_ranges import range_of
 from symkin.codegen.text.c import Emitter, Real
@@ -180,10 +179,7 @@ def limit_lines(
     closure = geometry.closure
     size = closure.characteristic_length
     compared = [limit.compared(real, size) for limit in limits]
-    outputs = snapped_expression(
-        ca.densify(ca.vertcat(*(part for parts in compared for part in parts))),
-        [closure.variables, geometry.symbols],
-    )
+    outputs = ca.vertcat(*(part for parts in compared for part in parts))
     inputs = [(closure.variables, variables), (geometry.symbols, geometry.names)]
     emitter = Emitter.of(real, inputs, outputs, prefix="l")
     place, tests = 0, list[str]()

@@ -104,10 +104,9 @@ def pose_text(geometry: Geometry, real: Real, values: dict[str, object]) -> str:
     """NAME_pose_from_coordinates: the pose of pose coordinates."""
     closure = geometry.closure
     symbols = closure.symbols(closure.role("pose"))
-    expression = snapped_expression(geometry.pose, [symbols, geometry.symbols])
     count = symbols.numel()
     inputs = [(symbols, "c"), (geometry.symbols, geometry.names)]
-    body = Emitter.of(real, inputs, expression).stored(POSE)
+    body = Emitter.of(real, inputs, geometry.pose).stored(POSE)
     return fill("pose_from_coordinates.c", values | {"count": count, "body": body})
 
 

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import casadi as ca
 import numpy as np
 
+from symkin.closure.snapping import snapped_expression
 from symkin.codegen.text.languages import ARITHMETIC, calls
 from symkin.codegen.text.printer import POWER, PRODUCT, Form, Language, Printer
 from symkin.errors import InputError
@@ -138,11 +139,11 @@ class Emitter(Printer):
         prefix: str = "t",
     ) -> Emitter:
         """The emitter of expressions of symbols, beside which stand their texts in C, or the array
-        that holds them.
+        that holds them; without rounding noise of their constants.
         """
-        function = ca.Function(
-            "f", [symbols for symbols, _ in inputs], [ca.densify(e) for e in outputs], {"cse": True}
-        )
+        symbols = [symbol for symbol, _ in inputs]
+        told = [ca.densify(snapped_expression(ca.densify(e), symbols)) for e in outputs]
+        function = ca.Function("f", symbols, told, {"cse": True})
         return cls(function, [texts for _, texts in inputs], real, prefix)
 
     def stored(self, targets: Sequence[str] | str, output: int = 0) -> list[str]:
