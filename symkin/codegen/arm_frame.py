@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import casadi as ca
 
 from symkin.codegen.steps.geometry import exact_turn
-from symkin.codegen.text.c import Emitter, Real, indent, indexed
+from symkin.codegen.text.c import Emitter, Real, indexed
 from symkin.codegen.text.templates import fill
 from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import multiply
@@ -37,15 +37,13 @@ class ArmFrame:
         """Values of names in the templates: statements that turn a pose x or a twist."""
         ok = "if (status == NAME_OK) {"
         return {
-            "taken": indent([ok, *(f"    {line}" for line in self._pose_lines(self.base)), "}"]),
-            "told": indent(self._pose_lines(self.base.inverse()), 2),
+            "taken": [ok, *(f"    {line}" for line in self._pose_lines(self.base)), "}"],
+            "told": self._pose_lines(self.base.inverse()),
             "static_own": "static ",
             "in_own": ", in the arm's own frame",
             "own_jacobian": "name_own_jacobian",
             "given": "own",
-            "twist_taken": indent(
-                ["real own[6];", *self._twist_lines(self.base, "twist", "own")], 2
-            ),
+            "twist_taken": ["real own[6];", *self._twist_lines(self.base, "twist", "own")],
         }
 
     @property
@@ -60,7 +58,7 @@ class ArmFrame:
     def jacobian(self) -> str:
         """NAME_jacobian: the columns of the own one, turned."""
         lines = self._twist_lines(self.base.inverse(), "a", "b")
-        return fill("arm_turned.c", {**self.values, **self.names, "turn": indent(lines, 2)})
+        return fill("arm_turned.c", {**self.values, **self.names, "turn": lines})
 
     def _pose_lines(self, turn: Pose) -> list[str]:
         x = ca.SX.sym("x", 7)

@@ -16,7 +16,7 @@ import numpy as np
 from symkin.closed.evaluation import Evaluation, Motion
 from symkin.closed.screws import ArmScrews
 from symkin.closed.steps import Factor, Operand, Word
-from symkin.codegen.text.c import Emitter, Real, indent, indexed
+from symkin.codegen.text.c import Emitter, Real, indexed
 from symkin.codegen.text.gathered import gathered
 from symkin.codegen.text.templates import fill
 from symkin.codegen.text.turns import cosine_and_sine
@@ -148,8 +148,8 @@ class ArmMotion:
             **self.values,
             "turns": 2 * len(self.arm),
             "nn": len(self.arm),
-            "turned": indent(self._turned_lines),
-            "pose_lines": indent(pose),
+            "turned": self._turned_lines,
+            "pose_lines": pose,
         }
         turn = cosine_and_sine(self.real, shown) if self.real.name == "float" and self.turns else ""
         return turn + fill("arm_motion.c", shown)

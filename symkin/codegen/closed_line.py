@@ -28,7 +28,7 @@ from symkin.codegen.steps.guard_text import GuardText
 from symkin.codegen.steps.guards import Bound, Guard
 from symkin.codegen.steps.joint_ranges import range_of
 from symkin.codegen.steps.newton_kernel import rounded, rounded_up
-from symkin.codegen.text.c import Emitter, Real, indent
+from symkin.codegen.text.c import Emitter, Real
 from symkin.codegen.text.templates import copy, fill
 from symkin.codegen.text.turns import near_arctangent
 from symkin.computed_once import cached_property
@@ -173,9 +173,9 @@ class ClosedLine:
         """The functions, which need those of the closed form."""
         values, limits, guards = self._values, self._limits, self._guard_text
         names = values | {
-            "members": indent([*guards.members, *limits.members]),
+            "members": [*guards.members, *limits.members],
             "ways": fill("line_of_poses.c", values),
-            "shorter": indent([*guards.shorter_lines, *limits.shorter], 3),
+            "shorter": [*guards.shorter_lines, *limits.shorter],
         }
         walk = guards.text(names, fill("point_of_poses.c", names).split("\n"), 1.0)
         called = walk + limits.text
@@ -218,12 +218,12 @@ class ClosedLine:
             "near_arctangent": near_arctangent(real),
             "walks": "NAME_SHARED",
             "hold_guards": "",
-            "read": indent(self._read_lines),
-            "reach": indent(self.code.line_body),
-            "way_lines": indent(self._way_lines, 2),
-            "keep_lines": indent(self._held.lines),
+            "read": self._read_lines,
+            "reach": self.code.line_body,
+            "way_lines": self._way_lines,
+            "keep_lines": self._held.lines,
             "aimed": "real most2, ",
-            "take": indent(self._taken, 3),
+            "take": self._taken,
             "longer": longer,
             "and_follows": " && name_inverse_follows(w, most2)",
             "unreached": f"((reached == NAME_SINGULAR) || ({beyond})) ? reached : "
@@ -246,7 +246,7 @@ class LimitCheck:
     """
 
     joints: tuple[int, ...]
-    names: dict[str, str]
+    names: dict[str, object]
     text: str
     members: tuple[str, ...] = ()
     shorter: tuple[str, ...] = ()
@@ -258,38 +258,31 @@ def limit_check(code: ClosedCode) -> LimitCheck:
     count = f"{n}U"
     limited = tuple(i for i, c in enumerate(code.coordinates) if c.limits is not None)
     if not limited:
-        plain = {"limits_kept": "    return follows;", "refused": "NAME_WRONG_BRANCH"}
+        plain = {"limits_kept": "return follows;", "refused": "NAME_WRONG_BRANCH"}
         return LimitCheck((), _WITHOUT | plain, "")
     beyond = "    status = NAME_OUT_OF_RANGE;"
     names = {
         "and_within": ", and the joints keep their limits",
-        "guess_beyond": indent(
-            [
-                "w->beyond = false;",
-                "w->blamed = name_first_beyond(joints);",
-                f"if (w->blamed < {count}) {{",
-                beyond,
-                "}",
-            ]
-        ),
-        "limits_kept": indent(
-            [
-                "if (follows) {",
-                "    w->blamed = name_first_leaving(w, w->joints, w->found);",
-                f"    w->beyond = (w->blamed < {count}) && (name_first_beyond(w->found) < "
-                f"{count});",
-                "}",
-                f"return follows && (w->blamed == {count});",
-            ]
-        ),
+        "guess_beyond": [
+            "w->beyond = false;",
+            "w->blamed = name_first_beyond(joints);",
+            f"if (w->blamed < {count}) {{",
+            beyond,
+            "}",
+        ],
+        "limits_kept": [
+            "if (follows) {",
+            "    w->blamed = name_first_leaving(w, w->joints, w->found);",
+            f"    w->beyond = (w->blamed < {count}) && (name_first_beyond(w->found) < {count});",
+            "}",
+            f"return follows && (w->blamed == {count});",
+        ],
         "refused": f"(w->blamed < {count}) ? NAME_OUT_OF_RANGE : NAME_WRONG_BRANCH",
-        "blame": indent(
-            [
-                "if ((info != NULL) && (status == NAME_OUT_OF_RANGE)) {",
-                "    info->joint = w->blamed;",
-                "}",
-            ]
-        ),
+        "blame": [
+            "if ((info != NULL) && (status == NAME_OUT_OF_RANGE)) {",
+            "    info->joint = w->blamed;",
+            "}",
+        ],
     }
     ranges = [range_of(c, real, code.plan.arm.size) for c in code.coordinates]
     own = {

@@ -20,7 +20,7 @@ from symkin.closed.geometry import across
 from symkin.closed.plan import Plan, forward
 from symkin.closed.steps import TOOL, Factor, Operand, Step, Word
 from symkin.codegen.steps.newton_source import NewtonCode
-from symkin.codegen.text.c import Emitter, Real, indent, indented_by_braces, indexed
+from symkin.codegen.text.c import Emitter, Real, indented_by_braces, indexed
 from symkin.codegen.text.templates import fill
 from symkin.codegen.text.turns import angle_of_direction, rough_sine
 from symkin.computed_once import cached_property
@@ -316,14 +316,14 @@ class ClosedCode:
             "nears": max(2 * len(names), 1),
             "both": f"{both}U",
             "margins": max(len(self.guarded), 1),
-            "body": indent(self.body),
-            "near": indent(self._near_lines, 2),
+            "body": self.body,
+            "near": self._near_lines,
             "nn": len(self.plan.arm),
             "angular": ", ".join("true" if c.is_angular else "false" for c in self.coordinates),
             "middles": ", ".join(str(m) for m in middles),
             "many": _MOST_TURNS,
             "sine": rough_sine(self.real),
-            "named": indent(named, 2),
+            "named": named,
         }
 
     @property

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from symkin.codegen.steps.newton_kernel import Kernel
 from symkin.codegen.steps.pose_kernel import PoseKernel
-from symkin.codegen.text.c import Emitter, Real, indent, indexed
+from symkin.codegen.text.c import Emitter, Real, indexed
 
 FIRST_TURN = 0.5
 """Turn of the known values that is tried first (rad): most longer ones are refused."""
@@ -76,8 +76,8 @@ class LineParts:
         ]
         longest = (0.5 * LONGEST_TURN) ** 2
         return {
-            "turn": indent(start),
-            "check_middle": indent(check, 2),
+            "turn": start,
+            "check_middle": check,
             "still": f"((taken > 0U) && {floor})",
             "next_part": self._longer(f"part * part * turn2 <= {longest}"),
             "first_try": "A part in which known values turn by at most "
@@ -91,7 +91,7 @@ class LineParts:
         return f"((stretch < 1.0) || ({fits})) ? (stretch * part) : part"
 
     @property
-    def _stretching(self) -> dict[str, str]:
+    def _stretching(self) -> dict[str, object]:
         """How far the next part reaches: half or twice, or, where `measured`, as far as the ratio
         of steps, which grows with the part, lets expect.
         """
@@ -103,7 +103,7 @@ class LineParts:
                     "had to be */"
                 ),
                 "set_quick": "quick = (size * 100.0 <= before);",
-                "nearer": indent([nearer], 3),
+                "nearer": [nearer],
             }
         return {
             "quick_variable": (
@@ -112,15 +112,14 @@ class LineParts:
             "set_quick": (
                 "stretch = (size * 100.0 <= before) ? 2.0 : (0.2 * sqrt(before / size));"
             ),
-            "nearer": indent(
+            "nearer": (
                 [
                     "if ((size > limit) && (size < 4.0 * limit)) {",
                     "    aim = done + 0.8 * sqrt(limit / size) * (aim - done);",
                     "} else {",
                     "    " + nearer,
                     "}",
-                ],
-                3,
+                ]
             ),
         }
 

@@ -32,7 +32,7 @@ from symkin.codegen.steps.joint_ranges import range_functions, ranges_of
 from symkin.codegen.steps.linear_solver import is_unrolled
 from symkin.codegen.steps.newton_kernel import Kernel, curvature, system_kernel
 from symkin.codegen.steps.newton_source import NewtonCode, tolerance_of
-from symkin.codegen.text.c import Emitter, Real, indent, indexed
+from symkin.codegen.text.c import Emitter, Real, indexed
 from symkin.codegen.text.templates import (
     FARTHEST,
     common_values,
@@ -382,9 +382,9 @@ class ArmSource(Source):
             "how": f"The joints by {how}",
             "work": work,
             "at": at,
-            "to_x": indent(copy(at, "guess", nq), 2),
-            "out": indent(copy("joints", at, nq), 3),
-            "solve": indent(solve, 2),
+            "to_x": copy(at, "guess", nq),
+            "out": copy("joints", at, nq),
+            "solve": solve,
         }
 
     @property
@@ -403,7 +403,7 @@ class ArmSource(Source):
             "serial_functions.c",
             values
             | {
-                "jacobian": indent(self._jacobian_lines, 2),
+                "jacobian": self._jacobian_lines,
                 **self._solving,
             },
         )
@@ -449,7 +449,7 @@ class ArmSource(Source):
         if self.motion is not None:
             return self.motion.text
         lines = self._emitter(self.made.pose, "q").stored(indexed("x", 7))
-        return fill("forward.c", self.values | {"forward": indent(lines)})
+        return fill("forward.c", self.values | {"forward": lines})
 
     @property
     def _jacobian_lines(self) -> list[str]:

@@ -20,7 +20,7 @@ from symkin.codegen.steps.newton_kernel import rounded
 from symkin.codegen.steps.newton_source import tolerance_of
 from symkin.codegen.steps.pose_coordinates import POSE, off_motion, restricted
 from symkin.codegen.text.angles import NotLiftedError, Numbers, lifted
-from symkin.codegen.text.c import Emitter, indent
+from symkin.codegen.text.c import Emitter
 from symkin.codegen.text.gathered import gathered
 from symkin.computed_once import cached_property
 from symkin.model.joint import Coordinate, places_of
@@ -303,7 +303,7 @@ class DirectText(Source):
         return turns | {i for i, is_read in enumerate(reads) if is_read}
 
     @property
-    def answer_lines(self) -> dict[str, str]:
+    def answer_lines(self) -> dict[str, list[str]]:
         """Statements of the residual, the sides, what is firm, and the pose."""
         real, symbols = self.real, [self.u, self.y, self.half]
         outputs = gathered(list(self._answer), symbols, self.turns)
@@ -321,8 +321,8 @@ class DirectText(Source):
                 k += 1
         sides = [*emitter.take(), *tests]
         parts = {"residual": residual, "side": sides, "firm": self._firm_lines}
-        return {f"{part}_lines": indent(lines) for part, lines in parts.items()} | {
-            "pose_lines": indent(emitter.stored(POSE, 2), 2)
+        return {f"{part}_lines": lines for part, lines in parts.items()} | {
+            "pose_lines": emitter.stored(POSE, 2)
         }
 
     @property

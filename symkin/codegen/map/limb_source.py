@@ -21,7 +21,7 @@ from symkin.codegen.steps.linear_solver import singular_condition
 from symkin.codegen.steps.newton_kernel import Kernel, quaternion_place, rounded, sampled
 from symkin.codegen.steps.newton_source import NewtonCode
 from symkin.codegen.steps.pose_coordinates import COLUMNS
-from symkin.codegen.text.c import Emitter, indent, indexed
+from symkin.codegen.text.c import Emitter, indexed
 from symkin.codegen.text.templates import copy, fill
 from symkin.computed_once import cached_property
 from symkin.model.joint import places_of
@@ -103,7 +103,7 @@ class LimbSource(Source):
             for array, coordinates in parts
             for i, v in enumerate(self.made.inverse.select_values(reference, coordinates))
         ]
-        follow = fill("limb.c", {**self.common, "k": self.k, "begin": indent(begin)})
+        follow = fill("limb.c", {**self.common, "k": self.k, "begin": begin})
         return code.text + follow + self._twist_columns_text(kernel)
 
     def _closed_text(self, written: LimbFormulas) -> str:

@@ -24,7 +24,7 @@ from symkin.codegen.steps.newton_kernel import Kernel, sampled
 from symkin.codegen.steps.newton_source import NewtonCode, tolerance_of
 from symkin.codegen.steps.passive_limits import limit_lines
 from symkin.codegen.text.angles import number_counts, numbers_at
-from symkin.codegen.text.c import Emitter, indent, indexed
+from symkin.codegen.text.c import Emitter, indexed
 from symkin.codegen.text.templates import copy, fill
 from symkin.computed_once import cached_property
 from symkin.model.joint import Coordinate
@@ -371,7 +371,7 @@ class DirectionSource(MapValues):
             "about_track": f"One step of the {self.direction.name} problem from the last values.",
             "f": self.k,
             "track": "name_track" if self._is_direct else "name_track_inverse",
-            "begin": indent(begin),
+            "begin": begin,
             "follow": follow,
             "line_results": [*unused, *self._results("w->x", "guess")],
             "track_results": [f"real result[{n}];", *self._results("w.x", out)],
@@ -412,12 +412,12 @@ class DirectionSource(MapValues):
         return fill("map_away.c", self.names | {"away": lines})
 
     @property
-    def _passive_call(self) -> str:
+    def _passive_call(self) -> list[str]:
         """Statements that hold passive joints of an answer against their limits."""
         if not self.made.passive_limits:
-            return ""
+            return []
         call = f"status = {self.k}_check_passive(&w, {self.words[0]});"
-        return indent(["if (status == NAME_OK) {", f"    {call}", "}"], 2)
+        return ["if (status == NAME_OK) {", f"    {call}", "}"]
 
     @property
     def _passive_text(self) -> str:

@@ -9,7 +9,7 @@ import numpy as np
 
 from symkin.codegen.steps.guards import NOISE, SLIDE_PARTS, Guard
 from symkin.codegen.steps.newton_kernel import rounded, rounded_up
-from symkin.codegen.text.c import Real, indent
+from symkin.codegen.text.c import Real
 from symkin.codegen.text.templates import fill, substitute
 from symkin.text import c_comment, markdown
 
@@ -105,20 +105,20 @@ class GuardText:
         plain |= {
             "ways": substitute(_WAYS, values),
             "hold_guards": substitute(_HOLD_GUARDS, {**values, **own}),
-            "shorter": indent(self.shorter_lines, 3),
+            "shorter": self.shorter_lines,
         }
         return fill(
             "guarded_line.c",
             _STRAIGHT
             | own
             | plain
-            | ({} if "keep_lines" in values else {"keep_lines": indent(self._keep_lines)})
+            | ({} if "keep_lines" in values else {"keep_lines": self._keep_lines})
             | dict(values)
             | {
-                "aim": indent(aim, 2),
+                "aim": aim,
                 "first_part": first_part,
                 "least_part": _LEAST_PART,
-                "not_measured": indent(self._reset_lines, 2),
+                "not_measured": self._reset_lines,
             },
         )
 

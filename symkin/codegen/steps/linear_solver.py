@@ -15,7 +15,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from symkin.codegen.steps.newton_kernel import Kernel, rounded
-from symkin.codegen.text.c import Emitter, Real, indent, indexed
+from symkin.codegen.text.c import Emitter, Real, indexed
 from symkin.codegen.text.templates import fill
 
 UNROLLED = 8
@@ -267,9 +267,7 @@ def linear_solver(
     unrolled LU.
     """
     dense = Emitter(kernel.jacobian_function(), inputs, real)
-    matrix = indent(
-        given or dense_statements(dense, kernel.m, kernel.n, "w->a", transposed=kernel.is_wide)
-    )
+    matrix = given or dense_statements(dense, kernel.m, kernel.n, "w->a", transposed=kernel.is_wide)
     if not kernel.is_square:
         return _qr(kernel, {**values, "matrix": matrix}, dense.operations)
     _, column_scale = scales(matrices)
@@ -365,17 +363,14 @@ def is_unrolled(kernel: Kernel, *, compact: bool) -> bool:
     return kernel.is_square and kernel.n <= UNROLLED and not compact
 
 
-def factor_calls(kernel: Kernel, k: str, *, compact: bool = False) -> dict[str, str]:
-    """How the driver gets its factors: unrolled with the pivoting fallback, pivoting loops, or
-    QR.
+def factor_calls(kernel: Kernel, k: str, *, compact: bool = False) -> list[str]:
+    """How the driver gets its factors: unrolled with the pivoting fallback, of which the statements
+    come behind the call, pivoting loops, or QR.
     """
     if is_unrolled(kernel, compact=compact):
         second = ["if (turn == 0) {", f"    turn = {k}_pivoted(GEOMETRY w);", "}"]
-        return {"first_factor": f"{k}_factor(GEOMETRY w)", "second_factor": indent(second, 3)}
-    return {
-        "first_factor": f"{k}_{'pivoted' if kernel.is_square else 'factor'}(GEOMETRY w)",
-        "second_factor": "",
-    }
+        return [f"{k}_factor(GEOMETRY w)", *second]
+    return [f"{k}_{'pivoted' if kernel.is_square else 'factor'}(GEOMETRY w)"]
 
 
 def singular_condition(kernel: Kernel, k: str, work: str, *, compact: bool = False) -> str:

@@ -20,7 +20,7 @@ from symkin.codegen.steps.linear_solver import (
     linear_solver,
 )
 from symkin.codegen.steps.newton_kernel import Kernel, rounded
-from symkin.codegen.text.c import Emitter, Real, indent
+from symkin.codegen.text.c import Emitter, Real
 from symkin.codegen.text.templates import common_values, copy, copy_loop, fill
 from symkin.computed_once import cached_property
 from symkin.text import c_comment
@@ -169,15 +169,15 @@ class NewtonCode:
         """The function that looks at the middle of a part, where known values turn."""
         count = self.kernel.state.numel()
         copies = {
-            "to_begin": indent(copy_loop("end", "w->x", count) + copy_loop("w->x", "w->x0", count)),
-            "to_end": indent(copy_loop("w->x", "end", count)),
-            "aimed_at": "",
+            "to_begin": copy_loop("end", "w->x", count) + copy_loop("w->x", "w->x0", count),
+            "to_end": copy_loop("w->x", "end", count),
+            "aimed_at": list[str](),
         }
         if self.keeps_known:
             nk = self.kernel.known.numel()
-            copies["aimed_at"] = f"    real aimed[{nk}];"
-            copies["to_begin"] += "\n" + indent(copy_loop("aimed", "w->k", nk))
-            copies["to_end"] += "\n" + indent(copy_loop("w->k", "aimed", nk))
+            copies["aimed_at"] += [f"real aimed[{nk}];"]
+            copies["to_begin"] += copy_loop("aimed", "w->k", nk)
+            copies["to_end"] += copy_loop("w->k", "aimed", nk)
         return fill("middle.c", self._values | copies) if self.bends else ""
 
     @property
@@ -198,13 +198,8 @@ class NewtonCode:
         """Values for other drivers of the same steps: names, roundings, and the statements that set
         `turn` and factor the matrix.
         """
-        calls = [
-            f"turn = {self._values['first_factor']};",
-            *str(self._values["second_factor"]).strip("\n").split("\n"),
-        ]
-        return self._values | {
-            "factor": indent([calls[0], *(line[12:] for line in calls[1:] if line)], 2)
-        }
+        first, *second = factor_calls(self.kernel, self.k, compact=self.compact)
+        return self._values | {"factor": [f"turn = {first};", *second]}
 
     @cached_property
     def operations(self) -> dict[str, int]:
@@ -263,9 +258,10 @@ class NewtonCode:
 
     @cached_property
     def _values(self) -> dict[str, object]:
+        first, *second = factor_calls(self.kernel, self.k, compact=self.compact)
         return (
             common_values(self.name, self.real, struct=bool(self.geometry))
-            | {"k": self.k, **factor_calls(self.kernel, self.k, compact=self.compact)}
+            | {"k": self.k, "first_factor": first, "second_factor": second}
             | self._sizes
             | self._members
             | self._constants
@@ -349,9 +345,7 @@ class NewtonCode:
             if self._has_side
             else "",
             "no_side": "    w->side = 0;" if self._has_side else "",
-            "side": indent(
-                ["if (turn != 0) {", f"    turn = {self.k}_side(w, taken == 0U);", "}"], 3
-            )
+            "side": ["if (turn != 0) {", f"    turn = {self.k}_side(w, taken == 0U);", "}"]
             if self._has_side
             else "",
             "factors": factors,
@@ -406,17 +400,17 @@ class NewtonCode:
         # closely by that one
         reads_known = self.kernel.reads_known and not self.kernel.is_wide and not kept
 
-        def first(call: str) -> str:
-            return indent(["if (taken == 0U) {", f"    {call}", "}"], 3) if reads_known else ""
+        def first(call: str) -> list[str]:
+            return ["if (taken == 0U) {", f"    {call}", "}"] if reads_known else []
 
-        keeping = indent(["if (taken > 0U) {", *("    " + line for line in keep), "}"], 3)
+        keeping = ["if (taken > 0U) {", *("    " + line for line in keep), "}"]
         return {
             "begin_target": begin_target,
             "part": "" if by_call else ", real part",
             "aimed": "" if by_call else ": a part of the line from the guess's to `to`",
             "at_done": keeping if kept else first(done),
             "at_aim": first(aim),
-            "save0": indent(save0),
+            "save0": save0,
             "advance": [*copy_loop("w->x0", "w->x", state), *keep, self.retarget or aim],
             "retreat": [self.retarget]
             if by_call

@@ -7,7 +7,7 @@ name_status name_rates(GEOMETRY_GIVEN const name_real joints[@nq], const name_re
     if (status == NAME_OK) {
         name_real e[6];
         name_real found[@nq];
-@twist_taken
+        @twist_taken
         for (int i = 0; i < 6; ++i) {
             e[i] = @given[i] * ((i < 3) ? @per_size : 1.0);
         }

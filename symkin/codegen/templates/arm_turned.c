@@ -8,7 +8,7 @@ name_status name_jacobian(const name_real joints[@nq], name_real jacobian[@nj])
         for (int i = 0; i < 6; ++i) {
             a[i] = jacobian[@nq * i + j];
         }
-@turn
+        @turn
         for (int i = 0; i < 6; ++i) {
             jacobian[@nq * i + j] = b[i];
         }

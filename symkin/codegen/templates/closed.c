@@ -9,7 +9,7 @@ static int name_branches(const name_real x[7], const name_real near[@nears], uns
     (void)margin;
     (void)near;
     (void)wanted;
-@body
+    @body
     return count;
 }
 
@@ -89,7 +89,7 @@ name_status name_inverse_branch(const name_pose *pose, unsigned int branch, name
     name_status status = NAME_OUT_OF_RANGE;
     if (branch < @{branches}U) {
         unsigned int wanted = 0U;
-@named
+        @named
         status = name_one_branch(pose, near, wanted, middle, joints);
     }
     return status;
@@ -101,7 +101,7 @@ name_status name_inverse_nearest(const name_pose *pose, const name_real guess[@n
     name_status status = name_check_finite(guess, @nn, NAME_OK);
     if (status == NAME_OK) {
         name_real near[@nears] = { 0.0 };
-@near
+        @near
         status = name_one_branch(pose, near, 0U, guess, joints);
     }
     return status;

@@ -4,15 +4,15 @@ static name_status name_direct_answer(const name_direct_work *w, name_real toler
 {
     name_status status = NAME_OK;
     @half_lines
-@residual_lines
+    @residual_lines
     if (!(*residual <= tolerance + @rounding)) {
         status = NAME_SINGULAR;
     }
-@firm_lines
-@side_lines
+    @firm_lines
+    @side_lines
     *is_firm = firm;
     if (status == NAME_OK) {
-@pose_lines
+        @pose_lines
     }
     return status;
 }

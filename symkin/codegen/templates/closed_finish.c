@@ -16,7 +16,7 @@ static name_status name_finish(const name_real x[7], name_real joints[@nn])
     solver_rows(w);
     residual = solver_residual(w);
     for (int step = 0; (step < @most_steps) && (turn != 0) && (size <= @longest2) && (residual > NAME_TOLERANCE + @rounding); ++step) {
-@factor
+        @factor
         if (turn != 0) {
             solver_solve(w);
             size = solver_apply_step(w);

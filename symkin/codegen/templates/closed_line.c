@@ -13,7 +13,7 @@ typedef struct {
     name_real speed[@nn];
     name_real change[@nn];
     bool kept;
-@members
+    @members
 } solver_work;
 
 /* Begins a line at joint values: their tool pose x (x, y, z, qw, qx, qy, qz), the squares of the closed form's steps there (README.md), and the
@@ -29,14 +29,14 @@ static void solver_begin(solver_work *w, const name_real joints[@nn], name_real 
     w->way2 = 0.0;
     w->left[0] = 1.0;
     w->guard[0] = 1.0;
-@read
+    @read
 }
 
 @joint@turn_between/* The closed form at a tool pose x of the line, on the guess's branch; SINGULAR or OUT_OF_RANGE where that does not reach it. */
 static name_status solver_reach(solver_work *w, const name_real x[7])
 {
     name_status status = NAME_OUT_OF_RANGE;
-@reach
+    @reach
     return status;
 }
 
@@ -46,7 +46,7 @@ static name_status solver_aim(solver_work *w, const name_real x[7])
 {
     const name_status status = solver_reach(w, x);
     if (status == NAME_OK) {
-@way_lines
+        @way_lines
     }
     return status;
 }
@@ -59,7 +59,7 @@ static bool solver_follows(solver_work *w, name_real most2)
         w->bent = w->way2;
         w->most = most2;
     }
-@limits_kept
+    @limits_kept
 }
 
 @walk/* The closed form along the line of tool poses from the guess's to the given one, on the guess's branch. Angles go on from part to part,
@@ -79,7 +79,7 @@ static name_status solver_along(const name_real to[7], const name_config *config
             status = NAME_SINGULAR;
         }
     }
-@guess_beyond
+    @guess_beyond
     if (status == NAME_OK) {
         const name_real most2 = config->max_step * config->max_step * @per_size2;
         status = solver_walk(w, at, to, most2, (unsigned int)config->max_iterations, &count);
@@ -94,7 +94,7 @@ static name_status solver_along(const name_real to[7], const name_config *config
         status = name_hold(to, joints, &residual);
     }
     name_write_info(info, count, residual, w->way2 * @size2, (least > @least) ? (1.0 / least) : 0.0);
-@blame
+    @blame
     return status;
 }
 

@@ -2,6 +2,6 @@
 static void name_forward(GEOMETRY_GIVEN const name_real q[@nq], name_real x[7])
 {
 @use
-@forward
+    @forward
 }
 

@@ -2,7 +2,7 @@
  * the known values' changes: a guard bends by no more than its weights times these allow (README.md). */
 static bool solver_keeps(solver_work *w, const name_real change[@nto])
 {
-@keep_lines
+    @keep_lines
 }
 
 /* Follows the line of known values from `at`, where the guards are w->left, to `to` in parts that are kept, and are cut where they are
@@ -27,15 +27,15 @@ static @walks name_status solver_walk(solver_work *w, const name_real at[@nat], 
         for (int i = 0; i < @nways; ++i) {
             change[i] = share2 * way2[i];
         }
-@aim
+        @aim
         ++*count;
-@not_measured
+        @not_measured
 @hold_guards
         if (!above) {
             /* a point of the line without a configuration, or a singular one */
             status = @unreached;
         } else if (solver_keeps(w, change)@and_follows) {
-@take
+            @take
             for (int j = 0; j < @ng; ++j) {
                 w->left[j] = w->guard[j];
             }
@@ -46,7 +46,7 @@ static @walks name_status solver_walk(solver_work *w, const name_real at[@nat], 
                 status = NAME_OK;
             }
         } else {
-@shorter
+            @shorter
             refused = true;
             if (part < @least_part) {
                 status = @refused;

@@ -3,7 +3,7 @@ static name_status solver_follow_pose(GEOMETRY_GIVEN solver_work *w, const name_
 {
     static const name_config usual = { NAME_TOLERANCE, NAME_MAX_STEPS, NAME_MAX_STEP };
     /* state and pose of the reference configuration */
-@begin
+    @begin
     return solver_newton(GEOMETRY w, c, &usual, NULL);
 }
 

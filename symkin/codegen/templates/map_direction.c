@@ -15,7 +15,7 @@ static NAME_SHARED name_status @{f}_line(solver_work *w, const name_real @values
     const name_real guess[@nout], name_real result[@nout], const name_config *config, name_info *info)
 {
     name_status status;
-@begin
+    @begin
     @follow
     if (status == NAME_OK) {
         @line_results
@@ -97,7 +97,7 @@ name_status @f(const name_config *config, const name_real @values[@nto], const n
     }
     if (status == NAME_OK) {
         status = name_limit_@out(status, result);
-@passive
+        @passive
         if (status == NAME_OK) {
             @store
         }
@@ -126,7 +126,7 @@ name_status @track(const name_real @values[@nto], name_real @out[@nout], name_in
         /* beyond a small step the branch is not assured */
         status = (change2 <= @track2) ? NAME_OK : NAME_WRONG_BRANCH;
         status = name_limit_@out(status, result);
-@passive
+        @passive
         if (status == NAME_OK) {
             @store
         }

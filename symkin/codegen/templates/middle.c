@@ -5,15 +5,15 @@ static NAME_COLD bool solver_reaches_middle(GEOMETRY_GIVEN solver_work *w, const
 {
     name_real end[@ns];
     name_real size[3];
-@aimed_at
-@to_begin
+    @aimed_at
+    @to_begin
     solver_set_target(GEOMETRY w, to, middle);
     for (int i = 0; i < 3; ++i) {
         solver_rows(GEOMETRY w);
         solver_solve(w);
         size[i] = solver_apply_step(GEOMETRY w);
     }
-@to_end
+    @to_end
     return (size[2] <= still2) || ((size[1] <= @contraction2 * size[0]) && (size[2] <= @later2 * size[1]));
 }
 

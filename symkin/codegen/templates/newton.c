@@ -39,9 +39,9 @@ static name_status solver_newton(GEOMETRY_GIVEN solver_work *w, const name_real 
     bool verify = false; /* whether the tolerance should be reached: the rows are evaluated once more */
     w->spread = 0.0;
 @no_side
-@turn
+    @turn
     @begin_target
-@save0
+    @save0
     for (;;) {
         solver_rows(GEOMETRY w);
         if (verify) {
@@ -60,11 +60,11 @@ static name_status solver_newton(GEOMETRY_GIVEN solver_work *w, const name_real 
         ++count;
         if (fresh) {
             /* matrix and factors, and the sign of the determinant */
-@at_done
+            @at_done
             int turn = @first_factor;
-@second_factor
-@side
-@at_aim
+            @second_factor
+            @side
+            @at_aim
             kept = (taken == 0U);
             if (turn == 0) {
                 status = NAME_SINGULAR;
@@ -99,7 +99,7 @@ static name_status solver_newton(GEOMETRY_GIVEN solver_work *w, const name_real 
             limit = -1.0;
         }
         bool accepted = (size <= limit) || (!beside && (taken > 0U) && (size <= @still2));
-@check_middle
+        @check_middle
         if (accepted) {
             if (aim >= 1.0) {
                 /* accepted at the end of the line: predict the error, decide on new factors */
@@ -146,7 +146,7 @@ static name_status solver_newton(GEOMETRY_GIVEN solver_work *w, const name_real 
             taken = 0U;
         } else if (aim - done > @least_part) {
             /* refused: back to the part that is done, and aim nearer */
-@nearer
+            @nearer
             @retreat
             fresh = settling || !kept;
             taken = 0U;

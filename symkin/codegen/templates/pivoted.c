@@ -3,7 +3,7 @@
 static void solver_matrix(GEOMETRY_GIVEN solver_work *w)
 {
 @use
-@matrix
+    @matrix
 }
 
 /* The factors in loops; the sign of the determinant, 0 where the matrix is singular. */

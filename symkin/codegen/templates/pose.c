@@ -21,7 +21,7 @@ static name_status name_normalise_pose(GEOMETRY_GIVEN const name_pose *pose, nam
     x[4] = q[1] * inverse;
     x[5] = q[2] * inverse;
     x[6] = q[3] * inverse;
-@taken
+    @taken
     return @checked;
 }
 

@@ -2,7 +2,7 @@
 static void solver_matrix(GEOMETRY_GIVEN solver_work *w)
 {
 @use
-@matrix
+    @matrix
 }
 
 /* QR of the @m x @n @which by modified Gram-Schmidt: Q in w->a, R in w->r with reciprocals on the diagonal; 0 where

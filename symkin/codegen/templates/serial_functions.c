@@ -5,7 +5,7 @@ name_status name_direct(GEOMETRY_GIVEN const name_real joints[@nq], name_pose *p
     if (status == NAME_OK) {
         name_real x[7];
         name_forward(GEOMETRY joints, x);
-@told
+        @told
         const name_real sign = (x[3] < 0.0) ? -1.0 : 1.0;
         const name_real inverse = sign / sqrt(x[3] * x[3] + x[4] * x[4] + x[5] * x[5] + x[6] * x[6]);
         pose->position[0] = x[0];
@@ -39,8 +39,8 @@ name_status name_inverse(GEOMETRY_GIVEN const name_config *config, const name_po
         status = name_check_config(config, status);
     }
     if (status == NAME_OK) {
-@to_x
-@solve
+        @to_x
+        @solve
         if (status == NAME_OK) {
             status = name_limit_joints(GEOMETRY status, @at);
             if (info != NULL) {
@@ -48,7 +48,7 @@ name_status name_inverse(GEOMETRY_GIVEN const name_config *config, const name_po
             }
         }
         if (status == NAME_OK) {
-@out
+            @out
         }
     }
     return status;
@@ -60,7 +60,7 @@ name_status name_inverse(GEOMETRY_GIVEN const name_config *config, const name_po
     name_status status = name_limit_joints(GEOMETRY NAME_OK, joints);
 @use
     if (status == NAME_OK) {
-@jacobian
+        @jacobian
     }
     return status;
 }
