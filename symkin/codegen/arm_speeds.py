@@ -33,8 +33,8 @@ def arm_error(
         "nm": min(count, 6),
         "last": min(count, 6) - 1,
         "per_count": 1.0 / min(count, 6),
-        "row_scales": ", ".join([str(values["per_size"])] * 3 + ["1.0"] * 3),
-        "column_scales": ", ".join(str(1.0 if c.is_angular else size) for c in coordinates),
+        "row_scales": (values["per_size"],) * 3 + (1.0,) * 3,
+        "column_scales": tuple(1.0 if c.is_angular else size for c in coordinates),
         "damped_pivot": real.literal(DAMPED_BELOW**2),
         "least_pivot": 16.0 * real.epsilon,
         # of six joints or more J J^T z = e and y = J^T z, of fewer J^T J y = J^T e
@@ -60,9 +60,7 @@ def arm_speeds(
     rounding makes, as a length.
     """
     own = {
-        "per_turns": ", ".join(
-            "1.0" if c.is_angular else str(values["per_size"]) for c in coordinates
-        ),
+        "per_turns": tuple(1.0 if c.is_angular else values["per_size"] for c in coordinates),
         "most_turn_literal": MOST_TURN,
         "quarter_part": _SHORTER,
         "rounds": _ROUNDS,

@@ -306,10 +306,8 @@ class ClosedDirection(Source):
             "signs": max(1, self.signs.numel() + len(self.divisors)),
             "conditions": count,
             "resolved": _RESOLVED * self.real.epsilon,
-            "home_signs": ", ".join(
-                str(s) for s in (*self.reference_signs, *(self._factors[j] for j in self.divisors))
-            )
-            or "1.0",
+            "home_signs": (*self.reference_signs, *(self._factors[j] for j in self.divisors))
+            or (1.0,),
         }
 
     @property

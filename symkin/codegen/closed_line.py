@@ -214,7 +214,7 @@ class ClosedLine:
             "nto": 2,
             "nat": 7,
             "turns": 2 * len(screws),
-            "zeros": ", ".join(str(screw.zero) for screw in screws),
+            "zeros": tuple(screw.zero for screw in screws),
             "near_arctangent": near_arctangent(real),
             "walks": "NAME_SHARED",
             "hold_guards": "",
@@ -288,11 +288,11 @@ def limit_check(code: ClosedCode) -> LimitCheck:
     own = {
         "k": "name_inverse",
         "last": n - 1,
-        "limited": ", ".join("true" if c.limits is not None else "false" for c in code.coordinates),
-        "lows": ", ".join(str(low) for low, _ in ranges),
-        "highs": ", ".join(str(high) for _, high in ranges),
-        "per_lengths": ", ".join(
-            str(1.0 / code.plan.arm.size if screw.slides else 1.0) for screw in code.plan.arm.screws
+        "limited": tuple(c.limits is not None for c in code.coordinates),
+        "lows": tuple(low for low, _ in ranges),
+        "highs": tuple(high for _, high in ranges),
+        "per_lengths": tuple(
+            1.0 / code.plan.arm.size if screw.slides else 1.0 for screw in code.plan.arm.screws
         ),
         "nn": n,
         "raised": RAISED,

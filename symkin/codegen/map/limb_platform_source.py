@@ -375,7 +375,7 @@ class LimbPlatformSource(Source):
             for c in made.actuated
         ]
         values = self._common | {
-            "near": ", ".join(str(rounded(v)) for v in near),
+            "near": tuple(rounded(v) for v in near),
             "within_given": self.into_limits("q", "given"),
             "turned_given": self.unwrapped("turned", "given", "q"),
         }

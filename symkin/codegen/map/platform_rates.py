@@ -61,13 +61,13 @@ def square_twist(mechanism: Mechanism, real: Real, values: Mapping[str, object])
     turns.
     """
     size, columns = mechanism.characteristic_length, COLUMNS[mechanism.motion]
-    scales = [str(size if c.is_angular else 1.0) for c in mechanism.actuated]
+    scales = tuple(size if c.is_angular else 1.0 for c in mechanism.actuated)
     shown = {
-        "row_scales": ", ".join(scales),
-        "columns": ", ".join(f"{c}U" for c in columns),
-        "column_scales": ", ".join(str(1.0 / size if c > 2 else 1.0) for c in columns),
+        "row_scales": scales,
+        "columns": tuple(f"{c}U" for c in columns),
+        "column_scales": tuple(1.0 / size if c > 2 else 1.0 for c in columns),
         "others": [f"twist[{c}] = 0.0;" for c in range(6) if c not in columns],
-        "least_pivots": ", ".join([str(SINGULAR * real.epsilon)] * len(columns)),
+        "least_pivots": (SINGULAR * real.epsilon,) * len(columns),
     }
     return fill("square_twist.c", {**values, **shown})
 

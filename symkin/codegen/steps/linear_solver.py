@@ -273,8 +273,8 @@ def linear_solver(
     _, column_scale = scales(matrices)
     rounded_scales = [rounded(s) for s in column_scale]
     tables = {
-        "column_scales": ", ".join(map(str, rounded_scales)),
-        "least_pivots": ", ".join(str(SINGULAR * real.epsilon * s) for s in rounded_scales),
+        "column_scales": tuple(rounded_scales),
+        "least_pivots": tuple(SINGULAR * real.epsilon * s for s in rounded_scales),
     }
     text = fill("pivoted.c", {**values, "matrix": matrix, **tables}) + "\n"
     if not is_unrolled(kernel, compact=compact):

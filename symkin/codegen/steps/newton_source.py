@@ -371,7 +371,7 @@ class NewtonCode:
             "later2": 9.0 / 64.0 if self.on_the_way else 1.0,
             "least_part": 1.0 / 1024.0,
             "singular": SINGULAR * self.real.epsilon,
-            "least_sides": ", ".join([str(SINGULAR * self.real.epsilon)] * self.kernel.n),
+            "least_sides": (SINGULAR * self.real.epsilon,) * self.kernel.n,
             "sure": _SURE,
             "size2": self.kernel.characteristic_length**2,
             "guard": GUARD**-2,

@@ -33,5 +33,5 @@ def rod_line(ranges: Sequence[Range], values: Mapping[str, object]) -> str:
     }
     # a rod without limits, whose range is that of its length, is as short as it likes
     lows = [r.low if r.above == Range.above else f"-{r.high}" for r in ranges]
-    ends = {"lows": ", ".join(lows), "highs": ", ".join(r.high for r in ranges)}
+    ends = {"lows": tuple(lows), "highs": tuple(r.high for r in ranges)}
     return fill("rod_line.c", {**values, **numbers, **ends})

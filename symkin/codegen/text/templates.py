@@ -41,15 +41,16 @@ def template_text(template: str) -> str:
 def substitute(text: str, values: Mapping[str, object]) -> str:
     """Put values in the places of @value in a text, or of @{value} before a letter, and names in
     those of name_, NAME_ and solver_; @@ is @, what has no value an error. One space behind @value
-    goes where the value is nothing or ends in one. A value alone on its line, a text or lines,
-    stands as deep as its name. Lines whose names stand for nothing are left out.
+    goes where the value is nothing or ends in one. Of a tuple all entries are told. A value alone
+    on its line, a text or lines, stands as deep as its name. Lines whose names stand for nothing
+    are left out.
     """
 
     def value(found: re.Match[str]) -> str:
         text = found[0]
         if text == "@@":
             return "@"
-        told = str(values[found[1] or found[2] or _PREFIXES.get(text, text)])
+        told = _told(values[found[1] or found[2] or _PREFIXES.get(text, text)])
         return told + (found[3] or "" if told.rstrip() == told != "" else "")
 
     filled = list[str]()
@@ -62,6 +63,13 @@ def substitute(text: str, values: Mapping[str, object]) -> str:
             depth + part if part else "" for part in parts if part or parts != [""] or not line
         ]
     return "\n".join(filled)
+
+
+def _told(value: object) -> str:
+    """C text of a value: of a tuple those of all its entries."""
+    if isinstance(value, tuple):
+        return ", ".join(map(_told, value))
+    return str(value).lower() if isinstance(value, bool) else str(value)
 
 
 def common_values(name: str, real: Real, *, struct: bool) -> dict[str, object]:
