@@ -10,16 +10,16 @@ from dataclasses import dataclass
 import casadi as ca
 
 from symkin.codegen.steps.geometry import exact_turn
-from symkin.codegen.text.c import Emitter, Real, indent, indexed
+from symkin.codegen.text.c import Emitter, Real, indexed
 from symkin.codegen.text.templates import fill
 from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import multiply
 
 
-def unturned(name: str) -> dict[str, object]:
+def unturned() -> dict[str, object]:
     """What the templates ask of an arm that stands as it is described."""
     nothing = dict.fromkeys(("taken", "told", "static_own", "in_own", "twist_taken"), "")
-    return {**nothing, "own_jacobian": f"{name}_jacobian", "given": "twist"}
+    return {**nothing, "own_jacobian": "name_jacobian", "given": "twist"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,33 +35,30 @@ class ArmFrame:
     @property
     def names(self) -> dict[str, object]:
         """Values of names in the templates: statements that turn a pose x or a twist."""
-        name, ok = self.values["p"], f"if (status == {self.values['P']}_OK) {{"
+        ok = "if (status == NAME_OK) {"
         return {
-            "taken": indent([ok, *(f"    {line}" for line in self._pose_lines(self.base)), "}"]),
-            "told": indent(self._pose_lines(self.base.inverse()), 2),
+            "taken": [ok, *(f"    {line}" for line in self._pose_lines(self.base)), "}"],
+            "told": self._pose_lines(self.base.inverse()),
             "static_own": "static ",
             "in_own": ", in the arm's own frame",
-            "own_jacobian": f"{name}_own_jacobian",
+            "own_jacobian": "name_own_jacobian",
             "given": "own",
-            "twist_taken": indent(
-                [f"{self.real.type} own[6];", *self._twist_lines(self.base, "twist", "own")], 2
-            ),
+            "twist_taken": ["real own[6];", *self._twist_lines(self.base, "twist", "own")],
         }
 
     @property
     def declaration(self) -> str:
         """The declaration of the own Jacobian, which others call before it is written."""
-        real, n = self.real.type, self.values["nq"]
         return (
-            f"static {self.values['p']}_status {self.names['own_jacobian']}(const {real} "
-            f"joints[{n}], {real} jacobian[{self.values['nj']}]);\n\n"
+            f"static name_status name_own_jacobian(const real joints[{self.values['nq']}], "
+            f"real jacobian[{self.values['nj']}]);\n\n"
         )
 
     @property
     def jacobian(self) -> str:
         """NAME_jacobian: the columns of the own one, turned."""
         lines = self._twist_lines(self.base.inverse(), "a", "b")
-        return fill("arm_turned.c", {**self.values, **self.names, "turn": indent(lines, 2)})
+        return fill("arm_turned.c", {**self.values, **self.names, "turn": lines})
 
     def _pose_lines(self, turn: Pose) -> list[str]:
         x = ca.SX.sym("x", 7)

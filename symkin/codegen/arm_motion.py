@@ -16,8 +16,7 @@ import numpy as np
 from symkin.closed.evaluation import Evaluation, Motion
 from symkin.closed.screws import ArmScrews
 from symkin.closed.steps import Factor, Operand, Word
-from symkin.closure.snapping import snapped_expression
-from symkin.codegen.text.c import Emitter, Real, indent, indexed
+from symkin.codegen.text.c import Emitter, Real, indexed
 from symkin.codegen.text.gathered import gathered
 from symkin.codegen.text.templates import fill
 from symkin.codegen.text.turns import cosine_and_sine
@@ -113,22 +112,19 @@ class ArmMotion:
         """
         symbols = [self.halves, ca.SX(0, 1) if pose is None else pose]
         (short,) = gathered([expression], symbols, self.turns)
-        snapped = snapped_expression(short, symbols)
         names = [indexed("u", 2 * len(self.arm)), indexed("x", symbols[1].shape[0])]
-        return Emitter.of(self.real, list(zip(symbols, names, strict=True)), snapped)
+        return Emitter.of(self.real, list(zip(symbols, names, strict=True)), short)
 
     @property
     def _turned_lines(self) -> list[str]:
         """Statements that set u from the joint values."""
-        lines, literal = [], self.real.literal
+        lines = list[str]()
         for i, screw in enumerate(self.arm.screws):
-            value = f"(joints[{i}] - {literal(screw.zero)})" if screw.zero else f"joints[{i}]"
+            value = f"(joints[{i}] - {screw.zero})" if screw.zero else f"joints[{i}]"
             if screw.slides:
-                lines += [f"u[{2 * i}] = {value};", f"u[{2 * i + 1}] = {literal(0.0)};"]
+                lines += [f"u[{2 * i}] = {value};", f"u[{2 * i + 1}] = 0.0;"]
             elif self.real.name == "float":
-                lines.append(
-                    f"{self.values['p']}_cosine_and_sine({literal(0.5)} * {value}, &u[{2 * i}]);"
-                )
+                lines.append(f"name_cosine_and_sine(0.5 * {value}, &u[{2 * i}]);")
             else:
                 lines += [
                     f"u[{2 * i}] = cos(0.5 * {value});",
@@ -141,7 +137,7 @@ class ArmMotion:
         """Statements of the Jacobian of `joints`, row by row."""
         count = len(self.arm)
         emitter = self.emitter(ca.vec(self.jacobian.T))
-        begin = [f"{self.real.type} u[{2 * count}];", f"{self.values['p']}_half_turns(joints, u);"]
+        begin = [f"real u[{2 * count}];", "name_half_turns(joints, u);"]
         return [*begin, *emitter.stored(indexed("jacobian", 6 * count))]
 
     @property
@@ -152,8 +148,8 @@ class ArmMotion:
             **self.values,
             "turns": 2 * len(self.arm),
             "nn": len(self.arm),
-            "turned": indent(self._turned_lines),
-            "pose_lines": indent(pose),
+            "turned": self._turned_lines,
+            "pose_lines": pose,
         }
         turn = cosine_and_sine(self.real, shown) if self.real.name == "float" and self.turns else ""
         return turn + fill("arm_motion.c", shown)

@@ -154,30 +154,30 @@ class HeldPart:
         """Statements of what a step divides by at least; where nothing reads that, its square is
         held all the same.
         """
-        step, real, number = self.steps[i], self.code.real, self.code.squares[i].number
+        step, number = self.steps[i], self.code.squares[i].number
         texts = f"w, {number}, {self._text('rounding', i)}, {self._text('change', i)}"
-        p, root = f"{self.code.values['p']}_inverse", ""
+        root = ""
         if step.is_sine:
-            asked = f"{p}_least_sine({texts})"
+            asked = f"name_inverse_least_sine({texts})"
         elif step.speed is not None:
-            asked = f"{p}_least_length({texts}, {real.literal(rounded(step.least))})"
+            asked = f"name_inverse_least_length({texts}, {rounded(step.least)})"
         else:
-            asked, root = f"{p}_least({texts})", real.call("sqrt") if step.is_square else ""
+            asked, root = f"name_inverse_least({texts})", "sqrt" if step.is_square else ""
         if self._reads(self._roots[i]) or not step.less.is_zero():
             name = "root" if step.less.is_zero() else "whole"
             text = f"{root}({asked})" if root else asked
-            self._add(f"const {real.type} {name}{i} = {text};")
+            self._add(f"const real {name}{i} = {text};")
         else:
             self._add(f"(void){asked};")
 
     def _take_less(self, i: int) -> None:
         """Statements of the root less what slides' own ways take of it."""
-        less, p, real = self._text("less", i), self.code.values["p"], self.code.real
+        less = self._text("less", i)
         whole = f"whole{i}" if self.code.squares[i].own else self._text("whole root", i)
-        self._add(f"{p}_inverse_take(w, {less}, {whole});")
+        self._add(f"name_inverse_take(w, {less}, {whole});")
         if self._reads(self._roots[i]):
-            rest = f"({less} < {whole}) ? ({whole} - {less}) : {real.one}"
-            self._add(f"const {real.type} root{i} = {rest};")
+            rest = f"({less} < {whole}) ? ({whole} - {less}) : 1.0"
+            self._add(f"const real root{i} = {rest};")
 
     def _bound(self, i: int, joint: int) -> None:
         """Statements that bound what a joint does."""
@@ -191,13 +191,13 @@ class HeldPart:
         does not depend on the speed.
         """
         speed, own = self._text("speed", joint), self._text("own", joint)
-        told, half = f"w->speed[{joint}]", self.code.real.literal(0.5)
+        told = f"w->speed[{joint}]"
         if any(not self._told[kind, joint].is_zero() for kind in ("curved", "crossed")):
             self._add(f"{told} = {speed};")
             texts = ", ".join(self._text(kind, joint) for kind in ("curved", "crossed", "own"))
-            self._add(f"{self.code.values['p']}_inverse_bounds(w, {joint}, {texts});")
+            self._add(f"name_inverse_bounds(w, {joint}, {texts});")
             return
-        self._add(f"const {self.code.real.type} way{joint} = w->way[{joint}] + ({half} * {own});")
+        self._add(f"const real way{joint} = w->way[{joint}] + (0.5 * {own});")
         self._add(f"{told} = (way{joint} < {speed}) ? way{joint} : {speed};")
         self._add(f"w->change[{joint}] = {own};")
 
@@ -206,19 +206,19 @@ class HeldPart:
         `whole` and its way, unless what is turned and where it goes to cover too short ways across
         the axis for a quarter turn each, or the only one of them that turns for a half.
         """
-        real, number = self.code.real, self.code.squares[i].number
+        number = self.code.squares[i].number
         whole = self._emitter.assign(f"{self._text('whole', joint)} + w->way[{joint}]")
         asked = f"{whole} > most"
         if self._turns_short(i):
             here, there = (f"w->{part}[{number}]" for part in ("left", "guard"))
             ends, sides = f"{here} + {there}", range(len(self.steps[i].sides))
             if len(sides) == 1:
-                ends += f" + ({real.literal(2.0)} * (({here} < {there}) ? {here} : {there}))"
+                ends += f" + (2.0 * (({here} < {there}) ? {here} : {there}))"
             texts = [self._text(f"side {k}", i) for k in sides]
-            short = [f"({real.literal(RAISED)} * {s} * {s} < {ends})" for s in texts]
+            short = [f"({RAISED} * {s} * {s} < {ends})" for s in texts]
             asked = f"({asked}) && !({' && '.join(short)})"
         self._add(f"most = ({asked}) ? {whole} : most;")
-        told = real.literal(MOST_WAY)
+        told = MOST_WAY
         self._emitter.lines += [f"if (!(most < {told})) {{", f"    {self._take_most}", "}"]
 
     @property
@@ -228,8 +228,8 @@ class HeldPart:
 
     @property
     def _take_most(self) -> str:
-        turn2 = self.code.real.literal(MOST_WAY**2)
-        return f"{self.code.values['p']}_inverse_take(w, most * most, {turn2});"
+        turn2 = MOST_WAY**2
+        return f"name_inverse_take(w, most * most, {turn2});"
 
     @property
     def _has_turns(self) -> bool:
@@ -241,20 +241,20 @@ class HeldPart:
     @property
     def _begin_lines(self) -> list[str]:
         """Statements of what changes on the part, as far as the others read it."""
-        real, bounds, size = self.code.real, self.bounds, self.code.plan.arm.size
-        found = ["w->kept = true;", f"w->bent = {real.zero};", f"w->most = {real.one};"]
+        bounds, size = self.bounds, self.code.plan.arm.size
+        found = ["w->kept = true;", "w->bent = 0.0;", "w->most = 1.0;"]
         if self._has_turns:
-            found.append(f"{real.type} most = {real.zero};")
+            found.append("real most = 0.0;")
         for i, (name, symbol) in enumerate((("place", bounds.place), ("turn", bounds.turn))):
             if self._reads(symbol):
-                found.append(f"const {real.type} {name} = {real.call('sqrt')}(change[{i}]);")
+                found.append(f"const real {name} = sqrt(change[{i}]);")
         for i in range(len(self.code.plan.arm)):
             if self._reads(bounds.ends[i]):
-                fabs, per = real.call("fabs"), real.literal(1.0 / size)
+                per = 1.0 / size
                 found += [
-                    f"const {real.type} begin{i} = {fabs}(w->turned[{i}][0]) * {per};",
-                    f"const {real.type} goal{i} = {fabs}(w->aimed[{i}][0]) * {per};",
-                    f"const {real.type} end{i} = (begin{i} < goal{i}) ? goal{i} : begin{i};",
+                    f"const real begin{i} = fabs(w->turned[{i}][0]) * {per};",
+                    f"const real goal{i} = fabs(w->aimed[{i}][0]) * {per};",
+                    f"const real end{i} = (begin{i} < goal{i}) ? goal{i} : begin{i};",
                 ]
         return found
 

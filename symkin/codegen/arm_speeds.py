@@ -27,18 +27,18 @@ def arm_error(
     """NAME_pose_error, how far the tool is from a pose, and NAME_damped, joint rates of least
     error: what solves and speeds share.
     """
-    count, literal = len(coordinates), real.literal
+    count = len(coordinates)
     wide = count >= 6
     own = {
         "nm": min(count, 6),
         "last": min(count, 6) - 1,
-        "per_count": literal(1.0 / min(count, 6)),
-        "row_scales": ", ".join([str(values["per_size"])] * 3 + [literal(1.0)] * 3),
-        "column_scales": ", ".join(literal(1.0 if c.is_angular else size) for c in coordinates),
-        "damped_pivot": literal(DAMPED_BELOW**2),
-        "least_pivot": literal(16.0 * real.epsilon),
+        "per_count": 1.0 / min(count, 6),
+        "row_scales": (values["per_size"],) * 3 + (1.0,) * 3,
+        "column_scales": tuple(1.0 if c.is_angular else size for c in coordinates),
+        "damped_pivot": real.literal(DAMPED_BELOW**2),
+        "least_pivot": 16.0 * real.epsilon,
         # of six joints or more J J^T z = e and y = J^T z, of fewer J^T J y = J^T e
-        "right_start": "e[i]" if wide else literal(0.0),
+        "right_start": "e[i]" if wide else "0.0",
         "right": []
         if wide
         else ["for (int j = 0; j < 6; ++j) {", "    r[i] += a[j][i] * e[j];", "}"],
@@ -53,22 +53,18 @@ def arm_error(
 
 def arm_speeds(
     coordinates: Sequence[Coordinate],
-    real: Real,
     rounding: float,
     values: Mapping[str, object],
 ) -> str:
     """NAME_rates, NAME_twist, NAME_feed and NAME_track of an arm; `rounding`: error of a pose that
     rounding makes, as a length.
     """
-    literal = real.literal
     own = {
-        "per_turns": ", ".join(
-            literal(1.0) if c.is_angular else str(values["per_size"]) for c in coordinates
-        ),
-        "most_turn_literal": literal(MOST_TURN),
-        "quarter_part": literal(_SHORTER),
+        "per_turns": tuple(1.0 if c.is_angular else values["per_size"] for c in coordinates),
+        "most_turn_literal": MOST_TURN,
+        "quarter_part": _SHORTER,
         "rounds": _ROUNDS,
-        "rounding": literal(rounding),
+        "rounding": rounding,
     }
     twist = speeds_text("twist", "joints", values)
     return twist + fill("arm_rates.c", {**values, **own})

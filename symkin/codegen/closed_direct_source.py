@@ -47,7 +47,7 @@ class ClosedDirectSource(DirectText):
     @property
     def text(self) -> str:
         """All functions of the direct problem."""
-        real, made, literal = self.real, self.made, self.literal
+        real, made = self.real, self.made
         angular = any(c.is_angular for c in made.actuated)
         polynomial = real.name == "float" and angular
         angle = angle_of_direction(real, self.common) if polynomial else ""
@@ -60,14 +60,14 @@ class ClosedDirectSource(DirectText):
             "nu": self.count,
             "nk": max(1, len(self.found.formulas.names)),
             "nto": len(made.actuated),
-            "k": f"{made.name}_direct",
+            "k": "name_direct",
             "ny": self.y.numel(),
             "guess_lines": self.guess_lines,
             "formula_lines": self._formula_lines,
             "set_lines": self._set_lines,
             "guard_members": self.guards.members,
-            "aimed": f"const {real.type} joints[{len(made.actuated)}], ",
-            "walk_members": f"    {real.type} at_end[{len(made.actuated)}];",
+            "aimed": f"const real joints[{len(made.actuated)}], ",
+            "walk_members": f"    real at_end[{len(made.actuated)}];",
             "at_lines": self._at_lines,
             "span_lines": self._span_lines,
             "change_lines": self._change_lines,
@@ -80,16 +80,16 @@ class ClosedDirectSource(DirectText):
             else "one evaluation",
             "evaluation_count": 2 if any(wide) else 1,
             "half_lines": self._half_lines,
-            "rounding": literal(rounded(64 * real.epsilon * made.size)),
+            "rounding": rounded(64 * real.epsilon * made.size),
             **self.answer_lines,
         }
         aim = [
             f"for (int i = 0; i < {len(made.actuated)}; ++i) {{",
-            f"    const {real.type} there = at[i] + end * (to[i] - at[i]);",
-            f"    at_end[i] = (end < {literal(1.0)}) ? there : joints[i];",
+            "    const real there = at[i] + end * (to[i] - at[i]);",
+            "    at_end[i] = (end < 1.0) ? there : joints[i];",
             "}",
-            f"{made.name}_direct_set(w, at_end);",
-            f"{made.name}_direct_formulas(w);",
+            "name_direct_set(w, at_end);",
+            "name_direct_formulas(w);",
         ]
         walk = self.guards.text(values, aim, 1.0 if any(wide) else 0.5)
         whole = fill("closed_direct.c", values | {"walk": angle + walk})
@@ -109,12 +109,11 @@ class ClosedDirectSource(DirectText):
     @property
     def _same_signs(self) -> list[str]:
         """Statements that compare the signs of a guess read again."""
-        count, p = self.found.formulas.roots.numel(), self.capital
+        count = self.found.formulas.roots.numel()
         return (
             [
-                f"for (int k = 0; (k < {count}) && (status == {p}_OK); ++k) {{",
-                f"    status = (again.sign[k] * w->sign[k] > {self.real.zero}) ? {p}_OK : "
-                f"{p}_WRONG_BRANCH;",
+                f"for (int k = 0; (k < {count}) && (status == NAME_OK); ++k) {{",
+                "    status = (again.sign[k] * w->sign[k] > 0.0) ? NAME_OK : NAME_WRONG_BRANCH;",
                 "}",
             ]
             if count
@@ -145,31 +144,30 @@ class ClosedDirectSource(DirectText):
         outputs = [discriminants, ca.vertcat(*unknowns), ca.vertcat(*guards)]
         outputs = gathered(outputs, [self.u, formulas.roots], self.turns)
         inputs = [(self.u, "w->u"), (formulas.roots, [f"r{k + 1}" for k in range(count)])]
-        emitter, zero, one = Emitter.of(real, inputs, *outputs), real.zero, real.one
+        emitter = Emitter.of(real, inputs, *outputs)
         self.store_guards(emitter, 2, "guard", of_divisors=True)
         begun, lines = emitter.take(), emitter.lines
         for k, name in enumerate(formulas.names):
             square, sign = emitter.value(0, k), f"w->sign[{k}]"
-            emitter.root(k + 1, square, zero, zero, about=name, sign=sign)
+            emitter.root(k + 1, square, "0.0", "0.0", about=name, sign=sign)
         self.store_guards(emitter, 2, "guard", of_divisors=False)
         for i in sorted(self.needed):
             text = emitter.value(1, i)
             lines.append(f"w->y[{i}] = {text};")
         shares = [
-            f"{real.call('fabs')}(r{k + 1}) * {real.literal(1.0 / float(root))}"
-            for k, root in enumerate(self.found.usual_roots)
+            f"fabs(r{k + 1}) * {1.0 / float(root)}" for k, root in enumerate(self.found.usual_roots)
         ]
-        lines.append(f"w->share = {shares[0] if shares else one};")
+        lines.append(f"w->share = {shares[0] if shares else 1.0};")
         for k, share in enumerate(shares[1:], start=2):
-            lines.append(f"const {real.type} share{k} = {share};")
+            lines.append(f"const real share{k} = {share};")
             lines.append(f"w->share = (share{k} < w->share) ? share{k} : w->share;")
         if not self.found.guards:
-            lines.append(f"w->guard[0] = {one}; /* nothing can vanish */")
+            lines.append("w->guard[0] = 1.0; /* nothing can vanish */")
         condition = self.above("guard", of_divisors=True)
         if not condition:
             return [*begun, *emitter.take()]
         none = [
-            f"    w->guard[{j}] = {zero};"
+            f"    w->guard[{j}] = 0.0;"
             for j, guard in enumerate(self.found.guards)
             if not guard.is_divisor
         ]
@@ -180,13 +178,13 @@ class ClosedDirectSource(DirectText):
             "} else {",
             "    /* what formulas divide by vanishes: no guard is above zero */",
             *none,
-            f"    w->share = {zero};",
+            "    w->share = 0.0;",
             "}",
         ]
 
     @property
     def _set_lines(self) -> list[str]:
-        lines, call = [], f"{self.name}_cosine_and_sine"
+        lines, call = [], "name_cosine_and_sine"
         for i, c in enumerate(self.made.actuated):
             place = self.joint_places[c.name][0]
             if not c.is_angular:
@@ -205,18 +203,18 @@ class ClosedDirectSource(DirectText):
     @property
     def _change_lines(self) -> list[str]:
         """Statements of the squares of changes, of an angle by its chord's."""
-        lines, real = list[str](), self.real
+        lines = list[str]()
         for i, c in enumerate(self.made.actuated):
             places = self.joint_places[c.name]
-            lines += [f"const {real.type} move{n} = w->u[{n}] - w->at[{n}];" for n in places]
+            lines += [f"const real move{n} = w->u[{n}] - w->at[{n}];" for n in places]
             square = " + ".join(f"move{n} * move{n}" for n in places)
             if not c.is_angular:
                 lines += [f"change[{i}] = {square};"]
                 continue
             lines += [
-                f"const {real.type} chord{i} = {square};",
-                f"kept = kept && (chord{i} <= {real.literal(2.0)});",
-                f"change[{i}] = chord{i} + {real.literal(_ARC)} * chord{i} * chord{i};",
+                f"const real chord{i} = {square};",
+                f"kept = kept && (chord{i} <= 2.0);",
+                f"change[{i}] = chord{i} + {_ARC} * chord{i} * chord{i};",
             ]
         return lines
 
@@ -231,7 +229,7 @@ class ClosedDirectSource(DirectText):
             if not span.angular:
                 guess = f"w->at[{self.joint_places[c.name][0]}]"
                 for text, room in ((guess, 1.0 + _ROUNDED * real.epsilon), (f"joints[{i}]", 1.0)):
-                    tests.append(f"(away{len(slides)} <= {real.literal(room * span.half)})")
+                    tests.append(f"(away{len(slides)} <= {room * span.half})")
                     slides.append((text, span.middle, span.half))
         if not slides:
             return []
@@ -239,19 +237,18 @@ class ClosedDirectSource(DirectText):
             "/* which part of the slides' ranges holds both ends of the line */",
             *self.guards.reach_lines(slides),
             f"if (!({' && '.join(tests)})) {{",
-            f"    status = {self.capital}_WRONG_BRANCH;",
+            "    status = NAME_WRONG_BRANCH;",
             "}",
         ]
 
     @property
     def _at_lines(self) -> list[str]:
         """Statements of the joints' values at the guess and the given ones that are meant."""
-        made, p, lines = self.made, self.name, list[str]()
-        angle = f"{p}_angle" if self.real.name == "float" else "atan2"
+        made, lines = self.made, list[str]()
         for i, c in enumerate(made.actuated):
             places = self.joint_places[c.name]
             if c.is_angular:
-                lines.append(f"at[{i}] = {angle}(w->at[{places[1]}], w->at[{places[0]}]);")
+                lines.append(f"at[{i}] = atan2(w->at[{places[1]}], w->at[{places[0]}]);")
             else:
                 lines.append(f"at[{i}] = w->at[{places[0]}];")
         lines += self.into_limits("at", "joints")

@@ -13,7 +13,6 @@ from dataclasses import dataclass, replace
 import casadi as ca
 import numpy as np
 
-from symkin.closure.snapping import snapped_expression
 from symkin.codegen.line_bounds import Span
 from symkin.codegen.map.joint_map import Direction, JointMap
 from symkin.codegen.map.record import Source
@@ -86,7 +85,7 @@ class ClosedDirection(Source):
             for c in self.direction.unknown
             for n in self.numbers[c.name]
         ]
-        return snapped_expression(ca.vertcat(*found), [self.known, self.signs, self.roots])
+        return ca.vertcat(*found)
 
     @property
     def conditions(self) -> list[Condition]:
@@ -297,7 +296,7 @@ class ClosedDirection(Source):
     @cached_property
     def values(self) -> dict[str, object]:
         """Names of the templates."""
-        literal, count = self.literal, max(1, len(self.conditions))
+        count = max(1, len(self.conditions))
         return dict(self.names) | {
             "which": self.direction.name,
             "k": f"{self.name}_{self.direction.name}",
@@ -306,12 +305,9 @@ class ClosedDirection(Source):
             "nto": len(self.direction.known),
             "signs": max(1, self.signs.numel() + len(self.divisors)),
             "conditions": count,
-            "resolved": literal(_RESOLVED * self.real.epsilon),
-            "home_signs": ", ".join(
-                literal(s)
-                for s in (*self.reference_signs, *(self._factors[j] for j in self.divisors))
-            )
-            or literal(1.0),
+            "resolved": _RESOLVED * self.real.epsilon,
+            "home_signs": (*self.reference_signs, *(self._factors[j] for j in self.divisors))
+            or (1.0,),
         }
 
     @property
@@ -321,7 +317,7 @@ class ClosedDirection(Source):
     @property
     def members(self) -> list[str]:
         """Members of the work space beside those of Newton's method."""
-        return [f"{self.real.type} sign[{self.values['signs']}];", *self.guard_text.members]
+        return [f"real sign[{self.values['signs']}];", *self.guard_text.members]
 
     @property
     def _reach_lines(self) -> list[str]:
@@ -355,8 +351,8 @@ class ClosedDirection(Source):
     @property
     def _formula_lines(self) -> list[str]:
         """Statements of the conditions, the roots and the state."""
-        literal, symbols = self.literal, [self.known, self.signs, self.roots]
-        conditions = snapped_expression(stacked(c.value for c in self.conditions), symbols)
+        symbols = [self.known, self.signs, self.roots]
+        conditions = stacked(c.value for c in self.conditions)
         names = ("k", "sign", [f"r{k + 1}" for k in range(self.roots.numel())])
         inputs = list(zip(symbols, names, strict=True))
         emitter = Emitter.of(self.real, inputs, conditions, self._outputs)
@@ -369,11 +365,11 @@ class ClosedDirection(Source):
                 side += 1
                 continue
             number += 1
-            least = literal(rounded(_ROOT * float(self.usual[j])))
-            emitter.root(number, text, least, literal(0.0), about=one.name)
-            emitter.lines.insert(-1, f"d[{j}] = d{number} * {self._per_usual(j)};")
+            least = rounded(_ROOT * float(self.usual[j]))
+            emitter.root(number, text, str(least), "0.0", about=one.name)
+            emitter.lines.insert(-1, f"d[{j}] = d{number} * {self._factors[j]};")
         if not self.conditions:
-            emitter.lines.append(f"d[0] = {literal(1.0)};")
+            emitter.lines.append("d[0] = 1.0;")
         return emitter.stored("x", 1)
 
     @property
@@ -391,27 +387,27 @@ class ClosedDirection(Source):
                 told += there.written(part.form.told, read, part.form).elements()
         inputs = [self.known, self.state, self.signs, self.roots]
         divisors = [one.value for one in self.conditions if one.root is None]
-        expressions = [snapped_expression(stacked(part), inputs) for part in (told, divisors)]
-        literal, fabs, one = self.literal, self.real.call("fabs"), self.real.one
         names = ("k", "x", "sign", [f"r{k + 1}" for k in range(len(told))])
-        emitter = Emitter.of(self.real, list(zip(inputs, names, strict=True)), *expressions)
+        emitter = Emitter.of(
+            self.real, list(zip(inputs, names, strict=True)), stacked(told), stacked(divisors)
+        )
         lines = emitter.lines
         for k, j in enumerate(j for j, c in enumerate(self.conditions) if c.root is not None):
             text = emitter.value(0, k)
-            lines.append(f"sign[{k}] = ({text} < {literal(0.0)}) ? -{one} : {one};")
+            lines.append(f"sign[{k}] = ({text} < 0.0) ? -1.0 : 1.0;")
             if ca.depends_on(stacked([*told[k + 1 :], *divisors]), self.roots[k]):
-                lines.append(f"const {self.real.type} r{k + 1} = {fabs}({text});")
-            lines.append(f"d[{j}] = {text} * {text} * {self._per_usual(j)};")
+                lines.append(f"const real r{k + 1} = fabs({text});")
+            lines.append(f"d[{j}] = {text} * {text} * {self._factors[j]};")
         for place, j in enumerate(self.divisors):
             # on which side of zero it has to stay, over its usual size
             text, side = emitter.value(1, place), f"sign[{len(told) + place}]"
-            per = literal(abs(self._factors[j]))
+            per = abs(self._factors[j])
             lines += [
-                f"{side} = ({text} < {literal(0.0)}) ? -{per} : {per};",
+                f"{side} = ({text} < 0.0) ? -{per} : {per};",
                 f"d[{j}] = {side} * {text};",
             ]
-        lines += [] if told or divisors else [f"sign[0] = {one};"]
-        return [*lines, *([] if self.conditions else [f"d[0] = {one};"])]
+        lines += [] if told or divisors else ["sign[0] = 1.0;"]
+        return [*lines, *([] if self.conditions else ["d[0] = 1.0;"])]
 
     @cached_property
     def _factors(self) -> list[float]:
@@ -419,9 +415,6 @@ class ClosedDirection(Source):
         reference.
         """
         return [rounded(1.0 / float(usual)) for usual in self.usual]
-
-    def _per_usual(self, j: int) -> str:
-        return self.literal(self._factors[j])
 
 
 def _unit(cosine: ca.SX, sine: ca.SX | None) -> ca.SX:

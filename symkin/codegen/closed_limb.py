@@ -14,14 +14,13 @@ from dataclasses import dataclass
 import casadi as ca
 import numpy as np
 
-from symkin.closure.snapping import snapped_expression
 from symkin.codegen.map.limb_platform import LimbBlock, LimbPlatform
 from symkin.codegen.map.record import Source
 from symkin.codegen.steps.formula_guards import RESOLVED
 from symkin.codegen.steps.newton_kernel import rounded
 from symkin.codegen.steps.passive_limits import texts_of
 from symkin.codegen.text.angles import Numbers, by_numbers
-from symkin.codegen.text.c import Emitter, Real, indented_by_braces
+from symkin.codegen.text.c import Emitter, indented_by_braces
 from symkin.codegen.text.templates import fill
 from symkin.computed_once import cached_property
 from symkin.elimination.closed_form import ClosedForm
@@ -121,18 +120,14 @@ class LimbFormulas(Source):
         root is below the `least` share of its usual size, SINGULAR where a divisor is,
         OUT_OF_RANGE where `rows` do not close.
         """
-        real, name = self.real, self.capital
+        real = self.real
         known, roots = self.formulas.system.known, self.formulas.roots
         free, count = self.block.free_divisors, roots.numel()
         divisors = self.signed(stacked(self.formulas.divisors[j] for j in free))
-        outputs = [
-            snapped_expression(ca.densify(part), [known, roots])
-            for part in (self._discriminants, results, divisors, rows)
-        ]
         inputs = [(known, "c"), (roots, [f"r{k + 1}" for k in range(count)])]
-        emitter = Emitter.of(real, inputs, *outputs)
-        zeros = [f"{array}[{i}] = {real.zero};" for i in range(results.numel())]
-        status = [f"{self.name}_status status = {name}_{refused};"]
+        emitter = Emitter.of(real, inputs, self._discriminants, results, divisors, rows)
+        zeros = [f"{array}[{i}] = 0.0;" for i in range(results.numel())]
+        status = [f"name_status status = NAME_{refused};"]
         written, closings, tests = list(status if free else []), list[list[str]](), list[str]()
         for k in range(count + 1):
             # a divisor is asked before anything is divided by it
@@ -143,12 +138,12 @@ class LimbFormulas(Source):
             ]
             if conditions:
                 written += [*emitter.take(), f"if ({' && '.join(conditions)}) {{"]
-                vanishes = ["/* what is divided by vanishes */", f"status = {name}_SINGULAR;"]
+                vanishes = ["/* what is divided by vanishes */", "status = NAME_SINGULAR;"]
                 closings.append(["} else {", *vanishes, *zeros, "}"])
             if k < count:
-                limit = real.literal(rounded((least * self.usual_roots[k]) ** 2))
+                limit = rounded((least * self.usual_roots[k]) ** 2)
                 about, square = self.formulas.names[k], emitter.value(0, k)
-                tests.append(emitter.root(k + 1, square, limit, real.one, about=about))
+                tests.append(emitter.root(k + 1, square, str(limit), "1.0", about=about))
         written += emitter.take()
         if tests:
             # only where the roots are there: then nothing that is divided by vanishes with them
@@ -156,7 +151,7 @@ class LimbFormulas(Source):
             written += [*([] if free else status), f"if {whole} {{"]
             closings.append(["} else {", *zeros, "}"])
         written += emitter.stored(array, 1)
-        checks, result = self._row_checks(emitter) if rows.numel() else ([], f"{name}_OK")
+        checks, result = self._row_checks(emitter) if rows.numel() else ([], "NAME_OK")
         ending = [f"return {result};"]
         if closings:
             closed = (line for lines in reversed(closings) for line in lines)
@@ -170,7 +165,7 @@ class LimbFormulas(Source):
         return max(reads, default=0)
 
     def _above(self, text: str, least: float) -> str:
-        return f"({self.real.call('fabs')}({text}) > {self.literal(rounded(least))})"
+        return f"(fabs({text}) > {rounded(least)})"
 
     @property
     def _rows(self) -> ca.SX:
@@ -194,26 +189,22 @@ class LimbFormulas(Source):
         """Statements of the limb's rows, and the status that they leave: a pose off what the
         mechanism can take has no answer.
         """
-        capital, texts = self.capital, emitter.values(3)
-        closes = " && ".join(f"({self.real.call('fabs')}({text}) <= within)" for text in texts)
+        texts = emitter.values(3)
+        closes = " && ".join(f"(fabs({text}) <= within)" for text in texts)
         return [
             "/* the rows that the formulas leave over */",
             *emitter.take(),
-        ], f"({closes}) ? {capital}_OK : {capital}_OUT_OF_RANGE"
+        ], f"({closes}) ? NAME_OK : NAME_OUT_OF_RANGE"
 
 
-def side_lines(
-    side: str, what: str, bounds: tuple[float, float], real: Real, name: str
-) -> list[str]:
+def side_lines(side: str, what: str, bounds: tuple[float, float]) -> list[str]:
     """Statements on a limb's side of a dead centre, sign times root: below the first bound it is
     the other one, below the second it is not firm.
     """
-    wrong, beside = (
-        real.literal(float(np.copysign(rounded(abs(bound)), bound))) for bound in bounds
-    )
+    wrong, beside = (float(np.copysign(rounded(abs(bound)), bound)) for bound in bounds)
     return [
         f"if (!({side} >= {wrong})) {{ /* {c_comment(what)} */",
-        f"    status = {name}_WRONG_BRANCH;",
+        "    status = NAME_WRONG_BRANCH;",
         "}",
         f"firm = firm && ({side} > {beside});",
     ]
@@ -232,9 +223,7 @@ def branch_text(made: LimbPlatform, common: Mapping[str, object], tolerance: flo
             continue
         system, formulas = block.system, block.formulas
         written = LimbFormulas(made, block, formulas)
-        sides = snapped_expression(
-            ca.densify(formulas.sides(written.signs)), [system.unknown, system.known]
-        )
+        sides = formulas.sides(written.signs)
         inputs = [
             (symbols, [text for c in part for text in names[c.name]])
             for symbols, part in ((system.unknown, system.unknowns), (system.known, known))
@@ -246,10 +235,8 @@ def branch_text(made: LimbPlatform, common: Mapping[str, object], tolerance: flo
             near = float(
                 BESIDE * np.sqrt(tolerance / system.characteristic_length) * written.usual_roots[k]
             )
-            tests += side_lines(
-                text, name, (-near, READ_AGAIN * near), made.real, made.name.upper()
-            )
-            tests += [f"told = told && ({text} > {made.real.literal(rounded(near))});"]
+            tests += side_lines(text, name, (-near, READ_AGAIN * near))
+            tests += [f"told = told && ({text} > {rounded(near)});"]
         lines += [*emitter.lines, *tests]
     count, passive = (sum(c.width for c in part) for part in (state, made.passive))
     shown = {"count": count, "told": lines, "answer": f"&x[{passive}]"}

@@ -28,7 +28,7 @@ from symkin.codegen.steps.guard_text import GuardText
 from symkin.codegen.steps.guards import Bound, Guard
 from symkin.codegen.steps.joint_ranges import range_of
 from symkin.codegen.steps.newton_kernel import rounded, rounded_up
-from symkin.codegen.text.c import Emitter, Real, indent
+from symkin.codegen.text.c import Emitter, Real
 from symkin.codegen.text.templates import copy, fill
 from symkin.codegen.text.turns import near_arctangent
 from symkin.computed_once import cached_property
@@ -37,7 +37,7 @@ _HELPERS = ("take", "least", "least_length", "least_sine", "bounds")
 """Functions that hold squares and bound joints, the first of which others call."""
 _NEARLY_ONE = 0.999
 """Share of a discriminant that rounding leaves above zero."""
-_LONGER = "part * ((w->bent < {0} * w->most) ? {1} : ({2} * {3}(w->most / w->bent)))"
+_LONGER = "part * ((w->bent < {0} * w->most) ? {1} : ({2} * sqrt(w->most / w->bent)))"
 """The next part where one was kept at once: by _GROWS of what would do, at most _LONGEST times as
 long. Bounds grow faster than by the square of a part, and a refused point costs as much as a kept
 one: of random lines these take fewest points (a fifth fewer than four fifths and 2 did).
@@ -120,7 +120,7 @@ class ClosedLine:
     @property
     def _read_lines(self) -> list[str]:
         """Statements that set squares, the branch and the joints' pairs."""
-        real, pairs = self.real, [e for m in self.motion.motions.values() for e in m.pair]
+        pairs = [e for m in self.motion.motions.values() for e in m.pair]
         emitter = self.emitter(ca.vertcat(self._guards, *pairs))
         choices = [i for i, step in enumerate(self.plan.steps) if step.branch is not None]
         for k, i in enumerate(self.code.guarded):
@@ -129,7 +129,7 @@ class ClosedLine:
             square = f"{text} * {text}" if i in choices else text
             emitter.lines.append(f"w->left[{k}] = {square};")
             if i in choices:
-                sign = f"({text} < {real.zero}) ? -{real.one} : {real.one}"
+                sign = f"({text} < 0.0) ? -1.0 : 1.0"
                 emitter.lines.append(f"w->sign[{choices.index(i)}] = {sign};")
         pairs_of = (f"w->turned[{i}][{k}]" for i in range(len(self.plan.arm)) for k in range(2))
         for k, target in enumerate(pairs_of, start=len(self.code.guarded)):
@@ -145,16 +145,16 @@ class ClosedLine:
     @property
     def _way_lines(self) -> list[str]:
         """Statements of the joints' ways between two points, and of their values at the second."""
-        real, k, lines = self.real, f"{self.code.values['p']}_inverse", list[str]()
-        per = f" * {real.literal(1.0 / self.plan.arm.size)}"
+        lines = list[str]()
+        per = f" * {1.0 / self.plan.arm.size}"
         for i, (screw, exact) in enumerate(zip(self.plan.arm.screws, self._exact, strict=True)):
-            way = f"{k}_turn(w->turned[{i}], w->aimed[{i}])"
+            way = f"name_inverse_turn(w->turned[{i}], w->aimed[{i}])"
             if exact:
-                way = f"{k}_joint({i}, w->aimed[{i}], w->joints[{i}]) - w->joints[{i}]"
+                way = f"name_inverse_joint({i}, w->aimed[{i}], w->joints[{i}]) - w->joints[{i}]"
             lines += [
-                f"const {real.type} way{i} = {way};",
+                f"const real way{i} = {way};",
                 f"w->found[{i}] = w->joints[{i}] + way{i};",
-                f"w->way[{i}] = {real.call('fabs')}(way{i}){per * screw.slides};",
+                f"w->way[{i}] = fabs(way{i}){per * screw.slides};",
             ]
         squares = (f"(w->way[{i}] * w->way[{i}])" for i in range(len(self.plan.arm)))
         return [*lines, f"w->way2 = {' + '.join(squares)};"]
@@ -173,9 +173,9 @@ class ClosedLine:
         """The functions, which need those of the closed form."""
         values, limits, guards = self._values, self._limits, self._guard_text
         names = values | {
-            "members": indent([*guards.members, *limits.members]),
+            "members": [*guards.members, *limits.members],
             "ways": fill("line_of_poses.c", values),
-            "shorter": indent([*guards.shorter_lines, *limits.shorter], 3),
+            "shorter": [*guards.shorter_lines, *limits.shorter],
         }
         walk = guards.text(names, fill("point_of_poses.c", names).split("\n"), 1.0)
         called = walk + limits.text
@@ -195,46 +195,41 @@ class ClosedLine:
     @property
     def _values(self) -> dict[str, object]:
         """Values of the names in the templates."""
-        literal, screws, real = self.real.literal, self.plan.arm.screws, self.real
-        p, capital, size = self.code.values["p"], self.code.values["P"], self.plan.arm.size
+        screws, real = self.plan.arm.screws, self.real
+        size = self.plan.arm.size
         numbers = {
             "per_size2": size**-2,
             "size2": size**2,
             "least": LEAST * real.epsilon,
-            "four": 4.0,
-            "quarter_part": 0.25,
-            "eight": 8.0,
             "sixth": 1.0 / 6.0,
             "turn_noise": 4.0 * real.epsilon,
             "raised": RAISED,
             "nearly_one": _NEARLY_ONE,
         }
         shares = (rounded((_GROWS / _LONGEST) ** 2), _LONGEST, _GROWS)
-        longer = _LONGER.format(*map(literal, shares), real.call("sqrt"))
-        beyond = f"(reached == {capital}_OUT_OF_RANGE) && (end >= {real.one})"
+        longer = _LONGER.format(*map(str, shares))
+        beyond = "(reached == NAME_OUT_OF_RANGE) && (end >= 1.0)"
         texts = {
-            "k": f"{p}_inverse",
+            "k": "name_inverse",
             "nto": 2,
             "nat": 7,
             "turns": 2 * len(screws),
-            "zeros": ", ".join(literal(screw.zero) for screw in screws),
-            "arctangent2": f"{p}_angle" if real.name == "float" else "atan2",
+            "zeros": tuple(screw.zero for screw in screws),
             "near_arctangent": near_arctangent(real),
-            "walks": f"{capital}_SHARED",
+            "walks": "NAME_SHARED",
             "hold_guards": "",
-            "read": indent(self._read_lines),
-            "reach": indent(self.code.line_body),
-            "way_lines": indent(self._way_lines, 2),
-            "keep_lines": indent(self._held.lines),
-            "aimed": f"{real.type} most2, ",
-            "take": indent(self._taken, 3),
+            "read": self._read_lines,
+            "reach": self.code.line_body,
+            "way_lines": self._way_lines,
+            "keep_lines": self._held.lines,
+            "aimed": "real most2, ",
+            "take": self._taken,
             "longer": longer,
-            "and_follows": f" && {p}_inverse_follows(w, most2)",
-            "unreached": f"((reached == {capital}_SINGULAR) || ({beyond})) ? reached : "
-            f"{capital}_WRONG_BRANCH",
+            "and_follows": " && name_inverse_follows(w, most2)",
+            "unreached": f"((reached == NAME_SINGULAR) || ({beyond})) ? reached : "
+            "NAME_WRONG_BRANCH",
         }
-        told = {name: literal(number) for name, number in numbers.items()}
-        return self.code.names | told | texts | self._limits.names
+        return self.code.names | numbers | texts | self._limits.names
 
 
 # --- limits ---------------------------------------------------------------------------------------
@@ -251,7 +246,7 @@ class LimitCheck:
     """
 
     joints: tuple[int, ...]
-    names: dict[str, str]
+    names: dict[str, object]
     text: str
     members: tuple[str, ...] = ()
     shorter: tuple[str, ...] = ()
@@ -260,58 +255,47 @@ class LimitCheck:
 def limit_check(code: ClosedCode) -> LimitCheck:
     """The check of an arm's limits along the line; of an arm without limits the plain text."""
     real, p, n = code.real, code.values, len(code.plan.arm)
-    prefix, capital, count = p["p"], p["P"], f"{n}U"
+    count = f"{n}U"
     limited = tuple(i for i, c in enumerate(code.coordinates) if c.limits is not None)
     if not limited:
-        plain = {"limits_kept": "    return follows;", "refused": f"{capital}_WRONG_BRANCH"}
+        plain = {"limits_kept": "return follows;", "refused": "NAME_WRONG_BRANCH"}
         return LimitCheck((), _WITHOUT | plain, "")
-    beyond = f"    status = {capital}_OUT_OF_RANGE;"
+    beyond = "    status = NAME_OUT_OF_RANGE;"
     names = {
         "and_within": ", and the joints keep their limits",
-        "guess_beyond": indent(
-            [
-                "w->beyond = false;",
-                f"w->blamed = {prefix}_first_beyond(joints);",
-                f"if (w->blamed < {count}) {{",
-                beyond,
-                "}",
-            ]
-        ),
-        "limits_kept": indent(
-            [
-                "if (follows) {",
-                f"    w->blamed = {prefix}_first_leaving(w, w->joints, w->found);",
-                f"    w->beyond = (w->blamed < {count}) && ({prefix}_first_beyond(w->found) < "
-                f"{count});",
-                "}",
-                f"return follows && (w->blamed == {count});",
-            ]
-        ),
-        "refused": f"(w->blamed < {count}) ? {capital}_OUT_OF_RANGE : {capital}_WRONG_BRANCH",
-        "blame": indent(
-            [
-                f"if ((info != NULL) && (status == {capital}_OUT_OF_RANGE)) {{",
-                "    info->joint = w->blamed;",
-                "}",
-            ]
-        ),
+        "guess_beyond": [
+            "w->beyond = false;",
+            "w->blamed = name_first_beyond(joints);",
+            f"if (w->blamed < {count}) {{",
+            beyond,
+            "}",
+        ],
+        "limits_kept": [
+            "if (follows) {",
+            "    w->blamed = name_first_leaving(w, w->joints, w->found);",
+            f"    w->beyond = (w->blamed < {count}) && (name_first_beyond(w->found) < {count});",
+            "}",
+            f"return follows && (w->blamed == {count});",
+        ],
+        "refused": f"(w->blamed < {count}) ? NAME_OUT_OF_RANGE : NAME_WRONG_BRANCH",
+        "blame": [
+            "if ((info != NULL) && (status == NAME_OUT_OF_RANGE)) {",
+            "    info->joint = w->blamed;",
+            "}",
+        ],
     }
     ranges = [range_of(c, real, code.plan.arm.size) for c in code.coordinates]
     own = {
-        "k": f"{prefix}_inverse",
+        "k": "name_inverse",
         "last": n - 1,
-        "limited": ", ".join("true" if c.limits is not None else "false" for c in code.coordinates),
-        "lows": ", ".join(real.literal(low) for low, _ in ranges),
-        "highs": ", ".join(real.literal(high) for _, high in ranges),
-        "per_lengths": ", ".join(
-            real.literal(1.0 / code.plan.arm.size if screw.slides else 1.0)
-            for screw in code.plan.arm.screws
+        "limited": tuple(c.limits is not None for c in code.coordinates),
+        "lows": tuple(low for low, _ in ranges),
+        "highs": tuple(high for _, high in ranges),
+        "per_lengths": tuple(
+            1.0 / code.plan.arm.size if screw.slides else 1.0 for screw in code.plan.arm.screws
         ),
         "nn": n,
-        "four": real.literal(4.0),
-        "two": real.literal(2.0),
-        "half": real.literal(0.5),
-        "raised": real.literal(RAISED),
+        "raised": RAISED,
     }
     members = (
         "uint8_t blamed; /* the joint that leaves its limits */",

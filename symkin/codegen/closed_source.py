@@ -19,9 +19,8 @@ from symkin.closed.evaluation import Decision, Evaluation
 from symkin.closed.geometry import across
 from symkin.closed.plan import Plan, forward
 from symkin.closed.steps import TOOL, Factor, Operand, Step, Word
-from symkin.closure.snapping import snapped_expression
 from symkin.codegen.steps.newton_source import NewtonCode
-from symkin.codegen.text.c import Emitter, Real, indent, indented_by_braces, indexed
+from symkin.codegen.text.c import Emitter, Real, indented_by_braces, indexed
 from symkin.codegen.text.templates import fill
 from symkin.codegen.text.turns import angle_of_direction, rough_sine
 from symkin.computed_once import cached_property
@@ -149,7 +148,7 @@ class ClosedCode:
         told = [e for motion in motions for e in motion.pair] if is_line else values
         symbols = [self._pose, self._signs, self._near]
         gap = self._gap(at) if self.is_checked else ca.SX(0)
-        expression = snapped_expression(ca.vertcat(*outputs, gap, *told), symbols)
+        expression = ca.vertcat(*outputs, gap, *told)
         texts = ["x", signs, indexed("near", 2 * len(signs))]
         return Emitter.of(self.real, list(zip(symbols, texts, strict=True)), expression)
 
@@ -214,7 +213,7 @@ class ClosedCode:
         found = [f"found[count][{k}] = {joints[k]};" for k in range(len(self.plan.arm))]
         text = "\n".join(self._closed_text(emitter, opened, [*found, "++count;"]))
         if self.real.name == "float":
-            text = text.replace("atan2f(", f"{self.values['p']}_angle(")
+            text = text.replace("atan2f(", "atan2(")
         return indented_by_braces(text.split("\n"))
 
     @property
@@ -223,22 +222,22 @@ class ClosedCode:
         are known, and the status.
         """
         emitter = self._emitter(indexed("w->sign", len(self.plan.branches)), is_line=True)
-        capital, n = self.values["P"], len(self.plan.arm)
+        n = len(self.plan.arm)
         opened = list[str]()
         for i in range(len(self.plan.steps)):
-            opened += self._conditions(emitter, i, f"status = {capital}_SINGULAR;")
+            opened += self._conditions(emitter, i, "status = NAME_SINGULAR;")
         squares = {f"w->guard[{k}]": self._square(emitter, i) for k, i in enumerate(self.guarded)}
         first = 3 * len(self.plan.steps) + 1
         pairs = {f"w->aimed[{k // 2}][{k % 2}]": emitter.value(0, first + k) for k in range(2 * n)}
         told = [f"{target} = {text};" for target, text in (squares | pairs).items()]
-        closed = self._closed_text(emitter, opened, [*told, f"status = {capital}_OK;"])
+        closed = self._closed_text(emitter, opened, [*told, "status = NAME_OK;"])
         return indented_by_braces("\n".join(closed).split("\n"))
 
     def _conditions(self, emitter: Emitter, i: int, undecided: str) -> list[str]:
         """Add what must hold before a step's solutions are formed; what is said where it does not:
         nothing decides the joint, two solutions meet, or there is none.
         """
-        least, opened = self.real.literal(LEAST * self.real.epsilon), list[str]()
+        least, opened = LEAST * self.real.epsilon, list[str]()
         emitter.comment(self.plan.steps[i].reason)
         strength = emitter.value(0, 3 * i)
         if not _is_number(strength):
@@ -261,7 +260,7 @@ class ClosedCode:
         """
         if self.is_checked:
             gap = emitter.value(0, 3 * len(self.plan.steps))
-            emitter.lines.append(f"if ({gap} < {self.real.literal(self.misfit**2)}) {{")
+            emitter.lines.append(f"if ({gap} < {self.misfit**2}) {{")
             opened = [*opened, "}"]
         return [*emitter.lines, *innermost, *reversed(opened)]
 
@@ -273,13 +272,13 @@ class ClosedCode:
 
     def _choice_lines(self, number: int, lean: str) -> list[str]:
         """The loop over the solutions of one choice."""
-        zero, one, k = self.real.zero, self.real.one, f"k{number}"
+        k = f"k{number}"
         return [
             f"const unsigned int bits{number} = (wanted >> {2 * number}U) & 3U;",
-            f"const unsigned int side{number} = ({lean} < {zero}) ? 2U : 1U;",
+            f"const unsigned int side{number} = ({lean} < 0.0) ? 2U : 1U;",
             f"for (unsigned int {k} = 1U; {k} <= 2U; ++{k}) {{",
             f"if ((((bits{number} != 0U) ? bits{number} : side{number}) & {k}) != 0U) {{",
-            f"const {self.real.type} sign{number} = ({k} == 1U) ? {one} : -{one};",
+            f"const real sign{number} = ({k} == 1U) ? 1.0 : -1.0;",
         ]
 
     @property
@@ -291,13 +290,10 @@ class ClosedCode:
                 continue
             (joint,) = step.joints
             screw = self.plan.arm.screws[joint]
-            value = f"guess[{joint}]" + (
-                f" - {self.real.literal(screw.zero)}" if screw.zero else ""
-            )
-            p, quarter = self.values["p"], self.real.literal(0.5 * np.pi)
-            cosine = value if screw.slides else f"{p}_sine({value} + {quarter})"
+            value = f"guess[{joint}]" + (f" - {screw.zero}" if screw.zero else "")
+            cosine = value if screw.slides else f"name_sine({value} + 1.5707963267948966)"
             lines += [f"near[{2 * number}] = {cosine};"]
-            lines += [] if screw.slides else [f"near[{2 * number + 1}] = {p}_sine({value});"]
+            lines += [] if screw.slides else [f"near[{2 * number + 1}] = name_sine({value});"]
             number += 1
         # what no statement reads is not computed
         text = "\n".join(self.body)
@@ -305,7 +301,7 @@ class ClosedCode:
 
     @property
     def names(self) -> dict[str, object]:
-        literal, names = self.real.literal, self.plan.branches
+        names = self.plan.branches
         spans = [c.limits for c in self.coordinates]
         middles = [0.5 * (s[0] + s[1]) if s else 0.0 for s in spans]
         named = [
@@ -320,14 +316,14 @@ class ClosedCode:
             "nears": max(2 * len(names), 1),
             "both": f"{both}U",
             "margins": max(len(self.guarded), 1),
-            "body": indent(self.body),
-            "near": indent(self._near_lines, 2),
+            "body": self.body,
+            "near": self._near_lines,
             "nn": len(self.plan.arm),
-            "angular": ", ".join("true" if c.is_angular else "false" for c in self.coordinates),
-            "middles": ", ".join(literal(m) for m in middles),
-            "many": literal(_MOST_TURNS),
+            "angular": tuple(c.is_angular for c in self.coordinates),
+            "middles": tuple(middles),
+            "many": _MOST_TURNS,
             "sine": rough_sine(self.real),
-            "named": indent(named, 2),
+            "named": named,
         }
 
     @property
@@ -338,21 +334,15 @@ class ClosedCode:
             if any("_sine(" in line for line in self._near_lines)
             else ""
         )
-        angle = (
-            angle_of_direction(self.real, self.names)
-            if any("_angle(" in line for line in self.body)
-            else ""
-        )
+        angle = angle_of_direction(self.real, self.names, "".join(self.body))
         return angle + sine + fill("closed.c", self.names | {"finish": self._finish})
 
     @property
     def _finish(self) -> str:
         if self.newton is None:
-            return fill(
-                "closed_hold.c", self.names | {"answer_rounding": self.real.literal(self.misfit)}
-            )
-        literal, size = self.real.literal, self.plan.arm.size
-        own = {"most_steps": _FINISH_STEPS, "longest2": literal((_FINISH_REACH * size) ** 2)}
+            return fill("closed_hold.c", self.names | {"answer_rounding": self.misfit})
+        size = self.plan.arm.size
+        own = {"most_steps": _FINISH_STEPS, "longest2": (_FINISH_REACH * size) ** 2}
         return fill("closed_finish.c", self.newton.factoring | self.names | own)
 
     @property

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from symkin.codegen.steps.newton_kernel import Kernel
 from symkin.codegen.steps.pose_kernel import PoseKernel
-from symkin.codegen.text.c import Emitter, Real, indent, indexed
+from symkin.codegen.text.c import Emitter, Real, indexed
 
 FIRST_TURN = 0.5
 """Turn of the known values that is tried first (rad): most longer ones are refused."""
@@ -25,15 +25,14 @@ Newton and Kantorovich allow.
 
 @dataclass(frozen=True, eq=False)
 class LineParts:
-    """Values of the driver's template for one kernel, whose functions begin with `k` and take the
-    geometry `ga`; `still2`: C text of the square of a step that is rounding; `bends`, `first_turn`,
+    """Values of the driver's template for one kernel, whose functions begin with `k`;
+    `still2`: C text of the square of a step that is rounding; `bends`, `first_turn`,
     `measured` and `keeps_known` as of `NewtonCode`.
     """
 
     kernel: Kernel
     real: Real
     k: str
-    ga: str
     still2: str
     bends: bool
     first_turn: float
@@ -49,7 +48,7 @@ class LineParts:
         """What known values that turn ask for: a first part, a longest part, and the middle of each
         part.
         """
-        literal, floor = self.real.literal, f"(size <= {self.still2})"
+        floor = f"(size <= {self.still2})"
         doubled = "stretch * part" if self.measured else "quick ? (part + part) : part"
         if not self.bends:
             return {
@@ -59,73 +58,68 @@ class LineParts:
                 "next_part": f"({doubled})",
                 "first_try": "The whole line is tried first",
             }
-        two, first, middle = literal(2.0), self.first_turn, f"done + {literal(0.5)} * (aim - done)"
+        first, middle = self.first_turn, "done + 0.5 * (aim - done)"
         check = [
             f"if (accepted && (taken == 1U) && ((aim - done) * (aim - done) * turn2 * w->spread > "
-            f"{literal(_STRAIGHT2)})) {{",
-            f"    accepted = {self.k}_reaches_middle({self.ga}w, to, {middle}, still2);",
-            *([] if self.keeps_known else [f"    {self.k}_set_target({self.ga}w, to, aim);"]),
+            f"{_STRAIGHT2})) {{",
+            f"    accepted = {self.k}_reaches_middle(GEOMETRY w, to, {middle}, still2);",
+            *([] if self.keeps_known else [f"    {self.k}_set_target(GEOMETRY w, to, aim);"]),
             "}",
         ]
         start = [
             "/* the square of the largest turn of a known value on the line (rad), and what part "
             "of the line is tried first */",
             *self._turn_lines,
-            f"if (turn2 > {literal(first**2)}) {{",
-            f"    aim = {literal(first)} / {self.real.call('sqrt')}(turn2);",
+            f"if (turn2 > {first**2}) {{",
+            f"    aim = {first} / sqrt(turn2);",
             "}",
         ]
-        longest = literal((0.5 * LONGEST_TURN) ** 2)
+        longest = (0.5 * LONGEST_TURN) ** 2
         return {
-            "turn": indent(start),
-            "check_middle": indent(check, 2),
+            "turn": start,
+            "check_middle": check,
             "still": f"((taken > 0U) && {floor})",
-            "next_part": self._longer(f"part * part * turn2 <= {longest}", two),
+            "next_part": self._longer(f"part * part * turn2 <= {longest}"),
             "first_try": "A part in which known values turn by at most "
             f"{first:g} rad is tried first",
         }
 
-    def _longer(self, fits: str, two: str) -> str:
+    def _longer(self, fits: str) -> str:
         """The next part, where parts are bounded: `fits` says of half of it that the whole does."""
         if not self.measured:
-            return f"(quick && ({fits})) ? ({two} * part) : part"
-        return f"((stretch < {self.real.one}) || ({fits})) ? (stretch * part) : part"
+            return f"(quick && ({fits})) ? (2.0 * part) : part"
+        return f"((stretch < 1.0) || ({fits})) ? (stretch * part) : part"
 
     @property
-    def _stretching(self) -> dict[str, str]:
+    def _stretching(self) -> dict[str, object]:
         """How far the next part reaches: half or twice, or, where `measured`, as far as the ratio
         of steps, which grows with the part, lets expect.
         """
-        literal, two = self.real.literal, self.real.literal(2.0)
-        nearer = f"aim = done + {literal(0.375)} * (aim - done);"
+        nearer = "aim = done + 0.375 * (aim - done);"
         if not self.measured:
             return {
                 "quick_variable": (
                     "bool quick = false; /* whether the second step was far shorter than it "
                     "had to be */"
                 ),
-                "set_quick": f"quick = (size * {literal(100.0)} <= before);",
-                "nearer": indent([nearer], 3),
+                "set_quick": "quick = (size * 100.0 <= before);",
+                "nearer": [nearer],
             }
-        root = self.real.call("sqrt")
         return {
             "quick_variable": (
-                f"{self.real.type} stretch = {literal(1.0)}; /* how much longer the next part "
-                f"may be than the last */"
+                "real stretch = 1.0; /* how much longer the next part may be than the last */"
             ),
             "set_quick": (
-                f"stretch = (size * {literal(100.0)} <= before) ? {two} : ({literal(0.2)} * "
-                f"{root}(before / size));"
+                "stretch = (size * 100.0 <= before) ? 2.0 : (0.2 * sqrt(before / size));"
             ),
-            "nearer": indent(
+            "nearer": (
                 [
-                    f"if ((size > limit) && (size < {literal(4.0)} * limit)) {{",
-                    f"    aim = done + {literal(0.8)} * {root}(limit / size) * (aim - done);",
+                    "if ((size > limit) && (size < 4.0 * limit)) {",
+                    "    aim = done + 0.8 * sqrt(limit / size) * (aim - done);",
                     "} else {",
                     "    " + nearer,
                     "}",
-                ],
-                3,
+                ]
             ),
         }
 
@@ -134,18 +128,18 @@ class LineParts:
         """Statements that set turn2: angles and rods' lengths over the size by their largest, a
         quaternion by its own turn.
         """
-        kind, literal, turns = self.real.type, self.real.literal, self.kernel.turns
-        lines, start = [f"{kind} turn2 = {literal(0.0)};"], self.kernel.quaternion
+        turns = self.kernel.turns
+        lines, start = ["real turn2 = 0.0;"], self.kernel.quaternion
         if turns:
             places, parts = (
                 ", ".join(text)
-                for text in zip(*((str(i), literal(weight)) for i, weight in turns), strict=True)
+                for text in zip(*((str(i), str(weight)) for i, weight in turns), strict=True)
             )
             lines += [
                 f"static const uint8_t places[{len(turns)}] = {{ {places} }};",
-                f"static const {kind} radians[{len(turns)}] = {{ {parts} }};",
+                f"static const real radians[{len(turns)}] = {{ {parts} }};",
                 f"for (int i = 0; i < {len(turns)}; ++i) {{",
-                f"    const {kind} turned = radians[i] * (to[places[i]] - w->at[places[i]]);",
+                "    const real turned = radians[i] * (to[places[i]] - w->at[places[i]]);",
                 "    if (turned * turned > turn2) {",
                 "        turn2 = turned * turned;",
                 "    }",
@@ -154,13 +148,13 @@ class LineParts:
         if start is not None:
             cosine = " + ".join(f"w->at[{i}] * to[{i}]" for i in range(start, start + 4))
             lines += [
-                f"const {kind} cosine = {cosine}; /* of half the turn */",
-                f"turn2 = {literal(8.0)} * ({literal(1.0)} - {self.real.call('fabs')}(cosine));",
+                f"const real cosine = {cosine}; /* of half the turn */",
+                "turn2 = 8.0 * (1.0 - fabs(cosine));",
             ]
         return lines
 
 
-def line_target(real: Real, count: int, quaternion: int | None) -> list[str]:
+def line_target(count: int, quaternion: int | None) -> list[str]:
     """Statements that set w->k on the line from w->at to `to`; unit quaternions go along the
     shorter arc, with the sign of the guess's.
     """
@@ -170,18 +164,18 @@ def line_target(real: Real, count: int, quaternion: int | None) -> list[str]:
     if quaternion is not None:
         lines.append("/* of q and -q, one rotation, the one on the guess's side */")
         lines.append(
-            f"if ({' + '.join(f'{a} * {b}' for a, b in zip(at, to, strict=True))} < {real.zero}) {{"
+            f"if ({' + '.join(f'{a} * {b}' for a, b in zip(at, to, strict=True))} < 0.0) {{"
         )
         lines += [*(f"    {v} = -{v};" for v in k), "}"]
     lines += [
-        f"if (part < {real.one}) {{",
+        "if (part < 1.0) {",
         f"    {loop}",
         "        w->k[i] = w->at[i] + part * (w->k[i] - w->at[i]);",
         "    }",
     ]
     if quaternion is not None:
         square = " + ".join(f"{v} * {v}" for v in k)
-        lines.append(f"    const {real.type} inverse = {real.one} / {real.call('sqrt')}({square});")
+        lines.append(f"    const real inverse = 1.0 / sqrt({square});")
         lines += [f"    {v} *= inverse;" for v in k]
     return [*lines, "}"]
 
@@ -192,9 +186,9 @@ def core_target(made: PoseKernel, real: Real) -> list[str]:
     """
     count = made.joints.numel()
     return [
-        f"{real.type} q[{count}];",
+        f"real q[{count}];",
         f"for (int i = 0; i < {count}; ++i) {{",
-        f"    q[i] = (part < {real.one}) ? (w->at[i] + part * (to[i] - w->at[i])) : to[i];",
+        "    q[i] = (part < 1.0) ? (w->at[i] + part * (to[i] - w->at[i])) : to[i];",
         "}",
         *Emitter.of(real, [(made.joints, "q")], made.target).stored("w->k"),
     ]

@@ -12,7 +12,7 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Any
 
@@ -35,10 +35,12 @@ _TOKEN = re.compile(
     r"0[xX][0-9a-fA-F.]+(?:[pP][-+]?\d+)?[a-zA-Z]*|(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?[a-zA-Z]*|[A-Za-z_]\w*|"
     r"->|\+\+|--|<<|>>|&&|\|\||[-+*/%<>=!&|^]=|\S"
 )
+_DECLARED = re.compile(
+    r"(?:static )?const (?:unsigned )?(int|uint8_t|\w+_config) (?:const )?(\w+) = "
+)
+"""A declaration of a whole number or a config, without stars."""
 _VALUE = re.compile(r"[\w.)\]]")
 """What begins a token that ends a value: a sign behind it has two sides."""
-_TYPED = 4
-"""Words of a declaration among which its type is."""
 
 Tokens = tuple[Any, ...]
 """Words and signs, and what stands in brackets: a tuple of its own behind the opening one."""
@@ -70,8 +72,7 @@ def bounds(source: str, iterations: Sequence[int]) -> list[dict[str, Bound | Non
     """
     functions = {f.name: f for f in _functions(source)}
     public = [name for name, f in functions.items() if f.is_public]
-    first = _Counter(functions, iterations[0])
-    counters = (replace(first, iterations=count) for count in iterations)
+    counters = [_Counter(functions, count) for count in iterations]
     return [{name: counter.bound(name) for name in public} for counter in counters]
 
 
@@ -103,7 +104,9 @@ def _functions(source: str) -> Iterator[_Function]:
 
 
 def _nested(tokens: Iterator[str]) -> Tokens:
-    """Tokens up to a bracket that closes, those within brackets in tuples of their own."""
+    """Tokens up to a bracket that closes, those within brackets in tuples of their own; types in
+    brackets are left out.
+    """
     found = list[Any]()
     for token in tokens:
         if token in (")", "]", "}"):
@@ -112,10 +115,10 @@ def _nested(tokens: Iterator[str]) -> Tokens:
     return tuple(found)
 
 
-@lru_cache(maxsize=1 << 14)
-def _words(tokens: Tokens) -> frozenset[str]:
-    """All tokens, those in brackets too."""
-    return frozenset().union(*(_words(t) if isinstance(t, tuple) else (t,) for t in tokens))
+def _flat(tokens: Tokens) -> str:
+    """Words and signs one after the other, without casts, round brackets and stars."""
+    kept = (t for t in tokens if t not in ("(", "*") and not _is_cast(t))
+    return " ".join(_flat(t) if isinstance(t, tuple) else t for t in kept)
 
 
 def _is_cast(token: str | Tokens) -> bool:
@@ -130,70 +133,26 @@ def _parts(tokens: Tokens, mark: str) -> list[Tokens]:
     return [tokens[a + 1 : b] for a, b in pairwise(places)] if tokens else []
 
 
-def _cut(tokens: Tokens, sign: str) -> tuple[Tokens, Tokens]:
-    """What stands before and after a sign; nothing after where there is none."""
-    found = _parts(tokens, sign)
-    return (found[0], found[1]) if len(found) == 2 else (tokens, ())
-
-
-def _conjuncts(tokens: Tokens) -> list[Tokens]:
-    """The parts of a condition that all hold, without their brackets."""
-    whole = _bare(tokens)
-    found = _parts(whole, "&&")
-    return [whole] if len(found) == 1 else [inner for part in found for inner in _conjuncts(part)]
-
-
-def _bare(tokens: Tokens) -> Tokens:
-    """Without brackets around all of it, casts and stars before it."""
-    while tokens:
-        if len(tokens) == 1 and tokens[0][0] == "(":
-            tokens = tokens[0][1:]
-        elif tokens[0] == "*" or _is_cast(tokens[0]):
-            tokens = tokens[1:]
-        else:
-            break
-    return tokens
-
-
-@dataclass(frozen=True)
-class _Statement:
-    """A statement by the word that leads it, "" of a plain one: its head, or all of it, and what it
-    leads to.
-    """
-
-    word: str
-    head: Tokens
-    body: Tokens = ()
-    other: Tokens = ()
-
-
-@lru_cache(maxsize=1 << 14)
-def _statements(tokens: Tokens) -> tuple[_Statement, ...]:
-    """The statements of a block, one after the other; of one in brackets, those inside."""
-    found, at = list[_Statement](), 0
-    while at < len(tokens):
-        statement, at = _statement(tokens, at)
-        found.append(statement)
-    return tuple(found)
-
-
-def _statement(tokens: Tokens, at: int) -> tuple[_Statement, int]:
-    """The statement that begins at a place, and where the next one does."""
+def _end(tokens: Tokens, at: int) -> int:
+    """Where the statement ends that begins at a place."""
     word = tokens[at]
     if word[0] == "{":
-        return _Statement("{", (), word[1:]), at + 1
+        return at + 1
     if word in ("do", "switch", "goto", "case", "continue"):
         raise ValueError(f"C text: {word!r} is not read here")
     if word not in ("if", "while", "for"):
-        end = tokens.index(";", at)
-        return _Statement("", tokens[at:end]), end + 1
-    _, after = _statement(tokens, at + 2)
-    body, other = tokens[at + 2 : after], Tokens()
-    if word == "if" and tokens[after : after + 1] == ("else",):
-        begin = after + 1
-        _, after = _statement(tokens, begin)
-        other = tokens[begin:after]
-    return _Statement(word, tokens[at + 1][1:], body, other), after
+        return tokens.index(";", at) + 1
+    end = _end(tokens, at + 2)
+    return _end(tokens, end + 1) if tokens[end : end + 1] == ("else",) else end
+
+
+def _statements(tokens: Tokens) -> Iterator[Tokens]:
+    """The statements of a block, one after the other."""
+    at = 0
+    while at < len(tokens):
+        end = _end(tokens, at)
+        yield tokens[at:end]
+        at = end
 
 
 # --- counts ---------------------------------------------------------------------------------------
@@ -207,10 +166,8 @@ class _Counter:
 
     functions: dict[str, _Function]
     iterations: int
-    counts: dict[tuple[str, tuple[tuple[str, int], ...]], Count] = field(default_factory=dict)
+    counts: dict[tuple[str, frozenset[tuple[str, int]]], Count] = field(default_factory=dict)
     active: list[str] = field(default_factory=list)
-    straight: dict[Tokens, Count] = field(default_factory=dict)
-    """Blocks without loops and calls."""
 
     def bound(self, name: str) -> Bound | None:
         """The bound of a call; None where the text does not tell it."""
@@ -224,134 +181,116 @@ class _Counter:
         """What a call takes whose parameters are these whole numbers; of a config, its
         iterations.
         """
-        function = self.functions[name]
+        function, numbers = self.functions[name], dict(known)
         if name in self.active:
             raise NotDerivedError(f"{name} calls itself")
-        numbers = {key: value for key, value in known.items() if key in function.parameters}
         if "config" in function.parameters:
             numbers.setdefault("config", _Allowed(self.iterations))
-        key = (name, tuple(sorted(numbers.items())))
+        key = (name, frozenset(numbers.items()))
         if key not in self.counts:
             self.active.append(name)
             self.counts[key] = self._block(function.body, numbers)
             self.active.pop()
         return self.counts[key]
 
-    def _is_straight(self, tokens: Tokens) -> bool:
-        words = _words(tokens)
-        return self.functions.keys().isdisjoint(words) and words.isdisjoint(("for", "while"))
-
     def _block(self, tokens: Tokens, known: Known) -> Count:
         """The sum of statements; what they tell of whole numbers stays within them."""
-        if tokens in self.straight:
-            return self.straight[tokens]
         total, own = Count(), dict(known)
         for statement in _statements(tokens):
-            head = statement.head
-            match statement.word:
-                case "":
-                    self._learn(head, own)
-                    total.update(self._expression(head, own))
-                case "{":
-                    total.update(self._block(statement.body, own))
-                case "if":
-                    sides = self._block(statement.body, own) | self._block(statement.other, own)
-                    total.update(self._expression(head, own) + sides)
-                case _:
-                    total.update(self._loop(statement, own))
-        if self._is_straight(tokens):
-            self.straight[tokens] = total
+            word, *others = statement
+            if word[0] == "{":
+                total.update(self._block(word[1:], own))
+            elif word == "if":
+                end = _end(statement[2:], 0) + 2
+                sides = self._block(statement[2:end], own) | self._block(statement[end + 1 :], own)
+                total.update(self._expression(others[0][1:], own) + sides)
+            elif word in ("for", "while"):
+                total.update(self._loop(word, others[0][1:], statement[2:], own))
+            else:
+                self._learn(statement[:-1], own)
+                total.update(self._expression(statement[:-1], own))
         return total
 
     # --- loops ------------------------------------------------------------------------------------
 
-    def _loop(self, loop: _Statement, known: Known) -> Count:
-        head = _parts(loop.head, ";")
-        if loop.word == "for" and head[0]:
-            return self._counted_loop(head, loop.body, known)
-        passes, test = self._passes(loop, known), Count()
-        if loop.word == "while":
-            test = self._expression(loop.head, known)
-        inside = self._block(loop.body, known) + test
-        total = _times(inside, int(passes) + (loop.word == "for")) + test
-        total[ITERATIONS] += int(passes) if isinstance(passes, _Allowed) else 0
+    def _loop(self, word: str, head: Tokens, body: Tokens, known: Known) -> Count:
+        """Passes of a loop from a number to another by one, whose variable takes each value, on
+        which inner loops may depend; else as many as its text allows.
+        """
+        begin, asked, *_ = _parts(head, ";") if word == "for" else ((), head)
+        test = self._expression(asked, known)
+        if begin:
+            name, values = self._values(_flat(begin), asked, "--" in head, known)
+            if name not in _flat(body).split():
+                return _times(self._block(body, known) + test, len(values)) + test
+            passes = (self._block(body, {**known, name: value}) + test for value in values)
+            return sum(passes, start=Count(test))
+        most = self._most(asked, [_flat(s) for s in _statements(body[0][1:])], known)
+        total = _times(self._block(body, known) + test, int(most) + (word == "for")) + test
+        total[ITERATIONS] += int(most) if isinstance(most, _Allowed) else 0
         return total
 
-    def _counted_loop(self, head: list[Tokens], body: Tokens, known: Known) -> Count:
-        """Of a loop from a number to another by one: its variable takes each value, on which inner
-        loops may depend.
-        """
-        declared, begin = _cut(head[0], "=")
-        name, first, down = declared[-1], self._whole(begin, known), "--" in head[2]
-        found = (self._end(part, name, known) for part in _conjuncts(head[1]))
-        ends = [end for end in found if end is not None]
-        if first is None or not ends:
+    def _values(self, begin: str, asked: Tokens, down: bool, known: Known) -> tuple[str, range]:
+        """The variable that a loop counts, and its values: up to the least end that is told."""
+        declared, first = begin.split(" = ")
+        name, start = declared.split()[-1], self._number(first, known)
+        ends = [
+            end - (sign == "<")
+            for part in _parts(asked, "&&")
+            for sign, told in re.findall(rf"^{name} (<=?|>=) (.+)$", _flat(part))
+            if (end := self._number(told, known)) is not None
+        ]
+        if start is None or not ends:
             raise NotDerivedError(f"for {name}")
-        values = range(first, max(ends) - 1, -1) if down else range(first, min(ends) + 1)
-        test = self._expression(head[1], known)
-        if name not in _words(body) or self._is_straight(body):
-            return _times(self._block(body, known) + test, len(values)) + test
-        passes = (self._block(body, {**known, name: value}) + test for value in values)
-        return sum(passes, start=Count(test))
+        return name, range(start, max(ends) - 1, -1) if down else range(start, min(ends) + 1)
 
-    def _end(self, part: Tokens, name: str, known: Known) -> int | None:
-        """The last value of a variable for which a part of a condition holds."""
-        if len(part) < 3 or part[0] != name or part[1] not in ("<", "<=", ">="):
-            return None
-        end = self._whole(part[2:], known)
-        return None if end is None else end - (part[1] == "<")
-
-    def _passes(self, loop: _Statement, known: Known) -> int:
+    def _most(self, asked: Tokens, body: Sequence[str], known: Known) -> int:
         """Of `while (count < most)`, or of `for (;;)` that breaks at `count >= most`, whose body
         counts up: `most`.
         """
-        inner = _statements(loop.body)
-        inner = _statements(inner[0].body) if inner and inner[0].word == "{" else inner
-        counted = [_bare(s.head[1:]) for s in inner if s.word == "" and s.head[:1] == ("++",)]
-        limits = [_cut(part, "<") for part in _conjuncts(loop.head) if loop.word == "while"]
-        limits += [_cut(s.head, ">=") for s in inner if s.word == "if" and _breaks(s.body)]
-        for counter, most in limits:
-            limit = self._whole(most, known)
-            if limit is not None and _bare(counter) in counted:
-                return limit
-        raise NotDerivedError(loop.word)
+        tests = [re.fullmatch(r"(\w+) < (.+)", _flat(part)) for part in _parts(asked, "&&")]
+        tests += [re.fullmatch(r"if (\w+) >= ([^{]+) { (?:.* )?break ;", text) for text in body]
+        for found in tests:
+            most = self._number(found[2], known) if found else None
+            if found and most is not None and f"++ {found[1]} ;" in body:
+                return most
+        raise NotDerivedError("while")
 
     # --- numbers and expressions ------------------------------------------------------------------
 
     def _learn(self, tokens: Tokens, known: dict[str, int]) -> None:
         """Keeps what a declaration says of a whole number or of a config."""
-        declared, value = _cut(tokens, "=")
-        kinds = declared[:_TYPED]
-        is_config = any(t.endswith("_config") for t in kinds if isinstance(t, str))
-        is_read = is_config or "int" in kinds or "uint8_t" in kinds
-        if not (value and is_read and "const" in kinds and declared[-1][0].isidentifier()):
-            return
-        if is_config and value[0][0] == "{":
-            found = self._whole(_parts(value[0][1:], ",")[1], known)
-        else:
-            found = self._of_config(value, known) if is_config else self._whole(value, known)
-        if found is not None:
-            known[declared[-1]] = _Allowed(found) if is_config else found
+        if found := _DECLARED.match(_flat(tokens)):
+            value = tokens[tokens.index("=") + 1 :]
+            number = self._whole(value, known, is_config=found[1].endswith("config"))
+            if number is not None:
+                known[found[2]] = number
 
-    def _of_config(self, tokens: Tokens, known: Known) -> int | None:
-        """The most iterations of the configs that an expression may stand for."""
-        allowed = (known[t] for t in _words(tokens) if isinstance(known.get(t), _Allowed))
+    def _whole(self, tokens: Tokens, known: Known, *, is_config: bool) -> int | None:
+        """The largest value of a whole number, or the most iterations of the configs that an
+        expression may stand for; None where the text does not tell it.
+        """
+        text = _flat(tokens)
+        if not is_config:
+            is_call = len(tokens) == 2 and tokens[0] in self.functions
+            return self._returned(tokens, known) if is_call else self._number(text, known)
+        if text.startswith("{"):
+            number = self._number(text.split(" , ")[1], known)
+            return None if number is None else _Allowed(number)
+        allowed = (known[t] for t in text.split() if isinstance(known.get(t), _Allowed))
         return max(allowed, default=None)
 
-    def _whole(self, tokens: Tokens, known: Known) -> int | None:
-        """The largest value of a whole number, None where the text does not tell it."""
-        tokens = _bare(tokens)
-        match tokens:
-            case (config, "->", "max_iterations"):
+    def _number(self, text: str, known: Known) -> int | None:
+        match text.split():
+            case [config, "->", "max_iterations"]:
                 return known.get(config)
-            case (first, "+" | "-" | "*" as sign, last):
-                a, b = self._whole((first,), known), self._whole((last,), known)
+            case [first, *sign, last]:
+                a, b = self._number(first, known), self._number(last, known)
                 if a is None or b is None:
                     return None
-                return {"+": a + b, "-": a - b, "*": a * b}[sign]
-            case (name, ("(", *_)) if name in self.functions:
-                return self._returned(tokens, known)
-            case (word,):
+                # the star of a product is left out
+                return {"+": a + b, "-": a - b, "": a * b}.get("".join(sign))
+            case [word]:
                 if number := re.match(r"(\d+)[uUlL]*$", word):
                     return int(number[1])
                 return USUAL_ITERATIONS if word.endswith("_MAX_STEPS") else known.get(word)
@@ -359,8 +298,8 @@ class _Counter:
 
     def _returned(self, tokens: Tokens, known: Known) -> int | None:
         """The largest number that a function returns which counts up from 0 to what it returns."""
-        last = _statements(self.functions[tokens[0]].body)[-1].head
-        if len(last) != 2 or last[0] != "return":
+        *_, last = _statements(self.functions[tokens[0]].body)
+        if len(last) != 3 or last[0] != "return":
             return None
         ((name, given), *_) = _operations(tokens)[1]
         return self.call(name, self._arguments(name, given, known))[f"++{last[1]}"] or None
@@ -368,8 +307,6 @@ class _Counter:
     def _expression(self, tokens: Tokens, known: Known) -> Count:
         """Operations of an expression and of the calls in it."""
         operations, calls = _operations(tokens)
-        if not calls:
-            return operations
         total = Count(operations)
         for name, given in calls:
             own = name.removesuffix("f")
@@ -384,13 +321,9 @@ class _Counter:
 
     def _arguments(self, name: str, given: Sequence[Tokens], known: Known) -> dict[str, int]:
         """What a call hands on of whole numbers and configs."""
-        found: dict[str, int] = {}
-        for parameter, value in zip(self.functions[name].parameters, given, strict=False):
-            is_config = parameter == "config"
-            number = self._of_config(value, known) if is_config else self._whole(value, known)
-            if number is not None:
-                found[parameter] = _Allowed(number) if is_config else number
-        return found
+        told = zip(self.functions[name].parameters, given, strict=False)
+        found = {p: self._whole(v, known, is_config=p == "config") for p, v in told}
+        return {p: number for p, number in found.items() if number is not None}
 
 
 @lru_cache(maxsize=1 << 14)
@@ -418,11 +351,6 @@ def _operations(tokens: Tokens) -> tuple[Count, list[tuple[str, list[Tokens]]]]:
             total[_ARITHMETIC[token[0]]] += token.endswith("=") or bool(is_value)
         before = token
     return +total, calls
-
-
-def _breaks(body: Tokens) -> bool:
-    """Whether a block ends by leaving its loop."""
-    return bool(body[-1][-2:] == ("break", ";"))
 
 
 def _times(count: Count, factor: int) -> Count:

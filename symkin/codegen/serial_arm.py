@@ -32,7 +32,7 @@ from symkin.codegen.steps.joint_ranges import range_functions, ranges_of
 from symkin.codegen.steps.linear_solver import is_unrolled
 from symkin.codegen.steps.newton_kernel import Kernel, curvature, system_kernel
 from symkin.codegen.steps.newton_source import NewtonCode, tolerance_of
-from symkin.codegen.text.c import Emitter, Real, indent, indexed
+from symkin.codegen.text.c import Emitter, Real, indexed
 from symkin.codegen.text.templates import (
     FARTHEST,
     common_values,
@@ -254,7 +254,7 @@ class ArmSource(Source):
             kappa=curvature(
                 kernel, [q for q, _ in regular], [pose for _, pose in regular], geometry.values
             ),
-            target_lines=line_target(self.real, 7, 3),
+            target_lines=line_target(7, 3),
             compact=arm.options.compact,
         )
 
@@ -267,7 +267,6 @@ class ArmSource(Source):
         far = farthest(
             size, self.made.forward_at(np.array([c.reference[0] for c in self.made.actuated]))[:3]
         )
-        literal = self.literal
         return (
             common
             | {
@@ -276,10 +275,10 @@ class ArmSource(Source):
                 "ns": nq,
                 "nj": 6 * nq,
                 "meaning": _meaning(self.made),
-                "farthest": literal(far),
-                "farthest_joint": literal(FARTHEST * max(size, 1.0)),
-                "largest": literal(fastest(size)),
-                "per_size": literal(1.0 / size),
+                "farthest": far,
+                "farthest_joint": FARTHEST * max(size, 1.0),
+                "largest": fastest(size),
+                "per_size": 1.0 / size,
                 "branches_told": "" if self.closed is None else self.closed.header,
                 "line_words": self._line_words,
             }
@@ -298,7 +297,7 @@ class ArmSource(Source):
 
     @cached_property
     def _frame_names(self) -> dict[str, object]:
-        return unturned(self.name) if self._frame is None else self._frame.names
+        return unturned() if self._frame is None else self._frame.names
 
     def _in_own(self, screws: ArmScrews) -> ArmScrews:
         """The screws, of an arm with a border without the turn that this makes."""
@@ -307,7 +306,7 @@ class ArmSource(Source):
     @property
     def _line_words(self) -> str:
         """What the line costs at most, and where limits are checked, in words of the header."""
-        prefix = self.capital
+        prefix = self.name.upper()
         limited = any(c.limits is not None for c in self.made.actuated)
         words = []
         if self.line is None:
@@ -370,23 +369,22 @@ class ArmSource(Source):
     @property
     def _solving(self) -> dict[str, object]:
         """How NAME_inverse solves: by the closed form along the line, else by Newton's method."""
-        nq, name, config = len(self.made.actuated), self.name, "(config != NULL) ? config : &usual"
-        how, at, work = "the closed form", "at", f"{self.real.type} at[{nq}];"
-        solve = [f"status = {name}_inverse_along(to, {config}, at, info);"]
+        nq, config = len(self.made.actuated), "(config != NULL) ? config : &usual"
+        how, at, work = "the closed form", "at", f"real at[{nq}];"
+        solve = [f"status = name_inverse_along(to, {config}, at, info);"]
         if self.line is None:
-            how, at, work = "Newton's method", "w.x", f"{name}_inverse_work w;"
-            ga = self.values["ga"]
+            how, at, work = "Newton's method", "w.x", "name_inverse_work w;"
             solve = [
-                f"{name}_forward({ga}w.x, w.at);",
-                f"status = {name}_inverse_newton({ga}&w, to, {config}, info);",
+                "name_forward(GEOMETRY w.x, w.at);",
+                f"status = name_inverse_newton(GEOMETRY &w, to, {config}, info);",
             ]
         return {
             "how": f"The joints by {how}",
             "work": work,
             "at": at,
-            "to_x": indent(copy(at, "guess", nq), 2),
-            "out": indent(copy("joints", at, nq), 3),
-            "solve": indent(solve, 2),
+            "to_x": copy(at, "guess", nq),
+            "out": copy("joints", at, nq),
+            "solve": solve,
         }
 
     @property
@@ -405,7 +403,7 @@ class ArmSource(Source):
             "serial_functions.c",
             values
             | {
-                "jacobian": indent(self._jacobian_lines, 2),
+                "jacobian": self._jacobian_lines,
                 **self._solving,
             },
         )
@@ -434,7 +432,7 @@ class ArmSource(Source):
     def _speeds(self) -> str:
         """Rates, twist, feed and the step of a control loop."""
         rounding = self.code.tuning.rounding
-        return arm_speeds(self.made.actuated, self.real, rounding, self.values)
+        return arm_speeds(self.made.actuated, rounding, self.values)
 
     def _emitter(self, expression: ca.SX, joints: str) -> Emitter:
         """Emitter of a dense function of the joints, whose C name is given."""
@@ -451,7 +449,7 @@ class ArmSource(Source):
         if self.motion is not None:
             return self.motion.text
         lines = self._emitter(self.made.pose, "q").stored(indexed("x", 7))
-        return fill("forward.c", self.values | {"forward": indent(lines)})
+        return fill("forward.c", self.values | {"forward": lines})
 
     @property
     def _jacobian_lines(self) -> list[str]:

@@ -20,7 +20,7 @@ from symkin.codegen.steps.newton_kernel import rounded
 from symkin.codegen.steps.newton_source import tolerance_of
 from symkin.codegen.steps.pose_coordinates import POSE, off_motion, restricted
 from symkin.codegen.text.angles import NotLiftedError, Numbers, lifted
-from symkin.codegen.text.c import Emitter, indent
+from symkin.codegen.text.c import Emitter
 from symkin.codegen.text.gathered import gathered
 from symkin.computed_once import cached_property
 from symkin.model.joint import Coordinate, places_of
@@ -124,7 +124,7 @@ class DirectText(Source):
         by the part of the slides' ranges that holds it.
         """
         tests = [
-            f"(w->{array}[{j}] > {self.literal(self.guards.roundings(guard)[0])})"
+            f"(w->{array}[{j}] > {self.guards.roundings(guard)[0]})"
             for j, guard in enumerate(self.found.guards)
             if guard.is_divisor == of_divisors
         ]
@@ -201,28 +201,28 @@ class DirectText(Source):
     def _read(
         self, x: ca.SX, roots: ca.SX, parts: Sequence[ca.SX], limits: Sequence[float]
     ) -> list[str]:
-        real, name = self.real, self.capital
+        real = self.real
         outputs = gathered(parts, [x, roots], [])
         inputs = [(x, "x"), (roots, [f"r{k + 1}" for k in range(roots.numel())])]
-        emitter, one = Emitter.of(real, inputs, *outputs), real.one
+        emitter = Emitter.of(real, inputs, *outputs)
         tests = [
-            emitter.root(k + 1, emitter.value(0, k), real.literal(rounded(limit)), one)
+            emitter.root(k + 1, emitter.value(0, k), str(rounded(limit)), "1.0")
             for k, limit in enumerate(limits)
         ]
-        limit = real.literal(off_motion(self.made.geometry, real))
-        tests += [f"({real.call('fabs')}({text}) <= {limit})" for text in emitter.values(4)]
+        limit = off_motion(self.made.geometry, real)
+        tests += [f"(fabs({text}) <= {limit})" for text in emitter.values(4)]
         begun, middle = emitter.take(), emitter.stored("w->at", 1)
         self.store_guards(emitter, 3, "left", of_divisors=True)
         middle += emitter.take()
         for k in range(parts[2].numel()):
             text = emitter.value(2, k)
-            emitter.lines.append(f"w->sign[{k}] = ({text} < {real.zero}) ? -{one} : {one};")
+            emitter.lines.append(f"w->sign[{k}] = ({text} < 0.0) ? -1.0 : 1.0;")
         self.store_guards(emitter, 3, "left", of_divisors=False)
         last, near = emitter.take(), self.above("left", of_divisors=False)
         if near:
-            last += [f"if (!({near})) {{", f"    status = {name}_SINGULAR;", "}"]
-        below = _refused(self.above("left", of_divisors=True), last, f"{name}_SINGULAR")
-        return [*begun, *_refused(" && ".join(tests), [*middle, *below], f"{name}_OUT_OF_RANGE")]
+            last += [f"if (!({near})) {{", "    status = NAME_SINGULAR;", "}"]
+        below = _refused(self.above("left", of_divisors=True), last, "NAME_SINGULAR")
+        return [*begun, *_refused(" && ".join(tests), [*middle, *below], "NAME_OUT_OF_RANGE")]
 
     def _told(self, told: ca.SX) -> ca.SX:
         """What tells each sign, with those before put in: sign times root."""
@@ -303,26 +303,26 @@ class DirectText(Source):
         return turns | {i for i, is_read in enumerate(reads) if is_read}
 
     @property
-    def answer_lines(self) -> dict[str, str]:
+    def answer_lines(self) -> dict[str, list[str]]:
         """Statements of the residual, the sides, what is firm, and the pose."""
         real, symbols = self.real, [self.u, self.y, self.half]
         outputs = gathered(list(self._answer), symbols, self.turns)
         names = zip(symbols, ("w->u", "w->y", "h"), strict=True)
         emitter = Emitter.of(real, list(names), *outputs)
         squares = " + ".join(f"{t} * {t}" for t in emitter.values(0))
-        emitter.lines.append(f"*residual = {real.call('sqrt')}({squares});")
+        emitter.lines.append(f"*residual = sqrt({squares});")
         residual, tests, k = emitter.take(), list[str](), 0
         for limb in self._limbs:
             size = limb.block.system.characteristic_length
             near = READ_AGAIN * BESIDE * np.sqrt(tolerance_of(real, size) / size)
             for root, what in zip(limb.usual_roots, limb.formulas.names, strict=True):
                 bounds = (0.0, float(near * root))
-                tests += side_lines(emitter.value(1, k), what, bounds, real, self.capital)
+                tests += side_lines(emitter.value(1, k), what, bounds)
                 k += 1
         sides = [*emitter.take(), *tests]
         parts = {"residual": residual, "side": sides, "firm": self._firm_lines}
-        return {f"{part}_lines": indent(lines) for part, lines in parts.items()} | {
-            "pose_lines": indent(emitter.stored(POSE, 2), 2)
+        return {f"{part}_lines": lines for part, lines in parts.items()} | {
+            "pose_lines": emitter.stored(POSE, 2)
         }
 
     @property
@@ -331,7 +331,7 @@ class DirectText(Source):
         distance.
         """
         found, lines = self.found, list[str]()
-        tests = [f"(w->share > {self.literal(_SMALL_SHARE)})"] * bool(found.usual_roots.size)
+        tests = [f"(w->share > {_SMALL_SHARE})"] * bool(found.usual_roots.size)
         for j, guard in enumerate(found.guards):
             firm = self.guards.by_reach(f"firm{j}", self.guards.roundings(guard, _FIRM), lines)
             tests.append(f"(w->guard[{j}] > {firm})")

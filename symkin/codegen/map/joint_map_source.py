@@ -54,14 +54,14 @@ class JointMapSource(MapValues):
 
     @cached_property
     def _common(self) -> dict[str, object]:
-        made, literal = self.made, self.literal
+        made = self.made
         n = len(made.given)
         return common_values(self.name, self.real, struct=False) | {
             "nq": n,
             "nj": n * n,
             "ny": sum(number_counts(made.coordinates)),
-            "farthest": literal(farthest(made.size, (0.0, 0.0, 0.0))),
-            "largest": literal(LARGEST),
+            "farthest": farthest(made.size, (0.0, 0.0, 0.0)),
+            "largest": self.real.literal(LARGEST),
         }
 
     @cached_property
@@ -92,13 +92,10 @@ class JointMapSource(MapValues):
     def _tools(self, text: str) -> str:
         """The functions of angles that a text calls, and the checks of values."""
         common = self._common
-        tools = {
-            "angle": angle_of_direction(self.real, common),
-            "cosine_and_sine": cosine_and_sine(self.real, common),
-        }
-        written = [tool for name, tool in tools.items() if f"{self.name}_{name}(" in text]
+        turn = cosine_and_sine(self.real, common) if "_cosine_and_sine(" in text else ""
         turning = self.turning(text, common)
-        return "".join([*written, turning, self._checks, fill("no_step.c", common)])
+        angle = angle_of_direction(self.real, common, text)
+        return "".join([angle, turn, turning, self._checks, fill("no_step.c", common)])
 
     @property
     def _checks(self) -> str:
@@ -108,7 +105,7 @@ class JointMapSource(MapValues):
         real, size, common, found = self.real, self.made.size, self._common, list[str]()
         for what, coordinates in self.made.told.items():
             ranges = ranges_of(coordinates, real, size)
-            far = [self.literal(FARTHEST * unit) for unit in units_of(coordinates, size)]
+            far = [str(FARTHEST * unit) for unit in units_of(coordinates, size)]
             bounds = [Range(f"-{most}", most) for most in far]
             found += [
                 range_functions(ranges, real, common)
@@ -177,7 +174,7 @@ def _applied(row: tuple[str, str, tuple[str, str], str], common: Mapping[str, ob
     body = [f"result[i] = {term};"]
     if given != "joint_limits":
         body = [
-            "result[i] = @{zero};",
+            "result[i] = 0.0;",
             "for (int j = 0; j < @{nq}; ++j) {",
             f"    result[i] += {term};",
             "}",
@@ -188,7 +185,7 @@ def _applied(row: tuple[str, str, tuple[str, str], str], common: Mapping[str, ob
         "matrix": "inverse_jacobian" if "inverse" in term else "jacobian",
         "given": given,
         # rates and torques have either sign
-        "least": f"-{common['largest']}" if function in ("rates", "torques") else common["zero"],
+        "least": f"-{common['largest']}" if function in ("rates", "torques") else "0.0",
         "asked": asked,
         "count": int(str(common["nq"])) ** (2 if function == "inertia" else 1),
         "body": [substitute(line, common) for line in body],
@@ -237,7 +234,7 @@ def _jacobian(
     """A function of first derivatives; `steps`: statements for each step of the state, `more`:
     names of the template that stand for something else.
     """
-    made, n, literal = way.made, way.n, way.real.literal
+    made, n = way.made, way.n
     y, state = way.state_of("found")
     set_ = [f"{way.k}_place(&w, {way.words[0]}, {way.names['from']});"]
     if made.passive and way.direction.name == "inverse":
@@ -249,14 +246,14 @@ def _jacobian(
     shown = {
         "function": function,
         "about": about,
-        "written": f"{way.real.type} {function}[{nj}]",
+        "written": f"real {function}[{nj}]",
         "most_sides": solved.size,
         "nrates": nj,
         "kept": "",
         "y": y,
         "state": state,
         "set": set_,
-        "near": literal(_BELONG * made.size),
+        "near": _BELONG * made.size,
         "singular": singular_condition(way.kernel, way.k, "&w"),
         "more": "",
         "store": [f"for (int i = 0; i < {nj}; ++i) {{", f"    {function}[i] = rates[i];", "}"],
@@ -271,7 +268,7 @@ def _stores(
     """Statements that write column j of the wanted coordinates' rates from a step."""
     places = step_columns(way.unknown, wanted, way.made.size)
     return [
-        f"{target}[{first + width * i} + j] = {step_text(way.real, *place)};"
+        f"{target}[{first + width * i} + j] = {step_text(*place)};"
         for i, place in enumerate(places)
     ]
 
@@ -296,10 +293,7 @@ def _second(way: DirectionSource) -> str:
         "second",
         "Jacobian, if it is asked for, and second derivatives: the same matrix solved for the "
         "rows' second derivatives.",
-        [
-            f"steps[{freedom} * j + {i}] = {step_text(way.real, *place)};"
-            for i, place in enumerate(places)
-        ],
+        [f"steps[{freedom} * j + {i}] = {step_text(*place)};" for i, place in enumerate(places)],
         written=f"{real} jacobian[{n * n}], {real} second[{n**3}]",
         most_sides=way.kernel.m * max(n, pairs),
         nrates=n * n + n * pairs,

@@ -58,7 +58,7 @@ class MapValues(Source):
         for c, value in zip(coordinates, values, strict=True):
             entry = f"{target}[{next(place)}]"
             if c.kind == "angle":
-                lines.append(f"{self.name}_cosine_and_sine({value}, &{entry});")
+                lines.append(f"name_cosine_and_sine({value}, &{entry});")
                 next(place)
             else:
                 lines.append(f"{entry} = {value};")
@@ -72,11 +72,10 @@ class MapValues(Source):
 
     def plain_values(self, coordinates: Sequence[Coordinate], numbers: Sequence[str]) -> list[str]:
         """C text of the values of coordinates by their numbers, angles within half a turn of 0."""
-        angle = f"{self.name}_angle" if self.real.name == "float" else "atan2"
         entry, found = iter(numbers), list[str]()
         for c in coordinates:
             first = next(entry)
-            found.append(f"{angle}({next(entry)}, {first})" if c.kind == "angle" else first)
+            found.append(f"atan2({next(entry)}, {first})" if c.kind == "angle" else first)
         return found
 
     def values_of(

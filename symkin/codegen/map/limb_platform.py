@@ -17,7 +17,6 @@ import casadi as ca
 import numpy as np
 
 from symkin.closure.closure import Closure
-from symkin.closure.snapping import snapped_expression
 from symkin.codegen.map.record import Described
 from symkin.codegen.map.signature import PLATFORM, PLATFORM_SPEEDS, Function
 from symkin.codegen.steps.direct_formulas import DirectFormulas, direct_formulas
@@ -291,9 +290,7 @@ class LimbPlatform(Described):
             and system.errors.numel() == 1
         ):
             # the error of a rod is its length by the pose less its coordinate
-            rod = snapped_expression(
-                ca.substitute(system.errors, system.unknown, 0), [system.known, symbols]
-            )
+            rod = ca.substitute(system.errors, system.unknown, 0)
         else:
             formulas = self._formulas(system)
         left_over = formulas is not None and not _solves_any_pose(
@@ -304,16 +301,13 @@ class LimbPlatform(Described):
             # of a limb that not every pose lets close, rates are least squares over its rows
             kernel = system_kernel(f"limb{number}", system, pose, symbols)
         sides = self.by_twist(system, system.rows if rod is None else rod)
-        sides = snapped_expression(
-            sides if rod is not None else -sides, [system.unknown, system.known, symbols]
-        )
         return LimbBlock(
             f"limb{number}",
             system,
             kernel,
             rod,
             formulas,
-            sides,
+            sides if rod is not None else -sides,
             tuple(free),
             left_over or bool(free),
         )

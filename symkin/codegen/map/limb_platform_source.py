@@ -57,11 +57,6 @@ class LimbPlatformSource(Source):
         return [LimbSource(self.made, block, self._common) for block in self.made.blocks]
 
     @property
-    def _ga(self) -> str:
-        """The geometry as an argument."""
-        return str(self._common["ga"])
-
-    @property
     def watched(self) -> dict[str, Watched]:
         """What the direct problem watches along lines."""
         found = self.made.direct_formulas
@@ -155,16 +150,16 @@ class LimbPlatformSource(Source):
     @cached_property
     def _common(self) -> dict[str, object]:
         """Values of the names that templates of the limbs need."""
-        made, literal = self.made, self.literal
+        made = self.made
         return common_values(self.name, self.real, struct=made.geometry.at_run_time) | {
             "nq": len(made.actuated),
             "ns": made.direct_kernel.state.shape[0],
             "nc": sum(c.width for c in made.closure.role("pose")),
             "np": max(1, sum(c.width for c in made.passive)),
-            "farthest": literal(farthest(made.size, made.middle)),
-            "largest": literal(fastest(made.size)),
+            "farthest": farthest(made.size, made.middle),
+            "largest": fastest(made.size),
             **self._passive_checks,
-            "within": f", {self.real.type} within" if self._checks_rows else "",
+            "within": ", real within" if self._checks_rows else "",
             **self._names,
             "feasible": self._within(self._feasible),
         }
@@ -176,7 +171,7 @@ class LimbPlatformSource(Source):
         """
         if self.made.frames is None:
             return {}
-        names = {part: f"{self.name}_own_{part}" for part in ("jacobian", "twist")}
+        names = {part: f"name_own_{part}" for part in ("jacobian", "twist")}
         return {**names, "static_own": "static "}
 
     def _in_frame(self, part: str) -> str:
@@ -187,13 +182,13 @@ class LimbPlatformSource(Source):
         lines = list[str]()
         for k in range(6):
             own = [(c, float(rotation[c % 3, k % 3])) for c in columns if c // 3 == k // 3]
-            terms = [f"{self.literal(v)} * a[{c}]" for c, v in own if v != 0.0]
-            lines.append(f"b[{k}] = {' + '.join(terms) or self.real.zero};")
+            terms = [f"{v} * a[{c}]" for c, v in own if v != 0.0]
+            lines.append(f"b[{k}] = {' + '.join(terms) or '0.0'};")
         nq, shown = self._common["nq"], {"part": part, "own": self._names[part]}
         said: dict[str, object] = {"given": "", "rates": "", "found": "rates", "count": nq}
         about = "Joint rates by the platform's twist"
         if part == "twist":
-            given = f"const {self.real.type} rates[{nq}], "
+            given = f"const real rates[{nq}], "
             said = {"given": given, "rates": "rates, ", "found": "twist", "count": 1}
             about = "The twist of joint rates"
         said |= {"about": about, "turned_row": lines}
@@ -204,8 +199,7 @@ class LimbPlatformSource(Source):
         """Statements that hold joints which are not actuated against their limits, or ask whether
         they exist: of an inverse, of Newton's method, of formulas.
         """
-        ga = "geometry, " if self.made.geometry.at_run_time else ""
-        write, check = f"{self.name}_write_pose({ga}&w, pose);", f"{self.name}_check_passive({ga}"
+        write, check = "name_write_pose(GEOMETRY &w, pose);", "name_check_passive(GEOMETRY "
         if not self.made.passive_checks:
             names = ("inverse_passive", "direct_passive", "check_answer")
             return dict.fromkeys(names, "") | {"write_tracked": [write]}
@@ -216,7 +210,7 @@ class LimbPlatformSource(Source):
             "inverse_passive": self.if_ok([f"status = {check}c, q, passive);"]),
             "direct_passive": self.if_ok([of_state]),
             "write_tracked": [of_state, *self.if_ok([write])],
-            "check_answer": self.if_ok([f"status = {self.name}_check_answer(&answer);"]),
+            "check_answer": self.if_ok(["status = name_check_answer(&answer);"]),
         }
 
     @property
@@ -238,22 +232,21 @@ class LimbPlatformSource(Source):
 
     def _within(self, error: float) -> str:
         """An argument of NAME_solve_limbs: how far rows may be off."""
-        return f", {self.literal(rounded(error))}" if self._checks_rows else ""
+        return f", {rounded(error)}" if self._checks_rows else ""
 
     @cached_property
     def values(self) -> dict[str, object]:
         """Values of the names in the templates of this kind, the tests and the header."""
-        made, literal = self.made, self.literal
+        made = self.made
         return self._common | {
             "track_factor": singular_condition(
                 made.direct_kernel,
-                f"{self.name}_direct",
+                "name_direct",
                 "&w",
-                self._ga,
                 compact=made.options.compact,
             ),
-            "kappa": literal(np.sqrt(self.code.tuning.kappa2)),
-            "track2": literal((made.size / 24) ** 2),
+            "kappa": np.sqrt(self.code.tuning.kappa2),
+            "track2": (made.size / 24) ** 2,
             "check_branch": "",
             "stand": "",
             "keep_known": "",
@@ -265,16 +258,16 @@ class LimbPlatformSource(Source):
         """Statements of the line: from the guess, by joints near its own, to the pose; and what is
         asked of the limbs' branches.
         """
-        made, p, ga = self.made, self.name, self._ga
+        made = self.made
         passive = sum(c.width for c in made.passive)
         check = (
-            f"check_branch({ga}w.x, w.at, given)"
+            "check_branch(GEOMETRY w.x, w.at, given)"
             if made.tells_branch
-            else f"check_given({ga}&w.x[{passive}], given)"
+            else f"check_given(GEOMETRY &w.x[{passive}], given)"
         )
-        branch = self.if_ok([f"status = {p}_{check};"])
+        branch = self.if_ok([f"status = name_{check};"])
         unwrap = [
-            f"{self.real.type} given[{self._common['nq']}];",
+            f"real given[{self._common['nq']}];",
             *self.unwrapped("given", "joints", "w.at"),
         ]
         known = made.direct_kernel.known.numel()
@@ -283,17 +276,17 @@ class LimbPlatformSource(Source):
             "stand": self._stand(branch) if made.has_dead_centres else "",
             "unwrap": unwrap,
             "enter": self._enter(passive),
-            "leave": [f"{p}_pose_from_coordinates({ga}&w->x[{passive}], pose);"],
+            "leave": [f"name_pose_from_coordinates(GEOMETRY &w->x[{passive}], pose);"],
             "keep_known": copy("w.k0", "w.k", known) if self._keeps_known else "",
             "to": "given",
-            "whole": ", " + self.real.one,
+            "whole": ", 1.0",
         }
 
     def _stand(self, branch: list[str]) -> str:
         """Statements that take a guess whose own rows vanish for the answer, where a step of
         rounding has left its branch beside a dead centre: of what stands still no branch is left.
         """
-        stands = self.literal(_STANDS * self.code.tuning.noise)
+        stands = _STANDS * self.code.tuning.noise
         return fill("stand.c", self._common | {"stands": stands, "branch": branch})
 
     def _enter(self, passive: int) -> str:
@@ -326,16 +319,15 @@ class LimbPlatformSource(Source):
             (geometry.symbols, geometry.names),
         ]
         emitter = Emitter.of(real, inputs, conditions.rows, prefix="v")
-        limit = real.literal(feasible_error(real.epsilon, conditions.characteristic_length))
+        limit = feasible_error(real.epsilon, conditions.characteristic_length)
         tests = [
-            f"({real.call('fabs')}({emitter.value(0, i)}) <= {limit})"
-            for i in range(conditions.rows.numel())
+            f"(fabs({emitter.value(0, i)}) <= {limit})" for i in range(conditions.rows.numel())
         ]
         return [
             "/* what the pose alone must satisfy */",
             *emitter.lines,
             f"if (!({' && '.join(tests)})) {{",
-            f"    status = {self.capital}_OUT_OF_RANGE;",
+            "    status = NAME_OUT_OF_RANGE;",
             "}",
         ]
 
@@ -354,7 +346,7 @@ class LimbPlatformSource(Source):
             variables,
             made.geometry,
             self.real,
-            f"{self.capital}_OUT_OF_RANGE",
+            "NAME_OUT_OF_RANGE",
         )
         asked = "are within their limits" if made.passive_limits else "exist where the rows hold"
         text = fill("check_passive.c", self._common | {"lines": lines, "asked": asked})
@@ -383,7 +375,7 @@ class LimbPlatformSource(Source):
             for c in made.actuated
         ]
         values = self._common | {
-            "near": ", ".join(self.literal(rounded(v)) for v in near),
+            "near": tuple(rounded(v) for v in near),
             "within_given": self.into_limits("q", "given"),
             "turned_given": self.unwrapped("turned", "given", "q"),
         }
@@ -418,7 +410,5 @@ class LimbPlatformSource(Source):
         """Statements that move limited angles into their limits."""
         turned = self.into_limits("q", "middle")
         middles = self.array([0.5 * sum(c.limits or (0.0, 0.0)) for c in self.made.actuated])
-        begin = (
-            f"static const {self.real.type} middle[{len(self.made.actuated)}] = {{ {middles} }};"
-        )
+        begin = f"static const real middle[{len(self.made.actuated)}] = {{ {middles} }};"
         return [begin, *turned] if turned else []

@@ -21,7 +21,7 @@ from symkin.codegen.steps.linear_solver import singular_condition
 from symkin.codegen.steps.newton_kernel import Kernel, quaternion_place, rounded, sampled
 from symkin.codegen.steps.newton_source import NewtonCode
 from symkin.codegen.steps.pose_coordinates import COLUMNS
-from symkin.codegen.text.c import Emitter, indent, indexed
+from symkin.codegen.text.c import Emitter, indexed
 from symkin.codegen.text.templates import copy, fill
 from symkin.computed_once import cached_property
 from symkin.model.joint import places_of
@@ -45,11 +45,6 @@ class LimbSource(Source):
     def k(self) -> str:
         """What the names of its functions begin with."""
         return f"{self.name}_{self.block.name}"
-
-    @property
-    def _ga(self) -> str:
-        """The geometry as an argument of a call."""
-        return str(self.common["ga"])
 
     @property
     def _pose(self) -> list[str]:
@@ -104,18 +99,18 @@ class LimbSource(Source):
             ("w->at", self.made.inverse.known_coordinates),
         )
         begin = [
-            f"{array}[{i}] = {self.literal(v)};"
+            f"{array}[{i}] = {v};"
             for array, coordinates in parts
             for i, v in enumerate(self.made.inverse.select_values(reference, coordinates))
         ]
-        follow = fill("limb.c", {**self.common, "k": self.k, "begin": indent(begin)})
+        follow = fill("limb.c", {**self.common, "k": self.k, "begin": begin})
         return code.text + follow + self._twist_columns_text(kernel)
 
     def _closed_text(self, written: LimbFormulas) -> str:
         """The functions that give its joints by formulas, and their rates where no matrix does."""
         block = self.block
         count = len(actuated_places(block)) * block.sides.shape[1]
-        within = f", {self.real.type} within" if block.is_checked else ""
+        within = ", real within" if block.is_checked else ""
         values = {
             **self.common,
             "k": self.k,
@@ -166,7 +161,7 @@ class LimbSource(Source):
             geometry=made.geometry.names,
             matrices=matrices,
             kappa=kappa,
-            target_lines=line_target(self.real, kernel.known.numel(), kernel.quaternion),
+            target_lines=line_target(kernel.known.numel(), kernel.quaternion),
             on_the_way=kernel.is_square or self._closes_on_the_way(states, poses),
             compact=made.options.compact,
         )
@@ -196,7 +191,7 @@ class LimbSource(Source):
     def _solve(self, array: str, within: str) -> list[str]:
         """Statements that set an array to its unknowns, a rod's apart."""
         if self.block.formulas is None:
-            return [f"status = {self.k}_follow_pose({self._ga}&w, c);"]
+            return [f"status = {self.k}_follow_pose(GEOMETRY &w, c);"]
         return [f"status = {self.k}_joints(c, {array}{within if self.block.is_checked else ''});"]
 
     @property
@@ -207,11 +202,7 @@ class LimbSource(Source):
             array, there, _ = self.places[0]
             return [self._comment, *emitter.stored([f"{array}[{there}]"])]
         by_formulas = self.block.formulas is not None
-        begin = (
-            f"{self.real.type} x[{self.block.system.width}];"
-            if by_formulas
-            else (f"{self.k}_work w;")
-        )
+        begin = f"real x[{self.block.system.width}];" if by_formulas else (f"{self.k}_work w;")
         x = "x" if by_formulas else "w.x"
         copies = [f"{array}[{there}] = {x}[{here}];" for array, there, here in self.places]
         return [self._comment, *self.if_ok([begin, *self._solve("x", ", within"), *copies])]
@@ -233,25 +224,25 @@ class LimbSource(Source):
         steps = step_columns(system.unknowns, wanted, size)
         error = rounded(feasible_error(self.real.epsilon, size))
         known = system.known.numel() if self.block.formulas is not None else 0
-        singular = singular_condition(kernel, k, "&w", self._ga, compact=made.options.compact)
+        singular = singular_condition(kernel, k, "&w", compact=made.options.compact)
         columns, solved = self._columns, self._twist_columns(kernel)
         table, column = list[str](), "j"
         if columns != tuple(range(len(columns))):
             numbers, column = ", ".join(f"{c}U" for c in columns), "(int)column[j]"
             table = [f"static const uint8_t column[{len(columns)}] = {{ {numbers} }};"]
         stores = [
-            f"jacobian[{6 * there} + {column}] = {step_text(self.real, *place)};"
+            f"jacobian[{6 * there} + {column}] = {step_text(*place)};"
             for there, place in zip(self._actuated, steps, strict=True)
         ]
         return [
             *table,
             f"{k}_work w;",
-            f"{self.real.type} sides[{solved.size}];",
-            *self._solve("w.x", f", {self.literal(error)}"),
+            f"real sides[{solved.size}];",
+            *self._solve("w.x", f", {error}"),
             *copy("w.k", "c", known),
-            f"if (status == {self.capital}_OK) {{",
+            "if (status == NAME_OK) {",
             f"    if ({singular}) {{",
-            f"        status = {self.capital}_SINGULAR;",
+            "        status = NAME_SINGULAR;",
             "    } else {",
             *("        " + line for line in solved.solved(stores)),
             "    }",
@@ -268,7 +259,7 @@ class LimbSource(Source):
             for i, there in enumerate(actuated)
             for j, column in enumerate(columns)
         ]
-        begin = f"{self.real.type} of_limb[{len(actuated) * len(columns)}];"
+        begin = f"real of_limb[{len(actuated) * len(columns)}];"
         return self.if_ok([begin, f"status = {self.k}_rates(c, of_limb);", *copies])
 
     def _rod_emitter(self, expression: ca.SX) -> Emitter:
@@ -298,9 +289,9 @@ class LimbSource(Source):
         first, length = emitter.divisions[0]
         return [
             *lines[:first],
-            f"if ({length} > {self.real.zero}) {{",
+            f"if ({length} > 0.0) {{",
             *("    " + line for line in lines[first:]),
             "} else {",
-            f"    status = {self.capital}_SINGULAR;",
+            "    status = NAME_SINGULAR;",
             "}",
         ]

@@ -24,7 +24,7 @@ from symkin.codegen.steps.newton_kernel import Kernel, sampled
 from symkin.codegen.steps.newton_source import NewtonCode, tolerance_of
 from symkin.codegen.steps.passive_limits import limit_lines
 from symkin.codegen.text.angles import number_counts, numbers_at
-from symkin.codegen.text.c import Emitter, indent, indexed
+from symkin.codegen.text.c import Emitter, indexed
 from symkin.codegen.text.templates import copy, fill
 from symkin.computed_once import cached_property
 from symkin.model.joint import Coordinate
@@ -152,7 +152,7 @@ class DirectionSource(MapValues):
         members = [] if self.closed is None else self.closed.members
         if self.closed is None and not self.iteration.is_plain:
             members = [
-                f"{self.real.type} numbers[{self.iteration.numbers.numel()}]; /* numbers of what "
+                f"real numbers[{self.iteration.numbers.numel()}]; /* numbers of what "
                 "is aimed at: of angles cosine and sine */"
             ]
         return NewtonCode(
@@ -172,10 +172,9 @@ class DirectionSource(MapValues):
     @property
     def _target_lines(self) -> list[str]:
         """Statements that set w->k, the known values, on the line from w->at to `to`."""
-        one = self.real.one
         return self._known_lines(
             [
-                f"(part < {one}) ? (w->at[{i}] + part * (to[{i}] - w->at[{i}])) : to[{i}]"
+                f"(part < 1.0) ? (w->at[{i}] + part * (to[{i}] - w->at[{i}])) : to[{i}]"
                 for i in range(self.n)
             ]
         )
@@ -208,18 +207,18 @@ class DirectionSource(MapValues):
         """Newton's method, or formulas with the parts of Newton's method that finish and give
         rates; the function that sets the state, and polynomials near the reference.
         """
-        code, closed, literal = self.code, self.closed, self.literal
+        code, closed = self.code, self.closed
         if closed is None:
             return self._coefficients_text + code.text + self._place_text + self._sheet_text
         own = {
             "singular": singular_condition(code.kernel, code.k, "w"),
-            "rounding": literal(code.tuning.rounding),
-            "noise": literal(_NOISE * self.real.epsilon * self.made.size),
+            "rounding": code.tuning.rounding,
+            "noise": _NOISE * self.real.epsilon * self.made.size,
         }
         finish = fill("map_finish.c", code.factoring | closed.values | own)
         text = closed.text
         if self.real.name == "float":
-            text = text.replace("atan2f(", f"{self.name}_angle(")
+            text = text.replace("atan2f(", "atan2(")
         work = "\n".join(line for line in code.work.split("\n") if " x0[" not in line)
         solver = work + code.functions + code.target + code.linear.text + finish + text
         return solver + self._place_text
@@ -270,11 +269,11 @@ class DirectionSource(MapValues):
             "k0": self.iteration.known_at(numbers_at(self.known, at)),
         }
         # passive joints go on from a guess's own configuration, which is then as an answer's
-        near = self.literal(_GUESSED * made.size)
+        near = _GUESSED * made.size
         own = {
-            "near": f"{self.capital}_TOLERANCE" if made.passive else near,
+            "near": "NAME_TOLERANCE" if made.passive else near,
             "starts": [
-                f"w.{array}[{i}] = {self.literal(v)};"
+                f"w.{array}[{i}] = {v};"
                 for array, values in starts.items()
                 for i, v in enumerate(values)
             ],
@@ -288,10 +287,10 @@ class DirectionSource(MapValues):
         near_home = {
             "singular": singular_condition(self.kernel, self.k, "&w"),
             "others": [
-                f"other[{i}] = {self.words[1]}[{i}] + {step_text(self.real, *place)};"
+                f"other[{i}] = {self.words[1]}[{i}] + {step_text(*place)};"
                 for i, place in enumerate(columns)
             ],
-            "longest": self.literal((_ROUGH * self.sheet.error * made.size) ** 2),
+            "longest": (_ROUGH * self.sheet.error * made.size) ** 2,
             "line": line,
         }
         return fill("map_near_home.c", self.names | near_home).splitlines()
@@ -299,18 +298,16 @@ class DirectionSource(MapValues):
     @property
     def _sheet_text(self) -> str:
         """The function of the polynomials, where there are some."""
-        sheet, literal = self.sheet, self.literal
+        sheet = self.sheet
         if sheet is None:
             return ""
         inputs = [(sheet.known, [f"u{i}" for i in range(self.n)])]
         begin = [
-            f"const {self.real.type} u{i} = values[{i}] - {literal(v)};"
+            f"const real u{i} = values[{i}] - {v};"
             for i, v in enumerate(self.made.reference_of(self.known))
         ]
         lines = [*begin, *Emitter.of(self.real, inputs, sheet.values).stored("wanted")]
-        within = [
-            f"({self.real.call('fabs')}(u{i}) <= {literal(v)})" for i, v in enumerate(sheet.reach)
-        ]
+        within = [f"(fabs(u{i}) <= {v})" for i, v in enumerate(sheet.reach)]
         own = {"count": self.n, "lines": lines, "within": " && ".join(within)}
         return fill("map_sheet.c", self.names | own)
 
@@ -325,8 +322,8 @@ class DirectionSource(MapValues):
     @property
     def text(self) -> str:
         """The function of the direction, and its one step."""
-        (values, out), name, known, wanted = self.words, self.name, self.known, self.wanted
-        n, kind, literal, size = self.n, self.real.type, self.literal, self.made.size
+        (values, out), known, wanted = self.words, self.known, self.wanted
+        n, size = self.n, self.made.size
         begin = [
             f"w->at[{i}] = {self.nearest(c, f'at[{i}]', f'{values}[{i}]')};"
             for i, c in enumerate(known)
@@ -336,11 +333,11 @@ class DirectionSource(MapValues):
         if self.closed is not None:
             # formulas tell an answer anywhere, so that the line to it begins at the reference
             solve, begun, of_known = "follow", "home", self.copies("w->k", known)
-            home = ", ".join(literal(v) for v in self.made.reference_of(known))
+            home = ", ".join(str(v) for v in self.made.reference_of(known))
             stand_at = [
-                f"static const {kind} home[{n}] = {{ {home} }};",
-                f"{kind} there[{n}];",
-                f"(void){name}_state_of_{values}(home, y, there);",
+                f"static const real home[{n}] = {{ {home} }};",
+                f"real there[{n}];",
+                f"(void)name_state_of_{values}(home, y, there);",
             ]
         elif not self.iteration.is_plain:
             of_known = self._coefficients(f"&y[{self.places(known)[0]}]", "w->k0")
@@ -350,20 +347,19 @@ class DirectionSource(MapValues):
             *of_known,
             f"status = {self.k}_{solve}(w, {values}, config, info);",
         ]
-        weights = [literal((size if c.is_angular else 1.0) ** 2) for c in wanted]
+        weights = [(size if c.is_angular else 1.0) ** 2 for c in wanted]
         change = [
             f"change2 += {w} * (result[{i}] - {out}[{i}]) * (result[{i}] - {out}[{i}]);"
             for i, w in enumerate(weights)
         ]
         unused = [] if any(c.kind == "angle" for c in wanted) else ["(void)guess;"]
-        outside = f"{name.upper()}_OUT_OF_RANGE"
+        outside = "NAME_OUT_OF_RANGE"
         blame = [
             f"if ((info != NULL) && (status == {outside})) {{",
-            f"    info->joint = {name}_first_beyond(result);",
+            "    info->joint = name_first_beyond(result);",
             "}",
         ]
-        zero, huge = self.real.zero, self.common["huge"]
-        no_step = f"{name}_write_info(info, 0U, {huge}, {zero}, {zero});"
+        no_step = "name_write_info(info, 0U, HUGE_VAL, 0.0, 0.0);"
         stands = max(_GUESSED, _GUESS_ROUNDINGS * self.real.epsilon) * size
         tolerance = tolerance_of(self.real, size)
         own = {
@@ -374,24 +370,24 @@ class DirectionSource(MapValues):
             ),
             "about_track": f"One step of the {self.direction.name} problem from the last values.",
             "f": self.k,
-            "track": f"{name}_track" if self._is_direct else f"{name}_track_inverse",
-            "begin": indent(begin),
+            "track": "name_track" if self._is_direct else "name_track_inverse",
+            "begin": begin,
             "follow": follow,
             "line_results": [*unused, *self._results("w->x", "guess")],
-            "track_results": [f"{kind} result[{n}];", *self._results("w.x", out)],
+            "track_results": [f"real result[{n}];", *self._results("w.x", out)],
             "store": [f"{out}[{i}] = result[{i}];" for i in range(n)],
-            "no_step": f"{name}_write_no_step(info, joints);" if self._is_direct else no_step,
+            "no_step": "name_write_no_step(info, joints);" if self._is_direct else no_step,
             "blame_result": "" if self._is_direct else blame,
             "change": change,
             "stand_at": stand_at,
             # of the checks that a guess, or an answer, stands where the known values are
-            "stands2": literal(stands**2),
-            "held2": literal(self.real.epsilon * size**2),
-            "reading": literal(_READING * tolerance),
-            "same2": literal((_SAME * tolerance) ** 2),
+            "stands2": stands**2,
+            "held2": self.real.epsilon * size**2,
+            "reading": _READING * tolerance,
+            "same2": (_SAME * tolerance) ** 2,
             "guess_from": "y" if self.made.passive else "guess",
             "answer_from": "y" if self.made.passive else "answer",
-            "track2": literal((size / _TRACKED) ** 2),
+            "track2": (size / _TRACKED) ** 2,
             **self._step,
         }
         return self._passive_text + fill("map_direction.c", self.names | own)
@@ -405,23 +401,23 @@ class DirectionSource(MapValues):
     @property
     def away_text(self) -> str:
         """The function of how far wanted values are from others."""
-        kind, lines = self.real.type, list[str]()
+        lines = list[str]()
         for i, c in enumerate(self.wanted):
-            weight = self.literal(self.made.size if c.is_angular else 1.0)
+            weight = self.made.size if c.is_angular else 1.0
             other = self.nearest(c, f"other[{i}]", f"guess[{i}]")
             lines += [
-                f"const {kind} way{i} = {weight} * ({other} - guess[{i}]);",
+                f"const real way{i} = {weight} * ({other} - guess[{i}]);",
                 f"away2 += way{i} * way{i};",
             ]
         return fill("map_away.c", self.names | {"away": lines})
 
     @property
-    def _passive_call(self) -> str:
+    def _passive_call(self) -> list[str]:
         """Statements that hold passive joints of an answer against their limits."""
         if not self.made.passive_limits:
-            return ""
+            return []
         call = f"status = {self.k}_check_passive(&w, {self.words[0]});"
-        return indent([f"if (status == {self.capital}_OK) {{", f"    {call}", "}"], 2)
+        return ["if (status == NAME_OK) {", f"    {call}", "}"]
 
     @property
     def _passive_text(self) -> str:
@@ -433,10 +429,8 @@ class DirectionSource(MapValues):
         found = self.plain_values(self.unknown, numbers)
         texts = {c.name: text for c, text in zip(self.unknown, found, strict=True)}
         texts |= {c.name: f"{self.words[0]}[{i}]" for i, c in enumerate(self.known)}
-        variables = [
-            texts.get(c.name, self.real.zero) for c in closure.coordinates for _ in range(c.width)
-        ]
-        beyond = f"{self.capital}_OUT_OF_RANGE"
+        variables = [texts.get(c.name, "0.0") for c in closure.coordinates for _ in range(c.width)]
+        beyond = "NAME_OUT_OF_RANGE"
         fixed = Geometry(closure, at_run_time=False)
         lines = limit_lines(limits, variables, fixed, self.real, beyond)
         return fill("map_passive.c", self.names | {"lines": lines})
@@ -447,10 +441,9 @@ class DirectionSource(MapValues):
         """
         if not self.made.passive:
             return [], []
-        kind = self.real.type
-        return [f"{kind} y[{self.common['ny']}];", f"{kind} at[{self.n}];"], [
-            f"if (status == {self.capital}_OK) {{",
-            f"    status = {self.name}_state_of_{side}({side}, y, at);",
+        return [f"real y[{self.common['ny']}];", f"real at[{self.n}];"], [
+            "if (status == NAME_OK) {",
+            f"    status = name_state_of_{side}({side}, y, at);",
             "}",
         ]
 
@@ -462,9 +455,9 @@ class DirectionSource(MapValues):
         y, last = self.state_of(self.words[1])
         if self.closed is None:
             singular = singular_condition(self.kernel, self.k, "&w")
-            kappa = self.literal(np.sqrt(self.code.tuning.kappa2))
+            kappa = np.sqrt(self.code.tuning.kappa2)
             step = fill("map_step.c", self.names | {"singular": singular, "kappa": kappa})
         else:
-            own = {"not_decided": self.literal(_NOT_DECIDED)}
+            own = {"not_decided": _NOT_DECIDED}
             step = fill("map_closed_step.c", self.closed.values | self.names | own)
         return {"y": y, "last": last, "step": step.splitlines()}

@@ -9,7 +9,6 @@ from collections.abc import Mapping
 import casadi as ca
 import numpy as np
 
-from symkin.closure.snapping import snapped_expression
 from symkin.codegen.line_parts import core_target, line_target
 from symkin.codegen.map.limb_platform import LimbPlatform
 from symkin.codegen.map.rates import step_text
@@ -62,13 +61,13 @@ def square_twist(mechanism: Mechanism, real: Real, values: Mapping[str, object])
     turns.
     """
     size, columns = mechanism.characteristic_length, COLUMNS[mechanism.motion]
-    scales = [real.literal(size if c.is_angular else 1.0) for c in mechanism.actuated]
+    scales = tuple(size if c.is_angular else 1.0 for c in mechanism.actuated)
     shown = {
-        "row_scales": ", ".join(scales),
-        "columns": ", ".join(f"{c}U" for c in columns),
-        "column_scales": ", ".join(real.literal(1.0 / size if c > 2 else 1.0) for c in columns),
-        "others": [f"twist[{c}] = {real.zero};" for c in range(6) if c not in columns],
-        "least_pivots": ", ".join([real.literal(SINGULAR * real.epsilon)] * len(columns)),
+        "row_scales": scales,
+        "columns": tuple(f"{c}U" for c in columns),
+        "column_scales": tuple(1.0 / size if c > 2 else 1.0 for c in columns),
+        "others": [f"twist[{c}] = 0.0;" for c in range(6) if c not in columns],
+        "least_pivots": (SINGULAR * real.epsilon,) * len(columns),
     }
     return fill("square_twist.c", {**values, **shown})
 
@@ -76,7 +75,7 @@ def square_twist(mechanism: Mechanism, real: Real, values: Mapping[str, object])
 def direct_target(made: LimbPlatform) -> list[str]:
     """Statements that aim the direct problem at a point of the joints' line."""
     if made.core is None:
-        return line_target(made.real, len(made.actuated), None)
+        return line_target(len(made.actuated), None)
     return core_target(made.core.direct, made.real)
 
 
@@ -84,7 +83,7 @@ def closure_twist(made: LimbPlatform, values: Mapping[str, object], driver: Kern
     """NAME_twist by the rows of the direct problem, over the pose alone or of the whole closure: by
     the driver's kernel where it is that of these rows, else by one of its own (None: no driver).
     """
-    kernel, text, nq, real = made.direct_kernel, "", len(made.actuated), made.real
+    kernel, text, nq = made.direct_kernel, "", len(made.actuated)
     core = None if made.core is None else made.core.direct
     if driver is not kernel or (core is None and kernel.n != made.direct.system.freedom):
         # the direct problem has another way: these rows are written for the twist alone
@@ -95,7 +94,7 @@ def closure_twist(made: LimbPlatform, values: Mapping[str, object], driver: Kern
         code = _newton_code(made, kernel)
         own = "" if core is None else code.functions + code.target
         text = code.work + own + code.linear.text
-    k, ga, passive = f"{made.name}_{kernel.name}", str(values["ga"]), 0
+    k, passive = f"{made.name}_{kernel.name}", 0
     joints, target, into = kernel.known, kernel.known, "w->k"
     if core is None:
         passive = sum(c.width for c in made.passive)
@@ -103,12 +102,11 @@ def closure_twist(made: LimbPlatform, values: Mapping[str, object], driver: Kern
     else:
         joints, target, into = core.joints, core.target, "w->at"
         store = _of_state(kernel, core.twist, kernel.step, "w->f", made).stored("twist")
-        aim = [f"{k}_set_target(w, w->at, {real.one});", f"{k}_rows(w);"]
+        aim = [f"{k}_set_target(w, w->at, 1.0);", f"{k}_rows(w);"]
         if driver is kernel and kernel.reads_known:
             aim += copy("w->k0", "w->k", kernel.known.numel())
     rates = ca.SX.sym("v", nq)
     change = ca.jtimes(ca.substitute(kernel.rows, kernel.known, target), joints, rates)
-    change = snapped_expression(change, [kernel.state, joints, kernel.geometry, rates])
     sides = _of_state(kernel, change, joints, into, made, rates).stored("w->f")
     count = kernel.state.numel() - passive
     state = [
@@ -120,7 +118,7 @@ def closure_twist(made: LimbPlatform, values: Mapping[str, object], driver: Kern
         "into": into,
         "state": [*state, *aim],
         "sides": sides,
-        "singular_there": singular_condition(kernel, k, "w", ga, compact=made.options.compact),
+        "singular_there": singular_condition(kernel, k, "w", compact=made.options.compact),
         "nf": kernel.n,
         "store": store,
     }
@@ -168,7 +166,6 @@ def _stores(made: LimbPlatform, kernel: Kernel) -> list[str]:
     columns, per_size = COLUMNS[made.mechanism.motion], 1.0 / made.size
     first = kernel.n - len(columns)
     texts = {
-        c: step_text(made.real, first + i, per_size if c > 2 else 1.0, "w->")
-        for i, c in enumerate(columns)
+        c: step_text(first + i, per_size if c > 2 else 1.0, "w->") for i, c in enumerate(columns)
     }
-    return [f"twist[{c}] = {texts.get(c, made.real.zero)};" for c in range(6)]
+    return [f"twist[{c}] = {texts.get(c, '0.0')};" for c in range(6)]

@@ -19,7 +19,7 @@ from symkin.closure.snapping import snapped_expression
 from symkin.codegen.map.joint_map import Direction, JointMap
 from symkin.codegen.steps.newton_kernel import Kernel, moves
 from symkin.codegen.text.angles import numbers_at
-from symkin.codegen.text.c import Emitter, Real
+from symkin.codegen.text.c import Emitter
 from symkin.codegen.text.templates import fill
 from symkin.computed_once import lru_cache
 from symkin.model.joint import Coordinate, places_of
@@ -138,7 +138,7 @@ class SolvedColumns:
         """Statements that solve for motion j after motion j, and then store its rates."""
         read = f"&w, {self._given}, " if self.given else "&w, "
         return [
-            f"{self.columns}({self.values['ga']}{read}sides);",
+            f"{self.columns}(GEOMETRY {read}sides);",
             f"for (int j = 0; j < {self.count}; ++j) {{",
             f"    for (int i = 0; i < {self.kernel.m}; ++i) {{",
             f"        w.f[i] = sides[{self.count} * i + j];",
@@ -159,9 +159,9 @@ def step_columns(
     return [(k, 1.0 / size if c.is_angular else 1.0) for c in wanted for k in places[c.name]]
 
 
-def step_text(real: Real, column: int, scale: float, w: str = "w.") -> str:
+def step_text(column: int, scale: float, w: str = "w.") -> str:
     """Write an entry of the step in its coordinate's unit."""
-    return f"{w}f[{column}]" + (f" * {real.literal(scale)}" if scale != 1.0 else "")
+    return f"{w}f[{column}]" + (f" * {scale}" if scale != 1.0 else "")
 
 
 def _tangent(coordinates: tuple[Coordinate, ...], numbers: ca.SX) -> ca.SX:

@@ -107,25 +107,16 @@ class Source:
     def name(self) -> str:
         return self.made.name
 
-    @property
-    def capital(self) -> str:
-        """What the names of its constants begin with."""
-        return self.name.upper()
-
-    def literal(self, value: float) -> str:
-        """C text of a number."""
-        return self.real.literal(value)
-
     def array(self, values: Sequence[float] | np.ndarray) -> str:
         """C text of the numbers of an array."""
-        return ", ".join(map(self.literal, values))
+        return ", ".join(map(str, values))
 
     def turned(self, c: Coordinate, angle: str, near: str) -> str:
         """C text of an angle moved by whole turns next to another, within its limits."""
         if c.limits is None:
-            return f"{self.name}_nearest({angle}, {near})"
+            return f"name_nearest({angle}, {near})"
         limits = self.array(range_of(c, self.real, self.made.size))
-        return f"{self.name}_turned({angle}, {near}, {limits})"
+        return f"name_turned({angle}, {near}, {limits})"
 
     def into_limits(self, at: str, near: str) -> list[str]:
         """Statements that turn limited angles of an array of joints by whole turns towards another,
@@ -153,12 +144,12 @@ class Source:
 
     def turning(self, text: str, values: Mapping[str, object]) -> str:
         """The functions that move an angle by whole turns, where a text calls them."""
-        shown, found = {**values, "many": self.literal(_MOST_TURNS)}, ""
+        shown, found = {**values, "many": _MOST_TURNS}, ""
         for called, template in (("turned", "turned_angle.c"), ("nearest", "nearest_turn.c")):
-            if f"{self.name}_{called}(" in found + text:
+            if f"_{called}(" in found + text:
                 found = fill(template, shown) + found
         return found
 
     def if_ok(self, lines: Sequence[str]) -> list[str]:
         """Statements under the condition that nothing has been refused before."""
-        return [f"if (status == {self.capital}_OK) {{", *("    " + line for line in lines), "}"]
+        return ["if (status == NAME_OK) {", *("    " + line for line in lines), "}"]

@@ -32,21 +32,20 @@ class RodSource(LimbPlatformSource):
 
     @property
     def _driver(self) -> dict[str, Any]:
-        retarget = f"{self.name}_direct_retarget({self._ga}w, to, aim, done);"
+        retarget = "name_direct_retarget(GEOMETRY w, to, aim, done);"
         return {
-            "members": [f"const {self.name}_pose *guess; /* where the line begins */"],
+            "members": ["const name_pose *guess; /* where the line begins */"],
             "matrix": _matrix_lines(self.made),
             "retarget": retarget,
         }
 
     @property
     def _line(self) -> dict[str, object]:
-        p, ga = self.name, self._ga
         leave = [
             *copy("pose->position", "w->x", 3),
             *(f"pose->quaternion[{i}] = w->x[{3 + i}];" for i in range(4)),
         ]
-        enter = ["w->guess = guess;", f"status = {p}_normalise_pose({ga}guess, w->x);"]
+        enter = ["w->guess = guess;", "status = name_normalise_pose(GEOMETRY guess, w->x);"]
         return {"enter": enter, "leave": leave, "unwrap": "", "to": "joints", "whole": ""}
 
     @property
@@ -101,8 +100,8 @@ class RodSource(LimbPlatformSource):
                 for i, length in enumerate(rods.home_lengths)
             ]
         return [
-            *(f"w->k[{i}] = {self.real.zero};" for i in range(6)),
-            f"{self.name}_direct_rows({self._ga}w);",
+            *(f"w->k[{i}] = 0.0;" for i in range(6)),
+            "name_direct_rows(GEOMETRY w);",
             *self._rolled([(f, "w->f")], joints),
         ]
 
@@ -133,7 +132,7 @@ class RodSource(LimbPlatformSource):
             "store_jacobian": stores,
             "copy_joints": copy("joints", "w.k", 6),
         }
-        line = rod_line(self._ranges, self.real, self.values) if self.made.has_limits else ""
+        line = rod_line(self._ranges, self.values) if self.made.has_limits else ""
         return [fill("rod_inverse.c", self.values | own), line]
 
     @property
@@ -155,20 +154,19 @@ class RodSource(LimbPlatformSource):
         emitter = Emitter.of(self.real, inputs, ca.vertcat(*rows), shortest)
         text, texts = emitter.value(1, 0), emitter.values(0)
         stores = [f"jacobian[{k}] = {text};" for k, text in enumerate(texts)]
-        return [*emitter.lines, f"const {self.real.type} shortest = {text};"], stores
+        return [*emitter.lines, f"const real shortest = {text};"], stores
 
     @property
     def _looped_jacobian(self) -> list[str]:
         """Statements of the Jacobian's rows in a loop over the rods, whose vectors are those of the
         direct problem's rows: with d = p + R a - b the moment (R a) x d is (b - p) x d.
         """
-        kind = self.real.type
         table, b = _bases(self.made, 1.0)
         towards = [
-            f"const {kind} {axis} = {b[k] + ' - ' if k in b else '-'}x[{k}];"
+            f"const real {axis} = {b[k] + ' - ' if k in b else '-'}x[{k}];"
             for k, axis in enumerate(("forth", "aside", "up"))
         ]
-        state = [*copy_loop("w.x", "x", 7), *(f"w.k[{i}] = {self.real.zero};" for i in range(6))]
+        state = [*copy_loop("w.x", "x", 7), *(f"w.k[{i}] = 0.0;" for i in range(6))]
         shown = {"table": table, "state": state, "towards": towards}
         return fill("rod_jacobian.c", self._common | shown).splitlines()
 
@@ -177,25 +175,22 @@ def _matrix_lines(platform: RodPlatform) -> list[str]:
     """Statements for [d, 4 b x d] in a loop: the fallback's matrix, where time does not matter but
     room does. The table holds 4 b without coordinates that are zero for all bases.
     """
-    real = platform.real
     struct = platform.options.geometry == "struct"
     table, b = _bases(platform, 4.0)
-    four = f"{real.literal(4.0)} * " if struct else ""
+    four = "4.0 * " if struct else ""
     entries = [f"row[{k}] = d[{k}];" for k in range(3)]
     for k, m, n in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
         plus = f"{four}{b[m]} * d[{n}]" if m in b else ""
         minus = f"{four}{b[n]} * d[{m}]" if n in b else ""
         text = (
-            f"{plus} - {minus}"
-            if plus and minus
-            else plus or (f"-({minus})" if minus else real.zero)
+            f"{plus} - {minus}" if plus and minus else plus or (f"-({minus})" if minus else "0.0")
         )
         entries.append(f"row[{3 + k}] = {text};")
     return [
         *table,
         "for (int i = 0; i < 6; ++i) {",
-        f"    const {real.type} *const d = &w->d[3 * i];",
-        f"    {real.type} *const row = &w->a[6 * i];",
+        "    const real *const d = &w->d[3 * i];",
+        "    real *const row = &w->a[6 * i];",
         *("    " + text for text in entries),
         "}",
     ]
@@ -207,14 +202,14 @@ def _bases(platform: RodPlatform, factor: float) -> tuple[list[str], dict[int, s
     """
     if platform.options.geometry == "struct":
         return [], {k: f"geometry->base[i][{k}]" for k in range(3)}
-    real, size = platform.real, platform.size
+    size = platform.size
     rows = platform.geometry.rows[:, :3]
     kept = [k for k in range(3) if np.any(rows[:, k] != 0.0)] or [0]
     numbers = ", ".join(
-        "{ " + ", ".join(real.literal(factor * snap(float(row[k]), size)) for k in kept) + " }"
+        "{ " + ", ".join(str(factor * snap(float(row[k]), size)) for k in kept) + " }"
         for row in rows
     )
-    table = f"static const {real.type} base[6][{len(kept)}] = {{ {numbers} }};"
+    table = f"static const real base[6][{len(kept)}] = {{ {numbers} }};"
     return [table + (" /* 4 b */" if factor == 4.0 else "")], {
         k: f"base[i][{place}]" for place, k in enumerate(kept)
     }
@@ -229,15 +224,13 @@ def _ranges(platform: RodPlatform) -> list[Range]:
     for i, bar in enumerate(platform.mechanism.bars):
         limits = platform.mechanism.actuated[i].limits
         low = max(-bar.offset + 1e-6 * size, limits[0] - slack if limits else -np.inf) - zero[i]
-        high = real.literal(limits[1] + slack - zero[i] if limits else FARTHEST * size)
+        high = str(limits[1] + slack - zero[i] if limits else FARTHEST * size)
         if (
             platform.options.geometry == "struct"
             and not limits
             and not platform.options.home_relative
         ):
-            found.append(
-                Range(real.literal(1e-6 * size), high, "joints[{i}] + geometry->offset[{i}]")
-            )
+            found.append(Range(str(1e-6 * size), high, "joints[{i}] + geometry->offset[{i}]"))
         else:
-            found.append(Range(real.literal(low), high))
+            found.append(Range(str(low), high))
     return found

@@ -9,7 +9,7 @@ import numpy as np
 
 from symkin.codegen.steps.guards import NOISE, SLIDE_PARTS, Guard
 from symkin.codegen.steps.newton_kernel import rounded, rounded_up
-from symkin.codegen.text.c import Real, indent
+from symkin.codegen.text.c import Real
 from symkin.codegen.text.templates import fill, substitute
 from symkin.text import c_comment, markdown
 
@@ -36,7 +36,7 @@ _WAYS = """\
 
 _HOLD_GUARDS = """\
         for (int j = 0; j < @{ng}; ++j) {
-            above = above && (w->guard[j] > @{zero});
+            above = above && (w->guard[j] > 0.0);
         }"""
 
 
@@ -54,10 +54,10 @@ class GuardText:
     @property
     def members(self) -> list[str]:
         """Members of the work space."""
-        kind, count = self.real.type, max(1, len(self.guards))
-        lines = [f"{kind} left[{count}];", f"{kind} guard[{count}];"]
+        count = max(1, len(self.guards))
+        lines = [f"real left[{count}];", f"real guard[{count}];"]
         if self.measures:
-            lines += [f"{kind} bent;", f"{kind} most;"]
+            lines += ["real bent;", "real most;"]
         return [*lines, *(["unsigned int reach;"] if self._has_parts else [])]
 
     @property
@@ -69,13 +69,12 @@ class GuardText:
         values: C text, the middle of the range and half of its width. `away0`, ... are how far they
         are from the middle.
         """
-        literal, fabs = self.real.literal, self.real.call("fabs")
         lines = ["w->reach = 0U;"] if self._has_parts else []
         for i, (text, middle, half) in enumerate(slides):
-            value = text if middle == 0.0 else f"{text} - {literal(middle)}"
-            lines.append(f"const {self.real.type} away{i} = {fabs}({value});")
+            value = text if middle == 0.0 else f"{text} - {middle}"
+            lines.append(f"const real away{i} = fabs({value});")
             for k, part in enumerate(SLIDE_PARTS[:-1] if self._has_parts else (), start=1):
-                beyond = f"(w->reach < {k}U) && (away{i} > {literal(part * half)})"
+                beyond = f"(w->reach < {k}U) && (away{i} > {part * half})"
                 lines.append(f"w->reach = ({beyond}) ? {k}U : w->reach;")
         return lines
 
@@ -90,9 +89,9 @@ class GuardText:
         `lines` get their table where they differ.
         """
         if all(value == values[0] for value in values):
-            return self.real.literal(values[0])
-        texts = ", ".join(self.real.literal(value) for value in values)
-        lines.append(f"static const {self.real.type} {name}[{len(values)}] = {{ {texts} }};")
+            return str(values[0])
+        texts = ", ".join(str(value) for value in values)
+        lines.append(f"static const real {name}[{len(values)}] = {{ {texts} }};")
         return f"{name}[w->reach]"
 
     def text(self, values: Mapping[str, object], aim: Sequence[str], first_part: float) -> str:
@@ -100,53 +99,48 @@ class GuardText:
         put the guards of its point `end` into w->guard. Values beside those of `_STRAIGHT` say
         what else a walk asks and does.
         """
-        call, wrong = self.real.literal, f"{values['P']}_WRONG_BRANCH"
+        wrong = "NAME_WRONG_BRANCH"
         plain = {"unreached": wrong, "refused": wrong, "nat": values["nto"], "nways": values["nto"]}
-        own = {"ng": max(1, len(self.guards)), "walks": values["COLD"]}
+        own = {"ng": max(1, len(self.guards)), "walks": "NAME_COLD"}
         plain |= {
             "ways": substitute(_WAYS, values),
             "hold_guards": substitute(_HOLD_GUARDS, {**values, **own}),
-            "shorter": indent(self.shorter_lines, 3),
+            "shorter": self.shorter_lines,
         }
         return fill(
             "guarded_line.c",
             _STRAIGHT
             | own
             | plain
-            | ({} if "keep_lines" in values else {"keep_lines": indent(self._keep_lines)})
+            | ({} if "keep_lines" in values else {"keep_lines": self._keep_lines})
             | dict(values)
             | {
-                "aim": indent(aim, 2),
-                "first_part": call(first_part),
-                "near_one": call(0.9999),
-                "least_part": call(_LEAST_PART),
-                "not_measured": indent(self._reset_lines, 2),
+                "aim": aim,
+                "first_part": first_part,
+                "least_part": _LEAST_PART,
+                "not_measured": self._reset_lines,
             },
         )
 
     @property
     def shorter_lines(self) -> list[str]:
         """Statements of the next part where one was too long."""
-        literal = self.real.literal
         if not self.measures:
-            return [f"part = {literal(0.5)} * share;"]
+            return ["part = 0.5 * share;"]
         return [
             "/* what is too long by its square is cut to nine tenths of what would do */",
-            f"part = share * ((w->bent < {literal(80.0)} * w->most)",
-            f"    ? ({literal(0.9)} * {self.real.call('sqrt')}(w->most / w->bent)) : "
-            f"{literal(0.1)});",
+            "part = share * ((w->bent < 80.0 * w->most)",
+            "    ? (0.9 * sqrt(w->most / w->bent)) : 0.1);",
         ]
 
     @property
     def _reset_lines(self) -> list[str]:
         """Statements for a part whose bend is not told: it is cut to less than a half."""
-        one, four = self.real.literal(1.0), self.real.literal(4.0)
-        return [f"w->bent = {four};", f"w->most = {one};"] if self.measures else []
+        return ["w->bent = 4.0;", "w->most = 1.0;"] if self.measures else []
 
     @property
     def _keep_lines(self) -> list[str]:
         """Statements that compare each guard with how far it may bend on the way."""
-        real, zero = self.real, self.real.literal(0.0)
         later = {j for guard in self.guards for j in (guard.root, *guard.read) if j is not None}
         roots = {guard.root for guard in self.guards}
         shared = {j for guard in self.guards for j in guard.read}
@@ -157,14 +151,14 @@ class GuardText:
             bend = self._bend_text(j, guard, lines, sums)
             a, b = f"w->left[{j}]", f"w->guard[{j}]"
             lines += [
-                f"const {real.type} bend{j} = {bend};",
-                f"const {real.type} lesser{j} = (({a} < {b}) ? {a} : {b}) - {rounding};",
-                f"const {real.type} greater{j} = ({a} < {b}) ? {b} : {a};",
-                f"const {real.type} most{j} = {real.literal(3.0)} * lesser{j} + greater{j};",
-                f"if (!((lesser{j} > {zero}) && (bend{j} < most{j}))) {{",
+                f"const real bend{j} = {bend};",
+                f"const real lesser{j} = (({a} < {b}) ? {a} : {b}) - {rounding};",
+                f"const real greater{j} = ({a} < {b}) ? {b} : {a};",
+                f"const real most{j} = 3.0 * lesser{j} + greater{j};",
+                f"if (!((lesser{j} > 0.0) && (bend{j} < most{j}))) {{",
                 *(
                     [
-                        f"    if (kept && (lesser{j} > {zero})) {{",
+                        f"    if (kept && (lesser{j} > 0.0)) {{",
                         f"        w->bent = bend{j};",
                         f"        w->most = most{j};",
                         "    }",
@@ -178,10 +172,7 @@ class GuardText:
             if j in later:
                 lines += self._least_lines(j)
             if j in roots:
-                lines += [
-                    f"const {real.type} per{j} = {real.literal(1.0)} / "
-                    f"{real.call('sqrt')}(under{j});"
-                ]
+                lines += [f"const real per{j} = 1.0 / sqrt(under{j});"]
             if j in shared:
                 lines += self._share_lines(j)
         # guards that do not bend, of linear formulas, read no changes
@@ -208,24 +199,22 @@ class GuardText:
 
     def _least_lines(self, j: int) -> list[str]:
         """Statements of what a guard keeps at least on the way."""
-        real, zero = self.real, self.real.literal(0.0)
         return [
-            f"const {real.type} least{j} = lesser{j} - {real.literal(0.25)} * bend{j};",
-            f"kept = kept && (least{j} > {zero});",
-            f"const {real.type} under{j} = (least{j} > {zero}) ? least{j} : {real.literal(1.0)};",
+            f"const real least{j} = lesser{j} - 0.25 * bend{j};",
+            f"kept = kept && (least{j} > 0.0);",
+            f"const real under{j} = (least{j} > 0.0) ? least{j} : 1.0;",
         ]
 
     def _share_lines(self, j: int) -> list[str]:
         """Statements of the share that a guard leaves of the bends of those that read it."""
-        kind, one = self.real.type, self.real.literal(1.0)
         power = (
             f"(rest{j} * rest{j}) * (rest{j} * rest{j})"
             if self.guards[j].is_divisor
-            else f"rest{j} * {self.real.call('sqrt')}(rest{j})"
+            else f"rest{j} * sqrt(rest{j})"
         )
         return [
-            f"const {kind} rest{j} = (under{j} < {one}) ? under{j} : {one};",
-            f"const {kind} share{j} = {power};",
+            f"const real rest{j} = (under{j} < 1.0) ? under{j} : 1.0;",
+            f"const real share{j} = {power};",
         ]
 
     def _weighted(
@@ -234,7 +223,7 @@ class GuardText:
         """C text of a sum of squared changes by weights of each reach; known values of about one
         weight are added first. `lines` get tables and sums.
         """
-        real, parts = self.real, list[str]()
+        parts = list[str]()
         table = np.array([[rounded_up(float(v)) for v in part] for part in weights])
         left = [i for i in range(table.shape[1]) if np.any(table[:, i] > 0.0)]
         while left:
@@ -251,11 +240,11 @@ class GuardText:
             if len(alike) > 1:
                 if added not in sums:
                     sums[added] = f"sum{len(sums)}"
-                    lines.append(f"const {real.type} {sums[added]} = {added};")
+                    lines.append(f"const real {sums[added]} = {added};")
                 added = sums[added]
             weight = self.by_reach(f"{name}_{alike[0]}", column.tolist(), lines)
             parts.append(f"{weight} * {added}")
-        return " + ".join(parts) or real.literal(0.0)
+        return " + ".join(parts) or "0.0"
 
 
 _BENDS = r"""Discriminants $D$ and divisors $v$ of the formulas are the guards $g$: while none of

@@ -31,7 +31,7 @@ def ranges_of(coordinates: Sequence[Coordinate], real: Real, size: float) -> lis
     """The limits, with room for rounding; rods are not shorter than zero; without limits a value is
     at least finite.
     """
-    return [Range(*map(real.literal, range_of(c, real, size))) for c in coordinates]
+    return [Range(*map(str, range_of(c, real, size))) for c in coordinates]
 
 
 def range_of(c: Coordinate, real: Real, size: float) -> tuple[float, float]:
@@ -51,12 +51,12 @@ def range_functions(
     """NAME_first_beyond and NAME_limit_joints. In float, where room counts, ranges that are all
     alike are checked in a loop.
     """
-    tables, inside = _by_number(ranges, real)
+    tables, inside = _by_number(ranges)
     named = fill("first_beyond.c", {**values, "tables": tables, "inside": inside})
-    tests, shared = "", str(values["SHARED"]) + " "
+    tests, shared = "", "NAME_SHARED "
     if real.name == "float" and len(ranges) > 1 and len(set(ranges)) == 1:
         shared = ""
-        tests = f"{values['p']}_first_beyond({values['ga']}joints) == {len(ranges)}U"
+        tests = f"name_first_beyond(GEOMETRY joints) == {len(ranges)}U"
     shown = {**values, "positive": positive, "shared": shared}
     return named + check_text("joint values", "ranges", "limit_joints", ranges, shown, tests)
 
@@ -76,7 +76,7 @@ def check_text(
     return fill("within.c", {**plain, **values, **own})
 
 
-def _by_number(ranges: Sequence[Range], real: Real) -> tuple[list[str], str]:
+def _by_number(ranges: Sequence[Range]) -> tuple[list[str], str]:
     """Tables of limits, and the C condition that the joint of number `joint` is within them."""
     if len({r.above for r in ranges}) > 1:
         return [], "(" + " || ".join(
@@ -87,7 +87,5 @@ def _by_number(ranges: Sequence[Range], real: Real) -> tuple[list[str], str]:
         texts = [getattr(r, end) for r in ranges]
         ends.append(texts[0] if len(set(texts)) == 1 else f"{end}[joint]")
         if len(set(texts)) > 1:
-            tables.append(
-                f"static const {real.type} {end}[{len(ranges)}] = {{ {', '.join(texts)} }};"
-            )
+            tables.append(f"static const real {end}[{len(ranges)}] = {{ {', '.join(texts)} }};")
     return tables, Range(ends[0], ends[1], ranges[0].above).test("joint")

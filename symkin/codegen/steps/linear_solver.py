@@ -15,7 +15,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from symkin.codegen.steps.newton_kernel import Kernel, rounded
-from symkin.codegen.text.c import Emitter, Real, indent, indexed
+from symkin.codegen.text.c import Emitter, Real, indexed
 from symkin.codegen.text.templates import fill
 
 UNROLLED = 8
@@ -153,7 +153,7 @@ class UnrolledLU:
             pivot = self._eliminate_row(i)
             signs.append(pivot if self.pivots.large_first(i) else self.inverses[i])
             scale = self.pivots.row_scale[i] * self.pivots.column_scale[i]
-            scaled = self.emitter.assign(f"{self.inverses[i]} * {self.emitter.real.literal(scale)}")
+            scaled = self.emitter.assign(f"{self.inverses[i]} * {scale}")
             squares.append(f"{scaled} * {scaled}")
             self._store(self.upper[i], i)
         lines = self.emitter.lines
@@ -186,11 +186,7 @@ class UnrolledLU:
         pivot = row.pop(i, zero)
         emitter.operations["divisions"] += 1
         emitter.operations["additions"] += 1
-        self.inverses.append(
-            emitter.assign(
-                f"{emitter.real.one} / ({pivot} + {emitter.real.literal(self._least(i))})"
-            )
-        )
+        self.inverses.append(emitter.assign(f"1.0 / ({pivot} + {self._least(i)})"))
         self._store({i: self.inverses[i]}, i)
         self.upper.append(row)
         self.lower.append(factors)
@@ -220,17 +216,17 @@ class UnrolledLU:
 
     def solve(self) -> list[str]:
         """Statements of the forward and back substitution of f into the step, in place."""
-        n, kind, pivots = self.n, self.emitter.real.type, self.pivots
+        n, pivots = self.n, self.pivots
         lines = ["/* forward substitution, the rows in the order of the pivots */"]
         for i in range(n):
             terms = "".join(f" - w->a[{n * i + k}] * y{k}" for k in self.lower[i])
-            lines.append(f"const {kind} y{i} = w->f[{pivots.rows[i]}]{terms};")
+            lines.append(f"const real y{i} = w->f[{pivots.rows[i]}]{terms};")
         lines.append("/* back substitution */")
         for i in reversed(range(n)):
             terms = "".join(
                 f" - w->a[{n * i + j}] * s{j}" for j in sorted(self.upper[i], reverse=True)
             )
-            lines.append(f"const {kind} s{i} = (y{i}{terms}) * w->a[{n * i + i}];")
+            lines.append(f"const real s{i} = (y{i}{terms}) * w->a[{n * i + i}];")
         return [
             *lines,
             "/* the step in the order of the unknowns */",
@@ -271,18 +267,14 @@ def linear_solver(
     unrolled LU.
     """
     dense = Emitter(kernel.jacobian_function(), inputs, real)
-    matrix = indent(
-        given or dense_statements(dense, kernel.m, kernel.n, "w->a", transposed=kernel.is_wide)
-    )
+    matrix = given or dense_statements(dense, kernel.m, kernel.n, "w->a", transposed=kernel.is_wide)
     if not kernel.is_square:
-        return _qr(kernel, real, {**values, "matrix": matrix}, dense.operations)
+        return _qr(kernel, {**values, "matrix": matrix}, dense.operations)
     _, column_scale = scales(matrices)
     rounded_scales = [rounded(s) for s in column_scale]
     tables = {
-        "column_scales": ", ".join(map(real.literal, rounded_scales)),
-        "least_pivots": ", ".join(
-            real.literal(SINGULAR * real.epsilon * s) for s in rounded_scales
-        ),
+        "column_scales": tuple(rounded_scales),
+        "least_pivots": tuple(SINGULAR * real.epsilon * s for s in rounded_scales),
     }
     text = fill("pivoted.c", {**values, "matrix": matrix, **tables}) + "\n"
     if not is_unrolled(kernel, compact=compact):
@@ -304,7 +296,7 @@ def linear_solver(
 
 
 def _qr(
-    kernel: Kernel, real: Real, values: Mapping[str, object], operations: Mapping[str, int]
+    kernel: Kernel, values: Mapping[str, object], operations: Mapping[str, int]
 ) -> LinearSolver:
     """QR of a matrix of more rows than unknowns, or of the transposed matrix of fewer: least
     squares, or the shortest step.
@@ -318,7 +310,7 @@ def _qr(
         "last": n - 1,
         "m": m,
         "which": which,
-        **_loops_over_columns(n, m, real),
+        **_loops_over_columns(n, m),
     }
     return LinearSolver(
         fill("qr.c", shown) + fill("least_norm.c" if kernel.is_wide else "least_squares.c", shown),
@@ -326,13 +318,13 @@ def _qr(
     )
 
 
-def _loops_over_columns(n: int, m: int, real: Real) -> dict[str, object]:
+def _loops_over_columns(n: int, m: int) -> dict[str, object]:
     """Loops over further columns; a single column has none."""
     if n == 1:
         return {"others": "", "above": ""}
     others = [
         f"for (int j = c + 1; j < {n}; ++j) {{",
-        f"    {real.type} r = {real.zero};",
+        "    real r = 0.0;",
         f"    for (int i = 0; i < {m}; ++i) {{",
         f"        r += w->a[{n} * i + c] * w->a[{n} * i + j];",
         "    }",
@@ -371,28 +363,23 @@ def is_unrolled(kernel: Kernel, *, compact: bool) -> bool:
     return kernel.is_square and kernel.n <= UNROLLED and not compact
 
 
-def factor_calls(kernel: Kernel, k: str, ga: str, *, compact: bool = False) -> dict[str, str]:
-    """How the driver gets its factors: unrolled with the pivoting fallback, pivoting loops, or
-    QR.
+def factor_calls(kernel: Kernel, k: str, *, compact: bool = False) -> list[str]:
+    """How the driver gets its factors: unrolled with the pivoting fallback, of which the statements
+    come behind the call, pivoting loops, or QR.
     """
     if is_unrolled(kernel, compact=compact):
-        second = ["if (turn == 0) {", f"    turn = {k}_pivoted({ga}w);", "}"]
-        return {"first_factor": f"{k}_factor({ga}w)", "second_factor": indent(second, 3)}
-    return {
-        "first_factor": f"{k}_{'pivoted' if kernel.is_square else 'factor'}({ga}w)",
-        "second_factor": "",
-    }
+        second = ["if (turn == 0) {", f"    turn = {k}_pivoted(GEOMETRY w);", "}"]
+        return [f"{k}_factor(GEOMETRY w)", *second]
+    return [f"{k}_{'pivoted' if kernel.is_square else 'factor'}(GEOMETRY w)"]
 
 
-def singular_condition(
-    kernel: Kernel, k: str, work: str, ga: str = "", *, compact: bool = False
-) -> str:
+def singular_condition(kernel: Kernel, k: str, work: str, *, compact: bool = False) -> str:
     """C condition that factorises: the matrix is singular."""
     if not kernel.is_square:
-        return f"{k}_factor({ga}{work}) == 0"
-    pivoted = f"{k}_pivoted({ga}{work}) == 0"
+        return f"{k}_factor(GEOMETRY {work}) == 0"
+    pivoted = f"{k}_pivoted(GEOMETRY {work}) == 0"
     return (
-        f"({k}_factor({ga}{work}) == 0) && ({pivoted})"
+        f"({k}_factor(GEOMETRY {work}) == 0) && ({pivoted})"
         if is_unrolled(kernel, compact=compact)
         else pivoted
     )

@@ -20,7 +20,7 @@ from symkin.codegen.steps.linear_solver import (
     linear_solver,
 )
 from symkin.codegen.steps.newton_kernel import Kernel, rounded
-from symkin.codegen.text.c import Emitter, Real, indent
+from symkin.codegen.text.c import Emitter, Real
 from symkin.codegen.text.templates import common_values, copy, copy_loop, fill
 from symkin.computed_once import cached_property
 from symkin.text import c_comment
@@ -169,15 +169,15 @@ class NewtonCode:
         """The function that looks at the middle of a part, where known values turn."""
         count = self.kernel.state.numel()
         copies = {
-            "to_begin": indent(copy_loop("end", "w->x", count) + copy_loop("w->x", "w->x0", count)),
-            "to_end": indent(copy_loop("w->x", "end", count)),
-            "aimed_at": "",
+            "to_begin": copy_loop("end", "w->x", count) + copy_loop("w->x", "w->x0", count),
+            "to_end": copy_loop("w->x", "end", count),
+            "aimed_at": list[str](),
         }
         if self.keeps_known:
             nk = self.kernel.known.numel()
-            copies["aimed_at"] = f"    {self.real.type} aimed[{nk}];"
-            copies["to_begin"] += "\n" + indent(copy_loop("aimed", "w->k", nk))
-            copies["to_end"] += "\n" + indent(copy_loop("w->k", "aimed", nk))
+            copies["aimed_at"] += [f"real aimed[{nk}];"]
+            copies["to_begin"] += copy_loop("aimed", "w->k", nk)
+            copies["to_end"] += copy_loop("w->k", "aimed", nk)
         return fill("middle.c", self._values | copies) if self.bends else ""
 
     @property
@@ -198,13 +198,8 @@ class NewtonCode:
         """Values for other drivers of the same steps: names, roundings, and the statements that set
         `turn` and factor the matrix.
         """
-        calls = [
-            f"turn = {self._values['first_factor']};",
-            *str(self._values["second_factor"]).strip("\n").split("\n"),
-        ]
-        return self._values | {
-            "factor": indent([calls[0], *(line[12:] for line in calls[1:] if line)], 2)
-        }
+        first, *second = factor_calls(self.kernel, self.k, compact=self.compact)
+        return self._values | {"factor": [f"turn = {first};", *second]}
 
     @cached_property
     def operations(self) -> dict[str, int]:
@@ -255,17 +250,18 @@ class NewtonCode:
         adds = [f"sum += w->f[{i}] * w->f[{i}];" for i in range(1, count)]
         if real.name == "float":
             adds = [f"for (int i = 1; i < {count}; ++i) {{", "    sum += w->f[i] * w->f[i];", "}"]
-        root = f"{real.call('sqrt')}(sum)"
-        result = f"return {root};" if length == 1.0 else f"return {root} * {real.literal(length)};"
-        return [f"{real.type} sum = w->f[0] * w->f[0];", *adds, result]
+        root = "sqrt(sum)"
+        result = f"return {root};" if length == 1.0 else f"return {root} * {length};"
+        return ["real sum = w->f[0] * w->f[0];", *adds, result]
 
     # --- values of the templates ------------------------------------------------------------------
 
     @cached_property
     def _values(self) -> dict[str, object]:
+        first, *second = factor_calls(self.kernel, self.k, compact=self.compact)
         return (
             common_values(self.name, self.real, struct=bool(self.geometry))
-            | {"k": self.k, **factor_calls(self.kernel, self.k, self._ga, compact=self.compact)}
+            | {"k": self.k, "first_factor": first, "second_factor": second}
             | self._sizes
             | self._members
             | self._constants
@@ -273,11 +269,6 @@ class NewtonCode:
             | self._parts.values
             | self._still
         )
-
-    @property
-    def _ga(self) -> str:
-        """The geometry as an argument."""
-        return "geometry, " if self.geometry else ""
 
     @property
     def _sizes(self) -> dict[str, object]:
@@ -305,7 +296,7 @@ class NewtonCode:
     @property
     def _members(self) -> dict[str, object]:
         """Members of the work space that not every kernel has, and what its arrays hold."""
-        kernel, kind = self.kernel, self.real.type
+        kernel = self.kernel
         nd, square = kernel.shared_symbols.numel(), min(kernel.m, kernel.n) ** 2
         meaning = kernel.meaning
         told = [
@@ -331,14 +322,14 @@ class NewtonCode:
             "at": ""
             if self.retarget
             else (
-                f"    {kind} at[{self._sizes['nto']}]; /* known values at the guess, where the "
+                f"    real at[{self._sizes['nto']}]; /* known values at the guess, where the "
                 f"line begins */"
             ),
             "shared": "\n".join(
-                ([f"    {kind} d[{nd}]; /* values that rows and matrix share */"] if nd else [])
+                ([f"    real d[{nd}]; /* values that rows and matrix share */"] if nd else [])
                 + (
                     [
-                        f"    {kind} k0[{self._sizes['nk']}]; /* known values at the part that is "
+                        f"    real k0[{self._sizes['nk']}]; /* known values at the part that is "
                         f"done: the matrix's */"
                     ]
                     if self.keeps_known
@@ -347,16 +338,14 @@ class NewtonCode:
             ),
             "r": ""
             if kernel.is_square
-            else f"    {kind} r[{square}]; /* R of QR, reciprocals on its diagonal */",
-            "sides": f"    {kind} q[{kernel.m * kernel.n}]; /* Q at the part of the line that is "
+            else f"    real r[{square}]; /* R of QR, reciprocals on its diagonal */",
+            "sides": f"    real q[{kernel.m * kernel.n}]; /* Q at the part of the line that is "
             f"done */\n"
             "    int8_t side; /* sign of the determinant there, 0 before the line has begun */"
             if self._has_side
             else "",
             "no_side": "    w->side = 0;" if self._has_side else "",
-            "side": indent(
-                ["if (turn != 0) {", f"    turn = {self.k}_side(w, taken == 0U);", "}"], 3
-            )
+            "side": ["if (turn != 0) {", f"    turn = {self.k}_side(w, taken == 0U);", "}"]
             if self._has_side
             else "",
             "factors": factors,
@@ -368,27 +357,24 @@ class NewtonCode:
         """Constants of the driver: squares of lengths, of ratios of steps, and parts of the
         line.
         """
-        literal, tuning = self.real.literal, self.tuning
+        tuning = self.tuning
         return {
-            "rounding": literal(tuning.rounding),
-            "noise_of_rows": literal(tuning.noise),
-            "kappa2": literal(tuning.kappa2),
-            "contraction2": literal(1.0 / 16.0),
-            "far2": literal(1.0 / 36.0),
-            "very_far2": literal(1.0 / 64.0),
-            "ten": literal(10.0),
-            "later_fresh2": literal(0.0064 if self.on_the_way else 1.0),
-            "very_far_later2": literal(0.09 if self.on_the_way else 1.0),
-            "very_far_fresh2": literal(9e-4 if self.on_the_way else 1.0),
-            "later2": literal(9.0 / 64.0 if self.on_the_way else 1.0),
-            "chord2": literal(0.3),
-            "near_one": literal(0.999),
-            "least_part": literal(1.0 / 1024.0),
-            "singular": literal(SINGULAR * self.real.epsilon),
-            "least_sides": ", ".join([literal(SINGULAR * self.real.epsilon)] * self.kernel.n),
-            "sure": literal(_SURE),
-            "size2": literal(self.kernel.characteristic_length**2),
-            "guard": literal(GUARD**-2),
+            "rounding": tuning.rounding,
+            "noise_of_rows": tuning.noise,
+            "kappa2": tuning.kappa2,
+            "contraction2": 1.0 / 16.0,
+            "far2": 1.0 / 36.0,
+            "very_far2": 1.0 / 64.0,
+            "later_fresh2": 0.0064 if self.on_the_way else 1.0,
+            "very_far_later2": 0.09 if self.on_the_way else 1.0,
+            "very_far_fresh2": 9e-4 if self.on_the_way else 1.0,
+            "later2": 9.0 / 64.0 if self.on_the_way else 1.0,
+            "least_part": 1.0 / 1024.0,
+            "singular": SINGULAR * self.real.epsilon,
+            "least_sides": (SINGULAR * self.real.epsilon,) * self.kernel.n,
+            "sure": _SURE,
+            "size2": self.kernel.characteristic_length**2,
+            "guard": GUARD**-2,
         }
 
     @property
@@ -397,34 +383,34 @@ class NewtonCode:
         where those at the part that is done are kept, new factors on the way to the aim are those
         of the aim.
         """
-        k, ga = self.k, self._ga
-        aim, done = (f"{k}_set_target({ga}w, to, {part});" for part in ("aim", "done"))
+        k = self.k
+        aim, done = (f"{k}_set_target(GEOMETRY w, to, {part});" for part in ("aim", "done"))
         state, by_call = self.kernel.state.numel(), bool(self.retarget)
         kept, save0 = self.keeps_known, copy("w->x0", "w->x", state)
         keep = copy("w->k0", "w->k", self.kernel.known.numel()) if kept else []
         back, begin_target = [done, *keep] if kept else [], [aim]
         if by_call:
-            begin_target, save0 = [f"{k}_set_target({ga}w, to);"], []
+            begin_target, save0 = [f"{k}_set_target(GEOMETRY w, to);"], []
         elif kept and self.measured:
             # the caller has set the kept values, or they are made here
             begin_target, back = [], ["if (!kept) {", *("    " + line for line in back), "}"]
-            save0 += [f"{k}_set_target({ga}w, to, {self.real.zero});", *keep, aim]
+            save0 += [f"{k}_set_target(GEOMETRY w, to, 0.0);", *keep, aim]
         # the matrix reads known values: it is made at the part of the line that is done. Of wide
         # systems it is made at the part aimed at, because shortest steps follow the path more
         # closely by that one
         reads_known = self.kernel.reads_known and not self.kernel.is_wide and not kept
 
-        def first(call: str) -> str:
-            return indent(["if (taken == 0U) {", f"    {call}", "}"], 3) if reads_known else ""
+        def first(call: str) -> list[str]:
+            return ["if (taken == 0U) {", f"    {call}", "}"] if reads_known else []
 
-        keeping = indent(["if (taken > 0U) {", *("    " + line for line in keep), "}"], 3)
+        keeping = ["if (taken > 0U) {", *("    " + line for line in keep), "}"]
         return {
             "begin_target": begin_target,
-            "part": "" if by_call else f", {self.real.type} part",
+            "part": "" if by_call else ", real part",
             "aimed": "" if by_call else ": a part of the line from the guess's to `to`",
             "at_done": keeping if kept else first(done),
             "at_aim": first(aim),
-            "save0": indent(save0),
+            "save0": save0,
             "advance": [*copy_loop("w->x0", "w->x", state), *keep, self.retarget or aim],
             "retreat": [self.retarget]
             if by_call
@@ -438,30 +424,30 @@ class NewtonCode:
         of the way to that, which the least pivot tells. Of rods, whose matrix is well scaled, a
         constant.
         """
-        literal, floor = self.real.literal, self.real.literal(self.tuning.floor**2)
+        floor = self.tuning.floor**2
         epsilon, state = self.real.epsilon, self.kernel.state.numel()
-        rounding = literal((_ROWS * epsilon * self.kernel.characteristic_length) ** 2)
+        rounding = (_ROWS * epsilon * self.kernel.characteristic_length) ** 2
         far = rounded(1.0 / (8.0 * _ROWS * epsilon))
-        eighth = literal((_ROWS * epsilon * self.kernel.characteristic_length * far) ** 2)
-        test = f"w->spread > {literal((64.0 / _ROWS) ** 2)}"
-        noise = f"(w->spread < {literal(far)}) ? ({rounding} * w->spread) : ({eighth} / w->spread)"
+        eighth = (_ROWS * epsilon * self.kernel.characteristic_length * far) ** 2
+        test = f"w->spread > {(64.0 / _ROWS) ** 2}"
+        noise = f"(w->spread < {far}) ? ({rounding} * w->spread) : ({eighth} / w->spread)"
         # what follows a step that is rounding or nothing tells no ratio of steps
-        line = literal((_LINE * epsilon * self.kernel.characteristic_length) ** 2)
+        line = (_LINE * epsilon * self.kernel.characteristic_length) ** 2
         common: dict[str, object] = {
             "row_noise2": line,
             "moved": " && (before > still2)",
-            "by_kappa": f"(fresh || !(before > {literal(0.0)}))",
+            "by_kappa": "(fresh || !(before > 0.0))",
         }
         if not self.retarget:
             return common | {
                 "still2": "still2",
                 "still_variable": [
-                    f"{self.real.type} still2 = {floor}; /* square of a step that is rounding */"
+                    f"real still2 = {floor}; /* square of a step that is rounding */"
                 ],
                 "noise": [f"still2 = ({test}) ? ({noise}) : {floor};"],
                 "stay": copy_loop("w->x", "w->x0", state),
             }
-        put_back = [f"{self.k}_retarget({self._ga}w, to, {literal(1.0)}, {literal(0.0)});"]
+        put_back = [f"{self.k}_retarget(GEOMETRY w, to, 1.0, 0.0);"]
         return common | {
             "still2": floor,
             "still_variable": "",
@@ -478,7 +464,6 @@ class NewtonCode:
             self.kernel,
             self.real,
             self.k,
-            self._ga,
             str(self._still["still2"]),
             self.bends,
             self.first_turn,

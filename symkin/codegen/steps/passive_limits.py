@@ -17,7 +17,6 @@ import numpy as np
 
 from symkin.closure.closure import Closure
 from symkin.closure.link_poses import reading_expressions
-from symkin.closure.snapping import snapped_expression
 from symkin.codegen.steps.geometry import Geometry
 from symkin.codegen.steps.joint_ranges import range_of
 from symkin.codegen.text.c import Emitter, Real
@@ -75,16 +74,13 @@ class PassiveLimit:
     def test(self, texts: Sequence[str], real: Real, size: float) -> str:
         """C condition that the coordinate is within its limits."""
         (low, high), half = range_of(self.coordinate, real, size), self._half(real, size)
-        literal, fabs = real.literal, real.call("fabs")
         if len(self.parts) == 1:
-            return f"({texts[0]} >= {literal(low)}) && ({texts[0]} <= {literal(high)})"
+            return f"({texts[0]} >= {low}) && ({texts[0]} <= {high})"
         if len(texts) == 1:
-            return f"{texts[0]} >= {literal(np.cos(half))}"
+            return f"{texts[0]} >= {np.cos(half)}"
         cosine, sine = texts
         beyond, join = ("<=", "&&") if half < 0.5 * np.pi else (">=", "||")
-        return (
-            f"({cosine} > {literal(0.0)}) {join} ({fabs}({sine}) {beyond} {literal(np.sin(half))})"
-        )
+        return f"({cosine} > 0.0) {join} (fabs({sine}) {beyond} {np.sin(half)})"
 
 
 def passive_limits(
@@ -183,10 +179,7 @@ def limit_lines(
     closure = geometry.closure
     size = closure.characteristic_length
     compared = [limit.compared(real, size) for limit in limits]
-    outputs = snapped_expression(
-        ca.densify(ca.vertcat(*(part for parts in compared for part in parts))),
-        [closure.variables, geometry.symbols],
-    )
+    outputs = ca.vertcat(*(part for parts in compared for part in parts))
     inputs = [(closure.variables, variables), (geometry.symbols, geometry.names)]
     emitter = Emitter.of(real, inputs, outputs, prefix="l")
     place, tests = 0, list[str]()

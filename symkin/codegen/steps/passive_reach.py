@@ -49,7 +49,7 @@ class PassiveReach:
     def test(self, texts: Sequence[str], real: Real, size: float) -> str:  # noqa: ARG002 - of all checks
         """C condition that the joint exists."""
         least = rounded((RESOLVED * real.epsilon * self.usual) ** 2)
-        return f"{texts[0]} > {real.literal(least)}"
+        return f"{texts[0]} > {least}"
 
 
 def passive_reaches(

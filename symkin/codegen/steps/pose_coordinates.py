@@ -80,11 +80,11 @@ def pose_coordinates_text(geometry: Geometry, real: Real, values: dict[str, obje
     inputs = [(x, "x"), (geometry.symbols, geometry.names)]
     emitter = Emitter.of(real, inputs, coordinates, stacked(off))
     texts = [emitter.value(0, i) for i in range(count)]
-    limit = real.literal(off_motion(geometry, real))
-    tests = [f"({real.call('fabs')}({emitter.value(1, i)}) <= {limit})" for i in range(len(off))]
+    limit = off_motion(geometry, real)
+    tests = [f"(fabs({emitter.value(1, i)}) <= {limit})" for i in range(len(off))]
     body = [*emitter.lines, *(f"c[{i}] = {text};" for i, text in enumerate(texts))]
     if motion in ABOUT_Z:
-        pi, two_pi = real.literal(np.pi), real.literal(2 * np.pi)
+        pi, two_pi = np.pi, 2 * np.pi
         angle = f"c[{count - 1}]"
         body += [
             f"if ({angle} > {pi}) {{",
@@ -95,7 +95,7 @@ def pose_coordinates_text(geometry: Geometry, real: Real, values: dict[str, obje
             "}",
         ]
     if tests:
-        refused = f"    status = {values['P']}_OUT_OF_RANGE;"
+        refused = "    status = NAME_OUT_OF_RANGE;"
         body += [f"if (!({' && '.join(tests)})) {{", refused, "}"]
     return fill("pose_coordinates.c", values | {"count": count, "body": body})
 
@@ -104,10 +104,9 @@ def pose_text(geometry: Geometry, real: Real, values: dict[str, object]) -> str:
     """NAME_pose_from_coordinates: the pose of pose coordinates."""
     closure = geometry.closure
     symbols = closure.symbols(closure.role("pose"))
-    expression = snapped_expression(geometry.pose, [symbols, geometry.symbols])
     count = symbols.numel()
     inputs = [(symbols, "c"), (geometry.symbols, geometry.names)]
-    body = Emitter.of(real, inputs, expression).stored(POSE)
+    body = Emitter.of(real, inputs, geometry.pose).stored(POSE)
     return fill("pose_from_coordinates.c", values | {"count": count, "body": body})
 
 

@@ -17,7 +17,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from symkin.codegen.steps.joint_ranges import Range
-from symkin.codegen.text.c import Real
 from symkin.codegen.text.templates import fill
 
 _LEAST_PART = 2.0**-10
@@ -26,18 +25,13 @@ within it.
 """
 
 
-def rod_line(ranges: Sequence[Range], real: Real, values: Mapping[str, object]) -> str:
+def rod_line(ranges: Sequence[Range], values: Mapping[str, object]) -> str:
     """NAME_line, of rods whose joint values have these ranges."""
     numbers = {
-        "two_fifths": 0.4,
-        "three_fifths": 0.6,
-        "tenth": 0.1,
-        "nine_tenths": 0.9,
         "third": 1.0 / 3.0,
         "least_part": _LEAST_PART,
     }
-    own = {key: real.literal(number) for key, number in numbers.items()}
     # a rod without limits, whose range is that of its length, is as short as it likes
     lows = [r.low if r.above == Range.above else f"-{r.high}" for r in ranges]
-    ends = {"lows": ", ".join(lows), "highs": ", ".join(r.high for r in ranges)}
-    return fill("rod_line.c", {**values, **own, **ends})
+    ends = {"lows": tuple(lows), "highs": tuple(r.high for r in ranges)}
+    return fill("rod_line.c", {**values, **numbers, **ends})

@@ -1,23 +1,23 @@
 /* Length of a twist or of an error of poses in angles and lengths over the size, as a length. */
 static name_real name_length_of(const name_real e[6])
 {
-    name_real sum = @{zero};
+    name_real sum = 0.0;
     for (int i = 0; i < 6; ++i) {
         sum += e[i] * e[i];
     }
-    return @{sqrt}(sum) * NAME_SIZE;
+    return sqrt(sum) * NAME_SIZE;
 }
 
 /* How far the tool pose of joint values is from `to`: lengths over the size, and twice the vector of the turn's quaternion. Returns
  * its length. */
-static name_real name_pose_error(@{gp}const name_real q[@{nq}], const name_real to[7], name_real e[6])
+static name_real name_pose_error(GEOMETRY_GIVEN const name_real q[@nq], const name_real to[7], name_real e[6])
 {
     name_real x[7];
-    name_forward(@{ga}q, x);
+    name_forward(GEOMETRY q, x);
     const name_real w = to[3] * x[3] + to[4] * x[4] + to[5] * x[5] + to[6] * x[6];
-    const name_real twice = (w < @{zero}) ? -@{two} : @{two};
+    const name_real twice = (w < 0.0) ? -2.0 : 2.0;
     for (int i = 0; i < 3; ++i) {
-        e[i] = (to[i] - x[i]) * @{per_size};
+        e[i] = (to[i] - x[i]) * @per_size;
     }
     e[3] = twice * (to[4] * x[3] - to[3] * x[4] - to[5] * x[6] + to[6] * x[5]);
     e[4] = twice * (to[5] * x[3] - to[3] * x[5] - to[6] * x[4] + to[4] * x[6]);
@@ -26,43 +26,43 @@ static name_real name_pose_error(@{gp}const name_real q[@{nq}], const name_real 
 }
 
 /* Joint rates y (of slides over the size) of least |J y - e| and length, J and e in angles and lengths over the size. Solves the
- * @{nm} normal equations with exchanges on the diagonal; where their smallest pivot is below @{damped_pivot} of the mean, the
+ * @nm normal equations with exchanges on the diagonal; where their smallest pivot is below @damped_pivot of the mean, the
  * diagonal is raised, the more the smaller it is. Returns that pivot over the mean. */
-static name_real name_damped(const name_real jacobian[@{nj}], const name_real e[6], name_real y[@{nq}])
+static name_real name_damped(const name_real jacobian[@nj], const name_real e[6], name_real y[@nq])
 {
-    static const name_real row_scale[6] = { @{row_scales} };
-    static const name_real column_scale[@{nq}] = { @{column_scales} };
-    name_real a[6][@{nq}];
-    name_real g[@{nm}][@{nm}];
-    name_real r[@{nm}];
-    name_real smallest = @{zero};
-    name_real mean = @{zero};
-    name_real raised = @{zero};
+    static const name_real row_scale[6] = { @row_scales };
+    static const name_real column_scale[@nq] = { @column_scales };
+    name_real a[6][@nq];
+    name_real g[@nm][@nm];
+    name_real r[@nm];
+    name_real smallest = 0.0;
+    name_real mean = 0.0;
+    name_real raised = 0.0;
     for (int i = 0; i < 6; ++i) {
-        for (int j = 0; j < @{nq}; ++j) {
-            a[i][j] = jacobian[@{nq} * i + j] * row_scale[i] * column_scale[j];
-            mean += a[i][j] * a[i][j] * @{per_count};
+        for (int j = 0; j < @nq; ++j) {
+            a[i][j] = jacobian[@nq * i + j] * row_scale[i] * column_scale[j];
+            mean += a[i][j] * a[i][j] * @per_count;
         }
     }
-    for (int round = 0; (round < 2) && ((round == 0) || (smallest < @{damped_pivot})); ++round) {
-        uint8_t order[@{nm}];
+    for (int round = 0; (round < 2) && ((round == 0) || (smallest < @damped_pivot)); ++round) {
+        uint8_t order[@nm];
         /* the normal equations */
-        for (int i = 0; i < @{nm}; ++i) {
+        for (int i = 0; i < @nm; ++i) {
             order[i] = (uint8_t)i;
-            r[i] = @{right_start};
-            @{right}
-            for (int j = 0; j < @{nm}; ++j) {
-                g[i][j] = (i == j) ? raised : @{zero};
-                for (int k = 0; k < @{inner}; ++k) {
-                    g[i][j] += @{product};
+            r[i] = @right_start;
+            @right
+            for (int j = 0; j < @nm; ++j) {
+                g[i][j] = (i == j) ? raised : 0.0;
+                for (int k = 0; k < @inner; ++k) {
+                    g[i][j] += @product;
                 }
             }
         }
         /* factors, the largest diagonal entry first, with the right side beside them */
         bool whole = true;
-        for (int c = 0; (c < @{nm}) && whole; ++c) {
+        for (int c = 0; (c < @nm) && whole; ++c) {
             int best = c;
-            for (int i = c + 1; i < @{nm}; ++i) {
+            for (int i = c + 1; i < @nm; ++i) {
                 best = (g[i][i] > g[best][best]) ? i : best;
             }
             const uint8_t name = order[c];
@@ -71,44 +71,44 @@ static name_real name_damped(const name_real jacobian[@{nj}], const name_real e[
             order[best] = name;
             r[c] = r[best];
             r[best] = right;
-            for (int j = 0; j < @{nm}; ++j) {
+            for (int j = 0; j < @nm; ++j) {
                 const name_real t = g[c][j];
                 g[c][j] = g[best][j];
                 g[best][j] = t;
             }
-            for (int i = 0; i < @{nm}; ++i) {
+            for (int i = 0; i < @nm; ++i) {
                 const name_real t = g[i][c];
                 g[i][c] = g[i][best];
                 g[i][best] = t;
             }
-            whole = g[c][c] > @{least_pivot} * mean;
-            for (int i = c + 1; (i < @{nm}) && whole; ++i) {
+            whole = g[c][c] > @least_pivot * mean;
+            for (int i = c + 1; (i < @nm) && whole; ++i) {
                 const name_real factor = g[i][c] / g[c][c];
-                for (int j = c; j < @{nm}; ++j) {
+                for (int j = c; j < @nm; ++j) {
                     g[i][j] -= factor * g[c][j];
                 }
                 r[i] -= factor * r[c];
             }
         }
         if (round == 0) {
-            smallest = whole ? (g[@{last}][@{last}] / mean) : @{zero};
-            raised = mean * (@{damped_pivot} - smallest);
+            smallest = whole ? (g[@last][@last] / mean) : 0.0;
+            raised = mean * (@damped_pivot - smallest);
         }
         /* back substitution; without a whole set of factors the next round follows */
-        for (int i = @{last}; (i >= 0) && whole; --i) {
-            for (int j = i + 1; j < @{nm}; ++j) {
+        for (int i = @last; (i >= 0) && whole; --i) {
+            for (int j = i + 1; j < @nm; ++j) {
                 r[i] -= g[i][j] * r[j];
             }
             r[i] /= g[i][i];
         }
-        for (int i = 0; i < @{nq}; ++i) {
-            y[i] = @{zero};
+        for (int i = 0; i < @nq; ++i) {
+            y[i] = 0.0;
         }
-        for (int i = 0; (i < @{nm}) && whole; ++i) {
-            @{back}
+        for (int i = 0; (i < @nm) && whole; ++i) {
+            @back
         }
     }
-    for (int i = 0; i < @{nq}; ++i) {
+    for (int i = 0; i < @nq; ++i) {
         y[i] *= column_scale[i];
     }
     return smallest;

@@ -1,7 +1,7 @@
-/* @{title}
- * @{stamp}
+/* @title
+ * @stamp
  * SPDX-License-Identifier: MIT */
-#include "@{p}.h"
+#include "@p.h"
 
 #include <math.h>
 #include <stdbool.h>
@@ -27,7 +27,7 @@ static NAME_COLD name_status name_check_finite(const name_real values[], int cou
     name_status status = otherwise;
     for (int i = 0; i < count; ++i) {
         const name_real none = values[i] - values[i]; /* 0, but NaN for NaN and infinities */
-        if (!(none <= @{zero})) {
+        if (!(none <= 0.0)) {
             status = NAME_NONFINITE;
         }
     }

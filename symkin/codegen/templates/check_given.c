@@ -1,25 +1,25 @@
 /* Checks the pose of an answer, as it is written: whether the limbs there, solved as name_inverse does, have the given joint values. Else
  * a limb has passed a dead centre on the way, which is a singularity, or the line of poses from the reference does not lead
  * to this one: the pose alone would not say where the limb stands. */
-static NAME_COLD name_status name_check_given(@{gp}const name_real x[@{nc}], const name_real given[@{nq}])
+static NAME_COLD name_status name_check_given(GEOMETRY_GIVEN const name_real x[@nc], const name_real given[@nq])
 {
-    static const name_real near[@{nq}] = { @{near} };
-    name_real q[@{nq}] = { @{zero} };
-    name_real passive[@{np}] = { @{zero} };
-    name_real turned[@{nq}];
-    name_real c[@{nc}];
+    static const name_real near[@nq] = { @near };
+    name_real q[@nq] = { 0.0 };
+    name_real passive[@np] = { 0.0 };
+    name_real turned[@nq];
+    name_real c[@nc];
     name_pose pose;
     name_status status;
-    name_pose_from_coordinates(@{ga}x, &pose);
-    status = name_pose_coordinates(@{ga}&pose, c);
+    name_pose_from_coordinates(GEOMETRY x, &pose);
+    status = name_pose_coordinates(GEOMETRY &pose, c);
     if (status == NAME_OK) {
-        status = name_solve_limbs(@{ga}c, q, passive@{feasible});
+        status = name_solve_limbs(GEOMETRY c, q, passive@feasible);
     }
     if (status == NAME_OK) {
-        @{within_given}
-        @{turned_given}
-        for (int i = 0; i < @{nq}; ++i) {
-            if (!(@{fabs}(turned[i] - q[i]) <= near[i])) {
+        @within_given
+        @turned_given
+        for (int i = 0; i < @nq; ++i) {
+            if (!(fabs(turned[i] - q[i]) <= near[i])) {
                 status = NAME_WRONG_BRANCH;
             }
         }

@@ -3,7 +3,7 @@ static name_status name_check_sizes(const name_real values[], int count, name_re
 {
     name_status status = name_check_finite(values, count, before);
     for (int i = 0; (i < count) && (status == NAME_OK); ++i) {
-        status = ((values[i] < least) || (values[i] > @{largest})) ? NAME_OUT_OF_RANGE : NAME_OK;
+        status = ((values[i] < least) || (values[i] > @largest)) ? NAME_OUT_OF_RANGE : NAME_OK;
     }
     return status;
 }

@@ -2,30 +2,30 @@
  * solution, 2 for its second, 0 for the one nearest to the guess; near: cosine and sine of the guess's angle, or its slide and 0, of
  * each choice. *undecided is set where nothing decides a joint; margin: squares that vanish where steps decide nothing or two solutions
  * meet. */
-static int name_branches(const name_real x[7], const name_real near[@{nears}], unsigned int wanted, name_real found[][@{nn}], bool *undecided,
-    name_real margin[@{margins}])
+static int name_branches(const name_real x[7], const name_real near[@nears], unsigned int wanted, name_real found[][@nn], bool *undecided,
+    name_real margin[@margins])
 {
     int count = 0;
     (void)margin;
     (void)near;
     (void)wanted;
-@{body}
+    @body
     return count;
 }
 
 /* Turns angles to within half a turn of `about`, and, where that is out of range, of the middle of the range. */
-static name_status name_turn_near(const name_real about[@{nn}], name_real joints[@{nn}])
+static name_status name_turn_near(const name_real about[@nn], name_real joints[@nn])
 {
-    static const bool angular[@{nn}] = { @{angular} };
-    static const name_real middle[@{nn}] = { @{middles} };
+    static const bool angular[@nn] = { @angular };
+    static const name_real middle[@nn] = { @middles };
     name_status status = NAME_OUT_OF_RANGE;
     for (int round = 0; (round < 2) && (status == NAME_OUT_OF_RANGE); ++round) {
         const name_real *const goal = (round == 0) ? about : middle;
-        for (int i = 0; i < @{nn}; ++i) {
-            const name_real number = (goal[i] - joints[i]) * @{per_turn};
-            if (angular[i] && (@{fabs}(number) > @{half}) && (@{fabs}(number) < @{many})) {
-                const int whole = (int)(number + ((number < @{zero}) ? @{minus_half} : @{half}));
-                joints[i] += @{turn} * (name_real)whole;
+        for (int i = 0; i < @nn; ++i) {
+            const name_real number = (goal[i] - joints[i]) * 0.15915494309189535;
+            if (angular[i] && (fabs(number) > 0.5) && (fabs(number) < @many)) {
+                const int whole = (int)(number + ((number < 0.0) ? -0.5 : 0.5));
+                joints[i] += 6.283185307179586 * (name_real)whole;
             }
         }
         status = name_limit_joints(NAME_OK, joints);
@@ -33,13 +33,13 @@ static name_status name_turn_near(const name_real about[@{nn}], name_real joints
     return status;
 }
 
-@{finish}
+@finish
 /* The branch that the bits `wanted` and the guess name; results are written with OK only. */
-static name_status name_one_branch(const name_pose *pose, const name_real near[@{nears}], unsigned int wanted, const name_real about[@{nn}], name_real joints[@{nn}])
+static name_status name_one_branch(const name_pose *pose, const name_real near[@nears], unsigned int wanted, const name_real about[@nn], name_real joints[@nn])
 {
     name_real x[7];
-    name_real found[1][@{nn}];
-    name_real margin[@{margins}];
+    name_real found[1][@nn];
+    name_real margin[@margins];
     bool undecided = false;
     name_status status = name_normalise_pose(pose, x);
     if (status == NAME_OK) {
@@ -50,7 +50,7 @@ static name_status name_one_branch(const name_pose *pose, const name_real near[@
         }
     }
     if (status == NAME_OK) {
-        for (int i = 0; i < @{nn}; ++i) {
+        for (int i = 0; i < @nn; ++i) {
             joints[i] = found[0][i];
         }
     }
@@ -58,20 +58,20 @@ static name_status name_one_branch(const name_pose *pose, const name_real near[@
 }
 
 /* All branches with the given tool pose. */
-int name_inverse_all(const name_pose *pose, name_real joints[@{branches}][@{nn}])
+int name_inverse_all(const name_pose *pose, name_real joints[@branches][@nn])
 {
-    static const name_real near[@{nears}] = { @{zero} };
-    static const name_real middle[@{nn}] = { @{middles} };
+    static const name_real near[@nears] = { 0.0 };
+    static const name_real middle[@nn] = { @middles };
     name_real x[7];
     int count = 0;
-    name_real margin[@{margins}];
+    name_real margin[@margins];
     bool undecided = false;
     name_status status = name_normalise_pose(pose, x);
     if (status == NAME_OK) {
-        const int all = name_branches(x, near, @{both}, joints, &undecided, margin);
+        const int all = name_branches(x, near, @both, joints, &undecided, margin);
         for (int k = 0; k < all; ++k) {
             if (name_settle(x, middle, joints[k]) == NAME_OK) {
-                for (int i = 0; i < @{nn}; ++i) {
+                for (int i = 0; i < @nn; ++i) {
                     joints[count][i] = joints[k][i];
                 }
                 ++count;
@@ -82,26 +82,26 @@ int name_inverse_all(const name_pose *pose, name_real joints[@{branches}][@{nn}]
 }
 
 /* The branch named by the choices' bits. */
-name_status name_inverse_branch(const name_pose *pose, unsigned int branch, name_real joints[@{nn}])
+name_status name_inverse_branch(const name_pose *pose, unsigned int branch, name_real joints[@nn])
 {
-    static const name_real near[@{nears}] = { @{zero} };
-    static const name_real middle[@{nn}] = { @{middles} };
+    static const name_real near[@nears] = { 0.0 };
+    static const name_real middle[@nn] = { @middles };
     name_status status = NAME_OUT_OF_RANGE;
     if (branch < @{branches}U) {
         unsigned int wanted = 0U;
-@{named}
+        @named
         status = name_one_branch(pose, near, wanted, middle, joints);
     }
     return status;
 }
 
 /* The branch nearest to the guess, choice by choice. */
-name_status name_inverse_nearest(const name_pose *pose, const name_real guess[@{nn}], name_real joints[@{nn}])
+name_status name_inverse_nearest(const name_pose *pose, const name_real guess[@nn], name_real joints[@nn])
 {
-    name_status status = name_check_finite(guess, @{nn}, NAME_OK);
+    name_status status = name_check_finite(guess, @nn, NAME_OK);
     if (status == NAME_OK) {
-        name_real near[@{nears}] = { @{zero} };
-@{near}
+        name_real near[@nears] = { 0.0 };
+        @near
         status = name_one_branch(pose, near, 0U, guess, joints);
     }
     return status;

@@ -2,12 +2,12 @@
  * angle by cosine and sine; sign: the guess's side of each choice; left, guard: what must stay above zero, where the line is done
  * and at u; y: the unknowns; share: the smallest root over its usual size; bent, most: how far a part that is too long bends, and may. */
 typedef struct {
-    name_real at[@{nu}];
-    name_real u[@{nu}];
-    name_real sign[@{nk}];
-    name_real y[@{ny}];
+    name_real at[@nu];
+    name_real u[@nu];
+    name_real sign[@nk];
+    name_real y[@ny];
     name_real share;
-    @{guard_members}
+    @guard_members
 } name_direct_work;
 
 /* Reads the guess: its joints by the limbs' formulas, and the signs of the direct problem's. */
@@ -16,7 +16,7 @@ static name_status name_read_guess(name_direct_work *w, const name_pose *guess)
     name_real x[7];
     name_status status = name_normalise_pose(guess, x);
     if (status == NAME_OK) {
-        @{guess_lines}
+        @guess_lines
     }
     return status;
 }
@@ -24,37 +24,37 @@ static name_status name_read_guess(name_direct_work *w, const name_pose *guess)
 /* The formulas (README.md) at w->u: unknowns and guards. */
 static void name_direct_formulas(name_direct_work *w)
 {
-    @{formula_lines}
+    @formula_lines
 }
 
 /* Sets w->u to joint values. */
-static void name_direct_set(name_direct_work *w, const name_real joints[@{nq}])
+static void name_direct_set(name_direct_work *w, const name_real joints[@nq])
 {
-    @{set_lines}
+    @set_lines
 }
 
-@{walk}/* Follows the line from the guess that was read to joint values: the formulas there with the guess's signs, where the line keeps them. */
-static NAME_SHARED name_status name_direct_line(name_direct_work *w, const name_real joints[@{nq}], unsigned int most, unsigned int *count)
+@walk/* Follows the line from the guess that was read to joint values: the formulas there with the guess's signs, where the line keeps them. */
+static NAME_SHARED name_status name_direct_line(name_direct_work *w, const name_real joints[@nq], unsigned int most, unsigned int *count)
 {
     name_status status = NAME_OK;
-    w->share = @{zero};
-    @{span_lines}
+    w->share = 0.0;
+    @span_lines
     if (status == NAME_OK) {
-        name_real change[@{nq}];
+        name_real change[@nq];
         bool kept = false;
         if (most > 0U) {
             name_direct_set(w, joints);
             name_direct_formulas(w);
             *count = 1U;
             /* squares of changes, of an angle by its chord's, up to a right angle */
-            kept = @{near};
-            @{change_lines}
+            kept = @near;
+            @change_lines
             kept = kept && solver_keeps(w, change);
         }
         if (!kept) {
-            name_real at[@{nq}];
-            name_real given[@{nq}];
-            @{at_lines}
+            name_real at[@nq];
+            name_real given[@nq];
+            @at_lines
             status = solver_walk(w, at, given, joints, most, count);
         }
     }
@@ -63,7 +63,7 @@ static NAME_SHARED name_status name_direct_line(name_direct_work *w, const name_
 
 /* Whether an answer, read as a guess, stands still: so near to a fold or a dead centre rounding may put it on the other side, or
  * where no guess is read. */
-static NAME_COLD name_status name_direct_stays(const name_direct_work *w, const name_real joints[@{nq}], const name_pose *answer)
+static NAME_COLD name_status name_direct_stays(const name_direct_work *w, const name_real joints[@nq], const name_pose *answer)
 {
     name_direct_work again;
     unsigned int count = 0U;
@@ -71,19 +71,19 @@ static NAME_COLD name_status name_direct_stays(const name_direct_work *w, const 
     if (status == NAME_OK) {
         status = name_direct_line(&again, joints, 2U, &count);
     }
-    @{same_signs}
+    @same_signs
     return (status == NAME_OK) ? NAME_OK : NAME_WRONG_BRANCH;
 }
 
 /* The answer at joint values. */
-static name_status name_direct_reach(const name_real joints[@{nq}], const name_pose *guess, name_pose *pose, const name_config *config, name_info *info)
+static name_status name_direct_reach(const name_real joints[@nq], const name_pose *guess, name_pose *pose, const name_config *config, name_info *info)
 {
     static const name_config usual = { NAME_TOLERANCE, NAME_MAX_STEPS, NAME_MAX_STEP };
     name_direct_work w;
     unsigned int count = 0U;
-    name_real residual = @{huge};
+    name_real residual = HUGE_VAL;
     name_status status = name_limit_joints(name_read_guess(&w, guess), joints);
-    w.share = @{zero};
+    w.share = 0.0;
     if (config == NULL) {
         config = &usual;
     } else {
@@ -100,7 +100,7 @@ static name_status name_direct_reach(const name_real joints[@{nq}], const name_p
         if ((status == NAME_OK) && !firm) {
             status = name_direct_stays(&w, joints, &answer);
         }
-        @{check_answer}
+        @check_answer
         if (status == NAME_OK) {
             *pose = answer;
         }
@@ -108,9 +108,9 @@ static name_status name_direct_reach(const name_real joints[@{nq}], const name_p
     if (count > 0U) {
         if (info != NULL) {
             info->iterations = (uint8_t)count;
-            info->residual = (residual >= @{zero}) ? residual : @{huge};
-            info->step = @{zero};
-            info->min_pivot = (w.share >= @{zero}) ? w.share : @{zero};
+            info->residual = (residual >= 0.0) ? residual : HUGE_VAL;
+            info->step = 0.0;
+            info->min_pivot = (w.share >= 0.0) ? w.share : 0.0;
             info->joint = @{nq}U;
         }
     } else {
@@ -119,14 +119,14 @@ static name_status name_direct_reach(const name_real joints[@{nq}], const name_p
     return status;
 }
 
-name_status name_direct(const name_config *config, const name_real joints[@{nq}], const name_pose *guess, name_pose *pose, name_info *info)
+name_status name_direct(const name_config *config, const name_real joints[@nq], const name_pose *guess, name_pose *pose, name_info *info)
 {
     return name_direct_reach(joints, guess, pose, config, info);
 }
 
-name_status name_track(const name_real joints[@{nq}], name_pose *pose, name_info *info)
+name_status name_track(const name_real joints[@nq], name_pose *pose, name_info *info)
 {
-    /* @{evaluations} */
+    /* @evaluations */
     static const name_config once = { NAME_TOLERANCE, @{evaluation_count}U, NAME_MAX_STEP };
     const name_status status = name_direct_reach(joints, pose, pose, &once, info);
     return (status == NAME_MAX_ITERATIONS) ? NAME_WRONG_BRANCH : status;

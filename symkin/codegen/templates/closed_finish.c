@@ -1,22 +1,22 @@
 /* Brings joint values of the nearly equal arm, whose axes are parallel or meet as they should, to the tool pose x of this one by
  * Newton's method, near by. */
-static name_status name_finish(const name_real x[7], name_real joints[@{nn}])
+static name_status name_finish(const name_real x[7], name_real joints[@nn])
 {
     solver_work work;
     solver_work *const w = &work;
     name_real residual;
-    name_real size = @{zero};
+    name_real size = 0.0;
     int turn = 1;
-    for (int i = 0; i < @{nn}; ++i) {
+    for (int i = 0; i < @nn; ++i) {
         w->x[i] = joints[i];
     }
-    w->spread = @{zero};
+    w->spread = 0.0;
     name_forward(w->x, w->at);
-    solver_set_target(w, x, @{one});
+    solver_set_target(w, x, 1.0);
     solver_rows(w);
     residual = solver_residual(w);
-    for (int step = 0; (step < @{most_steps}) && (turn != 0) && (size <= @{longest2}) && (residual > NAME_TOLERANCE + @{rounding}); ++step) {
-@{factor}
+    for (int step = 0; (step < @most_steps) && (turn != 0) && (size <= @longest2) && (residual > NAME_TOLERANCE + @rounding); ++step) {
+        @factor
         if (turn != 0) {
             solver_solve(w);
             size = solver_apply_step(w);
@@ -24,14 +24,14 @@ static name_status name_finish(const name_real x[7], name_real joints[@{nn}])
             residual = solver_residual(w);
         }
     }
-    for (int i = 0; i < @{nn}; ++i) {
+    for (int i = 0; i < @nn; ++i) {
         joints[i] = w->x[i];
     }
-    return (residual <= NAME_TOLERANCE + @{rounding}) ? NAME_OK : ((turn == 0) ? NAME_SINGULAR : NAME_OUT_OF_RANGE);
+    return (residual <= NAME_TOLERANCE + @rounding) ? NAME_OK : ((turn == 0) ? NAME_SINGULAR : NAME_OUT_OF_RANGE);
 }
 
 /* Brings the joint values of a branch to where they are wanted: this arm's pose, whole turns, and their ranges. */
-static name_status name_settle(const name_real x[7], const name_real about[@{nn}], name_real joints[@{nn}])
+static name_status name_settle(const name_real x[7], const name_real about[@nn], name_real joints[@nn])
 {
     name_status status = name_finish(x, joints);
     if (status == NAME_OK) {

@@ -1,27 +1,27 @@
 /* Holds the tool's pose of joint values against x. Beside a fold the formulas lose digits, which a step of Newton's method gives back. */
-static name_status name_hold(const name_real x[7], name_real joints[@{nn}], name_real *residual)
+static name_status name_hold(const name_real x[7], name_real joints[@nn], name_real *residual)
 {
     name_real e[6];
     name_status status = NAME_OK;
     *residual = name_pose_error(joints, x, e);
-    if (!(*residual <= @{answer_rounding})) {
-        name_real jacobian[6 * @{nn}];
-        name_real step[@{nn}];
-        status = @{own_jacobian}(joints, jacobian);
+    if (!(*residual <= @answer_rounding)) {
+        name_real jacobian[6 * @nn];
+        name_real step[@nn];
+        status = @own_jacobian(joints, jacobian);
         if (status == NAME_OK) {
             (void)name_damped(jacobian, e, step);
-            for (int i = 0; i < @{nn}; ++i) {
+            for (int i = 0; i < @nn; ++i) {
                 joints[i] += step[i];
             }
             *residual = name_pose_error(joints, x, e);
-            status = (*residual <= @{answer_rounding}) ? NAME_OK : NAME_SINGULAR;
+            status = (*residual <= @answer_rounding) ? NAME_OK : NAME_SINGULAR;
         }
     }
     return status;
 }
 
 /* Brings the joint values of a branch to where they are wanted: whole turns, their ranges, and the tool's pose held against x. */
-static name_status name_settle(const name_real x[7], const name_real about[@{nn}], name_real joints[@{nn}])
+static name_status name_settle(const name_real x[7], const name_real about[@nn], name_real joints[@nn])
 {
     name_real residual;
     name_status status = name_turn_near(about, joints);

@@ -3,11 +3,11 @@ static name_real solver_least_length(solver_work *w, int k, name_real rounding, 
 {
     const name_real left = w->left[k] - rounding;
     const name_real guard = w->guard[k] - rounding;
-    const name_real ends = ((left > @{zero}) && (guard > @{zero})) ? (@{sqrt}(left) + @{sqrt}(guard)) : @{zero};
-    const name_real least = @{half} * (ends - @{raised} * speed);
-    if (!(always > @{zero})) {
-        solver_take(w, @{raised} * @{raised} * speed * speed, ends * ends);
+    const name_real ends = ((left > 0.0) && (guard > 0.0)) ? (sqrt(left) + sqrt(guard)) : 0.0;
+    const name_real least = 0.5 * (ends - @raised * speed);
+    if (!(always > 0.0)) {
+        solver_take(w, @raised * @raised * speed * speed, ends * ends);
     }
-    return (least > always) ? least : ((always > @{zero}) ? always : @{one});
+    return (least > always) ? least : ((always > 0.0) ? always : 1.0);
 }
 

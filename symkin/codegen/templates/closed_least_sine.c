@@ -3,10 +3,10 @@ static name_real solver_least_sine(solver_work *w, int k, name_real rounding, na
 {
     const name_real left = w->left[k] - rounding;
     const name_real guard = w->guard[k] - rounding;
-    const bool above = (left > @{zero}) && (guard > @{zero});
-    const name_real ends = above ? (@{sqrt}(left) * (@{one} + @{sixth} * left) + @{sqrt}(guard) * (@{one} + @{sixth} * guard)) : @{zero};
-    const name_real least = @{half} * (ends - @{raised} * speed);
-    solver_take(w, @{raised} * @{raised} * speed * speed, ends * ends);
-    return (least > @{zero}) ? (least * (@{one} - @{sixth} * least * least)) : @{one};
+    const bool above = (left > 0.0) && (guard > 0.0);
+    const name_real ends = above ? (sqrt(left) * (1.0 + @sixth * left) + sqrt(guard) * (1.0 + @sixth * guard)) : 0.0;
+    const name_real least = 0.5 * (ends - @raised * speed);
+    solver_take(w, @raised * @raised * speed * speed, ends * ends);
+    return (least > 0.0) ? (least * (1.0 - @sixth * least * least)) : 1.0;
 }
 

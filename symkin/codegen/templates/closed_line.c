@@ -3,40 +3,40 @@
  * guess's branch; way: how far each joint goes from one to the other (angles; slides over the size), way2: the sum of the squares. Of the part
  * between: bounds of the joints' speeds and of how these change, and whether it is kept. */
 typedef struct {
-    name_real joints[@{nn}];
-    name_real found[@{nn}];
-    name_real turned[@{nn}][2];
-    name_real aimed[@{nn}][2];
-    name_real sign[@{choices}];
-    name_real way[@{nn}];
+    name_real joints[@nn];
+    name_real found[@nn];
+    name_real turned[@nn][2];
+    name_real aimed[@nn][2];
+    name_real sign[@choices];
+    name_real way[@nn];
     name_real way2;
-    name_real speed[@{nn}];
-    name_real change[@{nn}];
+    name_real speed[@nn];
+    name_real change[@nn];
     bool kept;
-@{members}
+    @members
 } solver_work;
 
 /* Begins a line at joint values: their tool pose x (x, y, z, qw, qx, qy, qz), the squares of the closed form's steps there (README.md), and the
  * branch on which they lie. */
-static void solver_begin(solver_work *w, const name_real joints[@{nn}], name_real x[7])
+static void solver_begin(solver_work *w, const name_real joints[@nn], name_real x[7])
 {
-    name_real u[@{turns}];
+    name_real u[@turns];
     name_half_turns(joints, u);
     name_pose_of_turns(u, x);
-    for (int i = 0; i < @{nn}; ++i) {
+    for (int i = 0; i < @nn; ++i) {
         w->joints[i] = joints[i];
     }
-    w->way2 = @{zero};
-    w->left[0] = @{one};
-    w->guard[0] = @{one};
-@{read}
+    w->way2 = 0.0;
+    w->left[0] = 1.0;
+    w->guard[0] = 1.0;
+    @read
 }
 
-@{joint}@{turn_between}/* The closed form at a tool pose x of the line, on the guess's branch; SINGULAR or OUT_OF_RANGE where that does not reach it. */
+@joint@turn_between/* The closed form at a tool pose x of the line, on the guess's branch; SINGULAR or OUT_OF_RANGE where that does not reach it. */
 static name_status solver_reach(solver_work *w, const name_real x[7])
 {
     name_status status = NAME_OUT_OF_RANGE;
-@{reach}
+    @reach
     return status;
 }
 
@@ -46,12 +46,12 @@ static name_status solver_aim(solver_work *w, const name_real x[7])
 {
     const name_status status = solver_reach(w, x);
     if (status == NAME_OK) {
-@{way_lines}
+        @way_lines
     }
     return status;
 }
 
-@{helpers}@{limits}/* Whether the joints' last way is within what the config allows@{and_within}. */
+@helpers@limits/* Whether the joints' last way is within what the config allows@and_within. */
 static bool solver_follows(solver_work *w, name_real most2)
 {
     const bool follows = (w->way2 <= most2);
@@ -59,42 +59,42 @@ static bool solver_follows(solver_work *w, name_real most2)
         w->bent = w->way2;
         w->most = most2;
     }
-@{limits_kept}
+    @limits_kept
 }
 
-@{walk}/* The closed form along the line of tool poses from the guess's to the given one, on the guess's branch. Angles go on from part to part,
+@walk/* The closed form along the line of tool poses from the guess's to the given one, on the guess's branch. Angles go on from part to part,
  * whole turns included. */
-static name_status solver_along(const name_real to[7], const name_config *config, name_real joints[@{nn}], name_info *info)
+static name_status solver_along(const name_real to[7], const name_config *config, name_real joints[@nn], name_info *info)
 {
     solver_work work;
     solver_work *const w = &work;
     name_real at[7];
-    name_real least = @{one};
-    name_real residual = @{huge};
+    name_real least = 1.0;
+    name_real residual = HUGE_VAL;
     unsigned int count = 0U;
     name_status status = NAME_OK;
     solver_begin(w, joints, at);
-    for (int k = 0; k < @{margins}; ++k) {
-        if (!(w->left[k] > @{least})) {
+    for (int k = 0; k < @margins; ++k) {
+        if (!(w->left[k] > @least)) {
             status = NAME_SINGULAR;
         }
     }
-@{guess_beyond}
+    @guess_beyond
     if (status == NAME_OK) {
-        const name_real most2 = config->max_step * config->max_step * @{per_size2};
+        const name_real most2 = config->max_step * config->max_step * @per_size2;
         status = solver_walk(w, at, to, most2, (unsigned int)config->max_iterations, &count);
     }
-    for (int k = 0; k < @{margins}; ++k) {
+    for (int k = 0; k < @margins; ++k) {
         least = (w->left[k] < least) ? w->left[k] : least;
     }
     if (status == NAME_OK) {
-        for (int i = 0; i < @{nn}; ++i) {
+        for (int i = 0; i < @nn; ++i) {
             joints[i] = solver_joint(i, w->turned[i], w->joints[i]);
         }
         status = name_hold(to, joints, &residual);
     }
-    name_write_info(info, count, residual, w->way2 * @{size2}, (least > @{least}) ? (@{one} / least) : @{zero});
-@{blame}
+    name_write_info(info, count, residual, w->way2 * @size2, (least > @least) ? (1.0 / least) : 0.0);
+    @blame
     return status;
 }
 

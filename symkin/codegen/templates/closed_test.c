@@ -1,7 +1,7 @@
 /* Whether two lists of joint values are the same within a bound (of angles times half of the size), whole turns left aside. */
 static int same_joints(const name_real *a, const name_real *b, double bound)
 {
-    static const int angular[N] = { @{angular} };
+    static const int angular[N] = { @angular };
     int same = 1;
     for (int i = 0; i < N; ++i) {
         const double gap = (double)a[i] - (double)b[i];
@@ -25,7 +25,7 @@ static void branches_of(const function *direct, int k)
     expect((count > 0) && (count <= NAME_BRANCHES), "inverse_all", "count", k);
     for (int row = 0; row < count; ++row) {
         expect(direct->ask(NULL, all[row], NULL, one, NULL) == NAME_OK, "inverse_all", "direct of a branch", k);
-        expect(away(direct, one, given) <= @{reached}, "inverse_all", "a branch's pose", k);
+        expect(away(direct, one, given) <= @reached, "inverse_all", "a branch's pose", k);
         found += same_joints(all[row], name_vector_inverse[k], most);
     }
     expect(found == 1, "inverse_all", "one branch is the arm", k);
@@ -46,12 +46,12 @@ static void refuse_branches(void)
     name_real all[NAME_BRANCHES][N];
     name_real joints[N];
     for (int i = 0; i < N; ++i) {
-        joints[i] = @{four};
+        joints[i] = @four;
     }
     infinite.position[2] = wrong[1];
     expect(name_inverse_branch(&pose, NAME_BRANCHES, joints) == NAME_OUT_OF_RANGE, "inverse_branch", "no such branch", 0);
     expect(name_inverse_branch(&infinite, 0U, joints) == NAME_NONFINITE, "inverse_branch", "infinite pose", 0);
     expect(name_inverse_all(&infinite, all) == 0, "inverse_all", "infinite pose", 0);
-    expect(all_are(joints, N, @{four}), "inverse_branch", "result untouched", 0);
+    expect(all_are(joints, N, @four), "inverse_branch", "result untouched", 0);
 }
 

@@ -3,16 +3,16 @@ static void name_cosine_and_sine(name_real angle, name_real u[2])
 {
     int quarter = 0;
     name_real x = angle;
-    if (@{fabs}(angle) > @{eighth}) {
-        const name_real number = angle * @{per_quarter};
-        quarter = (int)(number + ((number < @{zero}) ? @{minus_half} : @{half}));
+    if (fabs(angle) > @eighth) {
+        const name_real number = angle * @per_quarter;
+        quarter = (int)(number + ((number < 0.0) ? -0.5 : 0.5));
         /* the quarter turn in three parts, the first of which have few digits, so that their products are exact */
         const name_real k = (name_real)quarter;
-        x = ((angle - k * @{quarter1}) - k * @{quarter2}) - k * @{quarter3};
+        x = ((angle - k * @quarter1) - k * @quarter2) - k * @quarter3;
     }
     const name_real square = x * x;
-    const name_real s = x + x * square * (@{sine});
-    const name_real c = (@{one} - @{half} * square) + square * square * (@{cosine});
+    const name_real s = x + x * square * (@sine);
+    const name_real c = (1.0 - 0.5 * square) + square * square * (@cosine);
     u[0] = c;
     u[1] = s;
     if (quarter != 0) {

@@ -4,12 +4,12 @@ static name_real solver_turn(const name_real a[2], const name_real b[2])
     const name_real s = (b[1] * a[0]) - (b[0] * a[1]);
     const name_real c = (b[0] * a[0]) + (b[1] * a[1]);
     name_real way;
-    if (@{fabs}(s) < c) {
+    if (fabs(s) < c) {
         const name_real ratio = s / c;
         const name_real square = ratio * ratio;
-        way = ratio * (@{near_arctangent});
+        way = ratio * (@near_arctangent);
     } else {
-        way = @{arctangent2}(s, c);
+        way = atan2(s, c);
     }
     return way;
 }

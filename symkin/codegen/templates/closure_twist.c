@@ -1,27 +1,27 @@
 /* The twist of joint rates: the closure's linear system at the pose. */
-@{static_own}name_status @{twist}(@{gp}const name_pose *pose, const name_real rates[@{nq}], name_real twist[6])
+@static_own name_status @twist(GEOMETRY_GIVEN const name_pose *pose, const name_real rates[@nq], name_real twist[6])
 {
     solver_work work;
     solver_work *const w = &work;
-    name_real c[@{nc}];
-    name_real passive[@{np}] = { @{zero} };
-    name_status status = name_pose_coordinates(@{ga}pose, c);
+    name_real c[@nc];
+    name_real passive[@np] = { 0.0 };
+    name_status status = name_pose_coordinates(GEOMETRY pose, c);
     if (status == NAME_OK) {
-        status = (name_solve_limbs(@{ga}c, @{into}, passive@{feasible}) == NAME_OK) ? NAME_OK : NAME_OUT_OF_RANGE;
+        status = (name_solve_limbs(GEOMETRY c, @into, passive@feasible) == NAME_OK) ? NAME_OK : NAME_OUT_OF_RANGE;
     }
-    status = name_check_sizes(rates, @{nq}, -@{largest}, status);
+    status = name_check_sizes(rates, @nq, -@largest, status);
     if (status == NAME_OK) {
-        @{state}
-        if (@{singular_there}) {
+        @state
+        if (@singular_there) {
             status = NAME_SINGULAR;
         } else {
-            @{sides}
+            @sides
             solver_solve(w);
-            status = name_check_finite(w->f, @{nf}, NAME_OK);
+            status = name_check_finite(w->f, @nf, NAME_OK);
         }
     }
     if (status == NAME_OK) {
-        @{store}
+        @store
     }
     return status;
 }

@@ -1,9 +1,9 @@
-/* @{about} */
-static void @{columns}(@{gp}const solver_work *w, @{given}name_real sides[@{nsides}])
+/* @about */
+static void @columns(GEOMETRY_GIVEN const solver_work *w, @{given}name_real sides[@nsides])
 {
     (void)w;
-    @{unused}
-@{use}
-    @{sides}
+    @unused
+@use
+    @sides
 }
 

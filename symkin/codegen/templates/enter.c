@@ -1,10 +1,10 @@
-name_real c[@{nc}];
-name_real passive[@{np}] = { @{zero} };
-status = name_pose_coordinates(@{ga}guess, c);
+name_real c[@nc];
+name_real passive[@np] = { 0.0 };
+status = name_pose_coordinates(GEOMETRY guess, c);
 if (status == NAME_OK) {
-    status = name_solve_limbs(@{ga}c, w->at, passive@{of_answer});
-    @{copied}
-    @{turned}
-    @{placed}
+    status = name_solve_limbs(GEOMETRY c, w->at, passive@of_answer);
+    @copied
+    @turned
+    @placed
     status = (status == NAME_OK) ? status : NAME_OUT_OF_RANGE;
 }

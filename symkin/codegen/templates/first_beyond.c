@@ -1,10 +1,10 @@
 /* The first joint, from 0, whose value is outside its range or not finite; the number of joints where none is. */
-static NAME_SHARED uint8_t name_first_beyond(@{gp}const name_real joints[@{nq}])
+static NAME_SHARED uint8_t name_first_beyond(GEOMETRY_GIVEN const name_real joints[@nq])
 {
-    @{tables}
+    @tables
     uint8_t joint = 0U;
-@{use}
-    while ((joint < @{nq}U) && @{inside}) {
+@use
+    while ((joint < @{nq}U) && @inside) {
         ++joint;
     }
     return joint;

@@ -2,11 +2,11 @@
  * and pivots were chosen for the nominal values: give what a calibration finds, not another machine. Where constraints
  * depend on one another, values that contradict them leave no pose, and no call is OK. */
 typedef struct {
-    @{members}
+    @members
 } name_geometry;
 
 /* Nominal geometry, as an initialiser. */
 #define NAME_NOMINAL \
     { \
-        @{numbers}
+        @numbers
     }

@@ -4,9 +4,9 @@ static NAME_COLD void name_write_info(name_info *info, unsigned int count, name_
 {
     if (info != NULL) {
         info->iterations = (uint8_t)count;
-        info->residual = (residual >= @{zero}) ? residual : @{huge};
-        info->step = (size >= @{zero}) ? @{sqrt}(size) : @{huge};
-        info->min_pivot = (spread > @{zero}) ? (@{one} / @{sqrt}(spread)) : @{zero};
+        info->residual = (residual >= 0.0) ? residual : HUGE_VAL;
+        info->step = (size >= 0.0) ? sqrt(size) : HUGE_VAL;
+        info->min_pivot = (spread > 0.0) ? (1.0 / sqrt(spread)) : 0.0;
         info->joint = @{nq}U;
     }
 }
@@ -17,9 +17,9 @@ static NAME_COLD name_status name_check_config(const name_config *config, name_s
     const name_real tolerance = config->tolerance;
     const name_real longest = config->max_step;
     name_status status = before;
-    if (!((tolerance > @{zero}) && (longest > @{zero}) && (tolerance <= @{farthest} - longest)) && (before != NAME_NONFINITE)) {
+    if (!((tolerance > 0.0) && (longest > 0.0) && (tolerance <= @farthest - longest)) && (before != NAME_NONFINITE)) {
         const name_real none = (tolerance - tolerance) + (longest - longest); /* 0, but NaN for NaN and infinities */
-        status = (none <= @{zero}) ? NAME_OUT_OF_RANGE : NAME_NONFINITE;
+        status = (none <= 0.0) ? NAME_OUT_OF_RANGE : NAME_NONFINITE;
     }
     return status;
 }

@@ -1,11 +1,11 @@
-/* LinuxCNC kinematics of @{p}: joints in @{units}, world in mm and degrees.
- * @{stamp}
+/* LinuxCNC kinematics of @p: joints in @units, world in mm and degrees.
+ * @stamp
  * SPDX-License-Identifier: MIT
  *
  *     halcompile --install name_kins.c
- *     [KINS] KINEMATICS = name_kins, JOINTS = @{nq}; [TRAJ] LINEAR_UNITS = mm, ANGULAR_UNITS = degree
+ *     [KINS] KINEMATICS = name_kins, JOINTS = @nq; [TRAJ] LINEAR_UNITS = mm, ANGULAR_UNITS = degree
  *
- * @{turns_told}@{pins_told}
+ * @turns_told@pins_told
  */
 #include "rtapi.h"
 #include "rtapi_app.h"
@@ -14,7 +14,7 @@
 #include "kinematics.h"
 
 /* halcompile compiles one file */
-#include "@{p}.c"
+#include "@p.c"
 
 KINS_NOT_SWITCHABLE
 EXPORT_SYMBOL(kinematicsType);
@@ -23,12 +23,12 @@ EXPORT_SYMBOL(kinematicsInverse);
 MODULE_LICENSE("Dual MIT/GPL");
 
 #define NAME_DEGREES (57.29577951308232) /* of a radian */
-#define NAME_MM (@{mm}) /* of a unit of length */
+#define NAME_MM (@mm) /* of a unit of length */
 
 static int name_component;
-@{memory}
-@{pins}
-@{conversions}
+@memory
+@pins
+@conversions
 KINEMATICS_TYPE kinematicsType(void)
 {
     return KINEMATICS_BOTH;
@@ -36,21 +36,21 @@ KINEMATICS_TYPE kinematicsType(void)
 
 int kinematicsForward(const double *joint, EmcPose *world, const KINEMATICS_FORWARD_FLAGS *fflags, KINEMATICS_INVERSE_FLAGS *iflags)
 {
-    static const double unit[@{nq}] = { @{joint_units} };
-    double joints[@{nq}];
+    static const double unit[@nq] = { @joint_units };
+    double joints[@nq];
     name_pose pose;
     name_status status;
-@{geometry}
+@geometry
     (void)fflags;
     (void)iflags;
-    for (int i = 0; i < @{nq}; ++i) {
+    for (int i = 0; i < @nq; ++i) {
         joints[i] = joint[i] / unit[i];
     }
-@{forward}
+@forward
     if (status != NAME_OK) {
         return -1;
     }
-@{remembered}
+@remembered
     world->tran.x = pose.position[0] * NAME_MM;
     world->tran.y = pose.position[1] * NAME_MM;
     world->tran.z = pose.position[2] * NAME_MM;
@@ -61,22 +61,22 @@ int kinematicsForward(const double *joint, EmcPose *world, const KINEMATICS_FORW
 /* The joints that are there when it is called are the guess, where one is asked for. */
 int kinematicsInverse(const EmcPose *world, double *joint, const KINEMATICS_INVERSE_FLAGS *iflags, KINEMATICS_FORWARD_FLAGS *fflags)
 {
-    static const double unit[@{nq}] = { @{joint_units} };
+    static const double unit[@nq] = { @joint_units };
     const name_pose pose = name_pose_of(world);
-    double joints[@{nq}];
-@{geometry}
+    double joints[@nq];
+@geometry
     (void)iflags;
     (void)fflags;
-    for (int i = 0; i < @{nq}; ++i) {
+    for (int i = 0; i < @nq; ++i) {
         joints[i] = joint[i] / unit[i];
     }
-    if (name_inverse(@{ga}@{inverse}) != NAME_OK) {
+    if (name_inverse(@ga@inverse) != NAME_OK) {
         return -1;
     }
-    for (int i = 0; i < @{nq}; ++i) {
+    for (int i = 0; i < @nq; ++i) {
         joint[i] = joints[i] * unit[i];
     }
-@{remembered}
+@remembered
     return 0;
 }
 
@@ -87,7 +87,7 @@ int rtapi_app_main(void)
     if (name_component < 0) {
         return name_component;
     }
-    @{new_pins}
+    @new_pins
     if (fault == 0) {
         (void)hal_ready(name_component);
     } else {

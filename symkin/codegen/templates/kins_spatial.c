@@ -5,8 +5,8 @@ static name_pose name_pose_of(const EmcPose *world)
     const double b = 0.5 * world->b / NAME_DEGREES;
     const double c = 0.5 * world->c / NAME_DEGREES;
     name_pose pose;
-    @{from_home}
-    @{positions}
+    @from_home
+    @positions
     pose.quaternion[0] = cos(a) * cos(b) * cos(c) + sin(a) * sin(b) * sin(c);
     pose.quaternion[1] = sin(a) * cos(b) * cos(c) - cos(a) * sin(b) * sin(c);
     pose.quaternion[2] = cos(a) * sin(b) * cos(c) + sin(a) * cos(b) * sin(c);

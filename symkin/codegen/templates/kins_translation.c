@@ -2,7 +2,7 @@
 static name_pose name_pose_of(const EmcPose *world)
 {
     name_pose pose = name_home;
-    @{positions}
+    @positions
     return pose;
 }
 

@@ -3,7 +3,7 @@ static name_pose name_pose_of(const EmcPose *world)
 {
     const double half = 0.5 * world->c / NAME_DEGREES;
     name_pose pose = name_home;
-    @{positions}
+    @positions
     pose.quaternion[0] = cos(half) * name_home.quaternion[0] - sin(half) * name_home.quaternion[3];
     pose.quaternion[1] = cos(half) * name_home.quaternion[1] - sin(half) * name_home.quaternion[2];
     pose.quaternion[2] = cos(half) * name_home.quaternion[2] + sin(half) * name_home.quaternion[1];

@@ -1,39 +1,39 @@
 /* Joint values of a pose, limb by limb. */
-name_status name_inverse(@{gp}const name_pose *pose, name_real joints[@{nq}])
+name_status name_inverse(GEOMETRY_GIVEN const name_pose *pose, name_real joints[@nq])
 {
-    name_real c[@{nc}];
-    name_real q[@{nq}] = { @{zero} };
-    name_real passive[@{np}] = { @{zero} };
-    name_status status = name_pose_coordinates(@{ga}pose, c);
+    name_real c[@nc];
+    name_real q[@nq] = { 0.0 };
+    name_real passive[@np] = { 0.0 };
+    name_status status = name_pose_coordinates(GEOMETRY pose, c);
     if (status == NAME_OK) {
-        status = name_solve_limbs(@{ga}c, q, passive@{feasible});
+        status = name_solve_limbs(GEOMETRY c, q, passive@feasible);
         if (status != NAME_OK) {
             status = NAME_OUT_OF_RANGE;
         } else {
-            @{within_middle}
-            status = name_limit_joints(@{ga}status, q);
+            @within_middle
+            status = name_limit_joints(GEOMETRY status, q);
         }
-        @{inverse_passive}
+        @inverse_passive
         if (status == NAME_OK) {
-            @{copy_joints}
+            @copy_joints
         }
     }
     return status;
 }
 
 /* Joint rates by the platform's twist, limb by limb: each limb's matrix solved for its right-hand sides. */
-@{static_own}name_status @{jacobian}(@{gp}const name_pose *pose, name_real rates[@{nq} * 6])
+@static_own name_status @jacobian(GEOMETRY_GIVEN const name_pose *pose, name_real rates[@nq * 6])
 {
-    name_real c[@{nc}];
-    name_real jacobian[@{nq} * 6] = { @{zero} };
-    name_status status = name_pose_coordinates(@{ga}pose, c);
+    name_real c[@nc];
+    name_real jacobian[@nq * 6] = { 0.0 };
+    name_status status = name_pose_coordinates(GEOMETRY pose, c);
     if (status == NAME_OK) {
-        @{rates}
-        if ((status == NAME_OK) && (name_check_finite(jacobian, @{nq} * 6, NAME_OK) != NAME_OK)) {
+        @rates
+        if ((status == NAME_OK) && (name_check_finite(jacobian, @nq * 6, NAME_OK) != NAME_OK)) {
             status = NAME_SINGULAR;
         }
         if (status == NAME_OK) {
-            for (int i = 0; i < @{nq} * 6; ++i) {
+            for (int i = 0; i < @nq * 6; ++i) {
                 rates[i] = jacobian[i];
             }
         } else if (status != NAME_SINGULAR) {

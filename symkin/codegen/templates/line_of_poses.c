@@ -1,13 +1,13 @@
     /* of q and -q, one rotation, the one on the guess's side */
     const name_real cosine = (at[3] * to[3]) + (at[4] * to[4]) + (at[5] * to[5]) + (at[6] * to[6]);
-    const name_real side = (cosine < @{zero}) ? -@{one} : @{one};
+    const name_real side = (cosine < 0.0) ? -1.0 : 1.0;
     name_real move[7];
-    way2[0] = @{zero};
-    way2[1] = @{turn_noise};
+    way2[0] = 0.0;
+    way2[1] = @turn_noise;
     for (int i = 0; i < 7; ++i) {
         move[i] = ((i < 3) ? to[i] : (side * to[i])) - at[i];
         way2[(i < 3) ? 0 : 1] += move[i] * move[i];
     }
-    way2[0] *= @{per_size2};
+    way2[0] *= @per_size2;
     /* the square of the largest speed of the turn between them, of which they are the chord */
-    way2[1] *= @{eight} / (@{one} + (side * cosine));
+    way2[1] *= 8.0 / (1.0 + (side * cosine));

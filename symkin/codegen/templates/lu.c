@@ -6,9 +6,9 @@ static NAME_COLD int name_lu(name_real *a, uint8_t *order, const name_real *leas
     for (int c = 0; c < n; ++c) {
         /* the largest entry of the column becomes the pivot */
         int best = c;
-        name_real largest = @{zero};
+        name_real largest = 0.0;
         for (int r = c; r < n; ++r) {
-            const name_real size = @{fabs}(a[n * r + c]);
+            const name_real size = fabs(a[n * r + c]);
             if (size > largest) {
                 largest = size;
                 best = r;
@@ -26,11 +26,11 @@ static NAME_COLD int name_lu(name_real *a, uint8_t *order, const name_real *leas
                 a[n * best + j] = t;
             }
         }
-        if (a[n * c + c] < @{zero}) {
+        if (a[n * c + c] < 0.0) {
             sign = -sign;
         }
         /* reduce the rows below */
-        const name_real inverse = @{one} / a[n * c + c];
+        const name_real inverse = 1.0 / a[n * c + c];
         a[n * c + c] = inverse;
         for (int r = c + 1; r < n; ++r) {
             const name_real factor = a[n * r + c] * inverse;

@@ -1,17 +1,17 @@
-/* @{about} */
-name_status name_@{function}(const name_real joints[@{nq}], const name_real found[@{nq}], const name_real @{given}[@{nq}], name_real @{asked}[@{count}])
+/* @about */
+name_status name_@function(const name_real joints[@nq], const name_real found[@nq], const name_real @given[@nq], name_real @asked[@count])
 {
-    name_real @{matrix}[@{nj}];
-    name_status status = name_check_sizes(@{given}, @{nq}, @{least}, NAME_OK);
+    name_real @matrix[@nj];
+    name_status status = name_check_sizes(@given, @nq, @least, NAME_OK);
     if (status == NAME_OK) {
-        status = name_@{matrix}(joints, found, @{matrix});
+        status = name_@matrix(joints, found, @matrix);
     }
     if (status == NAME_OK) {
-        name_real result[@{count}];
-        for (int i = 0; i < @{count}; ++i) {
-            @{body}
+        name_real result[@count];
+        for (int i = 0; i < @count; ++i) {
+            @body
         }
-        status = name_give(result, @{asked}, @{count});
+        status = name_give(result, @asked, @count);
     }
     return status;
 }

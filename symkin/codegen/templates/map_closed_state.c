@@ -1,11 +1,11 @@
-static const name_real sign[@{signs}] = { @{home_signs} };
-name_real k[@{nk}];
-name_real x[@{ns}];
-name_real d[@{conditions}];
-@{circles}
+static const name_real sign[@signs] = { @home_signs };
+name_real k[@nk];
+name_real x[@ns];
+name_real d[@conditions];
+@circles
 solver_formulas(k, sign, x, d);
-for (int i = 0; i < @{conditions}; ++i) {
-    if (!(d[i] > @{resolved})) {
+for (int i = 0; i < @conditions; ++i) {
+    if (!(d[i] > @resolved)) {
         status = NAME_OUT_OF_RANGE;
     }
 }

@@ -1,16 +1,16 @@
 /* near the reference configuration by one step of Newton's method from polynomials */
-name_real @{out}[@{nout}];
-bool near_home = solver_near_home(values, @{out});
+name_real @out[@nout];
+bool near_home = solver_near_home(values, @out);
 if (near_home) {
-    solver_place(&w, values, @{out});
+    solver_place(&w, values, @out);
     solver_rows(&w);
-    near_home = !(@{singular});
+    near_home = !(@singular);
     if (near_home) {
         solver_solve(&w);
-        @{others}
-        near_home = (solver_apply_step(&w) <= @{longest});
+        @others
+        near_home = (solver_apply_step(&w) <= @longest);
     }
 }
 if (!near_home) {
-    @{line}
+    @line
 }

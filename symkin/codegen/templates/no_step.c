@@ -1,10 +1,10 @@
 /* Writes the info of a call that takes no step: no number is known but which joint is the first that is outside its range or not
  * finite. */
-static NAME_COLD void name_write_no_step(@{gp}name_info *info, const name_real joints[@{nq}])
+static NAME_COLD void name_write_no_step(GEOMETRY_GIVEN name_info *info, const name_real joints[@nq])
 {
-    name_write_info(info, 0U, @{huge}, @{zero}, @{zero});
+    name_write_info(info, 0U, HUGE_VAL, 0.0, 0.0);
     if (info != NULL) {
-        info->joint = name_first_beyond(@{ga}joints);
+        info->joint = name_first_beyond(GEOMETRY joints);
     }
 }
 

@@ -1,69 +1,69 @@
 /* Reads joints and guess: checks both and sets the state to the guess's. What passes is finite and within bounds. */
-static NAME_SHARED name_status name_read_guess(@{gp}name_direct_work *w, const name_real joints[@{nq}], const name_pose *guess)
+static NAME_SHARED name_status name_read_guess(GEOMETRY_GIVEN name_direct_work *w, const name_real joints[@nq], const name_pose *guess)
 {
     name_status status;
-    @{enter}
+    @enter
     /* NaN or infinity anywhere comes first */
-    return name_limit_joints(@{ga}status, joints);
+    return name_limit_joints(GEOMETRY status, joints);
 }
 
 /* Writes the pose of the state. */
-static NAME_SHARED void name_write_pose(@{gp}const name_direct_work *w, name_pose *pose)
+static NAME_SHARED void name_write_pose(GEOMETRY_GIVEN const name_direct_work *w, name_pose *pose)
 {
-@{use}
-    @{leave}
+@use
+    @leave
 }
 
-name_status name_direct(@{gp}const name_config *config, const name_real joints[@{nq}], const name_pose *guess, name_pose *pose, name_info *info)
+name_status name_direct(GEOMETRY_GIVEN const name_config *config, const name_real joints[@nq], const name_pose *guess, name_pose *pose, name_info *info)
 {
     static const name_config usual = { NAME_TOLERANCE, NAME_MAX_STEPS, NAME_MAX_STEP };
     name_direct_work w;
-    name_status status = name_read_guess(@{ga}&w, joints, guess);
+    name_status status = name_read_guess(GEOMETRY &w, joints, guess);
     if (config != NULL) {
         status = name_check_config(config, status);
     }
     if (status == NAME_OK) {
-        @{unwrap}
-        status = name_direct_newton(@{ga}&w, @{to}, (config != NULL) ? config : &usual, info);
-        @{check_branch}
-        @{stand}
-        @{direct_passive}
+        @unwrap
+        status = name_direct_newton(GEOMETRY &w, @to, (config != NULL) ? config : &usual, info);
+        @check_branch
+        @stand
+        @direct_passive
         if (status == NAME_OK) {
-            name_write_pose(@{ga}&w, pose);
+            name_write_pose(GEOMETRY &w, pose);
         }
     } else {
-        name_write_no_step(@{ga}info, joints);
+        name_write_no_step(GEOMETRY info, joints);
     }
     return status;
 }
 
-name_status name_track(@{gp}const name_real joints[@{nq}], name_pose *pose, name_info *info)
+name_status name_track(GEOMETRY_GIVEN const name_real joints[@nq], name_pose *pose, name_info *info)
 {
     name_direct_work w;
-    name_status status = name_read_guess(@{ga}&w, joints, pose);
+    name_status status = name_read_guess(GEOMETRY &w, joints, pose);
     bool stepped = false;
     if (status == NAME_OK) {
-        @{unwrap}
+        @unwrap
         /* one step of Newton's method from the last pose */
-        name_direct_set_target(@{ga}&w, @{to}@{whole});
-        @{keep_known}
-        name_direct_rows(@{ga}&w);
-        if (@{track_factor}) {
+        name_direct_set_target(GEOMETRY &w, @to@whole);
+        @keep_known
+        name_direct_rows(GEOMETRY &w);
+        if (@track_factor) {
             status = NAME_SINGULAR;
         } else {
             stepped = true;
             name_direct_solve(&w);
-            const name_real size = name_direct_apply_step(@{ga}&w);
-            name_write_info(info, 1U, @{kappa} * size, size, w.spread);
-            if (size <= @{track2}) {
-                @{write_tracked}
+            const name_real size = name_direct_apply_step(GEOMETRY &w);
+            name_write_info(info, 1U, @kappa * size, size, w.spread);
+            if (size <= @track2) {
+                @write_tracked
             } else {
                 status = NAME_WRONG_BRANCH;
             }
         }
     }
     if (!stepped) {
-        name_write_no_step(@{ga}info, joints);
+        name_write_no_step(GEOMETRY info, joints);
     }
     return status;
 }

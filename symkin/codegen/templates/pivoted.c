@@ -1,22 +1,22 @@
 
 /* The matrix -df/dstep into w->a, row by row: the fallback's start. */
-static void solver_matrix(@{gp}solver_work *w)
+static void solver_matrix(GEOMETRY_GIVEN solver_work *w)
 {
-@{use}
-@{matrix}
+@use
+    @matrix
 }
 
 /* The factors in loops; the sign of the determinant, 0 where the matrix is singular. */
-static NAME_COLD int solver_pivoted(@{gp}solver_work *w)
+static NAME_COLD int solver_pivoted(GEOMETRY_GIVEN solver_work *w)
 {
-    static const name_real scale[@{n}] = { @{column_scales} };
-    static const name_real least[@{n}] = { @{least_pivots} };
-    solver_matrix(@{ga}w);
+    static const name_real scale[@n] = { @column_scales };
+    static const name_real least[@n] = { @least_pivots };
+    solver_matrix(GEOMETRY w);
     w->pivoted = true;
-    w->spread = @{zero};
-    const int sign = name_lu(w->a, w->order, least, @{n});
-    for (int c = 0; (c < @{n}) && (sign != 0); ++c) {
-        const name_real inverse = w->a[@{n1} * c] * scale[c];
+    w->spread = 0.0;
+    const int sign = name_lu(w->a, w->order, least, @n);
+    for (int c = 0; (c < @n) && (sign != 0); ++c) {
+        const name_real inverse = w->a[@n1 * c] * scale[c];
         w->spread += inverse * inverse;
     }
     return sign;

@@ -2,8 +2,8 @@ name_real x[7];
 for (int i = 0; i < 7; ++i) {
     x[i] = at[i] + (end * move[i]);
 }
-if (end < @{one}) {
-    const name_real inverse = @{one} / @{sqrt}((x[3] * x[3]) + (x[4] * x[4]) + (x[5] * x[5]) + (x[6] * x[6]));
+if (end < 1.0) {
+    const name_real inverse = 1.0 / sqrt((x[3] * x[3]) + (x[4] * x[4]) + (x[5] * x[5]) + (x[6] * x[6]));
     for (int i = 3; i < 7; ++i) {
         x[i] *= inverse;
     }

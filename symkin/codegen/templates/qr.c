@@ -1,33 +1,33 @@
-/* The @{which} into w->a, row by row. */
-static void solver_matrix(@{gp}solver_work *w)
+/* The @which into w->a, row by row. */
+static void solver_matrix(GEOMETRY_GIVEN solver_work *w)
 {
-@{use}
-@{matrix}
+@use
+    @matrix
 }
 
-/* QR of the @{m} x @{n} @{which} by modified Gram-Schmidt: Q in w->a, R in w->r with reciprocals on the diagonal; 0 where
+/* QR of the @m x @n @which by modified Gram-Schmidt: Q in w->a, R in w->r with reciprocals on the diagonal; 0 where
  * its columns are dependent. */
-static int solver_factor(@{gp}solver_work *w)
+static int solver_factor(GEOMETRY_GIVEN solver_work *w)
 {
-    solver_matrix(@{ga}w);
-    w->spread = @{zero};
-    for (int c = 0; c < @{n}; ++c) {
+    solver_matrix(GEOMETRY w);
+    w->spread = 0.0;
+    for (int c = 0; c < @n; ++c) {
         /* the length of the column, its reciprocal on R's diagonal */
-        name_real squared = @{zero};
-        for (int i = 0; i < @{m}; ++i) {
-            squared += w->a[@{n} * i + c] * w->a[@{n} * i + c];
+        name_real squared = 0.0;
+        for (int i = 0; i < @m; ++i) {
+            squared += w->a[@n * i + c] * w->a[@n * i + c];
         }
-        if (!(squared > @{singular} * @{singular})) {
-            w->spread = @{zero};
+        if (!(squared > @singular * @singular)) {
+            w->spread = 0.0;
             return 0;
         }
-        const name_real inverse = @{one} / @{sqrt}(squared);
-        w->r[@{n} * c + c] = inverse;
+        const name_real inverse = 1.0 / sqrt(squared);
+        w->r[@n * c + c] = inverse;
         w->spread += inverse * inverse;
-        for (int i = 0; i < @{m}; ++i) {
-            w->a[@{n} * i + c] *= inverse;
+        for (int i = 0; i < @m; ++i) {
+            w->a[@n * i + c] *= inverse;
         }
-        @{others}
+        @others
     }
     return 1;
 }

@@ -7,6 +7,6 @@ typedef struct {
 
 /* Nominal geometry, as an initialiser. */
 #define NAME_NOMINAL \
-    { { @{base} }, \
-      { @{ends} }, \
-      { @{offsets} } }
+    { { @base }, \
+      { @ends }, \
+      { @offsets } }

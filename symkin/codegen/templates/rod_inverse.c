@@ -1,30 +1,30 @@
 /* Joint values of a pose: lengths of the rod vectors, less the offsets. */
-name_status name_inverse(@{gp}const name_pose *pose, name_real joints[6])
+name_status name_inverse(GEOMETRY_GIVEN const name_pose *pose, name_real joints[6])
 {
     name_direct_work w;
-    name_status status = name_normalise_pose(@{ga}pose, w.x);
+    name_status status = name_normalise_pose(GEOMETRY pose, w.x);
     if (status == NAME_OK) {
-        name_rod_values(@{ga}&w);
-        status = name_limit_joints(@{ga}status, w.k);
+        name_rod_values(GEOMETRY &w);
+        status = name_limit_joints(GEOMETRY status, w.k);
         if (status == NAME_OK) {
-            @{copy_joints}
+            @copy_joints
         }
     }
     return status;
 }
 
 /* Rows (u_i, (R a_i) x u_i), u_i the unit vector along rod i: its rate by the platform's twist. */
-name_status name_jacobian(@{gp}const name_pose *pose, name_real jacobian[36])
+name_status name_jacobian(GEOMETRY_GIVEN const name_pose *pose, name_real jacobian[36])
 {
     name_real x[7];
-    name_status status = name_normalise_pose(@{ga}pose, x);
+    name_status status = name_normalise_pose(GEOMETRY pose, x);
     if (status == NAME_OK) {
-        @{jacobian}
+        @jacobian
         /* where a rod has no length there is no direction */
-        if (!(shortest > @{zero})) {
+        if (!(shortest > 0.0)) {
             status = NAME_SINGULAR;
         } else {
-            @{store_jacobian}
+            @store_jacobian
         }
     }
     return status;

@@ -1,15 +1,15 @@
-@{table}
+@table
 name_direct_work w;
 name_real rows[36];
-name_real shortest = @{huge};
-@{state}
-name_direct_rows(@{ga}&w);
+name_real shortest = HUGE_VAL;
+@state
+name_direct_rows(GEOMETRY &w);
 for (int i = 0; i < 6; ++i) {
     const name_real *const d = &w.d[3 * i];
     name_real *const row = &rows[6 * i];
-    @{towards}
+    @towards
     const name_real squared = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
-    const name_real inverse = @{one} / @{sqrt}((squared > @{zero}) ? squared : @{one});
+    const name_real inverse = 1.0 / sqrt((squared > 0.0) ? squared : 1.0);
     shortest = (squared < shortest) ? squared : shortest;
     row[0] = d[0] * inverse;
     row[1] = d[1] * inverse;

@@ -4,7 +4,7 @@ static bool name_all_above(const name_real c[7])
 {
     bool above = true;
     for (int i = 0; i < 7; ++i) {
-        above = above && (c[i] >= @{zero});
+        above = above && (c[i] >= 0.0);
     }
     return above;
 }
@@ -13,8 +13,8 @@ static bool name_all_above(const name_real c[7])
  * the largest of them. Parts are cut off the beginning while that does not decide. */
 static name_status name_stays_above(name_real c[7], unsigned int most, unsigned int *count)
 {
-    name_status status = ((c[0] >= @{zero}) && (c[6] >= @{zero})) ? NAME_OK : NAME_OUT_OF_RANGE;
-    name_real part = @{half};
+    name_status status = ((c[0] >= 0.0) && (c[6] >= 0.0)) ? NAME_OK : NAME_OUT_OF_RANGE;
+    name_real part = 0.5;
     bool above = name_all_above(c);
     while ((*count < most) && (status == NAME_OK) && !above) {
         name_real left[7];
@@ -30,17 +30,17 @@ static name_status name_stays_above(name_real c[7], unsigned int most, unsigned 
                 right[i] += part * (right[i + 1] - right[i]);
             }
         }
-        if (right[0] < @{zero}) {
+        if (right[0] < 0.0) {
             status = NAME_OUT_OF_RANGE;
         } else if (name_all_above(left)) {
             for (int i = 0; i < 7; ++i) {
                 c[i] = right[i];
             }
-            part = @{half};
+            part = 0.5;
             above = name_all_above(c);
         } else {
-            part *= @{half};
-            if (part < @{least_part}) {
+            part *= 0.5;
+            if (part < @least_part) {
                 status = NAME_OUT_OF_RANGE;
             }
         }
@@ -56,31 +56,31 @@ static void name_add_square(const name_real b[4], name_real factor, name_real c[
 {
     c[0] += factor * (b[0] * b[0]);
     c[1] += factor * (b[0] * b[1]);
-    c[2] += factor * (@{two_fifths} * (b[0] * b[2]) + @{three_fifths} * (b[1] * b[1]));
-    c[3] += factor * (@{tenth} * (b[0] * b[3]) + @{nine_tenths} * (b[1] * b[2]));
-    c[4] += factor * (@{two_fifths} * (b[1] * b[3]) + @{three_fifths} * (b[2] * b[2]));
+    c[2] += factor * (0.4 * (b[0] * b[2]) + 0.6 * (b[1] * b[1]));
+    c[3] += factor * (0.1 * (b[0] * b[3]) + 0.9 * (b[1] * b[2]));
+    c[4] += factor * (0.4 * (b[1] * b[3]) + 0.6 * (b[2] * b[2]));
     c[5] += factor * (b[2] * b[3]);
     c[6] += factor * (b[3] * b[3]);
 }
 
 /* Joint limits along the line of poses. With the quaternion q0 + t (q1 - q0), whose squared length is n, the vector n d of a rod is a
  * cubic in t, by its values at both ends and at the middle pose, and n^2 (|d|^2 - L^2) is of degree 6. */
-name_status name_line(@{gp}const name_config *config, const name_pose *from, const name_pose *to, name_info *info)
+name_status name_line(GEOMETRY_GIVEN const name_config *config, const name_pose *from, const name_pose *to, name_info *info)
 {
-    static const name_real low[6] = { @{lows} };
-    static const name_real high[6] = { @{highs} };
+    static const name_real low[6] = { @lows };
+    static const name_real high[6] = { @highs };
     static const name_config usual = { NAME_TOLERANCE, NAME_MAX_STEPS, NAME_MAX_STEP };
     const name_config *const used = (config == NULL) ? &usual : config;
     const unsigned int most = (unsigned int)used->max_iterations;
-    const name_real third = @{third};
+    const name_real third = @third;
     name_direct_work w;
     name_real ends[2][7];
     name_real rods[3][18]; /* at the beginning, in the middle and at the end */
     name_real offset[6];
     uint8_t joint = 6U;
     unsigned int count = 1U;
-    const name_status last = name_normalise_pose(@{ga}to, ends[1]);
-    name_status status = name_normalise_pose(@{ga}from, ends[0]);
+    const name_status last = name_normalise_pose(GEOMETRY to, ends[1]);
+    name_status status = name_normalise_pose(GEOMETRY from, ends[0]);
     status = ((status == NAME_OK) || (last == NAME_NONFINITE)) ? last : status;
     if (config != NULL) {
         status = name_check_config(config, status);
@@ -93,15 +93,15 @@ name_status name_line(@{gp}const name_config *config, const name_pose *from, con
         for (int i = 0; i < 7; ++i) {
             w.x[i] = ends[e][i];
         }
-        name_rod_values(@{ga}&w);
-        status = name_limit_joints(@{ga}status, w.k);
-        joint = name_first_beyond(@{ga}w.k);
+        name_rod_values(GEOMETRY &w);
+        status = name_limit_joints(GEOMETRY status, w.k);
+        joint = name_first_beyond(GEOMETRY w.k);
         for (int i = 0; i < 18; ++i) {
             rods[2 * e][i] = w.d[i];
         }
         for (int i = 0; i < 6; ++i) {
             const name_real *const d = &w.d[3 * i];
-            offset[i] = @{sqrt}(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]) - w.k[i];
+            offset[i] = sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]) - w.k[i];
         }
     }
     if (status == NAME_OK) {
@@ -109,39 +109,39 @@ name_status name_line(@{gp}const name_config *config, const name_pose *from, con
         const name_real *const b = &ends[1][3];
         const name_real product = a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3];
         /* of q and -q, one rotation, the one that is nearer */
-        const name_real side = (product < @{zero}) ? -@{one} : @{one};
-        const name_real cosine = (side * product < @{one}) ? (side * product) : @{one};
-        const name_real both = @{two} * (@{one} + cosine);
-        const name_real inverse = @{one} / @{sqrt}(both);
-        const name_real square[4] = { @{one}, third * (@{one} + @{two} * cosine), third * (@{one} + @{two} * cosine), @{one} };
+        const name_real side = (product < 0.0) ? -1.0 : 1.0;
+        const name_real cosine = (side * product < 1.0) ? (side * product) : 1.0;
+        const name_real both = 2.0 * (1.0 + cosine);
+        const name_real inverse = 1.0 / sqrt(both);
+        const name_real square[4] = { 1.0, third * (1.0 + 2.0 * cosine), third * (1.0 + 2.0 * cosine), 1.0 };
         for (int i = 0; i < 3; ++i) {
-            w.x[i] = @{half} * (ends[0][i] + ends[1][i]);
+            w.x[i] = 0.5 * (ends[0][i] + ends[1][i]);
         }
         for (int i = 0; i < 4; ++i) {
             w.x[3 + i] = inverse * (a[i] + side * b[i]);
         }
-        name_direct_rows(@{ga}&w);
+        name_direct_rows(GEOMETRY &w);
         for (int i = 0; i < 18; ++i) {
             rods[1][i] = w.d[i];
         }
         for (int i = 0; (i < 6) && (status == NAME_OK); ++i) {
             const name_real least = low[i] + offset[i];
             const name_real longest = high[i] + offset[i];
-            name_real above[7] = { @{zero} };
-            name_real below[7] = { @{zero} };
+            name_real above[7] = { 0.0 };
+            name_real below[7] = { 0.0 };
             for (int k = 0; k < 3; ++k) {
                 const name_real first = rods[0][3 * i + k];
                 const name_real middle = both * rods[1][3 * i + k];
                 const name_real end = rods[2][3 * i + k];
-                const name_real way = (@{one} - cosine) * (ends[1][k] - ends[0][k]);
+                const name_real way = (1.0 - cosine) * (ends[1][k] - ends[0][k]);
                 const name_real cubic[4] = { first, third * (middle - end + way), third * (middle - first - way), end };
-                name_add_square(cubic, @{one}, above);
+                name_add_square(cubic, 1.0, above);
             }
             for (int k = 0; k < 7; ++k) {
                 below[k] = -above[k];
             }
-            name_add_square(square, -(least * @{fabs}(least)), above);
-            name_add_square(square, longest * @{fabs}(longest), below);
+            name_add_square(square, -(least * fabs(least)), above);
+            name_add_square(square, longest * fabs(longest), below);
             status = name_stays_above(above, most, &count);
             if (status == NAME_OK) {
                 status = name_stays_above(below, most, &count);
@@ -149,7 +149,7 @@ name_status name_line(@{gp}const name_config *config, const name_pose *from, con
             joint = (status == NAME_OUT_OF_RANGE) ? (uint8_t)i : joint;
         }
     }
-    name_write_info(info, count, (status == NAME_OK) ? @{zero} : @{huge}, @{zero}, @{zero});
+    name_write_info(info, count, (status == NAME_OK) ? 0.0 : HUGE_VAL, 0.0, 0.0);
     if (info != NULL) {
         info->joint = joint;
     }

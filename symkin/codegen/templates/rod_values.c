@@ -1,6 +1,6 @@
 /* Joint values at the state, into w->k. */
-static NAME_SHARED void name_rod_values(@{gp}name_direct_work *w)
+static NAME_SHARED void name_rod_values(GEOMETRY_GIVEN name_direct_work *w)
 {
-    @{lines}
+    @lines
 }
 

@@ -1,13 +1,13 @@
 /* The tool's pose, its quaternion of unit length and with w >= 0. */
-name_status name_direct(@{gp}const name_real joints[@{nq}], name_pose *pose)
+name_status name_direct(GEOMETRY_GIVEN const name_real joints[@nq], name_pose *pose)
 {
-    name_status status = name_limit_joints(@{ga}NAME_OK, joints);
+    name_status status = name_limit_joints(GEOMETRY NAME_OK, joints);
     if (status == NAME_OK) {
         name_real x[7];
-        name_forward(@{ga}joints, x);
-@{told}
-        const name_real sign = (x[3] < @{zero}) ? -@{one} : @{one};
-        const name_real inverse = sign / @{sqrt}(x[3] * x[3] + x[4] * x[4] + x[5] * x[5] + x[6] * x[6]);
+        name_forward(GEOMETRY joints, x);
+        @told
+        const name_real sign = (x[3] < 0.0) ? -1.0 : 1.0;
+        const name_real inverse = sign / sqrt(x[3] * x[3] + x[4] * x[4] + x[5] * x[5] + x[6] * x[6]);
         pose->position[0] = x[0];
         pose->position[1] = x[1];
         pose->position[2] = x[2];
@@ -19,16 +19,16 @@ name_status name_direct(@{gp}const name_real joints[@{nq}], name_pose *pose)
     return status;
 }
 
-/* @{how} along the line of tool poses from the guess's to the given one. */
-name_status name_inverse(@{gp}const name_config *config, const name_pose *pose, const name_real guess[@{nq}], name_real joints[@{nq}], name_info *info)
+/* @how along the line of tool poses from the guess's to the given one. */
+name_status name_inverse(GEOMETRY_GIVEN const name_config *config, const name_pose *pose, const name_real guess[@nq], name_real joints[@nq], name_info *info)
 {
     static const name_config usual = { NAME_TOLERANCE, NAME_MAX_STEPS, NAME_MAX_STEP };
-    @{work}
+    @work
     name_real to[7];
-    name_status status = name_check_finite(guess, @{nq}, name_normalise_pose(@{ga}pose, to));
-    name_write_info(info, 0U, @{huge}, @{zero}, @{zero});
-    for (int i = @{last_joint}; i >= 0; --i) {
-        if (!(@{fabs}(guess[i]) <= @{farthest_joint})) {
+    name_status status = name_check_finite(guess, @nq, name_normalise_pose(GEOMETRY pose, to));
+    name_write_info(info, 0U, HUGE_VAL, 0.0, 0.0);
+    for (int i = @last_joint; i >= 0; --i) {
+        if (!(fabs(guess[i]) <= @farthest_joint)) {
             status = (status == NAME_OK) ? NAME_OUT_OF_RANGE : status;
             if (info != NULL) {
                 info->joint = (uint8_t)i;
@@ -39,28 +39,28 @@ name_status name_inverse(@{gp}const name_config *config, const name_pose *pose, 
         status = name_check_config(config, status);
     }
     if (status == NAME_OK) {
-@{to_x}
-@{solve}
+        @to_x
+        @solve
         if (status == NAME_OK) {
-            status = name_limit_joints(@{ga}status, @{at});
+            status = name_limit_joints(GEOMETRY status, @at);
             if (info != NULL) {
-                info->joint = name_first_beyond(@{ga}@{at});
+                info->joint = name_first_beyond(GEOMETRY @at);
             }
         }
         if (status == NAME_OK) {
-@{out}
+            @out
         }
     }
     return status;
 }
 
-/* Twist of the tool by joint rates, from the derivative of the tool's pose@{in_own}. */
-@{static_own}name_status @{own_jacobian}(@{gp}const name_real joints[@{nq}], name_real jacobian[@{nj}])
+/* Twist of the tool by joint rates, from the derivative of the tool's pose@in_own. */
+@static_own name_status @own_jacobian(GEOMETRY_GIVEN const name_real joints[@nq], name_real jacobian[@nj])
 {
-    name_status status = name_limit_joints(@{ga}NAME_OK, joints);
-@{use}
+    name_status status = name_limit_joints(GEOMETRY NAME_OK, joints);
+@use
     if (status == NAME_OK) {
-@{jacobian}
+        @jacobian
     }
     return status;
 }

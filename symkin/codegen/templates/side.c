@@ -3,24 +3,24 @@
  * keep: these factors are those of the part that is done. */
 static int solver_side(solver_work *w, bool keep)
 {
-    static const name_real least[@{n}] = { @{least_sides} };
-    name_real d[@{n} * @{n}];
-    uint8_t order[@{n}];
+    static const name_real least[@n] = { @least_sides };
+    name_real d[@n * @n];
+    uint8_t order[@n];
     int side = 1;
     if (w->side != 0) {
-        for (int i = 0; i < @{n}; ++i) {
-            for (int j = 0; j < @{n}; ++j) {
-                d[@{n} * i + j] = @{zero};
-                for (int row = 0; row < @{m}; ++row) {
-                    d[@{n} * i + j] += w->q[@{n} * row + i] * w->a[@{n} * row + j];
+        for (int i = 0; i < @n; ++i) {
+            for (int j = 0; j < @n; ++j) {
+                d[@n * i + j] = 0.0;
+                for (int row = 0; row < @m; ++row) {
+                    d[@n * i + j] += w->q[@n * row + i] * w->a[@n * row + j];
                 }
             }
         }
-        const int turned = name_lu(d, order, least, @{n});
+        const int turned = name_lu(d, order, least, @n);
         side = (w->side < 0) ? -turned : turned;
     }
     if (keep) {
-        for (int i = 0; i < @{na}; ++i) {
+        for (int i = 0; i < @na; ++i) {
             w->q[i] = w->a[i];
         }
         w->side = (int8_t)side;

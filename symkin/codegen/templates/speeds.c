@@ -1,34 +1,34 @@
-/* @{about}: the Jacobian times the @{given}. */
-name_status name_@{function}(@{gp}@{at}, const name_real @{given}[@{columns}], name_real @{function}[@{rows}])
+/* @about: the Jacobian times the @given. */
+name_status name_@function(GEOMETRY_GIVEN @at, const name_real @given[@columns], name_real @function[@rows])
 {
-    name_real jacobian[@{nq} * 6];
-    name_real found[@{rows}];
-    const name_status status = name_check_sizes(@{given}, @{columns}, -@{largest}, name_jacobian(@{ga}@{at_name}, jacobian));
+    name_real jacobian[@nq * 6];
+    name_real found[@rows];
+    const name_status status = name_check_sizes(@given, @columns, -@largest, name_jacobian(GEOMETRY @at_name, jacobian));
     if (status == NAME_OK) {
-        for (int i = 0; i < @{rows}; ++i) {
-            name_real sum = @{zero};
-            for (int j = 0; j < @{columns}; ++j) {
-                sum += jacobian[@{columns} * i + j] * @{given}[j];
+        for (int i = 0; i < @rows; ++i) {
+            name_real sum = 0.0;
+            for (int j = 0; j < @columns; ++j) {
+                sum += jacobian[@columns * i + j] * @given[j];
             }
             found[i] = sum;
         }
         /* twist and rates may be the same array */
-        for (int i = 0; i < @{rows}; ++i) {
-            @{function}[i] = found[i];
+        for (int i = 0; i < @rows; ++i) {
+            @function[i] = found[i];
         }
     }
     return status;
 }
 
 /* The largest factor, up to 1, by which a twist keeps all joint rates within their limits. */
-name_status name_feed(@{gp}@{at}, const name_real twist[6], const name_real rate_limits[@{nq}], name_real *feed)
+name_status name_feed(GEOMETRY_GIVEN @at, const name_real twist[6], const name_real rate_limits[@nq], name_real *feed)
 {
-    name_real rates[@{nq}];
-    name_status status = name_check_finite(rate_limits, @{nq}, name_rates(@{ga}@{at_name}, twist, rates@{no_info}));
-    name_real most = @{one};
-    for (int i = 0; (i < @{nq}) && (status == NAME_OK); ++i) {
-        const name_real rate = @{fabs}(rates[i]);
-        if (rate_limits[i] < @{zero}) {
+    name_real rates[@nq];
+    name_status status = name_check_finite(rate_limits, @nq, name_rates(GEOMETRY @at_name, twist, rates@no_info));
+    name_real most = 1.0;
+    for (int i = 0; (i < @nq) && (status == NAME_OK); ++i) {
+        const name_real rate = fabs(rates[i]);
+        if (rate_limits[i] < 0.0) {
             status = NAME_OUT_OF_RANGE;
         } else if (rate * most > rate_limits[i]) {
             most = rate_limits[i] / rate;

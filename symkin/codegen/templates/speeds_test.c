@@ -1,32 +1,32 @@
 /* @{speeds_law} The feed keeps the limits, and one joint reaches its own where it is below 1. */
 static void speeds_of(int k)
 {
-@{nominal}
-    @{configuration_of_k}
+@nominal
+    @configuration_of_k
     name_real rates[N];
     name_real again[N];
-    name_real twist[6] = { @{zero} };
+    name_real twist[6] = { @zero };
     name_real limits[N];
-    name_real feed = @{zero};
+    name_real feed = @zero;
     for (int i = 0; i < N; ++i) {
-        rates[i] = (name_real)(((i % 3 == 0) ? 1.0 : (i % 3 == 1) ? -0.5 : 0.25) * (@{speed_unit}));
+        rates[i] = (name_real)(((i % 3 == 0) ? 1.0 : (i % 3 == 1) ? -0.5 : 0.25) * (@speed_unit));
     }
-    expect(name_twist(@{ga}@{configuration}, rates, twist) == NAME_OK, "twist", "OK", k);
-    expect(name_rates(@{ga}@{configuration}, twist, again@{no_info}) == NAME_OK, "rates", "OK", k);
-    @{speeds_compared}
+    expect(name_twist(@ga@configuration, rates, twist) == NAME_OK, "twist", "OK", k);
+    expect(name_rates(@ga@configuration, twist, again@no_info) == NAME_OK, "rates", "OK", k);
+    @speeds_compared
     for (int part = 0; part < 2; ++part) {
         const double limit = (part == 0) ? 0.125 : 4.0;
         double largest = 0.0;
         for (int i = 0; i < N; ++i) {
-            limits[i] = (name_real)(limit * (@{speed_unit}));
+            limits[i] = (name_real)(limit * (@speed_unit));
         }
-        expect(name_feed(@{ga}@{configuration}, twist, limits, &feed) == NAME_OK, "feed", "OK", k);
+        expect(name_feed(@ga@configuration, twist, limits, &feed) == NAME_OK, "feed", "OK", k);
         for (int i = 0; i < N; ++i) {
-            largest = fmax(largest, fabs((double)feed * (double)again[i]) / (@{speed_unit}));
+            largest = fmax(largest, fabs((double)feed * (double)again[i]) / (@speed_unit));
         }
         expect(largest <= limit * (1.0 + 1e-5), "feed", "keeps limits", k);
-        expect((feed == @{one}) || (largest >= limit * (1.0 - 1e-5)), "feed", "reaches a limit", k);
+        expect((feed == @one) || (largest >= limit * (1.0 - 1e-5)), "feed", "reaches a limit", k);
     }
-    expect(feed == @{one}, "feed", "no need for one", k);
+    expect(feed == @one, "feed", "no need for one", k);
 }
 

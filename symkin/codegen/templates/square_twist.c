@@ -1,30 +1,30 @@
 /* The twist of joint rates: the Jacobian's linear system, lengths and angles times the size. */
-@{static_own}name_status @{twist}(@{gp}const name_pose *pose, const name_real rates[@{nq}], name_real twist[6])
+@static_own name_status @twist(GEOMETRY_GIVEN const name_pose *pose, const name_real rates[@nq], name_real twist[6])
 {
-    static const name_real row_scale[@{nq}] = { @{row_scales} };
-    static const name_real column_scale[@{nq}] = { @{column_scales} };
-    static const uint8_t column[@{nq}] = { @{columns} };
-    static const name_real least[@{nq}] = { @{least_pivots} };
-    name_real jacobian[@{nq} * 6];
-    name_real a[@{nq} * @{nq}];
-    name_real f[@{nq}];
-    uint8_t order[@{nq}];
-    name_status status = name_check_sizes(rates, @{nq}, -@{largest}, @{jacobian}(@{ga}pose, jacobian));
+    static const name_real row_scale[@nq] = { @row_scales };
+    static const name_real column_scale[@nq] = { @column_scales };
+    static const uint8_t column[@nq] = { @columns };
+    static const name_real least[@nq] = { @least_pivots };
+    name_real jacobian[@nq * 6];
+    name_real a[@nq * @nq];
+    name_real f[@nq];
+    uint8_t order[@nq];
+    name_status status = name_check_sizes(rates, @nq, -@largest, @jacobian(GEOMETRY pose, jacobian));
     if (status == NAME_OK) {
-        for (int i = 0; i < @{nq}; ++i) {
-            for (int j = 0; j < @{nq}; ++j) {
-                a[@{nq} * i + j] = jacobian[6 * i + (int)column[j]] * row_scale[i] * column_scale[j];
+        for (int i = 0; i < @nq; ++i) {
+            for (int j = 0; j < @nq; ++j) {
+                a[@nq * i + j] = jacobian[6 * i + (int)column[j]] * row_scale[i] * column_scale[j];
             }
             f[i] = rates[i] * row_scale[i];
         }
-        if (name_lu(a, order, least, @{nq}) == 0) {
+        if (name_lu(a, order, least, @nq) == 0) {
             status = NAME_SINGULAR;
         }
     }
     if (status == NAME_OK) {
-        name_lu_solve(a, order, f, @{nq});
-        @{others}
-        for (int i = 0; i < @{nq}; ++i) {
+        name_lu_solve(a, order, f, @nq);
+        @others
+        for (int i = 0; i < @nq; ++i) {
             twist[column[i]] = f[i] * column_scale[i];
         }
     }

@@ -1,7 +1,7 @@
-/* Sets w->k, the known values aimed at@{aimed}. */
-static NAME_SHARED void solver_set_target(@{gp}solver_work *w, const name_real to[@{nto}]@{part})
+/* Sets w->k, the known values aimed at@aimed. */
+static NAME_SHARED void solver_set_target(GEOMETRY_GIVEN solver_work *w, const name_real to[@nto]@part)
 {
-@{use}
-    @{target}
+@use
+    @target
 }
 

@@ -1,6 +1,6 @@
-/* Test of @{p}.c against vectors from Python. Prints what failed; exit status 0 when nothing did.
+/* Test of @p.c against vectors from Python. Prints what failed; exit status 0 when nothing did.
  * SPDX-License-Identifier: MIT */
-#include "@{p}.h"
+#include "@p.h"
 #include "name_vectors.h"
 
 #include <math.h>
@@ -8,7 +8,7 @@
 #include <string.h>
 
 #define N NAME_JOINTS
-#define MOST @{most} /* numbers that any function takes or gives */
+#define MOST @most /* numbers that any function takes or gives */
 
 /* A function of plain numbers, of which a pose has seven. kinds: of each number that is given, and then guessed, c: a coordinate, s: a
  * speed, l: what is never below 0, f: what only has to be finite. step: one step of tracking; opposite: the problem by which answers
@@ -60,8 +60,8 @@ static int all_are(const name_real *values, int count, name_real value)
     return same;
 }
 
-@{poses}
-@{wrappers}
+@poses
+@wrappers
 /* Largest weighed difference; of q and -q, one rotation, the nearer one. NaN is the largest. */
 static double away(const function *asked, const name_real *a, const name_real *b)
 {
@@ -92,13 +92,13 @@ static void solve_all(const function *asked)
         name_real again[MOST];
         name_info info;
         for (int i = 0; i < asked->found; ++i) {
-            result[i] = (guess != NULL) ? guess[i] : @{four};
+            result[i] = (guess != NULL) ? guess[i] : @four;
         }
         expect(asked->ask(NULL, given, asked->informs ? result : guess, result, &info) == NAME_OK, name, "OK", k);
         expect(away(asked, result, answer) <= most, name, "answer", k);
         if (asked->informs) {
             expect((double)info.residual <= 16.0 * bound, name, "residual", k);
-            expect(info.min_pivot > @{zero}, name, "smallest pivot", k);
+            expect(info.min_pivot > @zero, name, "smallest pivot", k);
             expect(info.joint == N, name, "no joint to blame", k);
             expect(asked->ask(NULL, given, guess, again, NULL) == NAME_OK, name, "without info", k);
             copy(result, again, asked->found);
@@ -123,13 +123,13 @@ static void refuse(const function *asked, const name_real *given, const name_rea
     name_real result[MOST];
     name_info info;
     for (int i = 0; i < MOST; ++i) {
-        result[i] = @{four};
+        result[i] = @four;
     }
     info.iterations = 255U;
     info.joint = N;
     const name_status status = asked->ask(NULL, given, guess, result, &info);
     expect((wanted == NAME_OK) ? (status != NAME_OK) : (status == wanted), asked->name, "status of a refusal", number);
-    expect(all_are(result, MOST, @{four}), asked->name, "result untouched by a refusal", number);
+    expect(all_are(result, MOST, @four), asked->name, "result untouched by a refusal", number);
     if (asked->informs) {
         expect(info.iterations != 255U, asked->name, "info of a refusal", number);
         expect((joint < 0) || ((int)info.joint == joint), asked->name, "joint of a refusal", number);
@@ -148,12 +148,12 @@ static void refuse_step(const function *asked, const name_real *given, const nam
 /* Each number that is given or guessed in turn not finite, or out of all bounds; wrong configs, and too few steps. */
 static void refuse_values(const function *asked)
 {
-    const name_real bad[4] = { @{zero}, -@{one}, wrong[0], wrong[1] };
+    const name_real bad[4] = { @zero, -@one, wrong[0], wrong[1] };
     const int count = (int)strlen(asked->kinds);
     name_real given[MOST];
     name_real guess[MOST];
     for (int i = 0; i < count; ++i) {
-        const name_real out = (asked->kinds[i] == 'c') ? @{far} : ((asked->kinds[i] == 's') ? (name_real)1e30 : -@{one});
+        const name_real out = (asked->kinds[i] == 'c') ? @far : ((asked->kinds[i] == 's') ? (name_real)1e30 : -@one);
         for (int k = 0; k < ((asked->kinds[i] == 'f') ? 3 : 5); ++k) {
             const int place = (i < asked->given) ? i : (i - asked->given);
             const int joint = (asked->blamed == ((i < asked->given) ? 1 : 2)) ? place : -1;
@@ -162,7 +162,7 @@ static void refuse_values(const function *asked)
             if (asked->guesses != NULL) {
                 copy(asked->guesses, guess, asked->found);
             }
-            *((i < asked->given) ? &given[place] : &guess[place]) = (k < 3) ? wrong[k] : (((k == 3) || (out < @{zero})) ? out : -out);
+            *((i < asked->given) ? &given[place] : &guess[place]) = (k < 3) ? wrong[k] : (((k == 3) || (out < @zero)) ? out : -out);
             refuse(asked, given, guess, status, joint, 5 * i + k);
             if (asked->step != NULL) {
                 refuse_step(asked, given, guess, status, 5 * i + k);
@@ -181,26 +181,26 @@ static void refuse_values(const function *asked)
     }
 }
 
-@{refuse_rows}
+@refuse_rows
 /* Jacobians of the first vectors. */
 static void jacobian_of(int k)
 {
-    const double most = @{jacobian_most};
+    const double most = @jacobian_most;
     name_real jacobian[MOST];
-@{nominal}
-    @{configuration_of_k}
-    expect(name_jacobian(@{ga}@{configuration}, jacobian) == NAME_OK, "jacobian", "OK", k);
-    for (int i = 0; i < @{entries}; ++i) {
+@nominal
+    @configuration_of_k
+    expect(name_jacobian(@ga@configuration, jacobian) == NAME_OK, "jacobian", "OK", k);
+    for (int i = 0; i < @entries; ++i) {
         const double wanted = (double)name_vector_jacobians[k][i];
         expect(fabs((double)jacobian[i] - wanted) <= most * (1.0 + fabs(wanted)), "jacobian", "entry", i);
     }
 }
 
-@{more}
+@more
 int main(void)
 {
-    @{tables}
-    @{calls}
-    (void)printf("@{p}: %d cases, %d failures\n", NAME_VECTORS, failures);
+    @tables
+    @calls
+    (void)printf("@p: %d cases, %d failures\n", NAME_VECTORS, failures);
     return (failures == 0) ? 0 : 1;
 }

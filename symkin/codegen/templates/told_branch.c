@@ -2,21 +2,21 @@
  * centres, which is a sign. Else a limb has passed one on the way, which is a singularity. Beside a dead centre the pose, rounded, may
  * lie beyond it: where the pose does not give the joint values back none is OK, and where it does not tell the side only what stands still,
  * from the guess's joint values `at`. */
-static NAME_COLD name_status name_check_branch(@{gp}const name_real x[@{count}], const name_real at[@{nq}], const name_real given[@{nq}])
+static NAME_COLD name_status name_check_branch(GEOMETRY_GIVEN const name_real x[@count], const name_real at[@nq], const name_real given[@nq])
 {
-    static const name_real near[@{nq}] = { @{near} };
+    static const name_real near[@nq] = { @near };
     name_status status = NAME_OK;
     bool firm = true;
     bool told = true;
     (void)x;
-    @{told}
-    for (int i = 0; (i < @{nq}) && !told; ++i) {
-        if (!(@{fabs}(given[i] - at[i]) <= near[i])) {
+    @told
+    for (int i = 0; (i < @nq) && !told; ++i) {
+        if (!(fabs(given[i] - at[i]) <= near[i])) {
             status = NAME_WRONG_BRANCH;
         }
     }
     if ((status == NAME_OK) && !firm) {
-        status = name_check_given(@{ga}@{answer}, given);
+        status = name_check_given(GEOMETRY @answer, given);
     }
     return status;
 }

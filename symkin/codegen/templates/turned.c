@@ -1,13 +1,13 @@
 
-/* @{about} in the base frame, of which the machine's own frame is turned. */
-name_status name_@{part}(const name_pose *pose, @{given}name_real @{found}[@{count} * 6])
+/* @about in the base frame, of which the machine's own frame is turned. */
+name_status name_@part(const name_pose *pose, @{given}name_real @found[@count * 6])
 {
-    name_real own[@{count} * 6];
-    const name_status status = @{own}(pose, @{rates}own);
-    for (int i = 0; (i < @{count}) && (status == NAME_OK); ++i) {
+    name_real own[@count * 6];
+    const name_status status = @own(pose, @{rates}own);
+    for (int i = 0; (i < @count) && (status == NAME_OK); ++i) {
         const name_real *const a = &own[6 * i];
-        name_real *const b = &@{found}[6 * i];
-        @{turned_row}
+        name_real *const b = &@found[6 * i];
+        @turned_row
     }
     return status;
 }

@@ -3,16 +3,26 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import casadi as ca
 import numpy as np
 
+from symkin.closure.snapping import snapped_expression
 from symkin.codegen.text.languages import ARITHMETIC, calls
 from symkin.codegen.text.printer import POWER, PRODUCT, Form, Language, Printer
 from symkin.errors import InputError
 from symkin.text import c_comment
+
+_PLAIN = re.compile(
+    r"/\*.*?\*/|(?<![\w.])\d+\.\d+(?:e[-+]?\d+)?(?!\w)|(?<![\w.])\d+e[-+]?\d+(?!\w)"
+    r"|(?<![\w>])(?:(?:fabs|sqrt|sin|cos|atan2)(?=\()|(?:HUGE_VAL|real|inf|nan)\b"
+    r"|(?:name|NAME)(?=_)|GEOMETRY(?:_GIVEN)? )",
+    re.S,
+)
+"""Comments; numbers, functions and the infinity of doubles; names that stand for others."""
 
 
 @dataclass(frozen=True)
@@ -58,6 +68,30 @@ class Real:
         if not any(mark in text for mark in ".e"):
             text += ".0"
         return text + self.suffix
+
+    def typed(self, text: str, name: str, *, struct: bool) -> str:
+        """C text of the machine of a name, with names, numbers and functions of math.h of this type
+        in the places of name_, NAME_, real and what doubles have; comments, and what has a type
+        already, stay. A `struct` of its geometry is an argument where GEOMETRY stands.
+        """
+        own = {"real": self.type, "name": name, "NAME": name.upper()} | {
+            "GEOMETRY ": "geometry, " if struct else "",
+            "GEOMETRY_GIVEN ": f"const {name}_geometry *geometry, " if struct else "",
+        }
+
+        def word(found: re.Match[str]) -> str:
+            told = found[0]
+            if told.startswith("/*") or told in own:
+                return own.get(told, told)
+            if told in ("inf", "nan"):
+                return self.literal(float(told))
+            if self.name == "double":
+                return told
+            if told == "atan2":
+                return f"{name}_angle"
+            return self.literal(float(told)) if told[0].isdigit() else told + "fF"[told.isupper()]
+
+        return _PLAIN.sub(word, text)
 
     def hexadecimal(self, value: float) -> str:
         """The exact bits of the rounded value, for test vectors."""
@@ -105,11 +139,11 @@ class Emitter(Printer):
         prefix: str = "t",
     ) -> Emitter:
         """The emitter of expressions of symbols, beside which stand their texts in C, or the array
-        that holds them.
+        that holds them; without rounding noise of their constants.
         """
-        function = ca.Function(
-            "f", [symbols for symbols, _ in inputs], [ca.densify(e) for e in outputs], {"cse": True}
-        )
+        symbols = [symbol for symbol, _ in inputs]
+        told = [ca.densify(snapped_expression(ca.densify(e), symbols)) for e in outputs]
+        function = ca.Function("f", symbols, told, {"cse": True})
         return cls(function, [texts for _, texts in inputs], real, prefix)
 
     def stored(self, targets: Sequence[str] | str, output: int = 0) -> list[str]:

@@ -16,11 +16,11 @@ below the largest float.
 """
 
 
-_NAMES = re.compile(r"@(?:\{(\w+)\}|@)?|\b(?:name|NAME|solver)(?=_)")
-"""What stands for something in a template: @{value}, @@, and beginnings of words: of the machine
-name_ and NAME_, of one of its iterations solver_.
+_NAMES = re.compile(r"@(?:\{(\w+)\}|(\w+)( ?)|@)?|\b(?:name|NAME|solver)(?=_)")
+"""What stands for something in a template: @value or @{value}, @@, and beginnings of words: of the
+machine name_ and NAME_, of one of its iterations solver_.
 """
-_ALONE = re.compile(r"( *)@\{(\w+)\}")
+_ALONE = re.compile(r"( *)@\{?(\w+)\}?")
 _PREFIXES = {"name": "p", "NAME": "P", "solver": "k"}
 
 
@@ -39,14 +39,19 @@ def template_text(template: str) -> str:
 
 
 def substitute(text: str, values: Mapping[str, object]) -> str:
-    """Put values in the places of @{value} in a text, and names in those of name_, NAME_ and
-    solver_; @@ is @, what has no value an error. A value alone on its line, a text or lines, stands
-    as deep as its name. Lines whose names stand for nothing are left out.
+    """Put values in the places of @value in a text, or of @{value} before a letter, and names in
+    those of name_, NAME_ and solver_; @@ is @, what has no value an error. One space behind @value
+    goes where the value is nothing or ends in one. Of a tuple all entries are told. A value alone
+    on its line, a text or lines, stands as deep as its name. Lines whose names stand for nothing
+    are left out.
     """
 
     def value(found: re.Match[str]) -> str:
         text = found[0]
-        return "@" if text == "@@" else str(values[found[1] or _PREFIXES.get(text, text)])
+        if text == "@@":
+            return "@"
+        told = _told(values[found[1] or found[2] or _PREFIXES.get(text, text)])
+        return told + (found[3] or "" if told.rstrip() == told != "" else "")
 
     filled = list[str]()
     for line in text.split("\n"):
@@ -60,6 +65,13 @@ def substitute(text: str, values: Mapping[str, object]) -> str:
     return "\n".join(filled)
 
 
+def _told(value: object) -> str:
+    """C text of a value: of a tuple those of all its entries."""
+    if isinstance(value, tuple):
+        return ", ".join(map(_told, value))
+    return str(value).lower() if isinstance(value, bool) else str(value)
+
+
 def common_values(name: str, real: Real, *, struct: bool) -> dict[str, object]:
     """Values of the names that every template knows; `struct`: the geometry is given with each
     call.
@@ -68,28 +80,13 @@ def common_values(name: str, real: Real, *, struct: bool) -> dict[str, object]:
         "p": name,
         "P": name.upper(),
         "real": real.type,
-        "COLD": f"{name.upper()}_COLD",
-        "SHARED": f"{name.upper()}_SHARED",
         "gp": f"const {name}_geometry *geometry, " if struct else "",
         "ga": "geometry, " if struct else "",
         "use": "    (void)geometry;" if struct else "",
         "checked": f"{name}_check_geometry(geometry, status)" if struct else "status",
-        "fabs": real.call("fabs"),
-        "sqrt": real.call("sqrt"),
         "zero": real.zero,
         "one": real.one,
-        "two": real.literal(2.0),
         "four": real.literal(4.0),
-        "half": real.literal(0.5),
-        "minus_half": real.literal(-0.5),
-        "turn": real.literal(2.0 * np.pi),
-        "per_turn": real.literal(0.5 / np.pi),
-        "half_turn": real.literal(np.pi),
-        "quarter": real.literal(0.5 * np.pi),
-        "before": "",
-        "huge": "HUGE_VALF" if real.name == "float" else "HUGE_VAL",
-        "least_norm": real.literal(0.98),
-        "most_norm": real.literal(1.0201),
         "static_own": "",
         "jacobian": f"{name}_jacobian",
         "twist": f"{name}_twist",
@@ -100,8 +97,8 @@ def normalise_pose(values: Mapping[str, object]) -> str:
     """NAME_normalise_pose: no square overflows on the way to a refusal (for processors that
     trap).
     """
-    near = [f"({values['fabs']}(q[{i}]) <= {values['two']})" for i in range(4)]
-    near += [f"({values['fabs']}(pose->position[{i}]) <= {values['farthest']})" for i in range(3)]
+    near = [f"(fabs(q[{i}]) <= 2.0)" for i in range(4)]
+    near += [f"(fabs(pose->position[{i}]) <= {values['farthest']})" for i in range(3)]
     return fill("pose.c", {"taken": "", **values, "bounded": "\n        && ".join(near)})
 
 

@@ -68,8 +68,10 @@ def cosine_and_sine(real: Real, values: Mapping[str, object]) -> str:
     )
 
 
-def angle_of_direction(real: Real, values: Mapping[str, object]) -> str:
-    """NAME_angle of float code, in place of atan2."""
+def angle_of_direction(real: Real, values: Mapping[str, object], text: str = "atan2(") -> str:
+    """NAME_angle of float code, in place of the atan2 that a text calls."""
+    if real.name == "double" or "atan2(" not in text:
+        return ""
     return fill("closed_angle.c", {**values, "arctangent": _horner(_ARCTANGENT, real)})
 
 
