@@ -824,22 +824,19 @@ PARTS = """async () => {
   const [{createSolver}, generated, {leastSquares, relativeChange, singularPair}] =
     await Promise.all(['solver', 'generated', 'solver-algebra'].map(name => import(name)));
   const {model} = JSON.parse(document.getElementById('data').textContent);
-  const solver = createSolver(model, generated).system, {parts, unknown} = solver,
+  const system = createSolver(model, generated).system, {parts, unknown} = system,
     n = unknown.length, m = model.rows;
-  const whole = x => { generated.system(x, solver.values, solver.gradients);
+  const whole = x => { generated.system(x, system.values, system.gradients);
     return Float64Array.from({length: m * n}, (_,
-      k) => solver.gradients[Math.floor(k / n) * model.width + unknown[k % n]]) };
+      k) => system.gradients[Math.floor(k / n) * model.width + unknown[k % n]]) };
   const x = Float64Array.from(model.start), other = x.map((v, k) => v + 0.01 * Math.sin(k));
   const right = Float64Array.from({length: m}, (_, k) => Math.cos(k)), pair = singularPair(whole(x),
     m, n);
-  const apart = parts.solve(parts.matrices((whole(x), solver.gradients)), right);
-  const changed = parts.change(parts.matrices((whole(x), solver.gradients)),
-    parts.matrices((whole(other), solver.gradients)));
-  return {sizes: parts.parts.map(part => part.columns.length),
-    solutions: [Array.from(apart), Array.from(leastSquares(whole(x), right.slice(), n))],
-    changes: [changed, relativeChange(whole(x), whole(other), n)],
-    ratios: [parts.singularPair(parts.matrices((whole(x), solver.gradients))).ratio,
-      pair.least / pair.most]};
+  return {sizes: parts.map(part => part.columns.length),
+    solutions: [system.solve(system.linearise(x), right), leastSquares(whole(x), right.slice(), n)]
+      .map(y => Array.from(y)),
+    changes: [system.change(x, other), relativeChange(whole(x), whole(other), n)],
+    ratios: [system.singularPair(x).ratio, pair.least / pair.most]};
 }"""
 
 
