@@ -644,7 +644,7 @@ def test_a_plane_with_singular_curves_is_pointed_at(open_page: Callable[..., Any
         here, ("theta1", "op"), ranges=[(20.0, 150.0), (60.0, 160.0)], starts=3
     )
     page = open_page(loci.view().html)
-    box = page.locator("#plane canvas").bounding_box()
+    box = page.locator("#plane svg").bounding_box()
     page.mouse.click(box["x"] + 0.5 * box["width"], box["y"] + 0.5 * box["height"])
     page.wait_for_function(
         "Math.abs(symkin.solution().joints.op - 110) < 1 && "
@@ -674,7 +674,7 @@ def test_a_sweeps_map_is_pointed_at(open_page: Callable[..., Any], tmp_path: Pat
     )
     assert page.locator("#plane .legend").last.inner_text().split() == ["4", "none"]
     assert page.evaluate("symkin.modes().length") == 4
-    box = page.locator("#plane canvas").bounding_box()
+    box = page.locator("#plane svg").bounding_box()
     page.mouse.click(box["x"] + 0.5 * box["width"], box["y"] + 0.25 * box["height"])
     page.wait_for_function(
         "symkin.solution().position[1] > 100 && Math.abs(symkin.solution().position[0]) < 5"
@@ -700,7 +700,7 @@ def test_the_map_of_poses_drags_the_platform(open_page: Callable[..., Any], tmp_
     page = open_page(swept.view(slices={"z": -250.0}).html)
     assert page.evaluate("symkin.names") == [c.name for c in delta.actuated]
     assert "z = -250 mm" in page.locator("#plane p").inner_text()
-    box = page.locator("#plane canvas").bounding_box()
+    box = page.locator("#plane svg").bounding_box()
     page.mouse.click(box["x"] + 0.6 * box["width"], box["y"] + 0.4 * box["height"])
     page.wait_for_function(
         "symkin.solution().position[0] > 15 && symkin.solution().position[1] > 15"
