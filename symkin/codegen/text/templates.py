@@ -38,6 +38,7 @@ def _environment() -> Environment:
     environment = Environment(
         loader=PackageLoader("symkin.codegen"),
         undefined=StrictUndefined,
+        extensions=["jinja2.ext.do"],
         variable_start_string="@{",
         variable_end_string="}",
         trim_blocks=True,
