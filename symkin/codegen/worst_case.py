@@ -4,7 +4,7 @@ figures are handed in.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from textwrap import wrap
 from typing import Any
@@ -14,17 +14,6 @@ from symkin.codegen.text.width import WIDTH, narrowed
 from symkin.files.written_files import digest
 
 _SHORT = {"additions": "add", "multiplications": "mul", "divisions": "div"}
-_NAMES = ("additions", "multiplications", "divisions", "sqrt", "sin", "cos", "atan2")
-_HEAD = """## Worst case
-
-No function calls itself, and every loop ends after a number of passes that the code tells, so a
-call takes at most these operations: additions and subtractions, multiplications, divisions, and
-calls of sqrt, sin, cos and atan2. They are counted in the code that was written, the larger side of
-each choice and loops as often as they can go; comparisons, copies and signs are left out.
-Iterations are the passes of loops that `max_iterations` bounds. A dash: the code does not tell a
-bound."""
-_TO_MEASURE = """Instructions, stack and bytes on a Cortex-M4F (float) or M7 (double):
-`python codegen/bench/worst.py FOLDER` in symkin's sources, with GCC for ARM and QEMU."""
 
 
 @dataclass(frozen=True)
@@ -75,62 +64,21 @@ class WorstCase:
                 f"{m['seed']}): instructions, bytes of stack "
                 "with callees, bytes of code with callees but without those of libm:"
             )
-            for function, f in self._measured_functions():
-                lines.append(
-                    f"  {function}: {f['instructions']} instructions, {f['stack']} stack, "
-                    f"{f['bytes']} code"
-                )
+            lines += [
+                f"  {function}: {f['instructions']} instructions, {f['stack']} stack, "
+                f"{f['bytes']} code"
+                for function in self.usual
+                if (f := m["functions"].get(function))
+            ]
         return lines
 
-    def _measured_functions(self) -> list[tuple[str, Mapping[str, int]]]:
-        """Figures of each function, in the order of the bounds."""
-        found = self.measured["functions"] if self.measured else {}
-        return [(function, found[function]) for function in self.usual if function in found]
-
-    def chapter(self) -> str:
-        """The section of the README."""
-        head = (
-            "| function | config | iterations | additions | multiplications | divisions | sqrt | "
-            "sin | cos | atan2 |"
-        )
-        rows = [head, "|" + "---|" * 10]
-        for function in self.usual:
-            kinds = (
-                (self.usual[function], "NULL"),
-                (self.largest[function], f"{LARGEST_ITERATIONS} iterations"),
-            )
-            rows += [
-                _row(function, config, bound)
-                for bound, config in (kinds if kinds[0][0] != kinds[1][0] else kinds[:1])
-            ]
-        return "\n\n".join([_HEAD, "\n".join(rows), *self._measured_lines()])
-
-    def _measured_lines(self) -> list[str]:
-        if not self.measured:
-            return [_TO_MEASURE]
-        m = self.measured
-        library = ", ".join(f"`{name}`" for name in m["library"])
-        said = (
-            f"Worst case, measured: {m['processor']} under QEMU, {m['compiler']}, the most of "
-            f"{m['inputs']:,} inputs (seed {m['seed']}; random ones, "
-            "lines that are refused after all iterations and numbers that are refused at once "
-            "among them, half of them changes of the dearest "
-            "so far), counted to 5 instructions, `config` NULL. Stack with all callees, those of "
-            "the library too; bytes of code and constants "
-            f"that a program links which calls this function alone, without and with the library "
-            f"({library or 'of which nothing is called'}). All functions together: "
-            f"{m['object_bytes']:,} bytes without the library."
-        )
-        rows = [
-            "| function | instructions | stack | bytes | with library |",
-            "|---|---|---|---|---|",
-        ]
-        for function, f in self._measured_functions():
-            rows.append(
-                f"| `{function}` | {f['instructions']:,} | {f['stack']:,} | {f['bytes']:,} | "
-                f"{f['bytes_with_library']:,} |"
-            )
-        return ["\n".join(wrap(said, 130, break_long_words=False)), "\n".join(rows)]
+    def rows(self) -> Iterator[tuple[str, str, Bound | None]]:
+        """Function, config and bound of each row of the README's table."""
+        for function, usual in self.usual.items():
+            largest = self.largest[function]
+            yield function, "NULL", usual
+            if largest != usual:
+                yield function, f"{LARGEST_ITERATIONS} iterations", largest
 
 
 def _numbers(bound: Bound | None) -> dict[str, Any] | None:
@@ -144,15 +92,6 @@ def _in_words(bound: Bound | None) -> str:
         return "no bound derived"
     counts = [f"{count} {_SHORT.get(name, name)}" for name, count in bound.operations.items()]
     return ", ".join([*([f"{bound.iterations} iterations"] if bound.iterations else []), *counts])
-
-
-def _row(function: str, config: str, bound: Bound | None) -> str:
-    values = (
-        ["-"] * 8
-        if bound is None
-        else [f"{bound.iterations}", *(f"{bound.operations.get(name, 0):,}" for name in _NAMES)]
-    )
-    return f"| `{function}` | {config} | {' | '.join(values)} |"
 
 
 def _wrapped(text: str) -> list[str]:

@@ -21,6 +21,7 @@ from symkin.codegen.text.javascript import javascript
 from symkin.errors import NoConfigurationError
 from symkin.model.joint import Coordinate, units_of
 from symkin.model.mechanism import Mechanism
+from symkin.numeric.system import components
 from symkin.numeric.tolerances import (
     CLOSURE_TOLERANCE,
     DISTINCT_ROOTS,
@@ -367,8 +368,20 @@ def _functions(problem: Problem, links: Mapping[str, Pose]) -> tuple[str, dict[s
         "rows": rows.shape[0],
         "errors": problem.system.errors.shape[0],
         "columns": columns.tolist(),
+        "unknown": problem.unknown_places.tolist(),
+        "parts": _parts(jacobian[:, problem.unknown_places.tolist()]),
     }
     return "\n".join(texts), sizes
+
+
+def _parts(jacobian: ca.SX) -> list[dict[str, list[int]]]:
+    """The parts of a system that share neither rows nor unknowns, by its Jacobian."""
+    entries = np.asarray(ca.DM(jacobian.sparsity(), 1.0)) > 0.0
+    rows_of = [set(np.flatnonzero(row).tolist()) for row in entries]
+    return [
+        {"rows": [r for r, own in enumerate(rows_of) if own & part], "columns": sorted(part)}
+        for part in components(rows_of, entries.shape[1])
+    ]
 
 
 def _twist(pose: ca.SX, x: ca.SX) -> ca.SX:

@@ -9,7 +9,6 @@ import math
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from html import escape
 from importlib.resources import files
 from typing import Any
 
@@ -17,6 +16,7 @@ from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.page.model_data import page_model
 from symkin.page.plane import painted_plane
 from symkin.page.scene import scene_of
+from symkin.page.static_files import static_template, static_text
 from symkin.position.determination import Determination, determination
 from symkin.position.problem import build_problem
 from symkin.position.solve import solve
@@ -75,22 +75,13 @@ def page_html(
         "options": _options(mechanism, made.model, path, plane)
         | {"hint": _hint(made.model, scene)},
     }
-    return _filled(
-        {
-            "title": escape(f"{mechanism.name}: the mechanism moves"),
-            "name": escape(mechanism.name),
-            "subtitle": escape(mechanism.title),
-            "css": _static("page.css"),
-            "modules": _modules(made.generated),
-            "data": _in_script(json.dumps(data, allow_nan=False, separators=(",", ":"))),
-            "boot": _static("boot.js"),
-        }
+    return static_template("page.html").render(
+        mechanism=mechanism,
+        css=static_text("page.css"),
+        modules=_modules(made.generated),
+        data=_in_script(json.dumps(data, allow_nan=False, separators=(",", ":"))),
+        boot=static_text("boot.js"),
     )
-
-
-def _filled(parts: Mapping[str, str]) -> str:
-    """The template with every {{name}} replaced, once: what is put in is not read again."""
-    return re.sub(r"\{\{(\w+)\}\}", lambda found: parts[found.group(1)], _static("page.html"))
 
 
 def _options(
@@ -158,13 +149,13 @@ def _modules(generated: str) -> str:
     """Every module as a script of a type that browsers do not run; boot.js makes modules of
     them.
     """
-    texts = {name: _static(file) for name, file in _MODULES.items()}
+    texts = {name: static_text(file) for name, file in _MODULES.items()}
     solvers = sorted(
         entry.name
         for entry in files("symkin.page").joinpath("static").iterdir()
         if _is_solver(entry.name)
     )
-    texts |= {name.removesuffix(".js"): _static(name) for name in solvers}
+    texts |= {name.removesuffix(".js"): static_text(name) for name in solvers}
     texts["generated"] = generated
     return "\n".join(
         f'<script type="text/module" data-name="{name}">\n{_in_script(text)}\n</script>'
@@ -186,10 +177,6 @@ def _in_script(text: str) -> str:
         text,
         flags=re.IGNORECASE,
     )
-
-
-def _static(name: str) -> str:
-    return files("symkin.page").joinpath("static", *name.split("/")).read_text(encoding="utf-8")
 
 
 # --- sliders --------------------------------------------------------------------------------------

@@ -1,62 +1,102 @@
-"""What the page paints of a plane of two coordinates: its title, the colours of curves and of a
-map's values, and the legends.
+"""Paint a plane of two coordinates for the page, as SVG: its title, curves, a map's cells or dots,
+and the legends.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from itertools import groupby
 from typing import Any
 
+import numpy as np
+
 from symkin.drawing.palette import COLOURS, KIND_COLOURS
+from symkin.page.static_files import static_template
 
 _SHADES = ("#46327e", "#365c8d", "#277f8e", "#1fa187", "#4ac16d", "#a0da39", "#fde725")
 """Of small values to large ones (viridis)."""
 _MOST_ENTRIES = 8
 """Counts that a legend names."""
-_NO_MODE = -1
+_MOST_APART = math.log(1.5)
+"""Of the sides' lengths, where both have one unit and one scale."""
 
 Legend = list[tuple[str | None, str]]
 
 
 def painted_plane(plane: Mapping[str, Any]) -> dict[str, Any]:
     """A plane {names, units, ranges, held, curves: [{kind, points}], pose, map: {title, values,
-    condition, every, edges or points}} with its title, colours and legends.
+    condition, every, edges or points}} as `html` with its title, colours and legends, and what of
+    it is asked of the mechanism.
     """
-    curves, cells = plane["curves"], plane.get("map")
+    curves, cells, ranges = plane["curves"], plane.get("map"), np.array(plane["ranges"], float)
     kinds = {curve["kind"]: KIND_COLOURS.get(curve["kind"], COLOURS["loop"]) for curve in curves}
     words = [] if cells is None else [cells["title"]]
     if kinds or cells is None or plane["lociAsked"]:
         words.append("singular curves" if kinds else "singular curves: none met")
     title = ", ".join(words)
     told = [title[:1].upper() + title[1:], plane["held"]]
-    shown = "singular curves" if cells is None else "the map of a sweep"
-    painted = {
-        "label": f"Plane of {' and '.join(plane['names'])} with {shown}; point at a place to go "
-        f"there, or use the arrow keys",
-        "title": "; ".join(part for part in told if part),
-        "curves": [curve | {"colour": kinds[curve["kind"]]} for curve in curves],
-        "kinds": [(colour, kind) for kind, colour in kinds.items()],
-    }
-    return {**plane, **painted, "map": None if cells is None else _painted_map(cells)}
+    across, up = np.ptp(ranges, axis=1)
+    is_even = len(set(plane["units"])) == 1 and abs(math.log(up / across)) < _MOST_APART
+    html = static_template("plane.html").render(
+        names=plane["names"],
+        shown="singular curves" if cells is None else "the map of a sweep",
+        title="; ".join(part for part in told if part),
+        aspect=across / up if is_even else None,
+        curves=[(kinds[c["kind"]], _lines(_shares(c["points"], ranges))) for c in curves],
+        kinds=[(colour, kind) for kind, colour in kinds.items()],
+        map=None if cells is None else _painted_map(cells, ranges),
+        ends=[
+            " to ".join(f"{float(f'{end:.4g}'):g}" for end in ends) + f" {unit}"
+            for ends, unit in zip(plane["ranges"], plane["units"], strict=True)
+        ],
+    )
+    kept = {key: plane.get(key) for key in ("names", "ranges", "pose")}
+    return kept | {"html": html, "what": "plane" if cells is None else "map"}
 
 
-def _painted_map(cells: Mapping[str, Any]) -> dict[str, Any]:
-    """A map with a shade for each value, by its number: -1 where there is no mode, null where that
-    is not known.
-    """
+def _shares(points: Sequence[Any], ranges: np.ndarray) -> np.ndarray:
+    """Places in the picture (n, 2) of points of the plane: from 0 to 1, down from the top."""
+    shares = (np.reshape(points, (-1, 2)) - ranges[:, 0]) / np.ptp(ranges, axis=1)
+    return np.abs(np.array([0.0, 1.0]) - shares)
+
+
+def _lines(places: np.ndarray) -> str:
+    """A path of SVG through places, a single one as a dot."""
+    texts = [f"{x:.5g} {y:.5g}" for x, y in places.tolist()]
+    return f"M{'L'.join(texts if len(texts) > 1 else 2 * texts)}"
+
+
+def _painted_map(cells: Mapping[str, Any], ranges: np.ndarray) -> dict[str, Any]:
+    """A map's paths by colour, "" where there is no mode, and its legend."""
     values = cells["values"]
     positive = sorted({value for value in values if value})
     shades, legend = (_conditions if cells["condition"] else _counts)(positive)
-    unknown = _NO_MODE if cells["condition"] and "edges" in cells else None
-    numbers = dict(zip(positive, shades, strict=True)) | {0: _NO_MODE, None: unknown}
+    colours = {v: _SHADES[k] for v, k in zip(positive, shades, strict=True)} | {0: ""}
+    paths: dict[str, list[str]] = {}
+    if "points" in cells:
+        for place, value in zip(_shares(cells["points"], ranges), values, strict=True):
+            if value is not None:
+                paths.setdefault(colours[value], []).append(_lines(place[None]))
+    else:
+        colours[None] = "" if cells["condition"] else "#fff"
+        x, y = (
+            np.abs(k - (np.array(e) - low) / (high - low)).round(5).tolist()
+            for k, (e, (low, high)) in enumerate(zip(cells["edges"], ranges, strict=True))
+        )
+        rows = len(y) - 1
+        for i in range(len(x) - 1):
+            column = [colours[value] for value in values[i * rows : (i + 1) * rows]]
+            for colour, run in groupby(range(rows), key=column.__getitem__):
+                places = list(run)
+                path = f"M{x[i]:g} {y[places[0]]:g}H{x[i + 1]:g}V{y[places[-1] + 1]:g}H{x[i]:g}z"
+                paths.setdefault(colour, []).append(path)
     every = f"; one point of {cells['every']} each way" if cells["every"] > 1 else ""
     return {
-        "shades": _SHADES,
-        "fills": [numbers[value] for value in values],
+        "paths": {colour: "".join(found) for colour, found in paths.items()},
+        "kind": "dots" if "points" in cells else "cells",
         "every": every,
         "legend": [*legend, (None, "none")],
-        **{key: cells[key] for key in ("edges", "points") if key in cells},
     }
 
 

@@ -83,7 +83,7 @@ class _Solids:
         radius = [wide if k in rim else 0.45 * wide for k in range(len(points))]
         parts = [tube(points[a], points[b], min(radius[a], radius[b])) for a, b in item["edges"]]
         if parts:
-            knots = [ball(point, r, 12) for point, r in zip(points, radius, strict=True)]
+            knots = [ball(point, r, 10) for point, r in zip(points, radius, strict=True)]
             yield solid(item["link"], item["colour"], [*parts, *knots])
 
     def ground(self) -> Iterator[Json]:
@@ -155,7 +155,7 @@ class _Solids:
 
     def _stretched(self, radius: float, colour: str, **more: Any) -> Json:
         """A rod between the item's ends; of their distance, `most` of it at most, a `share`."""
-        unit = tube((0.0, 0.0, 0.0), (0.0, 0.0, 1.0), radius * self.symbol, 16)
+        unit = tube((0.0, 0.0, 0.0), (0.0, 0.0, 1.0), radius * self.symbol)
         return solid(0, colour, [unit], stretched=self.ends(), **more)
 
     # --- points and frames ------------------------------------------------------------------------
@@ -186,15 +186,15 @@ def solid(link: int, colour: str, parts: Sequence[Part], **more: Any) -> Json:
     return {"link": link, "colour": colour, "parts": list(parts), **more}
 
 
-def tube(start: Vector, end: Vector, radius: float, sides: int = 14) -> Part:
+def tube(start: Vector, end: Vector, radius: float, sides: int = 10) -> Part:
     return ["tube", [*map(float, start)], [*map(float, end)], radius, sides]
 
 
-def drum(centre: Vector, axis: Vector, length: float, radius: float, sides: int = 28) -> Part:
+def drum(centre: Vector, axis: Vector, length: float, radius: float, sides: int = 20) -> Part:
     """A cylinder about an axis through a centre."""
     middle, half = np.array(centre), 0.5 * length * np.array(axis) / np.linalg.norm(axis)
     return tube(middle - half, middle + half, radius, sides)
 
 
-def ball(centre: Vector, radius: float, detail: int = 18) -> Part:
+def ball(centre: Vector, radius: float, detail: int = 12) -> Part:
     return ["ball", [*map(float, centre)], radius, detail]

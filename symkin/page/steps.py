@@ -13,7 +13,7 @@ import numpy as np
 from symkin.assembly.closed_roots import accounts_for_all, closed_block
 from symkin.assembly.group_solvers import any_paths, group_paths, solved_at_once, solved_parts
 from symkin.closure.numpy_code import vectorise
-from symkin.codegen.text.javascript import javascript
+from symkin.codegen.text.javascript import complex_parts, javascript
 from symkin.elimination.closed_form import ClosedForm
 from symkin.homotopy.many_instances import instance
 from symkin.homotopy.systems import meets_all_rows
@@ -75,12 +75,12 @@ def _step(
         "number": number,
         "known": group.known_places.tolist(),
         "unknown": group.unknown_places.tolist(),
-        "rows": rows.shape[0],
+        "rows": 2 * rows.shape[0],
         "starts": [np.column_stack([z.real, z.imag]).ravel().tolist() for z in starts],
         "signs": None,
         "margins": 0,
     }
-    texts = [javascript(f"step{number}", x, [rows, gradients], over_complex=True)]
+    texts = [_over_complex(f"step{number}", x, rows, gradients)]
     form = _formulas(group)
     if form is not None:
         values, discriminants, margins = form.judged
@@ -89,6 +89,16 @@ def _step(
         texts.append(javascript(f"branches{number}", inputs, [ca.densify(v) for v in outputs]))
         step |= {"signs": form.choices.tolist(), "margins": margins.shape[0]}
     return step, texts
+
+
+def _over_complex(name: str, x: ca.SX, rows: ca.SX, gradients: ca.SX) -> str:
+    """The function of a step's rows over pairs of numbers, as a real system of twice the size:
+    gradients a + ib are [[a, -b], [b, a]].
+    """
+    parts, (values, slopes) = complex_parts(x, [rows, gradients])
+    one, turn = ca.DM.eye(2), ca.sparsify(ca.DM([[0, -1], [1, 0]]))
+    matrix = ca.kron(slopes[0], one) + ca.kron(slopes[1], turn)
+    return javascript(name, parts, [ca.vec(ca.horzcat(*values).T), matrix])
 
 
 def _formulas(group: Problem) -> ClosedForm | None:

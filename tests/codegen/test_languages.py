@@ -12,7 +12,15 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from helpers.inside import NUMPY_NAMES, Emitter, Printer, Real, javascript, python_language
+from helpers.inside import (
+    NUMPY_NAMES,
+    Emitter,
+    Printer,
+    Real,
+    complex_parts,
+    javascript,
+    python_language,
+)
 
 X = ca.SX.sym("x", 3)
 A, B, C = X[0], X[1], X[2]
@@ -83,6 +91,13 @@ def test_c_finds_a_value_and_its_negative_once() -> None:
     np.testing.assert_array_equal(scope["out"], _expected(entries))
 
 
+def _in_turns(matrix: ca.SX) -> tuple[ca.SX, list[ca.SX]]:
+    """Parts of its variables, and a matrix of twice the columns with the parts of its entries."""
+    parts, [(real, imaginary)] = complex_parts(X, [matrix])
+    first, second = (ca.sparsify(ca.DM([row])) for row in ([1, 0], [0, 1]))
+    return parts, [ca.kron(real, first) + ca.kron(imaginary, second)]
+
+
 @pytest.mark.skipif(shutil.which("node") is None, reason="node is not installed")
 @pytest.mark.parametrize("over_complex", [False, True])
 def test_javascript_has_the_values(over_complex: bool) -> None:
@@ -96,7 +111,7 @@ def test_javascript_has_the_values(over_complex: bool) -> None:
         matrix[k, k % 2] = entry
     width = 2 if over_complex else 1
     numbers = at.view(float).tolist()
-    text = javascript("f", X, [matrix], over_complex=over_complex)
+    text = javascript("f", *((X, [matrix]) if not over_complex else _in_turns(matrix)))
     program = (
         text.replace("export ", "")
         + f"const out = Array({2 * width * len(entries)}).fill(9);"

@@ -644,7 +644,7 @@ def test_a_plane_with_singular_curves_is_pointed_at(open_page: Callable[..., Any
         here, ("theta1", "op"), ranges=[(20.0, 150.0), (60.0, 160.0)], starts=3
     )
     page = open_page(loci.view().html)
-    box = page.locator("#plane canvas").bounding_box()
+    box = page.locator("#plane svg").bounding_box()
     page.mouse.click(box["x"] + 0.5 * box["width"], box["y"] + 0.5 * box["height"])
     page.wait_for_function(
         "Math.abs(symkin.solution().joints.op - 110) < 1 && "
@@ -674,7 +674,7 @@ def test_a_sweeps_map_is_pointed_at(open_page: Callable[..., Any], tmp_path: Pat
     )
     assert page.locator("#plane .legend").last.inner_text().split() == ["4", "none"]
     assert page.evaluate("symkin.modes().length") == 4
-    box = page.locator("#plane canvas").bounding_box()
+    box = page.locator("#plane svg").bounding_box()
     page.mouse.click(box["x"] + 0.5 * box["width"], box["y"] + 0.25 * box["height"])
     page.wait_for_function(
         "symkin.solution().position[1] > 100 && Math.abs(symkin.solution().position[0]) < 5"
@@ -700,7 +700,7 @@ def test_the_map_of_poses_drags_the_platform(open_page: Callable[..., Any], tmp_
     page = open_page(swept.view(slices={"z": -250.0}).html)
     assert page.evaluate("symkin.names") == [c.name for c in delta.actuated]
     assert "z = -250 mm" in page.locator("#plane p").inner_text()
-    box = page.locator("#plane canvas").bounding_box()
+    box = page.locator("#plane svg").bounding_box()
     page.mouse.click(box["x"] + 0.6 * box["width"], box["y"] + 0.4 * box["height"])
     page.wait_for_function(
         "symkin.solution().position[0] > 15 && symkin.solution().position[1] > 15"
@@ -824,22 +824,19 @@ PARTS = """async () => {
   const [{createSolver}, generated, {leastSquares, relativeChange, singularPair}] =
     await Promise.all(['solver', 'generated', 'solver-algebra'].map(name => import(name)));
   const {model} = JSON.parse(document.getElementById('data').textContent);
-  const solver = createSolver(model, generated).system, {parts, unknown} = solver,
+  const system = createSolver(model, generated).system, {parts, unknown} = system,
     n = unknown.length, m = model.rows;
-  const whole = x => { generated.system(x, solver.values, solver.gradients);
+  const whole = x => { generated.system(x, system.values, system.gradients);
     return Float64Array.from({length: m * n}, (_,
-      k) => solver.gradients[Math.floor(k / n) * model.width + unknown[k % n]]) };
+      k) => system.gradients[Math.floor(k / n) * model.width + unknown[k % n]]) };
   const x = Float64Array.from(model.start), other = x.map((v, k) => v + 0.01 * Math.sin(k));
   const right = Float64Array.from({length: m}, (_, k) => Math.cos(k)), pair = singularPair(whole(x),
     m, n);
-  const apart = parts.solve(parts.matrices((whole(x), solver.gradients)), right);
-  const changed = parts.change(parts.matrices((whole(x), solver.gradients)),
-    parts.matrices((whole(other), solver.gradients)));
-  return {sizes: parts.parts.map(part => part.columns.length),
-    solutions: [Array.from(apart), Array.from(leastSquares(whole(x), right.slice(), n))],
-    changes: [changed, relativeChange(whole(x), whole(other), n)],
-    ratios: [parts.singularPair(parts.matrices((whole(x), solver.gradients))).ratio,
-      pair.least / pair.most]};
+  return {sizes: parts.map(part => part.columns.length),
+    solutions: [system.solve(system.linearise(x), right), leastSquares(whole(x), right.slice(), n)]
+      .map(y => Array.from(y)),
+    changes: [system.change(x, other), relativeChange(whole(x), whole(other), n)],
+    ratios: [system.singularPair(x).ratio, pair.least / pair.most]};
 }"""
 
 

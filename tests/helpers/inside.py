@@ -454,6 +454,7 @@ NAMES = {
     "NUMPY_NAMES": "symkin.codegen.text.languages",
     "python_language": "symkin.codegen.text.languages",
     "Printer": "symkin.codegen.text.printer",
+    "complex_parts": "symkin.codegen.text.javascript",
     "javascript": "symkin.codegen.text.javascript",
     "gathered": "symkin.codegen.text.gathered",
     "Geometry": "symkin.codegen.steps.geometry",

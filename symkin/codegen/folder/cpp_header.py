@@ -5,8 +5,8 @@ or spans, results with their status.
 from __future__ import annotations
 
 from symkin.codegen.map.program import Program
-from symkin.codegen.map.signature import cpp_function
-from symkin.codegen.text.templates import fill
+from symkin.codegen.map.signature import Function
+from symkin.codegen.text.templates import rendered, substitute
 
 _WORDS = """\
 alignas alignof and and_eq asm auto bitand bitor bool break case catch char char8_t char16_t
@@ -22,31 +22,24 @@ _KEYWORDS = frozenset(_WORDS.split())
 """Words that no namespace can be called."""
 
 
-_DERIVATIVES = """using matrix = std::array<real, joint_count * joint_count>;
-struct derivatives {
-    matrix jacobian;
-    std::array<real, joint_count * joint_count * joint_count> second;
-};"""
-_TWIST = """using twist_values = std::array<real, 6>;
-using matrix = std::array<real, 6 * joint_count>;"""
-
-
 def cpp_text(program: Program) -> str:
     """NAME.hpp."""
     name = program.mechanism.name
-    struct = program.options.geometry == "struct"
-    is_map = program.options.is_map
-    shown = program.values | {
-        "namespace": f"{name}_kinematics" if name in _KEYWORDS else name,
-        "functions": "\n".join(
-            cpp_function(f, program.values, struct=struct) for f in program.functions
-        ),
-        "pose": "" if is_map else f"using pose = ::{name}_pose;",
-        "arrays": _DERIVATIVES if is_map else _TWIST,
-        "geometry_type": f"using geometry = ::{name}_geometry;" if struct else "",
-        "limit": f"inline constexpr real track_limit = {name.upper()}_TRACK_LIMIT;"
-        if f"{name.upper()}_TRACK_LIMIT" in program.header
-        else "",
-        "all": fill("all.hpp", program.values) if f"{name}_inverse_all(" in program.header else "",
-    }
-    return fill("header.hpp", shown)
+
+    def words(function: Function) -> str:
+        """The first sentence of what a function does."""
+        return (
+            " ".join(substitute(function.about, program.values).split()).split(". ")[0].rstrip(".")
+        )
+
+    return rendered(
+        "header.hpp",
+        **program.values,
+        namespace=f"{name}_kinematics" if name in _KEYWORDS else name,
+        functions=program.functions,
+        words=words,
+        is_map=program.options.is_map,
+        struct=program.options.geometry == "struct",
+        limit=f"{name.upper()}_TRACK_LIMIT" in program.header,
+        branches=f"{name}_inverse_all(" in program.header,
+    )

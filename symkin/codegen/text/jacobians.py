@@ -13,6 +13,7 @@ from symkin.codegen.text.jacobian_header import allowed_names, free_prefix, head
 from symkin.codegen.text.jacobian_latex import latex_source
 from symkin.codegen.text.languages import NUMPY_NAMES, SYMPY_NAMES, python_language
 from symkin.codegen.text.printer import Printer
+from symkin.codegen.text.templates import rendered
 from symkin.errors import InputError
 from symkin.text import c_comment, docstring_line, not_among
 from symkin.velocity.jacobian import Jacobian
@@ -68,104 +69,43 @@ def _about_arrays(jacobian: Jacobian) -> list[str]:
 # --- Python ---------------------------------------------------------------------------------------
 
 
-def numpy_source(jacobian: Jacobian) -> str:
-    """A module that imports numpy only, with one function `jacobian` of the inputs (numbers, or
-    arrays of one shape or of shapes that broadcast) which returns an array (..., rows, columns).
-    """
-    names, printer = _python(jacobian, "np", NUMPY_NAMES, {"matrix", "jacobian", "shape"})
-    entries, (rows, columns) = printer.entries(), jacobian.shape
-    shapes = ", ".join(f"np.shape({name})" for name in names.values())
-    body = [
-        '"""The Jacobian of one configuration, or of many where the inputs are arrays (shapes '
-        "broadcast):",
-        f'an array (..., {rows}, {columns})."""',
-        *_wrapped(f"shape = {f'np.broadcast_shapes({shapes})' if names else '()'}"),
-        f"matrix = np.zeros((*shape, {rows}, {columns}))",
-        *printer.lines,
-        *(f"matrix[..., {i}, {j}] = {text}" for (i, j), text in entries.items()),
-        "return matrix",
-    ]
-    head = _wrapped(f"def jacobian({', '.join(names.values())}):")
-    return "\n".join(
-        [*_docstring(jacobian, names), "", "import numpy as np", "", "", *head, indent(body), ""]
-    )
-
-
-def sympy_source(jacobian: Jacobian) -> str:
-    """A module that imports sympy only: `inputs` (symbols), `definitions` (named intermediate
-    values, in order), `matrix` over both, and the functions `expanded`, `lambdified`.
-    """
-    own = {"inputs", "definitions", "matrix", "expanded", "lambdified", "named"}
-    names, printer = _python(jacobian, "sp", SYMPY_NAMES, own, '{name} = named("{name}", {text})')
-    entries, (rows, columns) = printer.entries(), jacobian.shape
-    arguments = list(names.values())
-    lines = [*_docstring(jacobian, names), "", "import sympy as sp", ""]
-    lines += [f'{name} = sp.Symbol("{name}", real=True)' for name in arguments]
-    lines += [
-        *_wrapped(f"inputs = ({', '.join(arguments)}{',' if len(arguments) == 1 else ''})"),
-        _SYMPY_DEFINITIONS,
-    ]
-    lines += [*printer.lines, "", "matrix = sp.Matrix(["]
-    for i in range(rows):
-        row = [f"        {entries.get((i, j), '0')}," for j in range(columns)]
-        lines += ["    [", *row, "    ],"]
-    return "\n".join([*lines, "])", _SYMPY_FUNCTIONS])
-
-
-def _python(
-    jacobian: Jacobian,
+def _module(
+    template: str,
     module: str,
     functions: Mapping[str, str],
     reserved: Collection[str],
     statement: str = "{name} = {text}",
-) -> tuple[dict[str, str], Printer]:
-    """Names of the inputs beside a module's own ones, and the printer of the matrix over them."""
-    names = allowed_names(jacobian, {*keyword.kwlist, module, *reserved})
-    language = python_language(module, functions, free_prefix(names.values()), statement)
-    return names, Printer(jacobian.function, [[name] for name in names.values()], language)
+) -> Callable[[Jacobian], str]:
+    """What writes a Python module that imports one other: by its template, beside whose own names
+    those of the inputs stand.
+    """
+
+    def source(jacobian: Jacobian) -> str:
+        names = allowed_names(jacobian, {*keyword.kwlist, module, *reserved})
+        language = python_language(module, functions, free_prefix(names.values()), statement)
+        printer = Printer(jacobian.function, [[name] for name in names.values()], language)
+        entries, (rows, columns) = printer.entries(), jacobian.shape
+        return rendered(
+            template,
+            about="\n".join(map(docstring_line, header(jacobian, names))),
+            names=list(names.values()),
+            lines=printer.lines,
+            entries=entries,
+            rows=rows,
+            columns=columns,
+            wrapped=_wrapped,
+        )
+
+    return source
 
 
-_SYMPY_DEFINITIONS = '''
-definitions = []
-
-
-def named(name, value):
-    """A symbol for a value that holds inputs and symbols named before."""
-    symbol = sp.Symbol(name, real=True)
-    definitions.append((symbol, sp.sympify(value)))
-    return symbol
-
-'''
-_SYMPY_FUNCTIONS = '''
-
-def expanded():
-    """The matrix over the inputs alone; long where there are many definitions."""
-    values = {}
-    for name, value in definitions:
-        values[name] = value.xreplace(values)
-    return matrix.xreplace(values)
-
-
-def lambdified(modules="math"):
-    """A function of the inputs, in their order, that returns the rows."""
-    def whole(value):  # lambdify writes 15 digits of numbers that have no more
-        return value.xreplace({number: sp.Float(number, 17) for number in value.atoms(sp.Float)})
-
-    steps = [(name, whole(value)) for name, value in definitions]
-    rows = matrix.applyfunc(whole).tolist()
-    return sp.lambdify(inputs, rows, modules, cse=lambda rows: (steps, rows))
-'''
-
-
-def _docstring(jacobian: Jacobian, names: dict[str, str]) -> list[str]:
-    first, *safe = [docstring_line(line) for line in header(jacobian, names)]
-    return [f'"""{first}', *safe, '"""']
-
-
-def _wrapped(line: str) -> list[str]:
+def _wrapped(line: str, indent: str = "") -> str:
     """A long line with brackets over several lines."""
-    return textwrap.wrap(
-        line, 110, subsequent_indent="        ", break_long_words=False, break_on_hyphens=False
+    return textwrap.indent(
+        textwrap.fill(
+            line, 110, subsequent_indent="        ", break_long_words=False, break_on_hyphens=False
+        ),
+        indent,
     )
 
 
@@ -174,8 +114,14 @@ def _wrapped(line: str) -> list[str]:
 FORMATS: dict[str, Callable[[Jacobian], str]] = {
     "casadi": casadi_source,
     "c": c_source,
-    "numpy": numpy_source,
-    "sympy": sympy_source,
+    "numpy": _module("numpy.txt", "np", NUMPY_NAMES, {"matrix", "jacobian", "shape"}),
+    "sympy": _module(
+        "sympy.txt",
+        "sp",
+        SYMPY_NAMES,
+        {"inputs", "definitions", "matrix", "expanded", "lambdified", "named"},
+        '{name} = named("{name}", {text})',
+    ),
     "latex": latex_source,
 }
 

@@ -1,13 +1,13 @@
-"""Print CasADi functions as straight-line JavaScript, over real or complex numbers.
+"""Print CasADi functions as straight-line JavaScript, and write those of complex numbers by the
+numbers' parts.
 
 A function becomes `export function NAME(x, out0, out1, ...)`: `x` holds the numbers of its only
-input, each output is filled row by row at its nonzeros, and zeros are left as they are. Over
-complex numbers every array holds pairs (real, imaginary).
+input, each output is filled row by row at its nonzeros, and zeros are left as they are.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import TypeAlias
 
@@ -22,41 +22,39 @@ _Pair: TypeAlias = tuple[ca.SX, ca.SX]
 """Real and imaginary part."""
 
 
-def javascript(name: str, x: ca.SX, outputs: list[ca.SX], *, over_complex: bool = False) -> str:
+def javascript(name: str, x: ca.SX, outputs: list[ca.SX]) -> str:
     """The text of an exported function; raises NotImplementedError for an operation that it cannot
     write.
     """
-    outputs = [ca.SX(output) for output in outputs]
-    places = [_row_major(output) for output in outputs]
-    if over_complex:
-        x, outputs = _in_parts(x, outputs)
-        places = [[2 * place + k for place in found for k in (0, 1)] for found in places]
-    function = ca.Function(name, [x], outputs, {"cse": True})
-    printer = Printer(function, [[f"x[{k}]" for k in range(x.numel())]], JAVASCRIPT)
-    for o, found in enumerate(places):
-        for k, place in enumerate(found):
+    printer = Printer(
+        ca.Function(name, [x], outputs, {"cse": True}),
+        [[f"x[{k}]" for k in range(x.numel())]],
+        JAVASCRIPT,
+    )
+    for o, output in enumerate(outputs):
+        rows, columns = output.sparsity().get_triplet()
+        for k, (row, column) in enumerate(zip(rows, columns, strict=True)):
             text = printer.value(o, k)
-            printer.lines.append(f"out{o}[{place}]={text};")
+            printer.lines.append(f"out{o}[{row * output.shape[1] + column}]={text};")
     arguments = ", ".join(["x", *(f"out{k}" for k in range(len(outputs)))])
     body = "\n".join(printer.lines)
     return f"export function {name}({arguments}) {{\n{body}\n}}\n"
 
 
-def _row_major(output: ca.SX) -> list[int]:
-    """Places of the nonzeros of a matrix in its dense row-major writing."""
-    rows, columns = output.sparsity().get_triplet()
-    width = output.shape[1]
-    return [row * width + column for row, column in zip(rows, columns, strict=True)]
-
-
-def _in_parts(x: ca.SX, outputs: list[ca.SX]) -> tuple[ca.SX, list[ca.SX]]:
-    """Parts of complex variables, and the parts of the outputs' nonzeros, in turns."""
+def complex_parts(x: ca.SX, outputs: Sequence[ca.SX]) -> tuple[ca.SX, list[_Pair]]:
+    """Parts of complex variables, real and imaginary in turns, and those of expressions of them.
+    Raises NotImplementedError for an operation without a complex form.
+    """
     parts = ca.SX.sym("x", 2 * x.numel())
     reader = _Parts(parts)
     walk(ca.Function("f", [x], outputs, {"cse": True}), reader)
-    return parts, [
-        stacked(part for k in range(output.nnz()) for part in reader.found[number, k])
+    found = [
+        [reader.found[number, k] for k in range(output.nnz())]
         for number, output in enumerate(outputs)
+    ]
+    return parts, [
+        tuple(ca.SX(output.sparsity(), stacked(pair[i] for pair in pairs)) for i in (0, 1))
+        for output, pairs in zip(outputs, found, strict=True)
     ]
 
 

@@ -7,8 +7,11 @@ from collections.abc import Mapping, Sequence
 from importlib import resources
 
 import numpy as np
+from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from symkin.codegen.text.c import Real
+from symkin.computed_once import lru_cache
+from symkin.text import markdown
 
 FARTHEST = 1e3
 """Positions and joint values beyond this many times the size are refused: their squares stay far
@@ -27,6 +30,28 @@ _PREFIXES = {"name": "p", "NAME": "P", "solver": "k"}
 def fill(template: str, values: Mapping[str, object]) -> str:
     """Read a file of `templates/` and replace its names."""
     return substitute(template_text(template), values)
+
+
+@lru_cache(maxsize=1)
+def _environment() -> Environment:
+    """Templates that choose their words: values as in the others, and Jinja's statements."""
+    environment = Environment(
+        loader=PackageLoader("symkin.codegen"),
+        undefined=StrictUndefined,
+        extensions=["jinja2.ext.do"],
+        variable_start_string="@{",
+        variable_end_string="}",
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+    )
+    environment.filters["markdown"] = markdown
+    return environment
+
+
+def rendered(template: str, **values: object) -> str:
+    """Read a file of `templates/` and follow its statements; a name without a value is an error."""
+    return _environment().get_template(template).render(values)
 
 
 def template_text(template: str) -> str:

@@ -159,7 +159,6 @@ function dress(dark) {
   document.documentElement.dataset.theme = dark ? "dark" : "light";
   $("theme").setAttribute("aria-pressed", String(dark));
   drawing.setDark(dark);
-  plane?.draw();
   strip.draw();
 }
 
@@ -250,7 +249,6 @@ if (options.plane) {
   const off = () => others.filter((name) => Math.abs(solver.values[name] - first[name]) > 1e-6 * Math.max(1, Math.abs(first[name])));
   plane = new PlaneMap($("plane"), options.plane, {
     off,
-    ink: (key) => drawing.look.colour(key),
     now: () => names.map((name, k) => (given ? solver.values[name] : solver.solution().position[axes[k]])),
     go: (...place) => {
       if (given) return moved(solver.set(Object.fromEntries(names.map((name, k) => [name, place[k]]))));

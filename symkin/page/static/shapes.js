@@ -9,38 +9,35 @@ export const vector = (point) => new THREE.Vector3(point[0], point[1], point[2])
 /** The rotation from a unit vector to a direction. */
 const turned = (from, way) => new THREE.Quaternion().setFromUnitVectors(from, vector(way).normalize());
 
-/** One geometry of many: positions and normals only, without an index. */
+/** One geometry of many: positions, normals and triangles of their corners, each of which is drawn once. */
 export function merged(geometries) {
-  const plain = geometries.map((g) => (g.index ? g.toNonIndexed() : g));
-  const count = plain.reduce((sum, g) => sum + g.attributes.position.count, 0);
-  const result = new THREE.BufferGeometry();
-  for (const name of ["position", "normal"]) {
-    const numbers = new Float32Array(3 * count);
-    let at = 0;
-    for (const g of plain) {
-      numbers.set(g.attributes[name].array, at);
-      at += g.attributes[name].array.length;
-    }
-    result.setAttribute(name, new THREE.BufferAttribute(numbers, 3));
+  const result = new THREE.BufferGeometry(), triangles = [];
+  for (const name of ["position", "normal"])
+    result.setAttribute(name, new THREE.Float32BufferAttribute(geometries.flatMap((g) => [...g.attributes[name].array]), 3));
+  let before = 0;
+  for (const { index, attributes } of geometries) {
+    const { count } = attributes.position, corners = index?.array ?? Array(count).keys();
+    for (const corner of corners) triangles.push(before + corner);
+    before += count;
   }
-  return result;
+  return result.setIndex(triangles);
 }
 
-/** The same triangles with one normal at each corner point: shells of it have no gaps. */
+/** The same triangles with one corner at each point, whose normal is their sum: shells of it have no gaps. */
 export function shellOf(geometry) {
-  const plain = geometry.index ? geometry.toNonIndexed() : geometry.clone();
-  const { position, normal } = plain.attributes;
-  const sums = new Map();
-  const key = (k) => [position.getX(k), position.getY(k), position.getZ(k)].map((v) => v.toPrecision(5)).join();
-  for (let k = 0; k < position.count; k++) {
-    const sum = sums.get(key(k)) ?? new THREE.Vector3();
-    sums.set(key(k), sum.add(new THREE.Vector3().fromBufferAttribute(normal, k)));
-  }
-  for (let k = 0; k < position.count; k++) {
-    const mean = sums.get(key(k)).clone().normalize();
-    normal.setXYZ(k, mean.x, mean.y, mean.z);
-  }
-  return plain;
+  const { position, normal } = geometry.attributes, corners = new Map(), points = [], ways = [];
+  const corner = Array.from({ length: position.count }, (_, k) => {
+    const [point, way] = [position, normal].map((attribute) => new THREE.Vector3().fromBufferAttribute(attribute, k));
+    const key = point.toArray().map((v) => v.toPrecision(5)).join();
+    if (!corners.has(key)) {
+      corners.set(key, points.push(point) - 1);
+      ways.push(new THREE.Vector3());
+    }
+    ways[corners.get(key)].add(way);
+    return corners.get(key);
+  });
+  const shell = new THREE.BufferGeometry().setFromPoints(points).setIndex(Array.from(geometry.index.array, (k) => corner[k]));
+  return shell.setAttribute("normal", new THREE.Float32BufferAttribute(ways.flatMap((way) => way.toArray()), 3));
 }
 
 export function tube(start, end, radius, sides = 14) {

@@ -3,7 +3,7 @@
 // A step's unknowns follow from formulas with signs; where these lose digits, and where there are none, they are the ends of paths
 // from complex solutions that symkin has found: from generic known values, paths to any real ones meet no singularity on the way.
 import { apart, standard } from "solver-coordinates";
-import { complexSystem } from "solver-system";
+import { System } from "solver-system";
 
 const LONGEST = [0.35, 0.05, 0.01]; // steps of a path's parameter, at first and where paths are in doubt
 const SHORTEST = 1e-10;
@@ -95,7 +95,9 @@ class Step {
       [...known, ...unknown].forEach((place, k) => start.set(pairs.slice(2 * k, 2 * k + 2), 2 * place));
       return start;
     });
-    this.system = complexSystem(functions[`step${number}`], { rows, columns: model.columns, known, unknown });
+    const pairs = (places) => places.flatMap((k) => [2 * k, 2 * k + 1]), columns = model.columns.flatMap((v) => [v, v]);
+    // paths from generic values keep full rank
+    this.system = new System(functions[`step${number}`], { rows, columns, known: pairs(known), unknown: pairs(unknown), pivoted: false });
     this.branches = functions[`branches${number}`];
     this.unresolved = 0;
   }

@@ -1,26 +1,56 @@
 // Rows of a closure and their gradients: tangents and Newton's method for the unknowns at known values.
-import { Parts } from "solver-parts";
+import { leastSquares, relativeChange, singularPair } from "solver-algebra";
 
 const ROUNDING = 1e-7; // Newton's step below which it need not contract: near a singularity rounding is that large
+const numbers = (count) => [...Array(count).keys()];
 
 export class System {
-  /** `evaluate(x, values, gradients)` fills the rows and what of their gradients is not always zero, by x in units of `columns`. */
-  constructor(evaluate, { rows, columns, known, unknown, pivoted = true }) {
+  /** `evaluate(x, values, gradients)` fills the rows and what of their gradients is not always zero, by x in units of `columns`. `parts`
+   * share neither rows nor unknowns, as legs that only the base joins, and are solved one by one. */
+  constructor(evaluate, { rows, columns, known, unknown, pivoted = true, parts = [{ rows: numbers(rows), columns: numbers(unknown.length) }] }) {
     Object.assign(this, { evaluate, columns, known, unknown, pivoted });
     this.values = new Float64Array(rows);
-    this.gradients = new Float64Array(rows * columns.length).fill(NaN);
-    this.parts = null; // once rows have been evaluated
+    this.gradients = new Float64Array(rows * columns.length);
+    const entry = (r, k) => r * columns.length + unknown[k];
+    this.parts = parts.map((part) => ({ ...part, entries: part.rows.flatMap((r) => part.columns.map((k) => entry(r, k))) }));
   }
 
   /** Rows and the unknowns' columns of their Jacobian, part by part. */
   linearise(x) {
     this.evaluate(x, this.values, this.gradients);
-    if (!this.parts) {
-      this.parts = new Parts(this.gradients, this.columns.length, this.unknown);
-      this.gradients.fill(0);
-      this.evaluate(x, this.values, this.gradients);
+    return this.parts.map(({ entries }) => {
+      const matrix = new Float64Array(entries.length);
+      entries.forEach((entry, i) => (matrix[i] = this.gradients[entry]));
+      return matrix;
+    });
+  }
+
+  /** Unknowns of least squares for a right side of all rows; null where numbers are not finite. The matrices are overwritten. */
+  solve(matrices, right) {
+    const y = new Float64Array(this.unknown.length);
+    for (const [i, { rows, columns }] of this.parts.entries()) {
+      const found = leastSquares(matrices[i], Float64Array.from(rows, (r) => right[r]), columns.length, this.pivoted);
+      if (!found) return null;
+      columns.forEach((k, j) => (y[k] = found[j]));
     }
-    return this.parts.matrices(this.gradients);
+    return y;
+  }
+
+  /** `relativeChange` of the whole Jacobian from one configuration to another. */
+  change(before, after) {
+    const [a, b] = [before, after].map((x) => this.linearise(x));
+    return Math.hypot(...this.parts.map(({ columns }, i) => relativeChange(a[i], b[i], columns.length)));
+  }
+
+  /** Smallest over largest singular value of the whole, and the unknowns' motion of the smallest. */
+  singularPair(x) {
+    const matrices = this.linearise(x), vector = new Float64Array(this.unknown.length);
+    const pairs = this.parts.map(({ rows, columns }, i) => singularPair(matrices[i], rows.length, columns.length));
+    if (!pairs.length) return { ratio: 1, vector };
+    const least = pairs.reduce((best, pair, i) => (pair.least < pairs[best].least ? i : best), 0);
+    const most = Math.max(...pairs.map((pair) => pair.most));
+    this.parts[least].columns.forEach((k, j) => (vector[k] = pairs[least].vector[j]));
+    return { ratio: most > 0 ? pairs[least].least / most : 0, vector };
   }
 
   /** The unknowns' velocity, in units of their columns, while known values move by `way` in a unit of time; null where it is not finite. */
@@ -28,7 +58,7 @@ export class System {
     const matrices = this.linearise(x), width = this.columns.length, right = this.values.map(() => 0);
     for (let r = 0; r < right.length; r++)
       for (const k of this.known) right[r] -= (this.gradients[r * width + k] * way[k]) / this.columns[k];
-    return this.parts.solve(matrices, right, this.pivoted);
+    return this.solve(matrices, right);
   }
 
   /** A copy of x with its unknowns moved for some time. */
@@ -47,7 +77,7 @@ export class System {
   newton(x, close, most, allowed, unit = () => 1) {
     let first = 0, last = Infinity;
     for (let k = 0; k < most; k++) {
-      const matrices = this.linearise(x), step = this.parts.solve(matrices, this.values.map((v) => -v), this.pivoted);
+      const matrices = this.linearise(x), step = this.solve(matrices, this.values.map((v) => -v));
       const length = step ? Math.hypot(...step) / unit(x) : Infinity;
       if (!Number.isFinite(length) || !allowed(length, last)) return 0;
       x.set(this.moved(x, step, 1));
@@ -57,22 +87,4 @@ export class System {
     }
     return last < ROUNDING ? first : 0;
   }
-}
-
-/** A system over complex numbers, held as pairs, as a real one of twice the size: gradients a + ib are [[a, -b], [b, a]]. */
-export function complexSystem(evaluate, { rows, columns, known, unknown }) {
-  const width = columns.length, found = new Float64Array(2 * rows * width).fill(NaN), pairs = (k) => [2 * k, 2 * k + 1];
-  let entries = null;
-  const evaluatePairs = (x, values, gradients) => {
-    evaluate(x, values, found);
-    entries ??= [...found.keys()].filter((k) => k % 2 === 0 && !Number.isNaN(found[k]));
-    for (const k of entries) {
-      const above = k + 2 * width * Math.floor(k / (2 * width)), below = above + 2 * width;
-      gradients[above] = gradients[below + 1] = found[k];
-      gradients[below] = found[k + 1];
-      gradients[above + 1] = -found[k + 1];
-    }
-  };
-  const sizes = { rows: 2 * rows, columns: columns.flatMap((v) => [v, v]), known: known.flatMap(pairs), unknown: unknown.flatMap(pairs) };
-  return new System(evaluatePairs, { ...sizes, pivoted: false }); // paths from generic values keep full rank
 }

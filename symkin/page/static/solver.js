@@ -34,15 +34,11 @@ class Solver {
     this.limits = model.limits;
     this.links = model.links;
     this.x = Float64Array.from(model.start);
-    this.known = [];
-    this.unknown = [];
-    for (const c of model.coordinates)
-      for (let k = 0; k < (c.kind === "quaternion" ? 4 : 1); k++) (c.known ? this.known : this.unknown).push(c.place + k);
+    this.unknown = model.unknown;
     const places = new Map(model.coordinates.map((c) => [c.name, c.place]));
     this.places = this.names.map((name) => places.get(name));
     this.kinds = this.names.map((name) => model.coordinates.find((c) => c.name === name).kind);
-    const { rows, columns } = model;
-    this.system = new System(generated.system, { rows, columns, known: this.places, unknown: this.unknown });
+        this.system = new System(generated.system, { ...model, known: this.places });
     this.limited = model.limited.map((c) => ({ ...c, high: c.high ?? Infinity }));
     this.heedsLimits = true; // whether movements stop at limits
     this.correct(this.x);
@@ -163,7 +159,7 @@ class Solver {
     system.setKnown(next, start, way, step === 1 - share ? 1 : share + step);
     const known = this._apart(x, next);
     if (!this.correct(next, CORRECTION * (reach + known) + ROUNDING)) return null;
-    return system.parts.change(system.linearise(x), system.linearise(next)) < CHANGE ? next : null;
+    return system.change(x, next) < CHANGE ? next : null;
   }
 
   /** Newton's method on the unknowns of x, in place; whether it closed, its first step within `most` and contracting. */
@@ -234,17 +230,12 @@ class Solver {
   }
 
   _ratio(x) {
-    return this._pair(x).ratio;
-  }
-
-  _pair(x) {
-    const matrices = this.system.linearise(x);
-    return this.system.parts.singularPair(matrices);
+    return this.system.singularPair(x).ratio;
   }
 
   /** The motion that the given values hold least: the platform's twist (velocity, angular velocity; null where it stands), and in words. */
   _singularMotion() {
-    const { vector } = this._pair(this.x);
+    const { vector } = this.system.singularPair(this.x);
     const twist = this.model.hasPlatform ? this._twists(this.x).map((row) => this.unknown.reduce((sum, place, k) => sum + row[place] * vector[k], 0)) : null, length = (k) => (k < 3 ? 1 / this.size : 1);
     const motion = twist && Math.hypot(...twist.map((v, k) => v * length(k))) > STANDS ? twist : null;
     const rates = this.model.coordinates.flatMap((c) => {
@@ -380,7 +371,7 @@ class Solver {
   /** Go towards a pose of the platform as near as the closure lets it, in steps that keep the mode. */
   dragTo(position, quaternion, rounds = 6) {
     let result = { reached: true, share: 1, stop: null };
-    for (let round = 0; round < rounds && this.known.length; round++) {
+    for (let round = 0; round < rounds && this.names.length; round++) {
       const target = this._towards(position, quaternion);
       if (!target) break;
       result = this.goTo(target);
