@@ -9,7 +9,7 @@ turns about the base frame's axes with z against gravity; it says R^T e_z and no
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
@@ -188,18 +188,21 @@ class Measurements:
         others = (r.values for r in self.readings if r.is_orientation)
         return np.nan_to_num(np.hstack([platform, *others]))
 
+    @property
+    def group_of(self) -> np.ndarray:
+        """The group of each configuration (n,), as it is numbered here."""
+        return np.full(len(self), NO_GROUP) if self.groups is None else self.groups
+
     @cached_property
     def grouping(self) -> tuple[np.ndarray, np.ndarray]:
         """Numbers of the groups (n,) from 0, -1 for none, and the first configuration of each; a
         group of one configuration is none.
         """
-        group = np.full(len(self), -1)
-        if self.groups is None:
-            return group, np.zeros(0, dtype=int)
+        groups = self.group_of
         _, first, number, counts = np.unique(
-            self.groups, return_index=True, return_inverse=True, return_counts=True
+            groups, return_index=True, return_inverse=True, return_counts=True
         )
-        kept = (counts > 1) & (self.groups[first] >= 0)
+        kept = (counts > 1) & (groups[first] >= 0)
         places = np.where(kept, np.cumsum(kept) - 1, -1)
         return places[number], first[kept]
 
@@ -232,16 +235,13 @@ class Measurements:
     def subset(self, configurations: Sequence[int] | np.ndarray) -> Measurements:
         """Keep the readings of some configurations, by number from 0 or by mask."""
         index = np.arange(len(self))[np.asarray(configurations)]
-        changes: dict[str, Any] = {"labels": tuple(self.labels[k] for k in index)}
-        for item in fields(self):
-            value = getattr(self, item.name)
-            if isinstance(value, np.ndarray) and value.ndim and len(value) == len(self):
-                changes[item.name] = value[index]
-        changes["readings"] = [
-            replace(r, values=r.values[index], sigma=None if r.sigma is None else r.sigma[index])  # type: ignore[index]
-            for r in self.readings
-        ]
-        return replace(self, **changes)
+
+        def rows(of: Reading | Measurements) -> dict[str, Any]:
+            return {k: v[index] for k, v in vars(of).items() if isinstance(v, np.ndarray)}
+
+        labels = tuple(self.labels[k] for k in index)
+        readings = [replace(r, **rows(r)) for r in self.readings]
+        return replace(self, labels=labels, readings=readings, **rows(self))
 
     def replaced(self, name: str, *, by_name: bool = False, **changes: Any) -> Measurements:
         """Replace the `values` or the `sigma` of a table (`joint`, `group`, `inclination`, ...), or

@@ -47,9 +47,8 @@ class Candidates:
         full = np.zeros((count, k, width + 2 * wedges))
         full[:, :, :width] = self.rows
         for place in range(wedges):
-            full[self.wedge == place, :, width + 2 * place : width + 2 * place + 2] = -self.group[
-                self.wedge == place
-            ]
+            inside, begin = self.wedge == place, width + 2 * place
+            full[inside, :, begin : begin + 2] = -self.group[inside]
         return full
 
     def thinned(self, each: int) -> Candidates:
@@ -68,12 +67,8 @@ class ExchangeSearch:
     def __init__(
         self, candidates: Candidates, wedges: int, criterion: Criterion, q: np.ndarray, prior: float
     ) -> None:
-        self.candidates, self.wedges, self.criterion, self.prior = (
-            candidates,
-            wedges,
-            criterion,
-            prior,
-        )
+        self.candidates, self.wedges = candidates, wedges
+        self.criterion, self.prior = criterion, prior
         self.width = candidates.rows.shape[2]
         self.rows = candidates.extended(wedges)
         self.q = np.zeros((self.rows.shape[2],) * 2)
@@ -104,12 +99,8 @@ class ExchangeSearch:
         spread = (rows.reshape(-1, len(c)) @ c).reshape(rows.shape)
         inner = spread @ rows.transpose(0, 2, 1) + np.eye(rows.shape[1])
         if self.criterion == "D":
-            part = spread[:, :, : self.width]
-            share = (
-                part
-                @ np.linalg.pinv(c[: self.width, : self.width], hermitian=True)
-                @ part.transpose(0, 2, 1)
-            )
+            part, own = spread[:, :, : self.width], c[: self.width, : self.width]
+            share = part @ np.linalg.pinv(own, hermitian=True) @ part.transpose(0, 2, 1)
             return np.linalg.slogdet(inner)[1] - np.linalg.slogdet(inner - share)[1]
         moved = (spread.reshape(-1, len(c)) @ self._root).reshape(*rows.shape[:2], -1)
         weight = moved @ moved.transpose(0, 2, 1)

@@ -129,9 +129,7 @@ def group_numbers(configurations: int, groups: int) -> np.ndarray:
         )
     if groups == 0:
         return np.full(configurations, NO_GROUP)
-    return np.repeat(
-        np.arange(groups), [len(part) for part in np.array_split(np.arange(configurations), groups)]
-    )
+    return np.sort(np.arange(configurations) % groups)
 
 
 def random_configurations(
@@ -159,14 +157,13 @@ def planned_configurations(
     that). Raises InputError for configurations that cannot be taken.
     """
     model = build_model(nominal, plan, ())
-    configurations = solve_configurations(model, plan, np.zeros(0))
+    configurations = solve_configurations(model, plan, model.nominal)
     if not configurations.solved.all():
         label = plan.labels[int(np.argmin(configurations.solved))]
         raise InputError(
             f"the plan's posture of {label} does not close at the nominal geometry of "
             f"{nominal.name}"
         )
-    groups = np.full(len(plan), NO_GROUP) if plan.groups is None else plan.groups
     held = None
     if plan.groups is not None:
         if wedges is None:
@@ -175,15 +172,13 @@ def planned_configurations(
                 "wrote"
             )
         held = wedges + noise.draw(noise.group, wedges.shape, rng)
-    made, closed = workspace.at(
-        model.poses(configurations.z, plan.joints, np.zeros(0)), plan.joints, held
-    )
+    made, closed = workspace.at(model.poses(configurations.z, plan.joints), plan.joints, held)
     if not closed.all():
         raise InputError(
             f"the plan's posture of {plan.labels[int(np.argmin(closed))]} cannot be taken by "
             f"{workspace.mechanism.name}"
         )
-    return groups, made
+    return plan.group_of, made
 
 
 def simulate_readings(

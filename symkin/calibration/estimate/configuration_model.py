@@ -27,7 +27,7 @@ from symkin.computed_once import cached_property, lru_cache
 from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.mapped import Mapped
-from symkin.numeric.system import System
+from symkin.numeric.system import NOTHING, System
 from symkin.spatial.backend import dot
 from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import conjugate, multiply, quaternion_from_rotation_vector, rotate
@@ -130,25 +130,11 @@ class ConfigurationModel:
         """Evaluate closure and readings with derivatives; z (n, width), joints (n, a), p (P,),
         quaternions (n, 4), zero where none are measured.
         """
-        return Evaluation(*self._call("whole", z, joints, p, quaternions))
+        return Evaluation(*self.values("whole", z, joints, p, quaternions))
 
-    def rows(self, z: np.ndarray, joints: np.ndarray, p: np.ndarray) -> list[np.ndarray]:
-        """Evaluate F (n, m) and F_z (n, m, f)."""
-        return self._call("rows", z, joints, p)
-
-    def tangent(
-        self,
-        z: np.ndarray,
-        joints: np.ndarray,
-        p: np.ndarray,
-        quaternions: np.ndarray | None = None,
-    ) -> list[np.ndarray]:
-        """Evaluate F, F_z, F_q (n, m, a), h, h_z, h_q (n, K, a)."""
-        return self._call("tangent", z, joints, p, quaternions)
-
-    def poses(self, z: np.ndarray, joints: np.ndarray, p: np.ndarray) -> np.ndarray:
+    def poses(self, z: np.ndarray, joints: np.ndarray, p: np.ndarray = NOTHING) -> np.ndarray:
         """Evaluate the observed poses (n, 7), quaternions with w >= 0."""
-        packed = self._call("pose", z, joints, p)[0]
+        packed = self.values("pose", z, joints, p)[0]
         packed[:, 3:] *= np.where(packed[:, 3:4] < 0, -1.0, 1.0)
         return packed
 
@@ -156,7 +142,7 @@ class ConfigurationModel:
         """Evaluate what each channel would read (n, w) at nominal parameters, quaternions with
         w >= 0.
         """
-        table = self._call("exact", z, joints, self.nominal)[0]
+        table = self.values("exact", z, joints, self.nominal)[0]
         widths = [len(o.components) + (o.kind == "orientation") for o in self.channels]
         made = np.split(table, np.cumsum(widths)[:-1], axis=1)
         return [
@@ -220,14 +206,17 @@ class ConfigurationModel:
         inputs = [system.unknown, self.joints, self.parameters, self.quaternion]
         return {what: Mapped.of(inputs, made) for what, made in outputs.items()}
 
-    def _call(
+    def values(
         self,
         what: str,
         z: np.ndarray,
         joints: np.ndarray,
-        p: np.ndarray,
+        p: np.ndarray = NOTHING,
         quaternions: np.ndarray | None = None,
     ) -> list[np.ndarray]:
+        """Evaluate "rows", F (n, m) and F_z (n, m, f); "tangent", F, F_z, F_q (n, m, a), h, h_z,
+        h_q (n, K, a); or what else is written here by name.
+        """
         if quaternions is None:
             quaternions = np.zeros((len(z), self.quaternion.shape[0]))
         results = self._mapped[what](z, joints, p, quaternions)

@@ -58,9 +58,9 @@ class Linear:
     weight: float
 
     @staticmethod
-    def of(problem: CalibrationProblem, state: State, widened: float) -> Linear:
-        """Linearise at a state, the prior's standard deviations `widened` times the problem's."""
-        matrix, model, prior = state.linearised.matrix, problem.model, widened * problem.prior
+    def of(problem: CalibrationProblem, state: State) -> Linear:
+        """Linearise at a state, with the prior of a problem."""
+        matrix, model, prior = state.linearised.matrix, problem.model, problem.spread
         units = prior_units(matrix, prior, model.size)
         known = np.isfinite(prior)
         allowed, particular = admissible_steps(state, units)
@@ -119,8 +119,7 @@ def told_directions(problem: CalibrationProblem, state: State) -> Told:
     """Find what the readings tell, in which an overconstrained closure stays consistent; without
     what they do not tell at all, but where tolerances are stated.
     """
-    linear = Linear.of(problem, state, problem.widened)
-    return linear.told(stated=problem.is_stated, least=UNTOLD)
+    return Linear.of(problem, state).told(stated=problem.is_stated, least=UNTOLD)
 
 
 def prior_units(matrix: np.ndarray, prior: np.ndarray, size: float) -> np.ndarray:

@@ -89,9 +89,14 @@ class CalibrationProblem:
     def joints(self) -> np.ndarray:
         return self.measurements.joints
 
+    @property
+    def spread(self) -> np.ndarray:
+        """The prior's standard deviations (P,), as wide as they are."""
+        return self.widened * self.prior
+
     def over_prior(self, p: np.ndarray) -> np.ndarray:
         """Changes of the parameters (P,) from nominal over the prior's standard deviations."""
-        return (p - self.model.nominal) / self.model.scales / self.prior
+        return (p - self.model.nominal) / self.model.scales / self.prior / self.widened
 
     @property
     def is_large(self) -> bool:

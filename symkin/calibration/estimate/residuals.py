@@ -61,10 +61,6 @@ class Readings:
         return 1.0 / self.sigma
 
     @cached_property
-    def targets(self) -> np.ndarray:
-        return np.nan_to_num(self.values)
-
-    @cached_property
     def columns(self) -> np.ndarray:
         """The two columns of the groups' inclination."""
         return np.flatnonzero(self.grouped)
@@ -169,7 +165,7 @@ def deviations(readings: Readings, h: np.ndarray) -> np.ndarray:
     """Subtract readings: h - m (n, K), angles by the shorter way; in a group from its first
     configuration. 0 where nothing was read.
     """
-    gap = np.where(readings.taken, h - readings.targets, 0.0)
+    gap = np.where(readings.taken, h - np.nan_to_num(readings.values), 0.0)
     if readings.groups:
         first = readings.first[readings.group[readings.inside]]
         gap[readings.inside, readings.pair] -= h[first, readings.pair]

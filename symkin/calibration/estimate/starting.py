@@ -295,14 +295,11 @@ def _choose_branch(
         whole.append(configurations)
     worth = [_disagreement(problem, p, b) for b in whole]
     equal = [b for b, w in zip(whole, worth, strict=True) if w <= _INDISTINCT_RATIO * min(worth)]
-    return max(equal, key=lambda b: _height(problem, p, b))
 
+    def height(b: SolvedConfigurations) -> float:
+        return float(np.mean(problem.model.poses(b.z[b.solved], m.joints[b.solved], p)[:, 2]))
 
-def _height(
-    problem: CalibrationProblem, p: np.ndarray, configurations: SolvedConfigurations
-) -> float:
-    solved, joints = configurations.solved, problem.joints
-    return float(np.mean(problem.model.poses(configurations.z[solved], joints[solved], p)[:, 2]))
+    return max(equal, key=height)
 
 
 def _branch(

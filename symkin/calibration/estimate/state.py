@@ -120,7 +120,7 @@ def joint_covariance(problem: CalibrationProblem, p: np.ndarray, z: np.ndarray) 
     if sigma is None:
         return made
     for rows, part in problem.parts:
-        found = model.tangent(z[rows], part.joints, p, part.quaternions)
+        found = model.values("tangent", z[rows], part.joints, p, part.quaternions)
         _, rows_z, rows_q, _, readings_z, readings_q = found
         slopes = readings_z @ solve_systems(rows_z, rows_q) - readings_q
         by_joint = slopes * sigma[rows, None]

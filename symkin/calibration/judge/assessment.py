@@ -77,6 +77,11 @@ def build_result(
     used = 1.0 if found.loss == "squared" else EFFICIENCY
     free = spread / used * covariance(problem, state, told)
     crossed = found.used[state.determinant_signs * found.start_signs < 0]
+    # where the form that was minimised leaves joint noise or correlation out of account, what the
+    # parameters could still take away of chi-square is no misfit
+    plain = problem.form == "means" and problem.measurements.joint_sigma is None
+    efficient = problem.form == "maximum likelihood" or plain
+    tested = chi_square if efficient else model.chi_square
     calibration = Calibration(
         mechanism=problem.mechanism,
         measurements=measurements,
@@ -89,23 +94,17 @@ def build_result(
         degrees=model.degrees,
         departure=measure_departure(problem, state),
         any_machine=found.any_machine,
-        p_value=chi_square_tail(_tested_chi_square(problem, model), model.degrees)
-        if known and model.degrees > 0
-        else None,
+        p_value=chi_square_tail(tested, model.degrees) if known and model.degrees > 0 else None,
         identifiability=identifiability_at(problem, state, told.weight),
-        outliers=screening.outliers,
-        unchecked=screening.unchecked,
         used=tuple(found.used.tolist()),
         unsolved=tuple(found.unsolved.tolist()),
         changed_mode=tuple(crossed.tolist()),
         poses=problem.model.poses(state.z, problem.joints, state.p),
         status=found.result.status,
         iterations=found.result.iterations,
-        given_up=screening.given_up,
         silent=tuple(found.silent.tolist()),
-        refused=reason,
+        **vars(replace(screening, refused=reason or screening.refused)),
     )
-    left_out = [n for n in problem.names if not is_writable(n)]
     notes = [*found.notes, *fit_notes(calibration, removed=removed)]
     bent = ~(curvature(problem, state, told, spread) < DOUBTFUL_CURVATURE)
     if bent.any() and not is_exact(calibration):
@@ -115,22 +114,11 @@ def build_result(
             f"in the parameters within them; "
             "choose postures that tell these parameters better, or hold some"
         )
-    if left_out:
+    if left_out := [n for n in problem.names if not is_writable(n)]:
         notes.append(
             f"a mechanism file has no place for {', '.join(left_out)}: apply them to the readings"
         )
     return replace(calibration, notes=tuple(notes))
-
-
-def _tested_chi_square(problem: CalibrationProblem, model: LinearModel) -> float:
-    """Return the statistic that has the chi-square distribution: where the form that was minimised
-    leaves joint noise or correlation out of account, what the parameters could still take away of
-    it is no misfit.
-    """
-    efficient = problem.form == "maximum likelihood" or (
-        problem.form == "means" and problem.measurements.joint_sigma is None
-    )
-    return model.chi_square_as_is if efficient else model.chi_square
 
 
 def _parameters(

@@ -190,7 +190,7 @@ def _told(
     null_space = blind
     if weight == 0.0:
         return values, blind, null_space, ()
-    told = replace(Linear.of(problem, state, problem.widened), weight=weight).told()
+    told = replace(Linear.of(problem, state), weight=weight).told()
     ratios, directions = told.ratios, told.columns
     untold = ratios < UNTOLD
     if np.sum(untold) > null_space.shape[1]:

@@ -18,7 +18,7 @@ import numpy as np
 from symkin.calibration.data.files import DataFile, euler_quaternions
 from symkin.calibration.data.measurements import Measurements, spread_rows
 from symkin.calibration.data.observables import PLATFORM, Observable, written
-from symkin.calibration.estimate.configurations import joints_at_poses, whole_poses
+from symkin.calibration.estimate.configurations import closed_at, closing_model, whole_poses
 from symkin.calibration.estimate.state import readings_at
 from symkin.calibration.judge.statistics import rms_of_better_part
 from symkin.calibration.judge.trials import (
@@ -182,22 +182,15 @@ def diagnose_labels(case: Case) -> tuple[str, ...]:
     return tuple(_sentences(case, "labels"))
 
 
-def nominal_misfit(case: Case) -> float:
-    """How far the readings of some rows are off at the nominal geometry (length unit)."""
-    return math.sqrt(case.examined.trial().score)
-
-
 def _sentences(case: Case, stage: str) -> list[str]:
     """What a stage finds: the sentences of the first rule that the readings alone show, else of all
     mistakes that explain the readings far better if they are put right, best first.
     """
-    judged: list[tuple[str, Measurements]] = []
+    judged: list[Finding] = []
     for rule in (rule for rule in RULES if rule.stage == stage):
-        findings = [*rule.find(case)]
-        shown = [text for text, changed in findings if changed is None]
-        if shown:
+        judged += rule.find(case)
+        if shown := [text for text, changed in judged if changed is None]:
             return shown
-        judged += [(text, changed) for text, changed in findings if changed is not None]
     if not judged:
         return []
     as_read, unit = case.trial(), case.mechanism.length_unit
@@ -491,8 +484,8 @@ def _assigned_columns(case: Case, block: Block) -> np.ndarray:
     """
     angular = np.array(block.angular)
     poses = np.array(whole_poses(case.measurements, measured=True))
-    values = joints_at_poses(case.mechanism, poses)
-    reached = np.all(np.isfinite(values), axis=1)
+    closing, points, reached = closed_at(closing_model(case.mechanism), poses)
+    values = closing.split(points)[1]
     if not reached.any():
         return np.arange(1, len(angular) + 1)
     read = np.multiply.outer([1.0, -1.0], case.measurements.joints[reached].T)

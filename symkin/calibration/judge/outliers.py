@@ -29,18 +29,16 @@ from symkin.calibration.estimate.estimator import Estimate
 from symkin.calibration.estimate.problem import CalibrationProblem
 from symkin.calibration.estimate.residuals import only_rounding
 from symkin.calibration.estimate.robust import normalised_residuals, robust_estimate
-from symkin.calibration.judge.prediction import (
-    Prediction,
-    close_others,
-    covariance_root,
-    predict_readings,
-)
 from symkin.calibration.judge.statistics import (
     SIGNIFICANCE,
     LinearModel,
+    Prediction,
     chi_square_tail,
+    close_others,
     covariance,
+    covariance_root,
     linear_model,
+    predict_readings,
 )
 
 OUTLIER_LEVEL = 0.02
@@ -446,10 +444,9 @@ def _retest(measurements: Measurements, found: Fit, outliers: Sequence[Outlier])
     if not outliers:
         return []
     out = np.array([o.configuration for o in outliers])
-    none = np.full(len(measurements), NO_GROUP)
-    group = none if measurements.groups is None else measurements.groups
+    group = measurements.group_of
     beside = (group != NO_GROUP) & np.isin(group, group[out])
-    rows = np.flatnonzero(beside | np.isin(np.arange(len(none)), out))
+    rows = np.flatnonzero(beside | np.isin(np.arange(len(group)), out))
     state = found.result.state
     problem, z, solved = close_others(found.problem, state, measurements.subset(rows))
     rows = rows[solved]

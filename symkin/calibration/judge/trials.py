@@ -176,16 +176,14 @@ class SequenceChoice:
     def clear(self) -> bool:
         return self.second is None or self.best.better_than(self.second)
 
-    @property
-    def none_fits(self) -> str:
-        """The sentence where the fit in this sequence is not to be used."""
-        return (
-            f"no Euler sequence led to a fit that can be used; the nearest was "
-            f"{describe_sequence(self.sequence)}, chi-square per degree of "
-            f"freedom {self.best.score:.3g}"
-        )
-
-    def __str__(self) -> str:
+    def text(self, *, fits: bool) -> str:
+        """Say what was found, and whether a fit in this sequence `fits`, and is to be used."""
+        if not fits:
+            return (
+                f"no Euler sequence led to a fit that can be used; the nearest was "
+                f"{describe_sequence(self.sequence)}, chi-square per degree of "
+                f"freedom {self.best.score:.3g}"
+            )
         also = f" (the same on these data: {', '.join(self.same)})" if self.same else ""
         other, doubt = "no other sequence could be fitted", ""
         if self.second is not None:
