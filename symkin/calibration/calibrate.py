@@ -212,8 +212,8 @@ class _Fitting:
             result = robust_estimate(part, result.state.p, result.state.z, loss)[0]
         rows_z = model.values("rows", solved.z[solved.solved], part.joints, p)[1]
         return Fit(
+            **vars(result),
             problem=replace(part, widened=result.widened),
-            result=result,
             used=np.flatnonzero(solved.solved),
             unsolved=np.flatnonzero(~solved.solved),
             start_signs=determinant_signs(rows_z),

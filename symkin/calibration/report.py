@@ -17,7 +17,7 @@ from symkin.calibration.judge.result import Parameter, length_and_angle
 from symkin.calibration.judge.statistics import SIGNIFICANCE
 from symkin.calibration.judge.verdict import Verdict
 from symkin.position.solution import finite
-from symkin.text import markdown, markdown_block, markdown_code
+from symkin.text import first_of, markdown, markdown_block, markdown_code
 
 _MAX_SHOWN = 6
 """Changes and outliers that the short text shows."""
@@ -66,7 +66,7 @@ class FitReport(Verdict):
             f"rank {found.rank} of {len(found.names)} parameters, condition {found.condition:.3g}"
         )
         if fit.frames:
-            yield f"frames held by the least change: {_short(fit.frames, 10)}"
+            yield f"frames held by the least change: {first_of(fit.frames, 10, '; ')}"
         missing = "NOT OBSERVABLE" if self.sigma.blind else "not observable, moves no pose"
         yield from _some([f"{missing}: {text}" for text in fit.unobservable], "combinations")
         if fit.unobservable:
@@ -134,7 +134,7 @@ class FitReport(Verdict):
             f"the prediction, rms: {', '.join(parts)}; chi-square {held.chi_square:.4g} with "
             f"{held.degrees} degrees of freedom{p}",
             *(
-                f"held-out postures {what}: {_short(labels, _MAX_SHOWN)}"
+                f"held-out postures {what}: {first_of(labels, _MAX_SHOWN, '; ')}"
                 for what, labels in (
                     ("that are outliers, left out of that chi-square", held.outliers),
                     ("whose direct problem has no solution", held.unsolved),
@@ -264,7 +264,3 @@ def _some(lines: Sequence[str], what: str) -> list[str]:
     """The first lines, and how many more there are."""
     more = len(lines) - _MAX_SHOWN
     return [*lines[:_MAX_SHOWN], *([f"and {more} more {what} (report.md)"] if more > 0 else [])]
-
-
-def _short(items: Sequence[str], most: int) -> str:
-    return "; ".join(items[:most]) + (f" and {len(items) - most} more" if len(items) > most else "")

@@ -103,11 +103,15 @@ def test_a_removal_that_does_not_converge_is_undone(logged):
 
     def fit(readings, near):
         begun.append(near)
-        return replace(found, result=replace(found.result, status="stalled"))
+        return replace(found, status="stalled")
 
     result = estimate(first.problem, first.state.z, p=first.state.p)
     found = Fit(
-        first.problem, result, np.arange(60), np.zeros(0, dtype=int), first.state.determinant_signs
+        **vars(result),
+        problem=first.problem,
+        used=np.arange(60),
+        unsolved=np.zeros(0, dtype=int),
+        start_signs=first.state.determinant_signs,
     )
     made, screening = outliers.fit_without_outliers(fit, bad, found, 0.02)
     assert made is found

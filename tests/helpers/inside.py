@@ -389,7 +389,7 @@ NAMES = {
     "table_of_lines": "symkin.calibration.estimate.joint_lines",
     "nearest_rows": "symkin.calibration.estimate.configurations",
     "solve_configurations": "symkin.calibration.estimate.configurations",
-    "WELL_TOLD": "symkin.calibration.estimate.linear",
+    "WELL_TOLD": "symkin.calibration.estimate.state",
     "build_calibration": "symkin.calibration.estimate.problem",
     "default_parameters": "symkin.calibration.estimate.problem",
     "FORMS": "symkin.calibration.options",
@@ -439,7 +439,7 @@ NAMES = {
     "covariance": "symkin.calibration.judge.statistics",
     "curvature": "symkin.calibration.judge.statistics",
     "linear_model": "symkin.calibration.judge.statistics",
-    "told_directions": "symkin.calibration.estimate.linear",
+    "told_directions": "symkin.calibration.estimate.state",
     "Trial": "symkin.calibration.judge.trials",
     "FitReport": "symkin.calibration.report",
     # generated C

@@ -232,6 +232,10 @@ class Measurements:
         whole = np.hstack([np.zeros((len(self), 0)), *tables])
         return np.any(np.isfinite(whole), axis=1)
 
+    def named(self, configurations: Sequence[int] | np.ndarray) -> tuple[str, ...]:
+        """The labels of some configurations, by number from 0 or by mask."""
+        return tuple(self.labels[k] for k in np.arange(len(self))[np.asarray(configurations)])
+
     def subset(self, configurations: Sequence[int] | np.ndarray) -> Measurements:
         """Keep the readings of some configurations, by number from 0 or by mask."""
         index = np.arange(len(self))[np.asarray(configurations)]
@@ -239,7 +243,7 @@ class Measurements:
         def rows(of: Reading | Measurements) -> dict[str, Any]:
             return {k: v[index] for k, v in vars(of).items() if isinstance(v, np.ndarray)}
 
-        labels = tuple(self.labels[k] for k in index)
+        labels = self.named(index)
         readings = [replace(r, **rows(r)) for r in self.readings]
         return replace(self, labels=labels, readings=readings, **rows(self))
 

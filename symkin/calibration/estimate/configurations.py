@@ -225,11 +225,11 @@ def solve_configurations(
                 near = found[good[nearest_rows(joints[good], joints[[k]], _NEIGHBOURS)[0]]]
             tried = near if carried and len(near) else np.vstack([start[k], near])
             if not carried:
-                rng, count = np.random.default_rng([seed, int(k)]), _RANDOM_STARTS
-                steps = (
-                    0.2 * system.characteristic_length * rng.normal(size=(count, system.freedom))
+                drawn = np.random.default_rng([seed, int(k)]).normal(
+                    size=(_RANDOM_STARTS, system.freedom)
                 )
-                tried = np.vstack([tried, system.move(np.tile(tried[0], (count, 1)), steps)])
+                away = 0.2 * model.size * drawn
+                tried = np.vstack([tried, system.move(np.tile(tried[0], (len(away), 1)), away)])
             points = np.hstack([np.tile(joints[k], (len(tried), 1)), tried])
             batch = levenberg_marquardt(Closing(model, p), points, NOTHING)
             ends = batch.points[batch.converged, joints.shape[1] :]

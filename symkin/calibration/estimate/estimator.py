@@ -33,21 +33,19 @@ from symkin.calibration.estimate.configurations import (
     start_points,
     whole_poses,
 )
-from symkin.calibration.estimate.linear import (
-    UNTOLD,
-    WELL_TOLD,
-    Linear,
-    rounding_residual,
-)
 from symkin.calibration.estimate.problem import CalibrationProblem
 from symkin.calibration.estimate.residuals import Linearised
 from symkin.calibration.estimate.state import (
+    UNTOLD,
+    WELL_TOLD,
+    Linear,
     State,
     closed_state,
     evaluate,
     evaluate_at,
     joint_covariance,
     restored_after,
+    rounding_residual,
     state_after,
 )
 from symkin.numeric.levenberg import levenberg_marquardt
@@ -100,7 +98,7 @@ class Estimate:
     state: State
     status: str
     iterations: int
-    widened: float = 1.0
+    widened: float
 
 
 def estimate(
@@ -167,7 +165,7 @@ def parameters_at_poses(problem: CalibrationProblem) -> np.ndarray | None:
 def _minimise(problem: CalibrationProblem, p: np.ndarray, z: np.ndarray, limit: int) -> Estimate:
     state = closed_state(problem, p, z)
     if is_rounding(problem, state):
-        return Estimate(state, "ok", 0)
+        return Estimate(state, "ok", 0, 1.0)
     search = _Search(problem, partial(state_after, problem), state)
     status = search.run(limit)
     best = closed_state(problem, search.state.p, search.state.z)

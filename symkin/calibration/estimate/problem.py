@@ -28,7 +28,8 @@ from symkin.calibration.data.parameters import (
 )
 from symkin.calibration.data.reference_motions import reference_motions
 from symkin.calibration.estimate.configuration_model import ConfigurationModel, build_model
-from symkin.calibration.estimate.residuals import FORMS, Form, Readings, build_readings
+from symkin.calibration.estimate.residuals import Readings, build_readings
+from symkin.calibration.options import FORMS, Form
 from symkin.computed_once import cached_property, lru_cache
 from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism

@@ -19,8 +19,7 @@ import numpy as np
 
 from symkin.calibration.data.measurements import Measurements
 from symkin.calibration.estimate.configuration_model import ConfigurationModel
-from symkin.calibration.options import FORMS as FORMS
-from symkin.calibration.options import Form as Form
+from symkin.calibration.options import Form
 from symkin.computed_once import cached_property
 from symkin.spatial.rotation import wrapped
 

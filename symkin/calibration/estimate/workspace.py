@@ -295,11 +295,15 @@ class Workspace:
         """Ranges (a,) from which actuated joints are drawn: their limits, else about the
         reference.
         """
-        reach, ranges = DEFAULT_REACH * self.mechanism.characteristic_length, np.zeros((0, 2))
-        for c in self.mechanism.actuated:
-            swing = np.array([-1.0, 1.0]) * (_ARM_SWING if c.is_angular else reach)
-            ranges = np.vstack([ranges, c.limits or c.reference[0] + swing])
-        return ranges[:, 0], ranges[:, 1]
+        reach, sides = DEFAULT_REACH * self.mechanism.characteristic_length, np.array([-1.0, 1.0])
+        low, high = np.reshape(
+            [
+                c.limits or c.reference[0] + sides * (_ARM_SWING if c.is_angular else reach)
+                for c in self.mechanism.actuated
+            ],
+            (-1, 2),
+        ).T
+        return low, high
 
     # --- closing ----------------------------------------------------------------------------------
 

@@ -262,20 +262,25 @@ def predict_held_out(fit: Calibration, measurements: Measurements, seed: int) ->
     """Predict held-out configurations by a fit; their direct problems begin at their neighbours'
     solutions.
     """
-    labels = measurements.labels
     problem, z, solved = close_others(fit.problem, fit.state, measurements, seed)
-    lost = HeldOut(tuple(labels), tuple(labels[int(k)] for k in np.flatnonzero(~solved)), seed)
+    lost = HeldOut(tuple(measurements.labels), measurements.named(~solved), seed)
     if not len(z):
         return lost
     root, factor = covariance_root(fit.covariance, fit.problem), 1.0
     if not fit.problem.readings.known:
         factor = max(fit.chi_square / max(fit.degrees, 1), 1e-300)
     predict = partial(predict_readings, problem, fit.state.p, z, root, factor)
+    left = None if fit.problem.readings.known else fit.degrees
+
+    def probability(chi_square: float, degrees: int) -> float | None:
+        tested = degrees > 0 and fit.degrees > 0
+        return chi_square_tail(chi_square, degrees, left) if tested else None
+
     made = clean = predict()
     taken, group, kept = problem.readings.taken, problem.readings.group, np.ones(len(z), dtype=bool)
     level = 1.0 - (1.0 - OUTLIER_LEVEL) ** (1.0 / len(z))
     chances = [
-        _probability(fit, made.chi_square(np.array([k])), int(count))
+        probability(made.chi_square(np.array([k])), int(count))
         for k, count in enumerate(np.sum(taken, axis=1))
     ]
     off = np.array([chance is not None and chance < level for chance in chances])
@@ -297,12 +302,6 @@ def predict_held_out(fit: Calibration, measurements: Measurements, seed: int) ->
         expected=expectation,
         chi_square=chi_square,
         degrees=degrees,
-        p_value=_probability(fit, chi_square, degrees),
-        outliers=tuple(problem.measurements.labels[int(k)] for k in np.flatnonzero(~kept)),
+        p_value=probability(chi_square, degrees),
+        outliers=problem.measurements.named(~kept),
     )
-
-
-def _probability(fit: Calibration, chi_square: float, degrees: int) -> float | None:
-    if degrees <= 0 or fit.degrees <= 0:
-        return None
-    return chi_square_tail(chi_square, degrees, None if fit.problem.readings.known else fit.degrees)

@@ -20,7 +20,6 @@ from symkin.calibration.data.measurements import Measurements
 from symkin.calibration.data.parameters import is_writable, nominal_parameters, with_parameters
 from symkin.calibration.estimate.configuration_model import build_model
 from symkin.calibration.estimate.configurations import newton_configurations, outside_limits
-from symkin.calibration.estimate.linear import told_directions
 from symkin.calibration.estimate.problem import CalibrationProblem
 from symkin.calibration.estimate.robust import EFFICIENCY
 from symkin.calibration.estimate.state import (
@@ -29,6 +28,7 @@ from symkin.calibration.estimate.state import (
     evaluate,
     joint_covariance,
     readings_at,
+    told_directions,
 )
 from symkin.calibration.judge.departure import measure_departure
 from symkin.calibration.judge.identifiability import identifiability_at
@@ -69,7 +69,7 @@ def build_result(
     whether the outliers were left out.
     """
     problem = found.problem
-    state, reason = read_back(problem, found.result.state)
+    state, reason = read_back(problem, found.state)
     told = told_directions(problem, state)
     model, known = linear_model(problem, state, told), problem.readings.known
     chi_square = model.chi_square_as_is
@@ -100,8 +100,8 @@ def build_result(
         unsolved=tuple(found.unsolved.tolist()),
         changed_mode=tuple(crossed.tolist()),
         poses=problem.model.poses(state.z, problem.joints, state.p),
-        status=found.result.status,
-        iterations=found.result.iterations,
+        status=found.status,
+        iterations=found.iterations,
         silent=tuple(found.silent.tolist()),
         **vars(replace(screening, refused=reason or screening.refused)),
     )
@@ -263,5 +263,4 @@ def _disagreements(problem: CalibrationProblem, state: State, of_file: np.ndarra
 
 def _row_names(m: Measurements, which: np.ndarray) -> str:
     """Name rows: 'posture line 3, line 9 and 12 more'."""
-    labels = [m.labels[k] for k in np.flatnonzero(which).tolist()]
-    return f"posture {first_of(labels, 3)}"
+    return f"posture {first_of(m.named(which), 3)}"

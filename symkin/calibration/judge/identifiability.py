@@ -34,9 +34,11 @@ from symkin.calibration.estimate.configurations import (
     solve_configurations,
 )
 from symkin.calibration.estimate.joint_lines import NEARLY_PARALLEL, parallel_axes
-from symkin.calibration.estimate.linear import UNTOLD, WELL_TOLD, Linear
 from symkin.calibration.estimate.problem import CalibrationProblem, build_calibration
 from symkin.calibration.estimate.state import (
+    UNTOLD,
+    WELL_TOLD,
+    Linear,
     State,
     design,
     error_free_state,
@@ -126,8 +128,8 @@ class Identifiability:
     @property
     def condition(self) -> float:
         """Largest over smallest kept singular value."""
-        last = self.singular_values[self.rank - 1] if self.rank else 0.0
-        return float(self.singular_values[0] / last) if self.rank else float("inf")
+        values = self.singular_values
+        return float(values[0] / values[self.rank - 1]) if self.rank else float("inf")
 
 
 def identifiability(
@@ -135,7 +137,7 @@ def identifiability(
 ) -> Identifiability:
     """Determine the identifiability at the nominal geometry, over the configurations whose direct
     problem is solved there; `options` are those of `build_calibration`. Where standard deviations
-    are known, what the readings tell ten times worse than the prior (see `estimate.linear`) counts
+    are known, what the readings tell ten times worse than the prior (see `estimate.state`) counts
     as not told.
     """
     problem = build_calibration(mechanism, measurements, **options)

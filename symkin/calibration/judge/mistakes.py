@@ -574,7 +574,7 @@ def _wrong_labels(case: Case) -> Iterator[Finding]:
     usual = float(np.median(off))
     out = np.flatnonzero(off > _OUTSTANDING_RATIO * usual)
     rest = np.setdiff1d(np.flatnonzero(np.isin(group, group[out])), out)
-    named, others = (first_of([m.labels[members[k]] for k in rows]) for rows in (out, rest))
+    named, others = (first_of(m.named(members[rows])) for rows in (out, rest))
     most, half = case.angle(float(np.max(off, initial=0.0))), "at the nominal geometry half of the"
     tail = f"from the others of the group; {half} postures are within {case.angle(usual)}"
     if usual > _SCATTER_RATIO * near:

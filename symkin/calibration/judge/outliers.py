@@ -100,13 +100,12 @@ class Screening:
 
 
 @dataclass(frozen=True, eq=False)
-class Fit:
+class Fit(Estimate):
     """An estimate over the configurations `used`, those `unsolved`, the sign of det F_z of each
     used one where the estimation began, and configurations without a reading, `silent`.
     """
 
     problem: CalibrationProblem
-    result: Estimate
     used: np.ndarray
     unsolved: np.ndarray
     start_signs: np.ndarray
@@ -130,10 +129,9 @@ class StartValues:
 
     @staticmethod
     def of(found: Fit, count: int) -> StartValues:
-        state = found.result.state
-        z = np.full((count, state.z.shape[1]), np.nan)
-        z[found.used] = state.z
-        return StartValues(state.p, z)
+        z = np.full((count, found.state.z.shape[1]), np.nan)
+        z[found.used] = found.state.z
+        return StartValues(found.state.p, z)
 
 
 FitFunction = Callable[[Measurements, StartValues | None], Fit]
@@ -288,7 +286,7 @@ def fit_without_outliers(
     errors are gross, the fit is refused.
     """
     plain = found, Screening()
-    if found.result.status == "ok":
+    if found.status == "ok":
         plain = _one_by_one(fit, measurements, found, level)
         if not plain[1].given_up:
             return plain
@@ -309,7 +307,7 @@ def _one_by_one(
     found, taken_out = first, list(before)
     allowed, unchecked = max_outliers(first.problem) + len(before), None
     while True:
-        model = linear_model(found.problem, found.result.state)
+        model = linear_model(found.problem, found.state)
         made = screen_readings(found.problem, model, level=level, share=_GROSS_SHARE)
         if unchecked is None:
             unchecked = tuple((int(found.used[k]), kind) for k, kind in made.unchecked)
@@ -333,11 +331,11 @@ def _is_worse(again: Fit, found: Fit) -> bool:
     """Tell whether a fit to fewer readings failed, or fits them worse."""
     least = 1.0 if found.problem.readings.known else 0.0
     bound = _WORSE_RATIO * max(_per_reading(found), least)
-    return again.result.status != "ok" or _per_reading(again) > bound
+    return again.status != "ok" or _per_reading(again) > bound
 
 
 def _per_reading(found: Fit) -> float:
-    return found.result.state.cost / max(found.problem.readings.count, 1)
+    return found.state.cost / max(found.problem.readings.count, 1)
 
 
 def _without(measurements: Measurements, outliers: Sequence[Outlier]) -> Measurements:
@@ -358,7 +356,7 @@ def _by_majority(
     """
     # gross errors bend a fit far: its prior is none of the good readings'
     problem = replace(found.problem, widened=1.0)
-    trials = [robust_estimate(problem, found.result.state.p, found.result.state.z, "cauchy")]
+    trials = [robust_estimate(problem, found.state.p, found.state.z, "cauchy")]
     if not trials[0][1] < _GOOD_SCALE:
         model, rows = found.problem.model, found.problem.measurements
         begin, closed = newton_configurations(
@@ -368,7 +366,7 @@ def _by_majority(
     result, scale = min(trials, key=lambda t: np.nan_to_num(t[1], nan=np.inf))
     if not np.isfinite(scale):
         return plain
-    robust = replace(found, result=result)
+    robust = replace(found, **vars(result))
     bad, share = _far_off(robust, scale, level)
     if share <= _MAX_GROSS_SHARE:
         return plain
@@ -381,7 +379,7 @@ def _by_majority(
     if not bad or share > _MAX_REJECTED_SHARE:
         return refused
     again = fit(_without(measurements, bad), StartValues.of(robust, len(measurements)))
-    if again.result.status != "ok" or not _is_explained(again):
+    if again.status != "ok" or not _is_explained(again):
         return refused
     final = _one_by_one(fit, measurements, again, level, bad)
     return refused if final[1].given_up else final
@@ -392,7 +390,7 @@ def _far_off(found: Fit, scale: float, level: float) -> tuple[list[Outlier], flo
     that are grossly so.
     """
     problem, kinds = found.problem, reading_kinds(found.problem)
-    squares = (normalised_residuals(problem, problem, found.result.state) / scale) ** 2
+    squares = (normalised_residuals(problem, problem, found.state) / scale) ** 2
     bad, gross, total = list[Outlier](), 0, max(_count(kinds), 1)
     for kind, configurations, rows in kinds:
         statistics = np.sum(squares.reshape(-1)[rows], axis=1)
@@ -410,7 +408,7 @@ def _is_explained(found: Fit) -> bool:
     """Tell whether what a fit leaves is as the noise lets expect, or is normal noise of unknown
     size.
     """
-    problem, state = found.problem, found.result.state
+    problem, state = found.problem, found.state
     if problem.readings.known:
         model = linear_model(problem, state)
         likely = chi_square_tail(model.chi_square, model.degrees) > SIGNIFICANCE
@@ -447,7 +445,7 @@ def _retest(measurements: Measurements, found: Fit, outliers: Sequence[Outlier])
     group = measurements.group_of
     beside = (group != NO_GROUP) & np.isin(group, group[out])
     rows = np.flatnonzero(beside | np.isin(np.arange(len(group)), out))
-    state = found.result.state
+    state = found.state
     problem, z, solved = close_others(found.problem, state, measurements.subset(rows))
     rows = rows[solved]
     if not len(rows):

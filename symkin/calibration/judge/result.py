@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from symkin.calibration.data.measurements import Measurements
-from symkin.calibration.data.observables import Measure, ParameterKind, unit_of, value_out, written
+from symkin.calibration.data.observables import ParameterKind, unit_of, value_out, written
 from symkin.calibration.data.parameters import MEASURING_FRAMES, with_parameters
 from symkin.calibration.estimate.problem import CalibrationProblem
 from symkin.calibration.estimate.state import State
@@ -327,5 +327,5 @@ class Calibration(Result):
 
 def length_and_angle(mechanism: Mechanism, length: float, angle: float) -> str:
     """Write '0.1 mm and 0.02 deg'."""
-    both: list[tuple[Measure, float]] = [("length", length), ("angle", float(angle))]
-    return " and ".join(written(mechanism, measure, v, ".3g") for measure, v in both)
+    turn = written(mechanism, "angle", float(angle), ".3g")
+    return f"{written(mechanism, 'length', length, '.3g')} and {turn}"

@@ -31,7 +31,6 @@ import numpy as np
 from symkin.calibration.data.measurements import Measurements
 from symkin.calibration.estimate.configuration_model import build_model
 from symkin.calibration.estimate.configurations import nearest_rows, solve_configurations
-from symkin.calibration.estimate.linear import Told, told_directions
 from symkin.calibration.estimate.problem import CalibrationProblem
 from symkin.calibration.estimate.residuals import (
     build_readings,
@@ -44,10 +43,12 @@ from symkin.calibration.estimate.residuals import (
 )
 from symkin.calibration.estimate.state import (
     State,
+    Told,
     evaluate,
     evaluate_at,
     joint_covariance,
     state_after,
+    told_directions,
 )
 from symkin.computed_once import cached_property
 

@@ -349,8 +349,8 @@ def _notes_on_postures(fit: Calibration) -> Iterator[str]:
     judged = {o.configuration for o in (*fit.outliers, *fit.given_up)}
     silent = [k for k in fit.silent if k not in judged]
 
-    def named(numbers: Iterable[int]) -> str:
-        return f"posture {first_of([fit.measurements.labels[k] for k in numbers])}"
+    def named(numbers: Sequence[int]) -> str:
+        return f"posture {first_of(fit.measurements.named(numbers))}"
 
     if fit.unsolved:
         yield (
