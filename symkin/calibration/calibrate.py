@@ -121,7 +121,16 @@ def _calibrate(
 ) -> Calibration:
     begin, rule, method = time.perf_counter(), options["outliers"], options["method"]
     measurements.check(mechanism)
-    _check_residual_form(options["residual"], measurements)
+    # forms of residuals that these readings make no use of would be that of means
+    form = options["residual"]
+    asked = {f"residual = {form!r}": form}
+    if form == "differences" and not np.any(measurements.group_of != NO_GROUP):
+        refuse_ignored(
+            asked, "differences are between neighbours in a group, and there are no groups"
+        )
+    if form == "maximum likelihood" and measurements.joint_sigma is None:
+        reason = "it weighs the noise of the joint readings, which is not known"
+        refuse_ignored(asked, reason, "give it (sigma_ columns of the joints, --sigma-joints)")
     measurements = with_starts(mechanism, measurements, options["parameters"], options["fixed"])
     fit = partial(_fit_measurements, mechanism, options)
     found, screening = fit(measurements, None), Screening()
@@ -133,20 +142,6 @@ def _calibrate(
         found = replace(found, notes=(*found.notes, note))
     result = build_result(measurements, found, screening, removed=rule == "remove")
     return replace(result, method=method, elapsed_s=time.perf_counter() - begin)
-
-
-def _check_residual_form(residual: str, measurements: Measurements) -> None:
-    """Refuse a form of residuals that these readings make no use of, so that it would be that of
-    means.
-    """
-    asked = {f"residual = {residual!r}": residual}
-    if residual == "differences" and not np.any(measurements.group_of != NO_GROUP):
-        refuse_ignored(
-            asked, "differences are between neighbours in a group, and there are no groups"
-        )
-    if residual == "maximum likelihood" and measurements.joint_sigma is None:
-        reason = "it weighs the noise of the joint readings, which is not known"
-        refuse_ignored(asked, reason, "give it (sigma_ columns of the joints, --sigma-joints)")
 
 
 # --- fitting --------------------------------------------------------------------------------------
@@ -185,11 +180,15 @@ class _Fitting:
 
     def run(self, near: StartValues | None) -> Fit:
         problem, model, z = self.problem, self.problem.model, None
-        p = self._start_parameters() if near is None else near.p
+        joints, p = problem.joints, model.nominal
         if near is not None:
             # those that the earlier fit had not begin where they would without it
-            begun = first_points(model, problem.measurements, p)
-            z = np.where(np.isnan(near.z), begun, near.z)
+            begun = first_points(model, problem.measurements, near.p)
+            p, z = near.p, np.where(np.isnan(near.z), begun, near.z)
+        elif (start := parameters_at_poses(problem)) is not None:
+            # the rows close at poses, too, where a geometry has shrunk to what does not move
+            points = start_points(model, problem.measurements)
+            p = start if is_determined(model, points, joints, start) else p
         solved = self._solve(p, z)
         if not solved.solved.any():
             raise InputError(
@@ -198,7 +197,7 @@ class _Fitting:
             )
         if near is None:
             p, some = fit_measuring_frames(problem, solved.z, p, solved.solved), solved.solved
-            refuse_undetermined(model, solved.z[some], problem.joints[some], p)
+            refuse_undetermined(model, solved.z[some], joints[some], p)
         part, result = self._fitted(solved, p)
         if not solved.solved.all():
             # near their starts, whatever mode they end in, where it did not converge
@@ -243,15 +242,6 @@ class _Fitting:
         other = self.estimate(wide, solve_configurations(part.model, m, p).z, p=p)
         better = other.status == "ok" and (other.state.cost < cost or result.status != "ok")
         return replace(other, iterations=found.iterations + other.iterations) if better else result
-
-    def _start_parameters(self) -> np.ndarray:
-        """Choose the nominal parameters, or those that whole measured poses give by themselves."""
-        model, m = self.problem.model, self.problem.measurements
-        start = parameters_at_poses(self.problem)
-        # the rows close at poses, too, where a geometry has shrunk to what does not move
-        if start is None or not is_determined(model, start_points(model, m), m.joints, start):
-            return model.nominal
-        return start
 
     def _solve(
         self, p: np.ndarray, z: np.ndarray | None = None, *, more: int = 0, judged: bool = True

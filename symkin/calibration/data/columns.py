@@ -149,7 +149,7 @@ class ColumnReader:
     def _check_range(self, c: Coordinate, values: np.ndarray) -> None:
         if c.least is not None and np.any(values < c.least):
             raise self._error(
-                int(np.argmax(values < c.least)),
+                np.argmax(values < c.least),
                 self.table.columns[c.name].header,
                 f"a rod of negative length; {c.least + 0.0:g} {self.mechanism.length_unit} and "
                 f"above is needed",
@@ -159,7 +159,7 @@ class ColumnReader:
         outside = (values < low) | (values > high)
         if np.any(outside):
             self.notes.append(
-                f"{c.name}: {int(outside.sum())} of {len(values)} readings lie outside its limits "
+                f"{c.name}: {outside.sum()} of {len(values)} readings lie outside its limits "
                 f"{low * unit:g} to {high * unit:g} "
                 f"{self.mechanism.unit_of(c)} (line "
                 f"{self._lines(np.flatnonzero(outside))})"

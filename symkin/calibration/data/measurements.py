@@ -151,7 +151,10 @@ class Measurements:
                     f"posture is needed"
                 )
             keep("groups", groups.astype(int))
-        for kind, width in (*((kind, PLATFORM[kind].width) for kind in _TABLES), ("starts", 7)):
+        for kind, width in (
+            *((kind, len(PLATFORM[kind].columns)) for kind in _TABLES),
+            ("starts", 7),
+        ):
             if getattr(self, kind) is not None:
                 table = _shaped(_matrix(getattr(self, kind), kind), (count, width), kind)
                 if width > 3:
@@ -300,7 +303,7 @@ class Measurements:
                     f"(LINK.position, LINK.orientation, LINK.inclination)"
                 )
             if o.kind != "group":
-                _shaped(reading.values, (len(self), o.width), reading.name)
+                _shaped(reading.values, (len(self), len(o.columns)), reading.name)
 
 
 def _unit_quaternions(values: np.ndarray, what: str, labels: Sequence[str] = ()) -> np.ndarray:

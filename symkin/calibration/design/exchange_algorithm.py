@@ -153,9 +153,7 @@ class ExchangeSearch:
                 gains = self.gains(without, index)
                 gains[np.isin(index, chosen[:place] + chosen[place + 1 :])] = -np.inf
                 best = int(index[np.argmax(gains)])
-                if best != old and gains.max() > (1 + 1e-6) * float(
-                    self.gains(without, np.array([old]))[0]
-                ):
+                if best != old and gains.max() > (1 + 1e-6) * self.gains(without, np.array([old])):
                     chosen[place], changed = best, True
                     c = self.updated(without, best)
             if not changed:

@@ -235,7 +235,11 @@ def plan_measurements(
     (6, 2)
     """
     workspace = Workspace.about(workspace) if isinstance(workspace, Mechanism) else workspace
-    noise = noise if isinstance(noise, Noise) else _noise_by_name(noise)
+    if not isinstance(noise, Noise):
+        allowed = [f.name for f in fields(Noise)]
+        if unknown := ", ".join(repr(name) for name in noise if name not in allowed):
+            raise InputError(f"noise: {unknown} is unknown; allowed: {', '.join(allowed)}")
+        noise = Noise(**noise)  # type: ignore[arg-type]
     _check(options, configurations)
     taken_readings(workspace.mechanism, options["readings"], grouped=options["groups"] > 0)
     task = _Task(workspace, configurations, noise, options)
@@ -257,13 +261,6 @@ def plan_measurements(
         random=task.accuracy(drawn, groups),
         observable=task.observable,
     )
-
-
-def _noise_by_name(values: Mapping[str, float]) -> Noise:
-    allowed = [f.name for f in fields(Noise)]
-    if unknown := ", ".join(repr(name) for name in values if name not in allowed):
-        raise InputError(f"noise: {unknown} is unknown; allowed: {', '.join(allowed)}")
-    return Noise(**values)  # type: ignore[arg-type]
 
 
 _Pool = tuple[ClosedConfigurations, np.ndarray]
@@ -387,7 +384,7 @@ class _Task:
         propagation.
         """
         seen, singular = _principal_directions(
-            less_inclinations(self.candidates(planned, groups), int(groups.max()) + 1)
+            less_inclinations(self.candidates(planned, groups), groups.max() + 1)
         )
         missing = self.directions - seen @ (seen.T @ self.directions)
         left, outside, _ = np.linalg.svd(missing, full_matrices=False)
@@ -423,7 +420,7 @@ def _principal_directions(rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return the directions (P, r) that rows determine, and their singular values."""
     triangle = np.linalg.qr(rows, mode="r")
     _, singular, right = np.linalg.svd(triangle, full_matrices=False)
-    seen = singular > RANK_TOLERANCE * max(float(singular[0]), 1e-300)
+    seen = singular > RANK_TOLERANCE * max(singular[0], 1e-300)
     return right[seen].T, singular[seen]
 
 

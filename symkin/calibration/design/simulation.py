@@ -140,7 +140,7 @@ def random_configurations(
     """
     if np.all(groups == NO_GROUP):
         return workspace.draw(workspace.inclinations(len(groups), rng), rng, held=False)
-    wanted = workspace.inclinations(int(groups.max()) + 1, rng)[groups]
+    wanted = workspace.inclinations(groups.max() + 1, rng)[groups]
     return workspace.draw(wanted + noise.draw(noise.group, wanted.shape, rng), rng)
 
 
@@ -159,7 +159,7 @@ def planned_configurations(
     model = build_model(nominal, plan, ())
     configurations = solve_configurations(model, plan, model.nominal)
     if not configurations.solved.all():
-        label = plan.labels[int(np.argmin(configurations.solved))]
+        label = plan.named(~configurations.solved)[0]
         raise InputError(
             f"the plan's posture of {label} does not close at the nominal geometry of "
             f"{nominal.name}"
@@ -175,7 +175,7 @@ def planned_configurations(
     made, closed = workspace.at(model.poses(configurations.z, plan.joints), plan.joints, held)
     if not closed.all():
         raise InputError(
-            f"the plan's posture of {plan.labels[int(np.argmin(closed))]} cannot be taken by "
+            f"the plan's posture of {plan.named(~closed)[0]} cannot be taken by "
             f"{workspace.mechanism.name}"
         )
     return plan.group_of, made

@@ -166,9 +166,9 @@ class ConfigurationModel:
         return np.array([o.angular for o in self.channels for _ in o.components], dtype=bool)
 
     @cached_property
-    def group_columns(self) -> np.ndarray:
-        """The two columns of the groups' inclination."""
-        return np.flatnonzero([kind == "group" for kind, _ in self.columns])
+    def grouped(self) -> np.ndarray:
+        """Which readings (K,) are of the groups' inclination."""
+        return np.array([kind == "group" for kind, _ in self.columns], dtype=bool)
 
     @property
     def size(self) -> float:

@@ -124,7 +124,7 @@ class Closing:
         rows, rows_z, rows_q, h, h_z, h_q = self.model.values("tangent", z, joints, self.p)
         by = np.concatenate([rows_q * self._units, rows_z], axis=2)
         if self.inclined is not None:
-            columns, size = self.model.group_columns, self.characteristic_length
+            columns, size = self.model.grouped, self.characteristic_length
             h, told = h[:, columns], self.inclined
             gap = wrapped(h - (h[told] if told.ndim == 1 else told))
             below = np.concatenate([h_q * self._units, h_z], axis=2)[:, columns]

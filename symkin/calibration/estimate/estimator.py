@@ -139,12 +139,19 @@ def parameters_at_poses(problem: CalibrationProblem) -> np.ndarray | None:
     """
     model, m = problem.model, problem.measurements
     given = np.isfinite(whole_poses(m, measured=True)[:, 0])
-    rows = int(np.sum(given)) * model.system.rows.shape[0]
+    rows = np.sum(given) * model.system.rows.shape[0]
     if is_carried(model.closure) or model.observes_through_frames or rows < len(model.names):
         return None
     chosen = np.flatnonzero(given)
     here = problem.of(chosen[spread_rows(len(chosen), _MAX_POSES)])
-    near, far = (partial(_moved_at_poses, here, by_rows=by_rows) for by_rows in (False, True))
+
+    def moved(by_rows: bool, state: State, step: np.ndarray) -> State | None:
+        """Take a step of the parameters; None where nothing finite is there."""
+        p = state.p + model.scales * step
+        found = _at_poses(here, p, state.z, _PASSIVE_STEPS, by_rows=by_rows)
+        return found if np.isfinite(found.cost) else None
+
+    near, far = (partial(moved, by_rows) for by_rows in (False, True))
     still, start = np.zeros(len(model.names)), start_points(model, here.measurements, measured=True)
     with np.errstate(all="ignore"):
         first = _at_poses(here, model.nominal, start, _MAX_PASSIVE_STEPS, by_rows=False)
@@ -195,18 +202,9 @@ def _at_poses(
     e = evaluate_at(problem, p, z)
     passive = closing.linearise(points)[1]
     project = np.eye(e.rows.shape[1]) - passive @ np.linalg.pinv(passive, rcond=1e-10)
-    usual = float(np.median((problem.readings.sigma * model.lengths)[problem.readings.taken]))
+    usual = np.median((problem.readings.sigma * model.lengths)[problem.readings.taken])
     rows = Linearised.of(e.rows / usual, project @ e.rows_p / usual)
     return replace(state, linearised=rows, leftover=None)
-
-
-def _moved_at_poses(
-    problem: CalibrationProblem, state: State, step: np.ndarray, *, by_rows: bool
-) -> State | None:
-    """Take a step of the parameters; None where nothing finite is there."""
-    p = state.p + problem.model.scales * step
-    found = _at_poses(problem, p, state.z, _PASSIVE_STEPS, by_rows=by_rows)
-    return found if np.isfinite(found.cost) else None
 
 
 # --- iteration ------------------------------------------------------------------------------------
@@ -366,7 +364,7 @@ class _Damped:
         if self.is_finite:
             self._free = self._solved(0.0, self.right)
             self._told = self.matrix @ self._free
-            self.decrement = float(self._told @ self._told)
+            self.decrement = self._told @ self._told
 
     def _solved(self, damping: float, right: np.ndarray) -> np.ndarray:
         weak = np.sqrt(damping) * np.diag(1.0 / self._lengths)[: None if damping > 0.0 else 0]

@@ -67,7 +67,7 @@ class Readings:
     @cached_property
     def pair(self) -> slice:
         """The same as a slice: they stand together."""
-        return slice(int(self.columns[0]), int(self.columns[-1]) + 1)
+        return slice(self.columns[0], self.columns[-1] + 1)
 
     @cached_property
     def inside(self) -> np.ndarray:
@@ -116,7 +116,7 @@ def build_readings(model: ConfigurationModel, measurements: Measurements) -> Rea
         values=np.hstack(table),
         sigma=np.where(np.isfinite(np.hstack(table)), np.hstack(sigma), np.inf),
         turning=np.array([o.turning for o in model.channels for _ in o.components], dtype=bool),
-        grouped=np.array([kind == "group" for kind, _ in model.columns], dtype=bool),
+        grouped=model.grouped,
         group=group,
         first=first,
         known=all(reading.sigma is not None for _, reading in channels),

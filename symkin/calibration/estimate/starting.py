@@ -103,9 +103,8 @@ def with_starts(
     posed = set(MEASURING_FRAMES).isdisjoint(set(parameters or ()) - set(fixed))
     if is_carried(build_closure(mechanism)):
         return measurements
-    home = home_pose(mechanism)
-    m, starts = measurements, measurements.starts
-    starts = np.full((len(m), 7), np.nan) if starts is None else starts.copy()
+    m, home = measurements, home_pose(mechanism)
+    starts = np.full((len(m), 7), np.nan) if m.starts is None else m.starts.copy()
     bare = np.isnan(starts).any(axis=1) & (np.isnan(whole_poses(m)[:, 0]) | (not posed))
     rows, read = np.flatnonzero(bare), whole_poses(m, measured=True)
     if not len(rows):
@@ -221,7 +220,7 @@ class _Modes:
         readings = self.problem.readings
         read = np.any(readings.taken & ~readings.grouped, axis=1)
         known = self.gaps[read & np.isfinite(self.gaps)]
-        usual = float(np.median(known)) if len(known) else np.inf
+        usual = np.median(known) if len(known) else np.inf
         far = max(_DOUBTFUL_RATIO * usual, _MIN_DOUBTFUL_GAP * self.size)
         return ~(self.gaps <= min(_MAX_READING_GAP * self.size, far))
 
@@ -284,7 +283,7 @@ def _choose_branch(
     (mirror images) the one whose platform is highest.
     """
     m = problem.measurements
-    middle = int(nearest_rows(m.joints, np.mean(m.joints, axis=0)[None], 1)[0, 0])
+    middle = nearest_rows(m.joints, np.mean(m.joints, axis=0)[None], 1)[0, 0]
     points, _ = _all_modes(problem, p, np.array([middle]))
     branches = [_branch(problem, p, middle, z) for z in points]
     most = max((b.solved.sum() for b in branches), default=0)
@@ -293,7 +292,16 @@ def _choose_branch(
         return configurations
     if configurations.solved.all():
         whole.append(configurations)
-    worth = [_disagreement(problem, p, b) for b in whole]
+
+    def disagreement(b: SolvedConfigurations) -> float:
+        """By how much the inclinations of groups differ from their means, root mean square over
+        their standard deviations.
+        """
+        rows = np.flatnonzero(b.solved)
+        residuals = evaluate(problem.of(rows).by_means, p, b.z[rows]).linearised.residuals
+        return float(np.sqrt(np.mean(np.sum(residuals**2, axis=1)))) if len(rows) else np.inf
+
+    worth = [disagreement(b) for b in whole]
     equal = [b for b, w in zip(whole, worth, strict=True) if w <= _INDISTINCT_RATIO * min(worth)]
 
     def height(b: SolvedConfigurations) -> float:
@@ -310,17 +318,6 @@ def _branch(
     begin = np.tile(joints[first], (len(joints), 1))
     points = follow_joints(model, np.tile(z, (len(joints), 1)), begin, joints, p)
     return newton_configurations(model, points, joints, p, tolerance=ROUGHLY_SOLVED_TOLERANCE)
-
-
-def _disagreement(
-    problem: CalibrationProblem, p: np.ndarray, configurations: SolvedConfigurations
-) -> float:
-    """Compute the root mean square by which the inclinations of groups differ from their means,
-    over their standard deviations.
-    """
-    rows = np.flatnonzero(configurations.solved)
-    fit = evaluate(problem.of(rows).by_means, p, configurations.z[rows]).linearised
-    return float(np.sqrt(np.mean(np.sum(fit.residuals**2, axis=1)))) if len(rows) else np.inf
 
 
 # --- measuring frames -----------------------------------------------------------------------------
@@ -357,8 +354,7 @@ def fit_measuring_frames(
 
     trials = [fitted(start, _TRIAL_STEPS) for start in _frame_starts(few, z[rows], p[free])]
     best = sorted(trials, key=lambda trial: trial[0])[:_FOLLOWED_TRIALS]
-    ends = [fitted(near, _FINAL_STEPS) for _, near in best]
-    found = p.copy()
+    found, ends = p.copy(), [fitted(near, _FINAL_STEPS) for _, near in best]
     found[free] = min(ends, key=lambda end: end[0])[1]
     return found
 

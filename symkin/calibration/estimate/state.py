@@ -252,7 +252,7 @@ def admissible_steps(state: State, units: np.ndarray) -> tuple[np.ndarray | None
     both = np.asarray(np.linalg.qr(below, mode="r"))
     if not np.all(np.isfinite(both)):
         return None, np.full(count, np.nan)
-    left, singular, across, kept = _split(both[:, :count], float(np.max(units)))
+    left, singular, across, kept = _split(both[:, :count], np.max(units))
     particular = across[:kept].T @ ((left[:, :kept].T @ both[:, count]) / singular[:kept])
     return across[kept:].T, units * particular
 
@@ -262,8 +262,8 @@ def _split(rows: np.ndarray, unit: float = 1.0) -> tuple[np.ndarray, np.ndarray,
     count those that bind: beyond rounding of the largest, and of a step of one `unit`.
     """
     left, values, right = np.linalg.svd(rows, full_matrices=rows.shape[0] < rows.shape[1])
-    bound = max(RANK_TOLERANCE * float(np.max(values, initial=0.0)), CONSTRAINT_ROUNDING * unit)
-    return left, values, right, int(np.sum(values > bound))
+    bound = max(RANK_TOLERANCE * np.max(values, initial=0.0), CONSTRAINT_ROUNDING * unit)
+    return left, values, right, np.sum(values > bound)
 
 
 def unbound(rows: np.ndarray) -> np.ndarray:
@@ -297,7 +297,7 @@ def spectrum(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     values = np.zeros(matrix.shape[1])
     values[: min(matrix.shape)] = np.linalg.svd(matrix, compute_uv=False)
     _, even, across = np.linalg.svd(matrix / lengths)
-    rank = int(np.sum(even > RANK_TOLERANCE * np.max(even, initial=1e-300)))
+    rank = np.sum(even > RANK_TOLERANCE * np.max(even, initial=1e-300))
     return values, np.linalg.qr(across[rank:].T / lengths[:, None])[0]
 
 
@@ -341,7 +341,7 @@ class Linear:
         weights = np.where(known, 1.0, _FREE_WEIGHT) / units
         moved = (state.p - model.nominal) / model.scales * known + particular
         jacobian = both[:width, :width]
-        longest = float(np.max(np.linalg.norm(jacobian, axis=0), initial=0.0))
+        longest = np.max(np.linalg.norm(jacobian, axis=0), initial=0.0)
         return Linear(
             basis=basis,
             particular=particular,
@@ -397,7 +397,7 @@ def prior_units(matrix: np.ndarray, prior: np.ndarray, size: float) -> np.ndarra
     lengths, known = np.linalg.norm(matrix, axis=0), np.isfinite(prior)
     seen = lengths > 0
     like = (lengths * np.where(known, prior, 0.0))[known & seen]
-    usual = float(np.median(like)) if len(like) else 1.0
+    usual = np.median(like) if len(like) else 1.0
     return np.where(known, prior, np.where(seen, usual / np.where(seen, lengths, 1.0), size))
 
 

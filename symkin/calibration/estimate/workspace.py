@@ -187,9 +187,7 @@ class Workspace:
         that close at their reference alone.
         """
         size = self.mechanism.characteristic_length
-        apart = max(
-            float(np.max(np.ptp(v, axis=0), initial=0.0)) for v in (made.joints, made.poses)
-        )
+        apart = max(np.max(np.ptp(v, axis=0), initial=0.0) for v in (made.joints, made.poses))
         if len(made) > 1 and np.any(self.half > 0.0) and apart <= _SAME_PLACE * min(size, 1.0):
             raise InputError(
                 f"{self.mechanism.name}: it does not move; {len(made)} random postures are one: "

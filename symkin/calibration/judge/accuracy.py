@@ -113,7 +113,7 @@ def pose_sigma_at(
     known = covariance_root(fit.covariance, fit.problem)
     root = np.hstack([known, prior * fit.identifiability.drowned])
     sigma = np.linalg.norm(slopes @ root, axis=2)
-    spread = float(np.sqrt(np.mean(np.sum(sigma[:, :3] ** 2, axis=1)))) / prior
+    spread = np.sqrt(np.mean(np.sum(sigma[:, :3] ** 2, axis=1))) / prior
     moved = largest_of(slopes @ fit.identifiability.blind)
     read = fit.measurements.joints[list(fit.used)]
     outside = np.any((made.joints < read.min(axis=0)) | (made.joints > read.max(axis=0)), axis=1)
@@ -248,7 +248,7 @@ def draw_held_out(measurements: Measurements, count: int, seed: int) -> np.ndarr
     groups, left = measurements.group_of, measurements.is_read
     held = np.zeros(len(left), dtype=bool)
     for k in np.random.default_rng([seed, len(measurements)]).permutation(len(measurements)):
-        if left[k] and not held[k] and int(held.sum()) < count:
+        if left[k] and not held[k] and held.sum() < count:
             held |= (groups == groups[k]) if groups[k] != NO_GROUP else np.arange(len(held)) == k
     if not np.any(left & ~held):
         raise InputError(

@@ -72,7 +72,8 @@ def build_result(
     state, reason = read_back(problem, found.state)
     told = told_directions(problem, state)
     model, known = linear_model(problem, state, told), problem.readings.known
-    chi_square = model.chi_square_as_is
+    # of the parameters as they are, without the step that the projection stands for
+    chi_square = model.chi_square + model.within_reach
     spread = 1.0 if known else chi_square / max(model.degrees, 1)
     used = 1.0 if found.loss == "squared" else EFFICIENCY
     free = spread / used * covariance(problem, state, told)
@@ -224,12 +225,12 @@ def _faults(
         if np.any(beyond < 0.0):
             yield (
                 f"the rod of {c.name} would have a negative length at {_row_names(m, beyond < 0)}, "
-                f"down to {float(np.min(beyond)):.4g} {found.length_unit}"
+                f"down to {np.min(beyond):.4g} {found.length_unit}"
             )
     model, p = build_model(found, m, tuple(beside)), np.array(list(beside.values()))
     z, solved = newton_configurations(model, state.z, m.joints, p)
     if not solved.all():
-        has = "has" if int(np.sum(~solved)) == 1 else "have"
+        has = "has" if np.sum(~solved) == 1 else "have"
         yield f"{_row_names(m, ~solved)} {has} no solution at the geometry that would be written"
     for c, place in zip(model.system.unknowns, model.system.slices, strict=True):
         if c.width == 1 and c in model.closure.role("passive"):

@@ -284,7 +284,7 @@ def _sparse_directions(null_space: np.ndarray) -> list[np.ndarray]:
         if len(pivots) == count:
             found.extend((null_space @ np.linalg.inv(null_space[pivots])).T)
     found = [v / np.linalg.norm(v) for v in found]
-    return sorted(found, key=lambda v: int(np.sum(np.abs(v) > 1e-6)))
+    return sorted(found, key=lambda v: np.sum(np.abs(v) > 1e-6))
 
 
 def _combination(names: Sequence[str], direction: np.ndarray) -> str:
@@ -293,7 +293,7 @@ def _combination(names: Sequence[str], direction: np.ndarray) -> str:
     """
     order = np.argsort(-np.abs(direction), kind="stable")
     weights = direction / direction[order[0]]
-    kept = [int(k) for k in order if abs(weights[k]) > 1e-6]
+    kept = [k for k in order if abs(weights[k]) > 1e-6]
     text = ""
     for k in kept[:_MAX_LISTED_PARAMETERS]:
         size = "" if abs(abs(weights[k]) - 1) < 1e-4 else f"{abs(weights[k]):.3g} "
@@ -318,11 +318,8 @@ def _advice(
     )
     turns = problem.model.poses(state.z, problem.joints, state.p)[:, 3:].T
     angles = euler_from_quaternion(turns, "xyz").T
-    if (
-        unusual
-        and readings.groups
-        and np.all(np.ptp(angles[readings.first, :2], axis=0) < _SAME_ANGLE)
-    ):
+    inclinations = angles[readings.first, :2]
+    if unusual and readings.groups and np.all(np.ptp(inclinations, axis=0) < _SAME_ANGLE):
         yield (
             "all groups have the same inclination; add groups at other inclinations (a wedge "
             "under the inclinometer)"
@@ -384,7 +381,7 @@ def named_motions(model: ConfigurationModel, p: np.ndarray) -> Iterator[tuple[st
         # shares of freedoms that move the held parameters as this change does
         shares = np.linalg.lstsq(basis[~free], direction[~free], rcond=1e-10)[0]
         made = direction - basis @ shares
-        length = float(np.linalg.norm(made))
+        length = np.linalg.norm(made)
         if length > 0.0 and np.linalg.norm(made[~free]) <= _HELD_STILL * length:
             yield text, made[order] / length
 
@@ -415,7 +412,13 @@ def _all_motions(model: ConfigurationModel, values: Velocity) -> Iterator[tuple[
             "size of the whole mechanism with the factors of all length readings",
             stretched | {f"{name}.scale": 1.0 for name in lengths},
         )
-    yield from _parallel_offsets(model.mechanism, values)
+    # the offset of an axis that is parallel to the next to rounding moves the tool as its does
+    for k, twist in parallel_axes(model.mechanism, values, 1e-12):
+        yield (
+            f"parallel axes {_axes_named(model.mechanism, k)}: only the sum of their offsets "
+            f"dh.{k}.d and dh.{k + 1}.d is told",
+            {f"dh.{k}.d": 1.0, f"dh.{k + 1}.d": -1.0 if np.cos(twist) > 0 else 1.0},
+        )
 
 
 # --- frames ---------------------------------------------------------------------------------------
@@ -464,18 +467,6 @@ def _platform_moved(mechanism: Mechanism, values: Velocity, twist: np.ndarray) -
 
 
 # --- parallel axes --------------------------------------------------------------------------------
-
-
-def _parallel_offsets(mechanism: Mechanism, values: Velocity) -> Iterator[tuple[str, Velocity]]:
-    """Shift the offset d of an axis that is parallel to the next to rounding against that one's:
-    both move the tool alike.
-    """
-    for k, twist in parallel_axes(mechanism, values, 1e-12):
-        yield (
-            f"parallel axes {_axes_named(mechanism, k)}: only the sum of their offsets dh.{k}.d "
-            f"and dh.{k + 1}.d is told",
-            {f"dh.{k}.d": 1.0, f"dh.{k + 1}.d": -1.0 if np.cos(twist) > 0 else 1.0},
-        )
 
 
 def nearly_parallel(mechanism: Mechanism, values: Velocity) -> tuple[str, ...]:

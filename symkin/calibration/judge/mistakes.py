@@ -420,7 +420,7 @@ def _joints_at_rest(case: Case) -> Iterator[Finding]:
         most = 1.0 if angular else np.minimum(m.characteristic_length, 10.0 * mean)
         if len(values) < 2 or not np.all(spread <= _REST_SPREAD * most):
             return
-        widest = float(np.max(spread))
+        widest = np.max(spread)
         said.append(case.angle(widest) if angular else f"{widest:.3g} {m.length_unit}")
     yield (
         f"the posture never changes: the joint readings spread by {' and '.join(said)} only; one "
@@ -447,8 +447,8 @@ def _out_of_proportion(values: np.ndarray) -> tuple[float, float]:
     """Decades by which the spread lies outside its usual range, or the mean above it, none where a
     joint does not move; and the spread.
     """
-    spread = float(np.median(np.std(values, axis=0)))
-    mean = float(np.median(np.abs(np.mean(values, axis=0))))
+    spread = np.median(np.std(values, axis=0))
+    mean = np.median(np.abs(np.mean(values, axis=0)))
     low, high = _USUAL_SPREAD
     if np.any(np.ptp(values, axis=0) == 0.0):
         return 0.0, spread
@@ -494,7 +494,7 @@ def _assigned_columns(case: Case, block: Block) -> np.ndarray:
     off = np.apply_along_axis(rms_of_better_part, -1, gap**2)
     cost = np.where(angular[:, None] == angular, off**2, np.inf)
     each, orders = np.arange(len(angular)), np.array([*permutations(range(len(angular)))])
-    order = orders[int(np.argmin(np.sum(np.min(cost, axis=0)[each, orders], axis=1)))]
+    order = orders[np.argmin(np.sum(np.min(cost, axis=0)[each, orders], axis=1))]
     signs = 1 - 2 * np.argmin(cost, axis=0)[each, order]
     return signs * (order + 1)
 
@@ -570,12 +570,12 @@ def _wrong_labels(case: Case) -> Iterator[Finding]:
         # the member that a good part of the others is nearest to: a mean of two groups is in none
         off[own] = inside[np.argmin(np.quantile(inside, _GROUP_PART, axis=1))]
     k = _COMPARED_NEIGHBOURS
-    near = float(np.median([np.partition(_apart(at, row), k)[k] for row in at]))
-    usual = float(np.median(off))
+    near = np.median([np.partition(_apart(at, row), k)[k] for row in at])
+    usual = np.median(off)
     out = np.flatnonzero(off > _OUTSTANDING_RATIO * usual)
     rest = np.setdiff1d(np.flatnonzero(np.isin(group, group[out])), out)
     named, others = (first_of(m.named(members[rows])) for rows in (out, rest))
-    most, half = case.angle(float(np.max(off, initial=0.0))), "at the nominal geometry half of the"
+    most, half = case.angle(np.max(off, initial=0.0)), "at the nominal geometry half of the"
     tail = f"from the others of the group; {half} postures are within {case.angle(usual)}"
     if usual > _SCATTER_RATIO * near:
         yield (

@@ -239,7 +239,7 @@ def _least_likely(
     for k, (statistics, degrees, _) in enumerate(tests):
         for d in map(int, np.unique(degrees[degrees > 0])):
             m = int(np.argmax(np.where(degrees == d, statistics, -1.0)))
-            statistic, left = float(statistics[m]), None
+            statistic, left = statistics[m], None
             if not problem.readings.known:
                 left = model.degrees - d
                 statistic *= max(left, 1) / max(model.chi_square - statistic, 1e-300)
@@ -262,7 +262,7 @@ def _described(
     label, mechanism = problem.measurements.labels[row], problem.mechanism
     measure = measure_of(mechanism, o.kind)
     text = ", ".join(
-        f"{problem.model.columns[k][1]} {written(mechanism, measure, float(v))}"
+        f"{problem.model.columns[k][1]} {written(mechanism, measure, v)}"
         for k, v in zip(columns, shift, strict=True)
     )
     chance = f"below {_MIN_SHOWN_PROBABILITY:.0e}"
@@ -395,11 +395,11 @@ def _far_off(found: Fit, scale: float, level: float) -> tuple[list[Outlier], flo
     for kind, configurations, rows in kinds:
         statistics = np.sum(squares.reshape(-1)[rows], axis=1)
         degrees = np.sum(problem.readings.taken.reshape(-1)[rows], axis=1)
-        gross += int(np.sum(statistics > _GROSS_RATIO**2 * degrees))
+        gross += np.sum(statistics > _GROSS_RATIO**2 * degrees)
         bad += [
             Outlier(int(found.used[i]), kind, float(statistic), int(d))
             for i, statistic, d in zip(configurations, statistics, degrees, strict=True)
-            if chi_square_tail(float(statistic), int(d)) < level / total
+            if chi_square_tail(statistic, int(d)) < level / total
         ]
     return bad, gross / total
 
@@ -451,7 +451,7 @@ def _retest(measurements: Measurements, found: Fit, outliers: Sequence[Outlier])
     if not len(rows):
         return list(outliers)
     apart = {o.configuration: o.statistic for o in outliers if o.kind == "group"}
-    for members in ([int(k) for k in np.flatnonzero(group == group[i])] for i in list(apart)):
+    for members in (np.flatnonzero(group == group[i]).tolist() for i in list(apart)):
         if all(k in apart for k in members):  # the others are compared with the likeliest
             del apart[min(members, key=lambda k: apart[k])]
     factor, left = 1.0, None

@@ -108,11 +108,6 @@ class LinearModel:
         return float(self.residuals @ self.residuals)
 
     @property
-    def chi_square_as_is(self) -> float:
-        """Of the parameters as they are, without the step that the projection stands for."""
-        return self.chi_square + self.within_reach
-
-    @property
     def absorbed(self) -> np.ndarray:
         """Share (N,) of a unit shift of each reading that the fit absorbs: the diagonal of Q
         Q^T.
@@ -153,7 +148,9 @@ def linear_model(
     """Linearise all readings at a state with closed configurations, over the directions told."""
     readings, told = problem.readings, told or told_directions(problem, state)
     free = told.columns[:, (told.ratios > 1.0) | problem.is_stated]
-    known, by_known = _stated_rows(problem, state)
+    # the parameters from nominal over the tolerances stated, which are readings of them
+    stated = np.isfinite(problem.prior) & problem.is_stated
+    known, by_known = problem.over_prior(state.p)[stated], np.diag(1.0 / problem.prior)[stated]
     shape, count, width = readings.values.shape, readings.values.size, free.shape[1]
     residuals = np.concatenate([np.zeros(count), known])
     columns = np.vstack([np.zeros((count, width)), by_known @ free])
@@ -178,14 +175,6 @@ def linear_model(
     )
 
 
-def _stated_rows(problem: CalibrationProblem, state: State) -> tuple[np.ndarray, np.ndarray]:
-    """Return the residuals (k,) of the parameters from nominal over the tolerances stated, which
-    are readings of them, and their derivative (k, P) by scaled parameters; none without.
-    """
-    known = np.isfinite(problem.prior) & problem.is_stated
-    return problem.over_prior(state.p)[known], np.diag(1.0 / problem.prior)[known]
-
-
 def _basis_in_place(columns: np.ndarray) -> np.ndarray:
     """Overwrite columns (N, k), block by block, by an orthonormal basis: with V D V^T their squares
     at unit length, columns V D^-1/2; what rounding leaves of that is taken away by its own.
@@ -195,7 +184,7 @@ def _basis_in_place(columns: np.ndarray) -> np.ndarray:
     for _ in range(2):
         values, vectors = np.linalg.eigh(columns.T @ columns)
         kept = values > _LEAST_FREEDOM * np.max(values, initial=0.0)
-        factor, width = vectors[:, kept] / np.sqrt(values[kept]), int(np.sum(kept))
+        factor, width = vectors[:, kept] / np.sqrt(values[kept]), np.sum(kept)
         for block in (columns[k : k + _BLOCK_ROWS] for k in range(0, len(columns), _BLOCK_ROWS)):
             block[:, :width] = block @ factor
         columns = columns[:, :width]
@@ -346,7 +335,7 @@ def _gain(problem: CalibrationProblem, inverse: np.ndarray) -> np.ndarray:
     if problem.form != "differences":
         return gain
     before, after = neighbours(readings)
-    for column in np.flatnonzero(readings.grouped):
+    for column in readings.columns:
         s = 1.0 / np.hypot(readings.sigma[before, column], readings.sigma[after, column])
         gain[:, :, column] = 0.0
         gain[:, after, column] += s * inverse[:, after, column]
@@ -373,23 +362,16 @@ def curvature(
     pulls = np.zeros((len(problem.names), len(steps)))
     for rows, part in problem.parts:
         near = evaluate(part, state.p, state.z[rows])
+        here = near.linearised
         for k, step in enumerate(steps):
-            pulls[:, k] += near.linearised.matrix.T @ _bend(part, near, step)
+            with np.errstate(all="ignore"):
+                there = state_after(part, near, step)
+            # r(p + step) - r(p) - (dr/dp) step, configurations closed again, where they close
+            after = np.full_like(here.vector, np.nan) if there is None else there.linearised.vector
+            pulls[:, k] += here.matrix.T @ (after - here.vector - here.matrix @ step)
     sigma, change = np.linalg.norm(units, axis=1), np.abs(units @ (units.T @ pulls)) / spread
     largest = np.max(np.where(np.isfinite(change), change, np.inf), axis=1, initial=0.0)
     return np.divide(largest, sigma, out=np.zeros_like(sigma), where=sigma > 0)
-
-
-def _bend(problem: CalibrationProblem, here: State, step: np.ndarray) -> np.ndarray:
-    """Return d = r(p + step) - r(p) - (dr/dp) step, configurations closed again; not a number where
-    they do not close.
-    """
-    before = here.linearised
-    with np.errstate(all="ignore"):
-        there = state_after(problem, here, step)
-    if there is None:
-        return np.full_like(before.vector, np.nan)
-    return there.linearised.vector - before.vector - before.matrix @ step
 
 
 def rms_of_better_part(squares: np.ndarray) -> float:

@@ -216,7 +216,7 @@ class Verdict:
         )
         elsewhere = "" if np.all(sigma.outside) else f" and {inside:.3g} {unit} elsewhere"
         yield (
-            f"{int(np.sum(sigma.outside))} of {len(sigma.outside)} poses of the workspace about "
+            f"{np.sum(sigma.outside)} of {len(sigma.outside)} poses of the workspace about "
             f"home need joint values beyond those measured: the largest standard deviation of the "
             f"position is {there:.3g} {unit} there{elsewhere}; no reading has tested the model "
             f"there; measure as far as the mechanism is used"
