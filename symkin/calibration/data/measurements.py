@@ -183,6 +183,14 @@ class Measurements:
         return tuple(r.name for r in self.readings if not r.ends)
 
     @property
+    def poses(self) -> np.ndarray:
+        """Poses (n, 7) that were measured whole, NaN where none was."""
+        if self.position is None or self.orientation is None:
+            return np.full((len(self), 7), np.nan)
+        poses = np.hstack([self.position, self.orientation])
+        return np.where(np.all(np.isfinite(poses), axis=1, keepdims=True), poses, np.nan)
+
+    @property
     def quaternions(self) -> np.ndarray:
         """Measured orientations (n, 4 k), zero where there are none: of the platform, then of other
         links.

@@ -41,16 +41,6 @@ class Candidates:
     group: np.ndarray
     wedge: np.ndarray
 
-    def extended(self, wedges: int) -> np.ndarray:
-        """Return the rows in all unknowns (n, K, P + 2 W)."""
-        count, k, width = self.rows.shape
-        full = np.zeros((count, k, width + 2 * wedges))
-        full[:, :, :width] = self.rows
-        for place in range(wedges):
-            inside, begin = self.wedge == place, width + 2 * place
-            full[inside, :, begin : begin + 2] = -self.group[inside]
-        return full
-
     def thinned(self, each: int) -> Candidates:
         """Keep the first `each` candidates of every wedge."""
         kept = np.concatenate(
@@ -69,8 +59,13 @@ class ExchangeSearch:
     ) -> None:
         self.candidates, self.wedges = candidates, wedges
         self.criterion, self.prior = criterion, prior
-        self.width = candidates.rows.shape[2]
-        self.rows = candidates.extended(wedges)
+        count, k, self.width = candidates.rows.shape
+        # in all unknowns, (n, K, P + 2 W)
+        self.rows = np.zeros((count, k, self.width + 2 * wedges))
+        self.rows[:, :, : self.width] = candidates.rows
+        for place in range(wedges):
+            inside, begin = candidates.wedge == place, self.width + 2 * place
+            self.rows[inside, :, begin : begin + 2] = -candidates.group[inside]
         self.q = np.zeros((self.rows.shape[2],) * 2)
         self.q[: self.width, : self.width] = np.eye(self.width) if criterion == "A" else q
         values, vectors = np.linalg.eigh(self.q)

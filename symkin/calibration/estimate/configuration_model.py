@@ -243,7 +243,15 @@ def model_of(
 ) -> ConfigurationModel:
     """The same of what is read."""
     read = tuple(o.name for o in channels if o.of)
-    table = _values_of(mechanism, read, names)
+    table, every = nominal_parameters(mechanism, read), described_parameters(mechanism)
+    for name in names:
+        if name not in every:
+            raise InputError(
+                f"parameter {shown(name)} is unknown{meant(name, table)}; {mechanism.name} has "
+                f"{', '.join(table)}"
+            )
+    # those that only what is not read depends on, too
+    table |= {name: every[name] for name in names}
     symbols = {
         name: ca.SX.sym(name) if name in names else ca.SX(value)
         for name, (value, _) in table.items()
@@ -343,22 +351,6 @@ class _Known:
         # twice the vector part of the quaternion
         e = multiply(conjugate(measured), pose.quaternion)
         return 2 * ca.if_else(e[0] < 0, -1, 1) * e[1:]
-
-
-def _values_of(
-    mechanism: Mechanism, read: tuple[str, ...], names: tuple[str, ...]
-) -> dict[str, tuple[float, ParameterKind]]:
-    """Nominal values and kinds of all parameters; those of the names that only what is not read
-    depends on are among them.
-    """
-    table, every = nominal_parameters(mechanism, read), described_parameters(mechanism)
-    for name in names:
-        if name not in every:
-            raise InputError(
-                f"parameter {shown(name)} is unknown{meant(name, table)}; {mechanism.name} has "
-                f"{', '.join(table)}"
-            )
-    return table | {name: every[name] for name in names}
 
 
 def _frame(symbols: Mapping[str, ca.SX], name: str) -> Pose:

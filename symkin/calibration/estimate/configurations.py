@@ -285,7 +285,9 @@ def start_points(
     """
     if model.observes_through_frames:
         measurements = replace(measurements, position=None, orientation=None)
-    poses = whole_poses(measurements, measured=measured)
+    poses, starts = measurements.poses, measurements.starts
+    if starts is not None and not measured:
+        poses = np.where(np.all(np.isfinite(starts), axis=1, keepdims=True), starts, poses)
     return Closing(model).split(with_poses(model.closure, poses))[0]
 
 
@@ -336,20 +338,6 @@ def follow_joints(
         near = np.all(np.abs(found - z) < longest * lengths, axis=1)
         z, longest = np.where((closed & near)[:, None], found, z), _MAX_FOLLOWED_MOVE
     return z
-
-
-def whole_poses(measurements: Measurements, *, measured: bool = False) -> np.ndarray:
-    """Return a whole pose (n, 7) of each configuration, NaN where there is none: its start (unless
-    `measured`), else what was measured.
-    """
-    poses, m = np.full((len(measurements), 7), np.nan), measurements
-    tables = [] if measured or m.starts is None else [m.starts]
-    if m.position is not None and m.orientation is not None:
-        tables = [np.hstack([m.position, m.orientation]), *tables]
-    for table in tables:
-        whole = np.all(np.isfinite(table), axis=1)
-        poses[whole] = table[whole]
-    return poses
 
 
 def nearest_rows(joints: np.ndarray, wanted: np.ndarray, count: int) -> np.ndarray:

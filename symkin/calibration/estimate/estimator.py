@@ -31,7 +31,6 @@ from symkin.calibration.estimate.configurations import (
     Closing,
     is_carried,
     start_points,
-    whole_poses,
 )
 from symkin.calibration.estimate.problem import CalibrationProblem
 from symkin.calibration.estimate.residuals import Linearised
@@ -138,7 +137,7 @@ def parameters_at_poses(problem: CalibrationProblem) -> np.ndarray | None:
     measurement are unknown, and where the joints carry the platform.
     """
     model, m = problem.model, problem.measurements
-    given = np.isfinite(whole_poses(m, measured=True)[:, 0])
+    given = np.isfinite(m.poses[:, 0])
     rows = np.sum(given) * model.system.rows.shape[0]
     if is_carried(model.closure) or model.observes_through_frames or rows < len(model.names):
         return None

@@ -109,12 +109,16 @@ class CalibrationProblem:
 
     @cached_property
     def parts(self) -> tuple[tuple[np.ndarray, CalibrationProblem], ...]:
-        """Numbers of configurations and the problem of these alone, members of a group together;
-        one part where the problem is not large.
+        """Numbers of configurations and the problem of these alone, members of a group together,
+        `PART_ROWS` or those of a group that has more; one part where the problem is not large.
         """
         if not self.is_large:
             return ((np.arange(len(self.measurements)), self),)
-        return tuple((rows, self.of(rows)) for rows in _split_rows(self.readings))
+        readings = self.readings
+        order = np.append(readings.order, np.flatnonzero(readings.group < 0)).astype(int)
+        heads = np.append(readings.begins, np.arange(len(readings.order), len(order))).astype(int)
+        cuts = heads[np.flatnonzero(np.diff(heads // PART_ROWS, prepend=0))]
+        return tuple((rows, self.of(rows)) for rows in np.split(order, cuts) if len(rows))
 
     def of(self, rows: np.ndarray) -> CalibrationProblem:
         """The problem of some configurations, by number or by mask."""
@@ -231,18 +235,6 @@ def prior_of(model: ConfigurationModel, tolerance: tuple[float, float] | None = 
     free = [not is_writable(name) for name in model.names]
     spread = [length if kind == "length" else angle for kind in model.kinds]
     return np.where(free, np.inf, np.array(spread) / model.scales)
-
-
-def _split_rows(readings: Readings) -> list[np.ndarray]:
-    """Split configurations, by number, into parts of `PART_ROWS`, or of a group where one has
-    more.
-    """
-    order = np.concatenate([readings.order, np.flatnonzero(readings.group < 0)]).astype(int)
-    heads = np.concatenate([readings.begins, np.arange(len(readings.order), len(order))]).astype(
-        int
-    )
-    cuts = heads[np.flatnonzero(np.diff(heads // PART_ROWS, prepend=0))]
-    return [rows for rows in np.split(order, cuts) if len(rows)]
 
 
 @lru_cache(maxsize=64)

@@ -35,7 +35,6 @@ from symkin.calibration.estimate.configurations import (
     nearest_rows,
     newton_configurations,
     solve_configurations,
-    whole_poses,
 )
 from symkin.calibration.estimate.estimator import estimate
 from symkin.calibration.estimate.problem import CalibrationProblem, build_calibration
@@ -105,8 +104,8 @@ def with_starts(
         return measurements
     m, home = measurements, home_pose(mechanism)
     starts = np.full((len(m), 7), np.nan) if m.starts is None else m.starts.copy()
-    bare = np.isnan(starts).any(axis=1) & (np.isnan(whole_poses(m)[:, 0]) | (not posed))
-    rows, read = np.flatnonzero(bare), whole_poses(m, measured=True)
+    read = m.poses
+    rows = np.flatnonzero(np.isnan(starts).any(axis=1) & (np.isnan(read[:, 0]) | (not posed)))
     if not len(rows):
         return m
     starts[rows] = [*home.position, *home.quaternion]
@@ -148,7 +147,7 @@ def start_configurations(
         judged = np.any(problem.readings.taken & ~problem.readings.grouped, axis=1)
         if judged.any():
             # a whole measured pose is where the direct problem began, and so tells the mode
-            begun = np.isfinite(whole_poses(m, measured=True)[:, 0])
+            begun = np.isfinite(m.poses[:, 0])
             begun &= configurations.solved & (not is_carried(model.closure))
             return _Modes(problem, p, configurations).chosen(judged & ~begun)
         if problem.readings.groups and (
@@ -284,8 +283,17 @@ def _choose_branch(
     """
     m = problem.measurements
     middle = nearest_rows(m.joints, np.mean(m.joints, axis=0)[None], 1)[0, 0]
-    points, _ = _all_modes(problem, p, np.array([middle]))
-    branches = [_branch(problem, p, middle, z) for z in points]
+    begin = np.tile(m.joints[middle], (len(m), 1))
+
+    def branch(z: np.ndarray) -> SolvedConfigurations:
+        """Solve all configurations from the mode z of one, by following it to their joints."""
+        points = np.tile(z, (len(m), 1))
+        points = follow_joints(problem.model, points, begin, m.joints, p)
+        return newton_configurations(
+            problem.model, points, m.joints, p, tolerance=ROUGHLY_SOLVED_TOLERANCE
+        )
+
+    branches = [branch(z) for z in _all_modes(problem, p, np.array([middle]))[0]]
     most = max((b.solved.sum() for b in branches), default=0)
     whole = [b for b in branches if b.solved.sum() >= 0.9 * most]
     if not whole:
@@ -308,16 +316,6 @@ def _choose_branch(
         return float(np.mean(problem.model.poses(b.z[b.solved], m.joints[b.solved], p)[:, 2]))
 
     return max(equal, key=height)
-
-
-def _branch(
-    problem: CalibrationProblem, p: np.ndarray, first: int, z: np.ndarray
-) -> SolvedConfigurations:
-    """Solve all configurations from the mode z of one of them, by following it to their joints."""
-    model, joints = problem.model, problem.joints
-    begin = np.tile(joints[first], (len(joints), 1))
-    points = follow_joints(model, np.tile(z, (len(joints), 1)), begin, joints, p)
-    return newton_configurations(model, points, joints, p, tolerance=ROUGHLY_SOLVED_TOLERANCE)
 
 
 # --- measuring frames -----------------------------------------------------------------------------

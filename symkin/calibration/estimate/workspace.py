@@ -323,7 +323,11 @@ class Workspace:
             made = ClosedConfigurations(values, joints, self._model.poses(z, joints))
             good = closed & self._regular(self._model.values("rows", z, joints)[1])
             if limits:
-                good &= self._within_limits(values)
+                good &= np.all(np.isfinite(values), axis=1)
+                for c in self.closure.coordinates:
+                    low, high = c.limits or (0.0, 0.0)
+                    column = values[:, self.closure.slices[c.name].start]
+                    good &= ~outside_limits(c, column, self.margin * (high - low))
         return made, good
 
     def at_joints(self, joints: np.ndarray, values: np.ndarray) -> np.ndarray:
@@ -342,14 +346,6 @@ class Workspace:
         lost = ~(np.max(np.abs(rows), axis=1, initial=0.0) <= ROUGHLY_SOLVED_TOLERANCE * size)
         lost |= ~(np.max(np.abs(back - start), axis=1, initial=0.0) <= _SAME_PLACE * max(size, 1.0))
         return np.hstack([joints, np.where(lost[:, None], np.nan, z)])
-
-    def _within_limits(self, values: np.ndarray) -> np.ndarray:
-        good = np.all(np.isfinite(values), axis=1)
-        for c in self.closure.coordinates:
-            low, high = c.limits or (0.0, 0.0)
-            column = values[:, self.closure.slices[c.name].start]
-            good &= ~outside_limits(c, column, self.margin * (high - low))
-        return good
 
     @cached_property
     def _at_home(self) -> np.ndarray:

@@ -18,7 +18,7 @@ import numpy as np
 from symkin.calibration.data.files import DataFile, euler_quaternions
 from symkin.calibration.data.measurements import Measurements, spread_rows
 from symkin.calibration.data.observables import PLATFORM, Observable, written
-from symkin.calibration.estimate.configurations import closed_at, closing_model, whole_poses
+from symkin.calibration.estimate.configurations import closed_at, closing_model
 from symkin.calibration.estimate.state import readings_at
 from symkin.calibration.judge.statistics import rms_of_better_part
 from symkin.calibration.judge.trials import (
@@ -465,7 +465,7 @@ def _reordered_joints(case: Case) -> Iterator[Finding]:
     fit best. Elsewhere exchanges and signs are taken one after the other.
     """
     (block,), m = _joints(case), case.measurements
-    poses = np.isfinite(whole_poses(m, measured=True)[:, 0])
+    poses = np.isfinite(m.poses[:, 0])
     by_poses = not case.mechanism.serial and len(block.names) <= _MAX_ASSIGNED_JOINTS
     if by_poses and sum(poses) >= _MIN_WHOLE_POSES:
         holds = _assigned_columns(case.subset(np.array(poses)), block)
@@ -483,8 +483,7 @@ def _assigned_columns(case: Case, block: Block) -> np.ndarray:
     best, each column once.
     """
     angular = np.array(block.angular)
-    poses = np.array(whole_poses(case.measurements, measured=True))
-    closing, points, reached = closed_at(closing_model(case.mechanism), poses)
+    closing, points, reached = closed_at(closing_model(case.mechanism), case.measurements.poses)
     values = closing.split(points)[1]
     if not reached.any():
         return np.arange(1, len(angular) + 1)

@@ -121,7 +121,7 @@ class Start:
         degrees -= len(problem.names) - spectrum(design(state))[1].shape[1]
         if degrees <= 0:
             return None
-        units = np.where(problem.model.angular, 1.0, problem.size)
+        units = problem.size / problem.model.lengths
         most = np.sum((_UNCLOSED_MISFIT * problem.readings.weight * units) ** 2, axis=1)
         squares = np.minimum(np.sum(state.linearised.residuals**2, axis=1), most[solved])
         chi_square = float(np.sum(squares) + np.sum(most[~solved]))
