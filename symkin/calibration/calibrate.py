@@ -160,12 +160,12 @@ def _fit_measurements(
         key: options[key] for key in ("parameters", "fixed", "residual", "tolerance")
     }
     problem = build_calibration(mechanism, measurements.subset(numbers), **chosen)
-    found = _Fitting(options, problem).run(near and near.subset(numbers))
+    found = _Fitting(options, problem).run(near and replace(near, z=near.z[numbers]))
     return replace(
         found,
         used=numbers[found.used],
         unsolved=numbers[found.unsolved],
-        silent=np.flatnonzero(~read),
+        silent=np.flatnonzero(~read).tolist(),
     )
 
 

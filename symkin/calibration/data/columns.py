@@ -127,24 +127,18 @@ class ColumnReader:
         for k, c in enumerate(self.mechanism.actuated):
             values[:, k] = self._numbers([c.name], of_joint(c).measure, empty=False)[:, 0]
             self._check_range(c, values[:, k])
-        self._note_repeats(values)
-        return values
-
-    def _note_repeats(self, values: np.ndarray) -> None:
-        """Note rows with the joint readings of an earlier one and other cells besides; whole copies
-        are left out (`DataFile`).
-        """
-        whole = {row for row, _ in self.copies}
+        # rows that are whole copies of earlier ones are left out (`DataFile`)
+        whole = [row for row, _ in self.copies]
         _, first, inverse = np.unique(values, axis=0, return_index=True, return_inverse=True)
         earlier = first[inverse.ravel()]
-        every = np.arange(len(values))
-        repeats = [k for k in every[earlier != every] if k not in whole]
-        if repeats and len(first) > 1:
+        repeats = np.setdiff1d(np.flatnonzero(earlier != np.arange(len(values))), whole)
+        if len(repeats) and len(first) > 1:
             self.notes.append(
                 f"{len(repeats)} rows repeat the joint readings of an earlier one exactly (line "
                 f"{self._lines(repeats[:1])} those of line {self._lines(earlier[repeats[:1]])}, "
                 f"...): copies are no new measurements, and make sigma too small"
             )
+        return values
 
     def _check_range(self, c: Coordinate, values: np.ndarray) -> None:
         if c.least is not None and np.any(values < c.least):

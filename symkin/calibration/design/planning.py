@@ -321,7 +321,11 @@ class _Task:
         first = self._search(reduced)
         kept = np.array(first.improve(first.greedy(self.count, allowed), allowed))
         for scale in _REFINEMENT_SCALES:
-            made, wedge = self._with_neighbours(made.take(kept), wedge[kept], scale)
+            each = np.repeat(kept, _REFINEMENT_NEIGHBOURS)
+            wedges = None if self.offered is None else self.offered[wedge[each]]
+            near, rows = self.workspace.near(made.take(each), wedges, scale, self.rng)
+            made = ClosedConfigurations.joined([made.take(kept), near])
+            wedge = np.append(wedge[kept], wedge[each[rows]])
             local = self._search(self.reduced(self.candidates(made, wedge)))
             kept = np.array(local.improve(list(range(self.count)), allowed, passes=2))
         return made.take(kept), wedge[kept]
@@ -338,14 +342,6 @@ class _Task:
         each = max(min(_CANDIDATES_PER_WEDGE, _MAX_CANDIDATES // len(self.offered)), self.count)
         wedge = np.repeat(np.arange(len(self.offered)), each)
         return draw(self.offered[wedge], rng, edge=_DRAWN_REACH), wedge
-
-    def _with_neighbours(
-        self, made: ClosedConfigurations, wedge: np.ndarray, scale: float
-    ) -> _Pool:
-        each = np.repeat(np.arange(self.count), _REFINEMENT_NEIGHBOURS)
-        wedges = None if self.offered is None else self.offered[wedge[each]]
-        near, kept = self.workspace.near(made.take(each), wedges, scale, self.rng)
-        return ClosedConfigurations.joined([made, near]), np.append(wedge, wedge[each[kept]])
 
     def _search(self, candidates: Candidates) -> ExchangeSearch:
         return ExchangeSearch(

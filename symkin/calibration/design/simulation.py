@@ -23,6 +23,7 @@ from symkin.calibration.estimate.configurations import (
     ClosedConfigurations,
     refuse_undetermined,
     solve_configurations,
+    with_poses,
 )
 from symkin.calibration.estimate.problem import CalibrationProblem, build_calibration
 from symkin.calibration.estimate.residuals import noise_of, whitening
@@ -172,7 +173,10 @@ def planned_configurations(
                 "wrote"
             )
         held = wedges + noise.draw(noise.group, wedges.shape, rng)
-    made, closed = workspace.at(model.poses(configurations.z, plan.joints), plan.joints, held)
+    starts = with_poses(workspace.closure, model.poses(configurations.z, plan.joints))
+    if workspace.carried:
+        starts = workspace.at_joints(plan.joints, starts)
+    made, closed = workspace.close(starts, held, limits=False)
     if not closed.all():
         raise InputError(
             f"the plan's posture of {plan.named(~closed)[0]} cannot be taken by "
@@ -210,10 +214,12 @@ def simulate_readings(
         groups=groups if grouped else None,
         group_sigma=(noise.group or None) if grouped else None,
     )
-    beside = []
-    for o, exact in zip(read, model.exact_readings(z, true.joints), strict=True):
+    beside, ends = list[Reading](), np.cumsum([len(o.columns) for o in read])[:-1]
+    (table,) = model.values("exact", z, true.joints, model.nominal)
+    for o, exact in zip(read, np.split(table, ends, axis=1), strict=False):
         sigma = noise.of(o.kind, angular=o.angular)
         if o.kind == "orientation":
+            exact = exact * np.where(exact[:, :1] < 0, -1.0, 1.0)
             turn = quaternion_from_rotation_vector(noise.draw(sigma, (3, len(exact)), rng))
             exact = multiply(exact.T, turn).T
         else:

@@ -138,18 +138,6 @@ class ConfigurationModel:
         packed[:, 3:] *= np.where(packed[:, 3:4] < 0, -1.0, 1.0)
         return packed
 
-    def exact_readings(self, z: np.ndarray, joints: np.ndarray) -> list[np.ndarray]:
-        """Evaluate what each channel would read (n, w) at nominal parameters, quaternions with
-        w >= 0.
-        """
-        table = self.values("exact", z, joints, self.nominal)[0]
-        widths = [len(o.components) + (o.kind == "orientation") for o in self.channels]
-        made = np.split(table, np.cumsum(widths)[:-1], axis=1)
-        return [
-            v * np.where(v[:, :1] < 0, -1.0, 1.0) if o.kind == "orientation" else v
-            for o, v in zip(self.channels, made, strict=False)
-        ]
-
     @cached_property
     def columns(self) -> tuple[tuple[str, str], ...]:
         """Kind and component of each reading (K)."""
@@ -215,7 +203,7 @@ class ConfigurationModel:
         quaternions: np.ndarray | None = None,
     ) -> list[np.ndarray]:
         """Evaluate "rows", F (n, m) and F_z (n, m, f); "tangent", F, F_z, F_q (n, m, a), h, h_z,
-        h_q (n, K, a); or what else is written here by name.
+        h_q (n, K, a); "exact", what each channel would read (n, w), quaternions whole.
         """
         if quaternions is None:
             quaternions = np.zeros((len(z), self.quaternion.shape[0]))

@@ -54,6 +54,11 @@ class Readings:
     def taken(self) -> np.ndarray:
         return np.isfinite(self.sigma)
 
+    @property
+    def judged(self) -> np.ndarray:
+        """Configurations (n,) of which more was read than their group."""
+        return np.any(self.taken & ~self.grouped, axis=1)
+
     @cached_property
     def weight(self) -> np.ndarray:
         """1 / sigma, 0 where nothing was read."""

@@ -144,7 +144,7 @@ def start_configurations(
         )
         if problem.mechanism.serial or model.observes_through_frames:
             return configurations
-        judged = np.any(problem.readings.taken & ~problem.readings.grouped, axis=1)
+        judged = problem.readings.judged
         if judged.any():
             # a whole measured pose is where the direct problem began, and so tells the mode
             begun = np.isfinite(m.poses[:, 0])
@@ -216,9 +216,7 @@ class _Modes:
     @property
     def doubtful(self) -> np.ndarray:
         """Which configurations (n,) may stand in another mode."""
-        readings = self.problem.readings
-        read = np.any(readings.taken & ~readings.grouped, axis=1)
-        known = self.gaps[read & np.isfinite(self.gaps)]
+        known = self.gaps[self.problem.readings.judged & np.isfinite(self.gaps)]
         usual = np.median(known) if len(known) else np.inf
         far = max(_DOUBTFUL_RATIO * usual, _MIN_DOUBTFUL_GAP * self.size)
         return ~(self.gaps <= min(_MAX_READING_GAP * self.size, far))

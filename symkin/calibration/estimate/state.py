@@ -272,23 +272,17 @@ def unbound(rows: np.ndarray) -> np.ndarray:
     return right[kept:].T
 
 
-def design(state: State) -> np.ndarray:
-    """Return dr/dp of the readings, and above them orthonormal rows, times the longest column, of
-    what an overconstrained closure leaves to p.
-    """
-    if state.leftover is None:
-        return state.linearised.matrix
-    matrix = state.linearised.matrix
-    *_, right, kept = _split(state.leftover[1].reshape(-1, matrix.shape[1]))
-    longest = np.max(np.linalg.norm(matrix, axis=0), initial=0.0)
-    return np.vstack([longest * right[:kept], matrix])
-
-
-def spectrum(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the singular values (P,) of a matrix with P columns, and its null space (P, k),
+def spectrum(state: State) -> tuple[np.ndarray, np.ndarray]:
+    """Return the singular values (P,) of dr/dp of the readings, and its null space (P, k),
     orthonormal, judged with very long columns made shorter: what is small beside an angle at a
-    lever of kilometres is not rounding.
+    lever of kilometres is not rounding. What an overconstrained closure leaves to p stands above
+    them as orthonormal rows, times the longest column.
     """
+    matrix = state.linearised.matrix
+    if state.leftover is not None:
+        *_, right, kept = _split(state.leftover[1].reshape(-1, matrix.shape[1]))
+        longest = np.max(np.linalg.norm(matrix, axis=0), initial=0.0)
+        matrix = np.vstack([longest * right[:kept], matrix])
     if matrix.shape[0] > matrix.shape[1]:
         matrix = np.asarray(np.linalg.qr(matrix, mode="r"))
     norms = np.linalg.norm(matrix, axis=0)

@@ -253,18 +253,6 @@ class Workspace:
         """Middles of the platforms (n, 3), from home's."""
         return moved_point(made.poses, self.centre) - self.home.apply(self.centre)
 
-    def at(
-        self, poses: np.ndarray, joints: np.ndarray, inclinations: np.ndarray | None
-    ) -> tuple[ClosedConfigurations, np.ndarray]:
-        """Close the configurations at poses (n, 7), or at joints (n, a) where these carry the
-        platform, turned to inclinations where they are given, and tell which of them are good;
-        limits do not count.
-        """
-        starts = with_poses(self.closure, poses)
-        if self.carried:
-            starts = self.at_joints(joints, starts)
-        return self.close(starts, inclinations, limits=False)
-
     def _starts(
         self, inclinations: np.ndarray, rng: np.random.Generator, edge: float
     ) -> np.ndarray:
@@ -354,12 +342,11 @@ class Workspace:
 
     def _regular(self, rows_z: np.ndarray) -> np.ndarray:
         (side,), (condition,) = determinant_signs(self._at_home), conditions(self._at_home)
-        worst = _SINGULAR_CONDITION
-        if condition < worst:
-            worst = _WORSE_CONDITION * condition
-        else:
-            side = 0.0
-        return (conditions(rows_z) < worst) & (determinant_signs(rows_z) * side >= 0)
+        regular = condition < _SINGULAR_CONDITION
+        worst = _WORSE_CONDITION * condition if regular else _SINGULAR_CONDITION
+        # a singular home has no side
+        beside = determinant_signs(rows_z) * side * regular >= 0
+        return (conditions(rows_z) < worst) & beside
 
 
 def platform_points(mechanism: Mechanism) -> np.ndarray:

@@ -103,7 +103,7 @@ def build_result(
         poses=problem.model.poses(state.z, problem.joints, state.p),
         status=found.status,
         iterations=found.iterations,
-        silent=tuple(found.silent.tolist()),
+        silent=tuple(found.silent),
         **vars(replace(screening, refused=reason or screening.refused)),
     )
     notes = [*found.notes, *fit_notes(calibration, removed=removed)]

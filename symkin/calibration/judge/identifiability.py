@@ -40,7 +40,6 @@ from symkin.calibration.estimate.state import (
     WELL_TOLD,
     Linear,
     State,
-    design,
     error_free_state,
     evaluate,
     spectrum,
@@ -188,7 +187,7 @@ def _told(
     (P, k) of which the readings tell nothing beside the prior, and those of which they tell little,
     named.
     """
-    values, blind = spectrum(design(state))
+    values, blind = spectrum(state)
     null_space = blind
     if weight == 0.0:
         return values, blind, null_space, ()
@@ -396,16 +395,25 @@ def all_values(model: ConfigurationModel, p: np.ndarray) -> Velocity:
 
 
 def _all_motions(model: ConfigurationModel, values: Velocity) -> Iterator[tuple[str, Velocity]]:
-    if model.mechanism.dh is None:
-        yield from _frame_motions(model.mechanism, values)
-    table = nominal_parameters(model.mechanism, model.read)
+    mechanism = model.mechanism
+    if mechanism.dh is None:
+        # base and platform frame by unit twists (t, w)
+        links = {BASE, *(p.link for p in mechanism.link_points)}
+        links |= {link for edge in edges_of(mechanism) for link in edge.ends}
+        for k, (text, *_) in enumerate(frame_names(mechanism)):
+            twist = np.eye(6)[k % 6]
+            if k < 6:
+                yield text, moved(mechanism, values, dict.fromkeys(links, twist))
+            else:
+                yield text, _platform_moved(mechanism, values, twist)
+    table = nominal_parameters(mechanism, model.read)
     stretched = {
         name: value
         for name, value in values.items()
         if table.get(name, ("", ""))[1] == "length" and name not in MEASURING_FRAMES
     }
     yield "size of the whole mechanism", stretched
-    lengths = [c.name for c in model.mechanism.actuated if not c.is_angular]
+    lengths = [c.name for c in mechanism.actuated if not c.is_angular]
     lengths += [o.name for o in model.channels if o.kind == "joint" and not o.angular]
     if lengths:
         yield (
@@ -413,9 +421,9 @@ def _all_motions(model: ConfigurationModel, values: Velocity) -> Iterator[tuple[
             stretched | {f"{name}.scale": 1.0 for name in lengths},
         )
     # the offset of an axis that is parallel to the next to rounding moves the tool as its does
-    for k, twist in parallel_axes(model.mechanism, values, 1e-12):
+    for k, twist in parallel_axes(mechanism, values, 1e-12):
         yield (
-            f"parallel axes {_axes_named(model.mechanism, k)}: only the sum of their offsets "
+            f"parallel axes {_axes_named(mechanism, k)}: only the sum of their offsets "
             f"dh.{k}.d and dh.{k + 1}.d is told",
             {f"dh.{k}.d": 1.0, f"dh.{k + 1}.d": -1.0 if np.cos(twist) > 0 else 1.0},
         )
@@ -439,17 +447,6 @@ def frame_names(mechanism: Mechanism) -> Iterator[tuple[str, str, str]]:
             turn = turn if frame == BASE else f"rotation about {axis}"
             mixed = f"{beside} frame rotation {axis} with the {fixed} frame"
             yield f"{frame} frame {turn}", beside, mixed
-
-
-def _frame_motions(mechanism: Mechanism, values: Velocity) -> Iterator[tuple[str, Velocity]]:
-    """Move base and platform frame by unit twists (t, w)."""
-    links = {link for edge in edges_of(mechanism) for link in edge.ends}
-    links |= {BASE, *(p.link for p in mechanism.link_points)}
-    texts = [text for text, *_ in frame_names(mechanism)]
-    for text, twist in zip(texts, np.eye(6), strict=False):
-        yield text, moved(mechanism, values, dict.fromkeys(links, twist))
-    for text, twist in zip(texts[6:], np.eye(6), strict=True):
-        yield text, _platform_moved(mechanism, values, twist)
 
 
 def _platform_moved(mechanism: Mechanism, values: Velocity, twist: np.ndarray) -> Velocity:

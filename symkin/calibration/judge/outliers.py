@@ -15,7 +15,7 @@ that agrees with it is put back.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -110,7 +110,7 @@ class Fit(Estimate):
     unsolved: np.ndarray
     start_signs: np.ndarray
     notes: tuple[str, ...] = ()
-    silent: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=int))
+    silent: Sequence[int] = ()
     loss: str = "squared"
     any_machine: bool = False
 
@@ -123,9 +123,6 @@ class StartValues:
 
     p: np.ndarray
     z: np.ndarray
-
-    def subset(self, rows: np.ndarray) -> StartValues:
-        return StartValues(self.p, self.z[rows])
 
     @staticmethod
     def of(found: Fit, count: int) -> StartValues:
@@ -324,7 +321,15 @@ def _one_by_one(
         if _is_worse(again, found):
             break
         found, taken_out = again, more
-    return _put_back(fit, measurements, found, Screening(tuple(taken_out), unchecked), level)
+    # what was taken out and agrees with the last fit is put back
+    outliers = _retest(measurements, found, taken_out)
+    total = _count(reading_kinds(found.problem)) + len(outliers)
+    kept = [o for o in outliers if o.probability < level / total]
+    if len(kept) < len(outliers):
+        again = fit(_without(measurements, kept), StartValues.of(found, len(measurements)))
+        if not _is_worse(again, found):
+            found, outliers = again, _retest(measurements, again, kept)
+    return found, Screening(tuple(outliers), unchecked)
 
 
 def _is_worse(again: Fit, found: Fit) -> bool:
@@ -418,20 +423,6 @@ def _is_explained(found: Fit) -> bool:
 
 
 # --- what was taken out ---------------------------------------------------------------------------
-
-
-def _put_back(
-    fit: FitFunction, measurements: Measurements, found: Fit, made: Screening, level: float
-) -> tuple[Fit, Screening]:
-    """Test the outliers by the last fit; put those that agree with it back, and fit again."""
-    outliers = _retest(measurements, found, made.outliers)
-    total = _count(reading_kinds(found.problem)) + len(outliers)
-    kept = [o for o in outliers if o.probability < level / total]
-    if len(kept) < len(outliers):
-        again = fit(_without(measurements, kept), StartValues.of(found, len(measurements)))
-        if not _is_worse(again, found):
-            found, outliers = again, _retest(measurements, again, kept)
-    return found, replace(made, outliers=tuple(outliers))
 
 
 def _retest(measurements: Measurements, found: Fit, outliers: Sequence[Outlier]) -> list[Outlier]:

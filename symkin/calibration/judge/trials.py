@@ -22,7 +22,7 @@ from symkin.calibration.estimate.estimator import estimate, parameters_at_poses
 from symkin.calibration.estimate.problem import CalibrationProblem, build_calibration
 from symkin.calibration.estimate.residuals import linearise
 from symkin.calibration.estimate.starting import fit_measuring_frames, has_home, with_starts
-from symkin.calibration.estimate.state import design, readings_at, spectrum
+from symkin.calibration.estimate.state import readings_at, spectrum
 from symkin.calibration.judge.statistics import (
     SIGNIFICANCE,
     chi_square_tail,
@@ -118,7 +118,7 @@ class Start:
         degrees = problem.readings.count
         if not np.all(np.isfinite(state.linearised.vector)):
             return None
-        degrees -= len(problem.names) - spectrum(design(state))[1].shape[1]
+        degrees -= len(problem.names) - spectrum(state)[1].shape[1]
         if degrees <= 0:
             return None
         units = problem.size / problem.model.lengths
