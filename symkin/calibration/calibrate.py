@@ -41,7 +41,6 @@ from symkin.calibration.judge.outliers import (
     OUTLIER_LEVEL,
     Fit,
     Screening,
-    StartValues,
     fit_without_outliers,
 )
 from symkin.calibration.judge.result import Calibration
@@ -151,16 +150,21 @@ def _fit_measurements(
     mechanism: Mechanism,
     options: CalibrateOptions,
     measurements: Measurements,
-    near: StartValues | None,
+    near: Fit | None,
 ) -> Fit:
-    """Fit the configurations that hold a reading beside the joints, from `near` if given."""
+    """Fit the configurations that hold a reading beside the joints, from where another fit has
+    ended, if given.
+    """
     read = measurements.is_read
     numbers = np.flatnonzero(read | ~np.any(read))
     chosen: dict[str, Any] = {
         key: options[key] for key in ("parameters", "fixed", "residual", "tolerance")
     }
     problem = build_calibration(mechanism, measurements.subset(numbers), **chosen)
-    found = _Fitting(options, problem).run(near and replace(near, z=near.z[numbers]))
+    p, z = None, np.full((len(measurements), problem.model.system.width), np.nan)
+    if near is not None:
+        p, z[near.used] = near.state.p, near.state.z
+    found = _Fitting(options, problem).run(p, z[numbers])
     return replace(
         found,
         used=numbers[found.used],
@@ -178,18 +182,19 @@ class _Fitting:
         self.options, self.problem = options, problem
         self.estimate = partial(estimate, max_iterations=options["max_iterations"])
 
-    def run(self, near: StartValues | None) -> Fit:
-        problem, model, z = self.problem, self.problem.model, None
+    def run(self, near: np.ndarray | None, z: np.ndarray) -> Fit:
+        """Fit from the parameters `near`, if given, and the configurations z that are numbers."""
+        problem, model, begun = self.problem, self.problem.model, None
         joints, p = problem.joints, model.nominal
         if near is not None:
             # those that the earlier fit had not begin where they would without it
-            begun = first_points(model, problem.measurements, near.p)
-            p, z = near.p, np.where(np.isnan(near.z), begun, near.z)
+            p, begun = near, first_points(model, problem.measurements, near)
+            begun = np.where(np.isnan(z), begun, z)
         elif (start := parameters_at_poses(problem)) is not None:
             # the rows close at poses, too, where a geometry has shrunk to what does not move
             points = start_points(model, problem.measurements)
             p = start if is_determined(model, points, joints, start) else p
-        solved = self._solve(p, z)
+        solved = self._solve(p, begun)
         if not solved.solved.any():
             raise InputError(
                 f"{problem.mechanism.name}: the direct problem of no posture has a solution "

@@ -116,7 +116,7 @@ def test_a_removal_that_does_not_converge_is_undone(logged):
     assert made is found
     assert screening.refused is None
     assert not screening.outliers
-    np.testing.assert_array_equal(begun[0].p, result.state.p)
+    np.testing.assert_array_equal(begun[0].state.p, result.state.p)
 
 
 @pytest.mark.slow

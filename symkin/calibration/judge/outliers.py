@@ -115,23 +115,8 @@ class Fit(Estimate):
     any_machine: bool = False
 
 
-@dataclass(frozen=True, eq=False)
-class StartValues:
-    """Where a fit starts: parameters p, and unknown coordinates (n, width) of all configurations,
-    NaN where none are known.
-    """
-
-    p: np.ndarray
-    z: np.ndarray
-
-    @staticmethod
-    def of(found: Fit, count: int) -> StartValues:
-        z = np.full((count, found.state.z.shape[1]), np.nan)
-        z[found.used] = found.state.z
-        return StartValues(found.state.p, z)
-
-
-FitFunction = Callable[[Measurements, StartValues | None], Fit]
+FitFunction = Callable[[Measurements, Fit | None], Fit]
+"""Fits readings, from where another fit has ended, if given."""
 _Kind = tuple[str, np.ndarray, np.ndarray]
 """Name of a kind of readings, configurations (m,) that have any, and rows (m, w) of these."""
 
@@ -317,7 +302,7 @@ def _one_by_one(
             return first, Screening(unchecked=unchecked, given_up=tuple(more))
         if not fresh:
             break
-        again = fit(_without(measurements, more), StartValues.of(found, len(measurements)))
+        again = fit(_without(measurements, more), found)
         if _is_worse(again, found):
             break
         found, taken_out = again, more
@@ -326,7 +311,7 @@ def _one_by_one(
     total = _count(reading_kinds(found.problem)) + len(outliers)
     kept = [o for o in outliers if o.probability < level / total]
     if len(kept) < len(outliers):
-        again = fit(_without(measurements, kept), StartValues.of(found, len(measurements)))
+        again = fit(_without(measurements, kept), found)
         if not _is_worse(again, found):
             found, outliers = again, _retest(measurements, again, kept)
     return found, Screening(tuple(outliers), unchecked)
@@ -383,7 +368,7 @@ def _by_majority(
     refused = plain[0], replace(plain[1], refused=why)
     if not bad or share > _MAX_REJECTED_SHARE:
         return refused
-    again = fit(_without(measurements, bad), StartValues.of(robust, len(measurements)))
+    again = fit(_without(measurements, bad), robust)
     if again.status != "ok" or not _is_explained(again):
         return refused
     final = _one_by_one(fit, measurements, again, level, bad)
