@@ -141,7 +141,7 @@ def _mistakes(case: Case, fit: Calibration) -> tuple[str, ...]:
     if fit.believable and not fit.is_noticeable and not doubtful:
         return ()
     found = diagnose(case)
-    return found if found or (fit.sound and not doubtful) else diagnose_labels(case)
+    return found if fit.sound and not doubtful else found or diagnose_labels(case)
 
 
 def with_sigmas(
@@ -173,13 +173,11 @@ def _like(mechanism: Mechanism, value: np.ndarray | float, o: Observable) -> flo
     """
     if np.ndim(value) == 0:
         return float(value)
-    both = zip(np.broadcast_to(value, len(mechanism.actuated)), mechanism.actuated, strict=True)
-    like = [float(v) for v, c in both if c.is_angular == o.angular]
-    if not like:
-        raise InputError(
-            f"--sigma-joints: it says nothing of {o.name}; give its column sigma_{o.name}"
-        )
-    return like[0]
+    each = np.broadcast_to(value, len(mechanism.actuated))
+    for v, c in zip(each, mechanism.actuated, strict=True):
+        if c.is_angular == o.angular:
+            return float(v)
+    raise InputError(f"--sigma-joints: it says nothing of {o.name}; give its column sigma_{o.name}")
 
 
 def match_parameters(

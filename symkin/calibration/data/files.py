@@ -75,13 +75,9 @@ class DataFile:
     def subset(self, rows: np.ndarray) -> DataFile:
         """Keep some of the rows, by number from 0."""
 
-        return replace(
-            self,
-            measurements=self.measurements.subset(rows),
-            wedges=None if self.wedges is None else self.wedges[rows],
-            euler=None if self.euler is None else self.euler[rows],
-            copies=(),
-        )
+        tables = {k: v[rows] for k, v in vars(self).items() if isinstance(v, np.ndarray)}
+        some = self.measurements.subset(rows)
+        return replace(self, measurements=some, copies=(), **tables)
 
     def without_copies(self) -> DataFile:
         """Leave out rows that repeat an earlier one in every cell, with a note that names their

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
+from itertools import product
 from typing import Any, Unpack
 
 import numpy as np
@@ -172,13 +173,8 @@ class Plan(Result):
 
 def corner_wedges(tilt: float) -> np.ndarray:
     """Return level, then edges and corners of +-tilt in alpha and beta (9, 2)."""
-    steps = (0.0, -tilt, tilt)
-    pairs = [(a, b) for a in steps for b in steps]
-    return (
-        np.array(sorted(pairs, key=lambda p: p[0] ** 2 + p[1] ** 2))
-        if tilt > 0
-        else np.zeros((1, 2))
-    )
+    pairs = product((0.0, -tilt, tilt) if tilt > 0 else (0.0,), repeat=2)
+    return np.array(sorted(pairs, key=lambda p: p[0] ** 2 + p[1] ** 2))
 
 
 def _check(options: PlanOptions, configurations: int) -> None:
@@ -283,11 +279,8 @@ class _Task:
             if options["parameters"] is None
             else tuple(options["parameters"])
         )
-        wedges = (
-            corner_wedges(workspace.lean)
-            if options["wedges"] is None
-            else np.asarray(options["wedges"], dtype=float)
-        )
+        told = options["wedges"]
+        wedges = corner_wedges(workspace.lean) if told is None else np.asarray(told, dtype=float)
         self.offered = wedges if options["groups"] else None
         tests = workspace.draw(workspace.inclinations(_TEST_POSES, self.rng), self.rng, held=False)
         slopes, loops = pose_slopes(self.mechanism, tests, self.names)
@@ -308,7 +301,7 @@ class _Task:
         slopes = self.candidates(made, wedge)
         # the directions of parameter space that all candidates together determine
         self.directions, _ = _principal_directions(less_inclinations(slopes, self._wedges))
-        if self.directions.shape[1] == 0:
+        if not self.directions.size:
             raise InputError(
                 f"{self.mechanism.name}: these readings determine nothing of the geometry; name "
                 f"other readings"

@@ -526,15 +526,13 @@ def _describe_order(names: Sequence[str], order: np.ndarray, signs: np.ndarray) 
     reversed'; nothing where all stand as they should.
     """
     holds = np.argsort(order)  # column order[j] holds joint j
-    moved = [k for k, held in enumerate(holds) if held != k]
     parts = []
-    if moved:
+    if moved := [k for k, held in enumerate(holds) if held != k]:
         parts.append(
             f"the columns {', '.join(names[k] for k in moved)} look exchanged: they seem to hold "
             f"{', '.join(names[holds[k]] for k in moved)}"
         )
-    turned = [names[k] for k, sign in zip(order, signs, strict=True) if sign < 0]
-    if turned:
+    if turned := [names[k] for k, sign in zip(order, signs, strict=True) if sign < 0]:
         several = len(turned) > 1
         parts.append(
             f"the sign{'s' * several} of {', '.join(turned)} look{'s' * (not several)} reversed"

@@ -269,9 +269,7 @@ def equal_sequences(angles: np.ndarray) -> list[tuple[str, ...]]:
     for sequence in SEQUENCES:
         q = euler_quaternions(given, sequence)
         same = (n for known, n in found if np.all(np.abs(np.sum(known * q, axis=1)) > 1 - 1e-12))
-        names = next(same, None)
-        if names is None:
-            found.append((q, [sequence]))
-        else:
-            names.append(sequence)
+        if (names := next(same, None)) is None:
+            found.append((q, names := []))
+        names.append(sequence)
     return [tuple(names) for _, names in found]
