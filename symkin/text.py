@@ -143,10 +143,10 @@ def _cut(text: str, kept: int) -> str:
     return f"{text[:kept]}...{text[-kept // 4 :]}"
 
 
-def first_of(items: Sequence[str], count: int = 5) -> str:
+def first_of(items: Sequence[str], count: int = 5, comma: str = ", ") -> str:
     """The first few of some names, and how many more there are."""
     more = len(items) - count
-    return ", ".join(items[:count]) + (f" and {more} more" if more > 0 else "")
+    return comma.join(items[:count]) + (f" and {more} more" if more > 0 else "")
 
 
 LIKENESS = 0.6

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import time
 from dataclasses import replace
+from functools import partial
 from typing import Any, Unpack
 
 import numpy as np
@@ -40,7 +41,6 @@ from symkin.calibration.judge.outliers import (
     OUTLIER_LEVEL,
     Fit,
     Screening,
-    StartValues,
     fit_without_outliers,
 )
 from symkin.calibration.judge.result import Calibration
@@ -120,15 +120,19 @@ def _calibrate(
 ) -> Calibration:
     begin, rule, method = time.perf_counter(), options["outliers"], options["method"]
     measurements.check(mechanism)
-    _check_residual_form(options["residual"], measurements)
-    free = options["parameters"], options["fixed"]
-    measurements = with_starts(mechanism, measurements, *free)
-
-    def fit(readings: Measurements, near: StartValues | None = None) -> Fit:
-        return _fit_measurements(mechanism, readings, options, near)
-
-    found = fit(measurements)
-    screening = Screening()
+    # forms of residuals that these readings make no use of would be that of means
+    form = options["residual"]
+    asked = {f"residual = {form!r}": form}
+    if form == "differences" and not np.any(measurements.group_of != NO_GROUP):
+        refuse_ignored(
+            asked, "differences are between neighbours in a group, and there are no groups"
+        )
+    if form == "maximum likelihood" and measurements.joint_sigma is None:
+        reason = "it weighs the noise of the joint readings, which is not known"
+        refuse_ignored(asked, reason, "give it (sigma_ columns of the joints, --sigma-joints)")
+    measurements = with_starts(mechanism, measurements, options["parameters"], options["fixed"])
+    fit = partial(_fit_measurements, mechanism, options)
+    found, screening = fit(measurements, None), Screening()
     if rule != "ignore":
         clean, screening = fit_without_outliers(fit, measurements, found, level)
         found = clean if rule == "remove" else found
@@ -136,23 +140,7 @@ def _calibrate(
         note = f"method {method!r} is one with 'nested' now; the name goes with the next release"
         found = replace(found, notes=(*found.notes, note))
     result = build_result(measurements, found, screening, removed=rule == "remove")
-    elapsed, refused = time.perf_counter() - begin, result.refused or screening.refused
-    return replace(result, method=method, elapsed_s=elapsed, refused=refused)
-
-
-def _check_residual_form(residual: str, measurements: Measurements) -> None:
-    """Refuse a form of residuals that these readings make no use of, so that it would be that of
-    means.
-    """
-    groups = np.array([NO_GROUP]) if measurements.groups is None else measurements.groups
-    asked = {f"residual = {residual!r}": residual}
-    if residual == "differences" and not np.any(groups != NO_GROUP):
-        refuse_ignored(
-            asked, "differences are between neighbours in a group, and there are no groups"
-        )
-    if residual == "maximum likelihood" and measurements.joint_sigma is None:
-        reason = "it weighs the noise of the joint readings, which is not known"
-        refuse_ignored(asked, reason, "give it (sigma_ columns of the joints, --sigma-joints)")
+    return replace(result, method=method, elapsed_s=time.perf_counter() - begin)
 
 
 # --- fitting --------------------------------------------------------------------------------------
@@ -160,23 +148,28 @@ def _check_residual_form(residual: str, measurements: Measurements) -> None:
 
 def _fit_measurements(
     mechanism: Mechanism,
-    measurements: Measurements,
     options: CalibrateOptions,
-    near: StartValues | None,
+    measurements: Measurements,
+    near: Fit | None,
 ) -> Fit:
-    """Fit the configurations that hold a reading beside the joints, from `near` if given."""
+    """Fit the configurations that hold a reading beside the joints, from where another fit has
+    ended, if given.
+    """
     read = measurements.is_read
     numbers = np.flatnonzero(read | ~np.any(read))
     chosen: dict[str, Any] = {
         key: options[key] for key in ("parameters", "fixed", "residual", "tolerance")
     }
     problem = build_calibration(mechanism, measurements.subset(numbers), **chosen)
-    found = _Fitting(options, problem).run(near and near.subset(numbers))
+    p, z = None, np.full((len(measurements), problem.model.system.width), np.nan)
+    if near is not None:
+        p, z[near.used] = near.state.p, near.state.z
+    found = _Fitting(options, problem).run(p, z[numbers])
     return replace(
         found,
         used=numbers[found.used],
         unsolved=numbers[found.unsolved],
-        silent=np.flatnonzero(~read),
+        silent=np.flatnonzero(~read).tolist(),
     )
 
 
@@ -187,36 +180,44 @@ class _Fitting:
 
     def __init__(self, options: CalibrateOptions, problem: CalibrationProblem) -> None:
         self.options, self.problem = options, problem
+        self.estimate = partial(estimate, max_iterations=options["max_iterations"])
 
-    def run(self, near: StartValues | None) -> Fit:
-        p = self._start_parameters() if near is None else near.p
-        solved = self._solve(p, self._begun(p, near))
+    def run(self, near: np.ndarray | None, z: np.ndarray) -> Fit:
+        """Fit from the parameters `near`, if given, and the configurations z that are numbers."""
+        problem, model, begun = self.problem, self.problem.model, None
+        joints, p = problem.joints, model.nominal
+        if near is not None:
+            # those that the earlier fit had not begin where they would without it
+            p, begun = near, first_points(model, problem.measurements, near)
+            begun = np.where(np.isnan(z), begun, z)
+        elif (start := parameters_at_poses(problem)) is not None:
+            # the rows close at poses, too, where a geometry has shrunk to what does not move
+            points = start_points(model, problem.measurements)
+            p = start if is_determined(model, points, joints, start) else p
+        solved = self._solve(p, begun)
         if not solved.solved.any():
             raise InputError(
-                f"{self.problem.mechanism.name}: the direct problem of no posture has a solution "
+                f"{problem.mechanism.name}: the direct problem of no posture has a solution "
                 f"at the start geometry; check units, signs and the order of joints, or give starts"
             )
         if near is None:
-            p = fit_measuring_frames(self.problem, solved.z, p, solved.solved)
-            m = self.problem.measurements.subset(solved.solved)
-            refuse_undetermined(self.problem.model, solved.z[solved.solved], m.joints, p)
-        part = self._solved_part(solved)
-        result = self._estimate(part, solved.z[solved.solved], p)
+            p, some = fit_measuring_frames(problem, solved.z, p, solved.solved), solved.solved
+            refuse_undetermined(model, solved.z[some], joints[some], p)
+        part, result = self._fitted(solved, p)
         if not solved.solved.all():
             # near their starts, whatever mode they end in, where it did not converge
             p, judged = result.state.p, result.status == "ok"
             again = self._solve(p, more=1, judged=judged)
             if again.solved.sum() > solved.solved.sum():
-                solved, part = again, self._solved_part(again)
-                result = self._estimate(part, solved.z[solved.solved], p)
+                solved, (part, result) = again, self._fitted(again, p)
         result, loss = self._by_lines(part, result), self.options["loss"]
         robust = loss != "squared" and result.status == "ok"
         if robust:
             result = robust_estimate(part, result.state.p, result.state.z, loss)[0]
-        rows_z = part.model.rows(solved.z[solved.solved], part.measurements.joints, p)[1]
+        rows_z = model.values("rows", solved.z[solved.solved], part.joints, p)[1]
         return Fit(
+            **vars(result),
             problem=replace(part, widened=result.widened),
-            result=result,
             used=np.flatnonzero(solved.solved),
             unsolved=np.flatnonzero(~solved.solved),
             start_signs=determinant_signs(rows_z),
@@ -224,9 +225,6 @@ class _Fitting:
             loss=loss,
             any_machine=self.options["any_machine"],
         )
-
-    def _estimate(self, part: CalibrationProblem, z: np.ndarray, p: np.ndarray) -> Estimate:
-        return estimate(part, z, p=p, max_iterations=self.options["max_iterations"])
 
     def _by_lines(self, part: CalibrationProblem, result: Estimate) -> Estimate:
         """Fit an arm with nearly parallel axes by its lines, and go on from there, where its table
@@ -243,30 +241,12 @@ class _Fitting:
             return result
         lines = lines_problem(part)
         nominal = lines.model.nominal
-        found = self._estimate(lines, solve_configurations(lines.model, m, nominal).z, nominal)
+        found = self.estimate(lines, solve_configurations(lines.model, m, nominal).z)
         p = table_of_lines(part, lines, found.state.p)
         wide = replace(part, widened=max(1.0, largest_of(part.over_prior(p))))
-        other = self._estimate(wide, solve_configurations(part.model, m, p).z, p)
+        other = self.estimate(wide, solve_configurations(part.model, m, p).z, p=p)
         better = other.status == "ok" and (other.state.cost < cost or result.status != "ok")
         return replace(other, iterations=found.iterations + other.iterations) if better else result
-
-    def _start_parameters(self) -> np.ndarray:
-        """Choose the nominal parameters, or those that whole measured poses give by themselves."""
-        model, m = self.problem.model, self.problem.measurements
-        start = parameters_at_poses(self.problem)
-        # the rows close at poses, too, where a geometry has shrunk to what does not move
-        if start is None or not is_determined(model, start_points(model, m), m.joints, start):
-            return model.nominal
-        return start
-
-    def _begun(self, p: np.ndarray, near: StartValues | None) -> np.ndarray | None:
-        """Where an earlier fit has left the configurations; those that it had not begin where they
-        would without it.
-        """
-        if near is None:
-            return None
-        begun = first_points(self.problem.model, self.problem.measurements, p)
-        return np.where(np.isnan(near.z), begun, near.z)
 
     def _solve(
         self, p: np.ndarray, z: np.ndarray | None = None, *, more: int = 0, judged: bool = True
@@ -282,13 +262,13 @@ class _Fitting:
             problem.model, problem.measurements, p, z=z, seed=seed, tolerance=tolerance
         )
 
-    def _solved_part(self, solved: SolvedConfigurations) -> CalibrationProblem:
-        """Build the problem of the configurations that are solved."""
-        problem = self.problem
-        if solved.solved.all():
-            return problem
-        part = problem.of(solved.solved)
-        if part.readings.count <= 0:
+    def _fitted(
+        self, solved: SolvedConfigurations, p: np.ndarray
+    ) -> tuple[CalibrationProblem, Estimate]:
+        """Fit the configurations that are solved: their problem, and the estimate from p."""
+        problem, every = self.problem, solved.solved.all()
+        part = problem if every else problem.of(solved.solved)
+        if not every and part.readings.count <= 0:
             raise InputError(
                 f"{problem.mechanism.name}: the direct problem of only {len(part.joints)} of "
                 f"{len(problem.measurements)} postures has a solution "
@@ -297,4 +277,4 @@ class _Fitting:
                 "are what was read); check that the data is of this mechanism, units, signs and "
                 "the order of joints, or give starts"
             )
-        return part
+        return part, self.estimate(part, solved.z[solved.solved], p=p)

@@ -27,7 +27,7 @@ from symkin.calibration.judge.accuracy import (
     predict_held_out,
     predict_pose_sigma,
 )
-from symkin.calibration.judge.mistakes import Case, diagnose, diagnose_labels, nominal_misfit
+from symkin.calibration.judge.mistakes import Case, diagnose, diagnose_labels
 from symkin.calibration.judge.outliers import MAX_OUTLIER_SHARE
 from symkin.calibration.judge.result import Calibration
 from symkin.calibration.judge.trials import find_sequence
@@ -85,15 +85,21 @@ def fit_file(
         data.measurements.check(mechanism)
     except InputError as error:
         raise InputError(f"{data.path}: {error}") from None
-    read, seed = data.measurements.observed, options["seed"]
+    read, seed, hold = data.measurements.observed, options["seed"], options["hold"]
     check_seed(seed)
     patterns = ALL_PARAMETERS if options["parameters"] is None else options["parameters"]
     names = match_parameters(mechanism, patterns, read)
-    fixed = _held(mechanism, read, names, options)
+    held = () if hold is None else _match_patterns(mechanism, hold, read)
+    kept = dict.fromkeys((*held, *frame_names(mechanism, options["frames"])))
+    fixed = tuple(name for name in kept if name in names)
     notes = (*data.notes, *_note_left_out(mechanism, patterns, names, read))
     data = replace(data, notes=notes).without_copies()
     data = replace(data, measurements=with_sigmas(mechanism, data, sigmas or {}))
-    data, kept_back = _hold_out(data, options["hold_out"], seed)
+    kept_back = None
+    if options["hold_out"] is not None:
+        most = int(np.sum(data.measurements.is_read))
+        drawn = draw_held_out(data.measurements, held_out_count(options["hold_out"], most), seed)
+        data, kept_back = (data.subset(np.flatnonzero(some)) for some in (~drawn, drawn))
     placed = [n for n in names if n in MEASURING_FRAMES and n not in fixed]
     choice, case = None, Case.of(mechanism, data, SEQUENCES[0], placed)
     every: dict[str, Any] = {key: options[key] for key in FitOptions.__annotations__}  # type: ignore[literal-required]
@@ -120,7 +126,7 @@ def fit_file(
         suspicions=suspicions,
         notes=(*(diagnose_labels(case) if strays else ()), *data.notes),
         sigma=predict_pose_sigma(fit, seed),
-        at_nominal=0.0 if fit.sound else nominal_misfit(case),
+        at_nominal=0.0 if fit.sound else case.examined.trial().score ** 0.5,
         held_out=held_out,
     )
 
@@ -135,29 +141,7 @@ def _mistakes(case: Case, fit: Calibration) -> tuple[str, ...]:
     if fit.believable and not fit.is_noticeable and not doubtful:
         return ()
     found = diagnose(case)
-    return found if found or (fit.sound and not doubtful) else diagnose_labels(case)
-
-
-def _held(
-    mechanism: Mechanism, read: tuple[str, ...], names: Sequence[str], options: FileOptions
-) -> tuple[str, ...]:
-    """Name those of the parameters to identify that keep their values; `read` is what is read
-    beside the platform.
-    """
-    hold = options["hold"]
-    held = () if hold is None else _match_patterns(mechanism, hold, read)
-    fixed = dict.fromkeys((*held, *frame_names(mechanism, options["frames"])))
-    return tuple(name for name in fixed if name in names)
-
-
-def _hold_out(data: DataFile, hold_out: str | None, seed: int) -> tuple[DataFile, DataFile | None]:
-    """Split the file into what is fitted, and what is only predicted (None where nothing is)."""
-    if hold_out is None:
-        return data, None
-    held = draw_held_out(
-        data.measurements, held_out_count(hold_out, int(np.sum(data.measurements.is_read))), seed
-    )
-    return data.subset(np.flatnonzero(~held)), data.subset(np.flatnonzero(held))
+    return found if fit.sound and not doubtful else found or diagnose_labels(case)
 
 
 def with_sigmas(
@@ -189,13 +173,11 @@ def _like(mechanism: Mechanism, value: np.ndarray | float, o: Observable) -> flo
     """
     if np.ndim(value) == 0:
         return float(value)
-    both = zip(np.broadcast_to(value, len(mechanism.actuated)), mechanism.actuated, strict=True)
-    like = [float(v) for v, c in both if c.is_angular == o.angular]
-    if not like:
-        raise InputError(
-            f"--sigma-joints: it says nothing of {o.name}; give its column sigma_{o.name}"
-        )
-    return like[0]
+    each = np.broadcast_to(value, len(mechanism.actuated))
+    for v, c in zip(each, mechanism.actuated, strict=True):
+        if c.is_angular == o.angular:
+            return float(v)
+    raise InputError(f"--sigma-joints: it says nothing of {o.name}; give its column sigma_{o.name}")
 
 
 def match_parameters(
@@ -234,15 +216,11 @@ def _note_left_out(
     mechanism: Mechanism, patterns: str, names: Sequence[str], read: tuple[str, ...]
 ) -> tuple[str, ...]:
     """Note what the patterns match and the declared motion binds."""
-    every = bound_by_motion(mechanism, read)
-    bound = (
-        every
-        if patterns == ALL_PARAMETERS
-        else frozenset(_match_patterns(mechanism, patterns, read))
-    )
-    missing = [
-        name for name in geometry_parameters(mechanism, read) if name in bound and name not in names
-    ]
+    bound = bound_by_motion(mechanism, read)
+    if patterns != ALL_PARAMETERS:
+        bound = frozenset(_match_patterns(mechanism, patterns, read))
+    geometry = geometry_parameters(mechanism, read)
+    missing = [name for name in geometry if name in bound and name not in names]
     if not missing:
         return ()
     if mechanism.motion == "spatial":
@@ -272,11 +250,8 @@ def frame_names(mechanism: Mechanism, frames: str) -> tuple[str, ...]:
             f"frames = {frames!r} is unknown; allowed: {LEAST_CHANGE}, or joints:P1,P2,P3/B1,B2 "
             f"with names of rod limbs"
         )
-    return joint_frames(
-        mechanism,
-        tuple(s.strip() for s in platform.split(",")),
-        tuple(s.strip() for s in base.split(",")),
-    )
+    chosen = ([s.strip() for s in some.split(",")] for some in (platform, base))
+    return joint_frames(mechanism, *chosen)
 
 
 def calibrated_mechanism(report: FitReport) -> Mechanism:

@@ -17,7 +17,7 @@ from symkin.calibration.judge.result import Parameter, length_and_angle
 from symkin.calibration.judge.statistics import SIGNIFICANCE
 from symkin.calibration.judge.verdict import Verdict
 from symkin.position.solution import finite
-from symkin.text import markdown, markdown_block, markdown_code
+from symkin.text import first_of, markdown, markdown_block, markdown_code
 
 _MAX_SHOWN = 6
 """Changes and outliers that the short text shows."""
@@ -25,18 +25,10 @@ _MAX_SHOWN = 6
 
 @dataclass(frozen=True, eq=False)
 class FitReport(Verdict):
-    """The verdict on the fit of a file, where the data came from, what was run, and notes on the
-    data.
-    """
+    """The verdict on the fit of a file, where the data came from, and what was run."""
 
     data: str
     command: str
-    notes: tuple[str, ...]
-
-    @property
-    def all_notes(self) -> tuple[str, ...]:
-        """All notes, those on the data first."""
-        return tuple(self.notes_on_data(self.notes))
 
     # --- text -------------------------------------------------------------------------------------
 
@@ -44,7 +36,16 @@ class FitReport(Verdict):
         """Write what the terminal shows."""
         notes, fit = self.all_notes, self.fit
         said = {o.reason for o in fit.outliers} | set(fit.identifiability.advice)
-        lines = [*self._figures(), *self._observability(), *self._accuracy(), *self._changes()]
+        share = 100 * fit.departure.share
+        lines = [
+            *self._figures(),
+            self.residual_text(),
+            self.sigma_text(),
+            *self.held_out_texts(),
+            f"the geometry's poses differ from the file's by {share:.2g} % of their spread (frames "
+            f"aligned)",
+            *self._changes(),
+        ]
         lines += _some([f"outlier: {o.reason}" for o in fit.outliers], "outliers")
         lines += [
             f"note: {note}"
@@ -64,34 +65,24 @@ class FitReport(Verdict):
         yield (
             f"rank {found.rank} of {len(found.names)} parameters, condition {found.condition:.3g}"
         )
-
-    def _observability(self) -> Iterator[str]:
-        fit, found = self.fit, self.fit.identifiability
         if fit.frames:
-            yield f"frames held by the least change: {_short(fit.frames, 10)}"
+            yield f"frames held by the least change: {first_of(fit.frames, 10, '; ')}"
         missing = "NOT OBSERVABLE" if self.sigma.blind else "not observable, moves no pose"
         yield from _some([f"{missing}: {text}" for text in fit.unobservable], "combinations")
         if fit.unobservable:
             yield (f"{len(found.base_set)} parameters are a base set, for --parameters (report.md)")
         yield from (f"to do: {text}" for text in found.advice)
 
-    def _accuracy(self) -> Iterator[str]:
-        yield self.residual_text()
-        yield self.sigma_text()
-        yield from self.held_out_texts()
-        yield (
-            f"the geometry's poses differ from the file's by "
-            f"{100 * self.fit.departure.share:.2g} % of their spread (frames aligned)"
-        )
-
     def _changes(self) -> Iterator[str]:
-        m = self.fit.mechanism
-        frames = [p for p in self.fit.parameters if p.name in MEASURING_FRAMES and not p.held]
+        frames = [
+            f"{p.name} {written(self.fit.mechanism, p.kind, p.value, '.7g')}"
+            for p in self.fit.parameters
+            if p.name in MEASURING_FRAMES and not p.held
+        ]
         if changes := self.fit.largest_changes(_MAX_SHOWN):
             yield f"largest changes: {changes}"
         if frames:
-            listed = ", ".join(f"{p.name} {written(m, p.kind, p.value, '.7g')}" for p in frames)
-            yield f"measuring frames: {listed}"
+            yield f"measuring frames: {', '.join(frames)}"
 
     def sigma_text(self) -> str:
         """Say what is known of poses after this fit; no figure where the fit is not usable."""
@@ -143,7 +134,7 @@ class FitReport(Verdict):
             f"the prediction, rms: {', '.join(parts)}; chi-square {held.chi_square:.4g} with "
             f"{held.degrees} degrees of freedom{p}",
             *(
-                f"held-out postures {what}: {_short(labels, _MAX_SHOWN)}"
+                f"held-out postures {what}: {first_of(labels, _MAX_SHOWN, '; ')}"
                 for what, labels in (
                     ("that are outliers, left out of that chi-square", held.outliers),
                     ("whose direct problem has no solution", held.unsolved),
@@ -175,12 +166,10 @@ class FitReport(Verdict):
         rows = own.pop("residuals")  # stand last
         return {
             **own,
-            "data": self.data,
-            "command": self.command,
-            "verdict": self.verdict,
-            "believable": self.believable,
-            "tested": self.tested,
-            "usable": self.usable,
+            **{
+                key: getattr(self, key)
+                for key in ("data", "command", "verdict", "believable", "tested", "usable")
+            },
             "euler_sequence": None if sequence is None else sequence.to_dict(),
             "departure": {
                 "share": finite(departure.share),
@@ -197,14 +186,11 @@ class FitReport(Verdict):
         }
 
     def _held_out_dict(self) -> dict[str, Any] | None:
-        held = self.held_out
-        if held is None:
+        if (held := self.held_out) is None:
             return None
         return {
             "postures": list(held.labels),
-            "seed": held.seed,
-            "chi_square": held.chi_square,
-            "degrees": held.degrees,
+            **{key: getattr(held, key) for key in ("seed", "chi_square", "degrees")},
             "p_value": finite(held.p_value),
             **{
                 key: {kind: self._out(kind, rms) for kind, rms in of.items()}
@@ -230,14 +216,10 @@ class FitReport(Verdict):
     def to_markdown(self, files: Sequence[Path]) -> str:
         """Write the report; `files` are those that stand beside it, pictures among them."""
         fit, found = self.fit, self.fit.identifiability
-        pictures = [f for f in files if f.suffix == ".png"]
-        base_set: list[str] = []
-        if found.unobservable:
-            base_set = [
-                "\nA base set, which these readings tell whole where the other parameters are "
-                "held:\n",
-                *markdown_block("text", f"--parameters {','.join(found.base_set)}"),
-            ]
+        base_set = [
+            "\nA base set, which these readings tell whole where the other parameters are held:\n",
+            *markdown_block("text", f"--parameters {','.join(found.base_set)}"),
+        ]
         lines = [
             f"# Calibration of {fit.mechanism.name}\n",
             f"{markdown(self.verdict)}.\n",
@@ -245,7 +227,7 @@ class FitReport(Verdict):
             f"\nData: {markdown_code(self.data)}. Command:\n",
             *markdown_block("sh", self.command),
             "",
-            *(f"![{f.stem.replace('_', ' ')}]({f.name})\n" for f in pictures),
+            *(f"![{f.stem.replace('_', ' ')}]({f.name})\n" for f in files if f.suffix == ".png"),
             "## Parameters\n",
             "| parameter | unit | nominal | identified | sigma | change |",
             "|---|---|---|---|---|---|",
@@ -256,7 +238,7 @@ class FitReport(Verdict):
             *_items("frame: ", fit.frames),
             *_items("**not observable**: ", fit.unobservable),
             *_items("to do: ", found.advice),
-            *base_set,
+            *(base_set if found.unobservable else ()),
             "\n## Outliers\n",
             *(_items("", [o.reason for o in fit.outliers]) or ["None."]),
             "\n## Notes\n",
@@ -266,9 +248,8 @@ class FitReport(Verdict):
 
     def _row(self, q: Parameter) -> str:
         name, value, sigma, unit, change = self.fit.row(q)
-        nominal = value_out(self.fit.mechanism, q.kind, q.nominal)
-        cells = [markdown(name), unit or "1", f"{nominal:.9g}", value, sigma, change]
-        return f"| {' | '.join(cells)} |"
+        nominal = f"{value_out(self.fit.mechanism, q.kind, q.nominal):.9g}"
+        return f"| {' | '.join((markdown(name), unit or '1', nominal, value, sigma, change))} |"
 
 
 def _items(head: str, texts: Sequence[str]) -> list[str]:
@@ -283,7 +264,3 @@ def _some(lines: Sequence[str], what: str) -> list[str]:
     """The first lines, and how many more there are."""
     more = len(lines) - _MAX_SHOWN
     return [*lines[:_MAX_SHOWN], *([f"and {more} more {what} (report.md)"] if more > 0 else [])]
-
-
-def _short(items: Sequence[str], most: int) -> str:
-    return "; ".join(items[:most]) + (f" and {len(items) - most} more" if len(items) > most else "")

@@ -252,11 +252,14 @@ def _noise(m: Mechanism, told: Noise, shape: str) -> simulation.Noise:
 
     angle = quantity(_ANGULAR_NOISE, "angle", m, "noise-joints")
     usual = {"angle": angle, "length": _LENGTH_NOISE * m.characteristic_length}
-    sigmas: dict[str, Any] = {kind: usual[measure] for kind, measure in MEASURES.items()}
-    sigmas |= {"lengths": _JOINT_NOISE * m.characteristic_length, "angles": angle}
+    sigmas: dict[str, Any] = {
+        "lengths": _JOINT_NOISE * m.characteristic_length,
+        "angles": angle,
+    }
     for kind, measure in MEASURES.items():
-        if (text := told.get(f"noise_{kind}")) is not None:
-            sigmas[kind] = noise_quantity(str(text), measure, m, f"noise-{kind}")
+        text, option = told.get(f"noise_{kind}"), f"noise-{kind}"
+        given = usual[measure] if text is None else noise_quantity(str(text), measure, m, option)
+        sigmas[kind] = given
     if told["noise_joints"] is not None:
         values = joint_quantities(told["noise_joints"], m, "noise-joints")
         for value, c in zip(values, m.actuated, strict=True):

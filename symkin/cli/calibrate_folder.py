@@ -50,11 +50,8 @@ def check_folder(folder: Path, mech: str, mechanism: Mechanism, *, force: bool =
     there = next(p for p in (folder, *folder.absolute().parents) if p.exists())
     if not os.access(there, os.W_OK):
         raise InputError(f"{folder}: the folder cannot be written (permission denied)")
-    if not force:
-        _check_own(folder, mechanism)
-
-
-def _check_own(folder: Path, mechanism: Mechanism) -> None:
+    if force:
+        return
     written = read_manifest(folder, _KEY)
     remedy = "give another folder with -o, or say --force"
     if written.get(_KEY, mechanism.name) != mechanism.name:
@@ -75,7 +72,19 @@ def write_fit(report: FitReport, folder: Path, *, pictures: bool = False) -> lis
     """
     from symkin.calibration.fit_file import calibrated_mechanism
 
-    drawn = _drawn(report) if pictures else {}
+    drawn: dict[str, bytes] = {}
+    if pictures:
+        from symkin.plots.calibration_plot import (
+            parameter_figure,
+            pose_sigma_figure,
+            residual_figure,
+        )
+        from symkin.plots.picture_file import picture
+
+        figures = [residual_figure(report.fit), parameter_figure(report.fit)]
+        if report.usable:
+            figures.append(pose_sigma_figure(report.fit, report.sigma))
+        drawn = {name: picture(figure) for name, figure in zip(PICTURES, figures, strict=False)}
     contents = {
         **drawn,
         "report.json": report.json_text(),
@@ -85,21 +94,6 @@ def write_fit(report: FitReport, folder: Path, *, pictures: bool = False) -> lis
         made = calibrated_mechanism(report)
         contents[f"{made.name}.toml"] = made.to_toml().encode()
     return _write_contents(folder, report.fit.mechanism, contents)
-
-
-def _drawn(report: FitReport) -> dict[str, bytes]:
-    """Draw the pictures of a report, by file name."""
-    from symkin.plots.calibration_plot import (
-        parameter_figure,
-        pose_sigma_figure,
-        residual_figure,
-    )
-    from symkin.plots.picture_file import picture
-
-    figures = [residual_figure(report.fit), parameter_figure(report.fit)]
-    if report.usable:
-        figures.append(pose_sigma_figure(report.fit, report.sigma))
-    return {name: picture(figure) for name, figure in zip(PICTURES, figures, strict=False)}
 
 
 def write_unfitted(

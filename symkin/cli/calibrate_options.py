@@ -62,7 +62,7 @@ def _sigma(text: str) -> Any:
 
 
 _ANGULAR, _LENGTH = " Default: 0.001deg.", " Default: 1e-5 of the size."
-_MISSING = _sigma("Standard deviation where the file has no sigma_ columns.")
+_Sigma = Annotated[str | None, _sigma("Standard deviation where the file has no sigma_ columns.")]
 
 
 class Noise(TypedDict):
@@ -100,13 +100,13 @@ class AllNoise(Noise):
 class Sigmas(TypedDict):
     """Options for standard deviations that the file leaves out."""
 
-    sigma_joints: Annotated[str | None, _MISSING]
-    sigma_group: Annotated[str | None, _MISSING]
-    sigma_inclination: Annotated[str | None, _MISSING]
-    sigma_position: Annotated[str | None, _MISSING]
-    sigma_orientation: Annotated[str | None, _MISSING]
+    sigma_joints: _Sigma
+    sigma_group: _Sigma
+    sigma_inclination: _Sigma
+    sigma_position: _Sigma
+    sigma_orientation: _Sigma
     distance: DistanceOption
-    sigma_distance: Annotated[str | None, _MISSING]
+    sigma_distance: _Sigma
 
 
 def _range(metavar: str, text: str) -> Any:

@@ -291,10 +291,10 @@ def write_table(path: str | Path, headers: Sequence[str], rows: Iterable[Sequenc
     """Write a CSV file; numbers with all their digits. A file that exists is replaced only when all
     is written.
     """
-    write_output(path, _blocks(headers, iter(rows)))
+    write_output(path, table_text(headers, iter(rows)))
 
 
-def _blocks(headers: Sequence[str], rows: Iterator[Sequence[object]]) -> Iterator[str]:
+def table_text(headers: Sequence[str], rows: Iterator[Sequence[object]]) -> Iterator[str]:
     """The text of a table, many rows at a time."""
     block: list[Sequence[object]] = [headers]
     while block:

@@ -8,7 +8,6 @@ import json
 import math
 import re
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -103,17 +102,21 @@ def test_a_removal_that_does_not_converge_is_undone(logged):
 
     def fit(readings, near):
         begun.append(near)
-        return replace(found, result=replace(found.result, status="stalled"))
+        return replace(found, status="stalled")
 
     result = estimate(first.problem, first.state.z, p=first.state.p)
     found = Fit(
-        first.problem, result, np.arange(60), np.zeros(0, dtype=int), first.state.determinant_signs
+        **vars(result),
+        problem=first.problem,
+        used=np.arange(60),
+        unsolved=np.zeros(0, dtype=int),
+        start_signs=first.state.determinant_signs,
     )
     made, screening = outliers.fit_without_outliers(fit, bad, found, 0.02)
     assert made is found
     assert screening.refused is None
     assert not screening.outliers
-    np.testing.assert_array_equal(begun[0].p, result.state.p)
+    np.testing.assert_array_equal(begun[0].state.p, result.state.p)
 
 
 @pytest.mark.slow
@@ -182,13 +185,8 @@ def test_what_is_put_back_is_judged_as_a_reading_that_took_no_part(logged, left_
         calibrate(nominal, few.without(left_out, "position")),
     )
     assert with_it.outliers == without.outliers == ()
-    fit = SimpleNamespace(
-        problem=without.problem,
-        used=np.arange(12),
-        result=SimpleNamespace(state=without.state),
-    )
     outlier = outliers.Outlier(left_out, "position", 0.0, 3)
-    (judged,) = outliers._retest(few, fit, [outlier])
+    (judged,) = outliers._retest(few, without, [outlier])
     grown = with_it.chi_square - without.chi_square
     assert judged.statistic == pytest.approx(grown, rel=0.02, abs=0.02)
     half = judged.statistic / 2
@@ -223,11 +221,8 @@ def test_probabilities_of_clean_readings_that_were_left_out_are_uniform(case):
         nominal, data, kind, fixed = left_out(case, rng)
         k = int(rng.integers(len(data)))
         fit = calibrate(nominal, data.without(k, kind), fixed=fixed, outliers="ignore")
-        found = SimpleNamespace(
-            problem=fit.problem, used=np.array(fit.used), result=SimpleNamespace(state=fit.state)
-        )
         outlier = outliers.Outlier(k, kind, 0.0, 3)
-        (judged,) = outliers._retest(data, found, [outlier])
+        (judged,) = outliers._retest(data, fit, [outlier])
         chances.append(judged.probability)
     steps, chances = np.arange(count + 1) / count, np.sort(chances)
     apart = max(np.max(steps[1:] - chances), np.max(chances - steps[:-1]))

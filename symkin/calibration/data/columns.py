@@ -127,29 +127,23 @@ class ColumnReader:
         for k, c in enumerate(self.mechanism.actuated):
             values[:, k] = self._numbers([c.name], of_joint(c).measure, empty=False)[:, 0]
             self._check_range(c, values[:, k])
-        self._note_repeats(values)
-        return values
-
-    def _note_repeats(self, values: np.ndarray) -> None:
-        """Note rows with the joint readings of an earlier one and other cells besides; whole copies
-        are left out (`DataFile`).
-        """
-        whole = {row for row, _ in self.copies}
+        # rows that are whole copies of earlier ones are left out (`DataFile`)
+        whole = [row for row, _ in self.copies]
         _, first, inverse = np.unique(values, axis=0, return_index=True, return_inverse=True)
         earlier = first[inverse.ravel()]
-        every = np.arange(len(values))
-        repeats = [k for k in every[earlier != every] if k not in whole]
-        if repeats and len(first) > 1:
+        repeats = np.setdiff1d(np.flatnonzero(earlier != np.arange(len(values))), whole)
+        if len(repeats) and len(first) > 1:
             self.notes.append(
                 f"{len(repeats)} rows repeat the joint readings of an earlier one exactly (line "
                 f"{self._lines(repeats[:1])} those of line {self._lines(earlier[repeats[:1]])}, "
                 f"...): copies are no new measurements, and make sigma too small"
             )
+        return values
 
     def _check_range(self, c: Coordinate, values: np.ndarray) -> None:
         if c.least is not None and np.any(values < c.least):
             raise self._error(
-                int(np.argmax(values < c.least)),
+                np.argmax(values < c.least),
                 self.table.columns[c.name].header,
                 f"a rod of negative length; {c.least + 0.0:g} {self.mechanism.length_unit} and "
                 f"above is needed",
@@ -159,7 +153,7 @@ class ColumnReader:
         outside = (values < low) | (values > high)
         if np.any(outside):
             self.notes.append(
-                f"{c.name}: {int(outside.sum())} of {len(values)} readings lie outside its limits "
+                f"{c.name}: {outside.sum()} of {len(values)} readings lie outside its limits "
                 f"{low * unit:g} to {high * unit:g} "
                 f"{self.mechanism.unit_of(c)} (line "
                 f"{self._lines(np.flatnonzero(outside))})"

@@ -26,9 +26,7 @@ Where a joint has the name of a reading, the reading is written platform.NAME.
 
 from __future__ import annotations
 
-import csv
-import io
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -50,7 +48,7 @@ from symkin.calibration.data.observables import (
     value_out,
 )
 from symkin.errors import InputError
-from symkin.files.csv_table import read_table
+from symkin.files.csv_table import read_table, table_text
 from symkin.files.euler_columns import SEQUENCES
 from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.spatial.rotation import euler_from_quaternion, quaternion_from_euler
@@ -77,13 +75,9 @@ class DataFile:
     def subset(self, rows: np.ndarray) -> DataFile:
         """Keep some of the rows, by number from 0."""
 
-        return replace(
-            self,
-            measurements=self.measurements.subset(rows),
-            wedges=None if self.wedges is None else self.wedges[rows],
-            euler=None if self.euler is None else self.euler[rows],
-            copies=(),
-        )
+        tables = {k: v[rows] for k, v in vars(self).items() if isinstance(v, np.ndarray)}
+        some = self.measurements.subset(rows)
+        return replace(self, measurements=some, copies=(), **tables)
 
     def without_copies(self) -> DataFile:
         """Leave out rows that repeat an earlier one in every cell, with a note that names their
@@ -132,13 +126,13 @@ def read_measurements(
             f"{path}: the file has a header and no row; one row for each posture is needed"
         )
     groups = reader.groups()
-    readings: dict[str, Any] = {"group_sigma": reader.sigmas(PLATFORM["group"])}
-    for kind in ("inclination", "position", "orientation"):
-        reading = reader.read(o := PLATFORM[kind])
-        readings[kind] = None if reading is None else reading.values
-        readings[f"{kind}_sigma"] = reader.sigmas(o) if reading is None else reading.sigma
+    readings: dict[str, Any] = {}
+    for kind, o in PLATFORM.items():
+        if kind != "group" and (reading := reader.read(o)) is not None:
+            readings[kind] = reading.values
+        readings[f"{kind}_sigma"] = reader.sigmas(o)
     sequence, angles = reader.euler()
-    if angles is not None and readings["orientation"] is not None:
+    if angles is not None and "orientation" in readings:
         raise InputError(
             f"{path}: the orientation stands twice, as quaternion and as Euler angles; give one of "
             f"them"
@@ -187,7 +181,7 @@ def measurements_text(
         raise InputError(f"Euler sequence {not_among(sequence, SEQUENCES)}")
     table = CsvColumns(mechanism)
     if measurements.groups is not None:
-        table.text("group", ["" if g == NO_GROUP else str(g + 1) for g in measurements.groups])
+        table.text("group", *("" if g == NO_GROUP else g + 1 for g in measurements.groups))
     joints = [of_joint(c) for c in mechanism.actuated]
     for o, values in zip(joints, measurements.joints.T, strict=True):
         table.number(o.name, values, o.measure)
@@ -218,23 +212,18 @@ class CsvColumns:
 
     def __init__(self, mechanism: Mechanism) -> None:
         self.mechanism = mechanism
-        self.headers: list[str] = []
-        self.cells: list[list[str]] = []
+        self.columns: list[tuple[object, ...]] = []
 
-    def text(self, name: str, cells: Iterable[str]) -> None:
-        self.headers.append(name)
-        self.cells.append(list(cells))
+    def text(self, *column: object) -> None:
+        """Add a header and the cells below it."""
+        self.columns.append(column)
 
     def number(self, name: str, values: np.ndarray, kind: ParameterKind) -> None:
         unit = unit_of(self.mechanism, kind)
-        out = [value_out(self.mechanism, kind, float(v)) for v in values]
-        header = f"{name}[{unit}]" if unit else name
-        self.text(header, ["" if np.isnan(v) else repr(v) for v in out])
+        out = (value_out(self.mechanism, kind, float(v)) for v in values)
+        self.text(f"{name}[{unit}]" if unit else name, *("" if np.isnan(v) else v for v in out))
 
     def csv(self, comments: Sequence[str]) -> str:
-        text = io.StringIO()
-        text.writelines(f"# {comment}\n" for comment in comments)
-        writer = csv.writer(text, lineterminator="\n")
-        writer.writerow(self.headers)
-        writer.writerows(zip(*self.cells, strict=True))
-        return text.getvalue()
+        notes = (f"# {comment}\n" for comment in comments)
+        headers, *rows = zip(*self.columns, strict=True)
+        return "".join((*notes, *table_text(headers, iter(rows))))

@@ -9,7 +9,7 @@ turns about the base frame's axes with z against gravity; it says R^T e_z and no
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
@@ -151,7 +151,10 @@ class Measurements:
                     f"posture is needed"
                 )
             keep("groups", groups.astype(int))
-        for kind, width in (*((kind, PLATFORM[kind].width) for kind in _TABLES), ("starts", 7)):
+        for kind, width in (
+            *((kind, len(PLATFORM[kind].columns)) for kind in _TABLES),
+            ("starts", 7),
+        ):
             if getattr(self, kind) is not None:
                 table = _shaped(_matrix(getattr(self, kind), kind), (count, width), kind)
                 if width > 3:
@@ -180,6 +183,14 @@ class Measurements:
         return tuple(r.name for r in self.readings if not r.ends)
 
     @property
+    def poses(self) -> np.ndarray:
+        """Poses (n, 7) that were measured whole, NaN where none was."""
+        if self.position is None or self.orientation is None:
+            return np.full((len(self), 7), np.nan)
+        poses = np.hstack([self.position, self.orientation])
+        return np.where(np.all(np.isfinite(poses), axis=1, keepdims=True), poses, np.nan)
+
+    @property
     def quaternions(self) -> np.ndarray:
         """Measured orientations (n, 4 k), zero where there are none: of the platform, then of other
         links.
@@ -188,18 +199,21 @@ class Measurements:
         others = (r.values for r in self.readings if r.is_orientation)
         return np.nan_to_num(np.hstack([platform, *others]))
 
+    @property
+    def group_of(self) -> np.ndarray:
+        """The group of each configuration (n,), as it is numbered here."""
+        return np.full(len(self), NO_GROUP) if self.groups is None else self.groups
+
     @cached_property
     def grouping(self) -> tuple[np.ndarray, np.ndarray]:
         """Numbers of the groups (n,) from 0, -1 for none, and the first configuration of each; a
         group of one configuration is none.
         """
-        group = np.full(len(self), -1)
-        if self.groups is None:
-            return group, np.zeros(0, dtype=int)
+        groups = self.group_of
         _, first, number, counts = np.unique(
-            self.groups, return_index=True, return_inverse=True, return_counts=True
+            groups, return_index=True, return_inverse=True, return_counts=True
         )
-        kept = (counts > 1) & (self.groups[first] >= 0)
+        kept = (counts > 1) & (groups[first] >= 0)
         places = np.where(kept, np.cumsum(kept) - 1, -1)
         return places[number], first[kept]
 
@@ -229,19 +243,20 @@ class Measurements:
         whole = np.hstack([np.zeros((len(self), 0)), *tables])
         return np.any(np.isfinite(whole), axis=1)
 
+    def named(self, configurations: Sequence[int] | np.ndarray) -> tuple[str, ...]:
+        """The labels of some configurations, by number from 0 or by mask."""
+        return tuple(self.labels[k] for k in np.arange(len(self))[np.asarray(configurations)])
+
     def subset(self, configurations: Sequence[int] | np.ndarray) -> Measurements:
         """Keep the readings of some configurations, by number from 0 or by mask."""
         index = np.arange(len(self))[np.asarray(configurations)]
-        changes: dict[str, Any] = {"labels": tuple(self.labels[k] for k in index)}
-        for item in fields(self):
-            value = getattr(self, item.name)
-            if isinstance(value, np.ndarray) and value.ndim and len(value) == len(self):
-                changes[item.name] = value[index]
-        changes["readings"] = [
-            replace(r, values=r.values[index], sigma=None if r.sigma is None else r.sigma[index])  # type: ignore[index]
-            for r in self.readings
-        ]
-        return replace(self, **changes)
+
+        def rows(of: Reading | Measurements) -> dict[str, Any]:
+            return {k: v[index] for k, v in vars(of).items() if isinstance(v, np.ndarray)}
+
+        labels = self.named(index)
+        readings = [replace(r, **rows(r)) for r in self.readings]
+        return replace(self, labels=labels, readings=readings, **rows(self))
 
     def replaced(self, name: str, *, by_name: bool = False, **changes: Any) -> Measurements:
         """Replace the `values` or the `sigma` of a table (`joint`, `group`, `inclination`, ...), or
@@ -296,7 +311,7 @@ class Measurements:
                     f"(LINK.position, LINK.orientation, LINK.inclination)"
                 )
             if o.kind != "group":
-                _shaped(reading.values, (len(self), o.width), reading.name)
+                _shaped(reading.values, (len(self), len(o.columns)), reading.name)
 
 
 def _unit_quaternions(values: np.ndarray, what: str, labels: Sequence[str] = ()) -> np.ndarray:

@@ -75,11 +75,6 @@ class Observable:
         return (self.name,) if self.kind in ("orientation", "group") else self.columns
 
     @property
-    def width(self) -> int:
-        """Count of numbers of one reading."""
-        return len(self.columns)
-
-    @property
     def measure(self) -> Measure:
         """What its residuals and standard deviations are."""
         return "angle" if self.angular else "length"

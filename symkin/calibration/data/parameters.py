@@ -167,9 +167,17 @@ def with_parameters(mechanism: Mechanism, values: Mapping[str, float]) -> Mechan
     frame = mechanism.frame_name
     q = _vector_of(table, f"{frame}.quaternion", mechanism.platform_quaternion)
     length = sum(v * v for v in q) ** 0.5
+
+    def limb_with(limb: Limb | RodLimb) -> Limb | RodLimb:
+        if isinstance(limb, RodLimb):
+            return _with(limb, limb.name, table)
+        joints = [_with(joint, mechanism.key_path(limb, joint), table) for joint in limb.joints]
+        rods = [_with(rod, f"{limb.name}.rod{k}", table) for k, rod in enumerate(limb.rods, 1)]
+        return replace(limb, joints=joints, rods=rods)
+
     return replace(
         mechanism,
-        limbs=[_limb_with(mechanism, limb, table) for limb in mechanism.limbs],
+        limbs=[limb_with(limb) for limb in mechanism.limbs],
         link_joints=[
             replace(e, joint=_with(e.joint, e.joint.name, table)) for e in mechanism.link_joints
         ],
@@ -199,16 +207,6 @@ def _with(part: _Part, path: str, values: Mapping[str, float]) -> _Part:
         vector = isinstance(value, Sequence)
         changes[key] = _vector_of(values, name, value) if vector else values.get(name, value)
     return replace(part, **changes)
-
-
-def _limb_with(
-    mechanism: Mechanism, limb: Limb | RodLimb, values: Mapping[str, float]
-) -> Limb | RodLimb:
-    if isinstance(limb, RodLimb):
-        return _with(limb, limb.name, values)
-    joints = [_with(joint, mechanism.key_path(limb, joint), values) for joint in limb.joints]
-    rods = [_with(rod, f"{limb.name}.rod{k}", values) for k, rod in enumerate(limb.rods, start=1)]
-    return replace(limb, joints=joints, rods=rods)
 
 
 def _vector_of(

@@ -56,7 +56,7 @@ def reference_motions(
     unit, rows = np.array([1.0 / size] * 3 + [1.0] * 3), [np.zeros((0, width))]
     # V_b - V_a - sum of S q' = 0 of all joints, lengths over the size
     for edge in (e for e in edges if isinstance(e.elements[0].part, Joint)):
-        ends = [float(link == edge.ends[1]) - float(link == edge.ends[0]) for link in links]
+        ends = [(link == edge.ends[1]) - (link == edge.ends[0]) for link in links]
         screws = [-unit * screw if own is edge else np.zeros(6) for own, (_, screw, _) in rates]
         rows.append(np.column_stack([*screws, np.kron(ends, np.eye(6))]))
     moves = null_space(np.vstack(rows), RANK_TOLERANCE, relative=True).T
@@ -66,7 +66,10 @@ def reference_motions(
         for link in links
         for k in ("x", "y", "z", "about x", "about y", "about z")
     ]
-    for column, move in _independent(moves):
+    # each direction is 1 in one number, the first that can be, 0 in those of the others
+    pivots = independent_rows(moves, _PIVOT, groups=range(width))
+    basis = moves @ np.linalg.inv(moves[pivots]) if pivots else moves[:, :0]
+    for column, move in zip(pivots, basis.T, strict=True):
         twists = move[len(rates) :].reshape(-1, 6) * ([size] * 3 + [1.0] * 3)
         velocity = moved(mechanism, values, dict(zip(links, twists, strict=True)))
         for advance, (_, (_, _, zero)) in zip(move, rates, strict=False):
@@ -94,16 +97,6 @@ def _rates(edge: Branch, values: Mapping[str, float], held: Sequence[str]) -> It
         names, joint.form.screws(point, units, values.get(f"{path}.pitch", 0.0)), strict=True
     ):
         yield name, np.roll(screw, 3), zero
-
-
-def _independent(space: np.ndarray) -> Iterator[tuple[int, np.ndarray]]:
-    """A basis of a space (width, k): each direction is 1 in one number, the first that can be, 0 in
-    those of the others.
-    """
-    pivots = independent_rows(space, _PIVOT, groups=range(len(space)))
-    if pivots:
-        basis = space @ np.linalg.inv(space[pivots])
-        yield from zip(pivots, basis.T, strict=True)
 
 
 # --- rates of parameters --------------------------------------------------------------------------

@@ -41,17 +41,6 @@ class Candidates:
     group: np.ndarray
     wedge: np.ndarray
 
-    def extended(self, wedges: int) -> np.ndarray:
-        """Return the rows in all unknowns (n, K, P + 2 W)."""
-        count, k, width = self.rows.shape
-        full = np.zeros((count, k, width + 2 * wedges))
-        full[:, :, :width] = self.rows
-        for place in range(wedges):
-            full[self.wedge == place, :, width + 2 * place : width + 2 * place + 2] = -self.group[
-                self.wedge == place
-            ]
-        return full
-
     def thinned(self, each: int) -> Candidates:
         """Keep the first `each` candidates of every wedge."""
         kept = np.concatenate(
@@ -68,14 +57,15 @@ class ExchangeSearch:
     def __init__(
         self, candidates: Candidates, wedges: int, criterion: Criterion, q: np.ndarray, prior: float
     ) -> None:
-        self.candidates, self.wedges, self.criterion, self.prior = (
-            candidates,
-            wedges,
-            criterion,
-            prior,
-        )
-        self.width = candidates.rows.shape[2]
-        self.rows = candidates.extended(wedges)
+        self.candidates, self.wedges = candidates, wedges
+        self.criterion, self.prior = criterion, prior
+        count, k, self.width = candidates.rows.shape
+        # in all unknowns, (n, K, P + 2 W)
+        self.rows = np.zeros((count, k, self.width + 2 * wedges))
+        self.rows[:, :, : self.width] = candidates.rows
+        for place in range(wedges):
+            inside, begin = candidates.wedge == place, self.width + 2 * place
+            self.rows[inside, :, begin : begin + 2] = -candidates.group[inside]
         self.q = np.zeros((self.rows.shape[2],) * 2)
         self.q[: self.width, : self.width] = np.eye(self.width) if criterion == "A" else q
         values, vectors = np.linalg.eigh(self.q)
@@ -104,12 +94,8 @@ class ExchangeSearch:
         spread = (rows.reshape(-1, len(c)) @ c).reshape(rows.shape)
         inner = spread @ rows.transpose(0, 2, 1) + np.eye(rows.shape[1])
         if self.criterion == "D":
-            part = spread[:, :, : self.width]
-            share = (
-                part
-                @ np.linalg.pinv(c[: self.width, : self.width], hermitian=True)
-                @ part.transpose(0, 2, 1)
-            )
+            part, own = spread[:, :, : self.width], c[: self.width, : self.width]
+            share = part @ np.linalg.pinv(own, hermitian=True) @ part.transpose(0, 2, 1)
             return np.linalg.slogdet(inner)[1] - np.linalg.slogdet(inner - share)[1]
         moved = (spread.reshape(-1, len(c)) @ self._root).reshape(*rows.shape[:2], -1)
         weight = moved @ moved.transpose(0, 2, 1)
@@ -162,9 +148,7 @@ class ExchangeSearch:
                 gains = self.gains(without, index)
                 gains[np.isin(index, chosen[:place] + chosen[place + 1 :])] = -np.inf
                 best = int(index[np.argmax(gains)])
-                if best != old and gains.max() > (1 + 1e-6) * float(
-                    self.gains(without, np.array([old]))[0]
-                ):
+                if best != old and gains.max() > (1 + 1e-6) * self.gains(without, np.array([old])):
                     chosen[place], changed = best, True
                     c = self.updated(without, best)
             if not changed:

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
+from itertools import product
 from typing import Any, Unpack
 
 import numpy as np
@@ -144,10 +145,7 @@ class Plan(Result):
         """Convert joint values to the mechanism's units."""
         m = self.mechanism
         one = [m.value_out(c, 1.0) for c in m.actuated]
-        return [
-            [float(v) * unit for v, unit in zip(row, one, strict=True)]
-            for row in self.configurations.joints
-        ]
+        return (self.configurations.joints * one).tolist()
 
     def to_dict(self) -> dict[str, Any]:
         """Return the plan in the mechanism's units: joints of each configuration, groups from 0
@@ -175,13 +173,8 @@ class Plan(Result):
 
 def corner_wedges(tilt: float) -> np.ndarray:
     """Return level, then edges and corners of +-tilt in alpha and beta (9, 2)."""
-    steps = (0.0, -tilt, tilt)
-    pairs = [(a, b) for a in steps for b in steps]
-    return (
-        np.array(sorted(pairs, key=lambda p: p[0] ** 2 + p[1] ** 2))
-        if tilt > 0
-        else np.zeros((1, 2))
-    )
+    pairs = product((0.0, -tilt, tilt) if tilt > 0 else (0.0,), repeat=2)
+    return np.array(sorted(pairs, key=lambda p: p[0] ** 2 + p[1] ** 2))
 
 
 def _check(options: PlanOptions, configurations: int) -> None:
@@ -238,15 +231,21 @@ def plan_measurements(
     (6, 2)
     """
     workspace = Workspace.about(workspace) if isinstance(workspace, Mechanism) else workspace
-    noise = noise if isinstance(noise, Noise) else _noise_by_name(noise)
+    if not isinstance(noise, Noise):
+        allowed = [f.name for f in fields(Noise)]
+        if unknown := ", ".join(repr(name) for name in noise if name not in allowed):
+            raise InputError(f"noise: {unknown} is unknown; allowed: {', '.join(allowed)}")
+        noise = Noise(**noise)  # type: ignore[arg-type]
     _check(options, configurations)
     taken_readings(workspace.mechanism, options["readings"], grouped=options["groups"] > 0)
     task = _Task(workspace, configurations, noise, options)
-    pool = task.chosen_candidates()
-    order = np.argsort(pool.wedge, kind="stable")
-    used = sorted(set(pool.wedge.tolist()) - {-1})
-    numbers = np.array([used.index(w) if w >= 0 else -1 for w in pool.wedge[order].tolist()])
-    planned = pool.configurations.take(order)
+    chosen, wedge = task.chosen_candidates()
+    order = np.argsort(wedge, kind="stable")
+    used = sorted(set(wedge.tolist()) - {-1})
+    numbers = np.array([used.index(w) if w >= 0 else -1 for w in wedge[order].tolist()])
+    planned = chosen.take(order)
+    groups = group_numbers(configurations, options["groups"])
+    drawn = random_configurations(workspace, groups, Noise(), task.rng)
     return Plan(
         mechanism=workspace.mechanism,
         configurations=planned,
@@ -255,27 +254,13 @@ def plan_measurements(
         criterion=options["criterion"],
         seed=options["seed"],
         accuracy=task.accuracy(planned, numbers),
-        random=task.random_accuracy(),
+        random=task.accuracy(drawn, groups),
         observable=task.observable,
     )
 
 
-def _noise_by_name(values: Mapping[str, float]) -> Noise:
-    allowed = [f.name for f in fields(Noise)]
-    if unknown := ", ".join(repr(name) for name in values if name not in allowed):
-        raise InputError(f"noise: {unknown} is unknown; allowed: {', '.join(allowed)}")
-    return Noise(**values)  # type: ignore[arg-type]
-
-
-@dataclass(frozen=True, eq=False)
-class _Pool:
-    """Candidates, and the number of the wedge (n,) that each stands on, -1 for none."""
-
-    configurations: ClosedConfigurations
-    wedge: np.ndarray
-
-    def take(self, index: np.ndarray) -> _Pool:
-        return _Pool(self.configurations.take(index), self.wedge[index])
+_Pool = tuple[ClosedConfigurations, np.ndarray]
+"""Candidates, and the number of the wedge (n,) that each stands on, -1 for none."""
 
 
 class _Task:
@@ -294,11 +279,8 @@ class _Task:
             if options["parameters"] is None
             else tuple(options["parameters"])
         )
-        wedges = (
-            corner_wedges(workspace.lean)
-            if options["wedges"] is None
-            else np.asarray(options["wedges"], dtype=float)
-        )
+        told = options["wedges"]
+        wedges = corner_wedges(workspace.lean) if told is None else np.asarray(told, dtype=float)
         self.offered = wedges if options["groups"] else None
         tests = workspace.draw(workspace.inclinations(_TEST_POSES, self.rng), self.rng, held=False)
         slopes, loops = pose_slopes(self.mechanism, tests, self.names)
@@ -315,21 +297,31 @@ class _Task:
         """Choose candidates by exchange, then exchange each for random neighbours, nearer and
         nearer.
         """
-        pool = self._drawn()
-        slopes = self.candidates(pool.configurations, pool.wedge)
-        self.observe(slopes)
-        self.observable = self.rank(pool.configurations, pool.wedge)
+        made, wedge = self._drawn()
+        slopes = self.candidates(made, wedge)
+        # the directions of parameter space that all candidates together determine
+        self.directions, _ = _principal_directions(less_inclinations(slopes, self._wedges))
+        if not self.directions.size:
+            raise InputError(
+                f"{self.mechanism.name}: these readings determine nothing of the geometry; name "
+                f"other readings"
+            )
+        self.observable = self.rank(made, wedge)
         reduced = self.reduced(slopes)
         allowed = self._search(reduced.thinned(max(_THINNED_CANDIDATES, self.count))).best_wedges(
             self.count, self.options["groups"]
         )
         first = self._search(reduced)
-        pool = pool.take(np.array(first.improve(first.greedy(self.count, allowed), allowed)))
+        kept = np.array(first.improve(first.greedy(self.count, allowed), allowed))
         for scale in _REFINEMENT_SCALES:
-            pool = self._with_neighbours(pool, scale)
-            local = self._search(self.reduced(self.candidates(pool.configurations, pool.wedge)))
-            pool = pool.take(np.array(local.improve(list(range(self.count)), allowed, passes=2)))
-        return pool
+            each = np.repeat(kept, _REFINEMENT_NEIGHBOURS)
+            wedges = None if self.offered is None else self.offered[wedge[each]]
+            near, rows = self.workspace.near(made.take(each), wedges, scale, self.rng)
+            made = ClosedConfigurations.joined([made.take(kept), near])
+            wedge = np.append(wedge[kept], wedge[each[rows]])
+            local = self._search(self.reduced(self.candidates(made, wedge)))
+            kept = np.array(local.improve(list(range(self.count)), allowed, passes=2))
+        return made.take(kept), wedge[kept]
 
     def _drawn(self) -> _Pool:
         """Draw random candidates, for each wedge as many."""
@@ -339,19 +331,10 @@ class _Task:
             drawn = draw(
                 self.workspace.inclinations(count, rng), rng, held=False, edge=_DRAWN_REACH
             )
-            return _Pool(drawn, np.full(count, -1))
+            return drawn, np.full(count, -1)
         each = max(min(_CANDIDATES_PER_WEDGE, _MAX_CANDIDATES // len(self.offered)), self.count)
         wedge = np.repeat(np.arange(len(self.offered)), each)
-        return _Pool(draw(self.offered[wedge], rng, edge=_DRAWN_REACH), wedge)
-
-    def _with_neighbours(self, pool: _Pool, scale: float) -> _Pool:
-        around = pool.take(np.repeat(np.arange(self.count), _REFINEMENT_NEIGHBOURS))
-        wedges = None if self.offered is None else self.offered[around.wedge]
-        near, kept = self.workspace.near(around.configurations, wedges, scale, self.rng)
-        return _Pool(
-            ClosedConfigurations.joined([pool.configurations, near]),
-            np.concatenate([pool.wedge, around.wedge[kept]]),
-        )
+        return draw(self.offered[wedge], rng, edge=_DRAWN_REACH), wedge
 
     def _search(self, candidates: Candidates) -> ExchangeSearch:
         return ExchangeSearch(
@@ -375,15 +358,6 @@ class _Task:
         )
         return told_rank(problem, evaluate(problem, problem.model.nominal, z))
 
-    def observe(self, slopes: Candidates) -> None:
-        """Keep the directions of parameter space that all candidates together determine."""
-        self.directions, _ = _principal_directions(less_inclinations(slopes, self._wedges))
-        if self.directions.shape[1] == 0:
-            raise InputError(
-                f"{self.mechanism.name}: these readings determine nothing of the geometry; name "
-                f"other readings"
-            )
-
     def reduced(self, slopes: Candidates) -> Candidates:
         return Candidates(slopes.rows @ self.directions, slopes.group, slopes.wedge)
 
@@ -394,19 +368,12 @@ class _Task:
         flat = (weight * (self.pose @ self.directions)).reshape(-1, self.directions.shape[1])
         return flat.T @ flat / len(self.pose)
 
-    def random_accuracy(self) -> Accuracy:
-        """Predict what as many random configurations in as many random groups would reach."""
-        numbers = group_numbers(self.count, self.options["groups"])
-        return self.accuracy(
-            random_configurations(self.workspace, numbers, Noise(), self.rng), numbers
-        )
-
     def accuracy(self, planned: ClosedConfigurations, groups: np.ndarray) -> Accuracy:
         """Predict what a fit of readings at these configurations would reach, by linear
         propagation.
         """
         seen, singular = _principal_directions(
-            less_inclinations(self.candidates(planned, groups), int(groups.max()) + 1)
+            less_inclinations(self.candidates(planned, groups), groups.max() + 1)
         )
         missing = self.directions - seen @ (seen.T @ self.directions)
         left, outside, _ = np.linalg.svd(missing, full_matrices=False)
@@ -442,7 +409,7 @@ def _principal_directions(rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return the directions (P, r) that rows determine, and their singular values."""
     triangle = np.linalg.qr(rows, mode="r")
     _, singular, right = np.linalg.svd(triangle, full_matrices=False)
-    seen = singular > RANK_TOLERANCE * max(float(singular[0]), 1e-300)
+    seen = singular > RANK_TOLERANCE * max(singular[0], 1e-300)
     return right[seen].T, singular[seen]
 
 
@@ -452,7 +419,7 @@ def plan_text(plan: Plan) -> str:
     """
     table = CsvColumns(plan.mechanism)
     if len(plan.wedges):
-        table.text("group", [str(g + 1) for g in plan.groups])
+        table.text("group", *(plan.groups + 1))
     for k, c in enumerate(plan.mechanism.actuated):
         table.number(c.name, plan.configurations.joints[:, k], of_joint(c).measure)
     for k, name in enumerate(WEDGE if len(plan.wedges) else ()):

@@ -23,6 +23,7 @@ from symkin.calibration.estimate.configurations import (
     ClosedConfigurations,
     refuse_undetermined,
     solve_configurations,
+    with_poses,
 )
 from symkin.calibration.estimate.problem import CalibrationProblem, build_calibration
 from symkin.calibration.estimate.residuals import noise_of, whitening
@@ -129,9 +130,7 @@ def group_numbers(configurations: int, groups: int) -> np.ndarray:
         )
     if groups == 0:
         return np.full(configurations, NO_GROUP)
-    return np.repeat(
-        np.arange(groups), [len(part) for part in np.array_split(np.arange(configurations), groups)]
-    )
+    return np.sort(np.arange(configurations) % groups)
 
 
 def random_configurations(
@@ -142,7 +141,7 @@ def random_configurations(
     """
     if np.all(groups == NO_GROUP):
         return workspace.draw(workspace.inclinations(len(groups), rng), rng, held=False)
-    wanted = workspace.inclinations(int(groups.max()) + 1, rng)[groups]
+    wanted = workspace.inclinations(groups.max() + 1, rng)[groups]
     return workspace.draw(wanted + noise.draw(noise.group, wanted.shape, rng), rng)
 
 
@@ -159,14 +158,13 @@ def planned_configurations(
     that). Raises InputError for configurations that cannot be taken.
     """
     model = build_model(nominal, plan, ())
-    configurations = solve_configurations(model, plan, np.zeros(0))
+    configurations = solve_configurations(model, plan, model.nominal)
     if not configurations.solved.all():
-        label = plan.labels[int(np.argmin(configurations.solved))]
+        label = plan.named(~configurations.solved)[0]
         raise InputError(
             f"the plan's posture of {label} does not close at the nominal geometry of "
             f"{nominal.name}"
         )
-    groups = np.full(len(plan), NO_GROUP) if plan.groups is None else plan.groups
     held = None
     if plan.groups is not None:
         if wedges is None:
@@ -175,15 +173,16 @@ def planned_configurations(
                 "wrote"
             )
         held = wedges + noise.draw(noise.group, wedges.shape, rng)
-    made, closed = workspace.at(
-        model.poses(configurations.z, plan.joints, np.zeros(0)), plan.joints, held
-    )
+    starts = with_poses(workspace.closure, model.poses(configurations.z, plan.joints))
+    if workspace.carried:
+        starts = workspace.at_joints(plan.joints, starts)
+    made, closed = workspace.close(starts, held, limits=False)
     if not closed.all():
         raise InputError(
-            f"the plan's posture of {plan.labels[int(np.argmin(closed))]} cannot be taken by "
+            f"the plan's posture of {plan.named(~closed)[0]} cannot be taken by "
             f"{workspace.mechanism.name}"
         )
-    return groups, made
+    return plan.group_of, made
 
 
 def simulate_readings(
@@ -215,10 +214,12 @@ def simulate_readings(
         groups=groups if grouped else None,
         group_sigma=(noise.group or None) if grouped else None,
     )
-    beside = []
-    for o, exact in zip(read, model.exact_readings(z, true.joints), strict=True):
+    beside, ends = list[Reading](), np.cumsum([len(o.columns) for o in read])[:-1]
+    (table,) = model.values("exact", z, true.joints, model.nominal)
+    for o, exact in zip(read, np.split(table, ends, axis=1), strict=False):
         sigma = noise.of(o.kind, angular=o.angular)
         if o.kind == "orientation":
+            exact = exact * np.where(exact[:, :1] < 0, -1.0, 1.0)
             turn = quaternion_from_rotation_vector(noise.draw(sigma, (3, len(exact)), rng))
             exact = multiply(exact.T, turn).T
         else:

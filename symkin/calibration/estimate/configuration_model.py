@@ -27,7 +27,7 @@ from symkin.computed_once import cached_property, lru_cache
 from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.mapped import Mapped
-from symkin.numeric.system import System
+from symkin.numeric.system import NOTHING, System
 from symkin.spatial.backend import dot
 from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import conjugate, multiply, quaternion_from_rotation_vector, rotate
@@ -130,39 +130,13 @@ class ConfigurationModel:
         """Evaluate closure and readings with derivatives; z (n, width), joints (n, a), p (P,),
         quaternions (n, 4), zero where none are measured.
         """
-        return Evaluation(*self._call("whole", z, joints, p, quaternions))
+        return Evaluation(*self.values("whole", z, joints, p, quaternions))
 
-    def rows(self, z: np.ndarray, joints: np.ndarray, p: np.ndarray) -> list[np.ndarray]:
-        """Evaluate F (n, m) and F_z (n, m, f)."""
-        return self._call("rows", z, joints, p)
-
-    def tangent(
-        self,
-        z: np.ndarray,
-        joints: np.ndarray,
-        p: np.ndarray,
-        quaternions: np.ndarray | None = None,
-    ) -> list[np.ndarray]:
-        """Evaluate F, F_z, F_q (n, m, a), h, h_z, h_q (n, K, a)."""
-        return self._call("tangent", z, joints, p, quaternions)
-
-    def poses(self, z: np.ndarray, joints: np.ndarray, p: np.ndarray) -> np.ndarray:
+    def poses(self, z: np.ndarray, joints: np.ndarray, p: np.ndarray = NOTHING) -> np.ndarray:
         """Evaluate the observed poses (n, 7), quaternions with w >= 0."""
-        packed = self._call("pose", z, joints, p)[0]
+        packed = self.values("pose", z, joints, p)[0]
         packed[:, 3:] *= np.where(packed[:, 3:4] < 0, -1.0, 1.0)
         return packed
-
-    def exact_readings(self, z: np.ndarray, joints: np.ndarray) -> list[np.ndarray]:
-        """Evaluate what each channel would read (n, w) at nominal parameters, quaternions with
-        w >= 0.
-        """
-        table = self._call("exact", z, joints, self.nominal)[0]
-        widths = [len(o.components) + (o.kind == "orientation") for o in self.channels]
-        made = np.split(table, np.cumsum(widths)[:-1], axis=1)
-        return [
-            v * np.where(v[:, :1] < 0, -1.0, 1.0) if o.kind == "orientation" else v
-            for o, v in zip(self.channels, made, strict=False)
-        ]
 
     @cached_property
     def columns(self) -> tuple[tuple[str, str], ...]:
@@ -180,9 +154,9 @@ class ConfigurationModel:
         return np.array([o.angular for o in self.channels for _ in o.components], dtype=bool)
 
     @cached_property
-    def group_columns(self) -> np.ndarray:
-        """The two columns of the groups' inclination."""
-        return np.flatnonzero([kind == "group" for kind, _ in self.columns])
+    def grouped(self) -> np.ndarray:
+        """Which readings (K,) are of the groups' inclination."""
+        return np.array([kind == "group" for kind, _ in self.columns], dtype=bool)
 
     @property
     def size(self) -> float:
@@ -220,14 +194,17 @@ class ConfigurationModel:
         inputs = [system.unknown, self.joints, self.parameters, self.quaternion]
         return {what: Mapped.of(inputs, made) for what, made in outputs.items()}
 
-    def _call(
+    def values(
         self,
         what: str,
         z: np.ndarray,
         joints: np.ndarray,
-        p: np.ndarray,
+        p: np.ndarray = NOTHING,
         quaternions: np.ndarray | None = None,
     ) -> list[np.ndarray]:
+        """Evaluate "rows", F (n, m) and F_z (n, m, f); "tangent", F, F_z, F_q (n, m, a), h, h_z,
+        h_q (n, K, a); "exact", what each channel would read (n, w), quaternions whole.
+        """
         if quaternions is None:
             quaternions = np.zeros((len(z), self.quaternion.shape[0]))
         results = self._mapped[what](z, joints, p, quaternions)
@@ -254,7 +231,15 @@ def model_of(
 ) -> ConfigurationModel:
     """The same of what is read."""
     read = tuple(o.name for o in channels if o.of)
-    table = _values_of(mechanism, read, names)
+    table, every = nominal_parameters(mechanism, read), described_parameters(mechanism)
+    for name in names:
+        if name not in every:
+            raise InputError(
+                f"parameter {shown(name)} is unknown{meant(name, table)}; {mechanism.name} has "
+                f"{', '.join(table)}"
+            )
+    # those that only what is not read depends on, too
+    table |= {name: every[name] for name in names}
     symbols = {
         name: ca.SX.sym(name) if name in names else ca.SX(value)
         for name, (value, _) in table.items()
@@ -354,22 +339,6 @@ class _Known:
         # twice the vector part of the quaternion
         e = multiply(conjugate(measured), pose.quaternion)
         return 2 * ca.if_else(e[0] < 0, -1, 1) * e[1:]
-
-
-def _values_of(
-    mechanism: Mechanism, read: tuple[str, ...], names: tuple[str, ...]
-) -> dict[str, tuple[float, ParameterKind]]:
-    """Nominal values and kinds of all parameters; those of the names that only what is not read
-    depends on are among them.
-    """
-    table, every = nominal_parameters(mechanism, read), described_parameters(mechanism)
-    for name in names:
-        if name not in every:
-            raise InputError(
-                f"parameter {shown(name)} is unknown{meant(name, table)}; {mechanism.name} has "
-                f"{', '.join(table)}"
-            )
-    return table | {name: every[name] for name in names}
 
 
 def _frame(symbols: Mapping[str, ca.SX], name: str) -> Pose:

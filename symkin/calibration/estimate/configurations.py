@@ -5,7 +5,7 @@ passive joints, all coordinates; everywhere by one set of rows, in the coordinat
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -24,6 +24,7 @@ from symkin.model.joint import Coordinate, units_of
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.levenberg import levenberg_marquardt
 from symkin.numeric.linear_algebra import conditions, largest_of
+from symkin.numeric.system import NOTHING
 from symkin.position.pose_coordinates import poses_coordinates
 from symkin.position.readings import into_limits
 from symkin.spatial.rotation import wrapped
@@ -78,7 +79,7 @@ class Closing:
     """
 
     model: ConfigurationModel
-    p: np.ndarray
+    p: np.ndarray = field(default_factory=NOTHING.copy)
     held: tuple[str, ...] = ("joints",)
     inclined: np.ndarray | None = None
 
@@ -118,12 +119,12 @@ class Closing:
         """Rows (n, m) and their derivatives along the freedoms that may move (n, m, freedom)."""
         z, joints = self.split(points)
         if "joints" in self.held:
-            rows, rows_z = self.model.rows(z, joints, self.p)
+            rows, rows_z = self.model.values("rows", z, joints, self.p)
             return rows, rows_z[:, :, self.free - self._joints]
-        rows, rows_z, rows_q, h, h_z, h_q = self.model.tangent(z, joints, self.p)
+        rows, rows_z, rows_q, h, h_z, h_q = self.model.values("tangent", z, joints, self.p)
         by = np.concatenate([rows_q * self._units, rows_z], axis=2)
         if self.inclined is not None:
-            columns, size = self.model.group_columns, self.characteristic_length
+            columns, size = self.model.grouped, self.characteristic_length
             h, told = h[:, columns], self.inclined
             gap = wrapped(h - (h[told] if told.ndim == 1 else told))
             below = np.concatenate([h_q * self._units, h_z], axis=2)[:, columns]
@@ -211,7 +212,7 @@ def solve_configurations(
     def solved_from(z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         z, solved = newton_configurations(model, z, joints, p, tolerance=tolerance)
         if carried:
-            signs = determinant_signs(model.rows(z, joints, p)[1])
+            signs = determinant_signs(model.values("rows", z, joints, p)[1])
             solved &= signs * np.sum(signs[solved]) >= 0.0
         return z, solved
 
@@ -224,13 +225,13 @@ def solve_configurations(
                 near = found[good[nearest_rows(joints[good], joints[[k]], _NEIGHBOURS)[0]]]
             tried = near if carried and len(near) else np.vstack([start[k], near])
             if not carried:
-                rng, count = np.random.default_rng([seed, int(k)]), _RANDOM_STARTS
-                steps = (
-                    0.2 * system.characteristic_length * rng.normal(size=(count, system.freedom))
+                drawn = np.random.default_rng([seed, int(k)]).normal(
+                    size=(_RANDOM_STARTS, system.freedom)
                 )
-                tried = np.vstack([tried, system.move(np.tile(tried[0], (count, 1)), steps)])
+                away = 0.2 * model.size * drawn
+                tried = np.vstack([tried, system.move(np.tile(tried[0], (len(away), 1)), away)])
             points = np.hstack([np.tile(joints[k], (len(tried), 1)), tried])
-            batch = levenberg_marquardt(Closing(model, p), points, np.zeros(0))
+            batch = levenberg_marquardt(Closing(model, p), points, NOTHING)
             ends = batch.points[batch.converged, joints.shape[1] :]
             if len(ends):
                 found[k] = ends[np.argmin(np.linalg.norm(ends - tried[0], axis=1))]
@@ -258,7 +259,7 @@ def is_determined(
     """Tell whether joint readings fix the configuration: the closure has full column rank in its
     unknown coordinates anywhere.
     """
-    rows_z = model.rows(z, joints, p)[1]
+    rows_z = model.values("rows", z, joints, p)[1]
     return rows_z.shape[1] >= rows_z.shape[2] and bool(np.any(conditions(rows_z) <= 1e10))
 
 
@@ -284,8 +285,10 @@ def start_points(
     """
     if model.observes_through_frames:
         measurements = replace(measurements, position=None, orientation=None)
-    poses = whole_poses(measurements, measured=measured)
-    return Closing(model, np.zeros(0)).split(with_poses(model.closure, poses))[0]
+    poses, starts = measurements.poses, measurements.starts
+    if starts is not None and not measured:
+        poses = np.where(np.all(np.isfinite(starts), axis=1, keepdims=True), starts, poses)
+    return Closing(model).split(with_poses(model.closure, poses))[0]
 
 
 def first_points(
@@ -310,7 +313,11 @@ def is_carried(closure: Closure) -> bool:
 
 
 def follow_joints(
-    model: ConfigurationModel, z: np.ndarray, begin: np.ndarray, end: np.ndarray, p: np.ndarray
+    model: ConfigurationModel,
+    z: np.ndarray,
+    begin: np.ndarray,
+    end: np.ndarray,
+    p: np.ndarray = NOTHING,
 ) -> np.ndarray:
     """Follow configurations z (n, width) by Newton while the joint readings move straight from
     `begin` to `end` (n, a); one that is lost, or would jump, stays where it was last.
@@ -331,33 +338,6 @@ def follow_joints(
         near = np.all(np.abs(found - z) < longest * lengths, axis=1)
         z, longest = np.where((closed & near)[:, None], found, z), _MAX_FOLLOWED_MOVE
     return z
-
-
-def fit_passive(
-    model: ConfigurationModel, z: np.ndarray, joints: np.ndarray, p: np.ndarray, most: int
-) -> np.ndarray:
-    """Fit the passive joints in z (n, width) at which the geometry p closes best with the pose as
-    it is, each configuration by itself: Levenberg-Marquardt of at most so many steps.
-    """
-    closing = Closing(model, p, held=("joints", "pose"))
-    if not closing.freedom:
-        return z
-    points, nothing = np.hstack([joints, z]), np.zeros(0)
-    found = levenberg_marquardt(closing, points, nothing, max_iterations=most)
-    return closing.split(found.points)[0]
-
-
-def whole_poses(measurements: Measurements, *, measured: bool = False) -> np.ndarray:
-    """Return a whole pose (n, 7) of each configuration, NaN where there is none: its start (unless
-    `measured`), else what was measured.
-    """
-    poses, m = np.full((len(measurements), 7), np.nan), measurements
-    both = None if m.position is None or m.orientation is None else (m.position, m.orientation)
-    tables = [None if both is None else np.hstack(both), None if measured else m.starts]
-    for table in (table for table in tables if table is not None):
-        whole = np.all(np.isfinite(table), axis=1)
-        poses[whole] = table[whole]
-    return poses
 
 
 def nearest_rows(joints: np.ndarray, wanted: np.ndarray, count: int) -> np.ndarray:
@@ -405,21 +385,13 @@ def closing_model(mechanism: Mechanism) -> ConfigurationModel:
     return model_of(mechanism, () if mechanism.platform_link is None else (PLATFORM["group"],))
 
 
-def joints_at_poses(mechanism: Mechanism, poses: np.ndarray) -> np.ndarray:
-    """Solve for the actuated joints (n, a) at platform poses (n, 7), the limbs as near to the
-    reference as Newton finds them; NaN where a limb does not reach the pose.
-    """
-    closing, values, closed = closed_at(closing_model(mechanism), poses)
-    return np.where(closed[:, None], closing.split(values)[1], np.nan)
-
-
 def closed_at(
     model: ConfigurationModel, poses: np.ndarray
 ) -> tuple[Closing, np.ndarray, np.ndarray]:
     """Close the joints at platform poses (n, 7), from the reference: the closing, its points, and
     which of them closed (n,).
     """
-    closing = Closing(model, np.zeros(0), held=("pose",))
+    closing = Closing(model, held=("pose",))
     return closing, *closing.close(with_poses(model.closure, poses))
 
 

@@ -29,29 +29,27 @@ import numpy as np
 from symkin.calibration.data.measurements import spread_rows
 from symkin.calibration.estimate.configurations import (
     Closing,
-    fit_passive,
     is_carried,
     start_points,
-    whole_poses,
-)
-from symkin.calibration.estimate.linear import (
-    UNTOLD,
-    WELL_TOLD,
-    Linear,
-    rounding_residual,
 )
 from symkin.calibration.estimate.problem import CalibrationProblem
 from symkin.calibration.estimate.residuals import Linearised
 from symkin.calibration.estimate.state import (
+    UNTOLD,
+    WELL_TOLD,
+    Linear,
     State,
     closed_state,
     evaluate,
     evaluate_at,
     joint_covariance,
     restored_after,
+    rounding_residual,
     state_after,
 )
+from symkin.numeric.levenberg import levenberg_marquardt
 from symkin.numeric.linear_algebra import largest_of
+from symkin.numeric.system import NOTHING
 
 _MINIMUM_DECREMENT = 1e-6
 """The iteration ends when one more step would gain less than this, in variances: next to nothing
@@ -63,9 +61,9 @@ configurations are closed to first order on the way.
 """
 _COST_ROUNDING = 1e-12
 """Share of the cost that counts as rounding of it."""
-_FIRST_DAMPING, _DAMPING_INCREASE, _DAMPING_DECREASE, _MAX_DAMPING = 1.0, 10.0, 0.1, 1e12
-"""Damping (in weights of the prior) after the first step that failed, its factors after one that
-fails and one that does not, and the damping at which no step is left.
+_DAMPING_INCREASE, _DAMPING_DECREASE, _MAX_DAMPING = 10.0, 0.1, 1e12
+"""Factors of the damping after a step that fails (it begins with the prior's weight) and one that
+does not, and the damping at which no step is left.
 """
 _MAX_UNSHRUNK_STEPS, _CONVERGED_STEP = 8, 1e-13
 """Most steps without the prior, and their length, of the size, at which they end."""
@@ -99,7 +97,7 @@ class Estimate:
     state: State
     status: str
     iterations: int
-    widened: float = 1.0
+    widened: float
 
 
 def estimate(
@@ -139,24 +137,31 @@ def parameters_at_poses(problem: CalibrationProblem) -> np.ndarray | None:
     measurement are unknown, and where the joints carry the platform.
     """
     model, m = problem.model, problem.measurements
-    given = np.isfinite(whole_poses(m, measured=True)[:, 0])
-    rows = int(np.sum(given)) * model.system.rows.shape[0]
+    given = np.isfinite(m.poses[:, 0])
+    rows = np.sum(given) * model.system.rows.shape[0]
     if is_carried(model.closure) or model.observes_through_frames or rows < len(model.names):
         return None
     chosen = np.flatnonzero(given)
     here = problem.of(chosen[spread_rows(len(chosen), _MAX_POSES)])
-    near, far = (partial(_moved_at_poses, here, by_rows=by_rows) for by_rows in (False, True))
+
+    def moved(by_rows: bool, state: State, step: np.ndarray) -> State | None:
+        """Take a step of the parameters; None where nothing finite is there."""
+        p = state.p + model.scales * step
+        found = _at_poses(here, p, state.z, _PASSIVE_STEPS, by_rows=by_rows)
+        return found if np.isfinite(found.cost) else None
+
+    near, far = (partial(moved, by_rows) for by_rows in (False, True))
     still, start = np.zeros(len(model.names)), start_points(model, here.measurements, measured=True)
     with np.errstate(all="ignore"):
         first = _at_poses(here, model.nominal, start, _MAX_PASSIVE_STEPS, by_rows=False)
-        search = _Search(here, near, first, widened=problem.widened, bends=False)
+        search = _Search(here, near, first, bends=False)
         if not np.isfinite(first.cost) or is_rounding(here, first):
             return None
         if search.run(_MAX_POSE_STEPS) == "ok":
             return search.state.p
         best, begin = search.state, far(first, still)
         if begin is not None:
-            other = _Search(here, far, begin, widened=problem.widened, bends=False)
+            other = _Search(here, far, begin, bends=False)
             other.run(_MAX_POSE_STEPS)
             last = near(other.state, still)
             best = best if last is None or last.cost > best.cost else last
@@ -166,11 +171,11 @@ def parameters_at_poses(problem: CalibrationProblem) -> np.ndarray | None:
 def _minimise(problem: CalibrationProblem, p: np.ndarray, z: np.ndarray, limit: int) -> Estimate:
     state = closed_state(problem, p, z)
     if is_rounding(problem, state):
-        return Estimate(state, "ok", 0)
-    search = _Search(problem, partial(state_after, problem), state, widened=problem.widened)
+        return Estimate(state, "ok", 0, 1.0)
+    search = _Search(problem, partial(state_after, problem), state)
     status = search.run(limit)
     best = closed_state(problem, search.state.p, search.state.z)
-    return Estimate(best, status, search.steps, search.widened)
+    return Estimate(best, status, search.steps, search.problem.widened)
 
 
 # --- at measured poses ----------------------------------------------------------------------------
@@ -185,26 +190,20 @@ def _at_poses(
     leads further, to where is near the estimate.
     """
     model, joints = problem.model, problem.joints
-    z = fit_passive(model, z, joints, p, steps)
+    closing, points = Closing(model, p, held=("joints", "pose")), np.hstack([joints, z])
+    if closing.freedom:
+        points = levenberg_marquardt(closing, points, NOTHING, max_iterations=steps).points
+        z = closing.split(points)[0]
     # poses that are measured are of one mode, whatever the geometry
     state = replace(evaluate(problem.by_means, p, z), determinant_signs=np.zeros(len(z)))
     if not by_rows:
         return state
     e = evaluate_at(problem, p, z)
-    passive = Closing(model, p, ("joints", "pose")).linearise(np.hstack([joints, z]))[1]
+    passive = closing.linearise(points)[1]
     project = np.eye(e.rows.shape[1]) - passive @ np.linalg.pinv(passive, rcond=1e-10)
-    usual = float(np.median((problem.readings.sigma * model.lengths)[problem.readings.taken]))
+    usual = np.median((problem.readings.sigma * model.lengths)[problem.readings.taken])
     rows = Linearised.of(e.rows / usual, project @ e.rows_p / usual)
     return replace(state, linearised=rows, leftover=None)
-
-
-def _moved_at_poses(
-    problem: CalibrationProblem, state: State, step: np.ndarray, *, by_rows: bool
-) -> State | None:
-    """Take a step of the parameters; None where nothing finite is there."""
-    p = state.p + problem.model.scales * step
-    found = _at_poses(problem, p, state.z, _PASSIVE_STEPS, by_rows=by_rows)
-    return found if np.isfinite(found.cost) else None
 
 
 # --- iteration ------------------------------------------------------------------------------------
@@ -212,8 +211,8 @@ def _moved_at_poses(
 
 @dataclass(eq=False)
 class _Search:
-    """The iteration: where it stands, how many steps it took, how much the prior was widened,
-    whether steps may bend with a valley, and whether one has gained less than it promised.
+    """The iteration: where it stands, how many steps it took, whether steps may bend with a
+    valley, and whether one has gained less than it promised. It widens the prior of its problem.
     """
 
     problem: CalibrationProblem
@@ -221,7 +220,6 @@ class _Search:
     state: State
     damping: float = 0.0
     steps: int = 0
-    widened: float = 1.0
     bends: bool = True
     is_curved: bool = False
 
@@ -232,9 +230,9 @@ class _Search:
             near = self._change <= _MAX_PRIOR_CHANGE
             if status != "ok" or self.problem.is_stated or near:
                 break
-            if self.widened >= _WIDENED**_MAX_WIDENINGS:
+            if self.problem.widened >= _WIDENED**_MAX_WIDENINGS:
                 break
-            self.widened *= _WIDENED
+            self.problem = replace(self.problem, widened=_WIDENED * self.problem.widened)
         if status == "ok" and not self.problem.is_stated:
             self._unshrink()
         return status
@@ -242,11 +240,11 @@ class _Search:
     def _descend(self, limit: int) -> str:
         """Iterate with the prior as wide as it is."""
         while True:
-            linear = Linear.of(self.problem, self.state, self.widened)
+            linear = Linear.of(self.problem, self.state)
             solver, weight = _Damped(linear), linear.weight
             if not solver.is_finite:
                 return "stalled"
-            met = _unmet(self.state) <= _LEFTOVER_TOLERANCE * self._size
+            met = _unmet(self.state) <= _LEFTOVER_TOLERANCE * self.problem.size
             if met and solver.decrement < _MINIMUM_DECREMENT * weight**2:
                 return "ok"
             if self.steps >= limit:
@@ -260,12 +258,12 @@ class _Search:
         """Take one step that lowers the cost, with as much damping as it needs; tell whether there
         is one.
         """
-        before = self._cost(self.state, weight)
+        before, unit = self._cost(self.state, weight), max(weight**2, 1e-300)
         furthest = _MAX_PRIOR_CHANGE + self._change
         while self.damping < _MAX_DAMPING:
             step, promised = solver.step(self.damping)
             trial = None
-            if largest_of(step / self._prior) < furthest:
+            if largest_of(step / self.problem.spread) < furthest:
                 step = self._along_valley(solver, step)
                 trial = restored_after(self.move, self.state, step)
                 self.steps += 1
@@ -275,17 +273,13 @@ class _Search:
                 if gained > _GOOD_GAIN:
                     self.damping *= _DAMPING_DECREASE
                 elif gained < _POOR_GAIN:
-                    self.damping = max(
-                        _POOR_INCREASE * self.damping, 0.1 * _FIRST_DAMPING * weight**2
-                    )
-                if self.damping < 1e-3 * _FIRST_DAMPING * weight**2:
+                    self.damping = max(_POOR_INCREASE * self.damping, 0.1 * unit)
+                if self.damping < 1e-3 * unit:
                     self.damping = 0.0
                 self.state = trial
                 return True
             self.is_curved = True
-            self.damping = max(
-                _DAMPING_INCREASE * self.damping, _FIRST_DAMPING * max(weight**2, 1e-300)
-            )
+            self.damping = max(_DAMPING_INCREASE * self.damping, unit)
         self.damping = 0.0
         return False
 
@@ -299,7 +293,8 @@ class _Search:
             return step
         rise = (near.linearised.vector - here.vector) / _PROBED - here.matrix @ step
         more = solver.against(here.matrix.T @ (2.0 / _PROBED * rise), self.damping)
-        units = np.where(np.isfinite(self._prior), self._prior, 1.0)
+        spread = self.problem.spread
+        units = np.where(np.isfinite(spread), spread, 1.0)
         most = _MAX_BEND * np.linalg.norm(step / units)
         return step + 0.5 * more if np.linalg.norm(more / units) <= most else step
 
@@ -310,9 +305,10 @@ class _Search:
         if not trial.is_in_mode_of(self.state):
             return False
         here, there = _unmet(self.state), _unmet(trial)
-        if there > max(_LEFTOVER_TOLERANCE * self._size, 0.5 * here):
+        least = _LEFTOVER_TOLERANCE * self.problem.size
+        if there > max(least, 0.5 * here):
             return False
-        return here > _LEFTOVER_TOLERANCE * self._size or self._cost(trial, weight) < before
+        return here > least or self._cost(trial, weight) < before
 
     def _unshrink(self) -> None:
         """Take the last steps: without the prior in the directions that readings tell by far,
@@ -320,7 +316,7 @@ class _Search:
         """
         last = np.inf
         for _ in range(_MAX_UNSHRUNK_STEPS):
-            linear = Linear.of(self.problem, self.state, self.widened)
+            linear = Linear.of(self.problem, self.state)
             told = linear.told()
             well, silent = told.ratios > WELL_TOLD, told.inner[:, told.ratios < UNTOLD]
             free, rest = told.inner[:, well], told.inner[:, ~well]
@@ -330,7 +326,7 @@ class _Search:
             matrix[: len(silent)] -= linear.jacobian @ silent @ silent.T
             y += rest @ np.linalg.lstsq(matrix @ rest, solver.right, rcond=None)[0]
             step = linear.particular + linear.basis @ y
-            length = largest_of(step) / self._size
+            length = largest_of(step) / self.problem.size
             if not _CONVERGED_STEP < length < 0.9 * last:
                 return
             trial = restored_after(self.move, self.state, step)
@@ -339,25 +335,13 @@ class _Search:
             self.state, last = trial, length
             self.steps += 1
 
-    @property
-    def _size(self) -> float:
-        return self.problem.size
-
     def _cost(self, state: State, weight: float) -> float:
-        return state.cost + float(np.sum((weight * self._over_prior(state)) ** 2))
-
-    def _over_prior(self, state: State) -> np.ndarray:
-        """Change of the parameters (P,) from nominal over the prior's standard deviations."""
-        return self.problem.over_prior(state.p) / self.widened
-
-    @property
-    def _prior(self) -> np.ndarray:
-        return self.widened * self.problem.prior
+        return state.cost + float(np.sum((weight * self.problem.over_prior(state.p)) ** 2))
 
     @property
     def _change(self) -> float:
         """The largest change of a parameter from nominal over its prior standard deviation."""
-        return largest_of(self._over_prior(self.state))
+        return largest_of(self.problem.over_prior(self.state.p))
 
 
 def _unmet(state: State) -> float:
@@ -379,7 +363,7 @@ class _Damped:
         if self.is_finite:
             self._free = self._solved(0.0, self.right)
             self._told = self.matrix @ self._free
-            self.decrement = float(self._told @ self._told)
+            self.decrement = self._told @ self._told
 
     def _solved(self, damping: float, right: np.ndarray) -> np.ndarray:
         weak = np.sqrt(damping) * np.diag(1.0 / self._lengths)[: None if damping > 0.0 else 0]

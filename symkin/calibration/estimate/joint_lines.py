@@ -135,8 +135,8 @@ def _steps(lines: Sequence[_Line], usual: Sequence[float]) -> list[_Row]:
         foot = p + reach * z
         turn = np.arctan2(np.cross(x, normal) @ z, x @ normal)
         alpha = np.arctan2(np.cross(z, w) @ normal, z @ w)
-        d, a = float((foot - origin) @ z), float((q - foot) @ normal)
-        made.append((float(turn), d, a, float(alpha)))
+        d, a = (foot - origin) @ z, (q - foot) @ normal
+        made.append((turn, d, a, alpha))
         x, origin = normal, foot + a * normal
     return made
 
@@ -144,8 +144,8 @@ def _steps(lines: Sequence[_Line], usual: Sequence[float]) -> list[_Row]:
 def _last_row(tool: Pose, row: _Row, *, modified: bool) -> _Row:
     """The row that leads nearest to a tool frame, seen from the frame before it."""
     turn, (x, y, d) = tool.turn(np.eye(3)), tool.position
-    theta = float(np.arctan2(turn[1, 0], turn[0, 0]))
+    theta = np.arctan2(turn[1, 0], turn[0, 0])
     if modified:
-        return (theta, float(d), *row[2:])
-    a = float(x * np.cos(theta) + y * np.sin(theta))
-    return (theta, float(d), a, float(np.arctan2(turn[2, 1], turn[2, 2])))
+        return (theta, d, *row[2:])
+    a = x * np.cos(theta) + y * np.sin(theta)
+    return (theta, d, a, np.arctan2(turn[2, 1], turn[2, 2]))

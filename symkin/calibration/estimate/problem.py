@@ -28,7 +28,8 @@ from symkin.calibration.data.parameters import (
 )
 from symkin.calibration.data.reference_motions import reference_motions
 from symkin.calibration.estimate.configuration_model import ConfigurationModel, build_model
-from symkin.calibration.estimate.residuals import FORMS, Form, Readings, build_readings
+from symkin.calibration.estimate.residuals import Readings, build_readings
+from symkin.calibration.options import FORMS, Form
 from symkin.computed_once import cached_property, lru_cache
 from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
@@ -89,9 +90,14 @@ class CalibrationProblem:
     def joints(self) -> np.ndarray:
         return self.measurements.joints
 
+    @property
+    def spread(self) -> np.ndarray:
+        """The prior's standard deviations (P,), as wide as they are."""
+        return self.widened * self.prior
+
     def over_prior(self, p: np.ndarray) -> np.ndarray:
         """Changes of the parameters (P,) from nominal over the prior's standard deviations."""
-        return (p - self.model.nominal) / self.model.scales / self.prior
+        return (p - self.model.nominal) / self.model.scales / self.prior / self.widened
 
     @property
     def is_large(self) -> bool:
@@ -103,12 +109,16 @@ class CalibrationProblem:
 
     @cached_property
     def parts(self) -> tuple[tuple[np.ndarray, CalibrationProblem], ...]:
-        """Numbers of configurations and the problem of these alone, members of a group together;
-        one part where the problem is not large.
+        """Numbers of configurations and the problem of these alone, members of a group together,
+        `PART_ROWS` or those of a group that has more; one part where the problem is not large.
         """
         if not self.is_large:
             return ((np.arange(len(self.measurements)), self),)
-        return tuple((rows, self.of(rows)) for rows in _split_rows(self.readings))
+        readings = self.readings
+        order = np.append(readings.order, np.flatnonzero(readings.group < 0)).astype(int)
+        heads = np.append(readings.begins, np.arange(len(readings.order), len(order))).astype(int)
+        cuts = heads[np.flatnonzero(np.diff(heads // PART_ROWS, prepend=0))]
+        return tuple((rows, self.of(rows)) for rows in np.split(order, cuts) if len(rows))
 
     def of(self, rows: np.ndarray) -> CalibrationProblem:
         """The problem of some configurations, by number or by mask."""
@@ -225,18 +235,6 @@ def prior_of(model: ConfigurationModel, tolerance: tuple[float, float] | None = 
     free = [not is_writable(name) for name in model.names]
     spread = [length if kind == "length" else angle for kind in model.kinds]
     return np.where(free, np.inf, np.array(spread) / model.scales)
-
-
-def _split_rows(readings: Readings) -> list[np.ndarray]:
-    """Split configurations, by number, into parts of `PART_ROWS`, or of a group where one has
-    more.
-    """
-    order = np.concatenate([readings.order, np.flatnonzero(readings.group < 0)]).astype(int)
-    heads = np.concatenate([readings.begins, np.arange(len(readings.order), len(order))]).astype(
-        int
-    )
-    cuts = heads[np.flatnonzero(np.diff(heads // PART_ROWS, prepend=0))]
-    return [rows for rows in np.split(order, cuts) if len(rows)]
 
 
 @lru_cache(maxsize=64)

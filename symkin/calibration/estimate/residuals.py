@@ -19,8 +19,7 @@ import numpy as np
 
 from symkin.calibration.data.measurements import Measurements
 from symkin.calibration.estimate.configuration_model import ConfigurationModel
-from symkin.calibration.options import FORMS as FORMS
-from symkin.calibration.options import Form as Form
+from symkin.calibration.options import Form
 from symkin.computed_once import cached_property
 from symkin.spatial.rotation import wrapped
 
@@ -55,14 +54,15 @@ class Readings:
     def taken(self) -> np.ndarray:
         return np.isfinite(self.sigma)
 
+    @property
+    def judged(self) -> np.ndarray:
+        """Configurations (n,) of which more was read than their group."""
+        return np.any(self.taken & ~self.grouped, axis=1)
+
     @cached_property
     def weight(self) -> np.ndarray:
         """1 / sigma, 0 where nothing was read."""
         return 1.0 / self.sigma
-
-    @cached_property
-    def targets(self) -> np.ndarray:
-        return np.nan_to_num(self.values)
 
     @cached_property
     def columns(self) -> np.ndarray:
@@ -72,7 +72,7 @@ class Readings:
     @cached_property
     def pair(self) -> slice:
         """The same as a slice: they stand together."""
-        return slice(int(self.columns[0]), int(self.columns[-1]) + 1)
+        return slice(self.columns[0], self.columns[-1] + 1)
 
     @cached_property
     def inside(self) -> np.ndarray:
@@ -121,7 +121,7 @@ def build_readings(model: ConfigurationModel, measurements: Measurements) -> Rea
         values=np.hstack(table),
         sigma=np.where(np.isfinite(np.hstack(table)), np.hstack(sigma), np.inf),
         turning=np.array([o.turning for o in model.channels for _ in o.components], dtype=bool),
-        grouped=np.array([kind == "group" for kind, _ in model.columns], dtype=bool),
+        grouped=model.grouped,
         group=group,
         first=first,
         known=all(reading.sigma is not None for _, reading in channels),
@@ -169,7 +169,7 @@ def deviations(readings: Readings, h: np.ndarray) -> np.ndarray:
     """Subtract readings: h - m (n, K), angles by the shorter way; in a group from its first
     configuration. 0 where nothing was read.
     """
-    gap = np.where(readings.taken, h - readings.targets, 0.0)
+    gap = np.where(readings.taken, h - np.nan_to_num(readings.values), 0.0)
     if readings.groups:
         first = readings.first[readings.group[readings.inside]]
         gap[readings.inside, readings.pair] -= h[first, readings.pair]

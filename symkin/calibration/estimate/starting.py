@@ -35,7 +35,6 @@ from symkin.calibration.estimate.configurations import (
     nearest_rows,
     newton_configurations,
     solve_configurations,
-    whole_poses,
 )
 from symkin.calibration.estimate.estimator import estimate
 from symkin.calibration.estimate.problem import CalibrationProblem, build_calibration
@@ -103,11 +102,10 @@ def with_starts(
     posed = set(MEASURING_FRAMES).isdisjoint(set(parameters or ()) - set(fixed))
     if is_carried(build_closure(mechanism)):
         return measurements
-    home = home_pose(mechanism)
-    m, starts = measurements, measurements.starts
-    starts = np.full((len(m), 7), np.nan) if starts is None else starts.copy()
-    bare = np.isnan(starts).any(axis=1) & (np.isnan(whole_poses(m)[:, 0]) | (not posed))
-    rows, read = np.flatnonzero(bare), whole_poses(m, measured=True)
+    m, home = measurements, home_pose(mechanism)
+    starts = np.full((len(m), 7), np.nan) if m.starts is None else m.starts.copy()
+    read = m.poses
+    rows = np.flatnonzero(np.isnan(starts).any(axis=1) & (np.isnan(read[:, 0]) | (not posed)))
     if not len(rows):
         return m
     starts[rows] = [*home.position, *home.quaternion]
@@ -146,10 +144,10 @@ def start_configurations(
         )
         if problem.mechanism.serial or model.observes_through_frames:
             return configurations
-        judged = np.any(problem.readings.taken & ~problem.readings.grouped, axis=1)
+        judged = problem.readings.judged
         if judged.any():
             # a whole measured pose is where the direct problem began, and so tells the mode
-            begun = np.isfinite(whole_poses(m, measured=True)[:, 0])
+            begun = np.isfinite(m.poses[:, 0])
             begun &= configurations.solved & (not is_carried(model.closure))
             return _Modes(problem, p, configurations).chosen(judged & ~begun)
         if problem.readings.groups and (
@@ -218,10 +216,8 @@ class _Modes:
     @property
     def doubtful(self) -> np.ndarray:
         """Which configurations (n,) may stand in another mode."""
-        readings = self.problem.readings
-        read = np.any(readings.taken & ~readings.grouped, axis=1)
-        known = self.gaps[read & np.isfinite(self.gaps)]
-        usual = float(np.median(known)) if len(known) else np.inf
+        known = self.gaps[self.problem.readings.judged & np.isfinite(self.gaps)]
+        usual = np.median(known) if len(known) else np.inf
         far = max(_DOUBTFUL_RATIO * usual, _MIN_DOUBTFUL_GAP * self.size)
         return ~(self.gaps <= min(_MAX_READING_GAP * self.size, far))
 
@@ -284,46 +280,40 @@ def _choose_branch(
     (mirror images) the one whose platform is highest.
     """
     m = problem.measurements
-    middle = int(nearest_rows(m.joints, np.mean(m.joints, axis=0)[None], 1)[0, 0])
-    points, _ = _all_modes(problem, p, np.array([middle]))
-    branches = [_branch(problem, p, middle, z) for z in points]
+    middle = nearest_rows(m.joints, np.mean(m.joints, axis=0)[None], 1)[0, 0]
+    begin = np.tile(m.joints[middle], (len(m), 1))
+
+    def branch(z: np.ndarray) -> SolvedConfigurations:
+        """Solve all configurations from the mode z of one, by following it to their joints."""
+        points = np.tile(z, (len(m), 1))
+        points = follow_joints(problem.model, points, begin, m.joints, p)
+        return newton_configurations(
+            problem.model, points, m.joints, p, tolerance=ROUGHLY_SOLVED_TOLERANCE
+        )
+
+    branches = [branch(z) for z in _all_modes(problem, p, np.array([middle]))[0]]
     most = max((b.solved.sum() for b in branches), default=0)
     whole = [b for b in branches if b.solved.sum() >= 0.9 * most]
     if not whole:
         return configurations
     if configurations.solved.all():
         whole.append(configurations)
-    worth = [_disagreement(problem, p, b) for b in whole]
+
+    def disagreement(b: SolvedConfigurations) -> float:
+        """By how much the inclinations of groups differ from their means, root mean square over
+        their standard deviations.
+        """
+        rows = np.flatnonzero(b.solved)
+        residuals = evaluate(problem.of(rows).by_means, p, b.z[rows]).linearised.residuals
+        return float(np.sqrt(np.mean(np.sum(residuals**2, axis=1)))) if len(rows) else np.inf
+
+    worth = [disagreement(b) for b in whole]
     equal = [b for b, w in zip(whole, worth, strict=True) if w <= _INDISTINCT_RATIO * min(worth)]
-    return max(equal, key=lambda b: _height(problem, p, b))
 
+    def height(b: SolvedConfigurations) -> float:
+        return float(np.mean(problem.model.poses(b.z[b.solved], m.joints[b.solved], p)[:, 2]))
 
-def _height(
-    problem: CalibrationProblem, p: np.ndarray, configurations: SolvedConfigurations
-) -> float:
-    solved, joints = configurations.solved, problem.joints
-    return float(np.mean(problem.model.poses(configurations.z[solved], joints[solved], p)[:, 2]))
-
-
-def _branch(
-    problem: CalibrationProblem, p: np.ndarray, first: int, z: np.ndarray
-) -> SolvedConfigurations:
-    """Solve all configurations from the mode z of one of them, by following it to their joints."""
-    model, joints = problem.model, problem.joints
-    begin = np.tile(joints[first], (len(joints), 1))
-    points = follow_joints(model, np.tile(z, (len(joints), 1)), begin, joints, p)
-    return newton_configurations(model, points, joints, p, tolerance=ROUGHLY_SOLVED_TOLERANCE)
-
-
-def _disagreement(
-    problem: CalibrationProblem, p: np.ndarray, configurations: SolvedConfigurations
-) -> float:
-    """Compute the root mean square by which the inclinations of groups differ from their means,
-    over their standard deviations.
-    """
-    rows = np.flatnonzero(configurations.solved)
-    fit = evaluate(problem.of(rows).by_means, p, configurations.z[rows]).linearised
-    return float(np.sqrt(np.mean(np.sum(fit.residuals**2, axis=1)))) if len(rows) else np.inf
+    return max(equal, key=height)
 
 
 # --- measuring frames -----------------------------------------------------------------------------
@@ -360,8 +350,7 @@ def fit_measuring_frames(
 
     trials = [fitted(start, _TRIAL_STEPS) for start in _frame_starts(few, z[rows], p[free])]
     best = sorted(trials, key=lambda trial: trial[0])[:_FOLLOWED_TRIALS]
-    ends = [fitted(near, _FINAL_STEPS) for _, near in best]
-    found = p.copy()
+    found, ends = p.copy(), [fitted(near, _FINAL_STEPS) for _, near in best]
     found[free] = min(ends, key=lambda end: end[0])[1]
     return found
 

@@ -14,6 +14,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -135,7 +136,7 @@ class Workspace:
     @cached_property
     def _joints(self) -> Closing:
         """The closing of joints for poses."""
-        return Closing(self._model, np.zeros(0), held=("pose",))
+        return Closing(self._model, held=("pose",))
 
     @property
     def lean(self) -> float:
@@ -186,9 +187,7 @@ class Workspace:
         that close at their reference alone.
         """
         size = self.mechanism.characteristic_length
-        apart = max(
-            float(np.max(np.ptp(v, axis=0), initial=0.0)) for v in (made.joints, made.poses)
-        )
+        apart = max(np.max(np.ptp(v, axis=0), initial=0.0) for v in (made.joints, made.poses))
         if len(made) > 1 and np.any(self.half > 0.0) and apart <= _SAME_PLACE * min(size, 1.0):
             raise InputError(
                 f"{self.mechanism.name}: it does not move; {len(made)} random postures are one: "
@@ -254,18 +253,6 @@ class Workspace:
         """Middles of the platforms (n, 3), from home's."""
         return moved_point(made.poses, self.centre) - self.home.apply(self.centre)
 
-    def at(
-        self, poses: np.ndarray, joints: np.ndarray, inclinations: np.ndarray | None
-    ) -> tuple[ClosedConfigurations, np.ndarray]:
-        """Close the configurations at poses (n, 7), or at joints (n, a) where these carry the
-        platform, turned to inclinations where they are given, and tell which of them are good;
-        limits do not count.
-        """
-        starts = with_poses(self.closure, poses)
-        if self.carried:
-            starts = self.at_joints(joints, starts)
-        return self.close(starts, inclinations, limits=False)
-
     def _starts(
         self, inclinations: np.ndarray, rng: np.random.Generator, edge: float
     ) -> np.ndarray:
@@ -294,11 +281,15 @@ class Workspace:
         """Ranges (a,) from which actuated joints are drawn: their limits, else about the
         reference.
         """
-        reach, ranges = DEFAULT_REACH * self.mechanism.characteristic_length, np.zeros((0, 2))
-        for c in self.mechanism.actuated:
-            swing = np.array([-1.0, 1.0]) * (_ARM_SWING if c.is_angular else reach)
-            ranges = np.vstack([ranges, c.limits or c.reference[0] + swing])
-        return ranges[:, 0], ranges[:, 1]
+        reach, sides = DEFAULT_REACH * self.mechanism.characteristic_length, np.array([-1.0, 1.0])
+        low, high = np.reshape(
+            [
+                c.limits or c.reference[0] + sides * (_ARM_SWING if c.is_angular else reach)
+                for c in self.mechanism.actuated
+            ],
+            (-1, 2),
+        ).T
+        return low, high
 
     # --- closing ----------------------------------------------------------------------------------
 
@@ -313,15 +304,18 @@ class Workspace:
             tilts = quaternion_from_euler(np.pad(inclinations, ((0, 0), (0, 1))).T, "xyz")
             level = multiply(self.home.quaternion, level_turn(self.mechanism))
             inclined = np.array(euler_from_quaternion(multiply(tilts, level), "xyz"))[:2].T
-        every = Closing(self._model, np.zeros(0), held=(), inclined=inclined)
+        every = Closing(self._model, held=(), inclined=inclined)
         with np.errstate(all="ignore"):
             values, closed = every.close(self._joints.close(starts)[0])
             z, joints = every.split(values)
-            _, rows_z = self._model.rows(z, joints, np.zeros(0))
-            made = ClosedConfigurations(values, joints, self._model.poses(z, joints, np.zeros(0)))
-            good = closed & self._regular(rows_z)
+            made = ClosedConfigurations(values, joints, self._model.poses(z, joints))
+            good = closed & self._regular(self._model.values("rows", z, joints)[1])
             if limits:
-                good &= self._within_limits(values)
+                good &= np.all(np.isfinite(values), axis=1)
+                for c in self.closure.coordinates:
+                    low, high = c.limits or (0.0, 0.0)
+                    column = values[:, self.closure.slices[c.name].start]
+                    good &= ~outside_limits(c, column, self.margin * (high - low))
         return made, good
 
     def at_joints(self, joints: np.ndarray, values: np.ndarray) -> np.ndarray:
@@ -329,42 +323,30 @@ class Workspace:
         variables there; not numbers where one is lost on the way, or does not come back to where it
         began: it has passed into another assembly mode. Of an arm the tool at its joints.
         """
-        nothing, size = np.zeros(0), self.closure.characteristic_length
+        follow, size = partial(follow_joints, self._model), self.closure.characteristic_length
         start, begin = self._joints.split(values)
         if not self.carried:
-            return Closing(self._model, nothing).newton(np.hstack([joints, start]), longest=np.inf)[
-                0
-            ]
-        start = follow_joints(self._model, start, begin, begin, nothing)
-        z = follow_joints(self._model, start, begin, joints, nothing)
-        rows, _ = self._model.rows(z, joints, nothing)
-        back = follow_joints(self._model, z, joints, begin, nothing)
+            points = np.hstack([joints, start])
+            return Closing(self._model).newton(points, longest=np.inf)[0]
+        start = follow(start, begin, begin)
+        z = follow(start, begin, joints)
+        rows, back = self._model.values("rows", z, joints)[0], follow(z, joints, begin)
         lost = ~(np.max(np.abs(rows), axis=1, initial=0.0) <= ROUGHLY_SOLVED_TOLERANCE * size)
         lost |= ~(np.max(np.abs(back - start), axis=1, initial=0.0) <= _SAME_PLACE * max(size, 1.0))
         return np.hstack([joints, np.where(lost[:, None], np.nan, z)])
 
-    def _within_limits(self, values: np.ndarray) -> np.ndarray:
-        good = np.all(np.isfinite(values), axis=1)
-        for c in self.closure.coordinates:
-            low, high = c.limits or (0.0, 0.0)
-            column = values[:, self.closure.slices[c.name].start]
-            good &= ~outside_limits(c, column, self.margin * (high - low))
-        return good
-
     @cached_property
-    def _at_home(self) -> tuple[float, float]:
-        """Sign of det F_z at home, 0 where F_z is not square or singular, and the condition of
-        F_z.
-        """
-        rows_z = _rows_at(self._model, self.home)
-        (side,), (condition,) = determinant_signs(rows_z), conditions(rows_z)
-        return (side if condition < _SINGULAR_CONDITION else 0.0), condition
+    def _at_home(self) -> np.ndarray:
+        """F_z (1, m, f) at home."""
+        return _rows_at(self._model, self.home)
 
     def _regular(self, rows_z: np.ndarray) -> np.ndarray:
-        side, condition = self._at_home
+        (side,), (condition,) = determinant_signs(self._at_home), conditions(self._at_home)
         regular = condition < _SINGULAR_CONDITION
         worst = _WORSE_CONDITION * condition if regular else _SINGULAR_CONDITION
-        return (conditions(rows_z) < worst) & (determinant_signs(rows_z) * side >= 0)
+        # a singular home has no side
+        beside = determinant_signs(rows_z) * side * regular >= 0
+        return (conditions(rows_z) < worst) & beside
 
 
 def platform_points(mechanism: Mechanism) -> np.ndarray:
@@ -374,17 +356,14 @@ def platform_points(mechanism: Mechanism) -> np.ndarray:
     link, points = judged_link(mechanism), []
     frame = mechanism.reference_pose if mechanism.platform_link is not None else Pose.identity()
     inverse = frame.inverse()  # points of joints are given at the reference
-    for edge in sorted(
-        edges_of(mechanism), key=lambda edge: not isinstance(edge.elements[0].part, Bar)
-    ):
-        part = edge.elements[0].part
-        if link in edge.ends and isinstance(part, Bar):
-            end = (part.start, part.end)[edge.ends.index(link)]
-            points.append(
-                np.array(end.point) if end.in_platform_frame else inverse.apply(np.array(end.point))
-            )
-        elif link in edge.ends:
-            points.append(inverse.apply(mechanism.places[edge.elements[0].name]))
+    own = [(edge.ends, edge.elements[0]) for edge in edges_of(mechanism) if link in edge.ends]
+    for ends, element in sorted(own, key=lambda each: not isinstance(each[1].part, Bar)):
+        if isinstance(bar := element.part, Bar):
+            end = (bar.start, bar.end)[ends.index(link)]
+            point = np.array(end.point)
+            points.append(point if end.in_platform_frame else inverse.apply(point))
+        else:
+            points.append(inverse.apply(mechanism.places[element.name]))
     points += [inverse.apply(np.array(p.point)) for p in mechanism.link_points if p.link == link]
     return np.array(points)
 
@@ -422,7 +401,7 @@ def _rows_at(model: ConfigurationModel, *poses: Pose) -> np.ndarray:
     """F_z (n, m, f) at poses, with the joints that lead there."""
     table = np.array([[*pose.position, *pose.quaternion] for pose in poses])
     closing, values, _ = closed_at(model, table)
-    return model.rows(*closing.split(values), closing.p)[1]
+    return model.values("rows", *closing.split(values))[1]
 
 
 def lever(mechanism: Mechanism) -> float:

@@ -1,7 +1,7 @@
 """Judge a fit by what it predicts: standard deviations of poses, whether the geometry is determined
 enough, and the readings of postures that were held out.
 
-The errors e of held-out readings (see `prediction`) have covariance S + J C J^T, so that e^T (S + J
+The errors e of held-out readings (see `statistics`) have covariance S + J C J^T, so that e^T (S + J
 C J^T)^-1 e has the chi-square distribution with as many degrees of freedom as readings were held
 out, less two for the unknown inclination of each group.
 """
@@ -13,6 +13,7 @@ import re
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
+from functools import partial
 
 import numpy as np
 
@@ -26,13 +27,14 @@ from symkin.calibration.estimate.starting import has_home
 from symkin.calibration.estimate.workspace import Workspace, home_pose, lever
 from symkin.calibration.judge.departure import judged_poses, less_frames, most_central
 from symkin.calibration.judge.outliers import MAX_OUTLIER_SHARE, OUTLIER_LEVEL
-from symkin.calibration.judge.prediction import (
+from symkin.calibration.judge.result import Calibration
+from symkin.calibration.judge.statistics import (
+    SIGNIFICANCE,
+    chi_square_tail,
     close_others,
     covariance_root,
     predict_readings,
 )
-from symkin.calibration.judge.result import Calibration
-from symkin.calibration.judge.statistics import SIGNIFICANCE, chi_square_tail
 from symkin.closure.closure import build_closure
 from symkin.errors import InputError, SymkinError
 from symkin.model.mechanism import Mechanism
@@ -111,7 +113,7 @@ def pose_sigma_at(
     known = covariance_root(fit.covariance, fit.problem)
     root = np.hstack([known, prior * fit.identifiability.drowned])
     sigma = np.linalg.norm(slopes @ root, axis=2)
-    spread = float(np.sqrt(np.mean(np.sum(sigma[:, :3] ** 2, axis=1)))) / prior
+    spread = np.sqrt(np.mean(np.sum(sigma[:, :3] ** 2, axis=1))) / prior
     moved = largest_of(slopes @ fit.identifiability.blind)
     read = fit.measurements.joints[list(fit.used)]
     outside = np.any((made.joints < read.min(axis=0)) | (made.joints > read.max(axis=0)), axis=1)
@@ -139,10 +141,10 @@ def _measured_region(
     if not identified.serial:
         observing = build_closure(identified, fit.problem.model.closure.partition)
         measured = many_elsewhere(closure, observing, np.hstack([joints, fit.state.z]))
-    if not identified.serial and not is_carried(closure):
-        poses = judged_poses(fit.problem, fit.state.p, fit.state.z, joints)
-        central = poses[most_central(poses[:, 3:])]
-        home = Pose(central[:3], central[3:])
+        if not is_carried(closure):
+            poses = judged_poses(fit.problem, fit.state.p, fit.state.z, joints)
+            central = poses[most_central(poses[:, 3:])]
+            home = Pose(central[:3], central[3:])
     solver = Workspace.about(identified, start=home)
     first, second = rng.integers(len(measured), size=(2, _DRAWN_POSES))
     share, (a, b) = rng.uniform(0.0, 1.0, (_DRAWN_POSES, 1)), measured[[first, second]]
@@ -243,12 +245,10 @@ def draw_held_out(measurements: Measurements, count: int, seed: int) -> np.ndarr
     `count` of them or just more; none without a reading beside the joints. Raises InputError where
     nothing is left.
     """
-    groups = (
-        np.full(len(measurements), NO_GROUP) if measurements.groups is None else measurements.groups
-    )
-    left, held = measurements.is_read, np.zeros(len(measurements), dtype=bool)
+    groups, left = measurements.group_of, measurements.is_read
+    held = np.zeros(len(left), dtype=bool)
     for k in np.random.default_rng([seed, len(measurements)]).permutation(len(measurements)):
-        if left[k] and not held[k] and int(held.sum()) < count:
+        if left[k] and not held[k] and held.sum() < count:
             held |= (groups == groups[k]) if groups[k] != NO_GROUP else np.arange(len(held)) == k
     if not np.any(left & ~held):
         raise InputError(
@@ -262,25 +262,31 @@ def predict_held_out(fit: Calibration, measurements: Measurements, seed: int) ->
     """Predict held-out configurations by a fit; their direct problems begin at their neighbours'
     solutions.
     """
-    labels = measurements.labels
     problem, z, solved = close_others(fit.problem, fit.state, measurements, seed)
-    unsolved = tuple(labels[int(k)] for k in np.flatnonzero(~solved))
+    lost = HeldOut(tuple(measurements.labels), measurements.named(~solved), seed)
     if not len(z):
-        return HeldOut(tuple(labels), unsolved, seed)
-    root = covariance_root(fit.covariance, fit.problem)
-    known = fit.problem.readings.known
-    factor = 1.0 if known else max(fit.chi_square / max(fit.degrees, 1), 1e-300)
-    made = clean = predict_readings(problem, fit.state.p, z, root, factor)
+        return lost
+    root, factor = covariance_root(fit.covariance, fit.problem), 1.0
+    if not fit.problem.readings.known:
+        factor = max(fit.chi_square / max(fit.degrees, 1), 1e-300)
+    predict = partial(predict_readings, problem, fit.state.p, z, root, factor)
+    left = None if fit.problem.readings.known else fit.degrees
+
+    def probability(chi_square: float, degrees: int) -> float | None:
+        tested = degrees > 0 and fit.degrees > 0
+        return chi_square_tail(chi_square, degrees, left) if tested else None
+
+    made = clean = predict()
     taken, group, kept = problem.readings.taken, problem.readings.group, np.ones(len(z), dtype=bool)
     level = 1.0 - (1.0 - OUTLIER_LEVEL) ** (1.0 / len(z))
     chances = [
-        _probability(fit, made.chi_square(np.array([k])), int(count))
+        probability(made.chi_square(np.array([k])), int(count))
         for k, count in enumerate(np.sum(taken, axis=1))
     ]
     off = np.array([chance is not None and chance < level for chance in chances])
     if 0 < np.sum(off) <= MAX_OUTLIER_SHARE * len(z):
         kept = ~off
-        clean = predict_readings(problem, fit.state.p, z, root, factor, kept)
+        clean = predict(kept)
     degrees = int(np.sum(taken[kept])) - 2 * len(set(group[kept].tolist()) - {-1})
     chi_square = clean.chi_square(kept)
     squares, expected = made.errors**2, np.diagonal(made.covariance, axis1=1, axis2=2)
@@ -290,20 +296,12 @@ def predict_held_out(fit: Calibration, measurements: Measurements, seed: int) ->
         {kind: float(np.sqrt(np.mean(v[some]))) for kind, some in inside.items() if some.any()}
         for v in (squares, expected)
     )
-    return HeldOut(
-        tuple(labels),
-        unsolved,
-        seed,
-        rms,
-        expectation,
-        chi_square,
-        degrees,
-        _probability(fit, chi_square, degrees),
-        tuple(problem.measurements.labels[int(k)] for k in np.flatnonzero(~kept)),
+    return replace(
+        lost,
+        rms=rms,
+        expected=expectation,
+        chi_square=chi_square,
+        degrees=degrees,
+        p_value=probability(chi_square, degrees),
+        outliers=problem.measurements.named(~kept),
     )
-
-
-def _probability(fit: Calibration, chi_square: float, degrees: int) -> float | None:
-    if degrees <= 0 or fit.degrees <= 0:
-        return None
-    return chi_square_tail(chi_square, degrees, None if fit.problem.readings.known else fit.degrees)

@@ -20,7 +20,6 @@ from symkin.calibration.data.measurements import Measurements
 from symkin.calibration.data.parameters import is_writable, nominal_parameters, with_parameters
 from symkin.calibration.estimate.configuration_model import build_model
 from symkin.calibration.estimate.configurations import newton_configurations, outside_limits
-from symkin.calibration.estimate.linear import told_directions
 from symkin.calibration.estimate.problem import CalibrationProblem
 from symkin.calibration.estimate.robust import EFFICIENCY
 from symkin.calibration.estimate.state import (
@@ -29,6 +28,7 @@ from symkin.calibration.estimate.state import (
     evaluate,
     joint_covariance,
     readings_at,
+    told_directions,
 )
 from symkin.calibration.judge.departure import measure_departure
 from symkin.calibration.judge.identifiability import identifiability_at
@@ -69,14 +69,20 @@ def build_result(
     whether the outliers were left out.
     """
     problem = found.problem
-    state, reason = read_back(problem, found.result.state)
+    state, reason = read_back(problem, found.state)
     told = told_directions(problem, state)
     model, known = linear_model(problem, state, told), problem.readings.known
-    chi_square = model.chi_square_as_is
+    # of the parameters as they are, without the step that the projection stands for
+    chi_square = model.chi_square + model.within_reach
     spread = 1.0 if known else chi_square / max(model.degrees, 1)
     used = 1.0 if found.loss == "squared" else EFFICIENCY
     free = spread / used * covariance(problem, state, told)
     crossed = found.used[state.determinant_signs * found.start_signs < 0]
+    # where the form that was minimised leaves joint noise or correlation out of account, what the
+    # parameters could still take away of chi-square is no misfit
+    plain = problem.form == "means" and problem.measurements.joint_sigma is None
+    efficient = problem.form == "maximum likelihood" or plain
+    tested = chi_square if efficient else model.chi_square
     calibration = Calibration(
         mechanism=problem.mechanism,
         measurements=measurements,
@@ -89,23 +95,17 @@ def build_result(
         degrees=model.degrees,
         departure=measure_departure(problem, state),
         any_machine=found.any_machine,
-        p_value=chi_square_tail(_tested_chi_square(problem, model), model.degrees)
-        if known and model.degrees > 0
-        else None,
+        p_value=chi_square_tail(tested, model.degrees) if known and model.degrees > 0 else None,
         identifiability=identifiability_at(problem, state, told.weight),
-        outliers=screening.outliers,
-        unchecked=screening.unchecked,
         used=tuple(found.used.tolist()),
         unsolved=tuple(found.unsolved.tolist()),
         changed_mode=tuple(crossed.tolist()),
         poses=problem.model.poses(state.z, problem.joints, state.p),
-        status=found.result.status,
-        iterations=found.result.iterations,
-        given_up=screening.given_up,
-        silent=tuple(found.silent.tolist()),
-        refused=reason,
+        status=found.status,
+        iterations=found.iterations,
+        silent=tuple(found.silent),
+        **vars(replace(screening, refused=reason or screening.refused)),
     )
-    left_out = [n for n in problem.names if not is_writable(n)]
     notes = [*found.notes, *fit_notes(calibration, removed=removed)]
     bent = ~(curvature(problem, state, told, spread) < DOUBTFUL_CURVATURE)
     if bent.any() and not is_exact(calibration):
@@ -115,22 +115,11 @@ def build_result(
             f"in the parameters within them; "
             "choose postures that tell these parameters better, or hold some"
         )
-    if left_out:
+    if left_out := [n for n in problem.names if not is_writable(n)]:
         notes.append(
             f"a mechanism file has no place for {', '.join(left_out)}: apply them to the readings"
         )
     return replace(calibration, notes=tuple(notes))
-
-
-def _tested_chi_square(problem: CalibrationProblem, model: LinearModel) -> float:
-    """Return the statistic that has the chi-square distribution: where the form that was minimised
-    leaves joint noise or correlation out of account, what the parameters could still take away of
-    it is no misfit.
-    """
-    efficient = problem.form == "maximum likelihood" or (
-        problem.form == "means" and problem.measurements.joint_sigma is None
-    )
-    return model.chi_square_as_is if efficient else model.chi_square
 
 
 def _parameters(
@@ -236,12 +225,12 @@ def _faults(
         if np.any(beyond < 0.0):
             yield (
                 f"the rod of {c.name} would have a negative length at {_row_names(m, beyond < 0)}, "
-                f"down to {float(np.min(beyond)):.4g} {found.length_unit}"
+                f"down to {np.min(beyond):.4g} {found.length_unit}"
             )
     model, p = build_model(found, m, tuple(beside)), np.array(list(beside.values()))
     z, solved = newton_configurations(model, state.z, m.joints, p)
     if not solved.all():
-        has = "has" if int(np.sum(~solved)) == 1 else "have"
+        has = "has" if np.sum(~solved) == 1 else "have"
         yield f"{_row_names(m, ~solved)} {has} no solution at the geometry that would be written"
     for c, place in zip(model.system.unknowns, model.system.slices, strict=True):
         if c.width == 1 and c in model.closure.role("passive"):
@@ -275,5 +264,4 @@ def _disagreements(problem: CalibrationProblem, state: State, of_file: np.ndarra
 
 def _row_names(m: Measurements, which: np.ndarray) -> str:
     """Name rows: 'posture line 3, line 9 and 12 more'."""
-    labels = [m.labels[k] for k in np.flatnonzero(which).tolist()]
-    return f"posture {first_of(labels, 3)}"
+    return f"posture {first_of(m.named(which), 3)}"

@@ -63,10 +63,14 @@ def measure_departure(problem: CalibrationProblem, state: State) -> Departure:
     z, closed = newton_configurations(
         problem.model, state.z[rows], joints, nominal, tolerance=ROUGHLY_SOLVED_TOLERANCE
     )
-    here, there = (
-        _middles(problem, judged_poses(problem, p, points, joints))
-        for p, points in ((state.p, state.z[rows]), (nominal, z))
-    )
+    centre = np.mean(platform_points(problem.mechanism), axis=0)
+
+    def middles(p: np.ndarray, points: np.ndarray) -> np.ndarray:
+        """Poses (n, 7) with the place of the middle of the platform's joint points."""
+        poses = judged_poses(problem, p, points, joints)
+        return np.hstack([moved_point(poses, centre), poses[:, 3:]])
+
+    here, there = middles(state.p, state.z[rows]), middles(nominal, z)
     whole = np.all(np.isfinite(here), axis=1)
     unclosed, count = int(np.sum(whole & ~closed)), int(np.sum(whole))
     closed &= whole
@@ -116,12 +120,6 @@ def less_frames(values: np.ndarray, poses: np.ndarray, length: float) -> np.ndar
 def most_central(turns: np.ndarray) -> int:
     """Find, of unit quaternions (n, 4), that with the largest sum of squared cosines to all."""
     return int(np.argmax(np.sum((turns @ (turns.T @ turns)) * turns, axis=1)))
-
-
-def _middles(problem: CalibrationProblem, poses: np.ndarray) -> np.ndarray:
-    """Poses (n, 7) with the place of the middle of the platform's joint points."""
-    centre = np.mean(platform_points(problem.mechanism), axis=0)
-    return np.hstack([moved_point(poses, centre), poses[:, 3:]])
 
 
 def _difference(poses: np.ndarray, others: np.ndarray) -> np.ndarray:

@@ -34,11 +34,12 @@ from symkin.calibration.estimate.configurations import (
     solve_configurations,
 )
 from symkin.calibration.estimate.joint_lines import NEARLY_PARALLEL, parallel_axes
-from symkin.calibration.estimate.linear import UNTOLD, WELL_TOLD, Linear
 from symkin.calibration.estimate.problem import CalibrationProblem, build_calibration
 from symkin.calibration.estimate.state import (
+    UNTOLD,
+    WELL_TOLD,
+    Linear,
     State,
-    design,
     error_free_state,
     evaluate,
     spectrum,
@@ -126,8 +127,8 @@ class Identifiability:
     @property
     def condition(self) -> float:
         """Largest over smallest kept singular value."""
-        last = self.singular_values[self.rank - 1] if self.rank else 0.0
-        return float(self.singular_values[0] / last) if self.rank else float("inf")
+        values = self.singular_values
+        return float(values[0] / values[self.rank - 1]) if self.rank else float("inf")
 
 
 def identifiability(
@@ -135,7 +136,7 @@ def identifiability(
 ) -> Identifiability:
     """Determine the identifiability at the nominal geometry, over the configurations whose direct
     problem is solved there; `options` are those of `build_calibration`. Where standard deviations
-    are known, what the readings tell ten times worse than the prior (see `estimate.linear`) counts
+    are known, what the readings tell ten times worse than the prior (see `estimate.state`) counts
     as not told.
     """
     problem = build_calibration(mechanism, measurements, **options)
@@ -186,11 +187,11 @@ def _told(
     (P, k) of which the readings tell nothing beside the prior, and those of which they tell little,
     named.
     """
-    values, blind = spectrum(design(state))
+    values, blind = spectrum(state)
     null_space = blind
     if weight == 0.0:
         return values, blind, null_space, ()
-    told = replace(Linear.of(problem, state, problem.widened), weight=weight).told()
+    told = replace(Linear.of(problem, state), weight=weight).told()
     ratios, directions = told.ratios, told.columns
     untold = ratios < UNTOLD
     if np.sum(untold) > null_space.shape[1]:
@@ -282,7 +283,7 @@ def _sparse_directions(null_space: np.ndarray) -> list[np.ndarray]:
         if len(pivots) == count:
             found.extend((null_space @ np.linalg.inv(null_space[pivots])).T)
     found = [v / np.linalg.norm(v) for v in found]
-    return sorted(found, key=lambda v: int(np.sum(np.abs(v) > 1e-6)))
+    return sorted(found, key=lambda v: np.sum(np.abs(v) > 1e-6))
 
 
 def _combination(names: Sequence[str], direction: np.ndarray) -> str:
@@ -291,7 +292,7 @@ def _combination(names: Sequence[str], direction: np.ndarray) -> str:
     """
     order = np.argsort(-np.abs(direction), kind="stable")
     weights = direction / direction[order[0]]
-    kept = [int(k) for k in order if abs(weights[k]) > 1e-6]
+    kept = [k for k in order if abs(weights[k]) > 1e-6]
     text = ""
     for k in kept[:_MAX_LISTED_PARAMETERS]:
         size = "" if abs(abs(weights[k]) - 1) < 1e-4 else f"{abs(weights[k]):.3g} "
@@ -316,11 +317,8 @@ def _advice(
     )
     turns = problem.model.poses(state.z, problem.joints, state.p)[:, 3:].T
     angles = euler_from_quaternion(turns, "xyz").T
-    if (
-        unusual
-        and readings.groups
-        and np.all(np.ptp(angles[readings.first, :2], axis=0) < _SAME_ANGLE)
-    ):
+    inclinations = angles[readings.first, :2]
+    if unusual and readings.groups and np.all(np.ptp(inclinations, axis=0) < _SAME_ANGLE):
         yield (
             "all groups have the same inclination; add groups at other inclinations (a wedge "
             "under the inclinometer)"
@@ -382,7 +380,7 @@ def named_motions(model: ConfigurationModel, p: np.ndarray) -> Iterator[tuple[st
         # shares of freedoms that move the held parameters as this change does
         shares = np.linalg.lstsq(basis[~free], direction[~free], rcond=1e-10)[0]
         made = direction - basis @ shares
-        length = float(np.linalg.norm(made))
+        length = np.linalg.norm(made)
         if length > 0.0 and np.linalg.norm(made[~free]) <= _HELD_STILL * length:
             yield text, made[order] / length
 
@@ -397,23 +395,38 @@ def all_values(model: ConfigurationModel, p: np.ndarray) -> Velocity:
 
 
 def _all_motions(model: ConfigurationModel, values: Velocity) -> Iterator[tuple[str, Velocity]]:
-    if model.mechanism.dh is None:
-        yield from _frame_motions(model.mechanism, values)
-    table = nominal_parameters(model.mechanism, model.read)
+    mechanism = model.mechanism
+    if mechanism.dh is None:
+        # base and platform frame by unit twists (t, w)
+        links = {BASE, *(p.link for p in mechanism.link_points)}
+        links |= {link for edge in edges_of(mechanism) for link in edge.ends}
+        for k, (text, *_) in enumerate(frame_names(mechanism)):
+            twist = np.eye(6)[k % 6]
+            if k < 6:
+                yield text, moved(mechanism, values, dict.fromkeys(links, twist))
+            else:
+                yield text, _platform_moved(mechanism, values, twist)
+    table = nominal_parameters(mechanism, model.read)
     stretched = {
         name: value
         for name, value in values.items()
         if table.get(name, ("", ""))[1] == "length" and name not in MEASURING_FRAMES
     }
     yield "size of the whole mechanism", stretched
-    lengths = [c.name for c in model.mechanism.actuated if not c.is_angular]
+    lengths = [c.name for c in mechanism.actuated if not c.is_angular]
     lengths += [o.name for o in model.channels if o.kind == "joint" and not o.angular]
     if lengths:
         yield (
             "size of the whole mechanism with the factors of all length readings",
             stretched | {f"{name}.scale": 1.0 for name in lengths},
         )
-    yield from _parallel_offsets(model.mechanism, values)
+    # the offset of an axis that is parallel to the next to rounding moves the tool as its does
+    for k, twist in parallel_axes(mechanism, values, 1e-12):
+        yield (
+            f"parallel axes {_axes_named(mechanism, k)}: only the sum of their offsets "
+            f"dh.{k}.d and dh.{k + 1}.d is told",
+            {f"dh.{k}.d": 1.0, f"dh.{k + 1}.d": -1.0 if np.cos(twist) > 0 else 1.0},
+        )
 
 
 # --- frames ---------------------------------------------------------------------------------------
@@ -436,17 +449,6 @@ def frame_names(mechanism: Mechanism) -> Iterator[tuple[str, str, str]]:
             yield f"{frame} frame {turn}", beside, mixed
 
 
-def _frame_motions(mechanism: Mechanism, values: Velocity) -> Iterator[tuple[str, Velocity]]:
-    """Move base and platform frame by unit twists (t, w)."""
-    links = {link for edge in edges_of(mechanism) for link in edge.ends}
-    links |= {BASE, *(p.link for p in mechanism.link_points)}
-    texts = [text for text, *_ in frame_names(mechanism)]
-    for text, twist in zip(texts, np.eye(6), strict=False):
-        yield text, moved(mechanism, values, dict.fromkeys(links, twist))
-    for text, twist in zip(texts[6:], np.eye(6), strict=True):
-        yield text, _platform_moved(mechanism, values, twist)
-
-
 def _platform_moved(mechanism: Mechanism, values: Velocity, twist: np.ndarray) -> Velocity:
     """Move the platform frame by a twist in its own axes; what is given in it moves the other
     way.
@@ -462,18 +464,6 @@ def _platform_moved(mechanism: Mechanism, values: Velocity, twist: np.ndarray) -
 
 
 # --- parallel axes --------------------------------------------------------------------------------
-
-
-def _parallel_offsets(mechanism: Mechanism, values: Velocity) -> Iterator[tuple[str, Velocity]]:
-    """Shift the offset d of an axis that is parallel to the next to rounding against that one's:
-    both move the tool alike.
-    """
-    for k, twist in parallel_axes(mechanism, values, 1e-12):
-        yield (
-            f"parallel axes {_axes_named(mechanism, k)}: only the sum of their offsets dh.{k}.d "
-            f"and dh.{k + 1}.d is told",
-            {f"dh.{k}.d": 1.0, f"dh.{k + 1}.d": -1.0 if np.cos(twist) > 0 else 1.0},
-        )
 
 
 def nearly_parallel(mechanism: Mechanism, values: Velocity) -> tuple[str, ...]:

@@ -18,7 +18,7 @@ import numpy as np
 from symkin.calibration.data.files import DataFile, euler_quaternions
 from symkin.calibration.data.measurements import Measurements, spread_rows
 from symkin.calibration.data.observables import PLATFORM, Observable, written
-from symkin.calibration.estimate.configurations import joints_at_poses, whole_poses
+from symkin.calibration.estimate.configurations import closed_at, closing_model
 from symkin.calibration.estimate.state import readings_at
 from symkin.calibration.judge.statistics import rms_of_better_part
 from symkin.calibration.judge.trials import (
@@ -182,22 +182,15 @@ def diagnose_labels(case: Case) -> tuple[str, ...]:
     return tuple(_sentences(case, "labels"))
 
 
-def nominal_misfit(case: Case) -> float:
-    """How far the readings of some rows are off at the nominal geometry (length unit)."""
-    return math.sqrt(case.examined.trial().score)
-
-
 def _sentences(case: Case, stage: str) -> list[str]:
     """What a stage finds: the sentences of the first rule that the readings alone show, else of all
     mistakes that explain the readings far better if they are put right, best first.
     """
-    judged: list[tuple[str, Measurements]] = []
+    judged: list[Finding] = []
     for rule in (rule for rule in RULES if rule.stage == stage):
-        findings = [*rule.find(case)]
-        shown = [text for text, changed in findings if changed is None]
-        if shown:
+        judged += rule.find(case)
+        if shown := [text for text, changed in judged if changed is None]:
             return shown
-        judged += [(text, changed) for text, changed in findings if changed is not None]
     if not judged:
         return []
     as_read, unit = case.trial(), case.mechanism.length_unit
@@ -427,7 +420,7 @@ def _joints_at_rest(case: Case) -> Iterator[Finding]:
         most = 1.0 if angular else np.minimum(m.characteristic_length, 10.0 * mean)
         if len(values) < 2 or not np.all(spread <= _REST_SPREAD * most):
             return
-        widest = float(np.max(spread))
+        widest = np.max(spread)
         said.append(case.angle(widest) if angular else f"{widest:.3g} {m.length_unit}")
     yield (
         f"the posture never changes: the joint readings spread by {' and '.join(said)} only; one "
@@ -454,8 +447,8 @@ def _out_of_proportion(values: np.ndarray) -> tuple[float, float]:
     """Decades by which the spread lies outside its usual range, or the mean above it, none where a
     joint does not move; and the spread.
     """
-    spread = float(np.median(np.std(values, axis=0)))
-    mean = float(np.median(np.abs(np.mean(values, axis=0))))
+    spread = np.median(np.std(values, axis=0))
+    mean = np.median(np.abs(np.mean(values, axis=0)))
     low, high = _USUAL_SPREAD
     if np.any(np.ptp(values, axis=0) == 0.0):
         return 0.0, spread
@@ -472,7 +465,7 @@ def _reordered_joints(case: Case) -> Iterator[Finding]:
     fit best. Elsewhere exchanges and signs are taken one after the other.
     """
     (block,), m = _joints(case), case.measurements
-    poses = np.isfinite(whole_poses(m, measured=True)[:, 0])
+    poses = np.isfinite(m.poses[:, 0])
     by_poses = not case.mechanism.serial and len(block.names) <= _MAX_ASSIGNED_JOINTS
     if by_poses and sum(poses) >= _MIN_WHOLE_POSES:
         holds = _assigned_columns(case.subset(np.array(poses)), block)
@@ -490,9 +483,8 @@ def _assigned_columns(case: Case, block: Block) -> np.ndarray:
     best, each column once.
     """
     angular = np.array(block.angular)
-    poses = np.array(whole_poses(case.measurements, measured=True))
-    values = joints_at_poses(case.mechanism, poses)
-    reached = np.all(np.isfinite(values), axis=1)
+    closing, points, reached = closed_at(closing_model(case.mechanism), case.measurements.poses)
+    values = closing.split(points)[1]
     if not reached.any():
         return np.arange(1, len(angular) + 1)
     read = np.multiply.outer([1.0, -1.0], case.measurements.joints[reached].T)
@@ -501,7 +493,7 @@ def _assigned_columns(case: Case, block: Block) -> np.ndarray:
     off = np.apply_along_axis(rms_of_better_part, -1, gap**2)
     cost = np.where(angular[:, None] == angular, off**2, np.inf)
     each, orders = np.arange(len(angular)), np.array([*permutations(range(len(angular)))])
-    order = orders[int(np.argmin(np.sum(np.min(cost, axis=0)[each, orders], axis=1)))]
+    order = orders[np.argmin(np.sum(np.min(cost, axis=0)[each, orders], axis=1))]
     signs = 1 - 2 * np.argmin(cost, axis=0)[each, order]
     return signs * (order + 1)
 
@@ -534,15 +526,13 @@ def _describe_order(names: Sequence[str], order: np.ndarray, signs: np.ndarray) 
     reversed'; nothing where all stand as they should.
     """
     holds = np.argsort(order)  # column order[j] holds joint j
-    moved = [k for k, held in enumerate(holds) if held != k]
     parts = []
-    if moved:
+    if moved := [k for k, held in enumerate(holds) if held != k]:
         parts.append(
             f"the columns {', '.join(names[k] for k in moved)} look exchanged: they seem to hold "
             f"{', '.join(names[holds[k]] for k in moved)}"
         )
-    turned = [names[k] for k, sign in zip(order, signs, strict=True) if sign < 0]
-    if turned:
+    if turned := [names[k] for k, sign in zip(order, signs, strict=True) if sign < 0]:
         several = len(turned) > 1
         parts.append(
             f"the sign{'s' * several} of {', '.join(turned)} look{'s' * (not several)} reversed"
@@ -577,12 +567,12 @@ def _wrong_labels(case: Case) -> Iterator[Finding]:
         # the member that a good part of the others is nearest to: a mean of two groups is in none
         off[own] = inside[np.argmin(np.quantile(inside, _GROUP_PART, axis=1))]
     k = _COMPARED_NEIGHBOURS
-    near = float(np.median([np.partition(_apart(at, row), k)[k] for row in at]))
-    usual = float(np.median(off))
+    near = np.median([np.partition(_apart(at, row), k)[k] for row in at])
+    usual = np.median(off)
     out = np.flatnonzero(off > _OUTSTANDING_RATIO * usual)
     rest = np.setdiff1d(np.flatnonzero(np.isin(group, group[out])), out)
-    named, others = (first_of([m.labels[members[k]] for k in rows]) for rows in (out, rest))
-    most, half = case.angle(float(np.max(off, initial=0.0))), "at the nominal geometry half of the"
+    named, others = (first_of(m.named(members[rows])) for rows in (out, rest))
+    most, half = case.angle(np.max(off, initial=0.0)), "at the nominal geometry half of the"
     tail = f"from the others of the group; {half} postures are within {case.angle(usual)}"
     if usual > _SCATTER_RATIO * near:
         yield (

@@ -15,7 +15,7 @@ that agrees with it is put back.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -29,18 +29,16 @@ from symkin.calibration.estimate.estimator import Estimate
 from symkin.calibration.estimate.problem import CalibrationProblem
 from symkin.calibration.estimate.residuals import only_rounding
 from symkin.calibration.estimate.robust import normalised_residuals, robust_estimate
-from symkin.calibration.judge.prediction import (
-    Prediction,
-    close_others,
-    covariance_root,
-    predict_readings,
-)
 from symkin.calibration.judge.statistics import (
     SIGNIFICANCE,
     LinearModel,
+    Prediction,
     chi_square_tail,
+    close_others,
     covariance,
+    covariance_root,
     linear_model,
+    predict_readings,
 )
 
 OUTLIER_LEVEL = 0.02
@@ -102,43 +100,23 @@ class Screening:
 
 
 @dataclass(frozen=True, eq=False)
-class Fit:
+class Fit(Estimate):
     """An estimate over the configurations `used`, those `unsolved`, the sign of det F_z of each
     used one where the estimation began, and configurations without a reading, `silent`.
     """
 
     problem: CalibrationProblem
-    result: Estimate
     used: np.ndarray
     unsolved: np.ndarray
     start_signs: np.ndarray
     notes: tuple[str, ...] = ()
-    silent: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=int))
+    silent: Sequence[int] = ()
     loss: str = "squared"
     any_machine: bool = False
 
 
-@dataclass(frozen=True, eq=False)
-class StartValues:
-    """Where a fit starts: parameters p, and unknown coordinates (n, width) of all configurations,
-    NaN where none are known.
-    """
-
-    p: np.ndarray
-    z: np.ndarray
-
-    def subset(self, rows: np.ndarray) -> StartValues:
-        return StartValues(self.p, self.z[rows])
-
-    @staticmethod
-    def of(found: Fit, count: int) -> StartValues:
-        state = found.result.state
-        z = np.full((count, state.z.shape[1]), np.nan)
-        z[found.used] = state.z
-        return StartValues(state.p, z)
-
-
-FitFunction = Callable[[Measurements, StartValues | None], Fit]
+FitFunction = Callable[[Measurements, Fit | None], Fit]
+"""Fits readings, from where another fit has ended, if given."""
 _Kind = tuple[str, np.ndarray, np.ndarray]
 """Name of a kind of readings, configurations (m,) that have any, and rows (m, w) of these."""
 
@@ -243,7 +221,7 @@ def _least_likely(
     for k, (statistics, degrees, _) in enumerate(tests):
         for d in map(int, np.unique(degrees[degrees > 0])):
             m = int(np.argmax(np.where(degrees == d, statistics, -1.0)))
-            statistic, left = float(statistics[m]), None
+            statistic, left = statistics[m], None
             if not problem.readings.known:
                 left = model.degrees - d
                 statistic *= max(left, 1) / max(model.chi_square - statistic, 1e-300)
@@ -266,7 +244,7 @@ def _described(
     label, mechanism = problem.measurements.labels[row], problem.mechanism
     measure = measure_of(mechanism, o.kind)
     text = ", ".join(
-        f"{problem.model.columns[k][1]} {written(mechanism, measure, float(v))}"
+        f"{problem.model.columns[k][1]} {written(mechanism, measure, v)}"
         for k, v in zip(columns, shift, strict=True)
     )
     chance = f"below {_MIN_SHOWN_PROBABILITY:.0e}"
@@ -290,7 +268,7 @@ def fit_without_outliers(
     errors are gross, the fit is refused.
     """
     plain = found, Screening()
-    if found.result.status == "ok":
+    if found.status == "ok":
         plain = _one_by_one(fit, measurements, found, level)
         if not plain[1].given_up:
             return plain
@@ -311,7 +289,7 @@ def _one_by_one(
     found, taken_out = first, list(before)
     allowed, unchecked = max_outliers(first.problem) + len(before), None
     while True:
-        model = linear_model(found.problem, found.result.state)
+        model = linear_model(found.problem, found.state)
         made = screen_readings(found.problem, model, level=level, share=_GROSS_SHARE)
         if unchecked is None:
             unchecked = tuple((int(found.used[k]), kind) for k, kind in made.unchecked)
@@ -324,22 +302,30 @@ def _one_by_one(
             return first, Screening(unchecked=unchecked, given_up=tuple(more))
         if not fresh:
             break
-        again = fit(_without(measurements, more), StartValues.of(found, len(measurements)))
+        again = fit(_without(measurements, more), found)
         if _is_worse(again, found):
             break
         found, taken_out = again, more
-    return _put_back(fit, measurements, found, Screening(tuple(taken_out), unchecked), level)
+    # what was taken out and agrees with the last fit is put back
+    outliers = _retest(measurements, found, taken_out)
+    total = _count(reading_kinds(found.problem)) + len(outliers)
+    kept = [o for o in outliers if o.probability < level / total]
+    if len(kept) < len(outliers):
+        again = fit(_without(measurements, kept), found)
+        if not _is_worse(again, found):
+            found, outliers = again, _retest(measurements, again, kept)
+    return found, Screening(tuple(outliers), unchecked)
 
 
 def _is_worse(again: Fit, found: Fit) -> bool:
     """Tell whether a fit to fewer readings failed, or fits them worse."""
     least = 1.0 if found.problem.readings.known else 0.0
     bound = _WORSE_RATIO * max(_per_reading(found), least)
-    return again.result.status != "ok" or _per_reading(again) > bound
+    return again.status != "ok" or _per_reading(again) > bound
 
 
 def _per_reading(found: Fit) -> float:
-    return found.result.state.cost / max(found.problem.readings.count, 1)
+    return found.state.cost / max(found.problem.readings.count, 1)
 
 
 def _without(measurements: Measurements, outliers: Sequence[Outlier]) -> Measurements:
@@ -360,7 +346,7 @@ def _by_majority(
     """
     # gross errors bend a fit far: its prior is none of the good readings'
     problem = replace(found.problem, widened=1.0)
-    trials = [robust_estimate(problem, found.result.state.p, found.result.state.z, "cauchy")]
+    trials = [robust_estimate(problem, found.state.p, found.state.z, "cauchy")]
     if not trials[0][1] < _GOOD_SCALE:
         model, rows = found.problem.model, found.problem.measurements
         begin, closed = newton_configurations(
@@ -370,7 +356,7 @@ def _by_majority(
     result, scale = min(trials, key=lambda t: np.nan_to_num(t[1], nan=np.inf))
     if not np.isfinite(scale):
         return plain
-    robust = replace(found, result=result)
+    robust = replace(found, **vars(result))
     bad, share = _far_off(robust, scale, level)
     if share <= _MAX_GROSS_SHARE:
         return plain
@@ -382,8 +368,8 @@ def _by_majority(
     refused = plain[0], replace(plain[1], refused=why)
     if not bad or share > _MAX_REJECTED_SHARE:
         return refused
-    again = fit(_without(measurements, bad), StartValues.of(robust, len(measurements)))
-    if again.result.status != "ok" or not _is_explained(again):
+    again = fit(_without(measurements, bad), robust)
+    if again.status != "ok" or not _is_explained(again):
         return refused
     final = _one_by_one(fit, measurements, again, level, bad)
     return refused if final[1].given_up else final
@@ -394,16 +380,16 @@ def _far_off(found: Fit, scale: float, level: float) -> tuple[list[Outlier], flo
     that are grossly so.
     """
     problem, kinds = found.problem, reading_kinds(found.problem)
-    squares = (normalised_residuals(problem, problem, found.result.state) / scale) ** 2
+    squares = (normalised_residuals(problem, problem, found.state) / scale) ** 2
     bad, gross, total = list[Outlier](), 0, max(_count(kinds), 1)
     for kind, configurations, rows in kinds:
         statistics = np.sum(squares.reshape(-1)[rows], axis=1)
         degrees = np.sum(problem.readings.taken.reshape(-1)[rows], axis=1)
-        gross += int(np.sum(statistics > _GROSS_RATIO**2 * degrees))
+        gross += np.sum(statistics > _GROSS_RATIO**2 * degrees)
         bad += [
             Outlier(int(found.used[i]), kind, float(statistic), int(d))
             for i, statistic, d in zip(configurations, statistics, degrees, strict=True)
-            if chi_square_tail(float(statistic), int(d)) < level / total
+            if chi_square_tail(statistic, int(d)) < level / total
         ]
     return bad, gross / total
 
@@ -412,7 +398,7 @@ def _is_explained(found: Fit) -> bool:
     """Tell whether what a fit leaves is as the noise lets expect, or is normal noise of unknown
     size.
     """
-    problem, state = found.problem, found.result.state
+    problem, state = found.problem, found.state
     if problem.readings.known:
         model = linear_model(problem, state)
         likely = chi_square_tail(model.chi_square, model.degrees) > SIGNIFICANCE
@@ -424,20 +410,6 @@ def _is_explained(found: Fit) -> bool:
 # --- what was taken out ---------------------------------------------------------------------------
 
 
-def _put_back(
-    fit: FitFunction, measurements: Measurements, found: Fit, made: Screening, level: float
-) -> tuple[Fit, Screening]:
-    """Test the outliers by the last fit; put those that agree with it back, and fit again."""
-    outliers = _retest(measurements, found, made.outliers)
-    total = _count(reading_kinds(found.problem)) + len(outliers)
-    kept = [o for o in outliers if o.probability < level / total]
-    if len(kept) < len(outliers):
-        again = fit(_without(measurements, kept), StartValues.of(found, len(measurements)))
-        if not _is_worse(again, found):
-            found, outliers = again, _retest(measurements, again, kept)
-    return found, replace(made, outliers=tuple(outliers))
-
-
 def _retest(measurements: Measurements, found: Fit, outliers: Sequence[Outlier]) -> list[Outlier]:
     """Compare readings that were taken out with what the fit predicts, inclinations with those of
     the others in their group; they stay as they were judged where their configuration does not
@@ -446,17 +418,16 @@ def _retest(measurements: Measurements, found: Fit, outliers: Sequence[Outlier])
     if not outliers:
         return []
     out = np.array([o.configuration for o in outliers])
-    none = np.full(len(measurements), NO_GROUP)
-    group = none if measurements.groups is None else measurements.groups
+    group = measurements.group_of
     beside = (group != NO_GROUP) & np.isin(group, group[out])
-    rows = np.flatnonzero(beside | np.isin(np.arange(len(none)), out))
-    state = found.result.state
+    rows = np.flatnonzero(beside | np.isin(np.arange(len(group)), out))
+    state = found.state
     problem, z, solved = close_others(found.problem, state, measurements.subset(rows))
     rows = rows[solved]
     if not len(rows):
         return list(outliers)
     apart = {o.configuration: o.statistic for o in outliers if o.kind == "group"}
-    for members in ([int(k) for k in np.flatnonzero(group == group[i])] for i in list(apart)):
+    for members in (np.flatnonzero(group == group[i]).tolist() for i in list(apart)):
         if all(k in apart for k in members):  # the others are compared with the likeliest
             del apart[min(members, key=lambda k: apart[k])]
     factor, left = 1.0, None

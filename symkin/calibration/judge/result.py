@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from symkin.calibration.data.measurements import Measurements
-from symkin.calibration.data.observables import Measure, ParameterKind, unit_of, value_out, written
+from symkin.calibration.data.observables import ParameterKind, unit_of, value_out, written
 from symkin.calibration.data.parameters import MEASURING_FRAMES, with_parameters
 from symkin.calibration.estimate.problem import CalibrationProblem
 from symkin.calibration.estimate.state import State
@@ -161,11 +161,16 @@ class Calibration(Result):
         the file describes, unless `any_machine` was asked for.
         """
         fits = self.p_value is None or SIGNIFICANCE < self.p_value < 1.0 - SIGNIFICANCE
-        whole = not self.unsolved and not self.given_up and self.refused is None
-        whole = whole and self.stray is None
-        whole = whole and self.rank > 0 and not self.identifiability.opens
-        whole = whole and (self.any_machine or not self.is_other_machine)
-        return self.status == "ok" and whole and fits and self.degrees > 0
+        doubts = (
+            self.unsolved,
+            self.given_up,
+            self.refused,
+            self.stray,
+            self.identifiability.opens,
+            self.is_other_machine and not self.any_machine,
+        )
+        told = self.status == "ok" and self.rank > 0 and self.degrees > 0
+        return told and fits and not any(doubts)
 
     @cached_property
     def stray(self) -> Residual | None:
@@ -252,42 +257,32 @@ class Calibration(Result):
             f"chi-square {self.chi_square:.4g} with {self.degrees} degrees of freedom{p}"
         )
         rows = [self.row(q) for q in self.parameters]
-        shown = rows[:most_rows]
-        left = [f"{len(rows) - len(shown)} more parameters"] if len(shown) < len(rows) else []
-        header = ["parameter", "value", "sigma", "unit", "change"]
-        return Summary([head], header, shown, [*left, *(f"note: {note}" for note in self.notes)])
+        shown, notes = rows[:most_rows], [f"note: {note}" for note in self.notes]
+        if len(shown) < len(rows):
+            notes = [f"{len(rows) - len(shown)} more parameters", *notes]
+        return Summary([head], ["parameter", "value", "sigma", "unit", "change"], shown, notes)
 
     def row(self, q: Parameter) -> list[str]:
         """Name, value, standard deviation, unit and change of a parameter, as texts."""
-        one = value_out(self.mechanism, q.kind, 1.0)
+        one, unit = value_out(self.mechanism, q.kind, 1.0), unit_of(self.mechanism, q.kind)
         sigma = "held" if q.held else "unknown" if q.sigma is None else f"{one * q.sigma:.2g}"
-        return [
-            q.name,
-            f"{one * q.value:.9g}",
-            sigma,
-            unit_of(self.mechanism, q.kind),
-            f"{one * q.change:+.3g}",
-        ]
+        return [q.name, f"{one * q.value:.9g}", sigma, unit, f"{one * q.change:+.3g}"]
 
     def to_dict(self, *, residuals: bool = True) -> dict[str, Any]:
         """What `report.json` of `symkin calibrate fit` holds of the fit itself, with or without
         `residuals`; lengths in the mechanism's unit, angles in its angle unit.
         """
         m, labels, found = self.mechanism, self.measurements.labels, self.identifiability
+        own = ("believable", "tested", "status", "iterations", "method")
+        rows = ("unsolved", "silent", "changed_mode")
         return {
             "mechanism": m.name,
             "length_unit": m.length_unit,
             "angle_unit": m.angle_unit,
-            "believable": self.believable,
-            "tested": self.tested,
-            "status": self.status,
-            "iterations": self.iterations,
-            "method": self.method,
+            **{key: getattr(self, key) for key in own},
             "postures": len(self.measurements),
             "used": len(self.used),
-            "unsolved": [labels[k] for k in self.unsolved],
-            "silent": [labels[k] for k in self.silent],
-            "changed_mode": [labels[k] for k in self.changed_mode],
+            **{key: [labels[k] for k in getattr(self, key)] for key in rows},
             "chi_square": finite(self.chi_square),
             "degrees": self.degrees,
             "p_value": finite(self.p_value),
@@ -332,5 +327,5 @@ class Calibration(Result):
 
 def length_and_angle(mechanism: Mechanism, length: float, angle: float) -> str:
     """Write '0.1 mm and 0.02 deg'."""
-    both: list[tuple[Measure, float]] = [("length", length), ("angle", float(angle))]
-    return " and ".join(written(mechanism, measure, v, ".3g") for measure, v in both)
+    turn = written(mechanism, "angle", float(angle), ".3g")
+    return f"{written(mechanism, 'length', length, '.3g')} and {turn}"

@@ -1,5 +1,5 @@
-"""Compute the statistics of a fit: the linear model of its readings, chi-square and F, covariance,
-curvature.
+"""Compute the statistics of a fit: the linear model of its readings, chi-square and F, predictions,
+covariance, curvature.
 
 The whitened residuals of all readings (joint noise included, see `residuals`) are e = (1 - Q Q^T) r
 with Q an orthonormal basis of what the fit may absorb: the unknown inclination of each group and
@@ -7,6 +7,12 @@ the parameters' columns. The part of the groups is block diagonal and is kept as
 group's own rows of them; the rest, orthogonal to it, is dense and as wide as there are parameters.
 In the linear range |e|^2 has the chi-square distribution with as many degrees of freedom as there
 are readings left, whichever form of the residuals was minimised.
+
+Readings m at configurations that took no part in a fit differ from its model h by errors of
+covariance S + J C J^T: S of their noise (that of joints included), J (n, K, P) their slopes by the
+scaled parameters with the configurations following, C (P, P) the covariance of these. The unknown
+inclination of a group is the weighted mean of the members that tell it; where another is compared
+with it, the mean's own noise counts, too.
 
 Whether the linear model holds within the standard deviations is measured by curvature. A step of
 one standard deviation along a combination of parameters that the readings determine least moves the
@@ -22,16 +28,28 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from symkin.calibration.estimate.linear import Told, told_directions
+from symkin.calibration.data.measurements import Measurements
+from symkin.calibration.estimate.configuration_model import build_model
+from symkin.calibration.estimate.configurations import nearest_rows, solve_configurations
 from symkin.calibration.estimate.problem import CalibrationProblem
-from symkin.calibration.estimate.residuals import neighbours, whitening
+from symkin.calibration.estimate.residuals import (
+    build_readings,
+    deviations,
+    group_sum,
+    neighbours,
+    noise_of,
+    take_means,
+    whitening,
+)
 from symkin.calibration.estimate.state import (
     State,
+    Told,
     evaluate,
+    evaluate_at,
     joint_covariance,
     state_after,
+    told_directions,
 )
-from symkin.calibration.judge.prediction import predict_readings
 from symkin.computed_once import cached_property
 
 _BLOCK_ROWS = 20_000
@@ -90,11 +108,6 @@ class LinearModel:
         return float(self.residuals @ self.residuals)
 
     @property
-    def chi_square_as_is(self) -> float:
-        """Of the parameters as they are, without the step that the projection stands for."""
-        return self.chi_square + self.within_reach
-
-    @property
     def absorbed(self) -> np.ndarray:
         """Share (N,) of a unit shift of each reading that the fit absorbs: the diagonal of Q
         Q^T.
@@ -135,7 +148,9 @@ def linear_model(
     """Linearise all readings at a state with closed configurations, over the directions told."""
     readings, told = problem.readings, told or told_directions(problem, state)
     free = told.columns[:, (told.ratios > 1.0) | problem.is_stated]
-    known, by_known = _stated_rows(problem, state)
+    # the parameters from nominal over the tolerances stated, which are readings of them
+    stated = np.isfinite(problem.prior) & problem.is_stated
+    known, by_known = problem.over_prior(state.p)[stated], np.diag(1.0 / problem.prior)[stated]
     shape, count, width = readings.values.shape, readings.values.size, free.shape[1]
     residuals = np.concatenate([np.zeros(count), known])
     columns = np.vstack([np.zeros((count, width)), by_known @ free])
@@ -160,14 +175,6 @@ def linear_model(
     )
 
 
-def _stated_rows(problem: CalibrationProblem, state: State) -> tuple[np.ndarray, np.ndarray]:
-    """Return the residuals (k,) of the parameters from nominal over the tolerances stated, which
-    are readings of them, and their derivative (k, P) by scaled parameters; none without.
-    """
-    known = np.isfinite(problem.prior) & problem.is_stated
-    return problem.over_prior(state.p)[known], np.diag(1.0 / problem.prior)[known]
-
-
 def _basis_in_place(columns: np.ndarray) -> np.ndarray:
     """Overwrite columns (N, k), block by block, by an orthonormal basis: with V D V^T their squares
     at unit length, columns V D^-1/2; what rounding leaves of that is taken away by its own.
@@ -177,7 +184,7 @@ def _basis_in_place(columns: np.ndarray) -> np.ndarray:
     for _ in range(2):
         values, vectors = np.linalg.eigh(columns.T @ columns)
         kept = values > _LEAST_FREEDOM * np.max(values, initial=0.0)
-        factor, width = vectors[:, kept] / np.sqrt(values[kept]), int(np.sum(kept))
+        factor, width = vectors[:, kept] / np.sqrt(values[kept]), np.sum(kept)
         for block in (columns[k : k + _BLOCK_ROWS] for k in range(0, len(columns), _BLOCK_ROWS)):
             block[:, :width] = block @ factor
         columns = columns[:, :width]
@@ -200,6 +207,94 @@ def chi_square_tail(value: float, degrees: int, left: int | None = None) -> floa
         if left is None:
             return float(arb(0.5 * value).gamma_upper(half, 1))
         return float(arb(left / (left + value)).beta_lower(arb(left) / 2, half, 1))
+
+
+# --- predictions ----------------------------------------------------------------------------------
+
+
+def close_others(
+    problem: CalibrationProblem, state: State, measurements: Measurements, seed: int = 0
+) -> tuple[CalibrationProblem, np.ndarray, np.ndarray]:
+    """Close other configurations at the parameters of a fit, from their neighbours' solutions: the
+    problem of those that are solved, their unknown coordinates, and which they are (n,).
+    """
+    model = build_model(problem.mechanism, measurements, problem.names)
+    near = state.z[nearest_rows(problem.joints, measurements.joints, 1)[:, 0]]
+    found = solve_configurations(model, measurements, state.p, z=near, seed=seed)
+    some = measurements.subset(found.solved)
+    readings = build_readings(model, some)
+    there = replace(problem, measurements=some, model=model, readings=readings)
+    return there, found.z[found.solved], found.solved
+
+
+def covariance_root(covariance: np.ndarray, problem: CalibrationProblem) -> np.ndarray:
+    """Return L (P, k) with L L^T the covariance of the scaled free parameters, which come first."""
+    scales = problem.model.scales
+    free = covariance[: len(scales), : len(scales)] / np.outer(scales, scales)
+    values, vectors = np.linalg.eigh(free)
+    return vectors * np.sqrt(np.maximum(values, 0.0))
+
+
+@dataclass(frozen=True, eq=False)
+class Prediction:
+    """The model less the readings at n configurations (n, K), 0 where nothing was read, with the
+    noise S (n, K, K) of each, 1 there, how what the fit does not know spreads them, J L (n, K, k),
+    and how the noise of the mean inclination of its group does, G (n, K, 2); which members tell
+    that mean (n,).
+    """
+
+    errors: np.ndarray
+    noise: np.ndarray
+    spread: np.ndarray
+    of_mean: np.ndarray
+    telling: np.ndarray
+
+    @property
+    def covariance(self) -> np.ndarray:
+        """S + J C J^T of each configuration (n, K, K), with G G^T where it tells no mean."""
+        own = np.where(self.telling[:, None, None], 0.0, self.of_mean)
+        both = np.concatenate([self.spread, own], axis=2)
+        return self.noise + both @ both.transpose(0, 2, 1)
+
+    def chi_square(self, rows: np.ndarray) -> float:
+        """Return e^T (S + J C J^T)^-1 e over some configurations together: with e and M = J L
+        whitened by S, |e|^2 - e^T M (1 + M^T M)^-1 M^T e.
+        """
+        root = np.linalg.cholesky(self.noise[rows])
+        both = np.linalg.solve(root, np.dstack([self.errors[rows], self.spread[rows]]))
+        both = both.reshape(-1, both.shape[2])
+        e, m = both[:, 0], both[:, 1:]
+        within = np.eye(m.shape[1]) + m.T @ m
+        return float(e @ e - (m.T @ e) @ np.linalg.solve(within, m.T @ e))
+
+
+def predict_readings(
+    problem: CalibrationProblem,
+    p: np.ndarray,
+    z: np.ndarray,
+    root: np.ndarray,
+    factor: float = 1.0,
+    telling: np.ndarray | None = None,
+) -> Prediction:
+    """Predict the readings of a problem at parameters p and configurations z; `root` is that of the
+    parameters' covariance, `factor` scales the variances stated, and `telling` (n,) are the members
+    that tell the inclination of their group, all in a group without any.
+    """
+    readings = problem.readings
+    e, taken, width = evaluate_at(problem, p, z), readings.taken, readings.values.shape[1]
+    noise = noise_of(readings, joint_covariance(problem, p, z), factor)
+    gap = deviations(readings, e.readings)
+    values = np.where(taken[:, :, None], np.dstack([gap, e.slopes @ root]), 0.0)
+    inside = readings.group >= 0
+    told, of_mean = inside if telling is None else inside & telling, np.zeros((*gap.shape, 2))
+    if readings.groups:
+        told = told | (inside & ~group_sum(readings, told)[readings.group])
+        turn = np.eye(width)[:, readings.columns]
+        precise = np.where(told[:, None, None], np.linalg.solve(noise, turn), 0.0)
+        information = take_means(readings, values, precise)
+        own = np.linalg.inv(np.linalg.cholesky(information)).transpose(0, 2, 1)
+        of_mean[readings.inside, readings.pair] = own[readings.group[readings.inside]]
+    return Prediction(values[:, :, 0], noise, values[:, :, 1:], of_mean, told | ~inside)
 
 
 # --- covariance -----------------------------------------------------------------------------------
@@ -240,7 +335,7 @@ def _gain(problem: CalibrationProblem, inverse: np.ndarray) -> np.ndarray:
     if problem.form != "differences":
         return gain
     before, after = neighbours(readings)
-    for column in np.flatnonzero(readings.grouped):
+    for column in readings.columns:
         s = 1.0 / np.hypot(readings.sigma[before, column], readings.sigma[after, column])
         gain[:, :, column] = 0.0
         gain[:, after, column] += s * inverse[:, after, column]
@@ -267,23 +362,16 @@ def curvature(
     pulls = np.zeros((len(problem.names), len(steps)))
     for rows, part in problem.parts:
         near = evaluate(part, state.p, state.z[rows])
+        here = near.linearised
         for k, step in enumerate(steps):
-            pulls[:, k] += near.linearised.matrix.T @ _bend(part, near, step)
+            with np.errstate(all="ignore"):
+                there = state_after(part, near, step)
+            # r(p + step) - r(p) - (dr/dp) step, configurations closed again, where they close
+            after = np.full_like(here.vector, np.nan) if there is None else there.linearised.vector
+            pulls[:, k] += here.matrix.T @ (after - here.vector - here.matrix @ step)
     sigma, change = np.linalg.norm(units, axis=1), np.abs(units @ (units.T @ pulls)) / spread
     largest = np.max(np.where(np.isfinite(change), change, np.inf), axis=1, initial=0.0)
     return np.divide(largest, sigma, out=np.zeros_like(sigma), where=sigma > 0)
-
-
-def _bend(problem: CalibrationProblem, here: State, step: np.ndarray) -> np.ndarray:
-    """Return d = r(p + step) - r(p) - (dr/dp) step, configurations closed again; not a number where
-    they do not close.
-    """
-    before = here.linearised
-    with np.errstate(all="ignore"):
-        there = state_after(problem, here, step)
-    if there is None:
-        return np.full_like(before.vector, np.nan)
-    return there.linearised.vector - before.vector - before.matrix @ step
 
 
 def rms_of_better_part(squares: np.ndarray) -> float:

@@ -22,7 +22,7 @@ from symkin.calibration.estimate.estimator import estimate, parameters_at_poses
 from symkin.calibration.estimate.problem import CalibrationProblem, build_calibration
 from symkin.calibration.estimate.residuals import linearise
 from symkin.calibration.estimate.starting import fit_measuring_frames, has_home, with_starts
-from symkin.calibration.estimate.state import design, readings_at, spectrum
+from symkin.calibration.estimate.state import readings_at, spectrum
 from symkin.calibration.judge.statistics import (
     SIGNIFICANCE,
     chi_square_tail,
@@ -118,10 +118,10 @@ class Start:
         degrees = problem.readings.count
         if not np.all(np.isfinite(state.linearised.vector)):
             return None
-        degrees -= len(problem.names) - spectrum(design(state))[1].shape[1]
+        degrees -= len(problem.names) - spectrum(state)[1].shape[1]
         if degrees <= 0:
             return None
-        units = np.where(problem.model.angular, 1.0, problem.size)
+        units = problem.size / problem.model.lengths
         most = np.sum((_UNCLOSED_MISFIT * problem.readings.weight * units) ** 2, axis=1)
         squares = np.minimum(np.sum(state.linearised.residuals**2, axis=1), most[solved])
         chi_square = float(np.sum(squares) + np.sum(most[~solved]))
@@ -176,16 +176,14 @@ class SequenceChoice:
     def clear(self) -> bool:
         return self.second is None or self.best.better_than(self.second)
 
-    @property
-    def none_fits(self) -> str:
-        """The sentence where the fit in this sequence is not to be used."""
-        return (
-            f"no Euler sequence led to a fit that can be used; the nearest was "
-            f"{describe_sequence(self.sequence)}, chi-square per degree of "
-            f"freedom {self.best.score:.3g}"
-        )
-
-    def __str__(self) -> str:
+    def text(self, *, fits: bool) -> str:
+        """Say what was found, and whether a fit in this sequence `fits`, and is to be used."""
+        if not fits:
+            return (
+                f"no Euler sequence led to a fit that can be used; the nearest was "
+                f"{describe_sequence(self.sequence)}, chi-square per degree of "
+                f"freedom {self.best.score:.3g}"
+            )
         also = f" (the same on these data: {', '.join(self.same)})" if self.same else ""
         other, doubt = "no other sequence could be fitted", ""
         if self.second is not None:
@@ -271,9 +269,7 @@ def equal_sequences(angles: np.ndarray) -> list[tuple[str, ...]]:
     for sequence in SEQUENCES:
         q = euler_quaternions(given, sequence)
         same = (n for known, n in found if np.all(np.abs(np.sum(known * q, axis=1)) > 1 - 1e-12))
-        names = next(same, None)
-        if names is None:
-            found.append((q, [sequence]))
-        else:
-            names.append(sequence)
+        if (names := next(same, None)) is None:
+            found.append((q, names := []))
+        names.append(sequence)
     return [tuple(names) for _, names in found]

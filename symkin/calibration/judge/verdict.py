@@ -53,9 +53,9 @@ _MAX_OUTSIDE_SHARE = 0.2
 @dataclass(frozen=True, eq=False)
 class Verdict:
     """A fit with what bears on it: the Euler sequence that was found, mistakes that may explain
-    readings which do not fit, the pose's standard deviation, predictions of postures held out, and
-    the misfit of the nominal geometry. `objections` is all that speaks against the fit, the gravest
-    first; what follows is read from it.
+    readings which do not fit, the pose's standard deviation, predictions of postures held out, the
+    misfit of the nominal geometry, and notes on the data. `objections` is all that speaks against
+    the fit, the gravest first; what follows is read from it.
     """
 
     fit: Calibration
@@ -64,6 +64,7 @@ class Verdict:
     sigma: PoseSigma
     held_out: HeldOut | None
     at_nominal: float
+    notes: tuple[str, ...]
 
     @cached_property
     def objections(self) -> tuple[tuple[bool, str], ...]:
@@ -79,10 +80,7 @@ class Verdict:
             yield OPEN_LOOPS
         if self.sigma.blind or fit.rank == 0:
             yield "the readings do not determine the geometry; see what is not observable"
-        if self.refusal is not None:
-            yield self.refusal
-        if fit.refused is not None:
-            yield fit.refused
+        yield from filter(None, (self.refusal, fit.refused))
 
     def _doubts(self) -> Iterator[str]:
         fit, held = self.fit, self.held_out
@@ -93,8 +91,11 @@ class Verdict:
             yield EXACT
         else:
             yield from chi_square_doubt(fit)
-        if fit.stray is not None:
-            yield stray_reading(fit, fit.stray)
+        if (r := fit.stray) is not None:
+            yield (
+                f"{r.kind} {r.component} of posture {fit.measurements.labels[r.configuration]} is "
+                f"off by {abs(r.normalised or 0.0):.3g} standard deviations, and was kept"
+            )
         if fit.given_up:
             yield "too many readings do not belong; see the notes"
         if fit.unsolved:
@@ -114,9 +115,8 @@ class Verdict:
         beyond = noise_excess(fit)
         why = None if beyond is None else self._misfit_reason(beyond)
         misplaced = fit.is_other_machine or (suspected and fit.is_noticeable)
-        if why is None and misplaced and not fit.any_machine:
-            return _other_machine(fit, suspected)
-        return why
+        misplaced = misplaced and not fit.any_machine
+        return why or (_other_machine(fit, suspected) if misplaced else None)
 
     def _misfit_reason(self, beyond: str) -> str | None:
         """Say why residuals beyond any noise fit no geometry, None where they may fit one that the
@@ -195,14 +195,11 @@ class Verdict:
 
     # --- notes ------------------------------------------------------------------------------------
 
-    def notes_on_data(self, notes: Iterable[str]) -> Iterator[str]:
-        """Yield all notes, those on the data first; `notes` are those of the file."""
-        if self.sequence is not None:
-            yield str(self.sequence) if self.fits else self.sequence.none_fits
-        yield from self.suspicions
-        yield from self._beyond()
-        yield from notes
-        yield from self.fit.notes
+    @property
+    def all_notes(self) -> tuple[str, ...]:
+        """All notes, those on the data first."""
+        told = [] if self.sequence is None else [self.sequence.text(fits=self.fits)]
+        return (*told, *self.suspicions, *self._beyond(), *self.notes, *self.fit.notes)
 
     @property
     def fits(self) -> bool:
@@ -219,7 +216,7 @@ class Verdict:
         )
         elsewhere = "" if np.all(sigma.outside) else f" and {inside:.3g} {unit} elsewhere"
         yield (
-            f"{int(np.sum(sigma.outside))} of {len(sigma.outside)} poses of the workspace about "
+            f"{np.sum(sigma.outside)} of {len(sigma.outside)} poses of the workspace about "
             f"home need joint values beyond those measured: the largest standard deviation of the "
             f"position is {there:.3g} {unit} there{elsewhere}; no reading has tested the model "
             f"there; measure as far as the mechanism is used"
@@ -314,14 +311,6 @@ def chi_square_doubt(fit: Calibration) -> Iterator[str]:
         )
 
 
-def stray_reading(fit: Calibration, r: Residual) -> str:
-    """Say that a reading was kept which does not belong."""
-    return (
-        f"{r.kind} {r.component} of posture {fit.measurements.labels[r.configuration]} is off by "
-        f"{abs(r.normalised or 0.0):.3g} standard deviations, and was kept"
-    )
-
-
 def large_changes(fit: Calibration) -> list[Parameter]:
     """List free parameters that moved by more than `LARGE_CHANGE`, furthest first."""
     return [p for p in fit.free if fit.relative_change(p) > LARGE_CHANGE]
@@ -330,7 +319,18 @@ def large_changes(fit: Calibration) -> list[Parameter]:
 def fit_notes(fit: Calibration, *, removed: bool) -> Iterator[str]:
     """Yield doubts and facts about a fit; `removed` says whether its outliers were left out."""
     yield from _notes_on_postures(fit)
-    yield from _notes_on_residuals(fit)
+    if fit.status != "ok":
+        yield f"{not_converged(fit)}, after {fit.iterations} steps; the values are not a minimum"
+    if fit.degrees <= 0:
+        yield f"{NOT_CHECKED}: the residuals are zero for any noise"
+    elif fit.p_value is None:
+        yield (
+            "standard deviations are missing: those of the parameters are scaled by the residuals, "
+            "and chi-square tests nothing"
+        )
+    yield from (f"not believable with the stated noise: {text}" for text in chi_square_doubt(fit))
+    if is_exact(fit):
+        yield EXACT
     yield from _notes_on_parameters(fit)
     for o in fit.outliers:
         yield ("left out: " if removed else "outlier: ") + o.reason
@@ -349,8 +349,8 @@ def _notes_on_postures(fit: Calibration) -> Iterator[str]:
     judged = {o.configuration for o in (*fit.outliers, *fit.given_up)}
     silent = [k for k in fit.silent if k not in judged]
 
-    def named(numbers: Iterable[int]) -> str:
-        return f"posture {first_of([fit.measurements.labels[k] for k in numbers])}"
+    def named(numbers: Sequence[int]) -> str:
+        return f"posture {first_of(fit.measurements.named(numbers))}"
 
     if fit.unsolved:
         yield (
@@ -369,21 +369,6 @@ def _notes_on_postures(fit: Calibration) -> Iterator[str]:
         numbers, counts = np.unique(groups[groups >= 0], return_counts=True)
         if single := [str(g) for g in numbers[counts == 1]]:
             yield f"group {first_of(single)} has one posture and says nothing"
-
-
-def _notes_on_residuals(fit: Calibration) -> Iterator[str]:
-    if fit.status != "ok":
-        yield f"{not_converged(fit)}, after {fit.iterations} steps; the values are not a minimum"
-    if fit.degrees <= 0:
-        yield f"{NOT_CHECKED}: the residuals are zero for any noise"
-    elif fit.p_value is None:
-        yield (
-            "standard deviations are missing: those of the parameters are scaled by the residuals, "
-            "and chi-square tests nothing"
-        )
-    yield from (f"not believable with the stated noise: {text}" for text in chi_square_doubt(fit))
-    if is_exact(fit):
-        yield EXACT
 
 
 def _notes_on_parameters(fit: Calibration) -> Iterator[str]:
