@@ -48,7 +48,8 @@ overflows a double.
 class Given:
     """Known values of a problem: the `names` of its known coordinates, their `values` in inside
     units, `echo` as the user gave them; `off_motion` is how far a pose lies off those that the
-    platform can take (length unit), 0 where it is one or was projected.
+    platform can take (length unit), 0 where it is one or was projected; `there` is the pose as the
+    machine has it that reads it, where this is not the description.
     """
 
     names: tuple[str, ...]
@@ -56,6 +57,7 @@ class Given:
     echo: dict[str, Any]
     notes: tuple[str, ...] = ()
     off_motion: float = 0.0
+    there: Given | None = None
 
 
 # --- one input ------------------------------------------------------------------------------------
@@ -120,18 +122,17 @@ def given_pose(mechanism: Mechanism, given: Sequence[float] | Pose) -> Given:
     pose = pose_from(given)
     low = reader_of_poses(mechanism)
     if low is None:
-        return given_of_pose(mechanism, pose)
-    there = given_of_pose(low.machine, low.taken(pose), low=low)
-    on_motion = pose if there.off_motion else low.told(motion_pose(low.machine, there.values))
+        return _given_of_pose(mechanism, pose)
+    there = replace(_given_of_pose(low.machine, low.taken(pose), low), echo=_echo(pose))
+    is_moved = there.notes and not there.off_motion
+    on_motion = low.told(motion_pose(low.machine, there.values)) if is_moved else pose
     values, _ = pose_coordinates(mechanism, on_motion)
-    return replace(there, names=pose_names(mechanism), values=values, echo=_echo(pose))
+    return replace(there, names=pose_names(mechanism), values=values, there=there)
 
 
-def given_of_pose(
-    mechanism: Mechanism, pose: Pose, *, is_feasible: bool = False, low: Lowered | None = None
-) -> Given:
-    """`given_pose` by the mechanism's own motion; the joints can take a pose that `is_feasible`.
-    Of the machine of `low` notes are told of the description.
+def _given_of_pose(mechanism: Mechanism, pose: Pose, low: Lowered | None = None) -> Given:
+    """`given_pose` by the mechanism's own motion; of the machine of `low` notes are told of the
+    description.
     """
     values, off = pose_coordinates(mechanism, pose)
     notes: tuple[str, ...] = ()
@@ -147,7 +148,7 @@ def given_of_pose(
             f"the pose lies off the platform's {mechanism.motion} motion by {off:.3g} "
             f"{mechanism.length_unit}",
         )
-    if off == 0.0 and not is_feasible:
+    if off == 0.0:
         values, off, more = feasible_pose(mechanism, values, low)
         notes += more
     return Given(pose_names(mechanism), values, _echo(pose), notes, off)
@@ -186,6 +187,7 @@ def given_by_name(mechanism: Mechanism, values: Values) -> Given:
     return replace(
         read,
         names=(*read.names, *numbers),
+        there=None if numbers else read.there,
         values=np.array([*read.values, *numbers.values()]),
         echo=read.echo | {name: float(values[name]) for name in numbers},  # type: ignore[arg-type]
     )
