@@ -80,9 +80,9 @@ class GroupedModes:
             "count": list(map(int, self.total.tolist())),
         }
         rows = zip(*columns.values(), strict=True)
-        engine = account.engine
+        engine, elapsed = account.engine, self.search.elapsed_s
         return [
-            self._modes_of(i, given, engine, dict(zip(columns, row, strict=True)))
+            self._modes_of(i, given, engine, dict(zip(columns, row, strict=True), elapsed_s=elapsed))
             for i, (given, row) in enumerate(zip(givens, rows, strict=True))
         ]
 
@@ -107,7 +107,6 @@ class GroupedModes:
             modes=found,
             method="closed" if engine == "closed form" else self.search.name,
             seed=self.search.seed,
-            elapsed_s=0.0,
             **sampling(account.samples.get(number, [])),
             **told,
             notes=(

@@ -120,7 +120,7 @@ def _forward(
         completeness="proved",
         method="forward",
         seed=None,
-        elapsed_s=0.0,
+        elapsed_s=search.elapsed_s,
         complex_count=1,
         unresolved_paths=0,
         notes=(*given.notes, note),
@@ -138,7 +138,7 @@ def nothing(
         completeness="sampled",
         method=search.method,
         seed=search.seed,
-        elapsed_s=0.0,
+        elapsed_s=search.elapsed_s,
         smallest_residual=smallest,
         notes=(*given.notes, note) if note else given.notes,
     )
