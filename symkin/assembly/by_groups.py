@@ -80,15 +80,13 @@ class GroupedModes:
             "count": list(map(int, self.total.tolist())),
         }
         rows = zip(*columns.values(), strict=True)
-        engine, elapsed = account.engine, self.search.elapsed_s
+        of_all = {"engine": account.engine, "elapsed_s": self.search.elapsed_s}
         return [
-            self._modes_of(i, given, engine, dict(zip(columns, row, strict=True), elapsed_s=elapsed))
+            self._modes_of(i, given, dict(zip(columns, row, strict=True), **of_all))
             for i, (given, row) in enumerate(zip(givens, rows, strict=True))
         ]
 
-    def _modes_of(
-        self, number: int, given: Given, engine: str | None, told: dict[str, Any]
-    ) -> Modes:
+    def _modes_of(self, number: int, given: Given, told: dict[str, Any]) -> Modes:
         account, found = self.account, self.listed
         if len(self.total) > 1:
             found = found.chosen(slice(*self.ends[number : number + 2]), notes=given.notes)
@@ -105,7 +103,7 @@ class GroupedModes:
             problem=self.asked,
             given=given.echo,
             modes=found,
-            method="closed" if engine == "closed form" else self.search.name,
+            method="closed" if told["engine"] == "closed form" else self.search.name,
             seed=self.search.seed,
             **sampling(account.samples.get(number, [])),
             **told,
@@ -115,7 +113,6 @@ class GroupedModes:
                 *theorem_notes(account.theorems_of(number)),
                 *ground_notes(self.problem, grounds, len(found)),
             ),
-            engine=engine,
             groups=self._groups_of(number) if self.problem.by_name else (),
         )
 

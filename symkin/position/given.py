@@ -18,11 +18,12 @@ from symkin.model.joint import POSE_CONDITIONS, Coordinate
 from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.model.oddities import FULL_TURN
 from symkin.numeric.linear_algebra import squared_norms
-from symkin.position.feasible_pose import ties_poses
+from symkin.position.feasible_pose import taken_poses, ties_poses
 from symkin.position.pose_coordinates import (
     feasible_pose,
     motion_pose,
     pose_coordinates,
+    poses_coordinates,
     projected_below,
     reader_of_poses,
 )
@@ -42,6 +43,9 @@ LARGEST_GIVEN = 1e150
 """Largest magnitude of a given value, in the mechanism's units: the square of a larger one
 overflows a double.
 """
+
+_ROUNDING = 1e-12
+"""Of the size: how far rounding moves a pose off those that the platform can take."""
 
 
 @dataclass(frozen=True)
@@ -120,7 +124,34 @@ def given_pose(mechanism: Mechanism, given: Sequence[float] | Pose) -> Given:
             f"mechanism file, of a robot's file by --platform LINK, or give joints"
         )
     pose = pose_from(given)
-    low = reader_of_poses(mechanism)
+    return _of_poses(mechanism, np.array([[*pose.position, *pose.quaternion]]))[0]
+
+
+def _of_poses(mechanism: Mechanism, rows: np.ndarray) -> list[Given]:
+    """`given_pose` for poses (n, 7) whose quaternions are of unit length."""
+    low, poses = reader_of_poses(mechanism), Pose(rows[:, :3].T, rows[:, 3:].T)
+    machine, at = (mechanism, poses) if low is None else (low.machine, low.taken(poses))
+    values, off = poses_coordinates(machine, at.position, at.quaternion)
+    exact = off <= _ROUNDING * machine.characteristic_length
+    if ties_poses(machine):
+        exact &= taken_poses(machine, values)
+    own = values
+    if low is not None:
+        own, _ = poses_coordinates(mechanism, poses.position, poses.quaternion)
+    names, names_there = pose_names(mechanism), pose_names(machine)
+    found = []
+    for k, (row, is_exact) in enumerate(zip(rows.tolist(), exact.tolist(), strict=True)):
+        there = None if low is None else Given(names_there, values[k], {"pose": row})
+        found.append(
+            Given(names, own[k], {"pose": row}, there=there)
+            if is_exact
+            else _of_moved(mechanism, Pose(rows[k, :3], rows[k, 3:]), low)
+        )
+    return found
+
+
+def _of_moved(mechanism: Mechanism, pose: Pose, low: Lowered | None) -> Given:
+    """`given_pose` of a pose off those that the machine of `low` can take."""
     if low is None:
         return _given_of_pose(mechanism, pose)
     there = replace(_given_of_pose(low.machine, low.taken(pose), low), echo=_echo(pose))
@@ -137,7 +168,7 @@ def _given_of_pose(mechanism: Mechanism, pose: Pose, low: Lowered | None = None)
     values, off = pose_coordinates(mechanism, pose)
     notes: tuple[str, ...] = ()
     if 0.0 < off < projected_below(mechanism, low):
-        if off > 1e-12 * mechanism.characteristic_length:
+        if off > _ROUNDING * mechanism.characteristic_length:
             notes = (
                 f"the pose was projected onto the platform's {mechanism.motion} motion, by "
                 f"{off:.3g} {mechanism.length_unit}",
@@ -277,14 +308,11 @@ def read_many(mechanism: Mechanism, joints: Any, pose: Any, given: Columns | Non
     if pose is not None and (joints is not None or mechanism.platform_link is None):
         return [read_given(mechanism, joints, pose)]
     if pose is not None:
-        poses = _poses_without_fault(mechanism, pose)
-        if poses is None:
-            ask = partial(given_pose, mechanism)
-            return [_named_input(i, partial(ask, one)) for i, one in enumerate(pose)]
-        names = pose_names(mechanism)
-        return [
-            Given(names, v, {"pose": echo}) for v, echo in zip(poses, poses.tolist(), strict=True)
-        ]
+        rows = _poses_without_fault(pose)
+        if rows is None:
+            read = [_named_input(i, partial(pose_from, one)) for i, one in enumerate(pose)]
+            rows = np.array([[*one.position, *one.quaternion] for one in read]).reshape(-1, 7)
+        return _of_poses(mechanism, rows)
     joints = joint_rows(mechanism, joints) if isinstance(joints, Mapping) else joints
     rows = _rows_without_fault(mechanism, joints)
     if rows is None:
@@ -319,10 +347,10 @@ def _rows_without_fault(mechanism: Mechanism, joints: Any) -> np.ndarray | None:
     return rows if ((rows >= least) & (np.abs(rows) <= most)).all() else None
 
 
-def _poses_without_fault(mechanism: Mechanism, poses: Any) -> np.ndarray | None:
-    """Poses (n, 7) that all fit and may be any, so that they need no look one by one; else None."""
-    rows = _plain_rows(poses, 7) if mechanism.motion == "spatial" else None
-    if rows is None or reader_of_poses(mechanism) is not None or ties_poses(mechanism):
+def _poses_without_fault(poses: Any) -> np.ndarray | None:
+    """Poses (n, 7), quaternions of unit length, that are plain numbers; else None."""
+    rows = _plain_rows(poses, 7)
+    if rows is None:
         return None
     norms = np.sqrt(squared_norms(rows[:, 3:]))
     rows[:, 3:] /= norms[:, None]

@@ -10,7 +10,7 @@ from symkin.machine.lower import Lowered, lowered
 from symkin.model.keys import ABOUT_Z
 from symkin.model.machine import untwisted
 from symkin.model.mechanism import Mechanism
-from symkin.position.feasible_pose import PROJECTED, closing_poses, nearest_pose, ties_poses
+from symkin.position.feasible_pose import PROJECTED, nearest_pose, taken_poses, ties_poses
 from symkin.spatial.backend import Array, atan2, vector
 from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import conjugate, multiply, wrapped
@@ -143,7 +143,7 @@ def _feasible_of_machine(
     )
     off = np.where(off < projected_below(mechanism, low), 0.0, off)
     if ties_poses(mechanism):
-        for i in np.flatnonzero((off == 0.0) & ~closing_poses(mechanism, values)):
+        for i in np.flatnonzero((off == 0.0) & ~taken_poses(mechanism, values)):
             values[i], off[i], _ = feasible_pose(mechanism, values[i])
     return values, off
 
