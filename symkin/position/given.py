@@ -8,7 +8,7 @@ import math
 from collections.abc import Callable, Iterable, Mapping, Sequence, Set
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -32,6 +32,7 @@ from symkin.spatial.pose import NORM_OFF, Pose
 from symkin.text import counted, first_of, meant, shown
 from symkin.verb import real
 
+_Read = TypeVar("_Read")
 Joints = Sequence[float] | Mapping[str, float]
 """Values of all actuated joints in the mechanism's units: in file order, or by name."""
 Values = Mapping[str, float | Sequence[float]]
@@ -326,7 +327,7 @@ def read_many(mechanism: Mechanism, joints: Any, pose: Any, given: Columns | Non
     ]
 
 
-def _named_input(number: int, read: Callable[[], Given]) -> Given:
+def _named_input(number: int, read: Callable[[], _Read]) -> _Read:
     try:
         return read()
     except InputError as error:
