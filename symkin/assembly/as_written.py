@@ -13,12 +13,10 @@ from symkin.machine.lower import Lowered, lowered
 from symkin.machine.universal import BallReading
 from symkin.model.mechanism import Mechanism
 from symkin.position.feasible_pose import ties_poses
-from symkin.position.given import Given, given_of_pose, in_order
-from symkin.position.pose_coordinates import reader_of_poses
+from symkin.position.given import Given, in_order
 from symkin.position.problem import Problem, plain_kind, pose_names
 from symkin.position.solution_list import SolutionList, checked_solutions
 from symkin.position.transfer import many_as_written
-from symkin.spatial.pose import Pose
 
 COMPLETE = ("proved", "probability one")
 """What is said of lists that hold all modes."""
@@ -50,14 +48,7 @@ def may_contradict(low: Lowered, given: Given) -> bool:
 
 def given_of_machine(low: Lowered, given: Given) -> Given:
     """The same known values of the machine: joints as they are, a pose in its frame."""
-    stands_otherwise = low.frames is not None or low.machine.motion != low.written.motion
-    if _is_pose(low.written, given) and stands_otherwise:
-        pose = Pose(given.values[:3], given.values[3:])
-        looked_at = reader_of_poses(low.written) is not None or ties_poses(low.written)
-        found = given.off_motion == 0.0 and looked_at
-        there = given_of_pose(low.machine, low.taken(pose), is_feasible=found)
-        return replace(there, echo=given.echo)
-    return in_order(low.machine, given)
+    return in_order(low.machine, given) if given.there is None else given.there
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,16 +80,12 @@ def as_written(told: Told, given: Given, found: Modes) -> Modes | None:
     """
     if not is_complete(found):
         return None
-    listed = found.modes
-    if listed.notes != given.notes:
-        listed = replace(listed, notes=given.notes, _made={})
-    elif not told.low.readings:
+    if not told.low.readings:
         return found
     names = {reading.of: reading.name for reading in told.low.readings}
     told_notes = [_told(note, names) for note in found.notes]
     return replace(
         found,
-        modes=listed,
         groups=tuple(_renamed(group, names) for group in found.groups),
         notes=tuple(dict.fromkeys((*given.notes, *told_notes, *_ball_notes(told.low)))),
     )

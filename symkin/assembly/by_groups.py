@@ -114,7 +114,7 @@ class GroupedModes:
             modes=found,
             method="closed" if told["engine"] == "closed form" else self.search.name,
             seed=self.search.seed,
-            elapsed_s=0.0,
+            elapsed_s=self.search.elapsed_s,
             **sampling(account.samples.get(number, [])),
             **told,
             notes=(

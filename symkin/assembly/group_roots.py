@@ -48,7 +48,7 @@ class GroupRoots:
     proves that there are no others) of all; from paths all complex roots `ends` (width, e) of the
     rows `ends_of` (e,), rising, and where they are told the `origin` (m,) of the solutions among
     these; where they are kept the largest and smallest singular value of the group's rows at each
-    solution and its closure error, `judged` (m, 3).
+    solution and its closure error, `judged` (m, 3), `NOT_KNOWN` of single ones.
     """
 
     points: np.ndarray
@@ -124,7 +124,11 @@ class GroupRoots:
         before = np.cumsum([0, *(len(part.statement) for part in parts)]).tolist()
         begun = list(zip(before, parts, strict=False))
         ends = [part.ends for part in parts if part.ends.size]
-        judged = [part.judged for part in parts if part.judged is not None]
+        none = NOT_KNOWN * np.ones((1, 3))
+        judged = [
+            none.repeat(len(part.points), axis=0) if part.judged is None else part.judged
+            for part in parts
+        ]
         arrays: dict[str, Any] = {
             name: np.concatenate([getattr(part, name) for part in parts]) for name in _PER_ROW
         }
@@ -145,7 +149,7 @@ class GroupRoots:
             )
             if ends
             else parts[0].ends_of[:0],
-            judged=np.concatenate(judged) if len(judged) == len(parts) else None,
+            judged=np.concatenate(judged),
         )
 
     def proved(self, complete: np.ndarray, theorem: str | None) -> GroupRoots:

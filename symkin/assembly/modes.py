@@ -142,15 +142,15 @@ class _Ask:
 
 def _found(ask: _Ask, givens: Sequence[Given]) -> tuple[Modes, ...]:
     """The modes of inputs of one kind, with the loop that cannot close where there are none."""
-    begin = time.perf_counter()
-    with told_of_searches(ask.search.progress):
-        found = _of_machine(ask, givens)
+    search = replace(ask.search, begun=time.perf_counter(), inputs=len(givens))
+    with told_of_searches(search.progress):
+        found = _of_machine(replace(ask, search=search), givens)
     lost = [not modes and modes.problem.by_name for modes in found]
     note = open_loops_note(ask.mechanism) if any(lost) else None
-    more = () if note is None else (note,)
-    share = (time.perf_counter() - begin) / max(len(givens), 1)
+    if note is None:
+        return tuple(found)
     return tuple(
-        replace(modes, elapsed_s=share, notes=(*modes.notes, *more) if none else modes.notes)
+        replace(modes, notes=(*modes.notes, note)) if none else modes
         for modes, none in zip(found, lost, strict=True)
     )
 

@@ -4,6 +4,7 @@ caller has named.
 
 from __future__ import annotations
 
+import time
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
@@ -28,7 +29,8 @@ class Search:
     """`starts` and `seed` of random starts and the `solver` of multistart; `named` are those that
     the caller gave, None for the others, so that what a problem has no use for can be refused.
     `formulas`: whether continuation may leave inputs to closed forms where there are some.
-    `progress` is told how far a search has come.
+    `progress` is told how far a search has come. It has `begun` (seconds of the counter) for as
+    many inputs.
     """
 
     method: str
@@ -38,6 +40,13 @@ class Search:
     named: Mapping[str, object] = field(default_factory=dict)
     formulas: bool = True
     progress: Progress | None = None
+    begun: float = field(default_factory=time.perf_counter)
+    inputs: int = 1
+
+    @property
+    def elapsed_s(self) -> float:
+        """Seconds since it has begun, of each input."""
+        return (time.perf_counter() - self.begun) / self.inputs
 
     @property
     def name(self) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -17,9 +17,9 @@ from symkin.homotopy.systems import unsuitable
 from symkin.numeric.tolerances import CLOSURE_TOLERANCE
 from symkin.position.given import Given
 from symkin.position.groups import structure_groups
+from symkin.position.pose_coordinates import poses_coordinates
 from symkin.position.problem import Problem
 from symkin.position.solution_list import SolutionList, checked_solutions
-from symkin.position.starts import begun
 
 
 def free_unknowns(problem: Problem) -> str | None:
@@ -37,15 +37,16 @@ def free_unknowns(problem: Problem) -> str | None:
 
 
 def _certified(problem: Problem, one: SolutionList, values: np.ndarray) -> SolutionList:
-    """The pose that a formula gives, certified in balls as any other solution: at values (1,
+    """Poses that a formula gives, certified in balls as any other solutions: at values (n,
     variables) of the problem.
     """
     if unsuitable(problem) is not None:
         return one
-    owner = np.zeros(1, dtype=int)
-    proofs = PartProofs.of_nothing(1)
+    count = len(values)
+    proofs = PartProofs.of_nothing(count)
     for part in structure_groups(problem):
-        roots = GroupRoots.of_all(values[:, part.unknown_places], owner, np.ones(1))
+        points = values[:, part.unknown_places]
+        roots = GroupRoots.of_all(points, np.arange(count), np.ones(count))
         known = values[:, part.known_places]
         proofs = proofs.beside(proofs_of_group(part, roots, known, np.zeros(known.shape))[0])
     return one.chosen(slice(None), **proofs.told())
@@ -84,47 +85,54 @@ def known_without_search(
             for given in givens
         ]
         return [replace(one, positive_dimensional=True) for one in empty]
-    off, explicit = [given.off_motion for given in givens], problem.is_explicit
-    if not explicit:
-        errors = _errors_of_given(problem, np.array([given.values for given in givens]))
-        off = [away or error for away, error in zip(off, errors.tolist(), strict=True)]
+    known = np.array([given.values for given in givens])
+    if problem.is_explicit:
+        return [*_forward(problem, givens, known, search, told)]
+    errors = _errors_of_given(problem, known).tolist()
+    off = (g.off_motion or e for g, e in zip(givens, errors, strict=True))
     return [
-        nothing(problem, given, search, away)
-        if away
-        else _forward(problem, given, search, told, i)
-        if explicit
-        else None
-        for i, (given, away) in enumerate(zip(givens, off, strict=True))
+        nothing(problem, given, search, away) if away else None
+        for given, away in zip(givens, off, strict=True)
     ]
 
 
 def _forward(
-    problem: Problem, given: Given, search: Search, told: Told | None, number: int
-) -> Modes:
-    """The one mode of a serial arm's joints."""
+    problem: Problem,
+    givens: Sequence[Given],
+    known: np.ndarray,
+    search: Search,
+    told: Told | None,
+) -> Iterator[Modes]:
+    """The one mode of a serial arm's joints (n, known), of each input."""
     search.refuse_unless_multistart(
         "the direct problem of a serial arm is a function of its joints, and nothing is searched"
     )
-    values = problem.join_values(begun(problem.mechanism, given, None)[1], given.values)[None]
+    poses = problem.forward(known)
+    assert poses is not None  # noqa: S101 - the problem is explicit
+    coordinates, _ = poses_coordinates(problem.mechanism, poses[:, :3].T, poses[:, 3:].T)
+    values = problem.join_values(coordinates, known)
     if told is None:
-        one = checked_solutions(problem, values, given.notes)
+        listed = checked_solutions(problem, values)
     else:
-        one = told.listed(problem.closure, values, np.array([number]))
-    if not one.closed[0]:
-        return nothing(problem, given, search, float(one.residual[0]))
+        listed = told.listed(problem.closure, values, np.arange(len(known)))
+    listed, elapsed = _certified(problem, listed, values), search.elapsed_s
     note = "forward kinematics of a serial arm is a function of its joints: one pose"
-    return Modes(
-        problem=problem if told is None else told.problem,
-        given=given.echo,
-        modes=_certified(problem, one, values),
-        completeness="proved",
-        method="forward",
-        seed=None,
-        elapsed_s=0.0,
-        complex_count=1,
-        unresolved_paths=0,
-        notes=(*given.notes, note),
-    )
+    for k, (given, closed) in enumerate(zip(givens, listed.closed.tolist(), strict=True)):
+        if not closed:
+            yield nothing(problem, given, search, float(listed.residual[k]))
+            continue
+        yield Modes(
+            problem=problem if told is None else told.problem,
+            given=given.echo,
+            modes=listed.chosen(slice(k, k + 1), notes=given.notes),
+            completeness="proved",
+            method="forward",
+            seed=None,
+            elapsed_s=elapsed,
+            complex_count=1,
+            unresolved_paths=0,
+            notes=(*given.notes, note),
+        )
 
 
 def nothing(
@@ -138,7 +146,7 @@ def nothing(
         completeness="sampled",
         method=search.method,
         seed=search.seed,
-        elapsed_s=0.0,
+        elapsed_s=search.elapsed_s,
         smallest_residual=smallest,
         notes=(*given.notes, note) if note else given.notes,
     )

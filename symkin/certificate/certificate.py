@@ -140,9 +140,9 @@ class CertificateBatch:
             return nearest
         own = features(self.system, Discs.exact(points.T.astype(complex))).mixed.middle[:, 0]
         owners = self.instance[proved]
-        for j in np.flatnonzero(np.bincount(instance)).tolist():
+        for j in np.flatnonzero(np.bincount(owners)).tolist():
             here, roots = (slice(*np.searchsorted(of, [j, j + 1])) for of in (instance, owners))
-            if proved[roots].size:
+            if own[here].size:
                 far = np.abs(own[here, None] - marks[roots])
                 nearest[here] = proved[roots][np.argmin(np.nan_to_num(far, nan=np.inf), axis=1)]
         return nearest

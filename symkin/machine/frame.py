@@ -58,11 +58,11 @@ class Frames:
 
     def told(self, pose: Pose) -> Pose:
         """A pose of the machine as the description has it."""
-        return self._base_inverse @ pose @ self.platform
+        return _beside(pose, self._base_inverse) @ pose @ _beside(pose, self.platform)
 
     def taken(self, pose: Pose) -> Pose:
         """A pose of the description as the machine has it."""
-        return self.base @ pose @ self._platform_inverse
+        return _beside(pose, self.base) @ pose @ _beside(pose, self._platform_inverse)
 
     @cached_property
     def _base_inverse(self) -> Pose:
@@ -71,6 +71,13 @@ class Frames:
     @cached_property
     def _platform_inverse(self) -> Pose:
         return self.platform.inverse()
+
+
+def _beside(pose: Pose, own: Pose) -> Pose:
+    """A frame's own pose as it multiplies another one, or a stack of poses (3, n) and (4, n)."""
+    if not isinstance(pose.position, np.ndarray) or pose.position.ndim < 2:
+        return own
+    return Pose(np.asarray(own.position)[:, None], np.asarray(own.quaternion)[:, None])
 
 
 def with_z(mechanism: Mechanism, normal: np.ndarray) -> tuple[Mechanism, Frames | None]:

@@ -61,10 +61,10 @@ def lowered(
     the limbs that it is where all of its driven joints, or the whole pose, are given.
     """
     bare = _without_points(mechanism)
-    arm = arm_of(bare) if pose and bare.is_graph else None
+    whole = pose if not given else given == {c.name for c in mechanism.actuated}
+    arm = arm_of(bare) if whole and bare.is_graph else None
     if arm is not None and {c.name for c in arm.coordinates} >= {c.name for c in bare.coordinates}:
         return Lowered(mechanism, arm, None, ())
-    whole = pose if not given else given == {c.name for c in mechanism.actuated}
     limbs = limbs_of(bare) if bare.is_graph and whole else None
     plain = mechanism if bare.is_graph else bare
     plain = plain if limbs is None else limbs.mechanism

@@ -84,16 +84,11 @@ def nearest_pose(mechanism: Mechanism, pose: np.ndarray) -> NearestPose | None:
     """The feasible pose nearest to pose coordinates; None where the joints do not tie them, the
     pose closes all loops already, or no feasible one was found.
     """
-    if not ties_poses(mechanism) or closing_poses(mechanism, pose[None])[0]:
+    if not ties_poses(mechanism) or taken_poses(mechanism, pose[None])[0]:
         return None
     problem = build_problem(mechanism, pose_names(mechanism))
-    system, near = problem.system, _CLOSED * problem.closure.characteristic_length
-    # the reference's branch closes most poses that are to be closed
-    here = problem.select_values(problem.closure.reference, system.unknowns)[None]
-    if system.residuals(polish(system, here, pose, _STEPS, 0.1 * _CLOSED).points, pose)[0] <= near:
-        return None
     joints = _nearest_joints(problem, pose)
-    if system.residual(joints, pose) <= near:
+    if problem.system.residual(joints, pose) <= _CLOSED * problem.closure.characteristic_length:
         return None
     whole, z = _whole(problem), np.concatenate([joints, pose])
     for _ in range(_STEPS):
@@ -120,6 +115,21 @@ def _is_beyond_reach(problem: Problem, whole: System, z: np.ndarray, off: np.nda
     lost = left[:, rank : _joint_rank(problem.mechanism)].T
     away = lost @ jacobian[:, count:] @ off
     return bool(np.max(np.abs(away), initial=0.0) > _CLOSED * whole.characteristic_length)
+
+
+def taken_poses(mechanism: Mechanism, poses: np.ndarray) -> np.ndarray:
+    """Which pose coordinates (n, numbers) close all loops by formulas, or in the reference's
+    branch, which closes most that are to be closed; others may close them all the same.
+    """
+    shown = closing_poses(mechanism, poses)
+    problem, left = build_problem(mechanism, pose_names(mechanism)), (~shown).nonzero()[0]
+    if left.size:
+        system, near = problem.system, _CLOSED * problem.closure.characteristic_length
+        here = problem.select_values(problem.closure.reference, system.unknowns)
+        begin = here[None].repeat(len(left), axis=0)
+        ends = polish(system, begin, poses[left], _STEPS, 0.1 * _CLOSED).points
+        shown[left] = system.residuals(ends, poses[left]) <= near
+    return shown
 
 
 def closing_poses(mechanism: Mechanism, poses: np.ndarray) -> np.ndarray:

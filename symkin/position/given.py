@@ -8,7 +8,7 @@ import math
 from collections.abc import Callable, Iterable, Mapping, Sequence, Set
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -18,11 +18,12 @@ from symkin.model.joint import POSE_CONDITIONS, Coordinate
 from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.model.oddities import FULL_TURN
 from symkin.numeric.linear_algebra import squared_norms
-from symkin.position.feasible_pose import ties_poses
+from symkin.position.feasible_pose import taken_poses, ties_poses
 from symkin.position.pose_coordinates import (
     feasible_pose,
     motion_pose,
     pose_coordinates,
+    poses_coordinates,
     projected_below,
     reader_of_poses,
 )
@@ -31,6 +32,7 @@ from symkin.spatial.pose import NORM_OFF, Pose
 from symkin.text import counted, first_of, meant, shown
 from symkin.verb import real
 
+_Read = TypeVar("_Read")
 Joints = Sequence[float] | Mapping[str, float]
 """Values of all actuated joints in the mechanism's units: in file order, or by name."""
 Values = Mapping[str, float | Sequence[float]]
@@ -43,12 +45,16 @@ LARGEST_GIVEN = 1e150
 overflows a double.
 """
 
+_ROUNDING = 1e-12
+"""Of the size: how far rounding moves a pose off those that the platform can take."""
+
 
 @dataclass(frozen=True)
 class Given:
     """Known values of a problem: the `names` of its known coordinates, their `values` in inside
     units, `echo` as the user gave them; `off_motion` is how far a pose lies off those that the
-    platform can take (length unit), 0 where it is one or was projected.
+    platform can take (length unit), 0 where it is one or was projected; `there` is the pose as the
+    machine has it that reads it, where this is not the description.
     """
 
     names: tuple[str, ...]
@@ -56,6 +62,7 @@ class Given:
     echo: dict[str, Any]
     notes: tuple[str, ...] = ()
     off_motion: float = 0.0
+    there: Given | None = None
 
 
 # --- one input ------------------------------------------------------------------------------------
@@ -118,25 +125,51 @@ def given_pose(mechanism: Mechanism, given: Sequence[float] | Pose) -> Given:
             f"mechanism file, of a robot's file by --platform LINK, or give joints"
         )
     pose = pose_from(given)
-    low = reader_of_poses(mechanism)
+    return _of_poses(mechanism, np.array([[*pose.position, *pose.quaternion]]))[0]
+
+
+def _of_poses(mechanism: Mechanism, rows: np.ndarray) -> list[Given]:
+    """`given_pose` for poses (n, 7) whose quaternions are of unit length."""
+    low, poses = reader_of_poses(mechanism), Pose(rows[:, :3].T, rows[:, 3:].T)
+    machine, at = (mechanism, poses) if low is None else (low.machine, low.taken(poses))
+    values, off = poses_coordinates(machine, at.position, at.quaternion)
+    exact = off <= _ROUNDING * machine.characteristic_length
+    if ties_poses(machine):
+        exact &= taken_poses(machine, values)
+    own = values
+    if low is not None:
+        own, _ = poses_coordinates(mechanism, poses.position, poses.quaternion)
+    names, names_there = pose_names(mechanism), pose_names(machine)
+    found = []
+    for k, (row, is_exact) in enumerate(zip(rows.tolist(), exact.tolist(), strict=True)):
+        there = None if low is None else Given(names_there, values[k], {"pose": row})
+        found.append(
+            Given(names, own[k], {"pose": row}, there=there)
+            if is_exact
+            else _of_moved(mechanism, Pose(rows[k, :3], rows[k, 3:]), low)
+        )
+    return found
+
+
+def _of_moved(mechanism: Mechanism, pose: Pose, low: Lowered | None) -> Given:
+    """`given_pose` of a pose off those that the machine of `low` can take."""
     if low is None:
-        return given_of_pose(mechanism, pose)
-    there = given_of_pose(low.machine, low.taken(pose), low=low)
-    on_motion = pose if there.off_motion else low.told(motion_pose(low.machine, there.values))
+        return _given_of_pose(mechanism, pose)
+    there = replace(_given_of_pose(low.machine, low.taken(pose), low), echo=_echo(pose))
+    is_moved = there.notes and not there.off_motion
+    on_motion = low.told(motion_pose(low.machine, there.values)) if is_moved else pose
     values, _ = pose_coordinates(mechanism, on_motion)
-    return replace(there, names=pose_names(mechanism), values=values, echo=_echo(pose))
+    return replace(there, names=pose_names(mechanism), values=values, there=there)
 
 
-def given_of_pose(
-    mechanism: Mechanism, pose: Pose, *, is_feasible: bool = False, low: Lowered | None = None
-) -> Given:
-    """`given_pose` by the mechanism's own motion; the joints can take a pose that `is_feasible`.
-    Of the machine of `low` notes are told of the description.
+def _given_of_pose(mechanism: Mechanism, pose: Pose, low: Lowered | None = None) -> Given:
+    """`given_pose` by the mechanism's own motion; of the machine of `low` notes are told of the
+    description.
     """
     values, off = pose_coordinates(mechanism, pose)
     notes: tuple[str, ...] = ()
     if 0.0 < off < projected_below(mechanism, low):
-        if off > 1e-12 * mechanism.characteristic_length:
+        if off > _ROUNDING * mechanism.characteristic_length:
             notes = (
                 f"the pose was projected onto the platform's {mechanism.motion} motion, by "
                 f"{off:.3g} {mechanism.length_unit}",
@@ -147,7 +180,7 @@ def given_of_pose(
             f"the pose lies off the platform's {mechanism.motion} motion by {off:.3g} "
             f"{mechanism.length_unit}",
         )
-    if off == 0.0 and not is_feasible:
+    if off == 0.0:
         values, off, more = feasible_pose(mechanism, values, low)
         notes += more
     return Given(pose_names(mechanism), values, _echo(pose), notes, off)
@@ -186,6 +219,7 @@ def given_by_name(mechanism: Mechanism, values: Values) -> Given:
     return replace(
         read,
         names=(*read.names, *numbers),
+        there=None if numbers else read.there,
         values=np.array([*read.values, *numbers.values()]),
         echo=read.echo | {name: float(values[name]) for name in numbers},  # type: ignore[arg-type]
     )
@@ -275,14 +309,11 @@ def read_many(mechanism: Mechanism, joints: Any, pose: Any, given: Columns | Non
     if pose is not None and (joints is not None or mechanism.platform_link is None):
         return [read_given(mechanism, joints, pose)]
     if pose is not None:
-        poses = _poses_without_fault(mechanism, pose)
-        if poses is None:
-            ask = partial(given_pose, mechanism)
-            return [_named_input(i, partial(ask, one)) for i, one in enumerate(pose)]
-        names = pose_names(mechanism)
-        return [
-            Given(names, v, {"pose": echo}) for v, echo in zip(poses, poses.tolist(), strict=True)
-        ]
+        rows = _poses_without_fault(pose)
+        if rows is None:
+            read = [_named_input(i, partial(pose_from, one)) for i, one in enumerate(pose)]
+            rows = np.array([[*one.position, *one.quaternion] for one in read]).reshape(-1, 7)
+        return _of_poses(mechanism, rows)
     joints = joint_rows(mechanism, joints) if isinstance(joints, Mapping) else joints
     rows = _rows_without_fault(mechanism, joints)
     if rows is None:
@@ -296,7 +327,7 @@ def read_many(mechanism: Mechanism, joints: Any, pose: Any, given: Columns | Non
     ]
 
 
-def _named_input(number: int, read: Callable[[], Given]) -> Given:
+def _named_input(number: int, read: Callable[[], _Read]) -> _Read:
     try:
         return read()
     except InputError as error:
@@ -317,10 +348,10 @@ def _rows_without_fault(mechanism: Mechanism, joints: Any) -> np.ndarray | None:
     return rows if ((rows >= least) & (np.abs(rows) <= most)).all() else None
 
 
-def _poses_without_fault(mechanism: Mechanism, poses: Any) -> np.ndarray | None:
-    """Poses (n, 7) that all fit and may be any, so that they need no look one by one; else None."""
-    rows = _plain_rows(poses, 7) if mechanism.motion == "spatial" else None
-    if rows is None or reader_of_poses(mechanism) is not None or ties_poses(mechanism):
+def _poses_without_fault(poses: Any) -> np.ndarray | None:
+    """Poses (n, 7), quaternions of unit length, that are plain numbers; else None."""
+    rows = _plain_rows(poses, 7)
+    if rows is None:
         return None
     norms = np.sqrt(squared_norms(rows[:, 3:]))
     rows[:, 3:] /= norms[:, None]

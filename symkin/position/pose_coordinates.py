@@ -10,7 +10,7 @@ from symkin.machine.lower import Lowered, lowered
 from symkin.model.keys import ABOUT_Z
 from symkin.model.machine import untwisted
 from symkin.model.mechanism import Mechanism
-from symkin.position.feasible_pose import PROJECTED, closing_poses, nearest_pose, ties_poses
+from symkin.position.feasible_pose import PROJECTED, nearest_pose, taken_poses, ties_poses
 from symkin.spatial.backend import Array, atan2, vector
 from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import conjugate, multiply, wrapped
@@ -143,7 +143,7 @@ def _feasible_of_machine(
     )
     off = np.where(off < projected_below(mechanism, low), 0.0, off)
     if ties_poses(mechanism):
-        for i in np.flatnonzero((off == 0.0) & ~closing_poses(mechanism, values)):
+        for i in np.flatnonzero((off == 0.0) & ~taken_poses(mechanism, values)):
             values[i], off[i], _ = feasible_pose(mechanism, values[i])
     return values, off
 
@@ -153,13 +153,11 @@ def reader_of_poses(mechanism: Mechanism) -> Lowered | None:
     the platform, or tie of its pose: it declares no motion, or is a graph. None where the
     description does.
     """
-    if mechanism.motion != "spatial":
-        return None
     low = lowered(mechanism)
     if low is None:
         return None
     tells_more = mechanism.is_graph and not low.machine.is_graph
-    return low if tells_more or low.machine.motion != "spatial" else None
+    return low if tells_more or low.machine.motion != mechanism.motion else None
 
 
 def projected_below(mechanism: Mechanism, low: Lowered | None) -> float:
@@ -167,7 +165,8 @@ def projected_below(mechanism: Mechanism, low: Lowered | None) -> float:
     declared by rounding, of one that the joints leave the machine of `low` by few digits, as where
     joints tie poses.
     """
-    return (ON_MOTION if low is None else PROJECTED) * mechanism.characteristic_length
+    is_declared = low is None or low.written.motion != "spatial"
+    return (ON_MOTION if is_declared else PROJECTED) * mechanism.characteristic_length
 
 
 def feasible_pose(

@@ -17,6 +17,7 @@ from symkin.closure.partition import POSE_COORDINATES, Partition
 from symkin.computed_once import cached_property, lru_cache
 from symkin.model.joint import POSE_CONDITIONS, Coordinate
 from symkin.model.mechanism import Mechanism
+from symkin.numeric.mapped import Mapped
 from symkin.numeric.rank import Rank
 from symkin.numeric.system import System, constant_rows
 
@@ -106,7 +107,7 @@ class Problem:
         return max(ranks)
 
     @cached_property
-    def _forward(self) -> ca.Function | None:
+    def _forward(self) -> Mapped | None:
         """Pose of the platform from the joints alone, where a limb of actuated joints only carries
         it.
         """
@@ -114,9 +115,8 @@ class Problem:
         if pose is None:
             return None
         known = self.closure.symbols(self.known_coordinates)
-        return ca.Function(
-            "forward", [known], [self.closure.bound(ca.vertcat(pose.position, pose.quaternion))]
-        )
+        told = self.closure.bound(ca.vertcat(pose.position, pose.quaternion))
+        return Mapped.of([known], [told])
 
     @property
     def is_explicit(self) -> bool:
@@ -126,10 +126,13 @@ class Problem:
         )
 
     def forward(self, known: np.ndarray) -> np.ndarray | None:
-        """(x, y, z, qw, qx, qy, qz) where the pose is a function of the joints, else None."""
+        """(x, y, z, qw, qx, qy, qz) of joints (known,), or (n, 7) of many, (n, known), where these
+        tell the pose; else None.
+        """
         if not self.of_joints or self._forward is None:
             return None
-        return np.asarray(self._forward(known)).ravel()
+        found = self._forward(known)[0][:, :, 0]
+        return found if known.ndim == 2 else found[0]
 
     def select_values(self, values: np.ndarray, coordinates: tuple[Coordinate, ...]) -> np.ndarray:
         """The part of full vectors of variables (..., variables) that belongs to some

@@ -129,24 +129,26 @@ def checked_solutions(
     judged: np.ndarray | None = None,
 ) -> SolutionList:
     """Solutions from full vectors of variables (m, variables): in their standard writing, with
-    closure errors and conditions, from the extreme singular values and errors (m, 3) where these
-    were `judged`.
+    closure errors and conditions, from the extreme singular values and errors (m, 3) of those that
+    were `judged`, NaN of others.
     """
     closure, system = problem.closure, problem.system
     values = canonical(closure.coordinates, closure.slices, values)
     inside, untried = within_limits(closure, values), np.full(len(values), -1)
     position, quaternion = poses_of(closure, values)
-    if judged is None:
-        unknown, known = values[:, problem.unknown_places], values[:, problem.known_places]
-        extremes, residuals = system.extremes(unknown, known)
-    else:
-        extremes, residuals = judged[:, :2], judged[:, 2]
+    judged = np.full((len(values), 3), np.nan) if judged is None else judged
+    left = np.isnan(judged[:, 2])
+    if left.any():
+        own = values[left]
+        unknown, known = own[:, problem.unknown_places], own[:, problem.known_places]
+        judged[left, :2], judged[left, 2] = system.extremes(unknown, known)
+    extremes = judged[:, :2]
     return SolutionList(
         closure=closure,
         values=values,
         position=position,
         quaternion=quaternion,
-        residual=residuals,
+        residual=judged[:, 2],
         condition=condition_of(extremes),
         within_limits=untried if inside is None else inside.astype(int),
         certified=untried,

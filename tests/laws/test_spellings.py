@@ -43,19 +43,20 @@ CASES = [
     ("3-RPR", "direct", PLANAR),
     ("Agile Eye", "inverse", ("limbs", "limbs, turned", "graph, reference", "URDF")),
     ("ankle", "direct", ("limbs", "limbs, R R for U", "graph", "limbs, 1e+06")),
+    ("UR arm", "direct", ("DH", "graph, reordered")),
     ("UR arm", "inverse", ("DH", "limbs, point", "graph", "graph, turned", "MJCF")),
     ("6-UPS", "direct", ("limbs", "limbs, mm", "limbs, point", "graph, reordered")),
 ]
 
 
-@pytest.mark.parametrize(("name", "direction", "names"), in_gate(CASES, CASES[:6]))
+@pytest.mark.parametrize(("name", "direction", "names"), in_gate(CASES, [*CASES[:6], CASES[14]]))
 def test_all_spellings_have_one_answer(tmp_path, name, direction, names) -> None:
     machine = MACHINES[name]()
     spelled = named(list(spellings(machine, tmp_path)), names)
     assert len(spelled) == len(names)
     found = [one.modes(machine, inverse=direction == "inverse") for one in spelled]
     told = {
-        (len(f), f.complex_count, f.completeness, sum(bool(mode.certified) for mode in f))
+        (len(f), f.complex_count, f.completeness, f.method, sum(bool(m.certified) for m in f))
         for f in found
     }
     assert len(told) == 1
@@ -151,6 +152,20 @@ def test_a_pose_off_the_motion_is_told_so_in_all_spellings(tmp_path, name) -> No
         assert not len(off)
         # of a point the largest of three coordinates is told
         assert 0.57e-3 < off.smallest_residual / (size * one.factor) < 1.001e-3
+
+
+def test_a_tied_pose_of_few_digits_has_its_modes_in_all_spellings(tmp_path) -> None:
+    """Joints of the five-bar tie the turn of its platform to the place: a rounded pose is moved to
+    the nearest that they can take.
+    """
+    machine = MACHINES["five-bar"]()
+    pose = machine.configuration.pose
+    rounded = symkin.Pose(np.round(pose.position, 4), pose.quaternion)
+    names = ("limbs, motion", "limbs", "graph, motion", "limbs, point", "graph, turned")
+    for one in named(list(spellings(machine, tmp_path)), names):
+        found = symkin.modes(one.mechanism, pose=one.told(rounded))
+        assert len(found) == 2
+        assert sum("was projected onto" in note for note in found.notes) == 1
 
 
 @pytest.mark.parametrize(
