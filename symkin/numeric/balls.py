@@ -38,14 +38,14 @@ _BINARY = {
     ca.OP_SUB: "{} - {}",
     ca.OP_MUL: "{} * {}",
     ca.OP_DIV: "{} / {}",
-    ca.OP_ATAN2: "turn({}, {})",
+    ca.OP_ATAN2: "angle_of({}, {})",
 }
 _UNARY = {
     ca.OP_SIN: "{}.sin()",
     ca.OP_COS: "{}.cos()",
     ca.OP_TAN: "{}.tan()",
     ca.OP_EXP: "{}.exp()",
-    ca.OP_SQRT: "root({})",
+    ca.OP_SQRT: "root_of({})",
     ca.OP_NEG: "-{}",
     ca.OP_SQ: "{0} * {0}",
     ca.OP_TWICE: "{0} + {0}",
@@ -217,16 +217,18 @@ def _compiled(
         f"def evaluate(z, prepared):{indent}{tuple_of_kept if kept else '_'} = prepared{indent}"
         + indent.join([*after, f"return [{', '.join(entries)}]"]),
     ]
-    scope: dict[str, Any] = {"root": _root, "turn": _turn}
+    scope: dict[str, Any] = {"root_of": root_of, "angle_of": angle_of}
     exec(compile("\n".join(source), "<balls>", "exec"), scope)
     return scope["prepare"], scope["evaluate"]
 
 
-def _root(x: Number) -> Number:
+def root_of(x: Number) -> Number:
     """Square root; not a number where a ball meets the cut, on which the root is not analytic."""
     return x.sqrt() if isinstance(x, arb) else x.sqrt(analytic=True)
 
 
-def _turn(y: arb, x: arb) -> arb:
-    """atan2(y, x) modulo 2 pi: the branch that is continuous on the ball."""
+def angle_of(y: Number, x: Number) -> Number:
+    """atan2(y, x) modulo 2 pi, of real balls alone: the branch that is continuous on the ball."""
+    if isinstance(y, acb):
+        return acb("nan")
     return arb.pi() + arb.atan2(-y, -x) if x < 0 else arb.atan2(y, x)
