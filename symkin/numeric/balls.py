@@ -25,7 +25,7 @@ from symkin.locks import Lock
 
 Number = Any
 """A ball: arb or acb."""
-Part = Literal["value", "slope", "second", "first", "constant"]
+Part = Literal["value", "slope"]
 
 _EXACT = (-2.0, -1.0, -0.5, 0.0, 0.5, 1.0, 2.0)
 """Constants that stay numbers in a graph: sums and products of a few of them are exact in double
@@ -114,8 +114,7 @@ def upper(x: Number) -> float:
 @dataclass(frozen=True, eq=False)
 class BallFunction:
     """f(z; k) over balls, a column. `parts` says what is evaluated, in order: "value" f, "slope"
-    df/dz, and, of an f that is quadratic in z, its coefficients "second" d2f/dz2 (rows times width,
-    width), "first" df/dz and "constant" f at z = 0.
+    df/dz.
     """
 
     z: ca.SX
@@ -145,14 +144,7 @@ class BallFunction:
 
 
 def derive(f: ca.SX, z: ca.SX, part: Part) -> ca.SX:
-    if part == "value":
-        return f
-    slope = ca.jacobian(f, z)
-    if part == "slope":
-        return slope
-    if part == "second":
-        return ca.jacobian(ca.vec(slope.T), z)
-    return ca.substitute(f if part == "constant" else ca.vec(slope.T), z, ca.SX.zeros(z.shape[0]))
+    return f if part == "value" else ca.jacobian(f, z)
 
 
 def raise_constants(expression: ca.SX, *inputs: ca.SX) -> tuple[ca.SX, ca.SX, tuple[float, ...]]:
