@@ -13,6 +13,7 @@ import numpy as np
 
 from symkin.homotopy.algebraic import AlgebraicSystem, complex_normal
 from symkin.homotopy.engine import track
+from symkin.homotopy.tracker import TrackSettings
 from symkin.homotopy.values import coordinate_scale, known_values
 from symkin.model.joint import Coordinate
 from symkin.position.problem import Problem
@@ -115,12 +116,12 @@ def regular(system: AlgebraicSystem, z: np.ndarray, k: np.ndarray) -> np.ndarray
 
 
 def carried(system: AlgebraicSystem, z: np.ndarray, k: np.ndarray, base: np.ndarray) -> np.ndarray:
-    """Roots at `base` that roots z at k (known, n) are tracked to."""
+    """Roots at `base` that roots z at k, (known,) or (known, n), are tracked to."""
     if not z.shape[1]:
         return z
-    tracked = track(
-        system, z, k, np.repeat(np.asarray(base, dtype=complex)[:, None], z.shape[1], axis=1)
-    )
+    base = np.asarray(base, dtype=complex)
+    ends = base if k.ndim == 1 else np.repeat(base[:, None], z.shape[1], axis=1)
+    tracked = track(system, z, k, ends, TrackSettings(tolerance=1e-5))
     return tracked.z[:, tracked.arrived]
 
 
