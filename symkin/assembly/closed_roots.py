@@ -15,11 +15,11 @@ from typing import Protocol
 import numpy as np
 
 from symkin.assembly.block_paths import BlockPaths
+from symkin.assembly.complex_branches import complex_errors, misses_none
 from symkin.assembly.group_roots import GroupRoots, checked_roots
 from symkin.assembly.rod_lengths import rod_lengths
 from symkin.computed_once import cached_property, lru_cache
 from symkin.elimination.closed_form import ClosedForm, Solutions, closed_form, samples_about
-from symkin.elimination.complex_branches import complex_errors, misses_none
 from symkin.homotopy.values import coordinate_scale
 from symkin.position.arm_formulas import arm_formulas
 from symkin.position.closed_configurations import closed_configurations
@@ -103,10 +103,11 @@ class ClosedBlock:
 
     @property
     def generic_known(self) -> np.ndarray:
-        """Random known values (instances, known)."""
+        """Random known values (instances, known), quaternions of unit length."""
         scale = coordinate_scale(self.problem, self.problem.known_coordinates)
         away = np.random.default_rng(5).uniform(-_SPREAD, _SPREAD, (_INSTANCES, len(scale)))
-        return self.regular + scale * away
+        given = self.problem.system.exchanged(self.problem.known_coordinates)
+        return given.move(self.regular + scale * away, np.zeros((_INSTANCES, given.freedom)))
 
     def roots(self, known: np.ndarray, *, judges: bool = False) -> tuple[GroupRoots, np.ndarray]:
         """As `BlockPaths.roots`."""
@@ -133,10 +134,10 @@ class ClosedBlock:
         return roots, (~plain).nonzero()[0]
 
 
-def _all_close(formulas: ClosedForm, known: np.ndarray) -> bool:
+def _all_close(problem: Problem, formulas: ClosedForm, known: np.ndarray) -> bool:
     """Whether all branches close for known values (n, known), over the complex numbers."""
     try:
-        errors = complex_errors(formulas, known)
+        errors = complex_errors(problem, formulas, known)
     except NotImplementedError:
         return False
     return bool(np.all(errors <= _SOLVES))
@@ -152,11 +153,10 @@ def accounts_for_all(closed: ClosedBlock, paths: BlockPaths | None) -> bool:
     if not isinstance(closed.formulas, ClosedForm):
         return True
     if paths is None:
-        return _all_close(closed.formulas, closed.regular[None]) and misses_none(
-            closed.formulas, closed.regular
-        )
+        own = closed.problem, closed.formulas
+        return _all_close(*own, closed.regular[None]) and misses_none(*own, closed.regular)
     return closed.formulas.count == paths.most_roots and _all_close(
-        closed.formulas, closed.generic_known
+        closed.problem, closed.formulas, closed.generic_known
     )
 
 

@@ -272,7 +272,7 @@ NAMES = {
     "angle_sums": "symkin.elimination.angle_sums",
     "ClosedForm": "symkin.elimination.closed_form",
     "closed_form": "symkin.elimination.closed_form",
-    "misses_none": "symkin.elimination.complex_branches",
+    "misses_none": "symkin.assembly.complex_branches",
     "samples_about": "symkin.elimination.closed_form",
     # proofs
     "BallSystem": "symkin.certificate.ball_system",
