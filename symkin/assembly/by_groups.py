@@ -21,8 +21,9 @@ from symkin.assembly.group_roots import STATEMENTS
 from symkin.assembly.group_solvers import dependent_parts, solved_groups
 from symkin.assembly.least_modes import with_least_modes
 from symkin.assembly.mode_order import order_of_modes
-from symkin.assembly.mode_proofs import PartProofs, can_be_proved, ground_notes, theorem_notes
+from symkin.assembly.mode_proofs import can_be_proved, ground_notes, theorem_notes
 from symkin.assembly.modes_result import Group, Modes, sampling
+from symkin.assembly.prover import PartProofs
 from symkin.assembly.search import Search
 from symkin.assembly.tree import Solving, Step, Tree, grown_together
 from symkin.computed_once import cached_property

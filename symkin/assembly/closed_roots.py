@@ -15,11 +15,11 @@ from typing import Protocol
 import numpy as np
 
 from symkin.assembly.block_paths import BlockPaths
+from symkin.assembly.complex_branches import complex_errors, misses_none
 from symkin.assembly.group_roots import GroupRoots, checked_roots
 from symkin.assembly.rod_lengths import rod_lengths
 from symkin.computed_once import cached_property, lru_cache
 from symkin.elimination.closed_form import ClosedForm, Solutions, closed_form, samples_about
-from symkin.elimination.complex_branches import complex_errors, misses_none
 from symkin.homotopy.values import coordinate_scale
 from symkin.position.arm_formulas import arm_formulas
 from symkin.position.closed_configurations import closed_configurations
@@ -103,10 +103,11 @@ class ClosedBlock:
 
     @property
     def generic_known(self) -> np.ndarray:
-        """Random known values (instances, known)."""
+        """Random known values (instances, known), quaternions of unit length."""
         scale = coordinate_scale(self.problem, self.problem.known_coordinates)
         away = np.random.default_rng(5).uniform(-_SPREAD, _SPREAD, (_INSTANCES, len(scale)))
-        return self.regular + scale * away
+        given = self.problem.system.exchanged(self.problem.known_coordinates)
+        return given.move(self.regular + scale * away, np.zeros((_INSTANCES, given.freedom)))
 
     def roots(self, known: np.ndarray, *, judges: bool = False) -> tuple[GroupRoots, np.ndarray]:
         """As `BlockPaths.roots`."""
@@ -141,14 +142,14 @@ class ClosedBlock:
         if isinstance(self.formulas, ClosedForm) and is_tied(self.problem):
             rows = np.flatnonzero(~real.all(axis=1))
             if rows.size:
-                counts[rows] = _closing(self.formulas, known[rows]).sum(axis=1)
+                counts[rows] = _closing(self.problem, self.formulas, known[rows]).sum(axis=1)
         return counts
 
 
-def _closing(formulas: ClosedForm, known: np.ndarray) -> np.ndarray:
+def _closing(problem: Problem, formulas: ClosedForm, known: np.ndarray) -> np.ndarray:
     """Which branches (n, count) close for known values (n, known), over the complex numbers."""
     try:
-        return complex_errors(formulas, known) <= _SOLVES
+        return complex_errors(problem, formulas, known) <= _SOLVES
     except NotImplementedError:
         return np.zeros((len(known), formulas.count), dtype=bool)
 
@@ -164,10 +165,11 @@ def accounts_for_all(closed: ClosedBlock, paths: BlockPaths | None) -> bool:
         return True
     formulas, regular = closed.formulas, closed.regular
     if paths is None:
-        return bool(_closing(formulas, regular[None]).all()) and misses_none(formulas, regular)
+        closes = bool(_closing(closed.problem, formulas, regular[None]).all())
+        return closes and misses_none(closed.problem, formulas, regular)
     if formulas.count != paths.most_roots:
         return False
-    return bool(_closing(formulas, closed.generic_known).all())
+    return bool(_closing(closed.problem, formulas, closed.generic_known).all())
 
 
 @lru_cache(maxsize=256)

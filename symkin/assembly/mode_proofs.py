@@ -3,59 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from symkin.assembly.group_roots import GroupRoots
 from symkin.assembly.group_solvers import group_paths
-from symkin.assembly.prover import prover_of
+from symkin.assembly.prover import PartProofs, prover_of
 from symkin.computed_once import lru_cache
 from symkin.homotopy.systems import system_of, unsuitable
 from symkin.position.groups import is_linear
 from symkin.position.problem import Problem
 from symkin.position.solution import PartialProof
-
-
-@dataclass(frozen=True, eq=False)
-class PartProofs:
-    """What is proved of m partial configurations: whether they are `certified`, and in `ground`
-    (m, 4) the numbers of a `PartialProof`, its radius infinite where nothing is proved.
-    """
-
-    certified: np.ndarray
-    ground: np.ndarray
-
-    @staticmethod
-    def of_nothing(count: int) -> PartProofs:
-        """Of configurations without parts: they are exact."""
-        return PartProofs(np.ones(count, dtype=bool), np.zeros((count, 4)))
-
-    @property
-    def radius(self) -> np.ndarray:
-        return self.ground[:, 2]
-
-    def of(self, places: np.ndarray | slice) -> PartProofs:
-        """Of some configurations."""
-        return PartProofs(self.certified[places], self.ground[places])
-
-    def beside(self, other: PartProofs) -> PartProofs:
-        """Of the configurations with another part beside each."""
-        ground = np.maximum(self.ground, other.ground)
-        ground[:, :2] = self.ground[:, :2] + other.ground[:, :2]
-        return PartProofs(self.certified & other.certified, ground)
-
-    def told(self) -> dict[str, np.ndarray]:
-        """What is proved of them as a `SolutionList` has it."""
-        ground = np.full(len(self.certified), None, dtype=object)
-        for i in (~self.certified & np.isfinite(self.radius)).nonzero()[0].tolist():
-            independent, rows, radius, remaining = self.ground[i].tolist()
-            ground[i] = PartialProof(int(independent), int(rows), radius, remaining)
-        return {
-            "certified": self.certified.astype(int),
-            "radius": np.where(self.certified, self.radius, np.nan),
-            "ground": ground,
-        }
 
 
 @lru_cache(maxsize=128)
@@ -81,20 +39,19 @@ def proofs_of_group(
     if of_paths.bound is not None and paths is not None:
         ends = of_paths.ends(roots.ends, knowns, roots.ends_of)
     own = ends if paths is not None and paths.shared is None else None
-    proofs = prover.proofs(roots.points, owner, knowns, own, roots.origin)
-    complete, ground = proofs.complete, prover.grounds(roots.points, owner, knowns, proofs)
+    proofs, complete, reasons = prover.proofs(roots.points, owner, knowns, own, roots.origin)
     roots = roots.with_notes(
         {
             int(owner[place]): f"not certified: {reason}"
-            for place, reason in proofs.reasons.items()
-            if np.isinf(ground[place, 2])
+            for place, reason in reasons.items()
+            if np.isinf(proofs.radius[place])
         }
     )
     if ends is not None and not complete.all():
         listed = np.bincount(owner, minlength=knowns.count)
         whole = np.bincount(owner[proofs.certified], minlength=knowns.count) == listed
         complete = complete | (whole & of_paths.completes(ends, listed))
-    return PartProofs(proofs.certified, ground), roots.proved(complete, of_paths.theorem)
+    return proofs, roots.proved(complete, of_paths.theorem)
 
 
 def _proofs_of_near(

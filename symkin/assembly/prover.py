@@ -4,6 +4,7 @@ number where a theorem bounds it.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -17,12 +18,53 @@ from symkin.homotopy.systems import system_of
 from symkin.homotopy.values import algebraic_points
 from symkin.position.closed_configurations import closed_configurations
 from symkin.position.problem import Problem
-from symkin.position.roots import Proofs
+from symkin.position.solution import PartialProof
 
 if TYPE_CHECKING:
     from symkin.certificate.bounds import Bound
     from symkin.certificate.certificate import CertificateBatch
     from symkin.certificate.discs import Knowns
+
+
+@dataclass(frozen=True, eq=False)
+class PartProofs:
+    """What is proved of m partial configurations: whether they are `certified`, and in `ground`
+    (m, 4) the numbers of a `PartialProof`, its radius infinite where nothing is proved.
+    """
+
+    certified: np.ndarray
+    ground: np.ndarray
+
+    @staticmethod
+    def of_nothing(count: int) -> PartProofs:
+        """Of configurations without parts: they are exact."""
+        return PartProofs(np.ones(count, dtype=bool), np.zeros((count, 4)))
+
+    @property
+    def radius(self) -> np.ndarray:
+        return self.ground[:, 2]
+
+    def of(self, places: np.ndarray | slice) -> PartProofs:
+        """Of some configurations."""
+        return PartProofs(self.certified[places], self.ground[places])
+
+    def beside(self, other: PartProofs) -> PartProofs:
+        """Of the configurations with another part beside each."""
+        ground = np.maximum(self.ground, other.ground)
+        ground[:, :2] = self.ground[:, :2] + other.ground[:, :2]
+        return PartProofs(self.certified & other.certified, ground)
+
+    def told(self) -> dict[str, np.ndarray]:
+        """What is proved of them as a `SolutionList` has it."""
+        ground = np.full(len(self.certified), None, dtype=object)
+        for i in (~self.certified & np.isfinite(self.radius)).nonzero()[0].tolist():
+            independent, rows, radius, remaining = self.ground[i].tolist()
+            ground[i] = PartialProof(int(independent), int(rows), radius, remaining)
+        return {
+            "certified": self.certified.astype(int),
+            "radius": np.where(self.certified, self.radius, np.nan),
+            "ground": ground,
+        }
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,26 +120,51 @@ class Prover:
         knowns: Knowns,
         ends: CertificateBatch | None = None,
         origin: np.ndarray | None = None,
-    ) -> Proofs:
+    ) -> tuple[PartProofs, np.ndarray, Mapping[int, str]]:
         """What is proved of real roots `points` (m, width) of the group at the instances `owner`,
         rising, by certificates of the complex roots `ends`, which say what is complete, where these
-        stand among them (at `origin`, where that is told), else by their own.
+        stand among them (at `origin`, where that is told), else by their own: of all rows of those
+        that are certified, of independent ones of others where rows are redundant; of which
+        instances (n,) a theorem tells that there are no others; why single roots, by their places,
+        are not certified.
         """
+        certified, radius, complete, reasons = self._certified(points, owner, knowns, ends, origin)
+        rows = self.problem.system.rows.shape[0]
+        ground = np.zeros((len(owner), 4))
+        ground[:, :2], ground[:, 2] = rows, np.where(certified, radius, np.inf)
+        left = np.flatnonzero(~certified) if self.is_redundant else ()
+        if len(left):
+            from symkin.certificate.independent_rows import prove_independent_rows
+
+            z = self._algebraic(points[left])
+            ground[left] = prove_independent_rows(self.whole, z, knowns, owner[left], self._size)
+        return PartProofs(certified, ground), complete, reasons
+
+    def _certified(
+        self,
+        points: np.ndarray,
+        owner: np.ndarray,
+        knowns: Knowns,
+        ends: CertificateBatch | None,
+        origin: np.ndarray | None,
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray, Mapping[int, str]]:
+        """Which roots are certified, and within which radius; then as `proofs`."""
         from symkin.certificate.certificate import certify_batch
 
+        count, nothing = len(owner), np.zeros(knowns.count, dtype=bool)
         if self._unproved is not None:
-            return Proofs.none(len(owner), knowns.count, self._unproved)
+            reasons = dict.fromkeys(range(count), self._unproved)
+            return np.zeros(count, dtype=bool), np.zeros(count), nothing, reasons
         z = self._algebraic(points)
         # a theorem on poses tells nothing of passive joints beside them
         if ends is not None and ends.system.width == len(z):
             index, radius = ends.find(z, owner, origin)
             if (index >= 0).all():
-                return Proofs(index >= 0, radius, np.zeros(knowns.count, dtype=bool))
+                return index >= 0, radius, nothing, {}
         found = certify_batch(self.whole, z, knowns, owner, self._size)
-        real = found.real == "real"
-        radius = np.where(real, found.radius, np.nan)
         listed = np.bincount(owner, minlength=knowns.count)
-        return Proofs(real, radius, self.completes(found, listed), found.reasons)
+        complete = self.completes(found, listed)
+        return found.real == "real", found.radius, complete, found.reasons
 
     @cached_property
     def _unproved(self) -> str | None:
@@ -130,24 +197,6 @@ class Prover:
             return np.zeros(len(listed), dtype=bool)
         real = np.bincount(found.instance[found.real == "real"], minlength=len(listed))
         return proves(found, self.bound) & (real == listed)
-
-    def grounds(
-        self, points: np.ndarray, owner: np.ndarray, knowns: Knowns, proofs: Proofs
-    ) -> np.ndarray:
-        """What is proved of real roots (m,): of all rows of those that are certified in `proofs`,
-        of independent ones of others where rows are redundant, as numbers of a `PartialProof` (m,
-        4) whose radius is infinite where nothing is proved.
-        """
-        rows = self.problem.system.rows.shape[0]
-        found = np.zeros((len(owner), 4))
-        found[:, :2], found[:, 2] = rows, np.where(proofs.certified, proofs.radius, np.inf)
-        left = np.flatnonzero(~proofs.certified) if self.is_redundant else ()
-        if len(left):
-            from symkin.certificate.independent_rows import prove_independent_rows
-
-            z = self._algebraic(points[left])
-            found[left] = prove_independent_rows(self.whole, z, knowns, owner[left], self._size)
-        return found
 
     @property
     def _size(self) -> float:

@@ -15,7 +15,8 @@ from symkin.assembly.families import Member, members_of
 from symkin.assembly.group_roots import NO_ENDS, STATEMENTS, GroupRoots, checked_roots
 from symkin.assembly.group_search import geared_roots, linear_roots, searched_alone
 from symkin.assembly.group_solvers import any_paths, group_solver, most_roots, solved_parts
-from symkin.assembly.mode_proofs import PartProofs, proofs_of_group
+from symkin.assembly.mode_proofs import proofs_of_group
+from symkin.assembly.prover import PartProofs
 from symkin.assembly.search import Search
 from symkin.errors import InputError
 from symkin.position.gear_train import gear_train

@@ -9,8 +9,9 @@ import numpy as np
 
 from symkin.assembly.as_written import Told
 from symkin.assembly.group_roots import GroupRoots
-from symkin.assembly.mode_proofs import PartProofs, proofs_of_group
+from symkin.assembly.mode_proofs import proofs_of_group
 from symkin.assembly.modes_result import Modes
+from symkin.assembly.prover import PartProofs
 from symkin.assembly.search import Search
 from symkin.errors import InputError
 from symkin.homotopy.systems import unsuitable

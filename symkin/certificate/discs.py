@@ -14,12 +14,12 @@ from dataclasses import dataclass
 import numpy as np
 from flint import acb, arb
 
-from symkin.certificate import disc_arithmetic
-from symkin.certificate.disc_arithmetic import UP
+from symkin.certificate.disc_arithmetic import UP, balls_about
+from symkin.certificate.disc_arithmetic import run as run_by_balls
 from symkin.certificate.disc_library import disc_library
 from symkin.certificate.tape import Code, Tape
 from symkin.computed_once import cached_property
-from symkin.numeric.balls import Number, precision
+from symkin.numeric.balls import COMPLEX, REAL, Number, precision
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,17 +102,14 @@ def run(code: Code, z: Discs, known: Discs, instance: np.ndarray) -> Discs:
             np.ascontiguousarray(a) for a in (z.middle, z.radius, known.middle, known.radius)
         ]
         return Discs(*library.run(code, middle, radius, (own[0], own[1]), chosen))
-    outputs = disc_arithmetic.run(
-        code, [*_columns(z), *_columns(known.at(chosen))], len(chosen), z.middle.dtype
-    )
+    ring, held = REAL if z.is_real else COMPLEX, dict[int, list[Number]]()
     found = Discs.exact(np.zeros((len(chosen), code.outputs), dtype=z.middle.dtype))
-    for i, (m, r) in enumerate(outputs):
-        found.middle[:, i], found.radius[:, i] = m, r
+    for i, j in enumerate(chosen.tolist()):
+        if j not in held:
+            held[j] = balls_about(known.middle[j], known.radius[j])
+        told = run_by_balls(code, balls_about(z.middle[i], z.radius[i]) + held[j], ring)
+        found.middle[i], found.radius[i] = zip(*told, strict=True) if told else ([], [])
     return found
-
-
-def _columns(discs: Discs) -> list[tuple[np.ndarray, np.ndarray]]:
-    return list(zip(discs.middle.T, discs.radius.T, strict=True))
 
 
 _BITS = 128

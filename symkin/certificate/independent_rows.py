@@ -11,19 +11,14 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from flint import arb
 
-from symkin.certificate.ball_system import BallSystem
 from symkin.certificate.certificate import CertificateBatch, certify_batch
 from symkin.certificate.disc_arithmetic import UP, modulus
 from symkin.certificate.discs import Discs, Knowns
 from symkin.certificate.quick_test import disc_function
 from symkin.computed_once import lru_cache
 from symkin.homotopy.algebraic import AlgebraicSystem
-from symkin.numeric.balls import REAL, precision, upper
 from symkin.numeric.rank import most_independent
-
-_BITS = 128
 
 
 def prove_independent_rows(
@@ -64,29 +59,12 @@ def _largest_other(
     """
     centre, half = batch.centre[:, sure].T.real, batch.ball[sure]
     function = disc_function(system)
-    if function is not None:
-        box = Discs(np.ascontiguousarray(centre), np.repeat(half[:, None], system.width, axis=1))
-        values = function.evaluate(
-            0, box, function.prepare(batch.knowns.discs), batch.instance[sure]
-        )
-        size = np.zeros((len(sure), system.count))
-        size[:, function.tape.patterns[0][0]] = (modulus(values.middle) + values.radius) * UP
-        return np.max(size[:, others], axis=1, initial=0.0)
-    with precision(_BITS):
-        found = []
-        for z, side, j in zip(
-            centre.tolist(), half.tolist(), batch.instance[sure].tolist(), strict=True
-        ):
-            rows = BallSystem(system, batch.knowns.numbers(j)).rows(
-                REAL, [arb(c) + arb(0.0, side) for c in z]
-            )
-            found.append(
-                max(
-                    (upper(v) for v, other in zip(rows, others.tolist(), strict=True) if other),
-                    default=0.0,
-                )
-            )
-    return np.array(found)
+    assert function is not None  # noqa: S101 - boxes are proved by the same operations
+    box = Discs(np.ascontiguousarray(centre), np.repeat(half[:, None], system.width, axis=1))
+    values = function.evaluate(0, box, function.prepare(batch.knowns.discs), batch.instance[sure])
+    size = np.zeros((len(sure), system.count))
+    size[:, function.tape.patterns[0][0]] = (modulus(values.middle) + values.radius) * UP
+    return np.max(size[:, others], axis=1, initial=0.0)
 
 
 @lru_cache(maxsize=256)

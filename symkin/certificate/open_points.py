@@ -144,15 +144,13 @@ def _polished(
     n, width = z.shape[1], system.width
     if system.count + bool(system.projective) != width or not np.isfinite(z).all():
         return z, [None] * n
-    patch = np.zeros((n, int(bool(system.projective)), width), dtype=complex)
-    patch[:, :, list(system.projective)] = np.conj(z[list(system.projective)].T)[:, None]
     known = np.repeat(k[:, None], n, axis=1)
     centre, inverses = z, np.zeros((n, width, width), dtype=complex)
     with np.errstate(all="ignore"):
         for _ in range(_NEWTON_STEPS):
             f, j = system.linearise(centre, known)
             try:
-                inverses = np.linalg.inv(np.concatenate([j, patch], axis=1))
+                inverses = np.linalg.inv(system.patched(z, j, f)[0])
             except np.linalg.LinAlgError:
                 return z, [None] * n
             step = np.einsum("nij,nj->in", inverses[:, :, : system.count], f)

@@ -8,7 +8,7 @@ Y, with e_i >= sum_j |1 - Y F'(X)|_ij on the numbers X within `wide` of the firs
 
 shows one root, regular, within r of c, and no other in the box |Re|, |Im| <= r (see `krawczyk`, and
 `data/krawczyk.h` for the bounds). Where the known values and c are real, so is the root. What fails
-here may be proved by balls.
+here, and all where no compiler is found, may be proved by balls.
 """
 
 from __future__ import annotations
@@ -17,10 +17,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from symkin.certificate.disc_arithmetic import LARGEST, UNIT, UP, modulus
-from symkin.certificate.disc_library import disc_library
-from symkin.certificate.discs import DiscFunction, Discs, Knowns
-from symkin.certificate.tape import build_tape
+from symkin.certificate.disc_library import DiscLibrary, disc_library
+from symkin.certificate.discs import DiscFunction, Knowns
+from symkin.certificate.tape import Tape, build_tape
 from symkin.computed_once import lru_cache
 from symkin.homotopy.algebraic import AlgebraicSystem
 
@@ -30,12 +29,6 @@ first may serve to come near.
 """
 _MOST_UNKNOWNS = 64
 """Up to which the rounding of sums is allowed for."""
-_WORTH_NUMPY = 250
-"""Points from which on the test in NumPy takes less time than balls."""
-_FLOOR = 2.0**-600
-"""Allowance for underflow in sums, with entries of the inverse below 2^400."""
-_MANY = 1.0 + 2.0**-44
-"""Outweighs the roundings of sums of numbers that are not negative, for that many unknowns."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,9 +53,9 @@ def enclose_all(
     `real` (n,).
     """
     n, is_real = z.shape[1], real & knowns.discs.is_real
-    function = disc_function(system)
+    function, library = disc_function(system), disc_library()
     square = system.count + bool(system.projective) == system.width <= _MOST_UNKNOWNS
-    if function is None or not square or (n < _WORTH_NUMPY and disc_library() is None):
+    if function is None or library is None or not square:
         return Enclosures(z.copy(), np.full(n, np.inf), is_real)
     points, prepared = z.T, function.prepare(knowns.discs)
     centre, half = np.empty((n, len(z)), dtype=complex), np.empty(n)
@@ -70,8 +63,9 @@ def enclose_all(
         if among.any():
             chosen = points[among].real if of_real else points[among]
             ready = prepared if of_real else prepared.as_complex()
+            known = ready.middle, ready.radius
             centre[among], half[among] = _enclose(
-                function, system.projective, chosen, ready, instance[among]
+                library, function.tape, system.projective, chosen, known, instance[among]
             )
     return Enclosures(centre.T, half, is_real)
 
@@ -88,103 +82,27 @@ def disc_function(system: AlgebraicSystem) -> DiscFunction | None:
 
 
 def _enclose(
-    function: DiscFunction,
+    library: DiscLibrary,
+    tape: Tape,
     ray: tuple[int, ...],
     points: np.ndarray,
-    prepared: Discs,
+    known: tuple[np.ndarray, np.ndarray],
     instance: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Centres (n, width) and half widths for points of one kind; trials about what the one before
-    has come to.
+    """Centres (n, width) and half widths for points of one kind, by a Newton step each; trials
+    about what the one before has come to.
     """
     points = np.ascontiguousarray(points)
     patch = np.zeros(points.shape, dtype=points.dtype)
     if ray:
         patch[:, ray[0] : ray[-1] + 1] = points[:, ray[0] : ray[-1] + 1].conj()
-    centre, half = _test(function, points, patch, prepared, instance, _WIDE[0])
+    chosen = np.ascontiguousarray(instance, dtype=np.intc)
+    centre, half = library.enclose(tape, points, patch, known, chosen, _WIDE[0])
     for wide in _WIDE[1:]:
         todo = ~np.isfinite(half)
         if not todo.any():
             break
-        centre[todo], half[todo] = _test(
-            function, centre[todo], patch[todo], prepared, instance[todo], wide
+        centre[todo], half[todo] = library.enclose(
+            tape, centre[todo], patch[todo], known, chosen[todo], wide
         )
     return centre, half
-
-
-def _test(
-    function: DiscFunction,
-    points: np.ndarray,
-    patch: np.ndarray,
-    prepared: Discs,
-    instance: np.ndarray,
-    wide: float,
-) -> tuple[np.ndarray, np.ndarray]:
-    """One trial: a Newton step from points (n, width), and half widths (n,), infinite where it
-    fails.
-    """
-    library = disc_library()
-    if library is not None:
-        chosen = np.ascontiguousarray(instance, dtype=np.intc)
-        return library.enclose(
-            function.tape, points, patch, (prepared.middle, prepared.radius), chosen, wide
-        )
-    with np.errstate(all="ignore"):
-        return _test_in_numpy(function, points, patch, prepared, instance, wide)
-
-
-def _test_in_numpy(
-    function: DiscFunction,
-    points: np.ndarray,
-    patch: np.ndarray,
-    prepared: Discs,
-    instance: np.ndarray,
-    wide: float,
-) -> tuple[np.ndarray, np.ndarray]:
-    n, width = points.shape
-    rows = function.tape.parts[0].outputs
-    slope = function.evaluate(1, Discs(points, np.full(points.shape, wide)), prepared, instance)
-    middle, error = np.zeros((2, n, width, width), dtype=points.dtype)
-    middle[:, *function.tape.patterns[1]], middle[:, rows:] = (
-        slope.middle,
-        patch[:, None][:, : width - rows],
-    )
-    error = np.zeros((n, width, width))
-    error[:, *function.tape.patterns[1]] = slope.radius
-    gamma = (2 * width + 8) * UNIT
-    inverse = _inverses(middle)
-    weights = modulus(inverse)
-    value = function.evaluate(0, Discs.exact(points), prepared, instance).middle
-    centre = points - np.einsum("nij,nj->ni", inverse[:, :, :rows], value)
-    f = function.evaluate(0, Discs.exact(centre), prepared, instance)
-    step = modulus(np.einsum("nij,nj->ni", inverse[:, :, :rows], f.middle))
-    s = (
-        step
-        + np.einsum("nij,nj->ni", weights[:, :, :rows], f.radius + gamma * modulus(f.middle))
-        + _FLOOR
-    ) * _MANY
-    off = np.sum(modulus(np.einsum("nij,njk->nik", inverse, middle) - np.eye(width)), axis=2)
-    e = (
-        off
-        + np.einsum("nij,nj->ni", weights, np.sum(error + gamma * modulus(middle), axis=2))
-        + _FLOOR
-    ) * _MANY
-    half = np.max(s / (0.98 - 1.5 * e), axis=1) * (1.0 + 2.0**-40)
-    away = modulus(centre - points) + 1.5 * half[:, None]
-    inside = (
-        (e < 0.6)
-        & (weights.max(axis=2) < LARGEST)
-        & ((s + e * (1.5 * half[:, None])) * UP < half[:, None])
-        & (away * UP <= wide)
-    )
-    return centre, np.where(inside.all(axis=1), half, np.inf)
-
-
-def _inverses(matrices: np.ndarray) -> np.ndarray:
-    """About the inverses (n, m, m); no numbers where there is none."""
-    try:
-        return np.linalg.inv(matrices)
-    except np.linalg.LinAlgError:
-        singular = np.linalg.matrix_rank(np.nan_to_num(matrices)) < matrices.shape[1]
-        regular = np.where(singular[:, None, None], np.eye(matrices.shape[1]), matrices)
-        return np.where(singular[:, None, None], np.nan, np.linalg.inv(regular))

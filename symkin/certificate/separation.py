@@ -21,7 +21,7 @@ from symkin.certificate.krawczyk import Box
 from symkin.certificate.tape import build_tape
 from symkin.computed_once import lru_cache
 from symkin.homotopy.algebraic import AlgebraicSystem
-from symkin.numeric.balls import Number, precision
+from symkin.numeric.balls import COMPLEX, BallFunction, Number, precision
 
 _WEIGHTS = 3
 """So many random t are computed; two roots differ if one of them does."""
@@ -33,12 +33,11 @@ def distinct_boxes(system: AlgebraicSystem, boxes: Sequence[Box]) -> list[int]:
     """
     n = len(boxes)
     touching = np.ones((n, n), dtype=bool)
-    for which in range(_WEIGHTS):
-        sides = np.array([_sides(_mixed(system, box, which)) for box in boxes]).reshape(n, 4)
+    mixed = [_mixed(system, box)[:_WEIGHTS] for box in boxes]
+    for numbers in zip(*mixed, strict=True):
+        sides = np.array([_sides(t) for t in numbers]).reshape(n, 4)
         for low, high in (sides[:, :2].T, sides[:, 2:].T):
             touching &= (low[:, None] <= high[None]) & (low[None] <= high[:, None])
-        if touching.sum() == n:
-            break
     chosen: list[int] = []
     for i in range(n):
         if not touching[i, chosen].any():
@@ -46,32 +45,12 @@ def distinct_boxes(system: AlgebraicSystem, boxes: Sequence[Box]) -> list[int]:
     return chosen
 
 
-def _mixed(system: AlgebraicSystem, box: Box, which: int) -> acb:
-    """t over the box."""
-    affine, weights, divisor = _random_weights(system, which)
-    ray = system.projective
+def _mixed(system: AlgebraicSystem, box: Box) -> list[Number]:
+    """The numbers t over the box and, of a ray, e.e."""
+    mixing = _mixing(system)
     with precision(box.bits):
-        z = box.balls
-        total = acb(0)
-        for weight, x, c in zip(affine, z, system.unknowns, strict=False):
-            if c.is_periodic:
-                total += weight * (acb(0, 1) * x).exp()
-            elif c.least is None:
-                total += weight * x
-            else:
-                length = x - arb(c.least) / arb(system.characteristic_length)
-                total += weight * (length * length)
-        if not ray:
-            return total
-        top, bottom = acb(0), acb(0)
-        for a, b, j in zip(weights, divisor, ray, strict=True):
-            top, bottom = top + a * z[j], bottom + b * z[j]
-        return total + top / bottom
-
-
-@lru_cache(maxsize=64)
-def _random_weights(system: AlgebraicSystem, which: int) -> tuple[list[acb], list[acb], list[acb]]:
-    return tuple([acb(w.real, w.imag) for w in group] for group in _random_numbers(system, which))  # type: ignore[return-value]
+        prepared = mixing.balls.prepare(COMPLEX, mixing.weights)
+        return mixing.balls.evaluate(0, [acb(z) for z in box.balls], prepared)
 
 
 def _random_numbers(
@@ -120,11 +99,7 @@ def is_pose(system: AlgebraicSystem, box: Box) -> bool:
     """
     if not system.projective:
         return True
-    with precision(box.bits):
-        z = box.balls
-        return not _has_zero(
-            sum((z[j] * z[j] for j in system.projective[:4]), start=box.ring.number(0))
-        )
+    return not _has_zero(_mixed(system, box)[_WEIGHTS])
 
 
 def _has_zero(x: Number) -> bool:
@@ -146,9 +121,8 @@ class Features:
 
 def features(system: AlgebraicSystem, z: Discs) -> Features:
     """Features of roots within discs z (n, width)."""
-    function, weights = _mixing(system)
-    n = len(z.middle)
-    values = function.evaluate(0, z.as_complex(), weights, np.zeros(n, dtype=int))
+    mixing, n = _mixing(system), len(z.middle)
+    values = mixing.discs.evaluate(0, z.as_complex(), mixing.prepared, np.zeros(n, dtype=int))
     if not system.projective:
         return Features(values, np.ones(n, dtype=bool))
     square = values.middle[:, _WEIGHTS]
@@ -196,11 +170,20 @@ def are_not_real(system: AlgebraicSystem, centre: np.ndarray, half: np.ndarray) 
     return shown
 
 
-@lru_cache(maxsize=64)
-def _mixing(system: AlgebraicSystem) -> tuple[DiscFunction, Discs]:
-    """The numbers t of a point, and, of a ray, e.e, as a function of z and of the weights; and
-    these.
+@dataclass(frozen=True, eq=False)
+class _Mixing:
+    """The numbers t of a point, and, of a ray, e.e, as functions of z and of the `weights`, which
+    are `prepared` for discs.
     """
+
+    discs: DiscFunction
+    prepared: Discs
+    balls: BallFunction
+    weights: list[complex]
+
+
+@lru_cache(maxsize=64)
+def _mixing(system: AlgebraicSystem) -> _Mixing:
     z, ray = system.z, list(system.projective)
     # the size and the least lengths are weights too: CasADi would round their quotients
     least = [complex(c.least or 0.0) for c in system.unknowns]
@@ -225,5 +208,7 @@ def _mixing(system: AlgebraicSystem) -> tuple[DiscFunction, Discs]:
         rows.append(total)
     if ray:
         rows.append(ca.sumsqr(z[ray[:4]]))
-    function = DiscFunction(build_tape(z, symbols, ca.vertcat(*rows), ("value",)))
-    return function, function.prepare(Discs.exact(np.array([weights], dtype=complex)))
+    told = ca.vertcat(*rows)
+    discs = DiscFunction(build_tape(z, symbols, told, ("value",)))
+    prepared = discs.prepare(Discs.exact(np.array([weights], dtype=complex)))
+    return _Mixing(discs, prepared, BallFunction(z, symbols, told), weights)

@@ -71,6 +71,11 @@ class Code:
     inputs: int
     outputs: int
 
+    @cached_property
+    def lines(self) -> list[list[int]]:
+        """The instructions as numbers of Python."""
+        return self.instructions.tolist()
+
 
 @dataclass(frozen=True, eq=False)
 class Tape:

@@ -122,6 +122,16 @@ class AlgebraicSystem:
             )
         return np.array(parts).T
 
+    def patched(self, z: np.ndarray, j: np.ndarray, f: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """dF/dz (n, rows, width or more columns) and F (n, rows) at points z (width, n), with a row
+        that keeps a step orthogonal to the ray, whose length means nothing.
+        """
+        if not self.projective:
+            return j, f
+        row = np.zeros((len(j), 1, j.shape[2]), dtype=complex)
+        row[:, 0, self.projective] = np.conj(z[list(self.projective)]).T
+        return np.concatenate([j, row], axis=1), np.concatenate([f, np.zeros((len(f), 1))], axis=1)
+
     def unit_rays(self, z: np.ndarray) -> np.ndarray:
         """The same points with rays of unit length."""
         z, ray = z.copy(), list(self.projective)

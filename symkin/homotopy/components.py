@@ -10,8 +10,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from symkin.homotopy.algebraic import AlgebraicSystem, first_of_each, known_root
-from symkin.homotopy.monodromy import Fibre
+from symkin.homotopy.algebraic import AlgebraicSystem, first_of_each
+from symkin.homotopy.monodromy import Fibre, roots_beside
 from symkin.homotopy.seeds import Points, carried, regular, seed_roots
 from symkin.homotopy.values import algebraic_points, known_values
 from symkin.numeric.levenberg import levenberg_marquardt
@@ -42,8 +42,7 @@ def roots_elsewhere(
         _real_roots(problem, system, rng),
     )
     z, k = (np.hstack(parts) for parts in zip(*drawn, strict=True))
-    ends = carried(system, z, k, start.k)
-    return ends[:, known_root(system, start.z, ends) < 0]
+    return roots_beside(system, start, z, k)
 
 
 def real_seeds(

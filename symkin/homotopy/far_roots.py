@@ -20,7 +20,7 @@ from symkin.homotopy.circles import distances, gaps
 from symkin.homotopy.engine import track
 from symkin.homotopy.monodromy import Fibre
 from symkin.homotopy.point_checks import is_no_pose
-from symkin.homotopy.tracker import TrackSettings, in_newest_chart
+from symkin.homotopy.tracker import LastPoints, TrackSettings, extrapolated
 from symkin.numeric.balls import COMPLEX, BallFunction, Number, precision, upper
 
 _BITS = 128
@@ -225,13 +225,12 @@ def _follow(
     first = _corrected(system, z, begin, way)
     if first is None:
         return z, False
-    stations: list[_Station] = [(0.0, *first[:2])]
+    last, only = LastPoints.begun(first[0][:, None], first[1][:, None]), np.zeros(1, dtype=int)
     for _ in range(_MOST_STEPS):
         ahead = min(u + h, _LAST)
         left = float(np.exp(-ahead))
-        found = _corrected(
-            system, _predicted(system, stations, ahead), end - left * way, left * way
-        )
+        (predicted,) = extrapolated(system, last, np.array([ahead - u])).T
+        found = _corrected(system, predicted, end - left * way, left * way)
         if found is not None and are_infinite(system, found[0][:, None])[0]:
             break
         if found is None:
@@ -239,47 +238,21 @@ def _follow(
             if h < _SMALLEST:
                 break
             continue
-        stations, step, u = [*stations[-2:], (ahead, *found[:2])], ahead - u, ahead
+        last.push(only, found[0][:, None], found[1][:, None], np.array([ahead]))
+        step, u = ahead - u, ahead
         if u >= _LAST or (u > tried + _TRIED and np.max(np.abs(found[1])) < _NEAR_THE_END):
             # dz/du there is what is left of the way times dz/ds
-            tried, last = u, _corrected(system, found[0] + found[1], end, way)
+            tried, root = u, _corrected(system, found[0] + found[1], end, way)
             if u >= _LAST:
-                return (stations[-1][1], False) if last is None else (last[0], True)
-            if last is not None and not are_infinite(system, last[0][:, None])[0]:
-                return last[0], True
+                return (found[0], False) if root is None else (root[0], True)
+            if root is not None and not are_infinite(system, root[0][:, None])[0]:
+                return root[0], True
         h = step * float(
             np.clip(
-                0.9 * (0.3 * _TOLERANCE / max(found[2], 1e-16)) ** (0.5 / len(stations)), 0.3, 2.5
+                0.9 * (0.3 * _TOLERANCE / max(found[2], 1e-16)) ** (0.5 / last.count[0]), 0.3, 2.5
             )
         )
-    return stations[-1][1], False
-
-
-_Station = tuple[float, np.ndarray, np.ndarray]
-"""Place u on a path, point and tangent there."""
-
-
-def _predicted(system: AlgebraicSystem, stations: list[_Station], u: float) -> np.ndarray:
-    """Hermite's polynomial through points and tangents, at u: Newton's divided differences over
-    doubled places.
-    """
-    places = [place for place, _, _ in stations for _ in (0, 1)]
-    newest_first = np.array([one[1:] for one in stations[::-1]])
-    points, tangents = in_newest_chart(
-        system, newest_first[:, 0, :, None], newest_first[:, 1, :, None]
-    )
-    points, tangents = points[::-1, :, 0], tangents[::-1, :, 0]
-    column: list[np.ndarray] = [z for z in points for _ in (0, 1)]
-    total, product = column[0].copy(), 1.0
-    for order in range(1, len(places)):
-        gaps = [places[i + order] - places[i] for i in range(len(places) - order)]
-        column = [
-            tangents[i // 2] if gap == 0.0 else (b - a) / gap
-            for i, (gap, a, b) in enumerate(zip(gaps, column[:-1], column[1:], strict=True))
-        ]
-        product *= u - places[order - 1]
-        total += product * column[0]
-    return total
+    return last.z[0][:, 0], False
 
 
 def _corrected(

@@ -7,6 +7,7 @@ and reveal new ones (Duff et al. 2019).
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
@@ -22,6 +23,7 @@ from symkin.homotopy.symmetry import Orbits
 from symkin.homotopy.tracker import TrackSettings
 from symkin.numeric.levenberg import Progress
 
+LOG = logging.getLogger(__name__)
 MOST_ROOTS = 600
 MOST_WORK = 2.5e8
 """More roots than MOST_ROOTS, or more work than MOST_WORK - steps of all loops times the
@@ -176,6 +178,50 @@ def fibre(
             break
     found = search.found
     return Fibre(found.z, k0, found.orbits, search.evidence, search.loops, seed)
+
+
+Known = tuple[np.ndarray, np.ndarray]
+"""Roots (width, n) and their base."""
+_CLOSED = 1e-9
+"""Largest last step of Newton's method at a root."""
+
+
+def agreeing_searches(
+    system: AlgebraicSystem,
+    search: Callable[[int, Known | None, int | None], Fibre | None],
+    missing: Callable[[Fibre, int], np.ndarray],
+    most: int,
+) -> tuple[Fibre | None, str]:
+    """All roots by as many searches as it takes until one finds nothing new, or None and why. A
+    `search` takes a seed, roots to begin with, and how many are enough; what is `missing` of roots
+    is told by other means at their base.
+    """
+    first = search(0, None, None)
+    for seed in range(1, 1 + most):
+        if first is None:
+            return None, "no generic complex solution was found"
+        count = first.z.shape[1]
+        LOG.info("%d generic solutions; they are searched again from other numbers", count)
+        second = search(seed, None, count)
+        alike, fresh = True, [missing(first, seed)]
+        if second is not None:
+            fresh.append(roots_beside(system, first, second.z, second.k))
+            alike = second.z.shape[1] == count
+        others = np.hstack(fresh)
+        if alike and not others.shape[1]:
+            return first, ""
+        first = search(seed + 100, (np.hstack([first.z, others]), first.k), None)
+    return None, "independent searches for the generic count disagree"
+
+
+def roots_beside(system: AlgebraicSystem, start: Fibre, z: np.ndarray, k: np.ndarray) -> np.ndarray:
+    """Of roots z at k, (known,) or (known, n), those that lead to others at the start's base than
+    it has.
+    """
+    ends = carried(system, z, k, start.k)
+    ends, last = newton(system, ends, start.k)
+    ends = ends[:, last <= _CLOSED]
+    return ends[:, known_root(system, start.z, ends) < 0]
 
 
 @dataclass

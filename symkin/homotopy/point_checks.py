@@ -74,14 +74,7 @@ def look(system: AlgebraicSystem, z: np.ndarray, k: np.ndarray) -> Local:
         else np.repeat(k.astype(complex)[:, None], z.shape[1], axis=1)
     )
     f, j = system.linearise(z, each)
-    if system.projective:
-        ray = list(system.projective)
-        patch = np.zeros((len(j), 1, system.width), dtype=complex)
-        patch[:, 0, ray] = np.conj(z[ray] / np.linalg.norm(z[ray], axis=0)).T
-        j, f = (
-            np.concatenate([j, patch], axis=1),
-            np.concatenate([f, np.zeros((len(f), 1))], axis=1),
-        )
+    j, f = system.patched(system.unit_rays(z), j, f)
     j = np.where(np.isfinite(j).all(axis=(1, 2), keepdims=True), j, 0.0)
     return Local(f, *np.linalg.svd(j, full_matrices=False))
 

@@ -13,6 +13,7 @@ import numpy as np
 
 from symkin.homotopy.algebraic import AlgebraicSystem, complex_normal
 from symkin.homotopy.engine import track
+from symkin.homotopy.tracker import TrackSettings
 from symkin.homotopy.values import coordinate_scale, known_values
 from symkin.model.joint import Coordinate
 from symkin.position.problem import Problem
@@ -62,9 +63,8 @@ def _settled(
     active = np.arange(z.shape[1])
     for _ in range(_ITERATIONS):
         f, jz, jk = full_linearisation(system, z[:, active], k[:, active])
-        step = _least_steps(
-            *_with_rays(system, z[:, active], np.concatenate([jz, jk], axis=2), f), rank
-        )
+        both = np.concatenate([jz, jk], axis=2)
+        step = _least_steps(*system.patched(z[:, active], both, f), rank)
         length = np.linalg.norm(step, axis=0)
         step = step * np.minimum(1.0, _LONGEST_STEP / np.maximum(length, 1e-300))
         z[:, active] = system.normalise(z[:, active] + step[: len(z)])
@@ -88,19 +88,6 @@ def _least_steps(jacobian: np.ndarray, f: np.ndarray, rank: int) -> np.ndarray:
     steps = -np.einsum("nji,nj->ni", np.conj(right), weights)
     steps[bad] = np.nan
     return steps.T
-
-
-def _with_rays(
-    system: AlgebraicSystem, z: np.ndarray, jacobian: np.ndarray, f: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """A row that keeps each step orthogonal to its ray, whose length means nothing."""
-    if not system.projective:
-        return jacobian, f
-    row = np.zeros((len(f), 1, jacobian.shape[2]), dtype=complex)
-    row[:, 0, list(system.projective)] = np.conj(z[list(system.projective)]).T
-    return np.concatenate([jacobian, row], axis=1), np.concatenate(
-        [f, np.zeros((len(f), 1))], axis=1
-    )
 
 
 def full_linearisation(
@@ -129,12 +116,12 @@ def regular(system: AlgebraicSystem, z: np.ndarray, k: np.ndarray) -> np.ndarray
 
 
 def carried(system: AlgebraicSystem, z: np.ndarray, k: np.ndarray, base: np.ndarray) -> np.ndarray:
-    """Roots at `base` that roots z at k (known, n) are tracked to."""
+    """Roots at `base` that roots z at k, (known,) or (known, n), are tracked to."""
     if not z.shape[1]:
         return z
-    tracked = track(
-        system, z, k, np.repeat(np.asarray(base, dtype=complex)[:, None], z.shape[1], axis=1)
-    )
+    base = np.asarray(base, dtype=complex)
+    ends = base if k.ndim == 1 else np.repeat(base[:, None], z.shape[1], axis=1)
+    tracked = track(system, z, k, ends, TrackSettings(tolerance=1e-5))
     return tracked.z[:, tracked.arrived]
 
 

@@ -17,10 +17,8 @@ import numpy as np
 from symkin.closure.pose_forms import HomogeneousPose
 from symkin.computed_once import lru_cache
 from symkin.homotopy.algebraic import AlgebraicSystem, complex_normal
-from symkin.homotopy.endgame import finish
 from symkin.homotopy.monodromy import Fibre
-from symkin.homotopy.tracker import TrackSettings, track
-from symkin.homotopy.universal_start import compute_start, read_start
+from symkin.homotopy.universal_start import compute_start, followed, read_start
 from symkin.model.joint import Coordinate
 from symkin.position.problem import Problem
 from symkin.spatial.pose import Pose
@@ -95,10 +93,8 @@ def arm_start(problem: Problem, pose: np.ndarray) -> tuple[np.ndarray, int]:
     """Roots (5, n) of an arm at a complex tool pose (x, y, z, qw, qx, qy, qz; length unit), as its
     own angles, and how many of the 16 paths are unresolved.
     """
-    start, system, target = universal_start(), universal_arm(), arm_data(problem, pose)
-    settings = TrackSettings(tolerance=1e-5, smallest_step=1e-12, most_steps=4000)
-    tracked = track(system, start.z, start.k, target, settings)
-    ends = finish(system, start, target, tracked)
+    target = arm_data(problem, pose)
+    ends = followed(universal_arm(), universal_start(), target, smallest_step=1e-12)
     zeros = np.array([joint.zero for _, joint in problem.mechanism.joints])
     angles = ends.z + np.delete(zeros, CUT)[:, None]
     return angles, len(ends.unresolved) + int(ends.singular.multiplicity.sum())

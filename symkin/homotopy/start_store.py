@@ -10,7 +10,8 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -18,11 +19,13 @@ from symkin.homotopy.algebraic import AlgebraicSystem, complex_normal, first_of_
 from symkin.homotopy.best_start import bases_beside, best_start
 from symkin.homotopy.components import real_seeds, roots_elsewhere
 from symkin.homotopy.coplanar import distance_frames, reflection
-from symkin.homotopy.engine import aligned, newton, track, track_lines
+from symkin.homotopy.engine import aligned, newton, track_lines
 from symkin.homotopy.monodromy import (
     Fibre,
+    Known,
     Looping,
     TooManyRootsError,
+    agreeing_searches,
     fibre,
     loop_radius,
     orbits,
@@ -38,7 +41,6 @@ from symkin.homotopy.systems import system_of
 from symkin.homotopy.tracker import TrackSettings
 from symkin.homotopy.universal_start import machine_start, universal_start
 from symkin.homotopy.values import algebraic_points, coordinate_scale, known_angles, known_values
-from symkin.numeric.levenberg import Progress
 from symkin.numeric.rank import Rank
 from symkin.position.closed_configurations import closed_configurations
 from symkin.position.mobility import mobility
@@ -80,35 +82,20 @@ def compute_start(problem: Problem, system: AlgebraicSystem) -> tuple[Fibre | No
         return None, RIGID
     LOG.info("the generic solutions of the %s problem are found, once", problem.name)
     data = distance_data(problem)
-    if is_six_revolute(problem):
-        found = _from_universal_arm(problem, system)
-        reason = (
-            ""
-            if found is not None
-            else "paths from the universal start of six revolute joints are unresolved"
-        )
-    elif data is not None:
-        found = next(
-            (
-                f
-                for f in (_from_universal(problem, system, data, seed) for seed in range(3))
-                if f is not None
-            ),
-            None,
-        )
-        reason = (
-            ""
-            if found is not None
-            else "paths from the universal start of six distances are unresolved"
-        )
-    else:
-        try:
-            found, reason = _by_monodromy(problem, system)
-        except TooManyRootsError as error:
-            return (
-                None,
-                f"the search for the generic solutions was given up after {error.args[0]} of them",
+    try:
+        if is_six_revolute(problem):
+            found, reason = _of_family(
+                problem, system, partial(arm_start, problem), "revolute joints"
             )
+        elif data is not None:
+            found, reason = _of_family(
+                problem, system, lambda q: machine_start(data(q)), "distances"
+            )
+        else:
+            found, reason = _by_monodromy(problem, system)
+    except TooManyRootsError as error:
+        reason = f"the search for the generic solutions was given up after {error.args[0]} of them"
+        return None, reason
     if found is None or found is universal_start():
         return found, reason
     return _with_mirrors(problem, system, _at_best_base(problem, system, found)), reason
@@ -150,47 +137,29 @@ def _with_mirrors(problem: Problem, system: AlgebraicSystem, start: Fibre) -> Fi
     )
 
 
-def _from_universal(
-    problem: Problem, system: AlgebraicSystem, data: Callable[[np.ndarray], np.ndarray], seed: int
-) -> Fibre | None:
-    """Track the 40 universal roots to this mechanism at random complex joint values; loops there
-    show its orbits. A machine that cannot be assembled for generic lengths is reached from the
-    universal start each time.
-    """
-    rng = np.random.default_rng(seed)
-    joints = random_known(problem, rng, near=True)
-    k = known_values(problem, joints)
-    z, _, unresolved = machine_start(data(joints))
-    if unresolved:
-        return None
-    if z.shape[1] == 0:
-        return universal_start() if is_universal(problem) else None
-    ends = _settled(system, z, k)
-    if ends is None:
-        return None
-    return Fibre(
-        ends, k, orbits(system, ends, k, _corners(problem, joints, rng)), float("inf"), 0, seed
-    )
-
-
-def _from_universal_arm(problem: Problem, system: AlgebraicSystem) -> Fibre | None:
-    """Track the 16 universal roots to this arm at a random complex pose; None where a path stays
-    unresolved each time.
+def _of_family(
+    problem: Problem,
+    system: AlgebraicSystem,
+    roots_at: Callable[[np.ndarray], tuple[np.ndarray, int]],
+    of: str,
+) -> tuple[Fibre | None, str]:
+    """Track the roots that all machines of a family share to this one at random complex known
+    values, where `roots_at` tells roots and how many paths are unresolved; loops there show its
+    orbits. A platform that cannot be assembled for generic lengths is reached from the universal
+    start each time.
     """
     for seed in range(3):
         rng = np.random.default_rng(seed)
-        pose = random_known(problem, rng, near=True)
-        k = known_values(problem, pose)
-        z, unresolved = arm_start(problem, pose)
-        if unresolved or not z.shape[1]:
-            continue
-        ends = _settled(system, z, k)
-        if ends is None:
-            continue
-        return Fibre(
-            ends, k, orbits(system, ends, k, _corners(problem, pose, rng)), float("inf"), 0, seed
-        )
-    return None
+        known = random_known(problem, rng, near=True)
+        k = known_values(problem, known)
+        z, unresolved = roots_at(known)
+        if not unresolved and not z.shape[1] and is_universal(problem):
+            return universal_start(), ""
+        ends = None if unresolved or not z.shape[1] else _settled(system, z, k)
+        if ends is not None:
+            apart = orbits(system, ends, k, _corners(problem, known, rng))
+            return Fibre(ends, k, apart, float("inf"), 0, seed), ""
+    return None, f"paths from the universal start of six {of} are unresolved"
 
 
 def _corners(
@@ -239,29 +208,25 @@ def _by_monodromy(problem: Problem, system: AlgebraicSystem) -> tuple[Fibre | No
     combined = system.count < system_of(problem).count
     loops, runs = (_FEW_LOOPS, _FEW_RUNS) if combined else (_LOOPS, _RUNS)
     bound = 1 if len(system.unknowns) == 1 and system.unknowns[0].least is not None else None
-    looping = Looping(known_angles(problem), bound, most_loops=loops)
-    search = _Searching(problem, system, points, rank, looping)
-    first = search.fibre(0, 0, progress=progress_of_searches())
-    if first is None:
-        return None, "no generic complex solution was found"
-    if bound is not None:
-        return first, ""
-    for seed in range(1, 1 + runs):
-        LOG.info(
-            "%d generic solutions; they are searched again from other numbers", first.z.shape[1]
-        )
-        grown = _agree(search, first, seed)
-        best = grown or first
-        missing = missing_roots(problem, system, best, seed)
-        fresh = np.hstack([missing, roots_elsewhere(problem, system, points, rank, best, seed)])
-        if grown is None and fresh.shape[1] == 0:
-            return first, ""
-        if fresh.shape[1] == 0:
-            first = best
-            continue
-        known = (np.concatenate([best.z, fresh], axis=1), best.k)
-        first = search.fibre(seed + 100, seed, known) or best
-    return None, "independent searches for the generic count disagree"
+
+    def search(seed: int, known: Known | None, enough: int | None) -> Fibre | None:
+        looping = Looping(known_angles(problem), enough or bound, most_loops=loops)
+        rng, progress = np.random.default_rng(seed), progress_of_searches() if seed == 0 else None
+        begin = partial(fibre, system, points, rng, seed, rank, looping)
+        found = begin(known, progress)
+        if found is None and known is None:
+            # no random point leads to a root: from closed configurations
+            known = real_seeds(problem, system, points, np.random.default_rng([seed, 2]))
+            found = None if known is None else begin(known, progress)
+        return found
+
+    def missing(start: Fibre, seed: int) -> np.ndarray:
+        elsewhere = roots_elsewhere(problem, system, points, rank, start, seed)
+        return np.hstack([missing_roots(problem, system, start, seed), elsewhere])
+
+    if bound is not None and (only := search(0, None, None)) is not None:
+        return only, ""
+    return agreeing_searches(system, search, missing, runs)
 
 
 def redundant_rows(problem: Problem) -> int:
@@ -346,58 +311,6 @@ def _is_determined(system: AlgebraicSystem, points: Points) -> bool:
     z, k = points(rng, True)
     _, jz, jk = full_linearisation(system, z[:, None], k[:, None])
     return Rank.of(jz[0]).value == Rank.of(np.hstack([jz[0], jk[0]])).value
-
-
-@dataclass(frozen=True)
-class _Searching:
-    """What every search of a problem's generic roots is told."""
-
-    problem: Problem
-    system: AlgebraicSystem
-    points: Points
-    rank: int
-    looping: Looping
-
-    def fibre(
-        self,
-        draw: int,
-        seed: int,
-        known: tuple[np.ndarray, np.ndarray] | None = None,
-        *,
-        bound: int | None = None,
-        progress: Progress | None = None,
-    ) -> Fibre | None:
-        """Roots from random complex points, or from the `known` ones; where no such point leads to
-        a root, from closed configurations.
-        """
-        looping = self.looping if bound is None else replace(self.looping, bound=bound)
-        rng = np.random.default_rng(draw)
-        found = fibre(self.system, self.points, rng, seed, self.rank, looping, known, progress)
-        if found is None and known is None:
-            known = real_seeds(
-                self.problem, self.system, self.points, np.random.default_rng([draw, 2])
-            )
-            if known is not None:
-                found = fibre(
-                    self.system, self.points, rng, seed, self.rank, looping, known, progress
-                )
-        return found
-
-
-def _agree(search: _Searching, first: Fibre, seed: int) -> Fibre | None:
-    """None where a second search from other random numbers, brought to the same base, finds no
-    other roots; else the union, grown by more loops.
-    """
-    second = search.fibre(seed, seed, bound=first.z.shape[1])
-    if second is None:
-        return None
-    tracked = track(search.system, second.z, second.k, first.k, TrackSettings(tolerance=1e-5))
-    ends = tracked.z[:, tracked.arrived]
-    fresh = ends[:, known_root(search.system, first.z, ends) < 0]
-    if fresh.shape[1] == 0 and tracked.arrived.all() and second.z.shape[1] == first.z.shape[1]:
-        return None
-    start = np.concatenate([first.z, fresh], axis=1)
-    return search.fibre(seed + 50, seed, (start, first.k))
 
 
 def start_key(problem: Problem, system: AlgebraicSystem) -> str:

@@ -15,7 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import reduce
+from functools import partial, reduce
 from itertools import product
 
 import casadi as ca
@@ -29,10 +29,13 @@ from symkin.homotopy.engine import newton, track
 from symkin.homotopy.many_instances import plain_instances
 from symkin.homotopy.monodromy import (
     Fibre,
+    Known,
     Looping,
     TooManyRootsError,
+    agreeing_searches,
     fibre,
     progress_of_searches,
+    roots_beside,
 )
 from symkin.homotopy.seeds import random_known, regular
 from symkin.homotopy.start_files import closure_key, kept_or_computed
@@ -40,7 +43,6 @@ from symkin.homotopy.tracker import TrackSettings
 from symkin.homotopy.universal_start import universal_start
 from symkin.homotopy.values import known_values
 from symkin.model.joint import Coordinate
-from symkin.numeric.levenberg import Progress
 from symkin.position.problem import Problem
 
 MOST_UNKNOWNS = 4
@@ -274,54 +276,23 @@ def _searched(system: AlgebraicSystem) -> tuple[Fibre | None, str]:
     from other numbers finds no others, and until those of real coefficients come in conjugate
     pairs.
     """
-    try:
-        return _settled(system)
-    except TooManyRootsError as error:
-        return None, f"the search was given up after {error.args[0]} roots"
 
-
-def _settled(system: AlgebraicSystem) -> tuple[Fibre | None, str]:
-    """As many searches as it takes until one finds nothing new."""
-    first = _search(system, 0, progress=progress_of_searches())
-    for seed in range(1, 1 + _SEARCHES):
-        if first is None:
-            return None, "no generic complex solution was found"
-        second = _search(system, seed)
-        fresh = [] if second is None else [_beside(system, first, second.z, second.k)]
-        fresh.append(_unpaired(system, first, seed))
-        missing = np.hstack(fresh)
-        if second is not None and not missing.shape[1] and second.z.shape[1] == first.z.shape[1]:
-            return first, ""
-        first = _search(system, seed + 100, (np.hstack([first.z, missing]), first.k))
-    return None, "independent searches for the generic count disagree"
-
-
-def _search(
-    system: AlgebraicSystem,
-    seed: int,
-    known: tuple[np.ndarray, np.ndarray] | None = None,
-    progress: Progress | None = None,
-) -> Fibre | None:
     def points(rng: np.random.Generator, near: bool) -> tuple[np.ndarray, np.ndarray]:  # noqa: ARG001 - no reference here
         return complex_normal(system.width, rng), complex_normal(system.k.shape[0], rng)
 
-    rng = np.random.default_rng(seed)
-    found = fibre(system, points, rng, seed, system.count, Looping(), known, progress)
-    if found is None:
-        return None
-    fresh = _not_connected(system, found, seed)
-    if not fresh.shape[1]:
-        return found
-    everything = (np.hstack([found.z, fresh]), found.k)
-    return fibre(system, points, rng, seed, system.count, Looping(), everything, progress)
+    def search(seed: int, known: Known | None, bound: int | None) -> Fibre | None:  # noqa: ARG001 - each to its end
+        rng = np.random.default_rng(seed)
+        begin = partial(fibre, system, points, rng, seed, system.count, Looping())
+        found = begin(known, progress_of_searches() if seed == 0 else None)
+        fresh = None if found is None else _not_connected(system, found, seed)
+        if found is None or fresh is None or not fresh.shape[1]:
+            return found
+        return begin((np.hstack([found.z, fresh]), found.k))
 
-
-def _beside(system: AlgebraicSystem, start: Fibre, z: np.ndarray, k: np.ndarray) -> np.ndarray:
-    """Of roots z at k those that lead to others than the start's."""
-    tracked = track(system, z, k, start.k, TrackSettings(tolerance=1e-5))
-    ends, last = newton(system, tracked.z[:, tracked.arrived], start.k)
-    ends = ends[:, last <= _CLOSED]
-    return ends[:, known_root(system, start.z, ends) < 0]
+    try:
+        return agreeing_searches(system, search, partial(_unpaired, system), _SEARCHES)
+    except TooManyRootsError as error:
+        return None, f"the search was given up after {error.args[0]} roots"
 
 
 def _not_connected(system: AlgebraicSystem, start: Fibre, seed: int) -> np.ndarray:
@@ -348,4 +319,4 @@ def _unpaired(system: AlgebraicSystem, start: Fibre, seed: int) -> np.ndarray:
     ends, last = newton(system, tracked.z[:, tracked.arrived], k)
     ends = ends[:, last <= _CLOSED]
     wanted = np.conj(ends)
-    return _beside(system, start, wanted[:, known_root(system, ends, wanted) < 0], k)
+    return roots_beside(system, start, wanted[:, known_root(system, ends, wanted) < 0], k)

@@ -71,7 +71,7 @@ class _Line:
 
 
 @dataclass(eq=False)
-class _Paths:
+class LastPoints:
     """Last points z (points, width, n), tangents and places s (points, n) of each path, newest
     first; `count` are kept.
     """
@@ -81,8 +81,17 @@ class _Paths:
     s: np.ndarray
     count: np.ndarray
 
-    def take(self, which: np.ndarray) -> _Paths:
-        return _Paths(self.z[:, :, which], self.t[:, :, which], self.s[:, which], self.count[which])
+    @staticmethod
+    def begun(z: np.ndarray, t: np.ndarray) -> LastPoints:
+        """Points (width, n) at s = 0 and tangents there."""
+        points, tangents = (np.stack([part] * _POINTS).astype(complex) for part in (z, t))
+        n = z.shape[1]
+        return LastPoints(points, tangents, np.zeros((_POINTS, n)), np.ones(n, dtype=int))
+
+    def take(self, which: np.ndarray) -> LastPoints:
+        return LastPoints(
+            self.z[:, :, which], self.t[:, :, which], self.s[:, which], self.count[which]
+        )
 
     def push(self, which: np.ndarray, z: np.ndarray, t: np.ndarray, s: np.ndarray) -> None:
         for kept, new in ((self.z, z), (self.t, t), (self.s, s)):
@@ -119,7 +128,8 @@ def _columns(k: np.ndarray, n: int) -> np.ndarray:
 def _track(system: AlgebraicSystem, z: np.ndarray, line: _Line, settings: TrackSettings) -> Tracked:
     n = z.shape[1]
     s, h, tries = np.zeros(n), np.full(n, settings.first_step), np.zeros(n, dtype=int)
-    paths = _start(system, z, line)
+    begin = system.unit_rays(z)
+    paths = LastPoints.begun(begin, _slope(system, begin, line, s, begin))
     active = np.flatnonzero(np.isfinite(paths.t[0]).all(axis=0))
     steps = 0
     while active.size and steps < settings.most_steps:
@@ -164,7 +174,7 @@ def newton(
     with np.errstate(all="ignore"):
         for _ in range(iterations):
             f, j = system.linearise(z, known)
-            dz = -solve_rows(_with_patch(j, _patch(system, z)), f[:, :, None])[:, :, 0]
+            (dz,) = _newton_step(system, z, j, f)
             z, size = z + dz, _relative(dz, z)
             closes = np.isfinite(size) & (np.max(np.abs(f), axis=1) < ROWS_CONTRADICT)
             last = np.where(closes, size, np.inf)
@@ -174,46 +184,39 @@ def newton(
     return system.normalise(z), last
 
 
-def _start(system: AlgebraicSystem, z: np.ndarray, line: _Line) -> _Paths:
-    n = z.shape[1]
-    z = system.unit_rays(z)
-    points, tangents = (
-        np.zeros((_POINTS, *z.shape), dtype=complex),
-        np.zeros((_POINTS, *z.shape), dtype=complex),
-    )
-    points[0], tangents[0] = z, _slope(system, z, line, np.zeros(n), _patch(system, z))
-    return _Paths(points, tangents, np.zeros((_POINTS, n)), np.ones(n, dtype=int))
-
-
 def _slope(
-    system: AlgebraicSystem, z: np.ndarray, line: _Line, s: np.ndarray, patch: np.ndarray | None
+    system: AlgebraicSystem, z: np.ndarray, line: _Line, s: np.ndarray, chart: np.ndarray
 ) -> np.ndarray:
+    """dz/ds at points z, across the rays of the points `chart`."""
     _, j, t = system.evaluate(z, line.at(s), line.direction)
-    return -solve_rows(_with_patch(j, patch), t[:, :, None])[:, :, 0]
+    (slope,) = _newton_step(system, chart, j, t)
+    return slope
 
 
-def _predict(system: AlgebraicSystem, paths: _Paths, h: np.ndarray, line: _Line) -> np.ndarray:
-    predicted = _extrapolate(system, paths, h)
+def _predict(system: AlgebraicSystem, paths: LastPoints, h: np.ndarray, line: _Line) -> np.ndarray:
+    predicted = extrapolated(system, paths, h)
     fresh = np.flatnonzero(paths.count == 1)
     if fresh.size:
         predicted[:, fresh] = _runge_kutta(system, paths.take(fresh), h[fresh], line.take(fresh))
     return predicted
 
 
-def _runge_kutta(system: AlgebraicSystem, paths: _Paths, h: np.ndarray, line: _Line) -> np.ndarray:
-    z, s, patch = paths.z[0], paths.s[0], _patch(system, paths.z[0])
+def _runge_kutta(
+    system: AlgebraicSystem, paths: LastPoints, h: np.ndarray, line: _Line
+) -> np.ndarray:
+    z, s = paths.z[0], paths.s[0]
     k1 = paths.t[0]
-    k2 = _slope(system, z + 0.5 * h * k1, line, s + 0.5 * h, patch)
-    k3 = _slope(system, z + 0.5 * h * k2, line, s + 0.5 * h, patch)
-    k4 = _slope(system, z + h * k3, line, s + h, patch)
+    k2 = _slope(system, z + 0.5 * h * k1, line, s + 0.5 * h, z)
+    k3 = _slope(system, z + 0.5 * h * k2, line, s + 0.5 * h, z)
+    k4 = _slope(system, z + h * k3, line, s + h, z)
     return z + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
 
 
-def _extrapolate(system: AlgebraicSystem, paths: _Paths, h: np.ndarray) -> np.ndarray:
+def extrapolated(system: AlgebraicSystem, paths: LastPoints, h: np.ndarray) -> np.ndarray:
     """Hermite's polynomial through (c, c, b, b, a, a), newest point c first, at h beyond c; fewer
     points, lower degree.
     """
-    z, t = in_newest_chart(system, paths.z, paths.t)
+    z, t = _in_newest_chart(system, paths.z, paths.t)
     two, three = paths.count >= 2, paths.count >= 3
     d1 = np.where(two, paths.s[1] - paths.s[0], 1.0)
     d2 = np.where(three, paths.s[2] - paths.s[0], 2.0)
@@ -227,7 +230,7 @@ def _extrapolate(system: AlgebraicSystem, paths: _Paths, h: np.ndarray) -> np.nd
     return z[0] + h * (t[0] + h * middle)
 
 
-def in_newest_chart(
+def _in_newest_chart(
     system: AlgebraicSystem, z: np.ndarray, t: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Points and tangents (any, width, n), newest first, with rays p scaled to conj(x).p = 1, x the
@@ -252,11 +255,10 @@ def _correct(
     of 1 and |z|. The second is infinite where rows stay that no unknowns can satisfy.
     """
     f, j = system.linearise(z, k)
-    dz = -solve_rows(_with_patch(j, _patch(system, z)), f[:, :, None])[:, :, 0]
+    (dz,) = _newton_step(system, z, j, f)
     z, first = z + dz, _relative(dz, z)
     f, j, t = system.evaluate(z, k, direction)
-    both = -solve_rows(_with_patch(j, _patch(system, z)), np.stack([f, t], axis=2))
-    dz, tangent = both[:, :, 0], both[:, :, 1]
+    dz, tangent = _newton_step(system, z, j, f, t)
     last = np.where(np.max(np.abs(f), axis=1) < ROWS_CONTRADICT, _relative(dz, z), np.inf)
     z = z + dz
     if system.projective:
@@ -274,18 +276,13 @@ def _relative(dz: np.ndarray, z: np.ndarray) -> np.ndarray:
     return np.max(np.abs(dz), axis=0) / np.maximum(1.0, np.max(np.abs(z), axis=0))
 
 
-def _patch(system: AlgebraicSystem, z: np.ndarray) -> np.ndarray | None:
-    """Row (n, width) that keeps a correction orthogonal to the ray."""
-    if not system.projective:
-        return None
-    p = list(system.projective)
-    row = np.zeros((z.shape[1], system.width), dtype=complex)
-    row[:, p] = np.conj(z[p]).T
-    return row
-
-
-def _with_patch(jacobian: np.ndarray, patch: np.ndarray | None) -> np.ndarray:
-    return jacobian if patch is None else np.concatenate([jacobian, patch[:, None]], axis=1)
+def _newton_step(
+    system: AlgebraicSystem, z: np.ndarray, j: np.ndarray, *right: np.ndarray
+) -> list[np.ndarray]:
+    """For each right hand side (n, rows) the steps (width, n), across the rays of points z."""
+    beside = np.stack(right, axis=2)
+    steps = -solve_rows(system.patched(z, j, right[0])[0], beside)
+    return [steps[:, :, k] for k in range(len(right))]
 
 
 def solve_rows(a: np.ndarray, b: np.ndarray) -> np.ndarray:

@@ -16,6 +16,7 @@ import numpy as np
 from symkin.computed_once import lru_cache
 from symkin.homotopy.algebraic import AlgebraicSystem, complex_normal
 from symkin.homotopy.endgame import finish
+from symkin.homotopy.ends import Ends
 from symkin.homotopy.engine import track
 from symkin.homotopy.monodromy import Fibre, Looping, fibre
 from symkin.homotopy.six_distances import universal_system
@@ -82,19 +83,20 @@ def compute_start(
     return found
 
 
-def machine_start(data: np.ndarray) -> tuple[np.ndarray, int, int]:
+def machine_start(data: np.ndarray) -> tuple[np.ndarray, int]:
     """Roots z (8, n) of a machine's complex instance `data` (42,), which holds L, b, m of each
-    distance; how many of the 40 paths ran to e.e = 0, and how many are unresolved.
+    distance, and how many of the 40 paths are unresolved: others ran to e.e = 0.
     """
-    start, system = universal_start(), universal_system()
-    settings = TrackSettings(tolerance=1e-5, smallest_step=1e-8, most_steps=4000)
-    tracked = track(system, start.z, start.k, data, settings)
-    ends = finish(system, start, data, tracked)
+    ends = followed(universal_system(), universal_start(), data, smallest_step=1e-8)
     e = ends.singular.z[:4]
     fading = np.abs(np.sum(e**2, axis=0)) < _FADING * np.sum(np.abs(e) ** 2, axis=0)
-    lost = ends.singular.multiplicity
-    return (
-        ends.z,
-        ends.at_infinity + int(lost[fading].sum()),
-        len(ends.unresolved) + int(lost[~fading].sum()),
-    )
+    return ends.z, len(ends.unresolved) + int(ends.singular.multiplicity[~fading].sum())
+
+
+def followed(
+    system: AlgebraicSystem, start: Fibre, target: np.ndarray, *, smallest_step: float
+) -> Ends:
+    """What paths from a start that serves all machines come to at one of them."""
+    settings = TrackSettings(tolerance=1e-5, smallest_step=smallest_step, most_steps=4000)
+    tracked = track(system, start.z, start.k, target, settings)
+    return finish(system, start, target, tracked)

