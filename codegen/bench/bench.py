@@ -34,7 +34,7 @@ PROCESSORS = {"float": "M4F", "double": "M7"}
 """The board that folders of a type of numbers run on."""
 CASES = {
     "platform": {"direct": ("cold", "warm"), "track": ("", "track")},
-    "arm": {name: (name, name) for name in ("inverse", "inverse_nearest", "inverse_all")},
+    "arm": {name: (name, name) for name in ("inverse", "inverse_nearest", "inverse_all", "track")},
     "map": {
         "direct": ("cold", "warm"),
         "inverse": ("back, cold", "back, warm"),

@@ -55,12 +55,19 @@ name_status name_inverse(@{gp}const name_config *config, const name_pose *pose, 
 }
 
 /* Twist of the tool by joint rates, from the derivative of the tool's pose@{in_own}. */
+static NAME_SHARED void name_jacobian_at(@{gp}const name_real @{u}[@{n_u}], name_real jacobian[@{nj}])
+{
+@{use}
+@{jacobian}
+}
+
 @{static_own}name_status @{own_jacobian}(@{gp}const name_real joints[@{nq}], name_real jacobian[@{nj}])
 {
+    @{work_u}
     name_status status = name_limit_joints(@{ga}NAME_OK, joints);
-@{use}
     if (status == NAME_OK) {
-@{jacobian}
+        @{set_u}
+        name_jacobian_at(@{ga}@{u}, jacobian);
     }
     return status;
 }
