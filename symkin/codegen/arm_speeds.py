@@ -48,7 +48,7 @@ def arm_error(
         "right_start": "e[i]" if wide else literal(0.0),
         "right": []
         if wide
-        else ["for (int j = 0; j < 6; ++j) {", "    r[i] += a[j][i] * e[j];", "}"],
+        else ["for (int j = 0; j < 6; ++j) {", "    right[i] += a[j][i] * e[j];", "}"],
         "inner": count if wide else 6,
         "product": "a[i][k] * a[j][k]" if wide else "a[k][i] * a[k][j]",
         "back": [f"for (int j = 0; j < {count}; ++j) {{", "    y[j] += a[order[i]][j] * r[i];", "}"]
