@@ -19,7 +19,7 @@ from pathlib import Path
 import numpy as np
 
 from calls import driver, manifest_of
-from folders import FOLDERS, folder_of
+from folders import FOLDERS, chosen
 from processors import HOST, TICK, counted, linked, said
 from readme import table, told, written
 from subjects import HOME, machine_of
@@ -115,8 +115,7 @@ def main() -> None:
     parser.add_argument("--cc", default="gcc", help="the host's compiler")
     parser.add_argument("--write", action="store_true", help="the table of codegen/README.md")
     given, rows = parser.parse_args(), list[tuple[str, ...]]()
-    for name in given.folders or FOLDERS:
-        folder = folder_of(name) if name in FOLDERS else Path(name).resolve()
+    for folder in chosen(given.folders):
         board = PROCESSORS[manifest_of(folder)[2]["options"]["real"]]
         for processor in given.processor or (board, HOST):
             rows += rows_of(folder, processor, given.cc)

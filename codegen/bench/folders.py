@@ -11,6 +11,7 @@ import os
 import shutil
 import sys
 import tempfile
+from collections.abc import Iterator, Sequence
 from functools import lru_cache
 from pathlib import Path
 from types import ModuleType
@@ -56,6 +57,12 @@ def folder_of(name: str) -> Path:
                 if not place.exists():
                     raise
     return place
+
+
+def chosen(names: Sequence[str]) -> Iterator[Path]:
+    """Folders by name, or wherever one stands; all without names."""
+    for name in names or FOLDERS:
+        yield folder_of(name) if name in FOLDERS else Path(name).resolve()
 
 
 @lru_cache(maxsize=1)

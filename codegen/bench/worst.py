@@ -22,7 +22,7 @@ from typing import Any
 
 from bench import PROCESSORS
 from calls import driver, manifest_of
-from folders import FOLDERS, folder_of
+from folders import FOLDERS, chosen
 from footprint import footprints
 from processors import TICK, linked, said
 from readme import table, written
@@ -96,14 +96,14 @@ def _gcc_version() -> str:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description="Search the worst cases of generated folders.")
-    parser.add_argument("folders", nargs="*", type=Path, metavar="FOLDER", help="default: all")
+    parser.add_argument("folders", nargs="*", metavar="FOLDER", help="default: all")
     parser.add_argument("--write", action="store_true", help="keep the figures")
     parser.add_argument("--seed", type=int, default=1)
     given = parser.parse_args()
     found = {}
-    for folder in given.folders or map(folder_of, FOLDERS):
-        found[folder.resolve().name] = measured(folder.resolve(), given.seed)
-        print(figures_table({folder.name: found[folder.resolve().name]}), flush=True)
+    for folder in chosen(given.folders):
+        found[folder.name] = measured(folder, given.seed)
+        print(figures_table({folder.name: found[folder.name]}), flush=True)
     if given.write:
         kept = json.loads(MEASURED.read_text()) if MEASURED.exists() else {}
         kept = {name: figures for name, figures in {**kept, **found}.items() if name in FOLDERS}
