@@ -122,10 +122,8 @@ def main() -> None:
             print("\n".join(" | ".join(row) for row in rows if row[:2] == (folder.name, processor)))
     if given.write:
         kept = [tuple(line.strip("| ").split(" | ")) for line in told("bench").splitlines()[2:]]
-        told_anew = {row[0] for row in rows}
-        rows = sorted(
-            [*rows, *(row for row in kept if row[0] not in told_anew)], key=lambda r: r[0]
-        )
+        others = set(FOLDERS) - {row[0] for row in rows}
+        rows = sorted([*rows, *(row for row in kept if row[0] in others)], key=lambda row: row[0])
         written("bench", table([dict(zip(HEADS, row, strict=True)) for row in rows]))
 
 
