@@ -91,13 +91,22 @@ class Asked:
         """Answers to each goal from each guess, of a map's inverse problem by `way` "ask_inverse";
         what is not found is zero.
         """
-        return asked(getattr(self._library, way), self.options.real, [goals, guesses])
+        status, steps = np.zeros((2, len(goals)), np.int32)
+        found = np.zeros(guesses.shape, self.number)
+        self._call(way, [goals, guesses], [found, status, steps])
+        return Answers(status, found.astype(float), steps)
 
     def back(self, found: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Statuses and goals that the other problem gives for what was found."""
         width = 7 if self.mechanism.serial else len(self.mechanism.actuated)
-        goals, status = asked_back(self._library.back_all, self.options.real, found, width)
-        return status, goals
+        goals, status = np.zeros((len(found), width), self.number), np.zeros(len(found), np.int32)
+        self._call("back_all", [found], [goals, status])
+        return status, goals.astype(float)
+
+    def _call(self, name: str, given: Sequence[np.ndarray], results: Sequence[np.ndarray]) -> None:
+        arrays = [*(np.ascontiguousarray(values, self.number) for values in given), *results]
+        places = (ctypes.c_void_p(array.ctypes.data) for array in arrays)
+        getattr(self._library, name)(len(given[0]), *places)
 
     @cached_property
     def program(self) -> Program:
@@ -119,32 +128,3 @@ def _compiled(folder: Path, name: str, real: str, kind: str, joints: int) -> cty
     """ask.c with the code in a folder, as a library; `kind` is "platform", "arm" or "map"."""
     macros = f"""-D'HEADER="{name}.h"' -DREAL={real} -D'OF(x)={name}_##x' -DJOINTS={joints}"""
     return library(folder, f"{BENCH / 'ask.c'} {name}.c", f"{macros} -D{kind.upper()}")
-
-
-def asked(function: ctypes._CFuncPtr, real: str, given: Sequence[np.ndarray]) -> Answers:
-    """Call a function of ask.c for goals and guesses."""
-    count, number = len(given[0]), np.float32 if real == "float" else np.float64
-    found = np.zeros(given[1].shape, number)
-    status, steps = np.zeros(count, np.int32), np.zeros(count, np.int32)
-    _call(function, number, given, (found, status, steps))
-    return Answers(status, found.astype(float), steps)
-
-
-def asked_back(
-    function: ctypes._CFuncPtr, real: str, found: np.ndarray, width: int
-) -> tuple[np.ndarray, np.ndarray]:
-    """Goals of `width` numbers and statuses, by a function of ask.c that takes no guess."""
-    number = np.float32 if real == "float" else np.float64
-    goals, status = np.zeros((len(found), width), number), np.zeros(len(found), np.int32)
-    _call(function, number, [found], (goals, status))
-    return goals.astype(float), status
-
-
-def _call(
-    function: ctypes._CFuncPtr,
-    number: type[np.floating],
-    given: Sequence[np.ndarray],
-    results: Sequence[np.ndarray],
-) -> None:
-    arrays = [*(np.ascontiguousarray(values, number) for values in given), *results]
-    function(len(given[0]), *(ctypes.c_void_p(array.ctypes.data) for array in arrays))

@@ -1,81 +1,131 @@
-"""Instructions per solve of the generated C on two Cortex-M boards and on the host; the table of
+"""Instructions per solve of the generated C on a Cortex-M board and on the host; the table of
 README.md.
 
-    python codegen/bench/bench.py [SOLVER ...] [--write]
+    python codegen/bench/bench.py [FOLDER ...] [--processor P ...] [--cc gcc] [--write]
 
-With names, as "zhao2000_links double", the rows of these alone, and the others stay as they are.
-Cold: from home. Warm: within 0.2 mm and 1 mrad of the answer. Bytes, stack and worst cases:
-worst.py.
+FOLDER is a name of generate.py's, all of them without, or a folder that `symkin firmware` wrote.
+Cases are those of the folder's own vectors: every other one starts far from its answer (cold), the
+others next to it (warm); 64 poses about home each for a platform whose home is HOME, warm within
+0.2 mm and 1 mrad of the answer. Bytes, stack and worst cases: worst.py.
 """
 
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterator, Sequence
+import tempfile
+from collections import defaultdict
+from pathlib import Path
 
-from harness import harness_of
-from processors import HOST, measure
+import numpy as np
+
+from calls import driver, manifest_of
+from folders import FOLDERS, chosen
+from processors import HOST, TICK, counted, linked, said
 from readme import table, told, written
 from subjects import HOME, machine_of
 from symkin.codegen.map.options import Options
+from symkin.codegen.map.program import build_program
+from symkin.codegen.map.rod_platform import RodPlatform, sample_poses
+from symkin.codegen.steps.samples import rounded_to
+from symkin.position.problem import actuated_names, build_problem
+from symkin.spatial.rotation import multiply
 
-PARALLEL = (("ren2008", "m"), ("zhao2000", "mm"), ("zhao2000_links", "mm"), ("delta", "mm"))
-SERIAL = ("gluon_6l3", "yao2020", "ur5e", "scara")
-
-
-def subjects() -> Iterator[tuple[str, str, Options, tuple[str, ...], str]]:
-    """(title, mechanism, options, processors, unit of errors), in the order of the table."""
-    boards = {"float": "M4F", "double": "M7"}
-    for real, board in boards.items():
-        yield f"zhang2009 {real}", "zhang2009", Options(real, home=HOME), (board, HOST), "mm"  # type: ignore[arg-type]
-    relative = Options("float", home_relative=True, home=HOME)
-    yield "zhang2009 float, home-relative", "zhang2009", relative, ("M4F", HOST), "mm"
-    struct = Options("double", geometry="struct", home=HOME)
-    yield "zhang2009 double, struct geometry", "zhang2009", struct, ("M7", HOST), "mm"
-    for real, board in boards.items():
-        for name, unit in (*PARALLEL, *((name, "rad or mm") for name in SERIAL)):
-            yield f"{name} {real}", name, Options(real), (board, HOST), unit  # type: ignore[arg-type]
-        yield f"ankle {real}", "ankle", machine_of("ankle").options(real), (board, HOST), "rad"
-
-
-def rows_of(chosen: Sequence[str]) -> Iterator[tuple[str, ...]]:
-    """The rows of the chosen solvers, or of all."""
-    for title, name, options, processors, unit in subjects():
-        if chosen and title not in chosen:
-            continue
-        harness = harness_of(name, options)
-        for processor in processors:
-            for case, f in measure(harness, processor).items():
-                yield (
-                    title,
-                    processor,
-                    case,
-                    f"{f.mean:,.0f}",
-                    f"{f.largest:,.0f}",
-                    f"{f.error:.2g} {unit}",
-                )
+PROCESSORS = {"float": "M4F", "double": "M7"}
+"""The board that folders of a type of numbers run on."""
+CASES = {
+    "platform": {"direct": ("cold", "warm"), "track": ("", "track")},
+    "arm": {name: (name, name) for name in ("inverse", "inverse_nearest", "inverse_all", "track")},
+    "map": {
+        "direct": ("cold", "warm"),
+        "inverse": ("back, cold", "back, warm"),
+        "track": ("", "track"),
+        "track_inverse": ("", "track back"),
+        "second": ("", "derivatives"),
+    },
+}
+"""Functions of each kind of folder that are told, and what their even and odd vectors are called;
+the last one of a map is the Jacobian and the second derivatives.
+"""
+HEADS = ("folder", "processor", "case", "mean", "largest", "largest error")
 
 
-def report(rows: Sequence[tuple[str, ...]]) -> str:
-    """The table, with the rows of README.md for solvers that were not measured."""
-    kept = [tuple(line.strip("| ").split(" | ")) for line in told("bench").splitlines()[2:]]
-    measured = {row[0] for row in rows}
-    every = [*rows, *(row for row in kept if row[0] not in measured)]
-    titles = [title for title, *_ in subjects()]
-    heads = ("solver", "processor", "case", "mean", "largest", "largest error")
-    ordered = sorted(every, key=lambda row: titles.index(row[0]))
-    return table([dict(zip(heads, row, strict=True)) for row in ordered])
+def measured(folder: Path, processor: str, cc: str = "gcc") -> dict[str, np.ndarray]:
+    """Of each case rows (instructions, error), the error in the vectors' unit."""
+    name, kind, manifest = manifest_of(folder)
+    found = defaultdict[str, list[tuple[float, float]]](list)
+    with tempfile.TemporaryDirectory() as scratch:
+        place = Path(scratch)
+        words = f"{driver(folder, 'CASES', place)} {folder / name}.c"
+        if manifest["options"]["home"] == list(HOME):
+            (place / f"{name}_vectors.h").write_text(_about_home(manifest["options"]))
+        for function, cases in CASES[kind].items():
+            program = linked(processor, f"""-D'ONLY="{function}"' {words}""", place, cc)
+            rows = [line.split()[1:] for line in said(processor, program).splitlines()]
+            counts = [int(ticks) * TICK for _, ticks, _, _ in rows]
+            if rows and processor == HOST:
+                counts = counted(program, f"{name}_{function}")
+            for (number, _, fine, coarse), count in zip(rows, counts, strict=True):
+                off = float(fine) * 1e-12 if float(fine) < 4e9 else float(coarse) * 1e-6
+                found[cases[int(number) % 2]].append((count, off))
+    return {case: np.array(rows) for case, rows in found.items() if case}
+
+
+def _about_home(chosen: dict[str, object]) -> str:
+    """Vectors of the platform whose home is HOME: 64 poses within 60 mm and 0.25 rad of it, twice:
+    from home, and from within 0.2 mm and 1 mrad of the answer.
+    """
+    options = Options(chosen["real"], chosen["home_relative"], chosen["geometry"], HOME)  # type: ignore[arg-type]
+    platform = build_program(machine_of("zhang2009").mechanism, options).kind
+    assert isinstance(platform, RodPlatform)  # noqa: S101 - six rods
+    system = build_problem(platform.mechanism, actuated_names(platform.mechanism)).system
+    rng, rows = np.random.default_rng(3), defaultdict[str, list[object]](list)
+    origin = np.array(platform.home.position) if options.home_relative else np.zeros(3)
+    for pose in sample_poses(platform.home, 64, 60.0, 0.25, 7):
+        given = rounded_to(platform.real, platform.joint_values(pose))
+        z = np.array([*pose.position, *pose.quaternion])
+        for _ in range(2):
+            z = system.polish(z, given + platform.zero, 8)
+        q = multiply(np.array([1.0, *(0.5 * rng.uniform(-1e-3, 1e-3, 3))]), z[3:])
+        near = [*(z[:3] + rng.uniform(-0.2, 0.2, 3) - origin), *(q / np.linalg.norm(q))]
+        rows["joints"] += [given, given]
+        rows["guesses"] += [platform.stated(platform.home), near]
+        rows["poses"] += [[*(z[:3] - origin), *z[3:]]] * 2
+    lines = [f"#define {platform.name.upper()}_VECTORS 128"]
+    for what, values in rows.items():
+        numbers = ", ".join(platform.real.hexadecimal(float(v)) for v in np.ravel(values))
+        kind = f"static const {platform.name}_real {platform.name}_vector_{what}"
+        lines.append(f"{kind}[128][{np.shape(values)[1]}] = {{ {numbers} }};")
+    return "\n".join(lines) + "\n"
+
+
+def rows_of(folder: Path, processor: str, cc: str = "gcc") -> list[tuple[str, ...]]:
+    """Rows of the table."""
+    found = measured(folder, processor, cc)
+    most = {case: (f[:, 0].mean(), f[:, 0].max(), f[:, 1].max()) for case, f in found.items()}
+    return [
+        (folder.name, processor, case, f"{mean:,.0f}", f"{largest:,.0f}", f"{error:.2g}")
+        for case, (mean, largest, error) in most.items()
+    ]
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description="Instructions of the generated C.")
+    parser.add_argument("folders", nargs="*", metavar="FOLDER", help="default: all")
+    parser.add_argument("--processor", nargs="*", choices=("M4F", "M7", HOST))
+    parser.add_argument("--cc", default="gcc", help="the host's compiler")
+    parser.add_argument("--write", action="store_true", help="the table of codegen/README.md")
+    given, rows = parser.parse_args(), list[tuple[str, ...]]()
+    for folder in chosen(given.folders):
+        board = PROCESSORS[manifest_of(folder)[2]["options"]["real"]]
+        for processor in given.processor or (board, HOST):
+            rows += rows_of(folder, processor, given.cc)
+            print("\n".join(" | ".join(row) for row in rows if row[:2] == (folder.name, processor)))
+    if given.write:
+        kept = [tuple(line.strip("| ").split(" | ")) for line in told("bench").splitlines()[2:]]
+        others = set(FOLDERS) - {row[0] for row in rows}
+        rows = sorted([*rows, *(row for row in kept if row[0] in others)], key=lambda row: row[0])
+        written("bench", table([dict(zip(HEADS, row, strict=True)) for row in rows]))
 
 
 if __name__ == "__main__":
-    parser = argparse.ArgumentParser(description="Instructions of the generated C.")
-    parser.add_argument("solvers", nargs="*", metavar="SOLVER", help="these rows alone")
-    parser.add_argument("--write", action="store_true", help="the table of codegen/README.md")
-    given = parser.parse_args()
-    titles = [title for title, *_ in subjects()]
-    if unknown := sorted(set(given.solvers) - set(titles)):
-        parser.error(f"{', '.join(unknown)}: no such row; there are {', '.join(titles)}")
-    measured = list(rows_of(given.solvers))
-    print("\n".join(" | ".join(row) for row in measured))
-    if given.write:
-        written("bench", report(measured))
+    main()

@@ -51,15 +51,11 @@ from grazes import grazed
 from ranges import ARMS, MIDDLE, RANGES, Reach, by_legs, goals_about, maker
 from readme import table, written
 from rows import Row
-from subjects import drawn, machine_of, named
+from subjects import STUDIED, drawn, machine_of, named
 from symkin.codegen.map.options import Options
 from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
 
-STUDIED = (
-    *("zhang2009", "ren2008", "zhao2000", "zhao2000_links", "delta", "five_bar", "three_rrr"),
-    *("three_rpr", "three_rps", "linear_delta", "orthoglide", "six_rss", "hexaglide"),
-)
 REALS = ("double", "float")
 HELD = ("paths", "grazes", "closes")
 """Ranges of all kinds of machines."""

@@ -1,5 +1,5 @@
 """Write calls.h of a folder of generated C: tables of its vectors, and a call of each function that
-its header declares, for inputs.h.
+its header declares, for inputs.h; build drive.c with it.
 """
 
 from __future__ import annotations
@@ -7,11 +7,23 @@ from __future__ import annotations
 import json
 import re
 from pathlib import Path
+from typing import Any
 
 from asked import BENCH
 
-_VALUES = ("JOINTS", "GUESS", "POSE", "FOUND", "FOUND_GUESS", "TO")
+_SLOTS = ("JOINTS", "GUESS", "POSE", "FOUND", "FOUND_GUESS", "TO")
 """Slots of inputs.h that vectors have."""
+_TABLES = {
+    "platform": ({"GUESS": "joints", "POSE": "poses", "TO": "poses"}, {"POSE": "guesses"}),
+    "arm": ({"GUESS": "guesses", "POSE": "poses", "TO": "poses"}, {}),
+    "map": (
+        {"GUESS": "joints", "FOUND": "found", "FOUND_GUESS": "found"},
+        {"GUESS": "joint_guesses", "FOUND_GUESS": "guesses"},
+    ),
+}
+"""Of each kind of folder the vectors of slots, and where the cases of its own test start."""
+_ANSWERS = {"platform": {"POSE": "poses"}, "arm": {"JOINTS": "inverse"}}
+_ANSWERS |= {"map": {"JOINTS": "inverse", "FOUND": "found"}}
 _GIVEN = {"joints": "JOINTS", "found": "FOUND", "pose": "POSE", "from": "POSE", "to": "TO"}
 _GIVEN |= {"twist": "TWIST", "rates": "RATES", "joint_rates": "RATES"}
 _GIVEN |= {"joint_limits": "LIMITS", "joint_inertias": "LIMITS", "rate_limits": "LIMITS"}
@@ -21,9 +33,19 @@ _BEGINS = {"joints": "GUESS", "found": "FOUND_GUESS", "pose": "POSE"}
 """Slots in which results begin, which functions that move read."""
 
 
+def manifest_of(folder: Path) -> tuple[str, str, dict[str, Any]]:
+    """Name, kind (platform, arm or map) and manifest of a folder."""
+    manifest = json.loads((folder / "manifest.json").read_text())
+    name = manifest["mechanism"]
+    kind = "map" if "given" in manifest["options"] else "platform"
+    if re.search(rf" {name}_inverse\([^;]*guess", (folder / f"{name}.h").read_text()):
+        kind = "map" if kind == "map" else "arm"
+    return name, kind, manifest
+
+
 def driver(folder: Path, what: str, place: Path) -> str:
     """Write calls.h into a place; the words of a compiler's command for drive.c as `what`: FUZZ,
-    WORST or COUNTS.
+    CASES, WORST or COUNTS. Vectors that stand in the place go before those of the folder.
     """
     (place / "calls.h").write_text(calls_text(folder))
     return f"-D{what} -I{place} -I{folder} -I{BENCH} {BENCH / 'drive.c'}"
@@ -31,36 +53,39 @@ def driver(folder: Path, what: str, place: Path) -> str:
 
 def calls_text(folder: Path) -> str:
     """calls.h of a folder."""
-    manifest = json.loads((folder / "manifest.json").read_text())
-    name, struct = manifest["mechanism"], manifest["options"]["geometry"] == "struct"
+    name, kind, manifest = manifest_of(folder)
+    upper, is_map, struct = name.upper(), kind == "map", manifest["options"]["geometry"] == "struct"
     header = (folder / f"{name}.h").read_text()
-    upper = name.upper()
     declared = re.findall(rf"^(?:int|{name}_status) {name}_(\w+)\(([^;]*)\);", header, re.M)
-    is_arm = any(function == "inverse" and "guess" in text for function, text in declared)
-    found = f"{upper}_FOUND" if "given" in manifest["options"] else "0"
-    tables = dict.fromkeys(_VALUES, "NULL") | {"JOINTS": "joints", "GUESS": "joints"}
-    tables |= {"FOUND": "found", "FOUND_GUESS": "found"} if found != "0" else {}
-    tables |= {"POSE": "poses", "TO": "poses"} if found == "0" else {}
-    tables |= {"GUESS": "guesses"} if is_arm and found == "0" else {}
-    vectors = (t if t == "NULL" else f"&{name}_vector_{t}[0][0]" for t in tables.values())
+    of_slots, starts = _TABLES[kind]
+    cases = {"starts": starts, "answers": _ANSWERS[kind]}
     lines = [
         f'#include "{name}.h"\n#include "{name}_vectors.h"',
         f"typedef {name}_real real;\ntypedef {name}_config config;",
-        f"#define N {upper}_JOINTS\n#define FOUND_COUNT {found}",
-        f"#define POSES {7 * (found == '0')}",
+        f"#define N {upper}_JOINTS\n#define FOUND_COUNT {f'{upper}_FOUND' if is_map else 0}",
+        f"#define POSES {7 * (not is_map)}",
         *(f"#define {m} {upper}_{m}" for m in ("SIZE", "TOLERANCE", "MAX_STEPS", "MAX_STEP")),
         f"#define VECTORS {upper}_VECTORS\n#define INFO {name}_info",
-        f"static const real *const vectors[] = {{ {', '.join(vectors)} }};",
+        _table(name, "vectors", {"JOINTS": "joints"} | of_slots),
         f"static const {name}_geometry nominal = {upper}_NOMINAL;" if struct else "",
-        "#define CALLS \\",
+        "#ifdef CASES",
+        *(_table(name, what, tables) for what, tables in cases.items()),
+        "#endif\n#define CALLS \\",
         *(f"    {_call(name, *one)} \\" for one in declared),
     ]
     return "\n".join(lines) + "\n\n"
 
 
+def _table(name: str, what: str, tables: dict[str, str]) -> str:
+    """Addresses of vectors by the slots of inputs.h."""
+    told = (tables.get(slot) for slot in _SLOTS)
+    values = (f"&{name}_vector_{t}[0][0]" if t else "NULL" for t in told)
+    return f"static const real *const {what}[10] = {{ {', '.join(values)} }};"
+
+
 def _call(name: str, function: str, parameters: str) -> str:
     """Statements that call one function, results in arrays of the largest size."""
-    arguments, begins, finite = list[str](), list[str](), ["1"]
+    arguments, begins, finite, off = list[str](), list[str](), ["1"], "-1"
     for parameter in re.sub(r"\s+", " ", parameters).split(", "):
         found = re.fullmatch(rf"(const )?(?:{name}_)?([\w ]+) (\*?)(\w+)(.*)", parameter)
         assert found is not None, parameter  # noqa: S101 - a declaration that was generated
@@ -77,6 +102,7 @@ def _call(name: str, function: str, parameters: str) -> str:
         else:
             count = re.sub(r"\]\[", ") * (", size).strip("[]") or ("7" if kind == "pose" else "1")
             begin = f"in->v[{_BEGINS[argument]}]" if argument in _BEGINS else "NULL"
+            off = _GIVEN[argument] if argument in _BEGINS else off
             begins.append(f"begun({result}, {begin}, ({count}));")
             finite.append(f"all_finite({result}, ({count}))")
             finite += [f"({result}[0] >= 0 && {result}[0] <= 1)"] if argument == "feed" else []
@@ -87,11 +113,12 @@ def _call(name: str, function: str, parameters: str) -> str:
     if "&info" in arguments:
         finite.append("isfinite(info.residual)")
         begins.append("info.residual = 0;")
-    call = f"{name}_{function}({', '.join(arguments)})"
-    status = (
-        f"(int){call}" if function != "inverse_all" else f"listed({call}, {name.upper()}_BRANCHES)"
-    )
+    call, is_list = f"{name}_{function}({', '.join(arguments)})", function == "inverse_all"
+    counted = f"count = {call}" if is_list else f"status = (int){call}"
+    listed = f"status = listed(count, {name.upper()}_BRANCHES);" if is_list else ""
     return (
-        f'{" ".join(begins)} begin(); status = {status}; finish(); end(function++, "{function}", '
-        f"status, status != 0 || ({' && '.join(finite)}), number);"
+        f'if (WANTED("{function}")) {{ int count = 1; {" ".join(begins)} begin(); {counted}; '
+        f'finish(); {listed} end(function, "{function}", status, '
+        f"status != 0 || ({' && '.join(finite)}), number, off(result[0], {off}, number, count)); "
+        "} ++function;"
     )

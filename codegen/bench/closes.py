@@ -7,7 +7,6 @@ asked for once more, from itself: standing still has to be OK.
 
 from __future__ import annotations
 
-import ctypes
 import sys
 import tempfile
 import tomllib
@@ -19,7 +18,7 @@ import numpy as np
 
 sys.path.append(str(Path(__file__).resolve().parents[2] / "tests"))
 
-from asked import Machine, asked, asked_back, built
+from asked import Asked, Machine, built
 from oracle import plain_graph
 from oracle.plain_closure import PlainMechanism, matrix_quaternion
 from oracle.plain_search import closed_configurations, random_configurations, solve
@@ -39,7 +38,10 @@ SPREADS = (0.05, 0.3)
 
 def closes(machine: Machine, real: str, count: int, rng: np.random.Generator) -> Row:
     """Ask a machine's code about `count` configurations, and values aside."""
-    code = Code(built(machine, real), real, Row())
+    mechanism = machine.mechanism
+    if not machine.given:
+        mechanism = with_limbs(mechanism, "firmware", "")
+    code = Code(Asked(mechanism, machine.options(real), built(machine, real)), Row())
     (_of_map if machine.given else _of_limbs)(machine, code, count, rng)
     return code.row
 
@@ -48,34 +50,32 @@ def closes(machine: Machine, real: str, count: int, rng: np.random.Generator) ->
 class Code:
     """A machine's code and what came of it."""
 
-    library: ctypes.CDLL
-    real: str
+    asked: Asked
     row: Row
 
     def ask(
         self,
         what: str,
         goals: np.ndarray,
-        guesses: np.ndarray | int,
+        guesses: np.ndarray | None,
         gaps: Callable[[np.ndarray, np.ndarray], np.ndarray],
         feasible: int = 0,
-        function: str = "ask_all",
+        way: str = "ask_all",
     ) -> None:
-        """Ask for goals, from guesses, or, where a problem has none, for so many numbers, and then
-        for each answer from itself. `gaps` tell of answers, with the places of their goals, how far
-        from closing they are; the first `feasible` goals are such that the machine can take.
+        """Ask for goals, from guesses where a problem has some, and then for each answer from
+        itself. `gaps` tell of answers, with the places of their goals, how far from closing they
+        are; the first `feasible` goals are such that the machine can take.
         """
-        call = getattr(self.library, function)
-        if isinstance(guesses, int):
-            found, status = asked_back(call, self.real, goals, guesses)
+        if guesses is None:
+            status, found = self.asked.back(goals)
         else:
-            status, found, _ = asked(call, self.real, [goals, guesses])
+            status, found, _ = self.asked.answers(goals, guesses, way)
         at = np.flatnonzero(status == 0)
         again = np.zeros(len(at), int)
-        if not isinstance(guesses, int) and len(at):
-            again = asked(call, self.real, [goals[at], found[at]]).status
+        if guesses is not None and len(at):
+            again = self.asked.answers(goals[at], found[at], way).status
         off = gaps(at, found[at])
-        wrong, taken = off > CLOSES[self.real], int(np.sum(at < feasible))
+        wrong, taken = off > CLOSES[self.asked.options.real], int(np.sum(at < feasible))
         said = [
             f"{what}: {goals[at[k]].tolist()} gives {found[at[k]].tolist()}, open by {off[k]:.2g}, "
             f"from itself {again[k]}"
@@ -114,6 +114,13 @@ class Limbs:
         turned /= np.linalg.norm(turned, axis=1, keepdims=True)
         return np.column_stack([poses[:, :3] + self.plain.size * far * step[:, :3], turned])
 
+    def projected(self, poses: np.ndarray) -> np.ndarray:
+        """Poses with the numbers that the declared motion has."""
+        m = self.plain
+        return self.poses(
+            np.vstack([m.with_pose(m.reference[None], pose[:3], pose[3:]) for pose in poses])
+        )
+
     def gaps(self, begin: np.ndarray, poses: np.ndarray, joints: np.ndarray) -> np.ndarray:
         """How far from closing (n,), over the size, configurations with poses and joint values are
         at best.
@@ -132,19 +139,9 @@ class Limbs:
         return np.array(found)
 
 
-def projected(m: PlainMechanism, poses: np.ndarray) -> np.ndarray:
-    """Poses with the numbers that the declared motion has."""
-    found = []
-    for pose in poses:
-        x = m.with_pose(m.reference[None], pose[:3], pose[3:])
-        position, rotation = m.pose(x)
-        found.append([*position[0], *matrix_quaternion(rotation[0])])
-    return np.array(found)
-
-
 def _of_limbs(machine: Machine, code: Code, count: int, rng: np.random.Generator) -> None:
     """Ask a platform's or an arm's code."""
-    mechanism = with_limbs(machine.mechanism, "firmware", "")
+    mechanism = code.asked.mechanism
     plain = PlainMechanism(tomllib.loads(mechanism_to_toml(mechanism)))
     limbs = Limbs(plain, rng)
     x = np.vstack([closed_configurations(plain, count // 2, spread, rng) for spread in SPREADS])
@@ -154,7 +151,7 @@ def _of_limbs(machine: Machine, code: Code, count: int, rng: np.random.Generator
     units = np.array([1.0 if c.is_angular else plain.size for c in mechanism.actuated])
     targets = [on, limbs.moved(on)]
     if not plain.serial:
-        targets.append(projected(plain, limbs.moved(on)))
+        targets.append(limbs.projected(limbs.moved(on)))
     goals, begin = np.vstack(targets), np.vstack([x] * len(targets))
 
     def of_joints(at: np.ndarray, joints: np.ndarray) -> np.ndarray:
@@ -166,7 +163,7 @@ def _of_limbs(machine: Machine, code: Code, count: int, rng: np.random.Generator
         guesses = joints + 0.05 * rng.normal(size=joints.shape) * units
         code.ask("inverse", goals, guesses, of_joints, len(x))
         return
-    code.ask("inverse", goals, number, of_joints, len(x), "back_all")
+    code.ask("inverse", goals, None, of_joints, len(x))
     joints[len(x) :] += 0.3 * rng.normal(size=(len(x), number)) * units
     home = limbs.poses(plain.reference[None]) if machine.home is None else np.array([machine.home])
 

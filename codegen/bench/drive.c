@@ -1,10 +1,12 @@
-/* Sends random inputs to every function of a generated folder, as one of three:
+/* Sends random inputs to every function of a generated folder, or its vectors, as one of four:
  *
  * FUZZ, `drive COUNT SEED trap|division|count`: with floating-point traps, on processors that have them; fuzz.py builds it under sanitizers, a
  *   trap ends it with the place in the source. `division` traps no overflow, `count` nothing. Says what should not have been answered, and how
  *   often each function raises which exception.
  * COUNTS, `drive COUNT SEED` (C++, SOURCE: the folder's source, whose numbers are counted.h's): the most operations of any kind in one call
  *   without a config: additions, multiplications, divisions, sqrt, sin, cos, atan2.
+ * CASES (ONLY: one function's name, or ""), on any processor with `board.h`: every vector of the folder, from where its own test starts. Of each
+ *   call its name, the vector, ticks, and how far the result is from the answer in 1e-12 and 1e-6.
  * WORST (SEED, MOST_INPUTS, MOST_TICKS of all calls together), on a board of `targets/`: searches the inputs that take most instructions without
  *   a config; every second is the dearest so far of one function with some of its numbers changed. Ticks and bytes of stack touched, and how many
  *   inputs there were. */
@@ -47,8 +49,9 @@ static void finish(void)
 }
 
 /* Ends a call: its exceptions, and whether OK came with finite results; anything else ends the program. */
-static void end(int function, const char *name, int status, int finite, long number)
+static void end(int function, const char *name, int status, int finite, long number, double error)
 {
+    (void)error;
     named(function, name);
     raised[function][0] += fetestexcept(FE_DIVBYZERO) != 0;
     raised[function][1] += fetestexcept(FE_OVERFLOW) != 0;
@@ -78,7 +81,7 @@ static void finish(void)
     last = counted;
 }
 
-static void end(int function, const char *name, int, int, long)
+static void end(int function, const char *name, int, int, long, double)
 {
     named(function, name);
     for (int k = 0; k < OPERATIONS; ++k) {
@@ -97,6 +100,14 @@ static void tell(int f)
 #else
 #include "board.h"
 
+static uint32_t begun_at;
+static uint32_t last;
+#ifdef CASES
+static void begin(void)
+{
+    begun_at = board_ticks();
+}
+#else
 #define PAINTED 16384
 #define PAINT 0xA5u
 
@@ -104,8 +115,6 @@ static uint32_t most[MOST_FUNCTIONS];
 static uint32_t touched[MOST_FUNCTIONS];
 static inputs dearest[MOST_FUNCTIONS];
 static const inputs *current;
-static uint32_t begun_at;
-static uint32_t last;
 static uint64_t total;
 static int painting;
 static volatile uint8_t *top;
@@ -121,16 +130,35 @@ static void __attribute__((noinline)) begin(void)
     begun_at = board_ticks();
 }
 
-static void __attribute__((noinline)) finish(void)
+#endif
+
+static void finish(void)
 {
     last = (board_ticks() - begun_at) & 0xFFFFFFu;
 }
 
-static void end(int function, const char *name, int status, int finite, long number)
+#ifdef CASES
+static void end(int function, const char *name, int status, int finite, long number, double error)
+{
+    const double off_by = (status == 0) ? error : 4e9;
+    const uint32_t told[] = { (uint32_t)number, last, (uint32_t)fmin(off_by * 1e12, 4e9), (uint32_t)fmin(off_by * 1e6, 4e9) };
+    (void)finite;
+    named(function, name);
+    board_text(name);
+    for (int i = 0; i < 4; ++i) {
+        board_text(" ");
+        board_number(told[i]);
+    }
+    board_text("\n");
+}
+#else
+
+static void end(int function, const char *name, int status, int finite, long number, double error)
 {
     (void)status;
     (void)finite;
     (void)number;
+    (void)error;
     named(function, name);
     total += last;
     if (painting) {
@@ -164,8 +192,26 @@ static void vary(inputs *in, int function)
     }
 }
 #endif
+#endif
 
-#ifdef WORST
+#if defined(CASES)
+int main(void)
+{
+    static inputs in;
+    in.usual = 1;
+    board_start_counter();
+    for (int k = 0; k < VECTORS; ++k) {
+        of_vectors(&in, k, 0.0);
+        for (int s = 0; s < SLOTS; ++s) {
+            for (int i = 0; (starts[s] != NULL) && (i < counts[s]); ++i) {
+                in.v[s][i] = starts[s][counts[s] * k + i];
+            }
+        }
+        call_all(&in, k);
+    }
+    return 0;
+}
+#elif defined(WORST)
 int main(void)
 {
     static inputs in;

@@ -11,6 +11,7 @@ import os
 import shutil
 import sys
 import tempfile
+from collections.abc import Iterator, Sequence
 from functools import lru_cache
 from pathlib import Path
 from types import ModuleType
@@ -36,33 +37,32 @@ def generate() -> ModuleType:
 
 def folder_of(name: str) -> Path:
     """A folder by its name; one that is not committed is written when it is first asked for,
-    without measured figures.
+    without measured figures: beside its place and moved there whole, because another process may
+    be quicker.
     """
     if name in COMMITTED:
         return CODEGEN / name
     if name not in FOLDERS:
         raise ValueError(f"{name}: no such folder; there are {', '.join(FOLDERS)}")
-    place = _place() / name
+    place, made = _place() / name, generate()
     if not place.exists():
-        _write(name, place)
+        place.parent.mkdir(parents=True, exist_ok=True)
+        source, options = next((m, o) for folder, m, o in made.variants() if folder == name)
+        with tempfile.TemporaryDirectory(dir=place.parent) as scratch:
+            written = Path(scratch) / name
+            made.write_folder(made.load(source), written, options)
+            try:
+                written.rename(place)
+            except OSError:
+                if not place.exists():
+                    raise
     return place
 
 
-def _write(name: str, place: Path) -> None:
-    """Writes a folder beside its place and moves it there whole; another process may have been
-    quicker.
-    """
-    place.parent.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory(dir=place.parent) as scratch:
-        mechanism, options = next(
-            (source, options) for folder, source, options in generate().variants() if folder == name
-        )
-        generate().write_folder(generate().load(mechanism), Path(scratch) / name, options)
-        try:
-            (Path(scratch) / name).rename(place)
-        except OSError:
-            if not place.exists():
-                raise
+def chosen(names: Sequence[str]) -> Iterator[Path]:
+    """Folders by name, or wherever one stands; all without names."""
+    for name in names or FOLDERS:
+        yield folder_of(name) if name in FOLDERS else Path(name).resolve()
 
 
 @lru_cache(maxsize=1)

@@ -11,15 +11,14 @@ it counts.
 from __future__ import annotations
 
 import argparse
-import json
 import subprocess
 import sys
 import tempfile
 from pathlib import Path
 from shlex import split
 
-from calls import driver
-from folders import FOLDERS, folder_of
+from calls import driver, manifest_of
+from folders import chosen
 
 FLAGS = """-std=gnu99 -Wall -Wextra -O1 -g -fno-omit-frame-pointer -ftrapping-math -fno-math-errno
     -ffp-contract=off -fsanitize=address,undefined -fno-sanitize-recover=all"""
@@ -27,7 +26,7 @@ FLAGS = """-std=gnu99 -Wall -Wextra -O1 -g -fno-omit-frame-pointer -ftrapping-ma
 
 def built(folder: Path, output: Path) -> Path:
     """The fuzzing program of a folder."""
-    name = json.loads((folder / "manifest.json").read_text())["mechanism"]
+    name, _, _ = manifest_of(folder)
     words = f"{driver(folder, 'FUZZ', output.parent)} {folder / name}.c -lm -o {output}"
     subprocess.run(split(f"gcc {FLAGS} {words}"), check=True)
     return output
@@ -45,14 +44,14 @@ def fuzzed(folder: Path, count: int, seed: int = 0, mode: str = "trap") -> tuple
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("folders", nargs="*", type=Path)
+    parser.add_argument("folders", nargs="*")
     parser.add_argument("--count", type=int, default=1_000_000)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--mode", choices=["trap", "division", "count"], default="trap")
     given = parser.parse_args()
     findings = 0
-    for folder in given.folders or map(folder_of, FOLDERS):
-        clean, said = fuzzed(folder.resolve(), given.count, given.seed, given.mode)
+    for folder in chosen(given.folders):
+        clean, said = fuzzed(folder, given.count, given.seed, given.mode)
         findings += not clean
         print(f"{folder.name}: {'no finding' if clean else 'FOUND'}\n{said}", flush=True)
     return 1 if findings else 0

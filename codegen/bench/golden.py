@@ -14,17 +14,17 @@ from __future__ import annotations
 import argparse
 import sys
 import tomllib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from itertools import product
 from pathlib import Path
-from typing import Any
 
 from asked import Asked
 from branches import LETTERS, REALS, statuses
 from directions import direction_of
 from ranges import RANGES
+from subjects import GOLDEN as MACHINES
 from subjects import machine_of
-from symkin.codegen.operation_bound import Bound
 
 BENCH = Path(__file__).parent
 GOLDEN = BENCH.parents[1] / "tests" / "data" / "golden_counts.toml"
@@ -35,13 +35,6 @@ LEGS = 2
 _TOLD = 8
 """Changed goals that a sentence names."""
 SEED = 42
-MACHINES = (
-    *("delta", "gluon_6l3", "ren2008", "scara", "ur5e", "yao2020"),
-    *("zhang2009", "zhao2000", "zhao2000_links", "five_bar", "hexaglide", "linear_delta"),
-    *("orthoglide", "six_rss", "three_rpr", "three_rps", "three_rrr", "tricept"),
-    *("ankle", "excavator_bucket", "four_bar", "slider_crank", "spherical_wrist"),
-    *("stephenson_six_bar", "watt_six_bar"),
-)
 _HEAD = f"""\
 # What `python codegen/bench/golden.py --write` found of the generated C, for comparison.
 #
@@ -53,13 +46,15 @@ _HEAD = f"""\
 """
 
 
+Row = tuple[int, ...] | None
+"""Of a function its COLUMNS; None where the text tells no bound."""
+
+
 @dataclass(frozen=True)
 class Figures:
-    """Operations of each function (COLUMNS; None where the text tells no bound), and statuses of
-    each range.
-    """
+    """Operations of each function, and statuses of each range."""
 
-    operations: Mapping[str, tuple[int, ...] | None]
+    operations: Mapping[str, Row]
     statuses: Mapping[str, str]
 
 
@@ -69,142 +64,113 @@ def found(machine: str, real: str) -> Figures:
     """
     made = machine_of(machine)
     asked = Asked(made.mechanism, made.options(real))
-    operations = {function: _row(bound) for function, bound in asked.program.worst.usual.items()}
-    if made.given:
-        return Figures(operations, {})
-    lines = direction_of(asked)
-    said = {words: statuses(lines, GOALS, reach, SEED, LEGS) for words, reach in RANGES.items()}
+    operations = {
+        function: bound
+        and (bound.iterations, *(bound.operations.get(name, 0) for name in COLUMNS[1:]))
+        for function, bound in asked.program.worst.usual.items()
+    }
+    lines = None if made.given else direction_of(asked)
+    ranges = RANGES.items() if lines else ()
+    said = {words: statuses(lines, GOALS, reach, SEED, LEGS) for words, reach in ranges}
     return Figures(operations, said)
-
-
-def _row(bound: Bound | None) -> tuple[int, ...] | None:
-    return (
-        None
-        if bound is None
-        else (bound.iterations, *(bound.operations.get(name, 0) for name in COLUMNS[1:]))
-    )
 
 
 def kept() -> dict[str, dict[str, Figures]]:
     """What the golden file says: machine, type of numbers, figures."""
     text = tomllib.loads(GOLDEN.read_text()) if GOLDEN.exists() else {}
+    said = text.get("statuses", {})
     return {
         machine: {
-            real: Figures(_rows(part), text.get("statuses", {}).get(machine, {}).get(real, {}))
+            real: Figures(
+                {function: None if row == "-" else tuple(row) for function, row in part.items()},
+                said.get(machine, {}).get(real, {}),
+            )
             for real, part in parts.items()
         }
         for machine, parts in text.get("operations", {}).items()
     }
 
 
-def _rows(part: Mapping[str, Any]) -> dict[str, tuple[int, ...] | None]:
-    return {function: None if row == "-" else tuple(row) for function, row in part.items()}
-
-
 def differences(machine: str, real: str, old: Figures | None, new: Figures) -> list[str]:
-    """A sentence for each figure that is another one now."""
+    """A sentence for each figure that is another one now, and how it is accepted."""
+    accepts = f"`python codegen/bench/golden.py {machine} --write` accepts it"
     if old is None:
-        return [f"{machine} {real} has no golden figures; {accepting(machine)}"]
-    told = [*_operation_differences(old, new), *_status_differences(old, new)]
-    return [f"{machine} {real}, {words}; {accepting(machine)}" for words in told]
+        return [f"{machine} {real} has no golden figures; {accepts}"]
+    functions = dict.fromkeys([*old.operations, *new.operations])
+    told = [
+        *(
+            (f, _operations(old.operations.get(f, ()), new.operations.get(f, ())))
+            for f in functions
+        ),
+        *(
+            (f"{w} goals", _goals(old.statuses.get(w, ""), said))
+            for w, said in new.statuses.items()
+        ),
+    ]
+    return [f"{machine} {real}, {what}: {words}; {accepts}" for what, words in told if words]
 
 
-def accepting(machine: str) -> str:
-    """How a difference is accepted."""
-    return f"`python codegen/bench/golden.py {machine} --write` accepts it"
+def _operations(before: Row, now: Row) -> str:
+    """What is told of a function's operations; () where there is no such function."""
+    if before == now:
+        return ""
+    if before == ():
+        return "the function is new"
+    if now == ():
+        return "there is no such function any more"
+    if before is None or now is None:
+        return f"its operations {'have no bound any more' if before else 'are bounded now'}"
+    return _changes(zip(COLUMNS, before, now, strict=True))
 
 
-def _operation_differences(old: Figures, new: Figures) -> Iterator[str]:
-    for function in dict.fromkeys([*old.operations, *new.operations]):
-        before, now = (figures.operations.get(function, ()) for figures in (old, new))
-        if before == ():
-            yield f"{function}: the function is new"
-        elif now == ():
-            yield f"{function}: there is no such function any more"
-        elif before is None or now is None:
-            if before != now:
-                yield (
-                    f"{function}: its operations "
-                    f"{'are bounded now' if before is None else 'have no bound any more'}"
-                )
-        else:
-            changed = [
-                f"{b} -> {n} {name}"
-                for name, b, n in zip(COLUMNS, before, now, strict=True)
-                if b != n
-            ]
-            if changed:
-                yield f"{function}: {', '.join(changed)}"
+def _changes(counts: Iterable[tuple[str, int, int]]) -> str:
+    return ", ".join(f"{b} -> {n} {name}" for name, b, n in counts if b != n)
 
 
-def _status_differences(old: Figures, new: Figures) -> Iterator[str]:
-    for words in dict.fromkeys([*old.statuses, *new.statuses]):
-        before, now = old.statuses.get(words, ""), new.statuses.get(words, "")
-        if len(before) != len(now):
-            yield f"{words} goals: {len(before)} -> {len(now)} of them"
-            continue
-        changed = [
-            f"number {k} {before[k]} -> {now[k]}" for k in range(len(now)) if before[k] != now[k]
-        ]
-        counts = [
-            f"{before.count(x)} -> {now.count(x)} {x}"
-            for x in LETTERS
-            if before.count(x) != now.count(x)
-        ]
-        if changed:
-            more = [f"{len(changed) - _TOLD} more"] if len(changed) > _TOLD else []
-            yield (
-                f"{words} goals: {', '.join([*changed[:_TOLD], *more])}; in all "
-                f"{', '.join(counts) or 'as many of each status'}"
-            )
+def _goals(before: str, now: str) -> str:
+    """What is told of the statuses of a range's goals."""
+    if len(before) != len(now):
+        return f"{len(before)} -> {len(now)} of them"
+    pairs = enumerate(zip(before, now, strict=True))
+    changed = [f"number {k} {b} -> {n}" for k, (b, n) in pairs if b != n]
+    if not changed:
+        return ""
+    counts = _changes((x, before.count(x), now.count(x)) for x in LETTERS)
+    more = [f"{len(changed) - _TOLD} more"] if len(changed) > _TOLD else []
+    told = ", ".join([*changed[:_TOLD], *more])
+    return f"{told}; in all {counts or 'as many of each status'}"
 
 
 def golden_text(figures: Mapping[str, Mapping[str, Figures]]) -> str:
     """The golden file."""
     lines = [_HEAD]
-    for machine in sorted(figures):
-        for real, part in sorted(figures[machine].items()):
-            rows = {
-                f: '"-"' if row is None else f"[{', '.join(map(str, row))}]"
-                for f, row in part.operations.items()
-            }
-            lines += [
-                f"[operations.{machine}.{real}]",
-                *(f"{f} = {row}" for f, row in rows.items()),
-                "",
-            ]
-            if part.statuses:
-                lines += [
-                    f"[statuses.{machine}.{real}]",
-                    *(f'{w} = "{said}"' for w, said in part.statuses.items()),
-                    "",
-                ]
+    parts = ((m, real, part) for m in sorted(figures) for real, part in sorted(figures[m].items()))
+    for machine, real, part in parts:
+        rows = {f: '"-"' if row is None else str(list(row)) for f, row in part.operations.items()}
+        lines += [
+            f"[operations.{machine}.{real}]",
+            *(f"{f} = {row}" for f, row in rows.items()),
+            "",
+        ]
+        if part.statuses:
+            said = (f'{w} = "{letters}"' for w, letters in part.statuses.items())
+            lines += [f"[statuses.{machine}.{real}]", *said, ""]
     return "\n".join(lines)
 
 
 def main() -> int:
     parser = argparse.ArgumentParser(description="Compare the generated C with its golden figures.")
     parser.add_argument("machines", nargs="*", metavar="MACHINE", help="default: all of them")
-    parser.add_argument(
-        "--write",
-        action="store_true",
-        help="accept what is found: write tests/data/golden_counts.toml",
-    )
-    given = parser.parse_args()
-    unknown = sorted(set(given.machines) - set(MACHINES))
-    if unknown:
+    parser.add_argument("--write", action="store_true", help=f"accept what is found: {GOLDEN.name}")
+    given, old, told = parser.parse_args(), kept(), 0
+    if unknown := sorted(set(given.machines) - set(MACHINES)):
         parser.error(f"{', '.join(unknown)}: no such machine; there are {', '.join(MACHINES)}")
-    old = kept()
-    figures, told = (
-        {machine: dict(parts) for machine, parts in old.items() if machine in MACHINES},
-        0,
-    )
-    for machine in given.machines or MACHINES:
-        for real in REALS:
-            new = found(machine, real)
-            said = differences(machine, real, old.get(machine, {}).get(real), new)
-            print("\n".join(said or [f"{machine} {real}: as it was"]), flush=True)
-            figures.setdefault(machine, {})[real], told = new, told + len(said)
+    figures = {machine: dict(parts) for machine, parts in old.items() if machine in MACHINES}
+    for machine, real in product(given.machines or MACHINES, REALS):
+        new = found(machine, real)
+        said = differences(machine, real, old.get(machine, {}).get(real), new)
+        print("\n".join(said or [f"{machine} {real}: as it was"]), flush=True)
+        figures.setdefault(machine, {})[real], told = new, told + len(said)
         if given.write:
             GOLDEN.write_text(golden_text(figures))
     return 1 if told and not given.write else 0

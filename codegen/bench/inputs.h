@@ -87,10 +87,9 @@ static double vector(int slot, int k, int i)
     return (double)vectors[slot][k * counts[slot] + i];
 }
 
-/* One of the vectors, its numbers off by a share of them, positions of the size; another goal of lines. */
-static void of_vector(inputs *in, double relative)
+/* A vector, its numbers off by a share of them, positions of the size; another goal of lines. */
+static void of_vectors(inputs *in, int k, double relative)
 {
-    const int k = below(VECTORS);
     for (int s = 0; s <= GIVEN; ++s) {
         for (int i = 0; i < counts[s]; ++i) {
             const double value = vector(s, (s == TO) ? below(VECTORS) : k, i);
@@ -99,6 +98,11 @@ static void of_vector(inputs *in, double relative)
             in->v[s][i] = (real)(value + ((s == TO) ? 0.0 : unit * uniform()));
         }
     }
+}
+
+static void of_vector(inputs *in, double relative)
+{
+    of_vectors(in, below(VECTORS), relative);
 }
 
 static void unit_length(real *q)
@@ -216,11 +220,32 @@ static inline int listed(int count, int most)
     return (count < 0 || count > most) ? -1 : (count == 0);
 }
 
+#ifdef CASES
+/* How far a result is from a vector's answer, of poses their positions, of lists the nearest row. */
+static double off(const real *result, int slot, long number, int rows)
+{
+    double least = (slot < 0) ? 0.0 : 4e9;
+    for (int row = 0; (slot >= 0) && (row < rows); ++row) {
+        double most = 0.0;
+        for (int i = 0; i < ((slot == POSE) ? 3 : counts[slot]); ++i) {
+            const int at = counts[slot] * row + i;
+            most = fmax(most, fabs((double)result[at] - (double)answers[slot][counts[slot] * number + i]));
+        }
+        least = fmin(least, most);
+    }
+    return least;
+}
+#define WANTED(name) ((ONLY[0] == '\0') || (strcmp(ONLY, name) == 0))
+#else
+#define off(result, slot, number, rows) 0.0
+#define WANTED(name) 1
+#endif
+
 static int of_finite; /* whether this input has finite numbers only */
 
 static void begin(void);
 static void finish(void);
-static void end(int function, const char *name, int status, int finite, long number);
+static void end(int function, const char *name, int status, int finite, long number, double error);
 
 static void call_all(const inputs *in, long number)
 {

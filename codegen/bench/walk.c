@@ -56,38 +56,46 @@ static real norm(const real *v, int count)
     return sqrt(sum);
 }
 
-/* Solves a x = b for `count` right-hand sides in the least-squares sense by Householder's reflections; a is column-major, overwritten;
- * false where it is singular. Solutions stand in the first N entries of each b. */
-static int least_squares(real *a, real *b, int count)
+/* Householder's reflections make the n columns of a (m rows each) a triangle, and act on `count` columns b too. The sign of the product of
+ * the triangle's diagonal and of the reflections; 0 where it is singular. */
+static int triangle(real *a, int m, int n, real *b, int count)
 {
-    for (int k = 0; k < N; ++k) {
-        real *column = a + k * M;
-        const real length = norm(column + k, M - k);
+    int sign = 1;
+    for (int k = 0; k < n; ++k) {
+        real *column = a + k * m;
+        const real length = norm(column + k, m - k);
         if (!(length > 0.0)) {
             return 0;
         }
         const real head = (column[k] > 0.0) ? -length : length;
         real v[M];
         real square = 0.0;
-        for (int i = k; i < M; ++i) {
-            v[i] = column[i];
-        }
-        v[k] -= head;
-        for (int i = k; i < M; ++i) {
+        for (int i = k; i < m; ++i) {
+            v[i] = column[i] - ((i == k) ? head : 0.0);
             square += v[i] * v[i];
         }
+        sign *= (head > 0.0) ? -1 : 1;
         column[k] = head;
-        for (int c = k + 1; c < N + count; ++c) {
-            real *other = (c < N) ? (a + c * M) : (b + (c - N) * M);
+        for (int c = k + 1; c < n + count; ++c) {
+            real *other = (c < n) ? (a + c * m) : (b + (c - n) * m);
             real dot = 0.0;
-            for (int i = k; i < M; ++i) {
+            for (int i = k; i < m; ++i) {
                 dot += v[i] * other[i];
             }
-            dot *= 2.0 / square;
-            for (int i = k; i < M; ++i) {
-                other[i] -= dot * v[i];
+            for (int i = k; i < m; ++i) {
+                other[i] -= 2.0 / square * dot * v[i];
             }
         }
+    }
+    return sign;
+}
+
+/* Solves a x = b for `count` right-hand sides in the least-squares sense; a is column-major, overwritten; false where it is singular.
+ * Solutions stand in the first N entries of each b. */
+static int least_squares(real *a, real *b, int count)
+{
+    if (triangle(a, M, N, b, count) == 0) {
+        return 0;
     }
     for (int c = 0; c < count; ++c) {
         real *x = b + c * M;
@@ -105,41 +113,15 @@ static int least_squares(real *a, real *b, int count)
 static int alike(const real *a, const real *b)
 {
     real m[N * N];
-    int positive = 1;
     for (int i = 0; i < N; ++i) {
         for (int j = 0; j < N; ++j) {
-            real sum = 0.0;
+            m[j * N + i] = 0.0;
             for (int k = 0; k < M; ++k) {
-                sum += a[i * M + k] * b[j * M + k];
-            }
-            m[i * N + j] = sum;
-        }
-    }
-    for (int k = 0; k < N; ++k) {
-        int best = k;
-        for (int i = k + 1; i < N; ++i) {
-            best = (fabs(m[i * N + k]) > fabs(m[best * N + k])) ? i : best;
-        }
-        if (!(fabs(m[best * N + k]) > 0.0)) {
-            return 0;
-        }
-        if (best != k) {
-            positive = !positive;
-            for (int j = k; j < N; ++j) {
-                const real kept = m[k * N + j];
-                m[k * N + j] = m[best * N + j];
-                m[best * N + j] = kept;
-            }
-        }
-        positive = (m[k * N + k] > 0.0) ? positive : !positive;
-        for (int i = k + 1; i < N; ++i) {
-            const real factor = m[i * N + k] / m[k * N + k];
-            for (int j = k + 1; j < N; ++j) {
-                m[i * N + j] -= factor * m[k * N + j];
+                m[j * N + i] += a[i * M + k] * b[j * M + k];
             }
         }
     }
-    return positive;
+    return triangle(m, N, N, NULL, 0) > 0;
 }
 
 /* One Newton step at a part of the line, from z; returns its length, or -1. at: the point before it; rate: the tangent there. */
@@ -221,13 +203,6 @@ static real follow(real *z, const real *begin, const real *goal, real longest, r
     return (corrected(z, begin, goal, 1.0, &there, rate) < 1e-9 * SIZE) ? shortest : 0.0;
 }
 
-static void copied(real *to, const double *from, int count)
-{
-    for (int i = 0; i < count; ++i) {
-        to[i] = from[i];
-    }
-}
-
 /* Many lines; z: begins, overwritten by ends. */
 void follow_all(int count, double longest, double *z, const double *begin, const double *goal, double *shortest, double *done)
 {
@@ -236,9 +211,13 @@ void follow_all(int count, double longest, double *z, const double *begin, const
         real from[KNOWN];
         real to[KNOWN];
         real part;
-        copied(unknowns, z + k * WIDTH, WIDTH);
-        copied(from, begin + k * KNOWN, KNOWN);
-        copied(to, goal + k * KNOWN, KNOWN);
+        for (int i = 0; i < WIDTH; ++i) {
+            unknowns[i] = z[k * WIDTH + i];
+        }
+        for (int i = 0; i < KNOWN; ++i) {
+            from[i] = begin[k * KNOWN + i];
+            to[i] = goal[k * KNOWN + i];
+        }
         shortest[k] = (double)follow(unknowns, from, to, longest, &part);
         done[k] = (double)part;
         for (int i = 0; i < WIDTH; ++i) {

@@ -14,26 +14,21 @@ from __future__ import annotations
 
 import argparse
 import json
-import math
 import re
 import subprocess
 import tempfile
 from pathlib import Path
 from typing import Any
 
-from calls import driver
-from folders import FOLDERS, folder_of
+from bench import PROCESSORS
+from calls import driver, manifest_of
+from folders import FOLDERS, chosen
 from footprint import footprints
-from processors import BOARDS, LIBRARIES, START, compiled_for, said_on_board
+from processors import TICK, linked, said
 from readme import table, written
 
 BENCH = Path(__file__).parent
 MEASURED = BENCH.parent / "measured.json"
-PROCESSORS = {"float": "M4F", "double": "M7"}
-SHIFT = 3
-"""An instruction takes 2^SHIFT ns of QEMU's time, a tick of its counter 40 ns: counts are told to 5
-instructions.
-"""
 MOST_INPUTS = 40_000
 MOST_TICKS = 120_000_000
 """Of all calls of a folder: 600 million instructions, some seconds."""
@@ -43,11 +38,18 @@ def measured(
     folder: Path, seed: int, most_inputs: int = MOST_INPUTS, most_ticks: int = MOST_TICKS
 ) -> dict[str, Any]:
     """The figures of a folder, as the manifest has them."""
-    manifest = json.loads((folder / "manifest.json").read_text())
-    name, board = manifest["mechanism"], PROCESSORS[manifest["options"]["real"]]
-    searched, touched, count = searched_instructions(
-        folder, name, board, seed, most_inputs, most_ticks
-    )
+    name, _, manifest = manifest_of(folder)
+    board = PROCESSORS[manifest["options"]["real"]]
+    limits = f"-DSEED={seed} -DMOST_INPUTS={most_inputs}L -DMOST_TICKS={most_ticks}ULL"
+    with tempfile.TemporaryDirectory() as scratch:
+        place = Path(scratch)
+        words = f"{limits} {driver(folder, 'WORST', place)} {folder / name}.c"
+        told = said(board, linked(board, words, place))
+    rows = {f: (int(t), int(b)) for f, t, b in re.findall(r"^(\w+) (\d+) (\d+)$", told, re.M)}
+    count, _ = rows.pop("inputs")
+    # a call that ends within a tick may have taken all of the next
+    searched = {f: (ticks + 1) * TICK for f, (ticks, _) in rows.items()}
+    touched = {f: stack for f, (_, stack) in rows.items()}
     feet, whole, library = footprints(folder, name, list(searched), board)
     return {
         "code": manifest["files"][f"{name}.c"],
@@ -68,27 +70,6 @@ def measured(
             for f in searched
         },
     }
-
-
-def searched_instructions(
-    folder: Path, name: str, board: str, seed: int, most_inputs: int, most_ticks: int
-) -> tuple[dict[str, int], dict[str, int], int]:
-    """The most instructions of each function, the most stack that its dearest input touched, and
-    how many inputs were tried.
-    """
-    limits = f"-DSEED={seed} -DMOST_INPUTS={most_inputs}L -DMOST_TICKS={most_ticks}ULL"
-    with tempfile.TemporaryDirectory() as scratch:
-        place, sources = Path(scratch), f"{folder / name}.c {LIBRARIES} -o worst.elf"
-        words = f"{limits} {driver(folder, 'WORST', place)} {START} {sources}"
-        compiled_for(board, words, place)
-        said = said_on_board(BOARDS[board][0], f"{scratch}/worst.elf", SHIFT)
-    rows = {
-        f: (int(ticks), int(b)) for f, ticks, b in re.findall(r"^(\w+) (\d+) (\d+)$", said, re.M)
-    }
-    count, _ = rows.pop("inputs")
-    # a call that ends within a tick may have taken all of the next
-    instructions = {f: math.ceil((ticks + 1) * 40 / 2**SHIFT) for f, (ticks, _) in rows.items()}
-    return instructions, {f: stack for f, (_, stack) in rows.items()}, count
 
 
 def figures_table(figures: dict[str, dict[str, Any]]) -> str:
@@ -115,14 +96,14 @@ def _gcc_version() -> str:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description="Search the worst cases of generated folders.")
-    parser.add_argument("folders", nargs="*", type=Path, metavar="FOLDER", help="default: all")
+    parser.add_argument("folders", nargs="*", metavar="FOLDER", help="default: all")
     parser.add_argument("--write", action="store_true", help="keep the figures")
     parser.add_argument("--seed", type=int, default=1)
     given = parser.parse_args()
     found = {}
-    for folder in given.folders or map(folder_of, FOLDERS):
-        found[folder.resolve().name] = measured(folder.resolve(), given.seed)
-        print(figures_table({folder.name: found[folder.resolve().name]}), flush=True)
+    for folder in chosen(given.folders):
+        found[folder.name] = measured(folder, given.seed)
+        print(figures_table({folder.name: found[folder.name]}), flush=True)
     if given.write:
         kept = json.loads(MEASURED.read_text()) if MEASURED.exists() else {}
         kept = {name: figures for name, figures in {**kept, **found}.items() if name in FOLDERS}

@@ -96,59 +96,71 @@ int written(const double *u, double *X)
 """
 
 
-def bench_tools() -> tuple[Any, Any]:
-    """The modules `harness` and `processors` of codegen/bench."""
-    if str(BENCH) not in sys.path:
-        sys.path.append(str(BENCH))
-    import harness
-    import processors
+MAIN = """
+#include "board.h"
+#include <math.h>
+#include <string.h>
+@declared@
+static const double begin[] = { @begin@ }, known[] = { @known@ }, exact[] = { @exact@ };
+int main(void)
+{
+    double result[sizeof begin / sizeof begin[0]], error = 0.0;
+    int status;
+    @others@
+    memcpy(result, begin, sizeof result);
+    board_start_counter();
+    const uint32_t at = board_ticks();
+    @call@
+    const uint32_t ticks = (board_ticks() - at) & 0xFFFFFFu;
+    for (int i = 0; i < 3; ++i) { error = fmax(error, fabs(result[i] - exact[i])); }
+    board_number(ticks);
+    board_text(" ");
+    board_number((status == 0) ? (uint32_t)fmin(error * 1e9, 4e9) : 4000000000u);
+    board_text("\\n");
+    return 0;
+}
+"""
 
-    return harness, processors
+
+@dataclass(frozen=True)
+class Bench:
+    """A folder with bench.c and SOURCE.c, and the function that is counted."""
+
+    folder: Path
+    source: str
+    function: str
+
+    def counted(self, processor: str) -> tuple[int, float]:
+        """Instructions of the call, and the error of its answer."""
+        if str(BENCH) not in sys.path:
+            sys.path.append(str(BENCH))
+        import processors
+
+        words = f"bench.c {self.source}.c"
+        program = processors.linked(processor, words, self.folder)
+        ticks, error = map(int, processors.said(processor, program).split())
+        if processor == processors.HOST:
+            return int(processors.counted(program, self.function)[0]), 1e-9 * error
+        return ticks * processors.TICK, 1e-9 * error
 
 
-def _tables(start: np.ndarray, known: np.ndarray, expected: np.ndarray) -> list[str]:
-    harness, _ = bench_tools()
-    exact = harness.Real("double")
-    return [
-        harness.table("double", n, v[None], exact)
-        for n, v in (("begin", start), ("known", known), ("exact", expected))
-    ]
-
-
-def _folder(
-    source: str, include: str, tables: list[str], width: int, others: str, call: str, measured: str
-) -> Any:
-    """A folder with the main file; `others` are declared behind the result's `width` numbers."""
-    harness, _ = bench_tools()
-    values = {
-        "name": include,
-        "tables": "\n".join(tables),
-        "starts": "begin[k]",
-        "expected": "exact[k]",
-        "width": width,
-        "others": others,
-        "call": call,
-        "after": "",
-        "checked": 3,
-        "kinds": 1,
-        "count": 1,
-    }
+def _bench(source: str, function: str, call: str, others: str = "", **values: object) -> Bench:
+    """A folder with the main file; `others` is declared before the call."""
+    declared = f'#include "{source}.h"'
+    text = MAIN.replace("@declared@", declared).replace("@call@", call).replace("@others@", others)
+    for key, numbers in values.items():
+        told = ", ".join(float(v).hex() for v in np.ravel(np.asarray(numbers, dtype=float)))
+        text = text.replace(f"@{key}@", told)
     folder = Path(tempfile.mkdtemp())
-    (folder / "bench.c").write_text(harness.filled(values))
-    return harness.Harness(folder, source, (measured,), ("example",))
+    (folder / "bench.c").write_text(text)
+    return Bench(folder, source, function)
 
 
-def _types(name: str) -> str:
-    """The types that the main file knows of symkin's C, for C that has none."""
-    return f"typedef double {name}_real; typedef int {name}_info;"
-
-
-def newton_harness(closure: Closure, start: np.ndarray, expected: np.ndarray) -> Any:
+def newton_bench(closure: Closure, start: np.ndarray, expected: np.ndarray) -> Bench:
     """The paper's iteration on a closure, written out in C."""
     function, n = PaperNewton(closure).evaluate, int(closure.X.shape[0])
-    tables = [_types("written"), *_tables(start, TABLE_1 / BASE_RADIUS, expected)]
-    call = "status = written(known[k], result);"
-    bench = _folder("newton", "written", tables, n, "", call, "written")
+    rows = {"begin": start, "known": TABLE_1 / BASE_RADIUS, "exact": expected}
+    bench = _bench("written", "written", "status = written(known, result);", **rows)
     generator = ca.CodeGenerator("f_d.c", {"with_header": True})
     generator.add(function)
     generator.generate(f"{bench.folder}/")
@@ -169,11 +181,11 @@ def newton_harness(closure: Closure, start: np.ndarray, expected: np.ndarray) ->
     (bench.folder / "written.h").write_text(
         '#include "f_d.h"\nint written(const double *u, double *X);\n'
     )
-    (bench.folder / "newton.c").write_text(f'#include "f_d.c"\n{text}')
+    (bench.folder / "written.c").write_text(f'#include "f_d.c"\n{text}')
     return bench
 
 
-def fast_newton_harness(closure: Closure, start: np.ndarray, expected: np.ndarray) -> Any:
+def fast_newton_bench(closure: Closure, start: np.ndarray, expected: np.ndarray) -> Bench:
     """CasADi's own C of a fast_newton rootfinder on a closure."""
     problem = {"x": closure.X, "p": closure.u, "g": closure.F}
     solver = ca.rootfinder(
@@ -182,46 +194,43 @@ def fast_newton_harness(closure: Closure, start: np.ndarray, expected: np.ndarra
         problem,
         {"abstol": CLOSED_SCALED, "abstolStep": CLOSED_SCALED, "max_iter": MOST},
     )
-    n, sizes = (
-        int(closure.X.shape[0]),
-        [solver.sz_arg(), solver.sz_res(), solver.sz_iw(), solver.sz_w()],
-    )
-    others = f"""; static double w[{sizes[3] + 1}]; static casadi_int iw[{sizes[2] + 1}];
-    const double *arg[{sizes[0] + 1}] = {{ begin[k], known[k] }};
-    double *res[{sizes[1] + 1}] = {{ result }}"""
-    tables = [_types("solver_c"), *_tables(start, TABLE_1 / BASE_RADIUS, expected)]
+    sizes = [solver.sz_arg(), solver.sz_res(), solver.sz_iw(), solver.sz_w()]
+    others = f"""static double w[{sizes[3] + 1}]; static casadi_int iw[{sizes[2] + 1}];
+    const double *arg[{sizes[0] + 1}] = {{ begin, known }};
+    double *res[{sizes[1] + 1}] = {{ result }};"""
+    rows = {"begin": start, "known": TABLE_1 / BASE_RADIUS, "exact": expected}
     call = "status = solver(arg, res, iw, w, 0);"
-    bench = _folder("solver_c", "solver_c", tables, n, others, call, "solver")
+    bench = _bench("solver_c", "solver", call, others, **rows)
     generator = ca.CodeGenerator("solver_c.c", {"with_header": True})
     generator.add(solver)
     generator.generate(f"{bench.folder}/")
     return bench
 
 
-def symkin_harness(expected: np.ndarray) -> Any:
+def symkin_bench(expected: np.ndarray) -> Bench:
     """symkin's C of this platform, its branch check included, from the same start."""
     first = quaternion_pose(START)
-    tables = _tables(np.array([*first.position, *first.quaternion]), TABLE_1, expected)
-    others = "; zhang2009_pose *const pose = (zhang2009_pose *)result"
-    call = "status = (int)zhang2009_direct(0, known[k], pose, pose, &info);"
-    bench = _folder("zhang2009", "zhang2009", tables, 7, others, call, "zhang2009_direct")
+    rows = {"begin": [*first.position, *first.quaternion], "known": TABLE_1, "exact": expected}
+    others = "zhang2009_info info; zhang2009_pose *const pose = (zhang2009_pose *)result;"
+    call = "status = (int)zhang2009_direct(0, known, pose, pose, &info);"
+    bench = _bench("zhang2009", "zhang2009_direct", call, others, **rows)
     write_folder(symkin.load("zhang2009"), bench.folder, Options("double", home=HOME))
     return bench
 
 
-def contenders() -> dict[str, tuple[Callable[[], Any], float]]:
+def contenders() -> dict[str, tuple[Callable[[], Bench], float]]:
     """What is counted, and the factor that makes its error mm."""
     mode = symkin.modes(symkin.load("zhang2009"), joints=TABLE_1)[0].pose
     X, begin = scaled(euler_pose(mode)), scaled(START)
     six, more = six_unknowns(), quadratic_unknowns()
     return {
-        "six": (lambda: newton_harness(six, begin, X[:3]), BASE_RADIUS),
+        "six": (lambda: newton_bench(six, begin, X[:3]), BASE_RADIUS),
         "twenty-four": (
-            lambda: newton_harness(more, unknowns_of(begin), unknowns_of(X)[:3]),
+            lambda: newton_bench(more, unknowns_of(begin), unknowns_of(X)[:3]),
             BASE_RADIUS,
         ),
-        "fast_newton": (lambda: fast_newton_harness(six, begin, X[:3]), BASE_RADIUS),
-        "symkin": (lambda: symkin_harness(np.array(mode.position)), 1.0),
+        "fast_newton": (lambda: fast_newton_bench(six, begin, X[:3]), BASE_RADIUS),
+        "symkin": (lambda: symkin_bench(np.array(mode.position)), 1.0),
     }
 
 
@@ -229,14 +238,13 @@ def counts(
     names: tuple[str, ...] | None = None, processors: tuple[str, ...] = PROCESSORS
 ) -> dict[str, dict[str, Any]]:
     """Instructions and error in mm of each contender on each processor."""
-    _, tools = bench_tools()
     found: dict[str, dict[str, Any]] = {}
     for name, (build, millimetres) in contenders().items():
         if names is None or name in names:
-            figures = {p: tools.measure(build(), p)["example"] for p in processors}
+            figures = {p: build().counted(p) for p in processors}
             found[name] = {
-                p: {"instructions": int(f.mean), "error": f.error * millimetres}
-                for p, f in figures.items()
+                p: {"instructions": count, "error": error * millimetres}
+                for p, (count, error) in figures.items()
             }
     return found
 

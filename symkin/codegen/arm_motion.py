@@ -134,11 +134,9 @@ class ArmMotion:
 
     @property
     def jacobian_lines(self) -> list[str]:
-        """Statements of the Jacobian of `joints`, row by row."""
-        count = len(self.arm)
+        """Statements of the Jacobian at half turns, row by row."""
         emitter = self.emitter(ca.vec(self.jacobian.T))
-        begin = [f"real u[{2 * count}];", "name_half_turns(joints, u);"]
-        return [*begin, *emitter.stored(indexed("jacobian", 6 * count))]
+        return emitter.stored(indexed("jacobian", 6 * len(self.arm)))
 
     @property
     def text(self) -> str:

@@ -24,24 +24,31 @@ _SHORTER, _ROUNDS = 0.25, 4
 def arm_error(
     coordinates: Sequence[Coordinate], real: Real, size: float, values: Mapping[str, object]
 ) -> str:
-    """NAME_pose_error, how far the tool is from a pose, and NAME_damped, joint rates of least
+    """NAME_error_at, how far the tool is from a pose, and NAME_damped, joint rates of least
     error: what solves and speeds share.
     """
     count = len(coordinates)
-    wide = count >= 6
+    wide, slides = count >= 6, not all(c.is_angular for c in coordinates)
+    scales = ", ".join(str(1.0 if c.is_angular else size) for c in coordinates)
     own = {
         "nm": min(count, 6),
         "last": min(count, 6) - 1,
         "per_count": 1.0 / min(count, 6),
         "row_scales": (values["per_size"],) * 3 + (1.0,) * 3,
-        "column_scales": tuple(1.0 if c.is_angular else size for c in coordinates),
+        "column_scale": f"static const real column_scale[{count}] = {{ {scales} }};"
+        if slides
+        else [],
+        "times_column": " * column_scale[j]" if slides else "",
+        "scaled": [f"for (int i = 0; i < {count}; ++i) {{", "    y[i] *= column_scale[i];", "}"]
+        if slides
+        else [],
         "damped_pivot": real.literal(DAMPED_BELOW**2),
         "least_pivot": 16.0 * real.epsilon,
         # of six joints or more J J^T z = e and y = J^T z, of fewer J^T J y = J^T e
         "right_start": "e[i]" if wide else "0.0",
         "right": []
         if wide
-        else ["for (int j = 0; j < 6; ++j) {", "    r[i] += a[j][i] * e[j];", "}"],
+        else ["for (int j = 0; j < 6; ++j) {", "    right[i] += a[j][i] * e[j];", "}"],
         "inner": count if wide else 6,
         "product": "a[i][k] * a[j][k]" if wide else "a[k][i] * a[k][j]",
         "back": [f"for (int j = 0; j < {count}; ++j) {{", "    y[j] += a[order[i]][j] * r[i];", "}"]

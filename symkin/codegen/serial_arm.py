@@ -227,6 +227,10 @@ def _middle(c: Coordinate, size: float, part: float) -> float:
     return unit * round((middle + spread * part) / unit, 6)
 
 
+_SETTING = ("work_u", "set_u", "set_moved")
+"""Statements of functions that set what pose and Jacobian are functions of."""
+
+
 @dataclass(frozen=True, eq=False)
 class ArmSource(Source):
     """The C of one arm, function by function."""
@@ -282,8 +286,24 @@ class ArmSource(Source):
                 "branches_told": "" if self.closed is None else self.closed.header,
                 "line_words": self._line_words,
             }
+            | self._turns
             | self._frame_names
         )
+
+    @property
+    def _turns(self) -> dict[str, object]:
+        """What pose and Jacobian are functions of: half turns where there are motions, which are
+        set from joint values once for both; else the joint values.
+        """
+        count = len(self.made.actuated)
+        if self.motion is None:
+            own = {"u_what": "joint values", "pose_at": "forward", "u_moved": "moved"}
+            return own | {"u": "joints", "n_u": count, **{key: [] for key in _SETTING}}
+        set_u = (f"name_half_turns({joints}, u);" for joints in ("joints", "moved"))
+        work = f"real u[{2 * count}];"
+        own = {"u_what": "half turns", "pose_at": "pose_of_turns", "u_moved": "u"}
+        setting = dict(zip(_SETTING, (work, *set_u), strict=True))
+        return own | {"u": "u", "n_u": 2 * count, **setting}
 
     @cached_property
     def _frame(self) -> ArmFrame | None:

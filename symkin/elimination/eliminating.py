@@ -334,6 +334,8 @@ def _cut(
 ) -> None:
     """Solve for t, and so for the lengths."""
     places = [work.ring.places[k][0] for k in unknowns]
+    sphere = _as_sphere(work, places, curved)
+    curved = curved if sphere is None else sphere
     # the quadratic row on the line: lead t^2 + 2 half t + rest
     lead, half, rest = ca.SX(0), ca.SX(0), ca.SX(0)
     # half its derivative along the line, which is lead t + half, at a solution
@@ -347,7 +349,8 @@ def _cut(
             slope = slope + 0.5 * c * d[0]
         elif len(on) == 2:
             lead = lead + c * d[0] * d[1]
-            half = half + 0.5 * c * (d[0] * p[1] + d[1] * p[0])
+            if sphere is None:  # else the point, next to the origin, is across the line
+                half = half + 0.5 * c * (d[0] * p[1] + d[1] * p[0])
             slope = slope + 0.5 * c * (d[0] * own[on[1]] + d[1] * own[on[0]])
     multiple = work.multiple(lead, square)
     lead = work.divisor(lead, "a") if multiple is None else multiple * square
@@ -360,6 +363,20 @@ def _cut(
     part = work.define(root - half, "t")
     for unknown, p, d in zip(unknowns, point, direction, strict=True):
         work.solve(unknown, [p + part * d])
+
+
+def _as_sphere(work: Workspace, places: Sequence[int], curved: Polynomial) -> Polynomial | None:
+    """A row whose quadratic part is a multiple of the sum of the lengths' squares, over that where
+    it is constant; None where it is no multiple.
+    """
+    squares = [work.ring.power(place, place) for place in places]
+    factors = [curved.terms.get(m, ca.SX(0)) for m in squares]
+    if {m for m in curved.terms if sum(m) == 2} != set(squares):
+        return None
+    if not work.is_parallel(factors, [ca.SX(1)] * len(factors)):
+        return None
+    factor = work.multiple(factors[0], ca.SX(1))
+    return curved if factor is None else curved.times(1.0 / factor)
 
 
 # --- parts ----------------------------------------------------------------------------------------

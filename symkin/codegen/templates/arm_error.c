@@ -8,12 +8,12 @@ static name_real name_length_of(const name_real e[6])
     return sqrt(sum) * NAME_SIZE;
 }
 
-/* How far the tool pose of joint values is from `to`: lengths over the size, and twice the vector of the turn's quaternion. Returns
+/* How far the tool pose of @u_what is from `to`: lengths over the size, and twice the vector of the turn's quaternion. Returns
  * its length. */
-static name_real name_pose_error(GEOMETRY_GIVEN const name_real q[@nq], const name_real to[7], name_real e[6])
+static name_real name_error_at(GEOMETRY_GIVEN const name_real @u[@n_u], const name_real to[7], name_real e[6])
 {
     name_real x[7];
-    name_forward(GEOMETRY q, x);
+    name_@pose_at(GEOMETRY @u, x);
     const name_real w = to[3] * x[3] + to[4] * x[4] + to[5] * x[5] + to[6] * x[6];
     const name_real twice = (w < 0.0) ? -2.0 : 2.0;
     for (int i = 0; i < 3; ++i) {
@@ -31,32 +31,45 @@ static name_real name_pose_error(GEOMETRY_GIVEN const name_real q[@nq], const na
 static name_real name_damped(const name_real jacobian[@nj], const name_real e[6], name_real y[@nq])
 {
     static const name_real row_scale[6] = { @row_scales };
-    static const name_real column_scale[@nq] = { @column_scales };
+    @column_scale
     name_real a[6][@nq];
-    name_real g[@nm][@nm];
-    name_real r[@nm];
+    name_real normal[@nm][@nm];
+    name_real right[@nm];
     name_real smallest = 0.0;
     name_real mean = 0.0;
     name_real raised = 0.0;
     for (int i = 0; i < 6; ++i) {
         for (int j = 0; j < @nq; ++j) {
-            a[i][j] = jacobian[@nq * i + j] * row_scale[i] * column_scale[j];
-            mean += a[i][j] * a[i][j] * @per_count;
+            a[i][j] = jacobian[@nq * i + j] * row_scale[i]@times_column;
         }
     }
+    /* the normal equations, which are symmetric */
+    for (int i = 0; i < @nm; ++i) {
+        right[i] = @right_start;
+        @right
+        for (int j = i; j < @nm; ++j) {
+            name_real sum = 0.0;
+            for (int k = 0; k < @inner; ++k) {
+                sum += @product;
+            }
+            normal[i][j] = sum;
+            normal[j][i] = sum;
+        }
+        mean += normal[i][i];
+    }
+    mean *= @per_count;
     for (int round = 0; (round < 2) && ((round == 0) || (smallest < @damped_pivot)); ++round) {
         uint8_t order[@nm];
-        /* the normal equations */
+        name_real g[@nm][@nm];
+        name_real r[@nm];
+        name_real over[@nm];
         for (int i = 0; i < @nm; ++i) {
             order[i] = (uint8_t)i;
-            r[i] = @right_start;
-            @right
+            r[i] = right[i];
             for (int j = 0; j < @nm; ++j) {
-                g[i][j] = (i == j) ? raised : 0.0;
-                for (int k = 0; k < @inner; ++k) {
-                    g[i][j] += @product;
-                }
+                g[i][j] = normal[i][j];
             }
+            g[i][i] += raised;
         }
         /* factors, the largest diagonal entry first, with the right side beside them */
         bool whole = true;
@@ -65,27 +78,31 @@ static name_real name_damped(const name_real jacobian[@nj], const name_real e[6]
             for (int i = c + 1; i < @nm; ++i) {
                 best = (g[i][i] > g[best][best]) ? i : best;
             }
-            const uint8_t name = order[c];
-            const name_real right = r[c];
-            order[c] = order[best];
-            order[best] = name;
-            r[c] = r[best];
-            r[best] = right;
-            for (int j = 0; j < @nm; ++j) {
-                const name_real t = g[c][j];
-                g[c][j] = g[best][j];
-                g[best][j] = t;
-            }
-            for (int i = 0; i < @nm; ++i) {
-                const name_real t = g[i][c];
-                g[i][c] = g[i][best];
-                g[i][best] = t;
+            if (best != c) {
+                const uint8_t name = order[c];
+                const name_real side = r[c];
+                order[c] = order[best];
+                order[best] = name;
+                r[c] = r[best];
+                r[best] = side;
+                for (int j = 0; j < @nm; ++j) {
+                    const name_real t = g[c][j];
+                    g[c][j] = g[best][j];
+                    g[best][j] = t;
+                }
+                for (int i = 0; i < @nm; ++i) {
+                    const name_real t = g[i][c];
+                    g[i][c] = g[i][best];
+                    g[i][best] = t;
+                }
             }
             whole = g[c][c] > @least_pivot * mean;
+            over[c] = whole ? (1.0 / g[c][c]) : 0.0;
             for (int i = c + 1; (i < @nm) && whole; ++i) {
-                const name_real factor = g[i][c] / g[c][c];
-                for (int j = c; j < @nm; ++j) {
+                const name_real factor = g[c][i] * over[c];
+                for (int j = i; j < @nm; ++j) {
                     g[i][j] -= factor * g[c][j];
+                    g[j][i] = g[i][j];
                 }
                 r[i] -= factor * r[c];
             }
@@ -99,7 +116,7 @@ static name_real name_damped(const name_real jacobian[@nj], const name_real e[6]
             for (int j = i + 1; j < @nm; ++j) {
                 r[i] -= g[i][j] * r[j];
             }
-            r[i] /= g[i][i];
+            r[i] *= over[i];
         }
         for (int i = 0; i < @nq; ++i) {
             y[i] = 0.0;
@@ -108,9 +125,7 @@ static name_real name_damped(const name_real jacobian[@nj], const name_real e[6]
             @back
         }
     }
-    for (int i = 0; i < @nq; ++i) {
-        y[i] *= column_scale[i];
-    }
+    @scaled
     return smallest;
 }
 

@@ -34,8 +34,9 @@ name_status name_track(GEOMETRY_GIVEN const name_pose *pose, name_real joints[@n
     static const name_real per_turn[@nq] = { @per_turns };
     name_real to[7];
     name_real jacobian[@nj];
+    @work_u
     name_status status = name_normalise_pose(GEOMETRY pose, to);
-    const name_status started = @own_jacobian(GEOMETRY joints, jacobian);
+    const name_status started = name_limit_joints(GEOMETRY NAME_OK, joints);
     name_write_info(info, 0U, HUGE_VAL, 0.0, 0.0);
     if ((started != NAME_OK) && (status != NAME_NONFINITE)) {
         status = started;
@@ -47,7 +48,9 @@ name_status name_track(GEOMETRY_GIVEN const name_pose *pose, name_real joints[@n
         name_real e[6];
         name_real step[@nq];
         name_real moved[@nq];
-        const name_real before = name_pose_error(GEOMETRY joints, to, e);
+        @set_u
+        name_jacobian_at(GEOMETRY @u, jacobian);
+        const name_real before = name_error_at(GEOMETRY @u, to, e);
         const name_real pivot = name_damped(jacobian, e, step);
         name_real after = HUGE_VAL;
         name_real part = 1.0;
@@ -66,7 +69,8 @@ name_status name_track(GEOMETRY_GIVEN const name_pose *pose, name_real joints[@n
             for (int i = 0; i < @nq; ++i) {
                 moved[i] = joints[i] + part * step[i];
             }
-            after = name_pose_error(GEOMETRY moved, to, e);
+            @set_moved
+            after = name_error_at(GEOMETRY @u_moved, to, e);
         }
         if (!(after <= before + @rounding)) {
             /* nothing is nearer: the joints stay */

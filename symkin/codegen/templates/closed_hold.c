@@ -2,8 +2,10 @@
 static name_status name_hold(const name_real x[7], name_real joints[@nn], name_real *residual)
 {
     name_real e[6];
+    name_real u[2 * @nn];
     name_status status = NAME_OK;
-    *residual = name_pose_error(joints, x, e);
+    name_half_turns(joints, u);
+    *residual = name_error_at(u, x, e);
     if (!(*residual <= @answer_rounding)) {
         name_real jacobian[6 * @nn];
         name_real step[@nn];
@@ -13,7 +15,8 @@ static name_status name_hold(const name_real x[7], name_real joints[@nn], name_r
             for (int i = 0; i < @nn; ++i) {
                 joints[i] += step[i];
             }
-            *residual = name_pose_error(joints, x, e);
+            name_half_turns(joints, u);
+            *residual = name_error_at(u, x, e);
             status = (*residual <= @answer_rounding) ? NAME_OK : NAME_SINGULAR;
         }
     }

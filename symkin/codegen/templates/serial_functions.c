@@ -55,12 +55,19 @@ name_status name_inverse(GEOMETRY_GIVEN const name_config *config, const name_po
 }
 
 /* Twist of the tool by joint rates, from the derivative of the tool's pose@in_own. */
+static NAME_SHARED void name_jacobian_at(GEOMETRY_GIVEN const name_real @u[@n_u], name_real jacobian[@nj])
+{
+@use
+    @jacobian
+}
+
 @static_own name_status @own_jacobian(GEOMETRY_GIVEN const name_real joints[@nq], name_real jacobian[@nj])
 {
+    @work_u
     name_status status = name_limit_joints(GEOMETRY NAME_OK, joints);
-@use
     if (status == NAME_OK) {
-        @jacobian
+        @set_u
+        name_jacobian_at(GEOMETRY @u, jacobian);
     }
     return status;
 }
