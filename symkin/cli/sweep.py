@@ -20,9 +20,8 @@ from symkin.cli.options import (
     slices_from,
 )
 from symkin.cli.pictures import Picture
-from symkin.cli.poses import PoseForm
 from symkin.cli.progress import progress_bar
-from symkin.cli.values import Asked
+from symkin.cli.values import Asked, PoseForm
 from symkin.errors import InputError
 from symkin.formats.read_options import ReadOptions
 from symkin.model.mechanism import Mechanism
@@ -102,9 +101,8 @@ def sweep(
     import numpy as np
 
     from symkin.cli.ranges import read_values
-    from symkin.sweeps.drawable import check_drawable
+    from symkin.sweeps.map_slice import check_drawable, check_map_is_left, check_slices
     from symkin.sweeps.run import sweep as run
-    from symkin.sweeps.slices import check_map_is_left, check_slices
     from symkin.sweeps.store import require_zarr
 
     require_zarr()

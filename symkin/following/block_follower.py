@@ -17,10 +17,9 @@ from typing import Literal
 import numpy as np
 
 from symkin.following.cubic import Cubic
-from symkin.following.fold import Fold, prove_fold
 from symkin.following.joint_limits import Limit, LimitWatch
 from symkin.following.path_system import NEWTON_ARRIVED, PathSystem, along
-from symkin.following.singular_point import SingularPoint, find_singular_point
+from symkin.following.singular_point import Fold, SingularPoint, find_singular_point, prove_fold
 from symkin.following.station import (
     ALONE,
     Station,

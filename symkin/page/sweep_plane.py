@@ -12,7 +12,7 @@ import numpy as np
 
 from symkin.errors import InputError
 from symkin.page.view import View, view_solution
-from symkin.plots.sweep_text import held_texts
+from symkin.plots.sweep_values import held_texts
 from symkin.singularities.configuration import configuration
 from symkin.spatial.pose import Pose
 from symkin.sweeps.map_loci import loci_over

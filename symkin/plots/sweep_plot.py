@@ -19,6 +19,7 @@ from symkin.errors import InputError
 from symkin.plots.loci_plot import draw_locus
 from symkin.plots.sheet import (
     colour_bar,
+    drawing,
     foot_legend,
     labelled,
     name_axes,
@@ -26,9 +27,7 @@ from symkin.plots.sheet import (
     note,
     own_legend,
 )
-from symkin.plots.style import drawing
-from symkin.plots.sweep_text import axis_text, write_title
-from symkin.plots.sweep_values import figure_of_values
+from symkin.plots.sweep_values import axis_text, figure_of_values, write_title
 from symkin.singularities.loci import MISSING, NONE_MET, Loci
 from symkin.sweeps.interrupts import interrupts_held
 from symkin.sweeps.map_loci import loci_over

@@ -1,10 +1,10 @@
 """The part of a sweep that a map shows: one quantity over one or two of the swept values, the
-others cut.
+others cut; which slices it may be cut at, and which points and joints can be drawn in its place.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -13,10 +13,11 @@ import numpy as np
 
 from symkin.errors import InputError
 from symkin.model.file import parse
+from symkin.model.mechanism import Mechanism
 from symkin.sweeps.layout import labels
-from symkin.sweeps.slices import check_map_is_left, check_slices
 from symkin.sweeps.space import Axis, Space
 from symkin.sweeps.store import read_attributes, require_zarr
+from symkin.text import meant, shown
 
 SHOWN = {"modes": "count", "conditioning": "least_condition", "reach": "count_within_limits"}
 """The array that is shown of each quantity."""
@@ -163,3 +164,65 @@ def edges(values: np.ndarray) -> np.ndarray:
         return values[0] + np.array([-0.5, 0.5])
     middle = 0.5 * (values[1:] + values[:-1])
     return np.concatenate([[2 * values[0] - middle[0]], middle, [2 * values[-1] - middle[-1]]])
+
+
+_ROUNDING = 1e-9
+"""Share of a bound by which a slice may pass it: the last digits of arithmetic."""
+
+
+def check_slices(
+    slices: Mapping[str, float], swept: Mapping[str, np.ndarray], *, sampled: bool
+) -> None:
+    """Raises InputError for slices that a sweep over these values does not have."""
+    if slices and sampled:
+        raise InputError(
+            "slice: a random sample has no slices; it is drawn over the first two swept values"
+        )
+    for name, value in slices.items():
+        if name not in swept:
+            raise InputError(
+                f"slice: {name!r} is not swept{meant(name, swept)}; allowed: {', '.join(swept)}"
+            )
+        low, high = float(np.min(swept[name])), float(np.max(swept[name]))
+        slack = _ROUNDING * max(abs(low), abs(high))
+        if not low - slack <= value <= high + slack:
+            allowed = f"{low:.10g} to {high:.10g}" if high > low else f"{low:.10g}"
+            raise InputError(
+                f"slice: {name} = {value:.10g} lies outside what is swept; allowed: {allowed}"
+            )
+
+
+def check_map_is_left(slices: Mapping[str, float], swept: Iterable[str]) -> None:
+    """Raises InputError for slices that leave nothing over which a map could be drawn."""
+    if slices and set(swept) <= set(slices):
+        all_of_it = f"{', '.join(slices)} {'is' if len(slices) == 1 else 'are'} all that is swept"
+        raise InputError(f"slice: {all_of_it}; leave at least one out, over which the map is drawn")
+
+
+def check_drawable(
+    mechanism: Mechanism, quantity: str, swept: Sequence[str], names: Sequence[str]
+) -> bool:
+    """Whether names are those of points and not of joints. Raises InputError for names of neither,
+    of both, and where what they stand for is not stored or is what is swept.
+    """
+    points = [point.name for point in mechanism.link_points]
+    joints = [c.name for c in mechanism.coordinates if not c.is_rotation and c.name not in swept]
+    for name in names:
+        if name not in points and name not in joints:
+            allowed = (
+                f"points {', '.join(points) or 'none'}; joints that are not swept "
+                f"{', '.join(joints) or 'none'}"
+            )
+            raise InputError(
+                f"of: {shown(name)} is no point and no joint to "
+                f"draw{meant(name, [*points, *joints])}; allowed: {allowed}"
+            )
+    if quantity != "modes":
+        raise InputError(
+            f"of: quantity = {quantity!r} stores no points and joints; sweep with quantity = "
+            f"'modes'"
+        )
+    of_points = [name in points for name in names]
+    if any(of_points) and not all(of_points):
+        raise InputError(f"of: {', '.join(names)} are points and joints; draw the one or the other")
+    return all(of_points)
