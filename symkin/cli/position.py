@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Annotated
 from symkin.assembly.options import ModesOptions
 from symkin.cli.options import AllOption, JsonOption, MechArgument, print_result
 from symkin.cli.pictures import Drawing, PictureOfSides
+from symkin.cli.poses import PoseForm
 from symkin.cli.progress import progress_bar
-from symkin.cli.values import Asked, PoseForm
+from symkin.cli.values import Asked
 from symkin.formats.read_options import ReadOptions
 from symkin.position.options import Given, SolveOptions
 from symkin.verb_options import OUTPUT, Option

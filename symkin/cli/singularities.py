@@ -16,10 +16,11 @@ from symkin.cli.options import (
     ranges_from,
 )
 from symkin.cli.pictures import Picture, PictureOfSides
+from symkin.cli.poses import PoseForm
 from symkin.cli.progress import progress_bar
 from symkin.cli.reading import say_left_out
 from symkin.cli.streams import say
-from symkin.cli.values import Asked, PoseForm
+from symkin.cli.values import Asked
 from symkin.errors import InputError
 from symkin.following.options import GraphOptions
 from symkin.formats.read_options import ReadOptions

@@ -20,8 +20,9 @@ from symkin.cli.options import (
     slices_from,
 )
 from symkin.cli.pictures import Picture
+from symkin.cli.poses import PoseForm
 from symkin.cli.progress import progress_bar
-from symkin.cli.values import Asked, PoseForm
+from symkin.cli.values import Asked
 from symkin.errors import InputError
 from symkin.formats.read_options import ReadOptions
 from symkin.model.mechanism import Mechanism

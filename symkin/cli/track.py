@@ -15,9 +15,9 @@ from symkin.cli.options import (
     ranges_from,
 )
 from symkin.cli.pictures import Drawing, PictureOfSides
+from symkin.cli.poses import EULER, PoseReader
 from symkin.cli.progress import progress_bar
 from symkin.cli.reading import loaded
-from symkin.cli.values import EULER, PoseReader
 from symkin.errors import InputError
 from symkin.following.options import TrackOptions
 from symkin.formats.read_options import ReadOptions

@@ -17,9 +17,10 @@ from symkin.cli.options import (
     print_either,
 )
 from symkin.cli.pictures import Picture
+from symkin.cli.poses import PoseForm
 from symkin.cli.reading import say_left_out
 from symkin.cli.streams import say
-from symkin.cli.values import Asked, PoseForm
+from symkin.cli.values import Asked
 from symkin.codegen.map.firmware_options import FirmwareOptions
 from symkin.errors import InputError, NoConfigurationError
 from symkin.formats.read_options import ReadOptions

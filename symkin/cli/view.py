@@ -8,8 +8,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from symkin.cli.options import MechArgument
+from symkin.cli.poses import PoseForm
 from symkin.cli.progress import progress_bar
-from symkin.cli.values import Asked, PoseForm
+from symkin.cli.values import Asked
 from symkin.errors import InputError
 from symkin.formats.read_options import ReadOptions
 from symkin.page.options import ViewOptions

@@ -24,6 +24,7 @@ from symkin.numeric.tolerances import DISTINCT_ROOTS
 from symkin.position.problem import Problem
 from symkin.position.roots import features
 from symkin.position.solution import pose_of
+from symkin.result import json_fields
 
 _LOOK_BACK = 1e-4
 """Modes are enumerated this far before the singular point (share of an interval), or half way to
@@ -58,13 +59,9 @@ class Meeting:
     def to_dict(self) -> dict[str, Any]:
         """The meeting in the JSON of `symkin track`."""
         return {
-            "parameter": self.parameter,
-            "given": self.given,
-            "own": self.own,
-            "others": list(self.others),
+            **json_fields(self, "parameter", "given", "own", "others"),
             "modes": self.count,
-            "completeness": self.completeness,
-            "opposite_signs": self.opposite_signs,
+            **json_fields(self, "completeness", "opposite_signs"),
         }
 
     def __str__(self) -> str:

@@ -14,7 +14,7 @@ from symkin.following.stop import Stop, roles_followed
 from symkin.following.trajectory import Trajectory
 from symkin.model.joint import Coordinate
 from symkin.position.problem import Problem
-from symkin.result import Result, Summary
+from symkin.result import Result, Summary, json_fields
 from symkin.singularities.classification import classify
 from symkin.text import NOTHING, plain
 
@@ -104,25 +104,16 @@ class Track(Result):
             },
             "length_unit": trajectory.mechanism.length_unit,
             "angle_unit": trajectory.mechanism.angle_unit,
-            "reached": self.reached,
-            "statement": self.statement,
-            "stop": None if self.stop is None else self.stop.to_dict(),
-            "certified": self.certified,
-            "ground": self.ground,
-            "followed_to": self.followed_to,
-            "steps": self.steps,
-            "nearest": None if self.nearest is None else self._nearest_dict(self.nearest),
-            "samples": [sample.to_dict() for sample in self.samples],
-            "elapsed_s": self.elapsed_s,
+            **json_fields(self, "reached", "statement", "stop", "certified", "ground"),
+            **json_fields(self, "followed_to", "steps"),
+            "nearest": None
+            if self.nearest is None
+            else {
+                **json_fields(self.nearest, "parameter", "time", "smallest_singular_value"),
+                "distances": self.distances,
+            },
+            **json_fields(self, "samples", "elapsed_s"),
             "notes": list(trajectory.notes),
-        }
-
-    def _nearest_dict(self, near: Sample) -> dict[str, Any]:
-        return {
-            "parameter": near.parameter,
-            "time": near.time,
-            "smallest_singular_value": near.smallest_singular_value,
-            "distances": self.distances,
         }
 
     def summary(self, most_rows: int | None = None) -> Summary:

@@ -20,6 +20,7 @@ import numpy as np
 from symkin.numeric.rank import null_space
 from symkin.numeric.system import System
 from symkin.numeric.tolerances import SINGULAR_VALUE
+from symkin.result import json_fields
 from symkin.singularities.curve import CORRECTED, Curve, distance
 from symkin.singularities.locus_system import LocusSystem
 
@@ -68,17 +69,8 @@ class Locus:
 
     def to_dict(self) -> dict[str, Any]:
         """The curve in the JSON of `Loci`, but for its loose ends, which depend on the window."""
-        return {
-            "kind": self.kind,
-            "limb": self.limb,
-            "closed": self.closed,
-            "points": self.points.tolist(),
-            "cusps": self.cusps.tolist(),
-            "in_mode": self.in_mode.tolist(),
-            "largest_row": self.largest_row,
-            "hits": self.hits,
-            "self_motion": self.self_motion,
-        }
+        told = ("kind", "limb", "closed", "points", "cusps", "in_mode", "largest_row", "hits")
+        return json_fields(self, *told, "self_motion")
 
     def loose_ends(self, ranges: Sequence[Sequence[float]]) -> np.ndarray:
         """Ends (n, 2) of an open curve inside the window, where tracing could not go on; cusps are

@@ -14,7 +14,7 @@ from symkin.assembly.search import DEFAULT_SEED
 from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.position.multistart import DEFAULT_STARTS
-from symkin.result import Result, Summary
+from symkin.result import Result, Summary, json_fields
 from symkin.sweeps.executors import Crew, dask_crew, given_crew, local_crew
 from symkin.sweeps.options import SweepOptions
 from symkin.sweeps.plan import Job, Plan, compute_chunk, make_plan
@@ -93,10 +93,7 @@ class Swept(Result):
         """Return the counts and the folder, which has the arrays."""
         return {
             "folder": str(self.folder),
-            "points": self.points,
-            "chunks": self.chunks,
-            "computed": self.computed,
-            "most_modes": self.most_modes,
+            **json_fields(self, "points", "chunks", "computed", "most_modes"),
             "points_by_count": {
                 str(count): points for count, points in self.points_by_count.items()
             },
