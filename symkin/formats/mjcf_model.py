@@ -180,76 +180,53 @@ def couplings_of(
     held: Mapping[int, float],
     names: Mapping[int, str],
 ) -> CouplingSet:
-    """The couplings of joint and tendon equalities; `held` joints stand at a value, and are no part
-    of them.
+    """The couplings of joint and tendon equalities, first - first0 = c0 + c1 d + c2 d^2 + ..., d =
+    second - second0, both from qpos0, of joints or sums of them; `held` joints stand at a value,
+    and are no part of them.
     """
     found = CouplingSet()
     for equality in equalities:
-        if equality.kind == "joint" and equality.objects[1] >= 0:
-            first, second = ([(joint, 1.0)] for joint in equality.objects)
-        elif equality.kind == "tendon":
-            first, second = (_tendon_of(compiled, equality, end) for end in (0, 1))
-        else:
+        if equality.kind == "joint" and equality.objects[1] < 0:
             continue
-        _Pair(compiled, equality, first, second).couple(found, held, names)
-    return found
-
-
-class _Pair:
-    """first - first0 = c0 + c1 d + c2 d^2 + ..., d = second - second0, both from qpos0; sums of
-    joints.
-    """
-
-    def __init__(
-        self, compiled: CompiledModel, equality: Record, first: Terms, second: Terms
-    ) -> None:
-        self.equality, self.first, self.second = equality, first, second
-        self.coefficients = list(equality.coefficients)
-        while len(self.coefficients) > 2 and self.coefficients[-1] == 0.0:
-            self.coefficients.pop()
-        self.start, self.other = (
+        if equality.kind not in ("joint", "tendon"):
+            continue
+        first, second = (_terms(compiled, equality, number) for number in equality.objects)
+        start, other = (
             sum(f * compiled.joints[j].zero for j, f in terms) for terms in (first, second)
         )
-
-    def couple(
-        self, found: CouplingSet, held: Mapping[int, float], names: Mapping[int, str]
-    ) -> None:
-        moving = [j for j, _ in (*self.first, *self.second) if j not in held]
-        if len(self.coefficients) <= 2:
-            self._linear(found, held, names)
-        elif len(self.first) == len(self.second) == 1 and len(moving) == 2:
-            (joint, own), (of, factor) = self.first[0], self.second[0]
-            inner = np.polynomial.Polynomial([-self.other, factor])
-            polynomial = (np.polynomial.Polynomial(self.coefficients)(inner) + self.start) / own
+        coefficients = list(equality.coefficients)
+        while len(coefficients) > 2 and coefficients[-1] == 0.0:
+            coefficients.pop()
+        if len(coefficients) > 2:
+            if not len(first) == len(second) == 1 or {first[0][0], second[0][0]} & held.keys():
+                raise MechanismError(
+                    f"{equality.where}: a polynomial of more than one joint, or of a held one, is "
+                    f"not read; write it linearly"
+                )
+            (joint, own), (of, factor) = first[0], second[0]
+            inner = np.polynomial.Polynomial([-other, factor])
+            polynomial = (np.polynomial.Polynomial(coefficients)(inner) + start) / own
             powers = [float(c) for c in polynomial.coef]
-            coupling = Coupling(names[joint], names[of], polynomial=powers)
-            found.add(coupling, self.equality.where)
-        else:
-            raise MechanismError(
-                f"{self.equality.where}: a polynomial of more than one joint, or of a held one, is "
-                f"not read; write it linearly"
-            )
-
-    def _linear(
-        self, found: CouplingSet, held: Mapping[int, float], names: Mapping[int, str]
-    ) -> None:
-        slope = self.coefficients[1] if self.second else 0.0
-        constant = self.coefficients[0] + self.start - slope * self.other
-        terms: dict[str, float] = {}
-        for j, factor in [*self.first, *((j, -slope * f) for j, f in self.second)]:
+            found.add(Coupling(names[joint], names[of], polynomial=powers), equality.where)
+            continue
+        slope = coefficients[1] if second else 0.0
+        constant, terms = coefficients[0] + start - slope * other, dict[str, float]()
+        for j, factor in [*first, *((j, -slope * f) for j, f in second)]:
             if j in held:
                 constant -= factor * held[j]
             else:
                 terms[names[j]] = terms.get(names[j], 0.0) + factor
         if any(terms.values()):
-            found.add_linear(LinearEquation(terms, constant, self.equality.where))
+            found.add_linear(LinearEquation(terms, constant, equality.where))
+    return found
 
 
-def _tendon_of(compiled: CompiledModel, equality: Record, end: int) -> Terms:
-    """Joints and factors of one of the two tendons; none where there is no second."""
-    number = equality.objects[end]
+def _terms(compiled: CompiledModel, equality: Record, number: int) -> Terms:
+    """A joint, or the joints and factors of a fixed tendon; none where there is no second."""
     if number < 0:
         return []
+    if equality.kind == "joint":
+        return [(number, 1.0)]
     tendon = compiled.tendons[number]
     if tendon.joints is None:
         raise MechanismError(
