@@ -116,6 +116,19 @@ class Result:
         return self.summary(_HTML_ROWS).html()
 
 
+def json_fields(owner: object, *names: str) -> dict[str, Any]:
+    """Attributes by name, as JSON has them."""
+    return {name: json_value(getattr(owner, name)) for name in names}
+
+
+def json_value(value: Any) -> Any:
+    """Lists for arrays and tuples, dictionaries for what has some."""
+    if isinstance(value, tuple):
+        return [json_value(one) for one in value]
+    turned = getattr(value, "to_dict", None) or getattr(value, "tolist", None)
+    return value if turned is None else turned()
+
+
 def draw_with(function: Callable[..., Figure]) -> None:
     """Name the function that draws results: `function(result, path, **options)`."""
     global _draw

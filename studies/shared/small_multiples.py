@@ -12,8 +12,7 @@ from symkin.drawing.camera import Camera
 from symkin.drawing.layout import Layout, layout_of
 from symkin.drawing.palette import COLOURS
 from symkin.plots.painter import Painter
-from symkin.plots.sheet import SHEET_DPI, make_sheet
-from symkin.plots.style import drawing
+from symkin.plots.sheet import SHEET_DPI, drawing, make_sheet
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -42,13 +42,13 @@ ENTRIES = (
     ),
     Entry(
         "close",
-        "symkin.cli.close:close",
+        "symkin.cli.describe:close",
         _FILES,
         "The closed configuration nearest to a file's own.",
     ),
     Entry(
         "convert",
-        "symkin.cli.convert:convert",
+        "symkin.cli.describe:convert",
         _FILES,
         "Write a mechanism as TOML, MJCF, URDF or SDF.",
     ),
@@ -85,13 +85,13 @@ ENTRIES = (
     ),
     Entry(
         "mode-graph",
-        "symkin.cli.mode_graph:mode_graph",
+        "symkin.cli.singularities:mode_graph",
         _VELOCITIES,
         "Which modes connect without a singularity.",
     ),
     Entry(
         "jacobian",
-        "symkin.cli.jacobian:jacobian",
+        "symkin.cli.singularities:jacobian",
         _VELOCITIES,
         "A symbolic Jacobian for CasADi, C, NumPy, SymPy, LaTeX.",
     ),
@@ -103,7 +103,7 @@ ENTRIES = (
     ),
     Entry(
         "firmware",
-        "symkin.cli.firmware:firmware",
+        "symkin.cli.transmission:firmware",
         _MACHINE,
         "C99 for your controller, with tests and build files.",
     ),

@@ -70,8 +70,8 @@ class Drawing:
                     f"--plot FILE.png too"
                 )
             return cls(None, {})
-        from symkin.plots.picture_file import check_picture_path
         from symkin.plots.picture_options import check_numbers, names_from, views_from
+        from symkin.plots.pictures import check_picture_path
 
         check_picture_path(path)
         if "names" in chosen:

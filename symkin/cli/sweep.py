@@ -102,9 +102,8 @@ def sweep(
     import numpy as np
 
     from symkin.cli.ranges import read_values
-    from symkin.sweeps.drawable import check_drawable
+    from symkin.sweeps.map_slice import check_drawable, check_map_is_left, check_slices
     from symkin.sweeps.run import sweep as run
-    from symkin.sweeps.slices import check_map_is_left, check_slices
     from symkin.sweeps.store import require_zarr
 
     require_zarr()

@@ -17,10 +17,9 @@ from typing import Literal
 import numpy as np
 
 from symkin.following.cubic import Cubic
-from symkin.following.fold import Fold, prove_fold
 from symkin.following.joint_limits import Limit, LimitWatch
 from symkin.following.path_system import NEWTON_ARRIVED, PathSystem, along
-from symkin.following.singular_point import SingularPoint, find_singular_point
+from symkin.following.singular_point import Fold, SingularPoint, find_singular_point, prove_fold
 from symkin.following.station import (
     ALONE,
     Station,
@@ -394,7 +393,7 @@ class BlockFollower:
     def _meets_singular_point(self, until: float) -> bool:
         """Whether a singular point lies ahead on this interval, and near enough to stop there."""
         a = self.station
-        found = find_singular_point(self.interval.system, self.interval.c[0], a.y, a.slope)
+        found = find_singular_point(self.interval, a)
         if found is None or found.u > until + SAME_PLACE:
             return False
         fold = prove_fold(self.interval, a, found) if found.kind == "turning point" else None

@@ -17,13 +17,13 @@ from symkin.errors import SymkinError
 from symkin.following.block_follower import BlockFollower
 from symkin.following.follow import Branch, joined
 from symkin.following.machine_path import MachinePath
-from symkin.following.path_system import PathSystem
 from symkin.following.singular_point import SingularPoint
 from symkin.following.trajectory import Trajectory
 from symkin.numeric.tolerances import DISTINCT_ROOTS
 from symkin.position.problem import Problem
 from symkin.position.roots import features
 from symkin.position.solution import pose_of
+from symkin.result import json_fields
 
 _LOOK_BACK = 1e-4
 """Modes are enumerated this far before the singular point (share of an interval), or half way to
@@ -58,13 +58,9 @@ class Meeting:
     def to_dict(self) -> dict[str, Any]:
         """The meeting in the JSON of `symkin track`."""
         return {
-            "parameter": self.parameter,
-            "given": self.given,
-            "own": self.own,
-            "others": list(self.others),
+            **json_fields(self, "parameter", "given", "own", "others"),
             "modes": self.count,
-            "completeness": self.completeness,
-            "opposite_signs": self.opposite_signs,
+            **json_fields(self, "completeness", "opposite_signs"),
         }
 
     def __str__(self) -> str:
@@ -131,24 +127,17 @@ def _across_folds(
     """Numbers (from 0) of the followed mode and of those on the other sides of the turning blocks'
     folds, in all combinations, and whether the determinants' signs are opposite.
     """
-    turning = [block for block in branch.stopped if _is_turning(block)]
-    sides = {id(block): _sides(block, u) for block in turning}
-    rest = {id(block): block.at(u) for block in branch.blocks if block not in turning}
-    numbers = []
-    for signs in product((0, 1), repeat=len(turning)):
-        chosen = {id(block): sides[id(block)][k] for block, k in zip(turning, signs, strict=True)}
-        numbers.append(
-            nearest_mode(
-                problem,
-                listed,
-                joined(problem, branch.blocks, ((rest | chosen)[id(b)] for b in branch.blocks)),
-            )
-        )
-    return (
-        numbers[0],
-        [number for number in numbers if number is not None],
-        _opposite(turning, sides, u),
-    )
+    turning = {block: _sides(block, u) for block in branch.stopped if _is_turning(block)}
+    sides = [turning.get(block) or (block.at(u),) for block in branch.blocks]
+    numbers = [
+        nearest_mode(problem, listed, joined(problem, branch.blocks, parts))
+        for parts in product(*sides)
+    ]
+    opposite = None
+    if all(block.system.is_square for block in turning):
+        signs = ({_sign(block, z, u) for z in own} for block, own in turning.items())
+        opposite = all(own == {-1.0, 1.0} for own in signs)
+    return numbers[0], [number for number in numbers if number is not None], opposite
 
 
 def _near_by(
@@ -237,20 +226,7 @@ def _sides(block: BlockFollower, u: float) -> tuple[np.ndarray, np.ndarray]:
     return own, mate
 
 
-def _opposite(
-    turning: list[BlockFollower], sides: dict[int, tuple[np.ndarray, np.ndarray]], u: float
-) -> bool | None:
-    """Whether det dG/dz has opposite signs on the two sides, in each block that turns; None where
-    rows are redundant.
-    """
-    if not all(block.system.is_square for block in turning):
-        return None
-    return all(
-        _sign(w.system, sides[id(w)][0], u, w) * _sign(w.system, sides[id(w)][1], u, w) < 0
-        for w in turning
-    )
-
-
-def _sign(system: PathSystem, z: np.ndarray, u: float, block: BlockFollower) -> float:
-    jacobian = system.evaluate(np.append(z, u)[None], block.interval.c)[1][0]
+def _sign(block: BlockFollower, z: np.ndarray, u: float) -> float:
+    """The sign of det dG/dz."""
+    jacobian = block.system.evaluate(np.append(z, u)[None], block.interval.c)[1][0]
     return float(np.linalg.slogdet(jacobian[:, :-1])[0])

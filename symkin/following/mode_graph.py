@@ -31,7 +31,7 @@ from symkin.following.trajectory import Trajectory, make_trajectory
 from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.position.given import Joints, Values, given_by_name, read_given
 from symkin.position.problem import plain_kind
-from symkin.result import Result, Summary
+from symkin.result import Result, Summary, json_fields
 from symkin.text import meant
 from symkin.verb import verb
 from symkin.verb_options import takes
@@ -139,10 +139,7 @@ class ModeGraph(Result):
             **({"joints": last} if plain else {"given": dict(zip(self.names, last, strict=True))}),
             "counts": [len(found) for found in self.found[:-1]],
             "sheets": [[list(node) for node in sorted(sheet)] for sheet in self.sheets],
-            "groups": self.groups,
-            "certified": self.certified,
-            "stopped": self.stopped,
-            "unmatched": self.unmatched,
+            **json_fields(self, "groups", "certified", "stopped", "unmatched"),
         }
 
     def summary(self, most_rows: int | None = None) -> Summary:  # noqa: ARG002 - there is no table

@@ -18,6 +18,7 @@ from symkin.position.problem import Problem
 from symkin.position.readings import points_at
 from symkin.position.solution import Solution, in_units, named_values, pose_dict, pose_of
 from symkin.position.solution_list import make_solution
+from symkin.result import json_fields
 from symkin.spatial.pose import Pose
 
 
@@ -83,15 +84,13 @@ class Sample:
     def to_dict(self) -> dict[str, Any]:
         """The sample in the JSON of `symkin track`; an infinite condition is None."""
         return {
-            "parameter": self.parameter,
-            "time": self.time,
+            **json_fields(self, "parameter", "time"),
             "pose": pose_dict(self.pose) if self.has_platform else None,
             "joints": self.joints,
             **({"points": self.points} if self.points else {}),
             "residual": self.residual,
             "condition": self.condition if math.isfinite(self.condition) else None,
-            "smallest_singular_value": self.smallest_singular_value,
-            "radius": self.radius,
+            **json_fields(self, "smallest_singular_value", "radius"),
         }
 
 

@@ -11,6 +11,12 @@ At a bifurcation [dG/dz, dG/du] loses rank too: k >= 2 independent null vectors 
 both are solved by Gauss-Newton on all rows (Moore and Spence 1980; Seydel, Practical Bifurcation
 and Stability Analysis, 2010). The law of u follows by differentiating G(z(t), u(t)) = 0 twice at
 u' = 0: d2G/dz2 v v + dG/dz z'' + dG/du u'' = 0, times w.
+
+The last step to a turning point is proved like all others (see `steps`): its end has the null
+vector for its tangent, and the branch is regular in it although u is not a parameter of it any
+more. If d2u/ds2 < 0 in all of the tube, and both the station where it takes over and, further on,
+the turning point, whose own box is proved, lie in it, then u grows from the station to the turning
+point, and that is the first singularity on the branch.
 """
 
 from __future__ import annotations
@@ -23,6 +29,9 @@ import numpy as np
 
 from symkin.computed_once import lru_cache
 from symkin.following.path_system import PathSystem
+from symkin.following.station import ALONE, Station
+from symkin.following.steps import between
+from symkin.following.tube import Interval
 from symkin.numeric.tolerances import RANK_TOLERANCE
 
 PointKind = Literal["turning point", "bifurcation", "degenerate"]
@@ -59,47 +68,30 @@ class SingularPoint:
         return float(self.y[-1])
 
 
-def find_singular_point(
-    system: PathSystem, c: np.ndarray, y: np.ndarray, slope: np.ndarray
-) -> SingularPoint | None:
-    """The singular point ahead of y on its branch, slope dz/du, or None where none is found or what
-    is found does not lie where the branch leads.
+def find_singular_point(interval: Interval, a: Station) -> SingularPoint | None:
+    """The singular point ahead of a station on its branch, or None where none is found or what is
+    found does not lie where the branch leads.
     """
-    return _turning_point(system, c, y, slope) or _bifurcation(system, c, y, slope)
+    return _turning_point(interval, a) or _bifurcation(interval, a)
 
 
-def _turning_point(
-    system: PathSystem, c: np.ndarray, y: np.ndarray, slope: np.ndarray
-) -> SingularPoint | None:
-    jacobian = _jacobian(system, y, c)
-    null = np.linalg.svd(jacobian[:, :-1])[2][-1:].T
-    found = _gauss_newton(system, c, y, null, whole=False)
-    if found is None or not found[0][-1] > y[-1]:
-        return None
-    there, null = found
-    if not _is_where_led(there[:-1] - y[:-1], 2.0 * (there[-1] - y[-1]) * slope):
-        return None
-    return _classified(system, c, there, null[:, 0] / np.linalg.norm(null))
+def _turning_point(interval: Interval, a: Station) -> SingularPoint | None:
+    null = np.linalg.svd(_jacobian(interval, a.y)[:, :-1])[2][-1:].T
+    found = _gauss_newton(interval, a, null, 2.0, whole=False)
+    return None if found is None else _classified(interval, found[0], found[1][:, 0])
 
 
-def _bifurcation(
-    system: PathSystem, c: np.ndarray, y: np.ndarray, slope: np.ndarray
-) -> SingularPoint | None:
-    jacobian = _jacobian(system, y, c)
-    _, singular, right = np.linalg.svd(jacobian)
-    small = 1 + int(np.sum(singular[: system.width] < 3.0 * singular[system.width - 1]))
-    found = _gauss_newton(system, c, y, right[-small:].T, whole=True)
-    if found is None or not found[0][-1] > y[-1]:
-        return None
-    there = found[0]
-    if not _is_where_led(there[:-1] - y[:-1], (there[-1] - y[-1]) * slope):
-        return None
-    return _classified(system, c, there, None)
+def _bifurcation(interval: Interval, a: Station) -> SingularPoint | None:
+    _, singular, right = np.linalg.svd(_jacobian(interval, a.y))
+    width = interval.system.width
+    small = 1 + int(np.sum(singular[:width] < 3.0 * singular[width - 1]))
+    found = _gauss_newton(interval, a, right[-small:].T, 1.0, whole=True)
+    return None if found is None else _classified(interval, found[0], None)
 
 
-def _jacobian(system: PathSystem, y: np.ndarray, c: np.ndarray) -> np.ndarray:
+def _jacobian(interval: Interval, y: np.ndarray) -> np.ndarray:
     """dG/dy (rows, w + 1) at a point."""
-    return system.evaluate(y[None], c[None])[1][0]
+    return interval.evaluate(y[None], ALONE)[1][0]
 
 
 def _is_where_led(actual: np.ndarray, expected: np.ndarray) -> bool:
@@ -109,52 +101,39 @@ def _is_where_led(actual: np.ndarray, expected: np.ndarray) -> bool:
     )
 
 
-def _classified(
-    system: PathSystem, c: np.ndarray, y: np.ndarray, null: np.ndarray | None
-) -> SingularPoint | None:
+def _classified(interval: Interval, y: np.ndarray, null: np.ndarray | None) -> SingularPoint | None:
     """Which kind it is, by the ranks of dG/dz and of [dG/dz, dG/du] and the curvature there. `null`
     is that of a turning point; one at which the ranks are those of a bifurcation is none: whether
     branches meet, the equations of a bifurcation say.
     """
-    jacobian = _jacobian(system, y, c)
+    jacobian, width = _jacobian(interval, y), interval.system.width
     _, singular, right = np.linalg.svd(jacobian[:, :-1])
     whole = np.linalg.svd(jacobian, compute_uv=False)
-    zeros = int(np.sum(singular[: system.width] < RANK_TOLERANCE * whole[0]))
+    zeros = int(np.sum(singular[:width] < RANK_TOLERANCE * whole[0]))
     if zeros == 0:
         return None
-    basis = right[system.width - zeros : system.width].T
-    if zeros > 1 or whole[system.width - 1] < RANK_TOLERANCE * whole[0]:
+    basis = right[width - zeros : width].T
+    if zeros > 1 or whole[width - 1] < RANK_TOLERANCE * whole[0]:
         return None if null is not None else SingularPoint("bifurcation", y, basis, 0.0)
-    v = basis[:, 0] if null is None else null
-    curvature = _curvature(system, c, y, v, jacobian)
-    return SingularPoint(
-        "turning point" if abs(curvature) > _LEAST_CURVATURE else "degenerate",
-        y,
-        v[:, None],
-        curvature,
-    )
-
-
-def _curvature(
-    system: PathSystem, c: np.ndarray, y: np.ndarray, v: np.ndarray, jacobian: np.ndarray
-) -> float:
-    """u'' with dz/dt = v: the second derivative of the rows by central differences of dG/dy, and
-    least squares in (z'', u'').
-    """
+    v = basis[:, 0] if null is None else null / np.linalg.norm(null)
+    # u'' with dz/dt = v: the second derivative of the rows by central differences of dG/dy, and
+    # least squares in (z'', u'')
     step = 1e-5 * np.append(v, 0.0)
-    second = (_jacobian(system, y + step, c) - _jacobian(system, y - step, c))[:, :-1] @ v / 2e-5
-    return float(np.linalg.lstsq(jacobian, -second, rcond=1e-9)[0][-1])
+    second = (_jacobian(interval, y + step) - _jacobian(interval, y - step))[:, :-1] @ v / 2e-5
+    curvature = float(np.linalg.lstsq(jacobian, -second, rcond=1e-9)[0][-1])
+    kind: PointKind = "turning point" if abs(curvature) > _LEAST_CURVATURE else "degenerate"
+    return SingularPoint(kind, y, v[:, None], curvature)
 
 
 def _gauss_newton(
-    system: PathSystem, c: np.ndarray, y: np.ndarray, null: np.ndarray, *, whole: bool
+    interval: Interval, a: Station, null: np.ndarray, led: float, *, whole: bool
 ) -> tuple[np.ndarray, np.ndarray] | None:
-    """y and null vectors (as columns) at a root of the extended rows, None where the iteration does
-    not settle.
+    """y and null vectors (as columns) at a root of the extended rows ahead of a station, whose
+    slope leads there `led` times as far as u; None where the iteration does not settle.
     """
-    extended = _extended(system, null.shape[1], whole)
-    fixed = null.ravel("F")
-    n, x, size = system.width + 1, np.concatenate([y, fixed]), np.inf
+    extended = _extended(interval.system, null.shape[1], whole)
+    fixed, c = null.ravel("F"), interval.c[0]
+    n, x, size = len(a.y), np.concatenate([a.y, fixed]), np.inf
     for _ in range(_MOST_STEPS):
         values, jacobian = (np.asarray(v) for v in extended(x, c, fixed))
         if not (np.isfinite(values).all() and np.isfinite(jacobian).all()):
@@ -167,11 +146,14 @@ def _gauss_newton(
         if size < 1e-14 or (size < 1e-9 and size > 0.3 * before):
             break
     left = float(np.max(np.abs(np.asarray(extended(x, c, fixed)[0]))))
-    return (
-        (x[:n], x[n:].reshape(null.shape, order="F"))
-        if left < (_BIFURCATION_CONVERGED if whole else _CONVERGED)
-        else None
-    )
+    away = x[:n] - a.y
+    if (
+        not left < (_BIFURCATION_CONVERGED if whole else _CONVERGED)
+        or not away[-1] > 0.0
+        or not _is_where_led(away[:-1], led * away[-1] * a.slope)
+    ):
+        return None
+    return x[:n], x[n:].reshape(null.shape, order="F")
 
 
 @lru_cache(maxsize=128)
@@ -200,3 +182,52 @@ def turning_system(system: PathSystem) -> PathSystem:
     rows = ca.vertcat(system.rows, ca.mtimes(ca.jacobian(system.rows, system.y)[:, :w], v))
     y = ca.vertcat(system.y[:w], v, system.y[w])
     return replace(system, y=y, rows=rows, scale=np.concatenate([system.scale, np.ones(w)]))
+
+
+_SHORTEST_WAY = 1e-11
+"""A way shorter than this (over the size, or rad) is within rounding."""
+
+
+@dataclass(frozen=True)
+class Fold:
+    """A tube leads to a turning point. `error`: a box of this half width in u is proved to hold
+    exactly one turning point, the first singularity after the station; None where rows are
+    redundant, so that nothing of this is proved.
+    """
+
+    error: float | None
+
+
+def prove_fold(interval: Interval, station: Station, point: SingularPoint) -> Fold | None:
+    """Go from a station to the turning point ahead; None where that is not proved."""
+    half, is_square = station.half, interval.system.is_square
+    v = np.where(point.null[:, 0] @ station.slope > 0.0, 1.0, -1.0) * point.null[:, 0]
+    if half is None or float(v @ (point.y - station.y)[:-1]) <= _SHORTEST_WAY:
+        return None
+    box = _turning_box(interval, point) if is_square else None
+    if is_square and box is None:
+        return None
+    begin, end = station.several, point.y[None]
+    curve = between((begin.y, begin.tangent), (end, np.append(v, 0.0)[None]))
+    boxes = [begin.half] if box is None else [begin.half, box[None]]
+    tubes = interval.tubes(curve, ALONE, *boxes)
+    if not tubes.hold(0.0, begin.y, begin.half)[0]:
+        return None
+    if box is None:
+        return Fold(None)
+    if not tubes.hold(1.0, end, box[None])[0] or not interval.folds(tubes, ALONE)[0]:
+        return None
+    return Fold(float(box[-1]))
+
+
+def _turning_box(interval: Interval, point: SingularPoint) -> np.ndarray | None:
+    """Half widths (w + 1,) of a box about the point that is proved to hold exactly one turning
+    point.
+    """
+    v = point.null[:, 0]
+    y = np.concatenate([point.y[:-1], v, point.y[-1:]])[None]
+    direction = np.concatenate([np.zeros(len(v)), v, [0.0]])
+    across = np.linalg.svd(direction[None])[2][1:].T
+    turning = Interval(turning_system(interval.system), interval.c)
+    half = turning.boxes(y, turning.evaluate(y, ALONE)[1], across, ALONE)[0]
+    return np.append(half[: len(v)], half[-1]) if np.isfinite(half).all() else None

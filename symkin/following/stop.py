@@ -17,6 +17,7 @@ from symkin.model.mechanism import Mechanism
 from symkin.numeric.tolerances import SINGULAR_VALUE, SUSPECT_CONDITION
 from symkin.position.problem import Problem, build_problem
 from symkin.position.transfer import variables_elsewhere
+from symkin.result import json_fields, json_value
 from symkin.singularities.classification import classify
 from symkin.singularities.singular_groups import SingularGroup, singular_groups
 from symkin.velocity.roles import Roles, roles_of
@@ -55,16 +56,13 @@ class Stop:
     def to_dict(self) -> dict[str, Any]:
         """The stop in the JSON of `symkin track`."""
         return {
-            "kind": self.kind,
-            "type": self.type,
-            "kinds": list(self.kinds),
+            **json_fields(self, "kind", "type", "kinds"),
             "row": self.row + 1,
             "share": self.u,
-            "place": None if self.place is None else self.place.to_dict(),
-            "error": self.error,
+            **json_fields(self, "place", "error"),
             "limit": None if self.limit is None else self.limit.name,
-            "meeting": None if self.meeting is None else self.meeting.to_dict(),
-            **({"blocks": [group.to_dict() for group in self.groups]} if self.groups else {}),
+            **json_fields(self, "meeting"),
+            **({"blocks": json_value(self.groups)} if self.groups else {}),
             "text": str(self),
         }
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -14,7 +14,7 @@ from symkin.following.stop import Stop, roles_followed
 from symkin.following.trajectory import Trajectory
 from symkin.model.joint import Coordinate
 from symkin.position.problem import Problem
-from symkin.result import Result, Summary
+from symkin.result import Result, Summary, json_fields
 from symkin.singularities.classification import classify
 from symkin.text import NOTHING, plain
 
@@ -104,25 +104,16 @@ class Track(Result):
             },
             "length_unit": trajectory.mechanism.length_unit,
             "angle_unit": trajectory.mechanism.angle_unit,
-            "reached": self.reached,
-            "statement": self.statement,
-            "stop": None if self.stop is None else self.stop.to_dict(),
-            "certified": self.certified,
-            "ground": self.ground,
-            "followed_to": self.followed_to,
-            "steps": self.steps,
-            "nearest": None if self.nearest is None else self._nearest_dict(self.nearest),
-            "samples": [sample.to_dict() for sample in self.samples],
-            "elapsed_s": self.elapsed_s,
+            **json_fields(self, "reached", "statement", "stop", "certified", "ground"),
+            **json_fields(self, "followed_to", "steps"),
+            "nearest": None
+            if self.nearest is None
+            else {
+                **json_fields(self.nearest, "parameter", "time", "smallest_singular_value"),
+                "distances": self.distances,
+            },
+            **json_fields(self, "samples", "elapsed_s"),
             "notes": list(trajectory.notes),
-        }
-
-    def _nearest_dict(self, near: Sample) -> dict[str, Any]:
-        return {
-            "parameter": near.parameter,
-            "time": near.time,
-            "smallest_singular_value": near.smallest_singular_value,
-            "distances": self.distances,
         }
 
     def summary(self, most_rows: int | None = None) -> Summary:
@@ -152,7 +143,7 @@ class Track(Result):
             f"size {size:.6g} {unit}), 0 at a singularity; residual: largest closure error in "
             f"{unit}"
         )
-        return Summary(above, header, self._rows(chosen), [legend, *below])
+        return Summary(above, header, [*self._rows(chosen)], [legend, *below])
 
     @property
     def _shows_pose(self) -> bool:
@@ -194,17 +185,22 @@ class Track(Result):
             return [f"x [{unit}]", f"y [{unit}]", f"z [{unit}]", "qw", "qx", "qy", "qz"]
         return [title for title, _, _ in self._shown]
 
-    def _rows(self, chosen: Sequence[int]) -> list[list[str]]:
-        if self._shows_pose:
-            size = self.trajectory.mechanism.characteristic_length
-            return [self._row(self.samples[k], _pose_cells(self.samples[k], size)) for k in chosen]
-        shown = self._shown
-        return [
-            self._row(
-                self.samples[k], [f"{plain(float(v[k]), scale):.6g}" for _, v, scale in shown]
-            )
-            for k in chosen
-        ]
+    def _rows(self, chosen: Sequence[int]) -> Iterator[list[str]]:
+        """The cells of some samples; what is rounding is written as 0."""
+        size, shown = self.trajectory.mechanism.characteristic_length, self._shown
+        for k in chosen:
+            sample = self.samples[k]
+            cells = [f"{plain(float(v[k]), scale):.6g}" for _, v, scale in shown]
+            if self._shows_pose:
+                cells = [f"{plain(float(v), size):.6g}" for v in sample.pose.position]
+                cells += [f"{plain(float(v), 1.0, 5e-6):.5f}" for v in sample.pose.quaternion]
+            sigma = sample.smallest_singular_value
+            yield [
+                f"{sample.parameter:.4g}",
+                *cells,
+                f"{plain(sigma, 1.0):.3g}" if sigma >= NOTHING else "0",
+                f"{sample.residual:.1e}" if sample.residual >= 1e-8 * NOTHING * size else "0",
+            ]
 
     @cached_property
     def _motors_lines(self) -> list[str]:
@@ -239,23 +235,3 @@ class Track(Result):
             f"nearest to a singularity at {near.parameter:.9g} of the path: sigma {sigma:.3g}; "
             f"distance: {distances}"
         )
-
-    def _row(self, sample: Sample, cells: list[str]) -> list[str]:
-        size, sigma = (
-            self.trajectory.mechanism.characteristic_length,
-            sample.smallest_singular_value,
-        )
-        return [
-            f"{sample.parameter:.4g}",
-            *cells,
-            f"{plain(sigma, 1.0):.3g}" if sigma >= NOTHING else "0",
-            f"{sample.residual:.1e}" if sample.residual >= 1e-8 * NOTHING * size else "0",
-        ]
-
-
-def _pose_cells(sample: Sample, size: float) -> list[str]:
-    cells = [f"{plain(float(v), size):.6g}" for v in np.asarray(sample.pose.position)]
-    return [
-        *cells,
-        *(f"{plain(float(v), 1.0, 5e-6):.5f}" for v in np.asarray(sample.pose.quaternion)),
-    ]

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from symkin.errors import InputError, MechanismError
-from symkin.formats.robot_joint import AXES, Direction
+from symkin.formats.robot import AXES, Direction
 from symkin.model.joint_forms import JointType
 from symkin.regular_file import content_of
 from symkin.text import first_of, not_among, shown

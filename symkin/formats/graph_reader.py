@@ -11,8 +11,7 @@ from pathlib import Path
 from symkin.formats.packages import Packages
 from symkin.formats.parts import Parts
 from symkin.formats.read_options import ReadOptions
-from symkin.formats.robot import Mesh
-from symkin.formats.robot_joint import RobotJoint
+from symkin.formats.robot import Mesh, RobotJoint
 from symkin.formats.sdf_joint import is_bounded, is_range
 from symkin.formats.urdf_parts import names_any
 from symkin.formats.xml_text import Element

@@ -10,18 +10,20 @@ from dataclasses import replace
 import numpy as np
 
 from symkin.computed_once import cached_property
-from symkin.formats.mjcf_couplings import (
+from symkin.formats.mjcf_model import (
+    CompiledModel,
+    active_equalities,
     couplings_of,
+    held_values,
     idle_actuators,
+    meshes_of,
     motor_at,
+    pose_of,
     without_kinematics,
 )
-from symkin.formats.mjcf_equalities import active_equalities, held_values
-from symkin.formats.mjcf_model import CompiledModel, meshes_of, pose_of
 from symkin.formats.naming import fresh_name, robot_name
 from symkin.formats.parts import KEY, Parts, parts_from
-from symkin.formats.robot import Mesh, Robot
-from symkin.formats.robot_joint import RobotJoint
+from symkin.formats.robot import Mesh, Robot, RobotJoint
 from symkin.formats.spanning import names_of, uniquely_named
 from symkin.model.joined import Joined
 from symkin.model.joint import BASE

@@ -14,8 +14,7 @@ from symkin.formats.graph_reader import ONE_COORDINATE, GraphReader
 from symkin.formats.naming import robot_name
 from symkin.formats.parts import JOINTS_TAG
 from symkin.formats.read_options import AS_IT_IS, ReadOptions
-from symkin.formats.robot import Mesh, Robot, refuse_too_many
-from symkin.formats.robot_joint import Direction, RobotJoint
+from symkin.formats.robot import Direction, Mesh, Robot, RobotJoint, refuse_too_many
 from symkin.formats.sdf_frames import FIRST_WITH_FRAMES, WORLD, Scope, SdfFrames, sdf_version
 from symkin.formats.sdf_joint import (
     TYPES,

@@ -9,7 +9,7 @@ from collections.abc import Collection
 
 import numpy as np
 
-from symkin.formats.robot_joint import Direction
+from symkin.formats.robot import Direction
 from symkin.formats.urdf_parts import unit
 from symkin.formats.xml_text import Element, is_true
 from symkin.model.joint_forms import JointType

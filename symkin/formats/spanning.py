@@ -19,8 +19,7 @@ from symkin.closure.parameters import ParameterTable
 from symkin.closure.rows import Cut, rows_of_joint
 from symkin.errors import MechanismError
 from symkin.formats.naming import allowed_names, fresh_name, renamed
-from symkin.formats.robot import Robot
-from symkin.formats.robot_joint import RobotJoint, joint_at
+from symkin.formats.robot import Robot, RobotJoint, joint_at
 from symkin.model.graph import Coupling
 from symkin.model.joined import outward, spanning
 from symkin.model.joint import BASE

@@ -9,8 +9,7 @@ import numpy as np
 
 from symkin.errors import InputError
 from symkin.formats.read_options import ReadOptions, closure_kind
-from symkin.formats.robot import Robot
-from symkin.formats.robot_joint import AXES, RobotJoint, frame_along
+from symkin.formats.robot import AXES, Robot, RobotJoint, frame_along
 from symkin.model.joint import BASE
 from symkin.model.joint_forms import JointType
 from symkin.spatial.pose import Pose

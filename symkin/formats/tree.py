@@ -1,5 +1,6 @@
-"""The closure of a robot over all coordinates of its tree: where its links are, and the rows of its
-closures and couplings, by the rules of any machine's (`closure.rows`).
+"""The closure of a robot over all coordinates of its tree: where its links are, the rows of its
+closures and couplings, by the rules of any machine's (`closure.rows`), and the closed configuration
+that is nearest to the file's own.
 
 Joints of the tree carry links, whatever their types; loops are cut where the file closes them, open
 by the constant displacement from a closure's first frame to its second. A link that hangs on no
@@ -8,7 +9,7 @@ joint moves freely, by three slides and a ball.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
@@ -24,7 +25,9 @@ from symkin.model.graph import LinkJoint
 from symkin.model.joint import BASE, Coordinate, Joint
 from symkin.model.machine import Machine
 from symkin.numeric.mapped import Mapped
+from symkin.numeric.nearest_root import NearestRoot
 from symkin.numeric.system import NOTHING, System
+from symkin.numeric.tolerances import CLOSED_CONFIGURATION, FILE_DIGITS
 from symkin.spatial.pose import Pose
 
 _ONE_POINT = 1e-12
@@ -147,3 +150,65 @@ def _free(link: str, frame: Pose) -> Iterator[LinkJoint]:
     ]
     links = (BASE, *(f"{joint.name}.link" for joint in joints[:-1]), link)
     return (LinkJoint(joint, pair) for joint, pair in zip(joints, pairwise(links), strict=True))
+
+
+@dataclass(frozen=True, eq=False)
+class Closed:
+    """The closed configuration of a robot that is nearest to the file's own, or what comes nearest
+    to one: `state` holds the values of the tree's coordinates.
+
+    `displacements` move links from their places in the file. `gaps` tell what each closure and
+    coupling leaves open in the file, `residuals` what it leaves here (metres).
+    """
+
+    tree: Tree
+    state: np.ndarray
+
+    @cached_property
+    def gaps(self) -> Mapping[str, float]:
+        return self.tree.misfits(self.tree.own)
+
+    @cached_property
+    def residuals(self) -> Mapping[str, float]:
+        return self.tree.misfits(self.state)
+
+    @property
+    def open_by(self) -> float:
+        """How far the file's own configuration leaves the loops open."""
+        return max(self.gaps.values(), default=0.0)
+
+    @property
+    def residual(self) -> float:
+        """The largest closure error left."""
+        return max(self.residuals.values(), default=0.0)
+
+    @property
+    def resists(self) -> str:
+        """The closure or coupling that has it."""
+        return max(self.residuals, key=lambda name: self.residuals[name], default="")
+
+    @property
+    def closed(self) -> bool:
+        return self.residual <= CLOSED_CONFIGURATION * self.tree.size
+
+    @property
+    def to_digits(self) -> bool:
+        """Whether the loops close, if only to the digits of a file."""
+        return self.residual <= FILE_DIGITS * self.tree.size
+
+    @cached_property
+    def values(self) -> dict[str, tuple[float, ...]]:
+        """Of every coordinate, in radians and metres; the quaternion of a ball from the file's
+        configuration.
+        """
+        return self.tree.by_name(self.state)
+
+    @cached_property
+    def displacements(self) -> dict[str, Pose]:
+        return self.tree.displacements(self.state)
+
+
+def nearest_closed(robot: Robot) -> Closed:
+    """Close the loops from the file's own configuration."""
+    tree = Tree(robot)
+    return Closed(tree, NearestRoot(tree.system, tree.own).found())

@@ -17,8 +17,15 @@ from symkin.formats.naming import robot_name
 from symkin.formats.packages import Packages
 from symkin.formats.parts import JOINTS_TAG
 from symkin.formats.read_options import AS_IT_IS, ReadOptions
-from symkin.formats.robot import Mesh, Robot, refuse_too_many
-from symkin.formats.robot_joint import Direction, RobotJoint, frame_along, place
+from symkin.formats.robot import (
+    Direction,
+    Mesh,
+    Robot,
+    RobotJoint,
+    frame_along,
+    place,
+    refuse_too_many,
+)
 from symkin.formats.spanning import spanned
 from symkin.formats.urdf_loops import LOOP_TAGS, gears_within, loops_within
 from symkin.formats.urdf_motors import driven_names, mimics, told_motors

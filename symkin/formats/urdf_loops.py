@@ -10,7 +10,7 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 import numpy as np
 
 from symkin.formats.couplings import LinearEquation
-from symkin.formats.robot_joint import Direction, RobotJoint, Z, frame_along
+from symkin.formats.robot import Direction, RobotJoint, Z, frame_along
 from symkin.formats.sdf_frames import NEWEST, sdf_pose
 from symkin.formats.sdf_joint import sdf_axis, sdf_type
 from symkin.formats.urdf_parts import (

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 
 from symkin.formats.gepetto_yaml import LoopsBeside
 from symkin.formats.graph_reader import ONE_COORDINATE
-from symkin.formats.robot_joint import RobotJoint
+from symkin.formats.robot import RobotJoint
 from symkin.formats.xml_text import Element
 from symkin.model.graph import Coupling
 from symkin.model.motor import Motor, motor_of

@@ -6,7 +6,7 @@ import math
 from collections.abc import Collection
 
 from symkin.formats.parts import JOINTS_TAG, Parts, parts_from
-from symkin.formats.robot_joint import Direction
+from symkin.formats.robot import Direction
 from symkin.formats.xml_text import Element
 from symkin.spatial.pose import Pose
 from symkin.text import meant

@@ -17,7 +17,7 @@ import numpy as np
 from symkin.formats.couplings import mimic_of
 from symkin.formats.naming import fresh_name
 from symkin.formats.parts import JOINTS_TAG, NAMESPACE, Parts, Whole, parts_text
-from symkin.formats.robot_joint import frame_along, moved_along
+from symkin.formats.robot import frame_along, moved_along
 from symkin.formats.written_tree import (
     INERTIA,
     MASS,

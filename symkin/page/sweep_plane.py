@@ -12,20 +12,11 @@ import numpy as np
 
 from symkin.errors import InputError
 from symkin.page.view import View, view_solution
-from symkin.plots.sweep_text import held_texts
+from symkin.plots.sweep_values import held_texts
 from symkin.singularities.configuration import configuration
 from symkin.spatial.pose import Pose
 from symkin.sweeps.map_loci import loci_over
-from symkin.sweeps.map_slice import (
-    SHOWN,
-    TITLES,
-    MapSlice,
-    check_map,
-    edges,
-    map_slice,
-    opened,
-    space_of,
-)
+from symkin.sweeps.map_slice import TITLES, MapSlice, SweepFolder, edges
 
 _MOST_CELLS = 40_000
 """Cells or points of a map that a page holds (0.2 MB); of finer maps it holds every second, third,
@@ -43,22 +34,20 @@ def view_of_sweep(
     that holds no sweep, and for a map that no page can follow: over one coordinate, or over turns
     of a pose.
     """
-    attributes, data = opened(folder)
-    check_map(attributes, data, slices or {})
-    name = SHOWN[attributes["quantity"]]
-    part = map_slice(attributes, data, name, slices or {})
-    _check_plane(part, attributes)
-    space = space_of(attributes)
+    swept = SweepFolder.of(folder)
+    swept.check_map(slices or {})
+    name, space, part = swept.shown, swept.space, swept.map_slice(slices or {})
+    _check_plane(part, swept)
     values = dict(part.cuts) | dict(zip(part.ranges, part.some, strict=True))
     told = space.given([values[axis.name] for axis in space.axes])
     here = configuration(space.mechanism, **told)
     joints = zip((c.name for c in space.mechanism.actuated), told.get("joints", ()), strict=False)
-    curves = loci_over(loci, attributes, part.ranges, part.cuts, part.some)
+    curves = loci_over(loci, swept, part.ranges, part.cuts, part.some)
     plane = {
         "names": list(part.ranges),
         "units": [axis[1] for axis in (part.x, part.y) if axis is not None],
         "ranges": [list(ends) for ends in part.ranges.values()],
-        "held": ", ".join([*part.fixed, *held_texts(attributes)]),
+        "held": ", ".join([*part.fixed, *held_texts(swept)]),
         "pose": _numbers(told["pose"]) if "pose" in told else None,
         "curves": []
         if curves is None
@@ -69,17 +58,17 @@ def view_of_sweep(
     return view_solution(here, told.get("given") or dict(joints), plane=plane)
 
 
-def _check_plane(part: MapSlice, attributes: Mapping[str, Any]) -> None:
+def _check_plane(part: MapSlice, swept: SweepFolder) -> None:
     """Raise InputError for a map that has no plane to point at, or none whose points the page can
     reach.
     """
     names = list(part.ranges)
-    if part.y is None or set(names) | set(part.cuts) < set(attributes["axes"]):
+    if part.y is None or set(names) | set(part.cuts) < set(swept.names):
         raise InputError(
-            f"view: a map over {', '.join(attributes['axes'])} is no plane; two swept coordinates "
+            f"view: a map over {', '.join(swept.names)} is no plane; two swept coordinates "
             f"are needed, others cut by --slice"
         )
-    if attributes["sweeps over"] == "poses" and not set(names) <= set("xyz"):
+    if swept.of_poses and not set(names) <= set("xyz"):
         raise InputError(
             f"view: a map over {' and '.join(names)} has no page; of poses, maps over two of x, y, "
             f"z have one"

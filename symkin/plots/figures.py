@@ -22,11 +22,10 @@ from symkin.plots.label_placement import Page
 from symkin.plots.labels import draw_labels, lengths_of
 from symkin.plots.legend import draw_legend
 from symkin.plots.painter import FRAME, Painter, frames_of
-from symkin.plots.picture_file import check_picture_path, write_picture
 from symkin.plots.picture_options import Names, names_from
+from symkin.plots.pictures import check_picture_path, write_picture
 from symkin.plots.raised import circle_notes, raised
-from symkin.plots.sheet import make_sheet, symbol_size, text_extent
-from symkin.plots.style import drawing
+from symkin.plots.sheet import drawing, make_sheet, symbol_size, text_extent
 from symkin.quiet import warnings_ignored
 from symkin.singularities.named_screw import NamedScrew
 

@@ -11,8 +11,7 @@ import numpy as np
 
 from symkin.drawing.palette import COLOURS
 from symkin.errors import InputError
-from symkin.plots.sheet import colour_bar, head, new_figure, subtitle
-from symkin.plots.style import drawing
+from symkin.plots.sheet import colour_bar, drawing, head, new_figure, subtitle
 from symkin.position.given import given_coordinates
 from symkin.position.solve_result import SolveError
 from symkin.singularities.configuration import configuration

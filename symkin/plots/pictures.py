@@ -1,9 +1,11 @@
-"""The picture of each result: what `result.plot()` draws, by the result's type. Matplotlib is
-imported only when one is drawn.
+"""The picture of each result: what `result.plot()` draws, by the result's type, written whole or
+not at all to a path that is checked before. Matplotlib is imported only when one is drawn.
 """
 
 from __future__ import annotations
 
+import io
+import os
 from collections.abc import Callable
 from importlib import import_module
 from inspect import signature
@@ -11,7 +13,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from symkin.errors import InputError
-from symkin.plots.picture_file import check_picture_path, write_picture
+from symkin.files.outputs import write_output
+from symkin.plots.sheet import drawing
+from symkin.quiet import warnings_ignored
 from symkin.verb import read_as
 
 if TYPE_CHECKING:
@@ -36,10 +40,10 @@ _FIGURES = {
     "Jacobian": ("jacobian_plot", "figure_of_jacobian"),
     "Loci": ("loci_plot", "figure_of_loci"),
     "Mobility": ("figures", "figure_of_mobility"),
-    "ModeGraph": ("mode_graph_plot", "figure_of_mode_graph"),
+    "ModeGraph": ("loci_plot", "figure_of_mode_graph"),
     "Modes": ("modes_plot", "figure_of_modes"),
-    "Plan": ("plan_plot", "figure_of_plan"),
-    "Singularity": ("singularity_plot", "figure_of_singularity"),
+    "Plan": ("calibration_plot", "figure_of_plan"),
+    "Singularity": ("modes_plot", "figure_of_singularity"),
     "Solution": ("modes_plot", "figure_of_solution"),
     "SolveResult": ("modes_plot", "figure_of_solve"),
     "Swept": ("sweep_plot", "figure_of_sweep"),
@@ -79,3 +83,56 @@ def _function(result: object) -> Callable[..., Any]:
     module, function = _FIGURES[name]
     found: Callable[..., Any] = getattr(import_module(f"symkin.plots.{module}"), function)
     return found
+
+
+_DPI = 150
+"""Pixels an inch of pictures that are made of pixels."""
+_UNDATED: dict[str, dict[str, None]] = {".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
+"""What is left out of files by suffix, so that one picture is one file, byte for byte."""
+_NOT_DRAWN = ("pgf", "raw", "rgba")
+"""Formats of matplotlib that no viewer shows, or that want LaTeX."""
+
+
+def picture(figure: Figure, suffix: str = ".png") -> bytes:
+    """A figure as the content of a file with a suffix."""
+    content, suffix = io.BytesIO(), suffix.lower()
+    with drawing(), warnings_ignored("Glyph .* missing"):
+        figure.savefig(content, dpi=_DPI, format=suffix[1:], metadata=_UNDATED.get(suffix))
+    return content.getvalue()
+
+
+def write_picture(figure: Figure, target: Path) -> None:
+    """Write a figure whole or not at all, in the format of the path's suffix. Raises InputError."""
+    try:
+        write_output(target, picture(figure, target.suffix))
+    except OSError as error:
+        raise InputError(
+            f"plot: {str(target)!r} cannot be written ({error.strerror or error})"
+        ) from None
+    except InputError as error:
+        raise InputError(f"plot: {error}") from None
+
+
+def check_picture_path(path: Path | str) -> Path:
+    """The path of a picture that can be written; to be asked before a long computation. Raises
+    InputError.
+    """
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+    target = Path(path)
+    formats = sorted(set(FigureCanvasAgg.get_supported_filetypes()).difference(_NOT_DRAWN))
+    if target.suffix.lower().lstrip(".") not in formats:
+        raise InputError(
+            f"plot: {str(target)!r} has no picture format as its suffix; allowed: "
+            f".{', .'.join(formats)}"
+        )
+    if not target.parent.is_dir():
+        raise InputError(
+            f"plot: the folder {str(target.parent)!r} of {target.name!r} does not exist; create it "
+            f"first"
+        )
+    if target.is_dir():
+        raise InputError(f"plot: {str(target)!r} is a folder; the name of a file is needed")
+    if not os.access(target if target.exists() else target.parent, os.W_OK):
+        raise InputError(f"plot: {str(target)!r} cannot be written (permission denied)")
+    return target

@@ -19,6 +19,7 @@ from symkin.errors import InputError
 from symkin.plots.loci_plot import draw_locus
 from symkin.plots.sheet import (
     colour_bar,
+    drawing,
     foot_legend,
     labelled,
     name_axes,
@@ -26,13 +27,11 @@ from symkin.plots.sheet import (
     note,
     own_legend,
 )
-from symkin.plots.style import drawing
-from symkin.plots.sweep_text import axis_text, write_title
-from symkin.plots.sweep_values import figure_of_values
+from symkin.plots.sweep_values import axis_text, figure_of_values, write_title
 from symkin.singularities.loci import MISSING, NONE_MET, Loci
 from symkin.sweeps.interrupts import interrupts_held
 from symkin.sweeps.map_loci import loci_over
-from symkin.sweeps.map_slice import SHOWN, TITLES, MapSlice, check_map, edges, map_slice, opened
+from symkin.sweeps.map_slice import TITLES, MapSlice, SweepFolder, edges
 from symkin.sweeps.run import Swept
 
 if TYPE_CHECKING:
@@ -65,20 +64,17 @@ def figure_of_sweep(
     """
     slices, folder = slices or {}, sweep.folder if isinstance(sweep, Swept) else Path(sweep)
     with interrupts_held():
-        attributes, data = opened(folder)
-        check_map(attributes, data, slices)
+        swept = SweepFolder.of(folder)
+        swept.check_map(slices)
         if of and loci is not False:
             raise InputError(
                 "plot: loci are laid over the map, and `of` draws points or joints in its place; "
                 "give one of them"
             )
         if of:
-            return figure_of_values(
-                attributes, data, (of,) if isinstance(of, str) else tuple(of), slices
-            )
-        name = SHOWN[attributes["quantity"]]
-        part = map_slice(attributes, data, name, slices)
-    curves = loci_over(loci, attributes, part.ranges, part.cuts, part.some)
+            return figure_of_values(swept, (of,) if isinstance(of, str) else tuple(of), slices)
+        name, part = swept.shown, swept.map_slice(slices)
+    curves = loci_over(loci, swept, part.ranges, part.cuts, part.some)
     with drawing():
         figure = new_figure(7.4, 6.0 if part.y else 4.4)
         ax: Any = figure.add_subplot()
@@ -88,7 +84,7 @@ def figure_of_sweep(
             _continuous_map(ax, part)
         else:
             _discrete_map(ax, part)
-        _words(ax, part, attributes, name)
+        _words(ax, part, swept, name)
         if curves is not None:
             draw_loci(ax, curves, list(part.ranges))
         # the layout of axes of one scale is found in two goes, the second when it is drawn
@@ -210,11 +206,11 @@ def _continuous_map(ax: Any, part: MapSlice) -> None:
     colour_bar(ax, drawn, what, ticks=ticks, format="%.3g").minorticks_off()
 
 
-def _words(ax: Any, part: MapSlice, attributes: Mapping[str, Any], name: str) -> None:
+def _words(ax: Any, part: MapSlice, swept: SweepFolder, name: str) -> None:
     """Title, what is fixed, labels of the axes."""
-    write_title(ax, TITLES[name], attributes, part.fixed)
+    write_title(ax, TITLES[name], swept, part.fixed)
     axes = [axis for axis in (part.x, part.y) if axis is not None]
-    name_axes(ax, *(axis_text(attributes, *axis[:2]) for axis in axes))
+    name_axes(ax, *(axis_text(swept, *axis[:2]) for axis in axes))
     if part.y is not None:
         spans = [float(np.ptp(axis[2])) for axis in axes]
         if part.x[1] == part.y[1] and 0.8 < spans[0] / max(spans[1], 1e-300) < 1.25:

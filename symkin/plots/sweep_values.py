@@ -8,21 +8,31 @@ sample, as far as one mode is beyond doubt the nearest.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import math
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from symkin.drawing.palette import SERIES
-from symkin.model.file import parse
+from symkin.closure.closure import build_closure
+from symkin.drawing.palette import COLOURS, SERIES
 from symkin.model.mechanism import Mechanism
-from symkin.plots.sheet import colour_bar, labelled, name_axes, new_figure, own_legend
-from symkin.plots.style import drawing
-from symkin.plots.sweep_text import axis_text, write_title
-from symkin.sweeps.drawable import check_drawable
-from symkin.sweeps.layout import labels
-from symkin.sweeps.map_slice import cut_at
+from symkin.plots.sheet import (
+    colour_bar,
+    drawing,
+    head,
+    labelled,
+    name_axes,
+    new_figure,
+    own_legend,
+    subtitle,
+)
+from symkin.position.given import given_coordinates
+from symkin.position.varied_pose import axis_title, turn_text
+from symkin.spatial.rotation import conjugate, multiply
+from symkin.sweeps.map_slice import SweepFolder, check_drawable
+from symkin.text import plain
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -54,22 +64,21 @@ class _Modes:
 
 
 def figure_of_values(
-    attributes: Mapping[str, Any], data: Any, names: Sequence[str], slices: Mapping[str, float]
+    swept: SweepFolder, names: Sequence[str], slices: Mapping[str, float]
 ) -> Figure:
     """The picture of named points, or of joints. Raises InputError for a name that the sweep does
     not have.
     """
-    mechanism = parse(attributes["mechanism_file"])
-    points = check_drawable(mechanism, attributes["quantity"], list(attributes["axes"]), names)
-    modes = _modes(mechanism, attributes, data, slices, points)
+    points = check_drawable(swept.mechanism, swept.attributes["quantity"], swept.names, names)
+    modes = _modes(swept, slices, points)
     with drawing():
         figure = new_figure(7.4, 6.0 if points else 4.8)
         ax: Any = figure.add_subplot()
         if points:
-            _paths(ax, modes, attributes, names)
+            _paths(ax, modes, swept, names)
         else:
-            _curves(ax, modes, attributes, names)
-        write_title(ax, f"{_kind(modes, points)} of {', '.join(names)}", attributes, modes.fixed)
+            _curves(ax, modes, swept, names)
+        write_title(ax, f"{_kind(modes, points)} of {', '.join(names)}", swept, modes.fixed)
     return figure
 
 
@@ -83,30 +92,23 @@ def _kind(modes: _Modes, points: bool) -> str:
 # --- what is drawn --------------------------------------------------------------------------------
 
 
-def _modes(
-    mechanism: Mechanism,
-    attributes: Mapping[str, Any],
-    data: Any,
-    slices: Mapping[str, float],
-    points: bool,
-) -> _Modes:
+def _modes(folder: SweepFolder, slices: Mapping[str, float], points: bool) -> _Modes:
     """All modes, or those at the slices; of joints, over the axis of most values alone."""
-    names = list(attributes["axes"])
-    sampled = attributes["sample"] is not None
-    by_label = dict(zip(names, labels(names), strict=True))
+    names, sampled, axes = folder.names, folder.sampled, folder.axes
     free = [n for n in names if n not in slices]
-    first = max(free, key=lambda n: data[by_label[n]].size)
+    first = max(free, key=lambda n: axes[n].size)
     swept = free if sampled or points else [first]
-    data, _, fixed = cut_at(attributes, data, [n for n in names if n not in swept], slices)
+    data, _, fixed = folder.cut_at([n for n in names if n not in swept], slices)
     order = data["count"].dims
     data = data.transpose(*order, "mode", ...)
-    values = data[by_label[first]].broadcast_like(data["count"]).transpose(*order).values.ravel()
+    values = axes[first].broadcast_like(data["count"]).transpose(*order).values.ravel()
     count = np.maximum(data["count"].values.ravel(), 0)
     there = np.arange(data.sizes.get("mode", 0)) < count[:, None]
     line = np.full(len(count), -1)
     if not sampled and len(swept) == 1:
-        line = _line(mechanism, data, there, _nearest_sample(mechanism, first, values))
-    return _Modes(data, there, (first, data[by_label[first]].attrs["units"], values), line, fixed)
+        begin = _nearest_sample(folder.mechanism, first, values)
+        line = _line(folder.mechanism, data, there, begin)
+    return _Modes(data, there, (first, axes[first].attrs["units"], values), line, fixed)
 
 
 def _numbers(modes: _Modes, name: str, width: int) -> np.ndarray:
@@ -179,7 +181,7 @@ def _features(mechanism: Mechanism, joints: np.ndarray, units: Sequence[str]) ->
 # --- drawing --------------------------------------------------------------------------------------
 
 
-def _paths(ax: Any, modes: _Modes, attributes: Mapping[str, Any], names: Sequence[str]) -> None:
+def _paths(ax: Any, modes: _Modes, swept: SweepFolder, names: Sequence[str]) -> None:
     """Named points in the two directions in which they move most."""
     listed = modes.data["named_point"].values.tolist()
     all_points = _numbers(modes, "points", 2)
@@ -197,13 +199,13 @@ def _paths(ax: Any, modes: _Modes, attributes: Mapping[str, Any], names: Sequenc
             path = _along(points[:, :, k], modes.line)
             look = {"color": SERIES[k % len(SERIES)], "linewidth": 1.6}
             ax.plot(*path[:, across].T, label=f"{point}, assembly of the file", **look)
-    colour_bar(ax, drawn, axis_text(attributes, name, swept_unit))
+    colour_bar(ax, drawn, axis_text(swept, name, swept_unit))
     ax.set_aspect("equal", adjustable="datalim")
     name_axes(ax, *(f"{'xyz'[k]} [{unit}]" for k in across))
     own_legend(ax, labelled(ax), fontsize=9, loc="best")
 
 
-def _curves(ax: Any, modes: _Modes, attributes: Mapping[str, Any], names: Sequence[str]) -> None:
+def _curves(ax: Any, modes: _Modes, swept: SweepFolder, names: Sequence[str]) -> None:
     """Joints over the swept values."""
     listed = modes.data["joint"].values.tolist()
     joints, units = _numbers(modes, "joints", 1), modes.data["joint_units"].values
@@ -220,7 +222,7 @@ def _curves(ax: Any, modes: _Modes, attributes: Mapping[str, Any], names: Sequen
         else:
             ax.plot([], [], ".", color=colour, label=joint)
     shown = ", ".join(dict.fromkeys(f"{n} [{units[listed.index(n)]}]" for n in names))
-    name_axes(ax, axis_text(attributes, name, unit), shown)
+    name_axes(ax, axis_text(swept, name, unit), shown)
     ax.grid(True)
     own_legend(ax, labelled(ax), fontsize=9, loc="best")
 
@@ -239,3 +241,69 @@ def _along(values: np.ndarray, line: np.ndarray) -> np.ndarray:
 def _dots(ax: Any, x: np.ndarray, y: np.ndarray, **look: Any) -> Any:
     area = float(np.clip(_ALL_DOTS / max(1, len(x)), _LEAST_AREA, _LARGEST_AREA))
     return ax.scatter(x, y, s=area, linewidths=0, rasterized=True, **look)
+
+
+def write_title(ax: Any, what: str, swept: SweepFolder, fixed: Sequence[str]) -> None:
+    """The title, and below it what is fixed besides what the sweep holds."""
+    head(ax.figure, f"{what}: {swept.mechanism.name}, {_problem(swept)}")
+    lines = ", ".join([*fixed, *held_texts(swept)])
+    subtitle(ax, f"at {lines}" if lines else "", 9.5, wrap=True)
+    ax.tick_params(colors=COLOURS["quiet"])
+
+
+def _problem(swept: SweepFolder) -> str:
+    """The problem by its name, or by what is given."""
+    name, base = (swept.attributes[key] for key in ("problem", "base"))
+    if name != "given":
+        return f"{name} problem"
+    return f"given {', '.join([*swept.names, *(base if isinstance(base, Mapping) else ())])}"
+
+
+def axis_text(swept: SweepFolder, name: str, unit: str) -> str:
+    """What stands at the axis of a swept coordinate."""
+    return f"{axis_title(name) if swept.of_poses else name} [{unit}]"
+
+
+def held_texts(swept: SweepFolder) -> list[str]:
+    """Joints, or coordinates of the pose, that are not swept, with their values; rounding noise as
+    0.
+    """
+    mechanism, values = swept.mechanism, swept.attributes["base"]
+    if swept.of_poses:
+        return _held_pose(mechanism, values, swept.names)
+    if not isinstance(values, Mapping):
+        values = dict(zip((c.name for c in mechanism.actuated), values, strict=False))
+    coordinates = given_coordinates(mechanism)
+    found = []
+    for name, value in values.items():
+        if name in coordinates and name not in swept.names:
+            unit = mechanism.unit_of(coordinates[name])
+            found.append(f"{name} = {plain(value, mechanism.characteristic_length):.5g} {unit}")
+        elif name not in coordinates:
+            found.append(f"{name} ({', '.join(f'{plain(float(v)):.4g}' for v in value)})")
+    return found
+
+
+def _held_pose(mechanism: Mechanism, base: Sequence[float], swept: Collection[str]) -> list[str]:
+    """Coordinates of the mechanism's motion: a planar one has no z and an angle gamma, one with a
+    free rotation an orientation.
+    """
+    found, closure = [], build_closure(mechanism)
+    for c in closure.role("pose"):
+        name = c.name.removeprefix("pose.")
+        if c.is_rotation:
+            numbers = ", ".join(f"{plain(float(v)):.4g}" for v in base[3:])
+            found.append(f"orientation ({numbers}){turn_text(swept)}")
+        elif name in ("x", "y", "z") and name not in swept:
+            found.append(
+                f"{name} = {plain(base['xyz'.index(name)], mechanism.characteristic_length):.5g} "
+                f"{mechanism.length_unit}"
+            )
+        elif name == "gamma" and "gamma" not in swept:
+            turn = multiply(np.array(base[3:]), conjugate(mechanism.reference_pose.quaternion))
+            angle = plain(mechanism.angle_out(2.0 * math.atan2(turn[3], turn[0])))
+            if "rz" not in swept or angle:
+                found.append(
+                    f"gamma = {'rz + ' * ('rz' in swept)}{angle:.5g} {mechanism.angle_unit}"
+                )
+    return found

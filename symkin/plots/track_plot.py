@@ -15,10 +15,17 @@ from symkin.errors import InputError
 from symkin.following.sample import Sample
 from symkin.following.track_result import Track
 from symkin.plots.figures import Block, head_of, heading
-from symkin.plots.look import panel_of
+from symkin.plots.modes_plot import panel_of
 from symkin.plots.picture_options import looks_of
-from symkin.plots.sheet import SHEET_DPI, labelled, new_figure, note, own_legend, sheet_axes
-from symkin.plots.style import drawing
+from symkin.plots.sheet import (
+    SHEET_DPI,
+    drawing,
+    labelled,
+    new_figure,
+    note,
+    own_legend,
+    sheet_axes,
+)
 from symkin.plots.track_curves import Curve, CurvePanel, Input, drawn_panels, inputs_of
 
 if TYPE_CHECKING:

@@ -11,6 +11,7 @@ import numpy as np
 from symkin.drawing.palette import COLOURS, SERIES
 from symkin.plots.sheet import (
     colour_bar,
+    drawing,
     head,
     labelled,
     name_axes,
@@ -18,7 +19,6 @@ from symkin.plots.sheet import (
     own_legend,
     subtitle,
 )
-from symkin.plots.style import drawing
 from symkin.transmissions.polytope import between_planes, torque_vertices
 from symkin.transmissions.transmission_result import Transmission, Transmissions
 

@@ -11,10 +11,10 @@ import numpy as np
 from symkin.closure.closure import Closure, build_closure
 from symkin.closure.link_poses import link_poses
 from symkin.formats.assembled import assembled, open_sentence
-from symkin.formats.closing import Closed, nearest_closed
 from symkin.formats.load import is_robot, load, read_robot
 from symkin.formats.read_options import AS_IT_IS, ReadOptions
 from symkin.formats.robot import Robot
+from symkin.formats.tree import Closed, nearest_closed
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.rank import Rank
 from symkin.numeric.tolerances import (

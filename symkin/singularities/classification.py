@@ -25,13 +25,14 @@ from typing import Unpack
 
 import numpy as np
 
-from symkin.closure.closure import Closure
+from symkin.closure.closure import Closure, build_closure
 from symkin.errors import InputError
+from symkin.machine.lower import arm_or_limbs
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.rank import null_space, row_space
 from symkin.numeric.tolerances import RANK_TOLERANCE, SINGULAR_VALUE
 from symkin.position.given import Values
-from symkin.position.problem import build_problem
+from symkin.position.problem import actuated_names, build_problem
 from symkin.position.solution import Solution
 from symkin.position.transfer import variables_elsewhere
 from symkin.quiet import without_float_warnings
@@ -42,6 +43,7 @@ from symkin.singularities.motion_ranks import (
     feasible_motions,
     generic_ranks,
     held_motions,
+    singular_value,
 )
 from symkin.singularities.named_screw import NamedScrew, joint_rates, named_twist, named_wrench
 from symkin.singularities.options import SingularityOptions
@@ -54,8 +56,9 @@ from symkin.singularities.output import (
     output_twists,
 )
 from symkin.singularities.singular_groups import SingularGroup, singular_groups
-from symkin.singularities.singularity_result import Singularity
+from symkin.singularities.singularity_result import KINDS, Singularity
 from symkin.spatial.screw import tidy_rows
+from symkin.velocity.equations import variables_of
 from symkin.velocity.limb_equations import LimbwiseEquations, limbwise_equations
 from symkin.velocity.roles import Roles, roles_of
 from symkin.verb import verb
@@ -168,9 +171,16 @@ def classify(
     ranks = Ranks.of(equations, tolerance)
     generic = generic_ranks(roles, output).at_other_assembly(ranks)
     conditions = _conditions(ranks, generic)
-    kinds = _kinds(closure, ranks, generic, conditions, roles)
+    wrenches, least, most = equations.constraints, ranks.constraints, generic.constraints
+    if roles.by_name:
+        wrenches, least, most = _of_limbs(solution, roles, tolerance)
+    spatial = closure.mechanism.motion == "spatial"
+    kinds = _kinds(conditions, roles, lost=spatial and least < most)
+    away = distances(closure, equations, generic, roles)
+    if spatial and most:
+        away["constraint"] = singular_value(wrenches, most)
     feasible = feasible_motions(whole, tolerance)[:, : whole.twist.shape[1]]
-    wrenches = (
+    borne = (
         _borne_wrenches(feasible, reduced, tolerance)
         if "IO" in conditions and roles.has_twist
         else feasible[:0]
@@ -183,12 +193,14 @@ def classify(
         generic=generic,
         conditions=conditions,
         kinds=kinds,
-        distances=distances(closure, equations, generic, roles),
+        distances={kind: away[kind] for kind in KINDS if kind in away},
         singular_values=_direct_map(equations, ranks, generic, tolerance),
-        twists=_twists(solution, whole, _free_twists(whole, reduced, ranks, kinds, tolerance))
+        twists=_twists(
+            solution, whole, _free_twists(whole, reduced, ranks, kinds, wrenches, tolerance)
+        )
         if roles.has_twist
         else (),
-        wrenches=tuple(named_wrench(solution, row) for row in tidy_rows(wrenches @ whole.motion.T)),
+        wrenches=tuple(named_wrench(solution, row) for row in tidy_rows(borne @ whole.motion.T)),
         inputs=tuple(
             joint_rates(solution.mechanism, roles.driven(closure), row) for row in tidy_rows(inputs)
         ),
@@ -211,6 +223,21 @@ def _groups(solution: Solution, roles: Roles, tolerance: float) -> tuple[Singula
     """
     problem = build_problem(solution.mechanism, roles.inputs or (), ())
     return singular_groups(problem, variables_elsewhere(problem.closure, solution), tolerance)
+
+
+def _of_limbs(solution: Solution, roles: Roles, tolerance: float) -> tuple[np.ndarray, int, int]:
+    """The constraint wrenches of a graph that is a platform on limbs, driven by all actuated
+    joints, their rank and its generic one; no wrenches of another.
+    """
+    is_whole = roles.has_twist and roles.inputs == actuated_names(roles.mechanism)
+    low = arm_or_limbs(roles.mechanism) if is_whole else None
+    if low is None:
+        return np.zeros((0, 6)), 0, 0
+    closure = build_closure(low.machine)
+    equations = limbwise_equations(closure, variables_of(closure, solution), tolerance)
+    ranks = Ranks.of(equations, tolerance)
+    generic = generic_ranks(Roles(low.machine)).at_other_assembly(ranks)
+    return equations.constraints, ranks.constraints, generic.constraints
 
 
 def _no_twist(roles: Roles, output: Output) -> str:
@@ -242,15 +269,13 @@ def _conditions(ranks: Ranks, generic: Ranks) -> tuple[str, ...]:
     return tuple(name for name, holds in tests.items() if holds)
 
 
-def _kinds(
-    closure: Closure, ranks: Ranks, generic: Ranks, conditions: tuple[str, ...], roles: Roles
-) -> tuple[str, ...]:
-    lost = closure.mechanism.motion == "spatial" and ranks.constraints < generic.constraints
+def _kinds(conditions: tuple[str, ...], roles: Roles, *, lost: bool) -> tuple[str, ...]:
+    """The kinds of singularity; `lost`: the limbs' constraint wrenches have lost rank."""
     tests = {
         "type 1": "RI" in conditions and roles.names_output,
         "type 2": "RO" in conditions,
         "increased": "IIM" in conditions,
-        "constraint": not roles.by_name and lost,
+        "constraint": lost,
         "passive": "RPM" in conditions,
     }
     return tuple(name for name, holds in tests.items() if holds)
@@ -280,10 +305,11 @@ def _free_twists(
     reduced: OutputEquations | None,
     ranks: Ranks,
     kinds: tuple[str, ...],
+    wrenches: np.ndarray,
     tolerance: float,
 ) -> np.ndarray:
     """Twists (n, r) with the actuated joints held, or with all joints free where a constraint is
-    lost; none where no such motion is told.
+    lost, one of the limbs' `wrenches`; none where no such motion is told.
     """
     if "type 2" in kinds or ("constraint" not in kinds and ranks.motions > ranks.inputs):
         return (
@@ -291,7 +317,7 @@ def _free_twists(
             if reduced is None
             else output_twists(whole, reduced, tolerance)
         )
-    return null_space(whole.constraints, tolerance) if "constraint" in kinds else whole.twist[:0]
+    return null_space(wrenches, tolerance) if "constraint" in kinds else whole.twist[:0]
 
 
 def _borne_wrenches(

@@ -12,7 +12,7 @@ import numpy as np
 
 from symkin.position.solution import Solution
 from symkin.position.varied_pose import angle_meaning, turn_text
-from symkin.result import Result, Summary
+from symkin.result import Result, Summary, json_fields
 from symkin.singularities.locus import Locus
 from symkin.singularities.locus_system import Plane
 from symkin.text import plain
@@ -90,17 +90,13 @@ class Loci(Result):
         return {
             "mechanism": self.plane.mechanism.name,
             "plane": list(self.plane.names),
-            "units": list(self.units),
-            "ranges": [list(r) for r in self.ranges],
-            "angles": self.angles,
+            **json_fields(self, "units", "ranges", "angles"),
             "configuration": self.solution.to_dict(),
             "curves": [
                 {**curve.to_dict(), "loose_ends": curve.loose_ends(self.ranges).tolist()}
                 for curve in self.curves
             ],
-            "starts": self.starts,
-            "seed": self.seed,
-            "notes": list(self.notes),
+            **json_fields(self, "starts", "seed", "notes"),
         }
 
     def summary(self, most_rows: int | None = None) -> Summary:

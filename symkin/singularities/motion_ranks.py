@@ -107,23 +107,19 @@ def distances(
     """For each kind that the mechanism can have, the smallest singular value (of those that are not
     zero everywhere) of its matrix.
     """
-    found = (
-        {"type 1": _singular_value(equations.rates, generic.rates)} if roles.names_output else {}
-    )
+    found = {"type 1": singular_value(equations.rates, generic.rates)} if roles.names_output else {}
     if not closure.mechanism.serial:
-        found["type 2"] = _singular_value(equations.twist, generic.twist)
+        found["type 2"] = singular_value(equations.twist, generic.twist)
     if roles.by_name:
         rank = len(equations.spectrum) - generic.freedoms
         found["increased"] = float(equations.spectrum[rank - 1]) if rank > 0 else 1.0
-    elif generic.constraints and closure.mechanism.motion == "spatial":
-        found["constraint"] = _singular_value(equations.constraints, generic.constraints)
     passive = [float(ratio) for limb in equations.limbs for ratio in limb.passive]
     if passive and roles.names_output:
         found["passive"] = sorted(passive)[min(generic.idle, len(passive) - 1)]
     return found
 
 
-def _singular_value(matrix: np.ndarray, rank: int) -> float:
+def singular_value(matrix: np.ndarray, rank: int) -> float:
     """Singular value number `rank` of a matrix; 0 where it has fewer."""
     s = np.linalg.svd(matrix, compute_uv=False) if min(matrix.shape) else np.zeros(0)
     return float(s[rank - 1]) if 0 < rank <= len(s) else 0.0

@@ -13,6 +13,7 @@ from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.tolerances import SINGULAR_VALUE
 from symkin.position.solution import Solution
+from symkin.result import json_fields
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,14 +75,7 @@ class NamedScrew:
 
     def to_dict(self) -> dict[str, Any]:
         """`vector` is (direction; moment about the base origin), `pitch` length per radian."""
-        point = None if self.point is None else self.point.tolist()
-        return {
-            "name": self.name,
-            "vector": self.vector.tolist(),
-            "direction": self.direction.tolist(),
-            "point": point,
-            "pitch": self.pitch,
-        }
+        return json_fields(self, "name", "vector", "direction", "point", "pitch")
 
     def __str__(self) -> str:
         along = f"along {_triple(self.direction, 1.0)}"

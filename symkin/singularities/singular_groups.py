@@ -14,6 +14,7 @@ from symkin.numeric.tolerances import SINGULAR_VALUE
 from symkin.position.groups import structure_groups
 from symkin.position.loops import loops_at
 from symkin.position.problem import Problem
+from symkin.result import json_fields
 from symkin.velocity.limb_equations import row_basis
 
 
@@ -31,12 +32,7 @@ class SingularGroup:
 
     def to_dict(self) -> dict[str, Any]:
         """The group in JSON."""
-        return {
-            "number": self.number,
-            "unknowns": list(self.unknowns),
-            "loops": list(self.loops),
-            "singular_value": self.singular_value,
-        }
+        return json_fields(self, "number", "unknowns", "loops", "singular_value")
 
     def __str__(self) -> str:
         of = f" of loop{'s' * (len(self.loops) > 1)} {'; '.join(self.loops)}" if self.loops else ""

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from symkin.position.solution import Solution
-from symkin.result import Result, Summary
+from symkin.result import Result, Summary, json_fields, json_value
 from symkin.singularities.motion_ranks import Ranks
 from symkin.singularities.named_screw import NamedScrew
 from symkin.singularities.output import Output
@@ -21,11 +21,12 @@ from symkin.velocity.limb_equations import LimbwiseEquations
 from symkin.velocity.roles import Roles
 
 _INCREASED = "the loops' constraints lose rank: the mechanism has more freedoms than elsewhere"
+_CONSTRAINT = "the limbs' constraint wrenches lose rank: the platform gains a freedom"
 KINDS = {
     "type 1": "the inverse problem loses rank: joints move, the platform stands",
     "type 2": "the direct problem loses rank: the platform moves, the actuated joints stand",
     "increased": _INCREASED,
-    "constraint": "the limbs' constraint wrenches lose rank: the platform gains a freedom",
+    "constraint": _CONSTRAINT,
     "passive": "passive joints move alone, platform and actuated joints stand",
 }
 """Kinds of singularity and what they mean."""
@@ -33,7 +34,7 @@ OUTPUT_KINDS = {
     "type 1": "the inverse problem loses rank: joints move, the output stands",
     "type 2": "the direct problem loses rank: the output moves, the actuated joints stand",
     "increased": _INCREASED,
-    "constraint": "the limbs' constraint wrenches lose rank: the platform gains a freedom",
+    "constraint": _CONSTRAINT,
     "passive": "platform or passive joints move, output and actuated joints stand",
 }
 """What the kinds mean where an output is named."""
@@ -41,6 +42,7 @@ GIVEN_KINDS = {
     "type 1": "the given coordinates move, {output} stands",
     "type 2": "{output} may move, the given coordinates stand",
     "increased": _INCREASED,
+    "constraint": _CONSTRAINT,
     "passive": "further joints may move alone, the given coordinates and {output} stand",
 }
 """What the kinds mean where coordinates drive that are told by name."""
@@ -173,27 +175,22 @@ class Singularity(Result):
             "size": mechanism.characteristic_length,
             "output": self._output_dict(),
             "configuration": self.solution.to_dict(),
-            "kinds": list(self.kinds),
-            "conditions": list(self.conditions),
+            **json_fields(self, "kinds", "conditions"),
             "everywhere": self.permanent_freedoms,
             "distances": dict(self.distances),
-            "condition": _finite(self.condition),
-            "manipulability": _finite(self.manipulability),
-            "inverse_manipulability": _finite(self.inverse_manipulability),
+            **{
+                name: _finite(getattr(self, name))
+                for name in ("condition", "manipulability", "inverse_manipulability")
+            },
             "singular_values": [_finite(float(value)) for value in self.singular_values],
-            "twists": [screw.to_dict() for screw in self.twists],
-            "wrenches": [screw.to_dict() for screw in self.wrenches],
-            "inputs": list(self.inputs),
-            **(self._named_dict() if self.given else {}),
-            "notes": list(self.notes),
-        }
-
-    def _named_dict(self) -> dict[str, Any]:
-        return {
-            "given": list(self.given),
-            "rank_loss": self.rank_loss,
-            "motions": list(self.motions),
-            "blocks": [group.to_dict() for group in self.groups],
+            **json_fields(self, "twists", "wrenches", "inputs"),
+            **(
+                json_fields(self, "given", "rank_loss", "motions")
+                | {"blocks": json_value(self.groups)}
+                if self.given
+                else {}
+            ),
+            **json_fields(self, "notes"),
         }
 
     def _output_dict(self) -> dict[str, Any] | None:

@@ -14,7 +14,7 @@ from symkin.assembly.mode_table import joint_labels
 from symkin.model.names import is_device
 from symkin.quiet import warnings_ignored
 from symkin.sweeps.plan import Plan
-from symkin.sweeps.quantities import all_names
+from symkin.sweeps.quantities import ALL_NAMES
 
 _MODE_CHUNK, _MODE_SHARD = 8, 64
 """Modes in one chunk of an array, and in one file, which has several chunks."""
@@ -33,7 +33,7 @@ _DIMENSIONS = (
     "digest",  # of earlier layouts
     _SAMPLE_DIMENSION,
 )
-RESERVED = frozenset(_DIMENSIONS) | all_names()
+RESERVED = ALL_NAMES.union(_DIMENSIONS)
 """Names of arrays and dimensions: a swept joint of such a name is stored as `joint.NAME`."""
 
 

@@ -8,7 +8,6 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from symkin.errors import InputError
-from symkin.model.file import parse
 from symkin.model.mechanism import Mechanism
 from symkin.position.given import read_given
 from symkin.position.problem import build_problem
@@ -16,7 +15,7 @@ from symkin.singularities.configuration import configuration
 from symkin.singularities.curve import distance
 from symkin.singularities.loci import Loci
 from symkin.singularities.singular_loci import singular_loci
-from symkin.sweeps.map_slice import space_of
+from symkin.sweeps.map_slice import SweepFolder
 
 _SAME = 1e-6
 """Difference over the size (angles: radians) below which held values are one."""
@@ -24,7 +23,7 @@ _SAME = 1e-6
 
 def loci_over(
     loci: Loci | bool,
-    attributes: Mapping[str, Any],
+    folder: SweepFolder,
     ranges: Mapping[str, tuple[float, float]],
     cuts: Mapping[str, float],
     some: Sequence[float],
@@ -35,13 +34,12 @@ def loci_over(
     """
     if loci is False:
         return None
-    mechanism, names = parse(attributes["mechanism_file"]), list(ranges)
-    if set(names) | set(cuts) < set(attributes["axes"]):
+    names, space = list(ranges), folder.space
+    if set(names) | set(cuts) < set(folder.names):
         raise InputError(
             "plot: loci are drawn over the map of a grid; a random sample of more than two "
             "coordinates has no plane"
         )
-    space = space_of(attributes)
 
     def given(point: Sequence[float]) -> dict[str, Any]:
         values = dict(cuts) | dict(zip(names, point, strict=True))
@@ -49,7 +47,7 @@ def loci_over(
 
     if loci is not True:
         here = list(some) or [low for low, _ in ranges.values()]
-        _check_plane(loci, attributes, names, given(here), here)
+        _check_plane(loci, folder, names, given(here), here)
         return loci
     if not len(some):
         raise InputError(
@@ -59,12 +57,12 @@ def loci_over(
     told = given(some)
     known = list(told["given"]) if "given" in told else None
     sides = [(low, high) for low, high in ranges.values()]
-    return singular_loci(configuration(mechanism, **told), names, given=known, ranges=sides)
+    return singular_loci(configuration(folder.mechanism, **told), names, given=known, ranges=sides)
 
 
 def _check_plane(
     loci: Loci,
-    attributes: Mapping[str, Any],
+    folder: SweepFolder,
     names: Sequence[str],
     here: Mapping[str, Any],
     some: Sequence[float],
@@ -73,9 +71,9 @@ def _check_plane(
     same values held.
     """
     mechanism = loci.plane.mechanism
-    if mechanism.to_toml() != attributes["mechanism_file"]:
+    if mechanism.to_toml() != folder.attributes["mechanism_file"]:
         raise InputError(
-            f"plot: the loci are of {mechanism.name} and the map of {attributes['mechanism']}, or "
+            f"plot: the loci are of {mechanism.name} and the map of {folder.mechanism.name}, or "
             f"its geometry is another"
         )
     if set(loci.plane.names) != set(names):

@@ -9,7 +9,7 @@ dimension `mode` is as long there as the most modes of any point, and filled up 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -43,92 +43,77 @@ class Variable:
     def per_mode(self) -> bool:
         return "mode" in self.dimensions
 
+    def in_units(self, length_unit: str) -> Variable:
+        """The array of a mechanism whose lengths have this unit."""
+        told = tuple((k, length_unit if v == _LENGTH else v) for k, v in self.attributes)
+        return replace(self, attributes=told)
+
 
 def variables(quantity: str, certify: bool, problem: Problem) -> tuple[Variable, ...]:
     """The arrays of a quantity. Raises InputError for one that is unknown."""
     if quantity not in QUANTITIES:
         raise InputError(f"quantity = {not_among(quantity, QUANTITIES)}")
-    mechanism, found = problem.mechanism, list(_COMMON)
+    mechanism, found = problem.mechanism, [*_COMMON]
     if quantity == "modes":
-        found += _platform(mechanism.length_unit) if mechanism.platform_link is not None else []
-        found += _points(mechanism.length_unit) if mechanism.link_points else []
-        found += _modes(mechanism.length_unit) + (
-            _certificates(mechanism.length_unit) if certify else []
-        )
+        found += _PLATFORM if mechanism.platform_link is not None else []
+        found += _POINTS if mechanism.link_points else []
+        found += [*_MODES, *(_CERTIFICATES if certify else [])]
     elif quantity == "conditioning":
-        found += [*_DISTANCES, *([_INCREASED] if problem.by_name else []), *_CONDITIONING]
+        found += [*_DISTANCES, *(_INCREASED if problem.by_name else []), *_CONDITIONING]
     else:
         found += _REACH
-    return tuple(found)
+    return tuple(v.in_units(mechanism.length_unit) for v in found)
 
 
-def all_names() -> frozenset[str]:
-    """Names of the arrays of all quantities."""
-    found = (
-        *_COMMON,
-        *_platform(""),
-        *_points(""),
-        *_modes(""),
-        *_certificates(""),
-        *_DISTANCES,
-        _INCREASED,
-        *_CONDITIONING,
-        *_REACH,
-    )
-    return frozenset(v.name for v in found)
+_LENGTH = "length"
+"""Stands for the mechanism's length unit."""
 
 
-def _variable(
-    name: str, dtype: str, fill: float, dimensions: str = "", **attributes: Any
-) -> Variable:
-    return Variable(name, dtype, fill, tuple(dimensions.split()), tuple(attributes.items()))
+def _number(name: str, dimensions: str = "", **attributes: Any) -> Variable:
+    """An array of numbers, NaN where nothing is."""
+    return Variable(name, "float64", np.nan, tuple(dimensions.split()), tuple(attributes.items()))
 
 
-_COMMON = (
-    _variable(
+def _whole(name: str, dtype: str, dimensions: str = "", **attributes: Any) -> Variable:
+    """An array of whole numbers or flags, -1 where nothing is."""
+    return Variable(name, dtype, -1, tuple(dimensions.split()), tuple(attributes.items()))
+
+
+_COMMON = [
+    _whole(
         "count",
         "int32",
-        -1,
         long_name="real modes",
         values=(
             "-1: not computed, or too many to list; 0: none, and the least closure error is "
             "what symkin modes says there"
         ),
     ),
-    _variable(
+    Variable(
         "completeness",
         "uint8",
         0,
-        flag_values=list(range(len(COMPLETENESS))),
-        flag_meanings=list(COMPLETENESS),
+        (),
+        (
+            ("flag_values", list(range(len(COMPLETENESS)))),
+            ("flag_meanings", list(COMPLETENESS)),
+        ),
     ),
-    _variable(
-        "unresolved", "int32", -1, long_name="unresolved paths", values="-1: no paths were tracked"
-    ),
-    _variable(
+    _whole("unresolved", "int32", long_name="unresolved paths", values="-1: no paths were tracked"),
+    _whole(
         "continuum",
         "int8",
-        -1,
         long_name="solutions that are not isolated were met",
         values="1: yes, 0: no",
     ),
+]
+_CONDITION = _number(
+    "condition", "mode", long_name="condition of the unknowns' Jacobian", units="1"
 )
-_CONDITION = _variable(
-    "condition",
-    "float64",
-    np.nan,
-    "mode",
-    long_name="condition of the unknowns' Jacobian",
-    units="1",
-)
-_WITHIN = _variable(
-    "within_limits", "int8", -1, "mode", values="1: yes, 0: no, -1: no mode, or no limits"
-)
+_WITHIN = _whole("within_limits", "int8", "mode", values="1: yes, 0: no, -1: no mode, or no limits")
 _DISTANCES = [
-    _variable(
+    _number(
         f"distance_{kind.replace(' ', '_')}",
-        "float64",
-        np.nan,
         "mode",
         units="1",
         long_name=(
@@ -138,106 +123,68 @@ _DISTANCES = [
     )
     for kind in ("type 1", "type 2")
 ]
-_INCREASED = _variable(
-    "distance_increased",
-    "float64",
-    np.nan,
-    "mode",
-    units="1",
-    long_name=(
-        "distance from configurations of more freedoms (0: there; singular value of all rows "
-        "over their largest)"
-    ),
-)
+_INCREASED = [
+    _number(
+        "distance_increased",
+        "mode",
+        units="1",
+        long_name=(
+            "distance from configurations of more freedoms (0: there; singular value of all rows "
+            "over their largest)"
+        ),
+    )
+]
 _CONDITIONING = [
     _CONDITION,
     _WITHIN,
-    _variable(
-        "least_condition", "float64", np.nan, long_name="condition of the best mode", units="1"
-    ),
-    _variable(
-        "largest_condition", "float64", np.nan, long_name="condition of the worst mode", units="1"
-    ),
+    _number("least_condition", long_name="condition of the best mode", units="1"),
+    _number("largest_condition", long_name="condition of the worst mode", units="1"),
 ]
 _REACH = [
-    _variable(
+    _whole(
         "count_within_limits",
         "int32",
-        -1,
         long_name="real modes within limits",
         values="all, where there are no limits",
     ),
-    _variable(
+    _whole(
         "reached",
         "int8",
-        -1,
         long_name="some solution lies within limits",
         values="1: yes, 0: no, -1: not decided",
     ),
 ]
-
-
-def _platform(length_unit: str) -> list[Variable]:
-    return [
-        _variable("position", "float64", np.nan, "mode axis", units=length_unit),
-        _variable("quaternion", "float64", np.nan, "mode component", units="1"),
-    ]
-
-
-def _points(length_unit: str) -> list[Variable]:
-    long_name = "named points of links in the base frame"
-    return [
-        _variable(
-            "points",
-            "float64",
-            np.nan,
-            "mode named_point axis",
-            long_name=long_name,
-            units=length_unit,
-        )
-    ]
-
-
-def _modes(length_unit: str) -> list[Variable]:
-    return [
-        _variable(
-            "joints",
-            "float64",
-            np.nan,
-            "mode joint",
-            long_name="joint coordinates, units in joint_units",
-        ),
-        _variable(
-            "residual",
-            "float64",
-            np.nan,
-            "mode",
-            long_name="largest closure error",
-            units=length_unit,
-        ),
-        _CONDITION,
-        _WITHIN,
-    ]
-
-
-def _certificates(length_unit: str) -> list[Variable]:
-    return [
-        _variable(
-            "certified",
-            "int8",
-            -1,
-            "mode",
-            values="1: one exact solution is proved, 0: not, -1: no mode",
-        ),
-        _variable(
-            "radius",
-            "float64",
-            np.nan,
-            "mode",
-            long_name="distance of the exact solution at most",
-            units=length_unit,
-        ),
-    ]
+_PLATFORM = [
+    _number("position", "mode axis", units=_LENGTH),
+    _number("quaternion", "mode component", units="1"),
+]
+_POINTS = [
+    _number(
+        "points",
+        "mode named_point axis",
+        long_name="named points of links in the base frame",
+        units=_LENGTH,
+    )
+]
+_MODES = [
+    _number("joints", "mode joint", long_name="joint coordinates, units in joint_units"),
+    _number("residual", "mode", long_name="largest closure error", units=_LENGTH),
+    _CONDITION,
+    _WITHIN,
+]
+_CERTIFICATES = [
+    _whole(
+        "certified", "int8", "mode", values="1: one exact solution is proved, 0: not, -1: no mode"
+    ),
+    _number("radius", "mode", long_name="distance of the exact solution at most", units=_LENGTH),
+]
+ALL_NAMES = frozenset(
+    v.name
+    for part in (_COMMON, _PLATFORM, _POINTS, _MODES, _CERTIFICATES, _DISTANCES, _INCREASED)
+    + (_CONDITIONING, _REACH)
+    for v in part
+)
+"""Names of the arrays of all quantities."""
 
 
 def arrays_of(

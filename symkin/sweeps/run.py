@@ -14,7 +14,7 @@ from symkin.assembly.search import DEFAULT_SEED
 from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.position.multistart import DEFAULT_STARTS
-from symkin.result import Result, Summary
+from symkin.result import Result, Summary, json_fields
 from symkin.sweeps.executors import Crew, dask_crew, given_crew, local_crew
 from symkin.sweeps.options import SweepOptions
 from symkin.sweeps.plan import Job, Plan, compute_chunk, make_plan
@@ -93,10 +93,7 @@ class Swept(Result):
         """Return the counts and the folder, which has the arrays."""
         return {
             "folder": str(self.folder),
-            "points": self.points,
-            "chunks": self.chunks,
-            "computed": self.computed,
-            "most_modes": self.most_modes,
+            **json_fields(self, "points", "chunks", "computed", "most_modes"),
             "points_by_count": {
                 str(count): points for count, points in self.points_by_count.items()
             },
@@ -247,28 +244,26 @@ def _check_types(mechanism: Any, grid: Any, given: Any, directory: Any, **others
             "grid and given are both there; given (--given) alone tells all values, grid (--grid) "
             "those of inputs or poses"
         )
-    _need(grid is None or isinstance(grid, Mapping), "grid", grid, wanted)
-    _need(given is None or isinstance(given, Mapping), "given", given, wanted)
-    _need(directory is not None, "directory", directory, "the path of a folder is needed")
-    _need(
-        not isinstance(others["at"], str | bytes),
-        "at",
-        others["at"],
-        "a list of numbers, a mapping or a Pose is needed",
-    )
     executor, progress = others["executor"], others["progress"]
-    _need(
-        executor is None or hasattr(executor, "submit"),
-        "executor",
-        executor,
-        "a concurrent.futures.Executor is needed",
-    )
-    _need(
-        progress is None or callable(progress),
-        "progress",
-        progress,
-        "a function of two counts is needed",
-    )
+    needs = {
+        "grid": (grid is None or isinstance(grid, Mapping), wanted),
+        "given": (given is None or isinstance(given, Mapping), wanted),
+        "directory": (directory is not None, "the path of a folder is needed"),
+        "at": (
+            not isinstance(others["at"], str | bytes),
+            "a list of numbers, a mapping or a Pose is needed",
+        ),
+        "executor": (
+            executor is None or hasattr(executor, "submit"),
+            "a concurrent.futures.Executor is needed",
+        ),
+        "progress": (progress is None or callable(progress), "a function of two counts is needed"),
+    }
+    told = {"grid": grid, "given": given, "directory": directory, **others}
+    for name, (good, what) in needs.items():
+        if not good:
+            value = told[name]
+            raise InputError(f"{name} = {value!r} is of type {type(value).__name__}; {what}")
 
 
 def _refuse_unread(space: Space, *, at: Any, seed: int | None, starts: int | None) -> None:
@@ -298,8 +293,3 @@ def _reads_base(space: Space) -> bool:
         return not {c.name for c in space.mechanism.actuated} <= swept
     turns = "gamma" not in swept and space.mechanism.motion != "translation"
     return turns or not {name for name in pose_units(space.mechanism) if name in "xyz"} <= swept
-
-
-def _need(good: bool, name: str, value: Any, wanted: str) -> None:
-    if not good:
-        raise InputError(f"{name} = {value!r} is of type {type(value).__name__}; {wanted}")

@@ -117,24 +117,13 @@ class States:
         linkage, first = self.linkage, self._chart[0][row]
         if not np.isfinite(first).all():
             return "the loops gain a freedom there: neither motors nor joints decide the motion"
-        for names, places, others, told in (
-            (
-                linkage.joints,
-                linkage.joint_places,
-                linkage.motor_places,
-                "{} moves while the motors stand",
-            ),
-            (
-                linkage.motors,
-                linkage.motor_places,
-                linkage.joint_places,
-                "{} moves while the joints stand",
-            ),
-        ):
-            _, values, right = np.linalg.svd(first[others])
+        sides = ((linkage.joints, linkage.motors), (linkage.motors, linkage.joints))
+        for (names, others), what in zip(sides, ("motors", "joints"), strict=True):
+            _, values, right = np.linalg.svd(first[linkage.places_of(others)])
             if len(values) < first.shape[1] or values[-1] < _NEARLY_LOST:
-                way = first[places] @ right[-1]
-                return told.format(direction(names, way / np.abs(way).max()))
+                way = first[linkage.places_of(names)] @ right[-1]
+                moving = direction(names, way / np.abs(way).max())
+                return f"{moving} moves while the {what} stand"
         return ""
 
 

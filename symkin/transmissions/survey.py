@@ -139,13 +139,13 @@ class Survey:
 
     def smallest(self, joint: int) -> Extreme:
         """The smallest torque of a joint alone over the range."""
-        return self._extreme(joint, int(np.argmin(self.alone[:, joint])))
+        return self._extreme(joint, self.alone[:, joint].argmin())
 
     def largest(self, joint: int) -> Extreme:
         """The largest torque of a joint alone over the range."""
-        return self._extreme(joint, int(np.argmax(self.alone[:, joint])))
+        return self._extreme(joint, self.alone[:, joint].argmax())
 
-    def _extreme(self, joint: int, row: int) -> Extreme:
+    def _extreme(self, joint: int, row: np.intp) -> Extreme:
         value, which = self._alone[0][row, joint], self._alone[1][row, joint]
         at = tuple(self.states.joints[row].tolist())
         return Extreme(float(value), at, self._planes[3][which])

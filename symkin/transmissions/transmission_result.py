@@ -14,7 +14,7 @@ from symkin.following.track import track
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism
 from symkin.position.solve_result import SolveError
-from symkin.result import Result, Summary
+from symkin.result import Result, Summary, json_value
 from symkin.text import counted, shown
 from symkin.transmissions.linkage import Linkage
 from symkin.transmissions.motors import Motors, read_motors
@@ -184,9 +184,10 @@ class Transmission(Result):
         return {
             "transmission": self.name,
             **values,
-            "jacobian": _listed(states.jacobian[0]),
-            "second": _listed(states.second[0]),
-            "inverse_jacobian": _listed(states.inverse_jacobian[0]),
+            **{
+                name: _listed(getattr(states, name)[0])
+                for name in ("jacobian", "second", "inverse_jacobian")
+            },
             "reflected_inertia": _listed(states.inertia(own.inertias)[0]),
             "bias": _listed(states.bias(own.inertias)[0]),
             "torque_polytope": _listed(self.polytope(motors, joints=joints)),
@@ -325,7 +326,7 @@ class Transmissions(Result, Mapping[str, Transmission]):
         """The JSON objects of all transmissions."""
         return {
             "mechanism": self.mechanism.name,
-            "transmissions": [t.to_dict() for t in self.found],
+            "transmissions": json_value(self.found),
             "notes": list(self.notes),
         }
 

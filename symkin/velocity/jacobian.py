@@ -19,7 +19,7 @@ from symkin.machine.lower import arm_or_limbs
 from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.position.solution import Solution
 from symkin.position.solve_result import SolveError
-from symkin.result import Result, Summary
+from symkin.result import Result, Summary, json_fields
 from symkin.text import not_among
 from symkin.velocity.differential import differentiate, variable_rates
 from symkin.velocity.equations import VelocityEquations, variables_of, velocity_equations
@@ -230,10 +230,8 @@ class Jacobian(Result):
         """What the matrix relates: kind, names of rows and columns, and what each entry reads."""
         return {
             "mechanism": self.mechanism.name,
-            "kind": self.kind,
-            "rows": list(self.rows),
-            "columns": list(self.columns),
-            "inputs": [{"name": v.name, "source": v.source, "unit": v.unit} for v in self.inputs],
+            **json_fields(self, "kind", "rows", "columns"),
+            "inputs": [json_fields(v, "name", "source", "unit") for v in self.inputs],
             "parameters": [v.source for v in self.parameters],
         }
 

@@ -5,6 +5,7 @@ printed below them.
 import os
 import shutil
 import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -33,17 +34,23 @@ DOCUMENTS = ("README.md", "docs/index.md", "docs/bring-your-robot.md", *TUTORIAL
 ROBOTS = ROOT / "docs" / "robots"
 
 
+@pytest.fixture
+def beside_robots(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A folder of the test's own with the example robots where documents name them: what a block
+    writes is written there, and the paths that it adds end with it.
+    """
+    shutil.copytree(ROBOTS, tmp_path / "docs" / "robots")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "path", [*sys.path])
+
+
 @pytest.mark.slow
+@pytest.mark.usefixtures("beside_robots")
 @pytest.mark.parametrize(
     "code", [code for document in DOCUMENTS for code in blocks(document, "python")]
 )
-def test_python_blocks_run(
-    code: str, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_python_blocks_run(code: str, capsys: pytest.CaptureFixture[str]) -> None:
     """Each Python block runs alone and prints something."""
-    folder = tmp_path / "docs"
-    shutil.copytree(ROBOTS, folder / "robots")
-    monkeypatch.chdir(tmp_path)
     exec(compile(code, "document", "exec"), {})
     assert capsys.readouterr().out.strip()
 
@@ -132,6 +139,7 @@ def test_parts_of_files_are_those_of_the_files(language: str) -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("beside_robots")
 @pytest.mark.parametrize(
     ("code", "told"), [pair for document in DOCUMENTS for pair in shown_outputs(document)]
 )

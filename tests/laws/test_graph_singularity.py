@@ -183,7 +183,8 @@ def parallelogram() -> symkin.Mechanism:
 @pytest.mark.parametrize("motion", ["planar", "spatial"])
 def test_more_freedoms_are_named_however_a_machine_is_written(motion) -> None:
     """Four pins on one line, two cranks of one length: the platform's velocity along the line
-    vanishes, and both of its others are free. Limbs in space lose a wrench of theirs beside it.
+    vanishes, and both of its others are free. Limbs in space lose a wrench of theirs beside it,
+    whose distance is told alike.
     """
     pins = [(0, "crank"), (10, "tip"), (30, "rocker"), (40, "end")]
     joints = [
@@ -191,10 +192,12 @@ def test_more_freedoms_are_named_however_a_machine_is_written(motion) -> None:
     ]
     limbs = [symkin.Limb("left", joints[:2]), symkin.Limb("right", joints[2:])]
     flat = symkin.Mechanism("flat", limbs, platform_position=(10, 0, 0), motion=motion)
-    for written, more in ((flat, {"constraint"}), (graph_twin(flat), set())):
+    for written in (flat, graph_twin(flat)):
         found = symkin.singularity(symkin.solve(written).solution)
-        kinds = {"type 2", "increased"} | (more if motion == "spatial" else set())
+        kinds = {"type 2", "increased"} | ({"constraint"} if motion == "spatial" else set())
         assert (set(found.kinds), found.conditions) == (kinds, ("RO", "IIM"))
+        assert found.distances.get("constraint", 0.0) < 1e-6
+        assert ("constraint" in found.distances) == (motion == "spatial")
         assert (found.ranks.freedoms, found.generic.freedoms) == (2, 1)
         assert "more freedoms than elsewhere" in str(found)
 
