@@ -10,7 +10,7 @@ import pytest
 
 from helpers import firmware_tools as tools
 from helpers.inside import WIDTH, Emitter, Real, narrowed, rounded_up, signature
-from symkin.errors import InputError
+from symkin import InputError
 
 DECLARED = {
     "platforms": (*signature.PLATFORM, signature.LINE, *signature.PLATFORM_SPEEDS),
