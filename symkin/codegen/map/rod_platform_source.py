@@ -157,8 +157,12 @@ class RodSource(LimbPlatformSource):
         """
         # a rod without limits, whose range is that of its length, is as short as it likes
         lows = (r.low if r.above == Range.above else f"-{r.high}" for r in self._ranges)
-        own = {"lows": tuple(lows), "highs": tuple(r.high for r in self._ranges)}
-        own |= {"third": 1.0 / 3.0, "least_part": _LEAST_PART}
+        own = {
+            "lows": tuple(lows),
+            "highs": tuple(r.high for r in self._ranges),
+            "third": 1.0 / 3.0,
+            "least_part": _LEAST_PART,
+        }
         return fill("rod_line.c", self.values | own)
 
     @property
