@@ -76,7 +76,7 @@ typedef struct {
 
 /* tolerance: predicted error of the answer (mm, angles times the size); max_iterations: steps of
  * any kind; max_step: longest single step (mm, angles times the size). Both are above 0 and
- * their sum at most 556000.0f (a thousand sizes), else the status is YAO2020_OUT_OF_RANGE, of NaN
+ * their sum at most 556000.0 (a thousand sizes), else the status is YAO2020_OUT_OF_RANGE, of NaN
  * and infinity YAO2020_NONFINITE; 0 iterations are YAO2020_MAX_ITERATIONS. NULL in place of a
  * config means the values below. */
 typedef struct {

@@ -312,8 +312,7 @@ class ArmSource(Source):
         if not arm.follows_closed_form or arm.plan is None or arm.plan[0].arm.base is None:
             return None
         nq = len(arm.actuated)
-        values = common_values(arm.name, self.real, struct=False) | {"nq": nq, "nj": 6 * nq}
-        return ArmFrame(arm.plan[0].arm.base, self.real, values)
+        return ArmFrame(arm.plan[0].arm.base, self.real, {"nq": nq, "nj": 6 * nq})
 
     @cached_property
     def _frame_names(self) -> dict[str, object]:
@@ -370,13 +369,7 @@ class ArmSource(Source):
         """
         arm = self.made
         screws = None if arm.geometry.at_run_time else arm_screws(arm.mechanism)
-        return (
-            None
-            if screws is None
-            else ArmMotion(
-                self._in_own(screws), self.real, common_values(arm.name, self.real, struct=False)
-            )
-        )
+        return None if screws is None else ArmMotion(self._in_own(screws), self.real)
 
     @cached_property
     def line(self) -> ClosedLine | None:
