@@ -313,6 +313,7 @@ def test_a_guide_of_a_motion_is_told_in_its_coordinates() -> None:
 
 
 COSTS = [
+    ("five-bar", "inverse", ("limbs, motion", "limbs", "graph, motion", "graph, turned", "MJCF")),
     ("five-bar", "direct", ("limbs, motion", "limbs", "graph", "graph, turned", "URDF")),
     ("3-RRR", "direct", ("limbs, motion", "limbs", "graph, motion", "graph, turned", "MJCF")),
     ("delta", "inverse", ("limbs, motion", "graph, motion", "limbs, point", "URDF")),
