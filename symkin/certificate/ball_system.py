@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any
 
 from flint import ctx
 
 from symkin.computed_once import cached_property, lru_cache
 from symkin.homotopy.algebraic import AlgebraicSystem
-from symkin.numeric.balls import BallFunction, Number, Ring
+from symkin.numeric.balls import BallFunction, Number, Prepared, Ring
 
 
 @dataclass(frozen=True, eq=False)
@@ -19,7 +18,7 @@ class BallSystem:
 
     system: AlgebraicSystem
     known: tuple[Number, ...]
-    _prepared: dict[tuple[bool, int], list[Any]] = field(default_factory=dict)
+    _prepared: dict[tuple[bool, int], Prepared] = field(default_factory=dict)
 
     @cached_property
     def width(self) -> int:
@@ -52,7 +51,7 @@ class BallSystem:
         """dF/dz at balls z, row by row."""
         return _graph(self.system).evaluate(1, z, self._at(ring))
 
-    def _at(self, ring: Ring) -> list[Any]:
+    def _at(self, ring: Ring) -> Prepared:
         """What the known values determine, at the present precision."""
         key = (ring.is_real, ctx.prec)
         if key not in self._prepared:

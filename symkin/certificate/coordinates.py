@@ -7,10 +7,10 @@ import numpy as np
 from flint import arb
 
 from symkin.certificate.discs import DiscFunction, Discs, Knowns
-from symkin.certificate.tape import build_tape
 from symkin.computed_once import lru_cache
 from symkin.homotopy.algebraic import AlgebraicSystem
 from symkin.numeric.balls import REAL, BallFunction, Number, precision, upper
+from symkin.numeric.tape import build_tape
 from symkin.spatial.rotation import conjugate, multiply
 
 _ROUNDING = 2.0**-49

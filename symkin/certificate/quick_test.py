@@ -19,9 +19,9 @@ import numpy as np
 
 from symkin.certificate.disc_library import DiscLibrary, disc_library
 from symkin.certificate.discs import DiscFunction, Knowns
-from symkin.certificate.tape import Tape, build_tape
 from symkin.computed_once import lru_cache
 from symkin.homotopy.algebraic import AlgebraicSystem
+from symkin.numeric.tape import Tape, build_tape
 
 _WIDE = (2.0**-30, 2.0**-34, 2.0**-40)
 """Distances from a point within which the derivatives are bounded, one trial after another. The

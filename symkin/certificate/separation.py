@@ -18,10 +18,10 @@ from flint import acb, arb
 from symkin.certificate.disc_arithmetic import UP
 from symkin.certificate.discs import DiscFunction, Discs
 from symkin.certificate.krawczyk import Box
-from symkin.certificate.tape import build_tape
 from symkin.computed_once import lru_cache
 from symkin.homotopy.algebraic import AlgebraicSystem
 from symkin.numeric.balls import COMPLEX, BallFunction, Number, precision
+from symkin.numeric.tape import build_tape
 
 _WEIGHTS = 3
 """So many random t are computed; two roots differ if one of them does."""
