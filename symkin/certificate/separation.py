@@ -21,7 +21,6 @@ from symkin.certificate.krawczyk import Box
 from symkin.computed_once import lru_cache
 from symkin.homotopy.algebraic import AlgebraicSystem
 from symkin.numeric.balls import COMPLEX, BallFunction, Number, precision
-from symkin.numeric.tape import build_tape
 
 _WEIGHTS = 3
 """So many random t are computed; two roots differ if one of them does."""
@@ -208,7 +207,7 @@ def _mixing(system: AlgebraicSystem) -> _Mixing:
         rows.append(total)
     if ray:
         rows.append(ca.sumsqr(z[ray[:4]]))
-    told = ca.vertcat(*rows)
-    discs = DiscFunction(build_tape(z, symbols, told, ("value",)))
+    balls = BallFunction(z, symbols, ca.vertcat(*rows))
+    discs = DiscFunction(balls.tape)
     prepared = discs.prepare(Discs.exact(np.array([weights], dtype=complex)))
-    return _Mixing(discs, prepared, BallFunction(z, symbols, told), weights)
+    return _Mixing(discs, prepared, balls, weights)

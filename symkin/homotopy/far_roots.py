@@ -289,12 +289,13 @@ def _corrected(
 
 def _at(system: AlgebraicSystem, k: np.ndarray) -> tuple[BallFunction, Prepared]:
     """Rows and their derivatives, and what known values make of them, at the present precision."""
-    rows = _rows(system)
+    rows = rows_over_balls(system)
     return rows, rows.prepare(COMPLEX, [complex(v) for v in k])
 
 
-@lru_cache(maxsize=16)
-def _rows(system: AlgebraicSystem) -> BallFunction:
+@lru_cache(maxsize=128)
+def rows_over_balls(system: AlgebraicSystem) -> BallFunction:
+    """Rows and first derivatives."""
     return BallFunction(system.z, system.k, system.rows, ("value", "slope"))
 
 
