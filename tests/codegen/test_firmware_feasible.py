@@ -20,6 +20,8 @@ from symkin import InputError
 
 MACHINES = Path(__file__).parents[2] / "codegen" / "bench" / "machines"
 OK, SINGULAR, OUT_OF_RANGE, WRONG_BRANCH = 0, 2, 4, 5
+FLAT = (0.69982928, -0.69971412, 0.10159385, -0.10157713)
+"""A quaternion at which a Tricept's strut is all but level."""
 
 LEVER = """format = 1
 name = "lever"
@@ -279,6 +281,38 @@ def test_code_that_fails_its_own_test_is_not_written(tmp_path):
         run_own_test("five_bar", wrong)
     with pytest.raises(InputError, match="the compiler says: "):
         run_own_test("five_bar", {**files, "five_bar.c": files["five_bar.c"] + "}"})
+
+
+def test_rates_are_tested_of_twists_that_the_platform_can_take(tmp_path):
+    """A Sarrus linkage moves one way: the rows of one limb give rates to other twists than those of
+    both, and no others to that one.
+    """
+    tools.compiler("gcc")
+    made = symkin.load(MACHINES / "sarrus_limbs.toml")
+    files = folder_files(made, Options("double"))
+    run_own_test(made.name, files)
+    source = files[f"{made.name}.c"]
+    wrong = source.replace("rates[i] = jacobian[i]", "rates[i] = 1.001 * jacobian[i]")
+    assert wrong != source
+    with pytest.raises(InputError, match="failed: jacobian, entry"):
+        run_own_test(made.name, {**files, f"{made.name}.c": wrong})
+    assert "vector_feasible" not in folder_files(symkin.load("delta"), Options())["delta_vectors.h"]
+
+
+def test_a_strut_that_lies_flat_is_read_as_a_guess():
+    """A Tricept's strut by all three rows of its direction, whose square is constant: it divides by
+    nothing, where its tip has no height least of all.
+    """
+    tools.compiler("gcc")
+    made = symkin.load(MACHINES / "tricept.toml")
+    code = tools.bench_module("asked").Asked(made, Options("float"))
+    assert all(not b.formulas.divisors.numel() for b in code.program.kind.blocks if b.formulas)
+    joints = np.array([[889.97058, 813.33948, 1138.16627]])
+    guess = np.array([[182.26755, 614.54517, 0.1010961, *FLAT]])
+    first = code.answers(joints, guess)
+    again = code.answers(joints, first.found)
+    assert first.status[0] == again.status[0] == OK
+    assert code.back(again.found)[0][0] == OK
 
 
 def test_without_a_compiler_code_is_written_untested(tmp_path, monkeypatch):

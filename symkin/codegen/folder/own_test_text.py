@@ -318,6 +318,7 @@ def own_test_text(program: Program, vectors: Vectors) -> str:
             "tables": tables,
             "calls": [*calls, *rows],
             "refuse_rows": fill("refuse_rows.c", values) if rows else "",
+            "feasible": fill("feasible_rates.c", values) if "feasible" in vectors.answers else "",
             "more": more,
         },
     )

@@ -35,6 +35,8 @@ from symkin.codegen.text.c import Real
 from symkin.computed_once import cached_property
 from symkin.errors import InputError
 from symkin.model.joint import units_of
+from symkin.numeric.rank import null_space
+from symkin.numeric.tolerances import RANK_TOLERANCE
 from symkin.position.problem import Problem, actuated_names, build_problem, pose_names
 from symkin.position.solution import pose_of
 
@@ -163,8 +165,11 @@ class _Sides:
         if isinstance(kind, JointMap):
             first, second = (np.round(part, 9).ravel() + 0.0 for part in derivatives(kind, values))
             return {"jacobians": first, "seconds": second}
-        rates = _rates(self.inverse, values)
-        return {"jacobians": tidied(kind.told_rates(rates), self.size).ravel()}
+        rates, feasible = _rates(self.inverse, values)
+        # turned on both sides, as the twists that it takes and gives are
+        feasible = kind.told_rates(kind.told_rates(feasible).T).T
+        rates = tidied(kind.told_rates(rates) @ feasible, self.size)
+        return {"jacobians": rates.ravel(), "feasible": tidied(feasible, 1.0).ravel()}
 
     def condition(self, values: np.ndarray) -> float:
         """The larger condition of the two directions."""
@@ -211,9 +216,9 @@ def _moved(problem: Problem, values: np.ndarray, known: np.ndarray) -> np.ndarra
     return found
 
 
-def _rates(inverse: Problem, values: np.ndarray) -> np.ndarray:
+def _rates(inverse: Problem, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Actuated joint rates by the twist (velocity; angular velocity), N x 6, from the closure's
-    differential.
+    differential; and the projection (6, 6) of twists on those that the platform can take.
     """
     system, mechanism = inverse.system, inverse.mechanism
     size = mechanism.characteristic_length
@@ -221,11 +226,17 @@ def _rates(inverse: Problem, values: np.ndarray) -> np.ndarray:
     by_joints = system.linearise_one(unknown, known)[1]
     by_pose = system.exchanged(inverse.known_coordinates).linearise_one(known, unknown)[1]
     solved = np.linalg.lstsq(by_joints, -by_pose, rcond=1e-12)[0]
-    full = np.zeros((len(mechanism.actuated), 6))
+    full, columns = np.zeros((len(mechanism.actuated), 6)), COLUMNS[mechanism.motion]
     for i, (row, scale) in enumerate(step_columns(system.unknowns, mechanism.actuated, size)):
-        full[i, COLUMNS[mechanism.motion]] = scale * solved[row]
+        full[i, columns] = scale * solved[row]
     full[:, 3:] *= size
-    return full
+    # what no joint rates balance is not feasible; twists outside the motion have no rates at all
+    free = null_space(by_pose + by_joints @ solved, RANK_TOLERANCE)
+    feasible = np.eye(6)
+    feasible[np.ix_(columns, columns)] = free.T @ free
+    feasible[:3, 3:] *= size
+    feasible[3:, :3] /= size
+    return full, feasible
 
 
 def _of_loops(sides: _Sides) -> Vectors:
@@ -251,6 +262,8 @@ def _of_loops(sides: _Sides) -> Vectors:
     if not bounds:
         return Vectors({}, {}, {}, np.zeros(0), [])
     answers = {name: np.array(rows) for name, rows in tables.items()}
+    if not is_map and np.all(answers["feasible"] == np.eye(6).ravel()):
+        del answers["feasible"]
     past, blamed = joints_past(sides.direct.known_coordinates, answers["joints"][0], kind.zero)
     home, told = sides.found(sides.home), answers[target]
     if isinstance(kind, JointMap):
