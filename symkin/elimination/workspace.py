@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
+from itertools import combinations
 from typing import NamedTuple
 
 import casadi as ca
@@ -17,6 +18,7 @@ import numpy as np
 
 from symkin.closure.snapping import snap
 from symkin.elimination.polynomial import Monomial, Polynomial, Ring, add_term
+from symkin.elimination.sums import total
 from symkin.elimination.term_sizes import sized_numbers
 
 ROUNDING = 1e-10
@@ -278,46 +280,55 @@ class Workspace:
         return Polynomial(terms)
 
     def without_repeats(self) -> None:
-        """Leave out rows that are multiples of others: of two parts of a turned one, put that
-        together; else keep the later one where the first comes nearer to zero by half.
+        """Leave out rows that are multiples of others: of parts of a turned one, put that together;
+        else keep the later one where the first comes nearer to zero by half.
         """
         kept: list[Polynomial] = []
+        alike: list[list[Polynomial]] = []
         rows = [row for row in self.rows if self.ring.held(row)]
         found = dict(zip(rows, self._of_rows(rows), strict=True))
         for row in rows:
-            alike = next(
-                (
-                    i
-                    for i, other in enumerate(kept)
-                    if _repeats(row, other, found[row], found[other])
-                ),
-                None,
-            )
-            if alike is None:
+            repeats = (_repeats(row, other, found[row], found[other]) for other in kept)
+            place = next((i for i, repeated in enumerate(repeats) if repeated), None)
+            if place is None:
                 kept.append(row)
-            elif (whole := self._put_together(row, kept[alike])) is not None:
-                kept[alike] = whole
+                alike.append([row])
+                continue
+            alike[place].append(row)
+            whole = self._put_together([row, kept[place]])
+            if whole is None and len(alike[place]) > 2:
+                whole = self._put_together(alike[place])
+            if whole is not None:
+                kept[place] = whole
                 found[whole] = self._of_rows([whole])[0]
-            elif self._least(row) > 2.0 * self._least(kept[alike]):
-                kept[alike] = row
+            elif self._least(row) > 2.0 * self._least(kept[place]):
+                kept[place] = row
         self.rows = kept
 
-    def _put_together(self, row: Polynomial, other: Polynomial) -> Polynomial | None:
-        """Of rows a F and b F with known a and b, of which a^2 + b^2 = c^2 is constant, and neither
-        a nor b, the row c F, which is there wherever F is; None where they are no such rows.
+    def _put_together(self, parts: Sequence[Polynomial]) -> Polynomial | None:
+        """Of rows a F, b F, ... with known factors, of which a^2 + b^2 + ... = c^2 is constant, and
+        none of them nor any ratio, the row c F, which is there wherever F is; None where they are
+        no such rows.
         """
-        held = [m for m in other.terms if m != self.ring.one]
+        held = [m for m in parts[1].terms if m != self.ring.one]
         monomial = held[
-            int(np.argmax(np.max(np.abs(self.numbers([other.terms[m] for m in held])), axis=0)))
+            int(np.argmax(np.max(np.abs(self.numbers([parts[1].terms[m] for m in held])), axis=0)))
         ]
-        a, b = row.terms[monomial], other.terms[monomial]
-        if a.is_constant() or b.is_constant() or self.multiple(a, b) is not None:
+        factors = [part.terms[monomial] for part in parts]
+        if any(f.is_constant() for f in factors) or any(
+            self.multiple(a, b) is not None for a, b in combinations(factors, 2)
+        ):
             return None
-        (square,) = self.tidied(Polynomial({monomial: a * a + b * b})).terms.values()
+        (square,) = self.tidied(
+            Polynomial({monomial: total(f * f for f in factors)})
+        ).terms.values()
         if not square.is_constant():
             return None
         length = snap(float(np.sqrt(float(square))))
-        return self.tidied(row.times(a / length).plus(other, b / length))
+        whole = Polynomial({})
+        for part, factor in zip(parts, factors, strict=True):
+            whole = whole.plus(part, factor / length)
+        return self.tidied(whole)
 
     def _least(self, row: Polynomial) -> float:
         """The smallest length of a row's coefficients among the samples."""
