@@ -91,6 +91,17 @@ def test_c_finds_a_value_and_its_negative_once() -> None:
     np.testing.assert_array_equal(scope["out"], _expected(entries))
 
 
+def test_c_finds_products_by_numbers_that_rounding_tells_apart_once() -> None:
+    """The sine and the cosine of 45 degrees differ by their last digit."""
+    numbers = [math.sin(math.pi / 4), math.cos(math.pi / 4), -(0.5**0.5) * (1.0 - 1e-14), 0.7071067]
+    entries = [number * A + B for number in numbers]
+    function = ca.Function("f", [X], [ca.vertcat(*entries)], {"cse": True})
+    emitter = Emitter(function, [["a", "b", "c"]], Real("double", "double"))
+    emitter.stored("out")
+    assert len(set(numbers)) == 4
+    assert dict(emitter.operations) == {"additions": 3, "multiplications": 2}
+
+
 def _in_turns(matrix: ca.SX) -> tuple[ca.SX, list[ca.SX]]:
     """Parts of its variables, and a matrix of twice the columns with the parts of its entries."""
     parts, [(real, imaginary)] = complex_parts(X, [matrix])

@@ -122,10 +122,12 @@ class Graph:
         return self._add(Node(ca.OP_INPUT, source=(number, nonzero)))
 
     def constant(self, number: float) -> int:
+        # what differs by rounding alone is one number, by which products are one too
         number = snap(number)
-        if number not in self._constants:
-            self._constants[number] = self._add(Node(ca.OP_CONST, constant=number))
-        return self._constants[number]
+        told = f"{number + 0.0:.13g}"
+        if told not in self._constants:
+            self._constants[told] = self._add(Node(ca.OP_CONST, constant=number))
+        return self._constants[told]
 
     def operation(self, op: int, operands: list[int]) -> int:
         found = self._folded(op, operands)
