@@ -233,7 +233,7 @@ def _rates(inverse: Problem, values: np.ndarray) -> tuple[np.ndarray, np.ndarray
     # what no joint rates balance is not feasible; twists outside the motion have no rates at all
     free = null_space(by_pose + by_joints @ solved, RANK_TOLERANCE)
     feasible = np.eye(6)
-    feasible[np.ix_(columns, columns)] = free.T @ free
+    feasible[np.ix_(columns, columns)] = tidied(free.T @ free, 1.0)
     feasible[:3, 3:] *= size
     feasible[3:, :3] /= size
     return full, feasible
