@@ -315,7 +315,7 @@ name = "rssr"
 length_unit = "mm"
 angle_unit = "deg"
 joint = [
-  { name = "in", type = "R", links = ["base", "crank"], point = [0, 0, 0], axis = [0, 0, 1], actuated = true },
+  { name = "in", type = "R", links = ["base", "crank"], point = [0, 0, 0], axis = [0, 0, 1] },
   { name = "out", type = "R", links = ["base", "arm"], point = [200, 50, 0], axis = [0, 1, 0] },
 ]
 rod = [{ name = "rod", links = ["crank", "arm"], from = [60, 10, 0], to = [190, 50, 120] }]
