@@ -73,7 +73,7 @@ typedef enum {
 
 /* tolerance: predicted error of the answer (mm, angles times the size); max_iterations: steps of
  * any kind; max_step: longest single step (mm, angles times the size). Both are above 0 and
- * their sum at most 262000.0f (a thousand sizes), else the status is ANKLE_OUT_OF_RANGE, of NaN and
+ * their sum at most 262000.0 (a thousand sizes), else the status is ANKLE_OUT_OF_RANGE, of NaN and
  * infinity ANKLE_NONFINITE; 0 iterations are ANKLE_MAX_ITERATIONS. NULL in place of a config means
  * the values below. */
 typedef struct {

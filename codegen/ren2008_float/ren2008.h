@@ -72,7 +72,7 @@ typedef struct {
 
 /* tolerance: predicted error of the answer (m, angles times the size); max_iterations: steps of any
  * kind; max_step: longest single step (m, angles times the size). Both are above 0 and
- * their sum at most 1690.0f (a thousand sizes), else the status is REN2008_OUT_OF_RANGE, of NaN and
+ * their sum at most 1690.0 (a thousand sizes), else the status is REN2008_OUT_OF_RANGE, of NaN and
  * infinity REN2008_NONFINITE; 0 iterations are REN2008_MAX_ITERATIONS. NULL in place of a config
  * means the values below. */
 typedef struct {

@@ -70,7 +70,7 @@ typedef struct {
 
 /* tolerance: predicted error of the answer (mm, angles times the size); max_iterations: steps of
  * any kind; max_step: longest single step (mm, angles times the size). Both are above 0 and
- * their sum at most 532000.0f (a thousand sizes), else the status is ZHANG2009_OUT_OF_RANGE, of NaN
+ * their sum at most 532000.0 (a thousand sizes), else the status is ZHANG2009_OUT_OF_RANGE, of NaN
  * and infinity ZHANG2009_NONFINITE; 0 iterations are ZHANG2009_MAX_ITERATIONS. NULL in place of a
  * config means the values below. */
 typedef struct {

@@ -13,7 +13,7 @@ from symkin.machine.lower import Lowered, lowered
 from symkin.machine.universal import BallReading
 from symkin.model.mechanism import Mechanism
 from symkin.position.feasible_pose import ties_poses
-from symkin.position.given import Given, in_order
+from symkin.position.given import Given
 from symkin.position.problem import Problem, plain_kind, pose_names
 from symkin.position.solution_list import SolutionList, checked_solutions
 from symkin.position.transfer import many_as_written
@@ -44,11 +44,6 @@ def may_contradict(low: Lowered, given: Given) -> bool:
     rows contradict each other by rounding.
     """
     return _is_pose(low.written, given) and ties_poses(low.machine)
-
-
-def given_of_machine(low: Lowered, given: Given) -> Given:
-    """The same known values of the machine: joints as they are, a pose in its frame."""
-    return in_order(low.machine, given) if given.there is None else given.there
 
 
 @dataclass(frozen=True, eq=False)

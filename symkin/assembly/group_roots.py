@@ -124,9 +124,8 @@ class GroupRoots:
         before = np.cumsum([0, *(len(part.statement) for part in parts)]).tolist()
         begun = list(zip(before, parts, strict=False))
         ends = [part.ends for part in parts if part.ends.size]
-        none = NOT_KNOWN * np.ones((1, 3))
         judged = [
-            none.repeat(len(part.points), axis=0) if part.judged is None else part.judged
+            np.full((len(part.points), 3), NOT_KNOWN) if part.judged is None else part.judged
             for part in parts
         ]
         arrays: dict[str, Any] = {

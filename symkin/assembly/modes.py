@@ -12,7 +12,6 @@ import numpy as np
 from symkin.assembly.as_written import (
     Told,
     as_written,
-    given_of_machine,
     is_complete,
     machine_of,
     may_contradict,
@@ -30,6 +29,7 @@ from symkin.position.given import (
     Given,
     Joints,
     Values,
+    in_order,
     is_many,
     read_given,
     read_many,
@@ -122,12 +122,11 @@ def modes(
     # coordinates of a pose are those of the declared motion; joints may carry it elsewhere
     is_carried = not found.problem.closure.role("pose")
     listed = found.modes
-    note = motion_note(mechanism, listed.position, listed.quaternion) if is_carried else None
-    found = found if note is None else replace(found, notes=(*found.notes, note))
-    if found.modes or found.positive_dimensional or found.smallest_residual is None:
-        return found
-    note = reach_note(found.problem, one)
-    return found if note is None else replace(found, notes=(*found.notes, note))
+    notes = [motion_note(mechanism, listed.position, listed.quaternion) if is_carried else None]
+    if not (listed or found.positive_dimensional or found.smallest_residual is None):
+        notes.append(reach_note(found.problem, one))
+    told = [note for note in notes if note is not None]
+    return replace(found, notes=(*found.notes, *told)) if told else found
 
 
 @dataclass(frozen=True)
@@ -169,22 +168,22 @@ def _of_machine(ask: _Ask, givens: Sequence[Given]) -> list[Modes]:
     low = machine_of(ask.mechanism, givens[0]) if may_be else None
     if low is None:
         return _of_description(ask, problem, givens)
-    there = [given_of_machine(low, given) for given in givens]
+    there = [given.there or in_order(low.machine, given) for given in givens]
     told = Told(low, problem, np.array([given.values for given in givens]))
     of_machine = _of_description(ask, build_problem(low.machine, there[0].names), there, told)
-    found: dict[int, Modes] = {}
-    rest = list[int]()
-    for i, (at, modes) in enumerate(zip(there, of_machine, strict=True)):
-        own = None if at.off_motion else as_written(told, givens[i], modes)
-        if own is not None:
-            found[i] = own
-        if own is None or (not own.modes and may_contradict(low, givens[i])):
-            rest.append(i)
-    alone = _of_description(ask, problem, [givens[i] for i in rest])
-    found |= {
-        i: one for i, one in zip(rest, alone, strict=True) if i not in found or is_complete(one)
-    }
-    return [found[i] for i in range(len(givens))]
+    own = [
+        None if at.off_motion else as_written(told, given, modes)
+        for at, given, modes in zip(there, givens, of_machine, strict=True)
+    ]
+    rest = [
+        i
+        for i, modes in enumerate(own)
+        if modes is None or (not modes.modes and may_contradict(low, givens[i]))
+    ]
+    alone = _of_description(ask, problem, [givens[i] for i in rest]) if rest else ()
+    for i, modes in zip(rest, alone, strict=True):
+        own[i] = modes if own[i] is None or is_complete(modes) else own[i]
+    return [modes for modes in own if modes is not None]
 
 
 def _of_description(

@@ -17,7 +17,6 @@ from symkin.assembly.account import FEW
 from symkin.assembly.as_written import (
     COMPLETE,
     Told,
-    given_of_machine,
     machine_of,
     may_contradict,
 )
@@ -39,7 +38,7 @@ from symkin.computed_once import cached_property
 from symkin.errors import InputError, TooManyModesError
 from symkin.machine.lower import Lowered
 from symkin.position.determination import determination, refuse_unless_determined
-from symkin.position.given import Given
+from symkin.position.given import Given, in_order
 from symkin.position.problem import Problem, build_problem
 from symkin.position.roots import NOT_KNOWN
 
@@ -242,7 +241,7 @@ def _of_machine(problem: Problem, search: Search, certify: bool) -> ModeFinder |
     low = machine_of(problem.mechanism, given)
     if low is None or may_contradict(low, given):
         return None
-    there = given_of_machine(low, given)
+    there = in_order(low.machine, given)
     of_machine = build_problem(low.machine, there.names)
     if of_machine.is_explicit:
         return None

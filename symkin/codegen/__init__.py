@@ -6,7 +6,8 @@ operations: `c` (which has the type of numbers and the emitter of statements), `
 `javascript`; `latex` writes a closure's equations, `jacobians` Jacobians in each format.
 Expressions are made shorter by `gathered` (Horner), `simplification` (for readers) and `angles`
 (cosines and sines in place of angles). `templates` fills `templates/`, which holds the C that is
-the same for every mechanism, `width` breaks its lines.
+the same for every mechanism, `c` gives all of it its names and the type of its numbers, `width`
+breaks its lines.
 
 `steps`: how a part of a problem is solved. `newton_kernel` states what an iteration computes
 (`circle_kernel`: angles by cosine and sine; `pose_kernel`, `rod_kernel`: over a pose alone),

@@ -24,8 +24,8 @@ def unturned() -> dict[str, object]:
 
 @dataclass(frozen=True, eq=False)
 class ArmFrame:
-    """The turn of the described frame into an arm's own, `base`; `values` are those of the names
-    that every template knows.
+    """The turn of the described frame into an arm's own, `base`; `values` are counts of
+    joints and of entries of the Jacobian.
     """
 
     base: Pose

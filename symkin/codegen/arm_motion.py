@@ -7,7 +7,6 @@ x (tool - p); a) of a turn, (a; 0) of a slide, so that nothing is differentiated
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import casadi as ca
@@ -26,13 +25,10 @@ from symkin.spatial.rotation import multiply
 
 @dataclass(frozen=True, eq=False)
 class ArmMotion:
-    """How the joints of one arm move its tool; `values` are those of the names that every template
-    knows.
-    """
+    """How the joints of one arm move its tool."""
 
     arm: ArmScrews
     real: Real
-    values: Mapping[str, object]
 
     # --- expressions ------------------------------------------------------------------------------
 
@@ -143,7 +139,6 @@ class ArmMotion:
         """The functions that set half turns from joints, and the pose from half turns."""
         pose = self.emitter(self.pose).stored(indexed("x", 7))
         shown = {
-            **self.values,
             "turns": 2 * len(self.arm),
             "nn": len(self.arm),
             "turned": self._turned_lines,

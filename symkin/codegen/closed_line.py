@@ -235,7 +235,7 @@ class ClosedLine:
 # --- limits ---------------------------------------------------------------------------------------
 
 
-_WITHOUT = dict.fromkeys(("guess_beyond", "blame", "and_within"), "")
+_WITHOUT: dict[str, object] = dict.fromkeys(("guess_beyond", "blame", "and_within"), "")
 
 
 @dataclass(frozen=True)
@@ -258,10 +258,13 @@ def limit_check(code: ClosedCode) -> LimitCheck:
     count = f"{n}U"
     limited = tuple(i for i, c in enumerate(code.coordinates) if c.limits is not None)
     if not limited:
-        plain = {"limits_kept": "return follows;", "refused": "NAME_WRONG_BRANCH"}
+        plain: dict[str, object] = {
+            "limits_kept": "return follows;",
+            "refused": "NAME_WRONG_BRANCH",
+        }
         return LimitCheck((), _WITHOUT | plain, "")
     beyond = "    status = NAME_OUT_OF_RANGE;"
-    names = {
+    names: dict[str, object] = {
         "and_within": ", and the joints keep their limits",
         "guess_beyond": [
             "w->beyond = false;",

@@ -77,6 +77,7 @@ def page_html(
     }
     return static_template("page.html").render(
         mechanism=mechanism,
+        model=made.model,
         css=static_text("page.css"),
         modules=_modules(made.generated),
         data=_in_script(json.dumps(data, allow_nan=False, separators=(",", ":"))),

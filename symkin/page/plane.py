@@ -64,7 +64,7 @@ def _shares(points: Sequence[Any], ranges: np.ndarray) -> np.ndarray:
 def _lines(places: np.ndarray) -> str:
     """A path of SVG through places, a single one as a dot."""
     texts = [f"{x:.5g} {y:.5g}" for x, y in places.tolist()]
-    return f"M{'L'.join(texts if len(texts) > 1 else 2 * texts)}"
+    return f"M{'L'.join(texts)}{'z' if len(texts) == 1 else ''}"
 
 
 def _painted_map(cells: Mapping[str, Any], ranges: np.ndarray) -> dict[str, Any]:

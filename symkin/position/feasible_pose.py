@@ -72,7 +72,7 @@ def _ranks(mechanism: Mechanism) -> tuple[tuple[int, int], ...]:
     problem = build_problem(mechanism, pose_names(mechanism))
     whole, joints = _whole(problem), problem.system.freedom
     jacobians = [
-        whole.linearise_one(_take(problem, values))[1]
+        whole.linearise_one(values[[*problem.unknown_places, *problem.known_places]])[1]
         for values in closed_configurations(problem.closure, 2)[:3]
     ]
     return tuple(
@@ -125,7 +125,7 @@ def taken_poses(mechanism: Mechanism, poses: np.ndarray) -> np.ndarray:
     problem, left = build_problem(mechanism, pose_names(mechanism)), (~shown).nonzero()[0]
     if left.size:
         system, near = problem.system, _CLOSED * problem.closure.characteristic_length
-        here = problem.select_values(problem.closure.reference, system.unknowns)
+        here = problem.closure.reference[problem.unknown_places]
         begin = here[None].repeat(len(left), axis=0)
         ends = polish(system, begin, poses[left], _STEPS, 0.1 * _CLOSED).points
         shown[left] = system.residuals(ends, poses[left]) <= near
@@ -198,12 +198,3 @@ def _to_pose(whole: System, joints: int, z: np.ndarray, pose: np.ndarray) -> np.
 def _whole(problem: Problem) -> System:
     """All rows with joints and pose unknown, joints first."""
     return problem.system.freed(problem.known_coordinates)
-
-
-def _take(problem: Problem, values: np.ndarray) -> np.ndarray:
-    return np.concatenate(
-        [
-            problem.select_values(values, problem.system.unknowns),
-            problem.select_values(values, problem.known_coordinates),
-        ]
-    )

@@ -125,10 +125,10 @@ def given_pose(mechanism: Mechanism, given: Sequence[float] | Pose) -> Given:
             f"mechanism file, of a robot's file by --platform LINK, or give joints"
         )
     pose = pose_from(given)
-    return _of_poses(mechanism, np.array([[*pose.position, *pose.quaternion]]))[0]
+    return given_poses(mechanism, np.array([[*pose.position, *pose.quaternion]]))[0]
 
 
-def _of_poses(mechanism: Mechanism, rows: np.ndarray) -> list[Given]:
+def given_poses(mechanism: Mechanism, rows: np.ndarray) -> list[Given]:
     """`given_pose` for poses (n, 7) whose quaternions are of unit length."""
     low, poses = reader_of_poses(mechanism), Pose(rows[:, :3].T, rows[:, 3:].T)
     machine, at = (mechanism, poses) if low is None else (low.machine, low.taken(poses))
@@ -136,58 +136,38 @@ def _of_poses(mechanism: Mechanism, rows: np.ndarray) -> list[Given]:
     exact = off <= _ROUNDING * machine.characteristic_length
     if ties_poses(machine):
         exact &= taken_poses(machine, values)
-    own = values
-    if low is not None:
-        own, _ = poses_coordinates(mechanism, poses.position, poses.quaternion)
-    names, names_there = pose_names(mechanism), pose_names(machine)
+    own, _ = poses_coordinates(mechanism, poses.position, poses.quaternion)
     found = []
-    for k, (row, is_exact) in enumerate(zip(rows.tolist(), exact.tolist(), strict=True)):
-        there = None if low is None else Given(names_there, values[k], {"pose": row})
-        found.append(
-            Given(names, own[k], {"pose": row}, there=there)
-            if is_exact
-            else _of_moved(mechanism, Pose(rows[k, :3], rows[k, 3:]), low)
-        )
+    for k, row in enumerate(rows.tolist()):
+        there = Given(pose_names(machine), values[k], {"pose": row})
+        if not exact[k]:
+            there = _moved(machine, replace(there, off_motion=float(off[k])), low)
+        if low is None:
+            found.append(there)
+            continue
+        told = own[k]
+        if not exact[k] and not there.off_motion:
+            told, _ = pose_coordinates(mechanism, low.told(motion_pose(machine, there.values)))
+        found.append(replace(there, names=pose_names(mechanism), values=told, there=there))
     return found
 
 
-def _of_moved(mechanism: Mechanism, pose: Pose, low: Lowered | None) -> Given:
-    """`given_pose` of a pose off those that the machine of `low` can take."""
-    if low is None:
-        return _given_of_pose(mechanism, pose)
-    there = replace(_given_of_pose(low.machine, low.taken(pose), low), echo=_echo(pose))
-    is_moved = there.notes and not there.off_motion
-    on_motion = low.told(motion_pose(low.machine, there.values)) if is_moved else pose
-    values, _ = pose_coordinates(mechanism, on_motion)
-    return replace(there, names=pose_names(mechanism), values=values, there=there)
-
-
-def _given_of_pose(mechanism: Mechanism, pose: Pose, low: Lowered | None = None) -> Given:
-    """`given_pose` by the mechanism's own motion; of the machine of `low` notes are told of the
-    description.
+def _moved(machine: Mechanism, given: Given, low: Lowered | None) -> Given:
+    """A pose off those that joints can take, moved to the nearest of them where few digits are why;
+    of the machine of `low` notes are told of the description.
     """
-    values, off = pose_coordinates(mechanism, pose)
-    notes: tuple[str, ...] = ()
-    if 0.0 < off < projected_below(mechanism, low):
-        if off > _ROUNDING * mechanism.characteristic_length:
-            notes = (
-                f"the pose was projected onto the platform's {mechanism.motion} motion, by "
-                f"{off:.3g} {mechanism.length_unit}",
+    values, off, notes = given.values, given.off_motion, list[str]()
+    by = f"{off:.3g} {machine.length_unit}"
+    if off >= projected_below(machine, low):
+        notes.append(f"the pose lies off the platform's {machine.motion} motion by {by}")
+    else:
+        if off > _ROUNDING * machine.characteristic_length:
+            notes.append(
+                f"the pose was projected onto the platform's {machine.motion} motion, by {by}"
             )
-        off = 0.0
-    elif off > 0.0:
-        notes = (
-            f"the pose lies off the platform's {mechanism.motion} motion by {off:.3g} "
-            f"{mechanism.length_unit}",
-        )
-    if off == 0.0:
-        values, off, more = feasible_pose(mechanism, values, low)
+        values, off, more = feasible_pose(machine, values, low)
         notes += more
-    return Given(pose_names(mechanism), values, _echo(pose), notes, off)
-
-
-def _echo(pose: Pose) -> dict[str, Any]:
-    return {"pose": [float(v) for v in (*pose.position, *pose.quaternion)]}
+    return replace(given, values=values, notes=tuple(notes), off_motion=off)
 
 
 def given_by_name(mechanism: Mechanism, values: Values) -> Given:
@@ -313,7 +293,7 @@ def read_many(mechanism: Mechanism, joints: Any, pose: Any, given: Columns | Non
         if rows is None:
             read = [_named_input(i, partial(pose_from, one)) for i, one in enumerate(pose)]
             rows = np.array([[*one.position, *one.quaternion] for one in read]).reshape(-1, 7)
-        return _of_poses(mechanism, rows)
+        return given_poses(mechanism, rows)
     joints = joint_rows(mechanism, joints) if isinstance(joints, Mapping) else joints
     rows = _rows_without_fault(mechanism, joints)
     if rows is None:

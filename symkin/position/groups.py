@@ -127,18 +127,14 @@ def _decomposed(problem: Problem) -> tuple[Problem, ...]:
         unknowns = tuple(problem.system.unknowns[i] for i in sorted(places))
         found.append(_part(problem, unknowns, earlier, _dependences(problem)))
         earlier += unknowns
-    is_whole = len(found) == 1 and _is_whole(found[0], problem)
-    return (problem,) if is_whole else tuple(found)
+    # rows of the one part that a problem is need no second look
+    return (problem,) if [*map(_extent, found)] == [_extent(problem)] else tuple(found)
 
 
-def _is_whole(part: Problem, problem: Problem) -> bool:
-    """Whether a part is all of its problem, whose rows then need no second look."""
-    return (
-        part.system.unknowns == problem.system.unknowns
-        and part.known_coordinates == problem.known_coordinates
-        and part.row_places == problem.row_places
-        and part.system.errors.shape == problem.system.errors.shape
-    )
+def _extent(part: Problem) -> tuple[object, ...]:
+    """What a part holds of its problem."""
+    system = part.system
+    return system.unknowns, part.known_coordinates, part.row_places, system.errors.shape
 
 
 @lru_cache(maxsize=128)

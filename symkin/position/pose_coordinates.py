@@ -10,7 +10,7 @@ from symkin.machine.lower import Lowered, lowered
 from symkin.model.keys import ABOUT_Z
 from symkin.model.machine import untwisted
 from symkin.model.mechanism import Mechanism
-from symkin.position.feasible_pose import PROJECTED, nearest_pose, taken_poses, ties_poses
+from symkin.position.feasible_pose import PROJECTED, nearest_pose
 from symkin.spatial.backend import Array, atan2, vector
 from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import conjugate, multiply, wrapped
@@ -116,38 +116,6 @@ def motion_note(mechanism: Mechanism, position: np.ndarray, quaternion: np.ndarr
     )
 
 
-def feasible_poses(
-    mechanism: Mechanism, position: np.ndarray, quaternion: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Pose coordinates (n, numbers) that the mechanism can take, nearest to poses with position (3,
-    n) and unit quaternion (4, n), and how far those that are more than rounding lie off them, 0 for
-    others.
-    """
-    low, pose = reader_of_poses(mechanism), Pose(position, quaternion)
-    if low is None:
-        return _feasible_of_machine(mechanism, pose, None)
-    values, off = _feasible_of_machine(low.machine, low.taken(pose), low)
-    there = low.told(motion_pose(low.machine, values))
-    written, nearest = (
-        motion_coordinates(mechanism, one.position, one.quaternion).T for one in (pose, there)
-    )
-    return np.where(off[:, None] > 0.0, written, nearest), off
-
-
-def _feasible_of_machine(
-    mechanism: Mechanism, pose: Pose, low: Lowered | None
-) -> tuple[np.ndarray, np.ndarray]:
-    """`feasible_poses` of a mechanism by its own motion, the machine of `low` or a description."""
-    values, off = poses_coordinates(
-        mechanism, np.asarray(pose.position), np.asarray(pose.quaternion)
-    )
-    off = np.where(off < projected_below(mechanism, low), 0.0, off)
-    if ties_poses(mechanism):
-        for i in np.flatnonzero((off == 0.0) & ~taken_poses(mechanism, values)):
-            values[i], off[i], _ = feasible_pose(mechanism, values[i])
-    return values, off
-
-
 def reader_of_poses(mechanism: Mechanism) -> Lowered | None:
     """The machine that reads the poses of a description which does not tell what its joints leave
     the platform, or tie of its pose: it declares no motion, or is a graph. None where the
@@ -203,21 +171,14 @@ def feasible_pose(
 
 
 def motion_pose(mechanism: Mechanism, values: np.ndarray) -> Pose:
-    """The pose whose coordinates (numbers,) are these of the mechanism's motion, or a stack of them
-    for coordinates (n, numbers).
-    """
-    columns = np.asarray(values, dtype=float).T
+    """The pose whose coordinates (numbers,) are these of the mechanism's motion."""
     if mechanism.motion == "spatial":
-        return Pose(columns[:3], columns[3:])
-    reference, shape = mechanism.reference_pose, columns.shape[1:]
-    position, home = (
-        np.broadcast_to(np.reshape(part, (-1, *[1] * len(shape))), (len(part), *shape)).copy()
-        for part in map(np.asarray, (reference.position, untwisted(mechanism)))
-    )
+        return Pose(values[:3], values[3:])
+    position = np.array(mechanism.reference_pose.position, dtype=float)
     if mechanism.motion == "spherical":
-        return Pose(position, columns)
+        return Pose(position, values)
     lengths = 2 if mechanism.motion == "planar" else 3
-    position[:lengths] = columns[:lengths]
-    half = 0.5 * (columns[lengths] if len(columns) > lengths else np.zeros(shape))
-    none = np.zeros(shape)
-    return Pose(position, multiply(np.array([np.cos(half), none, none, np.sin(half)]), home))
+    position[:lengths] = values[:lengths]
+    half = 0.5 * sum(values[lengths:])
+    turn = np.array([np.cos(half), 0.0, 0.0, np.sin(half)])
+    return Pose(position, multiply(turn, untwisted(mechanism)))

@@ -15,9 +15,8 @@ from symkin.errors import InputError
 from symkin.model.keys import ABOUT_Z
 from symkin.model.mechanism import Mechanism
 from symkin.position.determination import determination
-from symkin.position.given import read_given
+from symkin.position.given import given_poses, read_given
 from symkin.position.pose_conditions import condition_sentence, poses_vary
-from symkin.position.pose_coordinates import feasible_poses
 from symkin.position.problem import Problem
 from symkin.position.varied_pose import POSE_AXES, pose_at
 from symkin.singularities.motion_ranks import generic_ranks
@@ -45,7 +44,8 @@ def pose_values(
     can take (length unit), 0 where it is one.
     """
     poses = pose_at(mechanism, base, varied)
-    return feasible_poses(mechanism, poses.position, poses.quaternion)
+    read = given_poses(mechanism, np.vstack([poses.position, poses.quaternion]).T)
+    return np.array([one.values for one in read]), np.array([one.off_motion for one in read])
 
 
 def check_poses(problem: Problem, base: Sequence[float], values: Mapping[str, np.ndarray]) -> None:

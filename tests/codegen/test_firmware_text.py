@@ -10,6 +10,7 @@ import pytest
 
 from helpers import firmware_tools as tools
 from helpers.inside import WIDTH, Emitter, Real, narrowed, rounded_up, signature
+from symkin import InputError
 
 DECLARED = {
     "platforms": (*signature.PLATFORM, signature.LINE, *signature.PLATFORM_SPEEDS),
@@ -31,6 +32,23 @@ def test_lines_and_constants(folder):
         assert max(map(len, text.split("\n"))) <= WIDTH, path.name
         assert not re.search(rf"[-+/] \(?-{number}\)?(?![\w.])", code), path.name
         assert not re.search(rf"= -?{number} [-+*/] -?{number};", text), path.name
+
+
+def test_c_of_doubles_becomes_that_of_a_machine():
+    """Names, numbers and functions of math.h are given their type once; comments, whole numbers and
+    what has a type already stay, and a number that the type does not hold is refused.
+    """
+    said = "const real a = name_b(GEOMETRY x, 0.1, 1e-05, 2.5f, 3) * sqrt(atan2(b, NAME_C));"
+    comment = " /* 0.1 real of name_b */"
+    in_float = "const m_real a = m_b(geometry, x, 0.1f, 1e-05f, 2.5f, 3) * sqrtf(m_angle(b, M_C));"
+    in_double = "const m_real a = m_b(x, 0.1, 1e-05, 2.5f, 3) * sqrt(atan2(b, M_C));"
+    typed = Real("float", "m_real").typed(said + comment, "m", struct=True)
+    assert typed == in_float + comment
+    typed = Real("double", "m_real").typed(said + comment, "m", struct=False)
+    assert typed == in_double + comment
+    for real, number in (("float", "inf"), ("double", "-inf"), ("float", "1e60")):
+        with pytest.raises(InputError, match="no finite"):
+            Real(real).typed(f"x = {number};", "m", struct=False)
 
 
 @pytest.mark.parametrize("folder", ["zhang2009_float", "zhao2000_double"])

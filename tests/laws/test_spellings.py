@@ -79,7 +79,7 @@ BY_NAME = [
     ("ankle", ("upper_motor", "z"), ("limbs", "graph", "graph, R R for U")),
 ]
 
-PROVED_BY_NAME = ("slider-crank", "Tricept", "Agile Eye")
+PROVED_BY_NAME = ("slider-crank", "Tricept", "Agile Eye", "five-bar")
 """Machines whose lists above a theorem covers."""
 
 
@@ -313,6 +313,7 @@ def test_a_guide_of_a_motion_is_told_in_its_coordinates() -> None:
 
 
 COSTS = [
+    ("five-bar", "inverse", ("limbs, motion", "limbs", "graph, motion", "graph, turned", "MJCF")),
     ("five-bar", "direct", ("limbs, motion", "limbs", "graph", "graph, turned", "URDF")),
     ("3-RRR", "direct", ("limbs, motion", "limbs", "graph, motion", "graph, turned", "MJCF")),
     ("delta", "inverse", ("limbs, motion", "graph, motion", "limbs, point", "URDF")),

@@ -79,11 +79,6 @@ class Observable:
         """What its residuals and standard deviations are."""
         return "angle" if self.angular else "length"
 
-    @property
-    def turning(self) -> bool:
-        """Whether its numbers are angles modulo a turn."""
-        return self.angular and self.kind != "orientation"
-
 
 def _of_link(kind: ObservableKind, *link: str) -> Observable:
     """What is read of the pose of a link, or of the platform."""

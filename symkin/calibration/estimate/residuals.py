@@ -120,7 +120,10 @@ def build_readings(model: ConfigurationModel, measurements: Measurements) -> Rea
     return Readings(
         values=np.hstack(table),
         sigma=np.where(np.isfinite(np.hstack(table)), np.hstack(sigma), np.inf),
-        turning=np.array([o.turning for o in model.channels for _ in o.components], dtype=bool),
+        turning=np.array(
+            [o.angular and o.kind != "orientation" for o in model.channels for _ in o.components],
+            dtype=bool,
+        ),
         grouped=model.grouped,
         group=group,
         first=first,
@@ -153,16 +156,25 @@ def linearise(
     h_p: np.ndarray,
     covariance: np.ndarray | None = None,
 ) -> Linearised:
-    """Form residuals and derivatives; `covariance` (n, K, K) is that of joint noise for maximum
-    likelihood.
+    """Form residuals and derivatives, W (h - m - G g) with g that minimises its square in each
+    group; `covariance` (n, K, K) is that of joint noise for maximum likelihood, else W is 1 /
+    sigma.
     """
-    gap = deviations(readings, h)
+    gap, whiten = deviations(readings, h), None
     if form == "differences":
         return _differences(readings, gap, h_p)
-    whiten = None
     if form != "means" and covariance is not None:
         whiten = whitening(readings, noise_of(readings, covariance))
-    return _eliminated(readings, gap, h_p, whiten)
+    values = np.concatenate([gap[:, :, None], h_p], axis=2)
+    if readings.groups:
+        precise = np.zeros((*gap.shape, 2))
+        if whiten is None:
+            precise[:, readings.columns, [0, 1]] = readings.weight[:, readings.columns] ** 2
+        else:
+            precise = whiten.transpose(0, 2, 1) @ whiten[:, :, readings.columns]
+        take_means(readings, values, precise)
+    values = readings.weight[:, :, None] * values if whiten is None else whiten @ values
+    return Linearised.of(values[:, :, 0], values[:, :, 1:])
 
 
 def deviations(readings: Readings, h: np.ndarray) -> np.ndarray:
@@ -217,24 +229,6 @@ def whitening(readings: Readings, noise: np.ndarray) -> np.ndarray:
         return np.linalg.inv(root) * readings.taken[:, :, None]
     except np.linalg.LinAlgError:
         return np.full(noise.shape, np.nan)
-
-
-def _eliminated(
-    readings: Readings, gap: np.ndarray, h_p: np.ndarray, whiten: np.ndarray | None
-) -> Linearised:
-    """Form W (h - m - G g) with g that minimises its square in each group; `whiten` is W, 1 / sigma
-    where it is not given.
-    """
-    values = np.concatenate([gap[:, :, None], h_p], axis=2)
-    if readings.groups:
-        precise = np.zeros((*gap.shape, 2))
-        if whiten is None:
-            precise[:, readings.columns, [0, 1]] = readings.weight[:, readings.columns] ** 2
-        else:
-            precise = whiten.transpose(0, 2, 1) @ whiten[:, :, readings.columns]
-        take_means(readings, values, precise)
-    values = readings.weight[:, :, None] * values if whiten is None else whiten @ values
-    return Linearised.of(values[:, :, 0], values[:, :, 1:])
 
 
 def take_means(readings: Readings, values: np.ndarray, precise: np.ndarray) -> np.ndarray:

@@ -17,11 +17,15 @@ from symkin.codegen.map.limb_platform_source import LimbPlatformSource
 from symkin.codegen.map.rod_platform import RodPlatform
 from symkin.codegen.steps.joint_ranges import Range, range_functions
 from symkin.codegen.steps.rod_kernel import rod_vectors
-from symkin.codegen.steps.rod_line import rod_line
 from symkin.codegen.text.c import Emitter
 from symkin.codegen.text.templates import FARTHEST, copy, copy_loop, fill
 from symkin.computed_once import cached_property
 from symkin.spatial.backend import cross, dot
+
+_LEAST_PART = 2.0**-10
+"""Shortest part, of what is left of a line, that is looked at: nearer to a limit than that is not
+within it.
+"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,8 +136,34 @@ class RodSource(LimbPlatformSource):
             "store_jacobian": stores,
             "copy_joints": copy("joints", "w.k", 6),
         }
-        line = rod_line(self._ranges, self.values) if self.made.has_limits else ""
+        line = self._limits_along_lines if self.made.has_limits else ""
         return [fill("rod_inverse.c", self.values | own), line]
+
+    @property
+    def _limits_along_lines(self) -> str:
+        """NAME_line: limits of rods along a straight line of poses, exactly.
+
+        With the unit quaternions q0, q1 of both ends and c = q0 . q1 the turn on the way is that of
+        q = q0 + t (q1 - q0), whose squared length n has the Bernstein coefficients 1, c, 1. The
+        vector n d of a rod, d = p + R(q) a - b, is a cubic in t: R(q) |q|^2 is quadratic in q and p
+        is linear. Its coefficients follow from d at both ends and at the middle pose (the rotation
+        of q0 + q1):
+
+            d0,  (2 (1 + c) dm - d1 + (1 - c) v) / 3,  (2 (1 + c) dm - d0 - (1 - c) v) / 3,  d1,
+            v = p1 - p0.
+
+        So n^2 (|d|^2 - L^2) is a polynomial of degree 6. It is at least 0 where its Bernstein
+        coefficients are; parts decide it else.
+        """
+        # a rod without limits, whose range is that of its length, is as short as it likes
+        lows = (r.low if r.above == Range.above else f"-{r.high}" for r in self._ranges)
+        own = {
+            "lows": tuple(lows),
+            "highs": tuple(r.high for r in self._ranges),
+            "third": 1.0 / 3.0,
+            "least_part": _LEAST_PART,
+        }
+        return fill("rod_line.c", self.values | own)
 
     @property
     def _jacobian(self) -> tuple[list[str], list[str]]:

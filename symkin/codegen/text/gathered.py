@@ -73,8 +73,9 @@ class _Values(Graph):
         found = list[_Terms]()
         for place, node in enumerate(self.nodes):
             terms = self._terms(node, [found[k] for k in node.reads])
-            short = terms is not None and len(terms) <= _MOST_TERMS
-            found.append(terms if short else {(place,): (1.0, 1.0)})
+            if terms is None or len(terms) > _MOST_TERMS:
+                terms = {(place,): (1.0, 1.0)}
+            found.append(terms)
         return found
 
     def _terms(self, node: Node, parts: Sequence[_Terms]) -> _Terms | None:

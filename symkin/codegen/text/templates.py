@@ -73,9 +73,10 @@ def substitute(text: str, values: Mapping[str, object]) -> str:
 
     def value(found: re.Match[str]) -> str:
         text = found[0]
-        if text == "@@":
-            return "@"
-        told = _told(values[found[1] or found[2] or _PREFIXES.get(text, text)])
+        if text in ("@@", *_PREFIXES):
+            # of names nobody told, `Real.typed` puts those of the machine in
+            return "@" if text == "@@" else str(values.get(_PREFIXES[text], text))
+        told = _told(values[found[1] or found[2] or text])
         return told + (found[3] or "" if told.rstrip() == told != "" else "")
 
     filled = list[str]()

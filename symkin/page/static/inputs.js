@@ -1,20 +1,13 @@
-// A slider and a number field with its unit for every given coordinate.
+// Sliders and number fields of the given coordinates.
 
 const DIGITS = 6;
-const LONG = 17; // letters of a name beyond which all are set smaller
 const THOUSANDS = /^[+-]?[1-9]\d{0,2},\d{3}$/; // 1,000 is a thousand to some and one to others
 const NUMBER = /^[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?$/i;
 
 export class Inputs {
-  /** `ranges` {name: [low, high]} in the units of `units`; `onChange(name, value)` at every movement. */
-  constructor(parent, { names, units, values, ranges, limits }, onChange) {
-    this.rows = new Map();
-    parent.classList.toggle("long-names", names.some((name) => name.length > LONG));
-    for (const name of names) {
-      const row = new Row(name, units[name], ranges[name], limits[name], (value) => onChange(name, value));
-      parent.append(row.element);
-      this.rows.set(name, row);
-    }
+  /** Rows of `parent`, one a name in order; `ranges` {name: [low, high]} in the units of `units`; `onChange(name, value)` at every movement. */
+  constructor(parent, { names, units, values, ranges }, onChange) {
+    this.rows = new Map(names.map((name, k) => [name, new Row(parent.children[k], units[name], ranges[name], (value) => onChange(name, value))]));
     this.show(values);
   }
 
@@ -35,26 +28,10 @@ export class Inputs {
 }
 
 class Row {
-  constructor(name, unit, range, limits, onChange) {
-    this.range = range;
-    this.element = element("div", { className: "input" });
-    const id = `given-${name}`;
-    const label = element("label", { htmlFor: id, textContent: name, title: name });
-    this.number = element("input", { type: "text", inputMode: "decimal", id: `${id}-number`, autocomplete: "off", spellcheck: false });
-    this.number.setAttribute("aria-label", `${name} in ${unit}`);
-    this.slider = element("input", { type: "range", id, min: range[0], max: range[1], step: "any" });
-    const told = limits ? `limits ${shown(limits[0])} to ${shown(limits[1])} ${unit}` : "";
-    if (told) this.slider.title = told;
-    this.unit = unit;
-    this.track = element("div", { className: "track" });
-    this.left = element("i", { className: "left" });
-    this.track.append(this.left, this.slider);
-    const box = element("span", { className: "number" });
-    box.append(this.number, element("span", { className: "unit", textContent: unit }));
-    const ends = element("div", { className: "ends" });
-    this.ends = range.map((end) => element("span", { textContent: shown(end, 4) }));
-    ends.append(...this.ends);
-    this.element.append(label, box, this.track, ends);
+  constructor(element, unit, range, onChange) {
+    Object.assign(this, { unit, range });
+    [this.number, this.slider, this.left] = ["[type=text]", "[type=range]", ".left"].map((name) => element.querySelector(name));
+    this.ends = element.querySelectorAll(".ends span");
     this.slider.addEventListener("input", () => onChange(this.slider.valueAsNumber));
     this.slider.addEventListener("keydown", (event) => this._step(event, onChange));
     this.number.addEventListener("change", () => this._typed(onChange));

@@ -15,7 +15,7 @@ const { model, scene, options } = JSON.parse($("data").textContent);
 const solver = createSolver(model, generated);
 solver.unitOf = (name) => solver.units[name] ?? "";
 const drawing = new Drawing($("view"), scene, solver.links.length);
-const inputs = new Inputs($("inputs"), { names: solver.names, units: solver.units, values: solver.values, ranges: options.ranges, limits: solver.limits }, wish);
+const inputs = new Inputs($("inputs"), { names: solver.names, units: solver.units, values: solver.values, ranges: options.ranges }, wish);
 const labels = new Labels($("labels"), drawing, solver);
 const strip = new Strip($("strip"), $("modes-text"), { solver, drawing, onChoose: choose });
 const drag = new PlatformDrag(drawing, solver, { itemAt, onMove: moved });
