@@ -85,7 +85,7 @@ class Graph:
     outputs: dict[tuple[int, int], int] = field(default_factory=dict)
     divisors: Counter[int] = field(default_factory=Counter)
     shares_signs: bool = False
-    _constants: dict[float, int] = field(default_factory=dict)
+    _constants: dict[str, int] = field(default_factory=dict)
     _made: dict[tuple[int, tuple[int, ...]], int] = field(default_factory=dict)
 
     @staticmethod
