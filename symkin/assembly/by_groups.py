@@ -194,7 +194,9 @@ def modes_of_inputs(
     grouped = modes_by_groups(
         problem, known, search, choose, least_errors=least_errors, certify=True, told=told
     )
-    found = with_least_modes(problem, givens, search, grouped.modes(givens))
+    found = grouped.modes(givens)
+    if not all(found):
+        found = with_least_modes(problem, givens, search, found)
     if all(modes.completeness != "sampled" for modes in found):
         return found
     notes = motion_notes(problem)
