@@ -225,8 +225,8 @@ class Limb:
 
 
 AnyLimb: TypeAlias = Limb | RodLimb
-"""What has `joints` in order from the base, `links_along` them, and `bars` at its end: of a rod limb
-no joint and one bar.
+"""What has `joints` in order from the base, `links_along` them, and `bars` at its end: of a rod
+limb no joint and one bar.
 """
 
 
