@@ -4,6 +4,7 @@ says no more than it knows.
 
 import math
 from dataclasses import replace
+from types import SimpleNamespace
 
 import casadi as ca
 import numpy as np
@@ -335,6 +336,15 @@ def test_operation_modes_are_told_at_every_input():
     doubtful, plain = symkin.modes(delta), symkin.modes(delta, joints=[-4.9, -10.2, -2.7])
     told = [{n for n in found.notes if "operation modes" in n} for found in (doubtful, plain)]
     assert told[0] == told[1] != set()
+
+
+@pytest.mark.parametrize(("combined", "count"), [(False, 1), (True, 0)])
+def test_roots_of_combinations_are_no_operation_modes(combined, count):
+    """Rows that given values must agree with are followed as combinations, whose generic roots are
+    no modes: a planar machine of four legs told 14 operation modes of one.
+    """
+    start = SimpleNamespace(orbits=np.array([0, 1, 1]))
+    assert len(inside.block_paths.BlockPaths(None, None, start, combined=combined).notes) == count
 
 
 # --- the store ------------------------------------------------------------------------------------
