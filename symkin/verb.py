@@ -14,7 +14,6 @@ from typing import Any, ParamSpec, TypeVar
 import numpy as np
 
 from symkin.errors import InputError
-from symkin.quiet import without_float_warnings
 from symkin.text import shown
 
 Arguments = ParamSpec("Arguments")
@@ -26,7 +25,6 @@ def verb(function: Callable[Arguments, Result]) -> Callable[Arguments, Result]:
     DataFrame, become mappings, iterators lists; what is annotated as a number, a text or a path is
     one. NumPy's warnings and errors are off: a verb judges its numbers itself. Raises InputError.
     """
-    quiet = without_float_warnings(function)
     kinds = {p.name: str(p.annotation) for p in inspect.signature(function).parameters.values()}
     names = tuple(kinds)
 
@@ -34,7 +32,8 @@ def verb(function: Callable[Arguments, Result]) -> Callable[Arguments, Result]:
     def called(*values: Any, **named: Any) -> Result:
         told = [read_as(kinds.get(n, ""), n, v) for n, v in zip(names, values, strict=False)]
         options = {name: read_as(kinds.get(name, ""), name, v) for name, v in named.items()}
-        return quiet(*told, *values[len(told) :], **options)
+        with np.errstate(all="ignore"):
+            return function(*told, *values[len(told) :], **options)
 
     return called
 

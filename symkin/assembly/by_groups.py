@@ -26,6 +26,7 @@ from symkin.assembly.modes_result import Group, Modes, sampling
 from symkin.assembly.prover import PartProofs
 from symkin.assembly.search import Search
 from symkin.assembly.tree import Solving, Step, Tree, grown_together
+from symkin.assembly.without_search import known_without_search
 from symkin.computed_once import cached_property
 from symkin.errors import InputError, TooManyModesError
 from symkin.position.given import Given
@@ -187,20 +188,38 @@ def modes_of_inputs(
     least_errors: bool = True,
     told: Told | None = None,
 ) -> list[Modes]:
-    """The modes of each input of a problem, proved where that can be, with what is said where there
-    are none; otherwise as `modes_by_groups`.
+    """The modes of each input of a problem by its own rows, without a search where none is needed,
+    else as `modes_by_groups` finds them, proved where that can be, with what is said where there
+    are none.
     """
-    known = np.array([given.values for given in givens])
-    grouped = modes_by_groups(
-        problem, known, search, choose, least_errors=least_errors, certify=True, told=told
-    )
-    found = with_least_modes(problem, givens, search, grouped.modes(givens))
-    if all(modes.completeness != "sampled" for modes in found):
-        return found
-    notes = motion_notes(problem)
-    return [
-        replace(m, notes=(*m.notes, *notes)) if m.completeness == "sampled" else m for m in found
-    ]
+    known = known_without_search(problem, givens, search, told)
+    left = [i for i, modes in enumerate(known) if modes is None]
+    own, found = [givens[i] for i in left], list[Modes]()
+    if own:
+        grouped = modes_by_groups(
+            problem,
+            np.array([given.values for given in own]),
+            search,
+            choose,
+            least_errors=least_errors,
+            certify=True,
+            told=None if told is None else told.of(left),
+        )
+        found = grouped.modes(own)
+        if not all(found):
+            found = with_least_modes(problem, own, search, found)
+        if search.method == "continuation" and all(
+            m.starts is None and m.completeness != "incomplete" for m in found
+        ):
+            search.refuse_starts(problem)
+    if any(m.completeness == "sampled" for m in found):
+        notes = motion_notes(problem)
+        found = [
+            replace(m, notes=(*m.notes, *notes)) if m.completeness == "sampled" else m
+            for m in found
+        ]
+    rest = iter(found)
+    return [next(rest) if modes is None else modes for modes in known]
 
 
 def _check_choices(problem: Problem, groups: Sequence[Problem], choose: Sequence[int]) -> None:

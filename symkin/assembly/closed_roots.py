@@ -14,8 +14,7 @@ from typing import Protocol
 
 import numpy as np
 
-from symkin.assembly.block_paths import BlockPaths
-from symkin.assembly.complex_branches import complex_errors, misses_none
+from symkin.assembly.complex_branches import complex_errors
 from symkin.assembly.group_roots import GroupRoots, checked_roots
 from symkin.assembly.rod_lengths import rod_lengths
 from symkin.computed_once import cached_property, lru_cache
@@ -83,7 +82,7 @@ class ClosedBlock:
     def is_determined(self) -> bool:
         """Whether each real branch is a solution. Arms of fewer than six joints have branches that
         some of their poses' conditions refuse, and that are none then; formulas that elimination
-        has found have none of these (`accounts_for_all`).
+        has found have none of these (`group_solvers.accounts_for_all`).
         """
         rows = self.problem.system.rows.shape[0]
         if rows <= self.problem.system.freedom or isinstance(self.formulas, ClosedForm):
@@ -93,13 +92,6 @@ class ClosedBlock:
         return bool(
             found.clear[0] and np.all(errors <= _SOLVES * self.problem.system.characteristic_length)
         )
-
-    @property
-    def is_whole(self) -> bool:
-        """Whether the formulas have all complex branches by their derivation: those of rods, and
-        of an arm, which are derived for its family of axes.
-        """
-        return not isinstance(self.formulas, ClosedForm)
 
     @property
     def generic_known(self) -> np.ndarray:
@@ -142,34 +134,16 @@ class ClosedBlock:
         if isinstance(self.formulas, ClosedForm) and is_tied(self.problem):
             rows = np.flatnonzero(~real.all(axis=1))
             if rows.size:
-                counts[rows] = _closing(self.problem, self.formulas, known[rows]).sum(axis=1)
+                counts[rows] = closing(self.problem, self.formulas, known[rows]).sum(axis=1)
         return counts
 
 
-def _closing(problem: Problem, formulas: ClosedForm, known: np.ndarray) -> np.ndarray:
+def closing(problem: Problem, formulas: ClosedForm, known: np.ndarray) -> np.ndarray:
     """Which branches (n, count) close for known values (n, known), over the complex numbers."""
     try:
         return complex_errors(problem, formulas, known) <= _SOLVES
     except NotImplementedError:
         return np.zeros((len(known), formulas.count), dtype=bool)
-
-
-@lru_cache(maxsize=256)
-def accounts_for_all(closed: ClosedBlock, paths: BlockPaths | None) -> bool:
-    """Whether each complex solution of a generic instance is one of the formulas' branches: they
-    are as many as paths find, and all of them close. Where no paths tell, as where known values
-    must meet conditions, all of them close at the regular configuration, and random starts over
-    the complex numbers find no other there.
-    """
-    if not isinstance(closed.formulas, ClosedForm):
-        return True
-    formulas, regular = closed.formulas, closed.regular
-    if paths is None:
-        closes = bool(_closing(closed.problem, formulas, regular[None]).all())
-        return closes and misses_none(closed.problem, formulas, regular)
-    if formulas.count != paths.most_roots:
-        return False
-    return bool(_closing(closed.problem, formulas, closed.generic_known).all())
 
 
 @lru_cache(maxsize=256)

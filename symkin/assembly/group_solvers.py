@@ -6,10 +6,12 @@ from collections.abc import Sequence
 
 from symkin.assembly.account import Part
 from symkin.assembly.block_paths import BlockPaths, own_paths, paths_of_rows
-from symkin.assembly.closed_roots import ClosedBlock, accounts_for_all, closed_block
+from symkin.assembly.closed_roots import ClosedBlock, closed_block, closing
+from symkin.assembly.complex_branches import misses_none
 from symkin.assembly.rod_lengths import rod_lengths
 from symkin.assembly.search import Search
 from symkin.computed_once import lru_cache
+from symkin.elimination.closed_form import ClosedForm
 from symkin.homotopy.six_distances import redundant_distances
 from symkin.homotopy.structure import MOST_UNKNOWNS, start_of_structure, structure_of
 from symkin.homotopy.systems import system_of, unsuitable
@@ -35,10 +37,26 @@ def group_solver(group: Problem, *, formulas: bool = True) -> BlockPaths | Close
     tracks its paths; None where it has neither.
     """
     closed = closed_block(group) if formulas else None
-    # of rods, and of an arm with formulas, no generic solutions are searched
-    if closed is not None and (closed.is_whole or accounts_for_all(closed, group_paths(group))):
-        return closed
-    return any_paths(group)
+    return closed if closed is not None and accounts_for_all(closed) else any_paths(group)
+
+
+@lru_cache(maxsize=256)
+def accounts_for_all(closed: ClosedBlock) -> bool:
+    """Whether each complex solution of a generic instance is one of the formulas' branches, as by
+    their derivation those of rods and of an arm are: they are as many as paths find, and all of
+    them close. Where no paths tell, as where known values must meet conditions, all of them close
+    at the regular configuration, and random starts over the complex numbers find no other there.
+    """
+    group, formulas, regular = closed.problem, closed.formulas, closed.regular
+    if not isinstance(formulas, ClosedForm):
+        return True
+    paths = group_paths(group)
+    if paths is None:
+        closes = bool(closing(group, formulas, regular[None]).all())
+        return closes and misses_none(group, formulas, regular)
+    if formulas.count != paths.most_roots:
+        return False
+    return bool(closing(group, formulas, closed.generic_known).all())
 
 
 def any_paths(group: Problem) -> BlockPaths | None:

@@ -30,19 +30,15 @@ _SAME = 1e-4
 
 
 def with_least_modes(
-    problem: Problem, givens: Sequence[Given], search: Search, found: Sequence[Modes]
+    problem: Problem, givens: Sequence[Given], search: Search, found: list[Modes]
 ) -> list[Modes]:
     """The same modes of each input, or where there are none and the description's digits are why,
     those of least squares.
     """
-    every = list(found)
-    empty = [
-        k
-        for k, (modes, given) in enumerate(zip(found, givens, strict=True))
-        if not len(modes) and given.off_motion == 0.0
-    ]
+    empty = [k for k, given in enumerate(givens) if not (found[k] or given.off_motion)]
     if not empty or not determination(problem).misfit:
-        return every
+        return found
+    every = list(found)
     known = np.array([givens[k].values for k in empty])
     for k, points in zip(empty, _minima(problem, known, search), strict=True):
         listed = _listed(problem, givens[k], points)

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import time
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from functools import partial
 from typing import Any, Unpack, overload
 
 import numpy as np
@@ -20,7 +21,6 @@ from symkin.assembly.by_groups import modes_of_inputs
 from symkin.assembly.modes_result import Modes
 from symkin.assembly.options import ModesOptions
 from symkin.assembly.search import DEFAULT_SEED, Search
-from symkin.assembly.without_search import known_without_search
 from symkin.homotopy.monodromy import told_of_searches
 from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.position.determination import refuse_unless_determined
@@ -38,7 +38,7 @@ from symkin.position.mobility import open_loops_note
 from symkin.position.multistart import DEFAULT_STARTS
 from symkin.position.out_of_reach import reach_note
 from symkin.position.pose_coordinates import motion_note
-from symkin.position.problem import Problem, build_problem
+from symkin.position.problem import build_problem
 from symkin.quiet import without_float_warnings
 from symkin.spatial.pose import Pose
 from symkin.verb import verb
@@ -114,11 +114,10 @@ def modes(
     search = Search.of(
         method, options["starts"], options["seed"], options["solver"], options["progress"]
     )
-    ask = _Ask(mechanism, search, choose)
     if is_many(joints, pose, given):
-        return _found(ask, read_many(mechanism, joints, pose, given))
+        return _found(mechanism, search, read_many(mechanism, joints, pose, given), choose)
     one = read_given(mechanism, joints, pose, given)
-    found = _found(ask, [one])[0]
+    found = _found(mechanism, search, [one], choose)[0]
     # coordinates of a pose are those of the declared motion; joints may carry it elsewhere
     is_carried = not found.problem.closure.role("pose")
     listed = found.modes
@@ -129,23 +128,15 @@ def modes(
     return replace(found, notes=(*found.notes, *told)) if told else found
 
 
-@dataclass(frozen=True)
-class _Ask:
-    """What is asked of a mechanism beside its inputs."""
-
-    mechanism: Mechanism
-    search: Search
-    choose: Sequence[int] = ()
-    least_errors: bool = True
-
-
-def _found(ask: _Ask, givens: Sequence[Given]) -> tuple[Modes, ...]:
+def _found(
+    mechanism: Mechanism, search: Search, givens: Sequence[Given], *how: Any
+) -> tuple[Modes, ...]:
     """The modes of inputs of one kind, with the loop that cannot close where there are none."""
-    search = replace(ask.search, begun=time.perf_counter(), inputs=len(givens))
+    search = replace(search, begun=time.perf_counter(), inputs=len(givens))
     with told_of_searches(search.progress):
-        found = _of_machine(replace(ask, search=search), givens)
+        found = _of_machine(mechanism, search, givens, *how)
     lost = [not modes and modes.problem.by_name for modes in found]
-    note = open_loops_note(ask.mechanism) if any(lost) else None
+    note = open_loops_note(mechanism) if any(lost) else None
     if note is None:
         return tuple(found)
     return tuple(
@@ -154,23 +145,30 @@ def _found(ask: _Ask, givens: Sequence[Given]) -> tuple[Modes, ...]:
     )
 
 
-def _of_machine(ask: _Ask, givens: Sequence[Given]) -> list[Modes]:
+def _of_machine(
+    mechanism: Mechanism,
+    search: Search,
+    givens: Sequence[Given],
+    choose: Sequence[int] = (),
+    least_errors: bool = True,
+) -> list[Modes]:
     """The modes of inputs of one kind: those of the machine that the description means, where it
-    is another one.
+    is another one; `choose` and `least_errors` as `modes_by_groups` has them.
     """
     if not givens:
         return []
     # numbers of solutions to take are those of blocks of named coordinates
-    problem = build_problem(ask.mechanism, givens[0].names, () if ask.choose else None)
+    problem = build_problem(mechanism, givens[0].names, () if choose else None)
     if problem.by_name:
         refuse_unless_determined(problem)
-    may_be = not ask.choose and ask.search.method == "continuation"
-    low = machine_of(ask.mechanism, givens[0]) if may_be else None
+    may_be = not choose and search.method == "continuation"
+    low = machine_of(mechanism, givens[0]) if may_be else None
+    find = partial(modes_of_inputs, search=search, choose=choose, least_errors=least_errors)
     if low is None:
-        return _of_description(ask, problem, givens)
+        return find(problem, givens)
     there = [given.there or in_order(low.machine, given) for given in givens]
     told = Told(low, problem, np.array([given.values for given in givens]))
-    of_machine = _of_description(ask, build_problem(low.machine, there[0].names), there, told)
+    of_machine = find(build_problem(low.machine, there[0].names), there, told=told)
     own = [
         None if at.off_motion else as_written(told, given, modes)
         for at, given, modes in zip(there, givens, of_machine, strict=True)
@@ -180,41 +178,10 @@ def _of_machine(ask: _Ask, givens: Sequence[Given]) -> list[Modes]:
         for i, modes in enumerate(own)
         if modes is None or (not modes.modes and may_contradict(low, givens[i]))
     ]
-    alone = _of_description(ask, problem, [givens[i] for i in rest]) if rest else ()
+    alone = find(problem, [givens[i] for i in rest]) if rest else ()
     for i, modes in zip(rest, alone, strict=True):
         own[i] = modes if own[i] is None or is_complete(modes) else own[i]
     return [modes for modes in own if modes is not None]
-
-
-def _of_description(
-    ask: _Ask, problem: Problem, givens: Sequence[Given], told: Told | None = None
-) -> list[Modes]:
-    """The modes of inputs of a problem by its own rows, `told` in the coordinates of the
-    description whose machine it is of.
-    """
-    search = ask.search
-    known = known_without_search(problem, givens, search, told)
-    left = [i for i, modes in enumerate(known) if modes is None]
-    searched = (
-        modes_of_inputs(
-            problem,
-            [givens[i] for i in left],
-            search,
-            ask.choose,
-            least_errors=ask.least_errors,
-            told=None if told is None else told.of(left),
-        )
-        if left
-        else []
-    )
-    if (
-        search.method == "continuation"
-        and searched
-        and all(m.starts is None and m.completeness != "incomplete" for m in searched)
-    ):
-        search.refuse_starts(problem)
-    rest = iter(searched)
-    return [next(rest) if modes is None else modes for modes in known]
 
 
 @without_float_warnings
@@ -224,8 +191,7 @@ def modes_on_grid(
     """`modes` at many inputs, without the search for the least closure errors of those that have no
     solution.
     """
-    ask = _Ask(mechanism, Search.of(None), least_errors=False)
-    return _found(ask, read_many(mechanism, None, None, columns))
+    return _found(mechanism, Search.of(None), read_many(mechanism, None, None, columns), (), False)
 
 
 @without_float_warnings
@@ -240,4 +206,4 @@ def modes_at_need(
     starts, if any does.
     """
     search = Search("continuation", starts, DEFAULT_SEED, "batched")
-    return _found(_Ask(mechanism, search), [read_given(mechanism, joints, pose)])[0]
+    return _found(mechanism, search, [read_given(mechanism, joints, pose)])[0]

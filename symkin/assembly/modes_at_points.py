@@ -29,7 +29,6 @@ from symkin.assembly.mode_table import COMPLETENESS, ModeTable, stored_counts
 from symkin.assembly.modes_result import Modes
 from symkin.assembly.search import Search
 from symkin.assembly.without_search import (
-    known_without_search,
     meet_conditions,
     nothing,
 )
@@ -118,10 +117,7 @@ class ModeFinder:
             return ModeTable.of(self._empty, "off the motion")
         given = Given(tuple(c.name for c in self.problem.known_coordinates), known, {})
         try:
-            (found,) = known_without_search(self.problem, [given], self.search)
-            if found is None:
-                (found,) = modes_of_inputs(self.problem, [given], self.search)
-            return ModeTable.of(found)
+            return ModeTable.of(modes_of_inputs(self.problem, [given], self.search)[0])
         except TooManyModesError:
             return ModeTable.of(self._empty, "too many to list", -1)
 

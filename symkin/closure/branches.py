@@ -15,10 +15,10 @@ from __future__ import annotations
 import heapq
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 from symkin.model.bar import Bar
 from symkin.model.joint import BASE, Joint
-from symkin.model.limb import Limb, RodLimb
 from symkin.model.machine import gaps_of
 from symkin.model.mechanism import Mechanism
 
@@ -115,25 +115,17 @@ def _layout_as_told(mechanism: Mechanism, closing: Collection[str]) -> Layout:
     return Layout((*carrying, *rest), ())
 
 
-def _last_link(limb: Limb | RodLimb) -> str:
-    """The link from which a limb's rods go on."""
-    return f"{limb.name}.{len(limb.joints)}" if limb.joints else limb.links[0]
-
-
 # --- graphs ---------------------------------------------------------------------------------------
 
 
 def edges_of(mechanism: Mechanism) -> Iterator[Branch]:
     """Joints and rods as branches of one element each, limbs by their joints."""
     for limb in mechanism.limbs:
-        first, last = limb.links
-        bars = limb.bars(mechanism.reference_pose)
-        inner = [f"{limb.name}.{k}" for k in range(1, len(limb.joints))]
-        links = [first, *inner, _last_link(limb) if bars else last]
-        for joint, a, b in zip(limb.joints, links[:-1], links[1:], strict=False):
-            yield Branch(limb.name, (a, b), (Element(joint, mechanism.key_path(limb, joint)),), ())
-        for bar in bars:
-            yield Branch(limb.name, (links[-1], last), (Element(bar, bar.path),), ())
+        links = limb.links_along
+        for joint, ends in zip(limb.joints, pairwise(links), strict=True):
+            yield Branch(limb.name, ends, (Element(joint, mechanism.key_path(limb, joint)),), ())
+        for bar in limb.bars(mechanism.reference_pose):
+            yield Branch(limb.name, (links[-1], limb.links[1]), (Element(bar, bar.path),), ())
     for entry in mechanism.link_joints:
         yield Branch(
             entry.joint.name,

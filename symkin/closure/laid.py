@@ -18,7 +18,7 @@ import numpy as np
 from symkin.closure.branches import Branch, cut_index
 from symkin.model.bar import Bar
 from symkin.model.joint import Joint
-from symkin.model.limb import Limb
+from symkin.model.limb import AnyLimb
 from symkin.model.machine import is_laid
 from symkin.model.mechanism import Mechanism
 from symkin.spatial.pose import Pose
@@ -65,7 +65,7 @@ def laid_limbs(mechanism: Mechanism, branches: Sequence[Branch], kept: frozenset
     `kept` are joints at which no loop is cut.
     """
     found = Laid()
-    limbs = {limb.name: limb for limb in mechanism.limbs if isinstance(limb, Limb)}
+    limbs = {limb.name: limb for limb in mechanism.limbs}
     for branch in branches if is_laid(mechanism) else ():
         if branch.name not in limbs or isinstance(branch.elements[0].part, Bar):
             continue
@@ -80,17 +80,18 @@ def laid_limbs(mechanism: Mechanism, branches: Sequence[Branch], kept: frozenset
     return found
 
 
-def _lay_carrier(found: Laid, mechanism: Mechanism, limb: Limb, joints: Sequence[Joint]) -> None:
+def _lay_carrier(found: Laid, mechanism: Mechanism, limb: AnyLimb, joints: Sequence[Joint]) -> None:
     """Lay a limb whose last link carries rods."""
     chain = _Chain(mechanism.characteristic_length)
-    chain.lay(joints, [], [rod.start for rod in limb.rods])
+    bars = limb.bars(mechanism.reference_pose)
+    chain.lay(joints, [], [bar.start.point for bar in bars])
     found.add(chain.joints, chain.values)
-    for bar in limb.bars(mechanism.reference_pose):
+    for bar in bars:
         found.starts[bar.start.path] = chain.point(bar.start.point).tolist()
 
 
 def _lay_loop(
-    found: Laid, mechanism: Mechanism, limb: Limb, joints: Sequence[Joint], cut: int | None
+    found: Laid, mechanism: Mechanism, limb: AnyLimb, joints: Sequence[Joint], cut: int | None
 ) -> None:
     """Lay a limb that is cut at a joint which has no limits, if its sides meet there with frames
     along each other, and if that is no way to stand of the description.

@@ -81,7 +81,7 @@ class ClosedDirection(Source):
     def _outputs(self) -> ca.SX:
         """The state's numbers."""
         found = [
-            _unit(n.cosine, n.sine) if c.kind == "angle" and n.cosine is not None else n.value
+            _unit(n.cosine, n.sine) if c.is_periodic and n.cosine is not None else n.value
             for c in self.direction.unknown
             for n in self.numbers[c.name]
         ]
@@ -149,7 +149,7 @@ class ClosedDirection(Source):
         """An expression over the known `values` in place of their numbers."""
         numbers = []
         for k, c in enumerate(self.direction.known):
-            numbers += [ca.cos(values[k]), ca.sin(values[k])] if c.kind == "angle" else [values[k]]
+            numbers += [ca.cos(values[k]), ca.sin(values[k])] if c.is_periodic else [values[k]]
         return ca.substitute(expression, self.known, ca.vertcat(*numbers))
 
     @property

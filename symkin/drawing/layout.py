@@ -25,7 +25,6 @@ from symkin.model.graph_checks import links_of
 from symkin.model.joined import Joined
 from symkin.model.joint import BASE, PLATFORM, Joint
 from symkin.model.joint_forms import JointType
-from symkin.model.limb import RodLimb
 from symkin.model.mechanism import Mechanism
 from symkin.spatial.pose import Pose
 
@@ -368,14 +367,13 @@ class _Gathered:
 
     def _rod(self, edge: Branch, bar: Bar) -> None:
         start, end = (e.at_reference(self.mechanism.reference_pose) for e in (bar.start, bar.end))
-        limb = next((limb for limb in self.mechanism.limbs if limb.name == edge.name), None)
-        kinds = (limb.type[0], limb.type[-1]) if isinstance(limb, RodLimb) else ("S", "S")
-        own = limb is None or isinstance(limb, RodLimb)
+        kinds = next((limb.type for limb in self.mechanism.limbs if limb.name == bar.name), "SS")
+        own = bar.name == edge.name
         name = bar.name if own else f"{edge.name} {bar.name}"
         for link, point in zip(edge.ends, (start, end), strict=True):
             self._attach(link, name, point)
         label = name if own else ""
-        self.rods.append(RodMark(name, label, bar, edge.ends, start, end, kinds))  # type: ignore[arg-type]
+        self.rods.append(RodMark(name, label, bar, edge.ends, start, end, (kinds[0], kinds[-1])))  # type: ignore[arg-type]
 
     def _couplings(self) -> tuple[tuple[str, str], ...]:
         names = {mark.name for mark in self.joints} | {rod.name for rod in self.rods}

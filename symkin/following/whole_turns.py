@@ -50,14 +50,9 @@ def whole_turns(trajectory: Trajectory, row: int) -> float | None:
     """The share of an interval after which all moving coordinates have made whole turns; None
     where others move, or where it is longer than the interval."""
     change = trajectory.samples[row + 1] - trajectory.samples[row]
-    moves: list[float] = []
-    kinds = [c.kind for c in trajectory.coordinates for _ in range(c.width)]
-    for kind, d in zip(kinds, change.tolist(), strict=True):
-        if d != 0.0 and kind != "angle":
-            return None
-        if d != 0.0:
-            moves.append(d)
-    if not moves:
+    others = [not c.is_periodic for c in trajectory.coordinates for _ in range(c.width)]
+    moves: list[float] = change[change != 0.0].tolist()
+    if not moves or change[others].any():
         return None
     slowest = min(abs(d) for d in moves)
     for turns in range(1, min(_MOST_TURNS, int(slowest / _TURN)) + 1):

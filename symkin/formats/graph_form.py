@@ -10,7 +10,7 @@ from itertools import pairwise
 from symkin.model.changed import scaled
 from symkin.model.graph import LinkJoint, LinkRod
 from symkin.model.joint import BASE, PLATFORM, Joint
-from symkin.model.limb import Limb, RodLimb
+from symkin.model.limb import AnyLimb
 from symkin.model.mechanism import Mechanism
 
 METRES = {"m": 1.0, "mm": 1e-3}
@@ -34,7 +34,7 @@ def as_graph(mechanism: Mechanism) -> Mechanism:
     that leave it this motion.
     """
     carriers = list(_carriers(mechanism))
-    joints = [entry for limb in mechanism.limbs if isinstance(limb, Limb) for entry in _chain(limb)]
+    joints = [entry for limb in mechanism.limbs for entry in _chain(limb)]
     graph = Mechanism(
         mechanism.name,
         link_joints=[*joints, *carriers, *mechanism.link_joints],
@@ -55,16 +55,16 @@ def as_graph(mechanism: Mechanism) -> Mechanism:
     return scaled(graph, METRES[mechanism.length_unit])
 
 
-def _chain(limb: Limb) -> Iterator[LinkJoint]:
+def _chain(limb: AnyLimb) -> Iterator[LinkJoint]:
     """The joints of a limb, each between two of its links."""
     for joint, links in zip(limb.joints, pairwise(limb.links_along), strict=True):
         yield LinkJoint(joint, links)
 
 
-def _rods(mechanism: Mechanism, limb: Limb | RodLimb) -> Iterator[LinkRod]:
+def _rods(mechanism: Mechanism, limb: AnyLimb) -> Iterator[LinkRod]:
     """The rods at the end of a limb, between its last link and the platform."""
     pose = mechanism.reference_pose
-    start = limb.links[0] if isinstance(limb, RodLimb) else limb.links_along[-1]
+    start = limb.links_along[-1]
     for bar in limb.bars(pose):
         driven = bar.coordinate is not None
         yield LinkRod(

@@ -238,10 +238,13 @@ def joint_at(frame: Pose, name: str, kind: JointType, **told: Any) -> Joint:
     common; U turns about the z axis of the first frame and about the x axis of the second, which
     stay square to each other. `told` is what else it holds.
     """
-    axes = np.asarray(frame.rotation)
-    axis = None if kind in ("S", "weld") else tuple(axes[:, 2])
-    axis2 = tuple(axes[:, 0]) if kind == "U" else None
-    return Joint(name, kind, tuple(frame.position), axis, axis2, **told)
+    return Joint(name, kind, tuple(frame.position), **axes_of(kind, frame), **told)
+
+
+def axes_of(kind: JointType, frame: Pose) -> dict[str, Any]:
+    """The axes of a joint of a closure in its frame, those that its type has: z, and x."""
+    axes = np.asarray(frame.rotation).T[[2, 0]].tolist()[: JOINT_FORMS[kind].axes]
+    return dict(zip(("axis", "axis2"), (*axes, None, None), strict=False))
 
 
 def place(

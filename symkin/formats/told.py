@@ -5,11 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
-import numpy as np
-
 from symkin.errors import InputError
 from symkin.formats.read_options import ReadOptions, closure_kind
-from symkin.formats.robot import AXES, Robot, RobotJoint, frame_along
+from symkin.formats.robot import AXES, Robot, RobotJoint, axes_of, frame_along
 from symkin.model.joint import BASE
 from symkin.model.joint_forms import JointType
 from symkin.spatial.pose import Pose
@@ -61,15 +59,9 @@ def _of_kind(joint: RobotJoint, kind: JointType, axis: str) -> RobotJoint:
     were those of the other kind.
     """
     turn = Pose.identity() if joint.axis is None else frame_along(joint.axis, joint.axis2)
-    axes = np.asarray((turn @ frame_along(AXES[axis])).rotation).T.tolist()
     if kind != joint.type:
         joint = replace(joint, pitch=0.0, limits=None, actuated=False, motor=None)
-    return replace(
-        joint,
-        type=kind,
-        axis=None if kind in ("S", "weld") else axes[2],
-        axis2=axes[0] if kind == "U" else None,
-    )
+    return replace(joint, type=kind, **axes_of(kind, turn @ frame_along(AXES[axis])))
 
 
 def _with_platform(robot: Robot, name: str) -> Robot:

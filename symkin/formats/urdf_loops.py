@@ -23,7 +23,7 @@ from symkin.formats.urdf_parts import (
 )
 from symkin.formats.xml_text import Element
 from symkin.model.joined import along, way
-from symkin.model.joint_forms import JointType
+from symkin.model.joint_forms import JOINT_FORMS, JointType
 from symkin.spatial.pose import Pose
 from symkin.text import not_among
 
@@ -86,7 +86,11 @@ class _Reader:
             return self._gazebo_joint(element)
         kind = "S" if tag == "ball_constraint" else _type(element)
         ends = [
-            (_link_of(end, self.links), frame, direction(at, *tags) if _has_axis(kind) else None)
+            (
+                _link_of(end, self.links),
+                frame,
+                direction(at, *tags) if JOINT_FORMS[kind].axes else None,
+            )
             for end, frame, at, tags in _FORMS[tag](element)
         ]
         return self._made(element, kind, ends)
@@ -131,7 +135,7 @@ class _Reader:
             )
         at = self.zero[child] @ frame
         kind = sdf_type(element, ("revolute", "prismatic", "ball", "fixed"))
-        axis = sdf_axis(element, "axis", at) if _has_axis(kind) else None
+        axis = sdf_axis(element, "axis", at) if JOINT_FORMS[kind].axes else None
         turn = Pose.identity() if axis is None else frame_along(axis)
         frames = (self.zero[parent].inverse() @ at @ turn, frame @ turn)
         return RobotJoint(
@@ -161,7 +165,7 @@ class _Reader:
             there = self.zero[links[0]] @ first
             back = (self.zero[links[1]] @ frame).inverse()
             second = frame @ frame_along(other, back.turn(there.turn(np.array([1.0, 0.0, 0.0]))))
-        axis = Z if _has_axis(kind) else None
+        axis = Z if JOINT_FORMS[kind].axes else None
         return RobotJoint(
             element.attribute("name") if "name" in element.attributes else f"loop{element.line}",
             kind,
@@ -222,10 +226,6 @@ def _type(element: Element) -> JointType:
     if word not in _TYPES:
         raise element.error(f"type of closure = {not_among(element.attribute('type'), _TYPES)}")
     return _TYPES[word]
-
-
-def _has_axis(kind: JointType) -> bool:
-    return kind in ("R", "P", "C")
 
 
 def _link_of(element: Element, links: Collection[str]) -> str:

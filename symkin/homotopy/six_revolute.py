@@ -37,7 +37,7 @@ _X, _Y, _Z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
 def is_six_revolute(problem: Problem) -> bool:
     """Whether a problem is the inverse one of an arm of six revolute joints."""
     joints = [joint for _, joint in problem.mechanism.joints]
-    is_arm = problem.of_pose and problem.mechanism.serial and problem.mechanism.motion == "spatial"
+    is_arm = problem.of_pose and problem.mechanism.serial
     return is_arm and len(joints) == JOINTS and all(joint.type == "R" for joint in joints)
 
 

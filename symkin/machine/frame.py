@@ -95,7 +95,7 @@ def with_own_frame(mechanism: Mechanism) -> tuple[Mechanism, Frames | None]:
     the base at the reference; None in place of the frames where it stands so. Numbers that are zero
     to rounding are zero.
     """
-    if mechanism.serial or not any(limb.joints for limb in mechanism.limbs):
+    if not any(limb.joints for limb in mechanism.limbs):
         return mechanism, None
     turn = _turn_to_axes(mechanism)
     return (_aligned(mechanism), None) if turn is None else _placed(mechanism, turn)

@@ -71,7 +71,7 @@ def limbs_of(graph: Mechanism) -> AsLimbs | None:
     (['RR', 'RR'], 'limb2.1')
     """
     platform = graph.platform_link
-    if platform is None or graph.couplings:
+    if platform is None or graph.couplings or not graph.is_graph:
         return None
     chains = [
         chain if chain.ends[0] == BASE or chain.ends[1] == platform else chain.reversed

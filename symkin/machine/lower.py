@@ -62,10 +62,10 @@ def lowered(
     """
     bare = _without_points(mechanism)
     whole = pose if not given else given == {c.name for c in mechanism.actuated}
-    arm = arm_of(bare) if whole and bare.is_graph else None
+    arm = arm_of(bare) if whole else None
     if arm is not None and {c.name for c in arm.coordinates} >= {c.name for c in bare.coordinates}:
         return Lowered(mechanism, arm, None, ())
-    limbs = limbs_of(bare) if bare.is_graph and whole else None
+    limbs = limbs_of(bare) if whole else None
     plain = mechanism if bare.is_graph else bare
     plain = plain if limbs is None else limbs.mechanism
     placed, frames = with_own_motion(plain, declare=pose or not plain.is_graph)
@@ -80,8 +80,6 @@ def lowered(
 @lru_cache(maxsize=128)
 def arm_or_limbs(mechanism: Mechanism) -> Lowered | None:
     """A graph as the arm or the limbs that it is, in its own frame and motion; None of others."""
-    if not mechanism.is_graph:
-        return None
     arm = arm_of(mechanism)
     limbs = limbs_of(mechanism) if arm is None else None
     machine, links = (arm, {}) if limbs is None else (limbs.mechanism, limbs.links)
@@ -95,7 +93,7 @@ def lowered_limbs(mechanism: Mechanism) -> Lowered:
     motion is gone, it stands in the frame in which its numbers are simplest, and its limbs are laid
     along axes.
     """
-    limbs = limbs_of(mechanism) if mechanism.is_graph else None
+    limbs = limbs_of(mechanism)
     plain = mechanism if limbs is None else limbs.mechanism
     placed, frames = with_own_motion(plain, declare=True)
     kept = frozenset(c.name for c in mechanism.coordinates if c.limits is not None)

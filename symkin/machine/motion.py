@@ -14,7 +14,7 @@ from symkin.closure.branches import chains_of, edges_of
 from symkin.closure.link_poses import joint_coordinates
 from symkin.machine.frame import ALIGNED, Frames, is_along_z, with_z
 from symkin.model.joint import BASE, Joint
-from symkin.model.limb import AnyLimb, RodLimb
+from symkin.model.limb import AnyLimb
 from symkin.model.mechanism import Mechanism, Motion
 from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import conjugate, rotate
@@ -84,9 +84,9 @@ def _guided(mechanism: Mechanism, limb: AnyLimb) -> Motion:
     it is no such limb.
     """
     joints = limb.joints
-    if isinstance(limb, RodLimb) or limb.rods or any(not _is_idle(joint) for joint in joints):
+    if not all(_is_idle(joint) for joint in joints):
         return "spatial"
-    types = "".join(joint.type for joint in joints)
+    types = limb.type
     slides = np.array([joint.axis for joint in joints if joint.type == "P"]).reshape(-1, 3)
     spread = np.linalg.svd(slides, compute_uv=False)
     free = len(slides) and len(slides) <= 3 and spread[-1] > _SPREAD
@@ -117,8 +117,7 @@ def _chains_to_platform(mechanism: Mechanism) -> Iterator[list[Joint] | None]:
 
 def _all_joints(mechanism: Mechanism) -> list[Joint] | None:
     """The joints of a machine without rods."""
-    rods = any(isinstance(limb, RodLimb) or limb.rods for limb in mechanism.limbs)
-    return None if rods or mechanism.link_rods else list(mechanism.all_joints)
+    return None if mechanism.bars else list(mechanism.all_joints)
 
 
 def _normal(joints: Sequence[Joint] | None) -> np.ndarray | None:

@@ -32,9 +32,9 @@ def arm_of(graph: Mechanism) -> Mechanism | None:
     """The graph as a serial arm: the joints in order from the base to the platform link, the tool.
     Joints that do not move the tool are left out, and the arm is then named after its tool too.
     Axes that are parallel, and coordinates of points that are equal or zero, to the digits of a
-    robot's file (1e-10, of the size) are so exactly, as an arm's closed form takes them. None where
-    a loop or a coupling moves it, one of these joints is passive, or it has another type than R, P
-    and H.
+    robot's file (1e-10, of the size) are so exactly, as an arm's closed form takes them. None of
+    limbs, and where a loop or a coupling moves it, one of these joints is passive, or it has
+    another type than R, P and H.
 
     >>> import symkin
     >>> pan = symkin.Joint("pan", "R", [0, 0, 0], [0, 0, 1], actuated=True)
@@ -81,7 +81,7 @@ def arm_of(graph: Mechanism) -> Mechanism | None:
 
 def joints_left_out(graph: Mechanism) -> tuple[str, ...]:
     """Actuated joints of a graph that is an arm, which do not move its tool."""
-    arm = arm_of(graph) if graph.is_graph else None
+    arm = arm_of(graph)
     return () if arm is None else tuple(c.name for c in graph.actuated if c not in arm.actuated)
 
 

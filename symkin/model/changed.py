@@ -58,8 +58,9 @@ def displaced(
         inner.apply,
     ).mechanism(mechanism)
     # without a platform there is no frame to move
-    without = mechanism.platform_link is None and not mechanism.serial
-    return moved if without else with_platform_at(moved, by @ mechanism.reference_pose)
+    if mechanism.platform_link is None:
+        return moved
+    return with_platform_at(moved, by @ mechanism.reference_pose)
 
 
 def _rounded(numbers: np.ndarray, rounding: float, most: float) -> np.ndarray:

@@ -75,6 +75,11 @@ class RodLimb:
         """None: those of a rod limb are its ends and its length."""
         return ()
 
+    @property
+    def links_along(self) -> list[str]:
+        """The link that carries the rod."""
+        return [self.links[0]]
+
     def coordinate(self, reference: float) -> Coordinate:
         """The rod's coordinate with its value at the reference configuration."""
         limits = None if self.limits is None else (self.limits[0], self.limits[1])
@@ -220,8 +225,8 @@ class Limb:
 
 
 AnyLimb: TypeAlias = Limb | RodLimb
-"""What has `joints` in order from the base, and `bars` at its end: of a rod limb no joint and one
-bar.
+"""What has `joints` in order from the base, `links_along` them, and `bars` at its end: of a rod
+limb no joint and one bar.
 """
 
 

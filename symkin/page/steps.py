@@ -10,8 +10,13 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from symkin.assembly.closed_roots import accounts_for_all, closed_block
-from symkin.assembly.group_solvers import any_paths, group_paths, solved_at_once, solved_parts
+from symkin.assembly.closed_roots import closed_block
+from symkin.assembly.group_solvers import (
+    accounts_for_all,
+    any_paths,
+    solved_at_once,
+    solved_parts,
+)
 from symkin.closure.numpy_code import vectorise
 from symkin.codegen.text.javascript import complex_parts, javascript
 from symkin.elimination.closed_form import ClosedForm
@@ -108,7 +113,7 @@ def _formulas(group: Problem) -> ClosedForm | None:
     closed = closed_block(group)
     if closed is None or not isinstance(closed.formulas, ClosedForm):
         return None
-    return closed.formulas if accounts_for_all(closed, group_paths(group)) else None
+    return closed.formulas if accounts_for_all(closed) else None
 
 
 def _starts(

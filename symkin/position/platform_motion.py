@@ -39,7 +39,7 @@ def implied_motion(mechanism: Mechanism) -> Motion | None:
     coordinate free: declared, no pose has to satisfy conditions. None where there is none, so that
     what moves is no group of motions, or tied within one.
     """
-    if mechanism.serial or mechanism.is_graph or mechanism.motion != "spatial":
+    if mechanism.serial or mechanism.motion != "spatial":
         return None
     spatial = mobility(mechanism)
     for motion in MOTIONS:

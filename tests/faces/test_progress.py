@@ -52,8 +52,8 @@ import sys, time
 import {inside.where("progress")} as progress
 import {inside.where("modes_module")} as modes
 progress._FIRST = 0.05
-search = modes._of_description
-modes._of_description = lambda *a: (time.sleep(0.4), search(*a))[1]
+search = modes._of_machine
+modes._of_machine = lambda *a: (time.sleep(0.4), search(*a))[1]
 from {inside.where("main")} import main
 main(["modes", "zhang2009", "--json"])
 """

@@ -93,7 +93,7 @@ def write_folder(
     Raises InputError where that would replace a file that is not symkin's, is another mechanism's,
     or was edited, and where a compiler finds that the code fails its own test.
     """
-    if not options.is_map and mechanism.is_graph:
+    if not options.is_map:
         mechanism = arm_of(mechanism) or mechanism
     check_folder(mechanism, folder)
     files = folder_files(mechanism, options, measured)

@@ -53,7 +53,7 @@ def home_sheet(
     """The sheet about the reference; None where passive joints or more known values than two would
     make it long, or none is found.
     """
-    if made.passive or len(direction.known) > _MOST_KNOWN or any(c.kind == "turns" for c in wanted):
+    if made.passive or len(direction.known) > _MOST_KNOWN or any(c.is_advancing for c in wanted):
         return None
     for reach in _REACHES:
         points = _followed_rays(made, direction, reach)

@@ -135,7 +135,7 @@ def _part(group: Problem) -> Part:
     """How a structure group is solved."""
     system = group.system
     (known, unknown) = (group.known_coordinates, system.unknowns)
-    periodic = any(c.kind == "angle" for c in (*unknown, *known))
+    periodic = any(c.is_periodic for c in (*unknown, *known))
     if len(unknown) == 1 and unknown[0].is_angular and system.rows.numel() == 1:
         angular = [
             [c.is_angular for c in part for _ in range(c.width)] for part in (unknown, known)
@@ -265,7 +265,7 @@ class JointMap(Described):
 
     def _check_names(self) -> None:
         given, found, name = self.options.given, self.options.find, self.name
-        known = {c.name: c for c in self.mechanism.coordinates if c.kind != "quaternion"}
+        known = {c.name: c for c in self.mechanism.coordinates if not c.is_rotation}
         for what, names in (("--given", given), ("--find", found)):
             if not names:
                 other = "--find" if what == "--given" else "--given"

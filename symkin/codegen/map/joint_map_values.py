@@ -57,7 +57,7 @@ class MapValues(Source):
         lines, place = [], iter(places)
         for c, value in zip(coordinates, values, strict=True):
             entry = f"{target}[{next(place)}]"
-            if c.kind == "angle":
+            if c.is_periodic:
                 lines.append(f"name_cosine_and_sine({value}, &{entry});")
                 next(place)
             else:
@@ -68,14 +68,14 @@ class MapValues(Source):
         """C text of a value; of an angle's, the one of its whole turns that is nearest to another
         value.
         """
-        return self.turned(c, value, near) if c.kind == "angle" else value
+        return self.turned(c, value, near) if c.is_periodic else value
 
     def plain_values(self, coordinates: Sequence[Coordinate], numbers: Sequence[str]) -> list[str]:
         """C text of the values of coordinates by their numbers, angles within half a turn of 0."""
         entry, found = iter(numbers), list[str]()
         for c in coordinates:
             first = next(entry)
-            found.append(f"atan2({next(entry)}, {first})" if c.kind == "angle" else first)
+            found.append(f"atan2({next(entry)}, {first})" if c.is_periodic else first)
         return found
 
     def values_of(

@@ -490,7 +490,7 @@ def _solves_any_pose(formulas: ClosedForm, sample: Configuration, inverse: Probl
     """
     if not formulas.has_conditions:
         return True
-    if any(c.kind == "quaternion" for c in inverse.known_coordinates):
+    if any(c.is_rotation for c in inverse.known_coordinates):
         return False
     pose = inverse.known_coordinates
     return formulas.closes(
@@ -501,5 +501,5 @@ def _solves_any_pose(formulas: ClosedForm, sample: Configuration, inverse: Probl
 def _angular(pose: Sequence[Coordinate]) -> list[bool]:
     flags: list[bool] = []
     for c in pose:
-        flags += [c.kind != "length"] * c.freedom
+        flags += [not c.is_length] * c.freedom
     return flags

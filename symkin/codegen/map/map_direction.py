@@ -352,7 +352,7 @@ class DirectionSource(MapValues):
             f"change2 += {w} * (result[{i}] - {out}[{i}]) * (result[{i}] - {out}[{i}]);"
             for i, w in enumerate(weights)
         ]
-        unused = [] if any(c.kind == "angle" for c in wanted) else ["(void)guess;"]
+        unused = [] if any(c.is_periodic for c in wanted) else ["(void)guess;"]
         outside = "NAME_OUT_OF_RANGE"
         blame = [
             f"if ((info != NULL) && (status == {outside})) {{",

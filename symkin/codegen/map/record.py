@@ -125,7 +125,7 @@ class Source:
         return [
             f"{at}[{i}] = {self.turned(c, f'{at}[{i}]', f'{near}[{i}]')};"
             for i, c in enumerate(self.made.actuated)
-            if c.kind == "angle" and c.limits is not None
+            if c.is_periodic and c.limits is not None
         ]
 
     def unwrapped(
@@ -136,7 +136,7 @@ class Source:
         """
         return [
             f"{target}[{i}] = {self.turned(c, value, f'{at}[{i}]')};"
-            if c.kind == "angle" and c.limits is None
+            if c.is_periodic and c.limits is None
             else f"{target}[{i}] = {value};"
             for i, c in enumerate(coordinates or self.made.actuated)
             for value in [f"{values}[{i}]"]

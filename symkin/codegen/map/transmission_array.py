@@ -147,8 +147,7 @@ def _monomials(n: int) -> list[tuple[int, ...]]:
 def _turning(transmission: Transmission, names: Sequence[str]) -> tuple[float, ...]:
     """A turn for each angle, of which whole ones are the same place, and 0 for others."""
     return tuple(
-        2.0 * math.pi if c.kind == "angle" else 0.0
-        for c in transmission.linkage.coordinates_of(names)
+        2.0 * math.pi if c.is_periodic else 0.0 for c in transmission.linkage.coordinates_of(names)
     )
 
 

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Literal
 
 import casadi as ca
 import numpy as np
@@ -61,12 +60,14 @@ class TransmissionRows:
     @cached_property
     def motors_of(self) -> Formula | None:
         """Motors by joints."""
-        return self._formula("inverse", self.j)
+        linkage = self.linkage
+        return self._formula(self._map.inverse, linkage.joints, linkage.motors, self.j)
 
     @cached_property
     def joints_of(self) -> Formula | None:
         """Joints by motors."""
-        return self._formula("direct", self.m)
+        linkage = self.linkage
+        return self._formula(self._map.direct, linkage.motors, linkage.joints, self.m)
 
     @cached_property
     def rows(self) -> ca.SX:
@@ -92,16 +93,17 @@ class TransmissionRows:
         options = Options(given=linkage.motors, find=linkage.joints)
         return JointMap(linkage.mechanism, options, Real("double"))
 
-    def _formula(self, name: Literal["direct", "inverse"], known: ca.SX) -> Formula | None:
-        """The formula of a direction, by all rows or else by implied ones."""
-        made: JointMap = self._map
-        direction = made.direct if name == "direct" else made.inverse
+    def _formula(
+        self, direction: Direction, given: tuple[str, ...], wanted: tuple[str, ...], known: ca.SX
+    ) -> Formula | None:
+        """The formula of a direction, by all rows or else by implied ones: what is `wanted` by what
+        is `given`, whose values are `known`.
+        """
         if self._implied:
-            direction = Direction(name, self._implied_problem(name))
+            direction = Direction(direction.name, self._implied_problem(given))
         if not direction.is_closed:
             return None
-        closed = ClosedDirection(made, direction, {})
-        wanted = self.linkage.joints if name == "direct" else self.linkage.motors
+        closed = ClosedDirection(self._map, direction, {})
         reference = dict(zip(wanted, self._reference(wanted), strict=True))
         told = {c.name: known[k] for k, c in enumerate(direction.known)}
         values = []
@@ -151,10 +153,9 @@ class TransmissionRows:
         size = self.linkage.size
         return ca.vertcat(*(r.row / (2 * size * size if r.is_sphere else size) for r in rows))
 
-    def _implied_problem(self, name: Literal["direct", "inverse"]) -> Problem:
+    def _implied_problem(self, known: tuple[str, ...]) -> Problem:
         linkage = self.linkage
         problem, closure = linkage.problem, linkage.problem.closure
-        known = linkage.motors if name == "direct" else linkage.joints
         names = {*linkage.motors, *linkage.joints} - {*known}
         parts = [self._coordinates(names), linkage.coordinates_of(known)]
         unknown, given = (closure.symbols(part) for part in parts)

@@ -127,7 +127,7 @@ class Composed:
             self.conditions.append(Condition(part.names, divisors[k], None, part))
         for k, c in enumerate(form.system.unknowns):
             self.numbers[c.name] = [
-                of_circle(first[k], second[k]) if c.kind == "angle" else Numbers(first[k])
+                of_circle(first[k], second[k]) if c.is_periodic else Numbers(first[k])
             ]
 
     def _add_linear(self, part: Part) -> None:
@@ -142,7 +142,7 @@ class Composed:
         if not determinant.is_constant():
             self.conditions.append(Condition(part.names, determinant, None, part))
         for k, c in enumerate(system.unknowns):
-            circle = (ca.cos(value[k]), ca.sin(value[k])) if c.kind == "angle" else ()
+            circle = (ca.cos(value[k]), ca.sin(value[k])) if c.is_periodic else ()
             self.numbers[c.name] = [Numbers(value[k], *circle)]
 
 

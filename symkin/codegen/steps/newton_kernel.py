@@ -176,14 +176,14 @@ def moves(
     """
     tangent, moved, place, column = ca.SX(state.numel(), step.numel()), [], 0, 0
     for c in coordinates:
-        if c.kind == "angle" and circles:
+        if c.is_periodic and circles:
             cosine, sine, turn = state[place], state[place + 1], (1 / size) * step[column]
             tangent[place, column], tangent[place + 1, column] = -sine / size, cosine / size
             after = [cosine - sine * turn, sine + cosine * turn]
             inverse = 1 / ca.sqrt(after[0] * after[0] + after[1] * after[1])
             moved += [part * inverse for part in after]
             place += 1
-        elif c.kind == "quaternion":
+        elif c.is_rotation:
             q, part = state[place : place + 4], step[column : column + 3]
             for k in range(3):
                 axis = [0.0, 0.0, 0.0, 0.0]
@@ -267,7 +267,7 @@ def quaternion_place(coordinates: Sequence[Coordinate]) -> int | None:
     """Where a quaternion begins among the numbers of coordinates; None where there is none."""
     start = 0
     for c in coordinates:
-        if c.kind == "quaternion":
+        if c.is_rotation:
             return start
         start += c.width
     return None
@@ -279,7 +279,7 @@ def bent_places(coordinates: Sequence[Coordinate], size: float) -> tuple[tuple[i
     """
     found, start = [], 0
     for c in coordinates:
-        if c.kind == "angle" or c.least is not None:
+        if c.is_periodic or c.least is not None:
             found.append((start, 1.0 if c.is_angular else 1.0 / size))
         start += c.width
     return tuple(found)
@@ -289,6 +289,6 @@ def listed(coordinates: Sequence[Coordinate]) -> str:
     """Names of coordinates in order, those of the platform as x, y, z, gamma or quaternion."""
     names = [c.name.removeprefix("pose.") for c in coordinates]
     return ", ".join(
-        f"{name} (w, x, y, z)" if c.kind == "quaternion" else name
+        f"{name} (w, x, y, z)" if c.is_rotation else name
         for name, c in zip(names, coordinates, strict=True)
     )

@@ -97,7 +97,7 @@ def passive_limits(
     wanted = [
         c
         for c in wanted
-        if c.kind != "angle" or np.subtract(*range_of(c, real, size)[::-1]) < 2.0 * np.pi
+        if not c.is_periodic or np.subtract(*range_of(c, real, size)[::-1]) < 2.0 * np.pi
     ]
     if not wanted:
         return []
@@ -109,9 +109,7 @@ def passive_limits(
     for c in wanted:
         if c.name in held:
             own = held[c.name]
-            found.append(
-                PassiveLimit(c, (ca.cos(own), ca.sin(own)) if c.kind == "angle" else (own,))
-            )
+            found.append(PassiveLimit(c, (ca.cos(own), ca.sin(own)) if c.is_periodic else (own,)))
         elif c.name in read:
             found.append(PassiveLimit(c, read[c.name]))
     return [limit for limit in found if _follows(limit, closure, known)]

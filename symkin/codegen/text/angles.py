@@ -67,7 +67,7 @@ def of_circle(cosine: ca.SX, sine: ca.SX) -> Numbers:
 
 def number_counts(coordinates: Sequence[Coordinate]) -> list[int]:
     """How many numbers each coordinate is known by."""
-    return [2 if c.kind == "angle" else c.width for c in coordinates]
+    return [2 if c.is_periodic else c.width for c in coordinates]
 
 
 def numbers_of(coordinates: Sequence[Coordinate], symbols: ca.SX) -> list[Numbers]:
@@ -76,7 +76,7 @@ def numbers_of(coordinates: Sequence[Coordinate], symbols: ca.SX) -> list[Number
     """
     found, place = [], 0
     for c in coordinates:
-        if c.kind == "angle":
+        if c.is_periodic:
             found.append(of_circle(symbols[place], symbols[place + 1]))
             place += 2
         else:
@@ -96,7 +96,7 @@ def numbers_at(coordinates: Sequence[Coordinate], values: np.ndarray) -> np.ndar
     found: list[float] = []
     place = 0
     for c in coordinates:
-        if c.kind == "angle":
+        if c.is_periodic:
             found += [float(np.cos(values[place])), float(np.sin(values[place]))]
         else:
             found += [float(v) for v in values[place : place + c.width]]

@@ -30,7 +30,7 @@ def equations(mechanism: Mechanism) -> str:
     )
     names = coordinate_symbols(closure)
     definitions, results = write(rows, closure.variables, names)
-    norms = [closure.slices[c.name] for c in closure.coordinates if c.kind == "quaternion"]
+    norms = [closure.slices[c.name] for c in closure.coordinates if c.is_rotation]
     lines = [f"% closure of {mechanism.name}: lengths in {mechanism.length_unit}, angles in rad"]
     lines += [
         f"% {symbol} is {printable(name)}"
