@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from symkin.assembly.mode_order import DIGITS, places_by
 from symkin.assembly.modes_result import Completeness
 from symkin.computed_once import lru_cache
 from symkin.numeric.linear_algebra import extreme_singular_values
@@ -30,10 +31,6 @@ _PER_ROW = ("statement", "complex_count", "unresolved", "smallest", "continuum",
 """The arrays that tell of rows."""
 _PER_ROOT = ("points", "owner", "hits", "origin", "judged")
 """Those that tell of solutions."""
-_DIGITS = 6
-"""Decimals to which values are rounded for the order of a group's solutions, so that rounding
-errors do not decide it.
-"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -168,7 +165,8 @@ class GroupRoots:
         """The same with the solutions of each row in an order that rounding errors do not
         decide.
         """
-        return self._with(np.lexsort((*self.points.T[::-1].round(_DIGITS), self.owner)))
+        first = self.points[:, :1].sum(axis=1).round(DIGITS)
+        return self._with(places_by(self.owner, first, self.points))
 
     def _with(self, places: np.ndarray, **told: Any) -> GroupRoots:
         """Some of the solutions, with what else is `told`."""

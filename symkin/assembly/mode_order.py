@@ -13,7 +13,7 @@ from symkin.position.problem import Problem
 from symkin.position.solution_list import SolutionList
 from symkin.spatial.pose import Pose
 
-_DIGITS = 6
+DIGITS = 6
 """Decimals to which distances (of the size) and values are rounded, so that rounding errors do not
 decide the order.
 """
@@ -28,11 +28,16 @@ def order_of_modes(problem: Problem, listed: SolutionList, owner: np.ndarray) ->
         if problem.mechanism.platform_link is None
         else _distances(problem, listed.position, listed.quaternion)
     )
-    order = np.lexsort((away, owner))
-    far, of = away[order], owner[order]
-    if not ((far[1:] == far[:-1]) & (of[1:] == of[:-1])).any():
+    return places_by(owner, away, listed.values)
+
+
+def places_by(owner: np.ndarray, first: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Places (m,) that sort by `owner`, then by `first` (m,), ties by rounded values (m, any)."""
+    order = np.lexsort((first, owner))
+    near, of = first[order], owner[order]
+    if not ((near[1:] == near[:-1]) & (of[1:] == of[:-1])).any():
         return order
-    return np.lexsort((*np.round(listed.values.T[::-1], _DIGITS), away, owner))
+    return np.lexsort((*values.T[::-1].round(DIGITS), first, owner))
 
 
 def _distances(problem: Problem, position: np.ndarray, quaternion: np.ndarray) -> np.ndarray:
@@ -40,7 +45,7 @@ def _distances(problem: Problem, position: np.ndarray, quaternion: np.ndarray) -
     first = _first_pose(problem)
     turn = 8.0 * (1.0 - (quaternion @ np.asarray(first.quaternion)) ** 2)
     step = (position - np.asarray(first.position)) / problem.closure.characteristic_length
-    return (turn + squared_norms(step)).round(_DIGITS)
+    return (turn + squared_norms(step)).round(DIGITS)
 
 
 def _joint_distances(problem: Problem, values: np.ndarray) -> np.ndarray:
@@ -60,7 +65,7 @@ def _joint_distances(problem: Problem, values: np.ndarray) -> np.ndarray:
                 total += gap[:, 0] ** 2
             case _:
                 total += (gap[:, 0] / closure.characteristic_length) ** 2
-    return np.round(total, _DIGITS)
+    return np.round(total, DIGITS)
 
 
 @lru_cache(maxsize=64)

@@ -18,8 +18,10 @@ from symkin.sweeps.quantities import ALL_NAMES
 
 _MODE_CHUNK, _MODE_SHARD = 8, 64
 """Modes in one chunk of an array, and in one file, which has several chunks."""
-_COMPRESSION_LEVEL = 0
-"""Level of Zstandard with which arrays over the points are made; 0 is its own default."""
+_COMPRESSION_LEVEL = 1
+"""Level of Zstandard with which arrays over the points are made: its own default makes files 2 %
+smaller in twice the time.
+"""
 _SAMPLE_DIMENSION = "point"
 _DIMENSIONS = (
     "mode",

@@ -34,11 +34,12 @@ MISSING = "sweeps need xarray, zarr and dask: pip install 'symkin[sweep]'"
 
 @dataclass(frozen=True, eq=False)
 class Store:
-    """An open folder; `group` is its Zarr group."""
+    """An open folder; `group` is its Zarr group, which this run made if it `is_new`."""
 
     folder: Path
     plan: Plan
     group: Any
+    is_new: bool = False
 
     @cached_property
     def arrays(self) -> dict[str, Any]:
@@ -54,6 +55,11 @@ class Store:
     @property
     def per_mode(self) -> list[Variable]:
         return [v for v in self.plan.variables if v.per_mode]
+
+    @property
+    def is_untouched(self) -> bool:
+        """Whether this run has made the folder, and no other has written into it since."""
+        return self.is_new and self.lengths() <= {1} and not self.done().any()
 
     @interrupts_held()
     def done(self) -> np.ndarray:
@@ -151,6 +157,7 @@ def open_store(folder: Path, plan: Plan, pinned: Mapping[str, Any], bound: int |
     cannot be written.
     """
     kept = read_attributes(folder)
+    is_new = kept is None
     if kept is None:
         with refused_writing(folder, begun=False):
             _create(folder, plan, pinned, bound)
@@ -163,7 +170,7 @@ def open_store(folder: Path, plan: Plan, pinned: Mapping[str, Any], bound: int |
         )
     if not os.access(folder, os.W_OK):
         raise InputError(f"{folder}: cannot be written (permission denied)")
-    return Store(folder, plan, _group(folder))
+    return Store(folder, plan, _group(folder), is_new)
 
 
 @interrupts_held()
