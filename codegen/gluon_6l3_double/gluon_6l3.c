@@ -305,13 +305,13 @@ static gluon_6l3_real gluon_6l3_length_of(const gluon_6l3_real e[6])
     return sqrt(sum) * GLUON_6L3_SIZE;
 }
 
-/* How far the tool pose of joint values is from `to`: lengths over the size, and twice the vector
- * of the turn's quaternion. Returns its length. */
-static gluon_6l3_real gluon_6l3_pose_error(const gluon_6l3_real q[6], const gluon_6l3_real to[7],
+/* How far the tool pose of half turns is from `to`: lengths over the size, and twice the vector of
+ * the turn's quaternion. Returns its length. */
+static gluon_6l3_real gluon_6l3_error_at(const gluon_6l3_real u[12], const gluon_6l3_real to[7],
     gluon_6l3_real e[6])
 {
     gluon_6l3_real x[7];
-    gluon_6l3_forward(q, x);
+    gluon_6l3_pose_of_turns(u, x);
     const gluon_6l3_real w = to[3] * x[3] + to[4] * x[4] + to[5] * x[5] + to[6] * x[6];
     const gluon_6l3_real twice = (w < 0.0) ? -2.0 : 2.0;
     for (int i = 0; i < 3; ++i) {
@@ -332,30 +332,42 @@ static gluon_6l3_real gluon_6l3_damped(const gluon_6l3_real jacobian[36],
 {
     static const gluon_6l3_real row_scale[6] = { 0.0018542771065064704, 0.0018542771065064704,
         0.0018542771065064704, 1.0, 1.0, 1.0 };
-    static const gluon_6l3_real column_scale[6] = { 1.0, 1.0, 1.0, 1.0, 1.0, 1.0 };
     gluon_6l3_real a[6][6];
-    gluon_6l3_real g[6][6];
-    gluon_6l3_real r[6];
+    gluon_6l3_real g[6][6]; /* upper triangle: factors; below: the normal equations */
+    gluon_6l3_real diagonal[6];
+    gluon_6l3_real right[6];
     gluon_6l3_real smallest = 0.0;
     gluon_6l3_real mean = 0.0;
     gluon_6l3_real raised = 0.0;
     for (int i = 0; i < 6; ++i) {
         for (int j = 0; j < 6; ++j) {
-            a[i][j] = jacobian[6 * i + j] * row_scale[i] * column_scale[j];
-            mean += a[i][j] * a[i][j] * 0.16666666666666666;
+            a[i][j] = jacobian[6 * i + j] * row_scale[i];
         }
     }
+    /* the normal equations, which are symmetric */
+    for (int i = 0; i < 6; ++i) {
+        right[i] = e[i];
+        for (int j = i; j < 6; ++j) {
+            gluon_6l3_real sum = 0.0;
+            for (int k = 0; k < 6; ++k) {
+                sum += a[i][k] * a[j][k];
+            }
+            g[j][i] = sum;
+        }
+        diagonal[i] = g[i][i];
+        mean += diagonal[i];
+    }
+    mean *= 0.16666666666666666;
     for (int round = 0; (round < 2) && ((round == 0) || (smallest < 0.0004)); ++round) {
         uint8_t order[6];
-        /* the normal equations */
+        gluon_6l3_real r[6];
+        gluon_6l3_real over[6];
         for (int i = 0; i < 6; ++i) {
             order[i] = (uint8_t)i;
-            r[i] = e[i];
-            for (int j = 0; j < 6; ++j) {
-                g[i][j] = (i == j) ? raised : 0.0;
-                for (int k = 0; k < 6; ++k) {
-                    g[i][j] += a[i][k] * a[j][k];
-                }
+            r[i] = right[i];
+            g[i][i] = diagonal[i] + raised;
+            for (int j = i + 1; j < 6; ++j) {
+                g[i][j] = g[j][i];
             }
         }
         /* factors, the largest diagonal entry first, with the right side beside them */
@@ -365,26 +377,31 @@ static gluon_6l3_real gluon_6l3_damped(const gluon_6l3_real jacobian[36],
             for (int i = c + 1; i < 6; ++i) {
                 best = (g[i][i] > g[best][best]) ? i : best;
             }
-            const uint8_t name = order[c];
-            const gluon_6l3_real right = r[c];
-            order[c] = order[best];
-            order[best] = name;
-            r[c] = r[best];
-            r[best] = right;
-            for (int j = 0; j < 6; ++j) {
-                const gluon_6l3_real t = g[c][j];
-                g[c][j] = g[best][j];
-                g[best][j] = t;
-            }
-            for (int i = 0; i < 6; ++i) {
-                const gluon_6l3_real t = g[i][c];
-                g[i][c] = g[i][best];
-                g[i][best] = t;
+            if (best != c) {
+                const uint8_t name = order[c];
+                const gluon_6l3_real side = r[c];
+                order[c] = order[best];
+                order[best] = name;
+                r[c] = r[best];
+                r[best] = side;
+                for (int k = 0; k < 6; ++k) {
+                    if ((k != c) && (k != best)) {
+                        gluon_6l3_real *const one = (k < c) ? &g[k][c] : &g[c][k];
+                        gluon_6l3_real *const other = (k < best) ? &g[k][best] : &g[best][k];
+                        const gluon_6l3_real t = *one;
+                        *one = *other;
+                        *other = t;
+                    }
+                }
+                const gluon_6l3_real first = g[c][c];
+                g[c][c] = g[best][best];
+                g[best][best] = first;
             }
             whole = g[c][c] > 1.7763568394002505e-15 * mean;
+            over[c] = whole ? (1.0 / g[c][c]) : 0.0;
             for (int i = c + 1; (i < 6) && whole; ++i) {
-                const gluon_6l3_real factor = g[i][c] / g[c][c];
-                for (int j = c; j < 6; ++j) {
+                const gluon_6l3_real factor = g[c][i] * over[c];
+                for (int j = i; j < 6; ++j) {
                     g[i][j] -= factor * g[c][j];
                 }
                 r[i] -= factor * r[c];
@@ -399,7 +416,7 @@ static gluon_6l3_real gluon_6l3_damped(const gluon_6l3_real jacobian[36],
             for (int j = i + 1; j < 6; ++j) {
                 r[i] -= g[i][j] * r[j];
             }
-            r[i] /= g[i][i];
+            r[i] *= over[i];
         }
         for (int i = 0; i < 6; ++i) {
             y[i] = 0.0;
@@ -409,9 +426,6 @@ static gluon_6l3_real gluon_6l3_damped(const gluon_6l3_real jacobian[36],
                 y[j] += a[order[i]][j] * r[i];
             }
         }
-    }
-    for (int i = 0; i < 6; ++i) {
-        y[i] *= column_scale[i];
     }
     return smallest;
 }
@@ -757,8 +771,10 @@ static gluon_6l3_status gluon_6l3_hold(const gluon_6l3_real x[7], gluon_6l3_real
     gluon_6l3_real *residual)
 {
     gluon_6l3_real e[6];
+    gluon_6l3_real u[2 * 6];
     gluon_6l3_status status = GLUON_6L3_OK;
-    *residual = gluon_6l3_pose_error(joints, x, e);
+    gluon_6l3_half_turns(joints, u);
+    *residual = gluon_6l3_error_at(u, x, e);
     if (!(*residual <= 2.3987771354403583e-09)) {
         gluon_6l3_real jacobian[6 * 6];
         gluon_6l3_real step[6];
@@ -768,7 +784,8 @@ static gluon_6l3_status gluon_6l3_hold(const gluon_6l3_real x[7], gluon_6l3_real
             for (int i = 0; i < 6; ++i) {
                 joints[i] += step[i];
             }
-            *residual = gluon_6l3_pose_error(joints, x, e);
+            gluon_6l3_half_turns(joints, u);
+            *residual = gluon_6l3_error_at(u, x, e);
             status = (*residual <= 2.3987771354403583e-09) ? GLUON_6L3_OK : GLUON_6L3_SINGULAR;
         }
     }
@@ -1786,268 +1803,274 @@ gluon_6l3_status gluon_6l3_inverse(const gluon_6l3_config *config, const gluon_6
 }
 
 /* Twist of the tool by joint rates, from the derivative of the tool's pose. */
+static GLUON_6L3_SHARED void gluon_6l3_jacobian_at(const gluon_6l3_real u[12],
+    gluon_6l3_real jacobian[36])
+{
+    const gluon_6l3_real t0 = u[0] + u[0];
+    const gluon_6l3_real t1 = u[0] * t0;
+    const gluon_6l3_real t2 = t1 - 1.0;
+    const gluon_6l3_real t3 = u[8] + u[8];
+    const gluon_6l3_real t4 = u[8] * t3;
+    const gluon_6l3_real t5 = t4 - 1.0;
+    const gluon_6l3_real t6 = 44.36 * t5;
+    const gluon_6l3_real t7 = t6 + 75.66;
+    const gluon_6l3_real t8 = t2 * t7;
+    const gluon_6l3_real t9 = u[1] + u[1];
+    const gluon_6l3_real t10 = u[0] * t9;
+    const gluon_6l3_real t11 = u[2] + u[2];
+    const gluon_6l3_real t12 = u[2] * t11;
+    const gluon_6l3_real t13 = t12 - 1.0;
+    const gluon_6l3_real t14 = u[4] + u[4];
+    const gluon_6l3_real t15 = u[4] * t14;
+    const gluon_6l3_real t16 = t15 - 1.0;
+    const gluon_6l3_real t17 = u[6] + u[6];
+    const gluon_6l3_real t18 = u[6] * t17;
+    const gluon_6l3_real t19 = t18 - 1.0;
+    const gluon_6l3_real t20 = u[9] + u[9];
+    const gluon_6l3_real t21 = u[8] * t20;
+    const gluon_6l3_real t22 = 44.36 * t21;
+    const gluon_6l3_real t23 = t19 * t22;
+    const gluon_6l3_real t24 = u[7] + u[7];
+    const gluon_6l3_real t25 = u[6] * t24;
+    const gluon_6l3_real t26 = 80.09 * t25;
+    const gluon_6l3_real t27 = t23 - t26;
+    const gluon_6l3_real t28 = t16 * t27;
+    const gluon_6l3_real t29 = u[5] + u[5];
+    const gluon_6l3_real t30 = u[4] * t29;
+    const gluon_6l3_real t31 = 80.09 * t19;
+    const gluon_6l3_real t32 = t31 + 453.87;
+    const gluon_6l3_real t33 = t25 * t22;
+    const gluon_6l3_real t34 = t32 + t33;
+    const gluon_6l3_real t35 = t34 - 279.45;
+    const gluon_6l3_real t36 = t30 * t35;
+    const gluon_6l3_real t37 = t28 - t36;
+    const gluon_6l3_real t38 = t13 * t37;
+    const gluon_6l3_real t39 = u[3] + u[3];
+    const gluon_6l3_real t40 = u[2] * t39;
+    const gluon_6l3_real t41 = t16 * t35;
+    const gluon_6l3_real t42 = t41 + 279.45;
+    const gluon_6l3_real t43 = t30 * t27;
+    const gluon_6l3_real t44 = t42 + t43;
+    const gluon_6l3_real t45 = t44 - 105.03;
+    const gluon_6l3_real t46 = t40 * t45;
+    const gluon_6l3_real t47 = t38 - t46;
+    const gluon_6l3_real t48 = t10 * t47;
+    const gluon_6l3_real t49 = t8 - t48;
+    const gluon_6l3_real t50 = t13 * t45;
+    const gluon_6l3_real t51 = t50 + 105.03;
+    const gluon_6l3_real t52 = t40 * t37;
+    const gluon_6l3_real t53 = t51 + t52;
+    const gluon_6l3_real t54 = t53 - 105.03;
+    const gluon_6l3_real t55 = t2 * t54;
+    const gluon_6l3_real t56 = -t55;
+    const gluon_6l3_real t57 = 174.42 * t13;
+    const gluon_6l3_real t58 = t57 + 105.03;
+    const gluon_6l3_real t59 = t53 - t58;
+    const gluon_6l3_real t60 = t2 * t59;
+    const gluon_6l3_real t61 = -t60;
+    const gluon_6l3_real t62 = 348.84 * u[4];
+    const gluon_6l3_real t63 = u[4] * t62;
+    const gluon_6l3_real t64 = t13 * t63;
+    const gluon_6l3_real t65 = t64 + 105.03;
+    const gluon_6l3_real t66 = 174.42 * t30;
+    const gluon_6l3_real t67 = t40 * t66;
+    const gluon_6l3_real t68 = t65 - t67;
+    const gluon_6l3_real t69 = t53 - t68;
+    const gluon_6l3_real t70 = t2 * t69;
+    const gluon_6l3_real t71 = -t70;
+    const gluon_6l3_real t72 = t16 * t19;
+    const gluon_6l3_real t73 = t30 * t25;
+    const gluon_6l3_real t74 = t72 - t73;
+    const gluon_6l3_real t75 = t13 * t74;
+    const gluon_6l3_real t76 = t16 * t25;
+    const gluon_6l3_real t77 = t30 * t19;
+    const gluon_6l3_real t78 = t76 + t77;
+    const gluon_6l3_real t79 = t40 * t78;
+    const gluon_6l3_real t80 = t75 - t79;
+    const gluon_6l3_real t81 = 75.66 * t2;
+    const gluon_6l3_real t82 = 453.87 * t25;
+    const gluon_6l3_real t83 = t16 * t82;
+    const gluon_6l3_real t84 = 453.87 * t19;
+    const gluon_6l3_real t85 = t84 - 174.42;
+    const gluon_6l3_real t86 = t30 * t85;
+    const gluon_6l3_real t87 = t83 + t86;
+    const gluon_6l3_real t88 = t13 * t87;
+    const gluon_6l3_real t89 = t16 * t85;
+    const gluon_6l3_real t90 = t89 - 279.45;
+    const gluon_6l3_real t91 = t30 * t82;
+    const gluon_6l3_real t92 = t90 - t91;
+    const gluon_6l3_real t93 = t92 + 105.03;
+    const gluon_6l3_real t94 = t40 * t93;
+    const gluon_6l3_real t95 = t88 + t94;
+    const gluon_6l3_real t96 = t10 * t95;
+    const gluon_6l3_real t97 = t81 - t96;
+    const gluon_6l3_real t98 = t49 - t97;
+    const gluon_6l3_real t99 = t80 * t98;
+    const gluon_6l3_real t100 = t13 * t78;
+    const gluon_6l3_real t101 = t40 * t74;
+    const gluon_6l3_real t102 = t100 + t101;
+    const gluon_6l3_real t103 = t10 * t102;
+    const gluon_6l3_real t104 = t13 * t93;
+    const gluon_6l3_real t105 = t104 - 105.03;
+    const gluon_6l3_real t106 = t40 * t87;
+    const gluon_6l3_real t107 = t105 - t106;
+    const gluon_6l3_real t108 = t53 + t107;
+    const gluon_6l3_real t109 = t103 * t108;
+    const gluon_6l3_real t110 = t99 - t109;
+    const gluon_6l3_real t111 = t19 * t21;
+    const gluon_6l3_real t112 = t16 * t111;
+    const gluon_6l3_real t113 = t25 * t21;
+    const gluon_6l3_real t114 = t30 * t113;
+    const gluon_6l3_real t115 = t112 - t114;
+    const gluon_6l3_real t116 = t13 * t115;
+    const gluon_6l3_real t117 = t16 * t113;
+    const gluon_6l3_real t118 = t30 * t111;
+    const gluon_6l3_real t119 = t117 + t118;
+    const gluon_6l3_real t120 = t40 * t119;
+    const gluon_6l3_real t121 = t116 - t120;
+    const gluon_6l3_real t122 = t10 * t121;
+    const gluon_6l3_real t123 = t2 * t5;
+    const gluon_6l3_real t124 = t122 - t123;
+    const gluon_6l3_real t125 = 75.66 * t21;
+    const gluon_6l3_real t126 = t25 * t125;
+    const gluon_6l3_real t127 = t32 - t126;
+    const gluon_6l3_real t128 = t127 - 279.45;
+    const gluon_6l3_real t129 = t16 * t128;
+    const gluon_6l3_real t130 = t129 + 279.45;
+    const gluon_6l3_real t131 = t19 * t125;
+    const gluon_6l3_real t132 = t131 + t26;
+    const gluon_6l3_real t133 = t30 * t132;
+    const gluon_6l3_real t134 = t130 - t133;
+    const gluon_6l3_real t135 = t134 - 105.03;
+    const gluon_6l3_real t136 = t13 * t135;
+    const gluon_6l3_real t137 = t136 + 105.03;
+    const gluon_6l3_real t138 = t16 * t132;
+    const gluon_6l3_real t139 = t30 * t128;
+    const gluon_6l3_real t140 = t138 + t139;
+    const gluon_6l3_real t141 = t40 * t140;
+    const gluon_6l3_real t142 = t137 - t141;
+    const gluon_6l3_real t143 = t53 - t142;
+    const gluon_6l3_real t144 = t124 * t143;
+    const gluon_6l3_real t145 = t13 * t119;
+    const gluon_6l3_real t146 = t40 * t115;
+    const gluon_6l3_real t147 = t145 + t146;
+    const gluon_6l3_real t148 = 75.66 * t5;
+    const gluon_6l3_real t149 = t148 - 75.66;
+    const gluon_6l3_real t150 = t2 * t149;
+    const gluon_6l3_real t151 = t13 * t140;
+    const gluon_6l3_real t152 = t40 * t135;
+    const gluon_6l3_real t153 = t151 + t152;
+    const gluon_6l3_real t154 = t10 * t153;
+    const gluon_6l3_real t155 = t150 - t154;
+    const gluon_6l3_real t156 = t49 + t155;
+    const gluon_6l3_real t157 = t147 * t156;
+    const gluon_6l3_real t158 = t144 + t157;
+    const gluon_6l3_real t159 = t2 * t47;
+    const gluon_6l3_real t160 = t10 * t7;
+    const gluon_6l3_real t161 = t159 + t160;
+    const gluon_6l3_real t162 = t10 * t54;
+    const gluon_6l3_real t163 = -t162;
+    const gluon_6l3_real t164 = t10 * t59;
+    const gluon_6l3_real t165 = -t164;
+    const gluon_6l3_real t166 = t10 * t69;
+    const gluon_6l3_real t167 = -t166;
+    const gluon_6l3_real t168 = t2 * t102;
+    const gluon_6l3_real t169 = t168 * t108;
+    const gluon_6l3_real t170 = t2 * t95;
+    const gluon_6l3_real t171 = 75.66 * t10;
+    const gluon_6l3_real t172 = t170 + t171;
+    const gluon_6l3_real t173 = t161 - t172;
+    const gluon_6l3_real t174 = t80 * t173;
+    const gluon_6l3_real t175 = t169 + t174;
+    const gluon_6l3_real t176 = t2 * t153;
+    const gluon_6l3_real t177 = t10 * t149;
+    const gluon_6l3_real t178 = t176 + t177;
+    const gluon_6l3_real t179 = t161 + t178;
+    const gluon_6l3_real t180 = t147 * t179;
+    const gluon_6l3_real t181 = t2 * t121;
+    const gluon_6l3_real t182 = t10 * t5;
+    const gluon_6l3_real t183 = t181 + t182;
+    const gluon_6l3_real t184 = t183 * t143;
+    const gluon_6l3_real t185 = t180 - t184;
+    const gluon_6l3_real t186 = t10 * t49;
+    const gluon_6l3_real t187 = t2 * t161;
+    const gluon_6l3_real t188 = t186 - t187;
+    const gluon_6l3_real t189 = -t188;
+    const gluon_6l3_real t190 = 174.42 * t40;
+    const gluon_6l3_real t191 = t10 * t190;
+    const gluon_6l3_real t192 = t49 - t191;
+    const gluon_6l3_real t193 = t10 * t192;
+    const gluon_6l3_real t194 = t2 * t190;
+    const gluon_6l3_real t195 = t161 + t194;
+    const gluon_6l3_real t196 = t2 * t195;
+    const gluon_6l3_real t197 = t193 - t196;
+    const gluon_6l3_real t198 = -t197;
+    const gluon_6l3_real t199 = t13 * t66;
+    const gluon_6l3_real t200 = t40 * t63;
+    const gluon_6l3_real t201 = t199 + t200;
+    const gluon_6l3_real t202 = t10 * t201;
+    const gluon_6l3_real t203 = t49 - t202;
+    const gluon_6l3_real t204 = t10 * t203;
+    const gluon_6l3_real t205 = t2 * t201;
+    const gluon_6l3_real t206 = t161 + t205;
+    const gluon_6l3_real t207 = t2 * t206;
+    const gluon_6l3_real t208 = t204 - t207;
+    const gluon_6l3_real t209 = -t208;
+    const gluon_6l3_real t210 = t103 * t173;
+    const gluon_6l3_real t211 = t168 * t98;
+    const gluon_6l3_real t212 = t210 + t211;
+    const gluon_6l3_real t213 = t183 * t156;
+    const gluon_6l3_real t214 = t124 * t179;
+    const gluon_6l3_real t215 = t213 + t214;
+    const gluon_6l3_real t216 = -t215;
+    const gluon_6l3_real t217 = -t168;
+    const gluon_6l3_real t218 = -t2;
+    const gluon_6l3_real t219 = -t103;
+    jacobian[0] = t49;
+    jacobian[1] = t56;
+    jacobian[2] = t61;
+    jacobian[3] = t71;
+    jacobian[4] = t110;
+    jacobian[5] = t158;
+    jacobian[6] = t161;
+    jacobian[7] = t163;
+    jacobian[8] = t165;
+    jacobian[9] = t167;
+    jacobian[10] = t175;
+    jacobian[11] = t185;
+    jacobian[12] = 0.0;
+    jacobian[13] = t189;
+    jacobian[14] = t198;
+    jacobian[15] = t209;
+    jacobian[16] = t212;
+    jacobian[17] = t216;
+    jacobian[18] = 0.0;
+    jacobian[19] = t10;
+    jacobian[20] = t10;
+    jacobian[21] = t10;
+    jacobian[22] = t217;
+    jacobian[23] = t183;
+    jacobian[24] = 0.0;
+    jacobian[25] = t218;
+    jacobian[26] = t218;
+    jacobian[27] = t218;
+    jacobian[28] = t219;
+    jacobian[29] = t124;
+    jacobian[30] = 1.0;
+    jacobian[31] = 0.0;
+    jacobian[32] = 0.0;
+    jacobian[33] = 0.0;
+    jacobian[34] = t80;
+    jacobian[35] = t147;
+}
+
 gluon_6l3_status gluon_6l3_jacobian(const gluon_6l3_real joints[6], gluon_6l3_real jacobian[36])
 {
+    gluon_6l3_real u[12];
     gluon_6l3_status status = gluon_6l3_limit_joints(GLUON_6L3_OK, joints);
     if (status == GLUON_6L3_OK) {
-        gluon_6l3_real u[12];
         gluon_6l3_half_turns(joints, u);
-        const gluon_6l3_real t0 = u[0] + u[0];
-        const gluon_6l3_real t1 = u[0] * t0;
-        const gluon_6l3_real t2 = t1 - 1.0;
-        const gluon_6l3_real t3 = u[8] + u[8];
-        const gluon_6l3_real t4 = u[8] * t3;
-        const gluon_6l3_real t5 = t4 - 1.0;
-        const gluon_6l3_real t6 = 44.36 * t5;
-        const gluon_6l3_real t7 = t6 + 75.66;
-        const gluon_6l3_real t8 = t2 * t7;
-        const gluon_6l3_real t9 = u[1] + u[1];
-        const gluon_6l3_real t10 = u[0] * t9;
-        const gluon_6l3_real t11 = u[2] + u[2];
-        const gluon_6l3_real t12 = u[2] * t11;
-        const gluon_6l3_real t13 = t12 - 1.0;
-        const gluon_6l3_real t14 = u[4] + u[4];
-        const gluon_6l3_real t15 = u[4] * t14;
-        const gluon_6l3_real t16 = t15 - 1.0;
-        const gluon_6l3_real t17 = u[6] + u[6];
-        const gluon_6l3_real t18 = u[6] * t17;
-        const gluon_6l3_real t19 = t18 - 1.0;
-        const gluon_6l3_real t20 = u[9] + u[9];
-        const gluon_6l3_real t21 = u[8] * t20;
-        const gluon_6l3_real t22 = 44.36 * t21;
-        const gluon_6l3_real t23 = t19 * t22;
-        const gluon_6l3_real t24 = u[7] + u[7];
-        const gluon_6l3_real t25 = u[6] * t24;
-        const gluon_6l3_real t26 = 80.09 * t25;
-        const gluon_6l3_real t27 = t23 - t26;
-        const gluon_6l3_real t28 = t16 * t27;
-        const gluon_6l3_real t29 = u[5] + u[5];
-        const gluon_6l3_real t30 = u[4] * t29;
-        const gluon_6l3_real t31 = 80.09 * t19;
-        const gluon_6l3_real t32 = t31 + 453.87;
-        const gluon_6l3_real t33 = t25 * t22;
-        const gluon_6l3_real t34 = t32 + t33;
-        const gluon_6l3_real t35 = t34 - 279.45;
-        const gluon_6l3_real t36 = t30 * t35;
-        const gluon_6l3_real t37 = t28 - t36;
-        const gluon_6l3_real t38 = t13 * t37;
-        const gluon_6l3_real t39 = u[3] + u[3];
-        const gluon_6l3_real t40 = u[2] * t39;
-        const gluon_6l3_real t41 = t16 * t35;
-        const gluon_6l3_real t42 = t41 + 279.45;
-        const gluon_6l3_real t43 = t30 * t27;
-        const gluon_6l3_real t44 = t42 + t43;
-        const gluon_6l3_real t45 = t44 - 105.03;
-        const gluon_6l3_real t46 = t40 * t45;
-        const gluon_6l3_real t47 = t38 - t46;
-        const gluon_6l3_real t48 = t10 * t47;
-        const gluon_6l3_real t49 = t8 - t48;
-        const gluon_6l3_real t50 = t13 * t45;
-        const gluon_6l3_real t51 = t50 + 105.03;
-        const gluon_6l3_real t52 = t40 * t37;
-        const gluon_6l3_real t53 = t51 + t52;
-        const gluon_6l3_real t54 = t53 - 105.03;
-        const gluon_6l3_real t55 = t2 * t54;
-        const gluon_6l3_real t56 = -t55;
-        const gluon_6l3_real t57 = 174.42 * t13;
-        const gluon_6l3_real t58 = t57 + 105.03;
-        const gluon_6l3_real t59 = t53 - t58;
-        const gluon_6l3_real t60 = t2 * t59;
-        const gluon_6l3_real t61 = -t60;
-        const gluon_6l3_real t62 = 348.84 * u[4];
-        const gluon_6l3_real t63 = u[4] * t62;
-        const gluon_6l3_real t64 = t13 * t63;
-        const gluon_6l3_real t65 = t64 + 105.03;
-        const gluon_6l3_real t66 = 174.42 * t30;
-        const gluon_6l3_real t67 = t40 * t66;
-        const gluon_6l3_real t68 = t65 - t67;
-        const gluon_6l3_real t69 = t53 - t68;
-        const gluon_6l3_real t70 = t2 * t69;
-        const gluon_6l3_real t71 = -t70;
-        const gluon_6l3_real t72 = t16 * t19;
-        const gluon_6l3_real t73 = t30 * t25;
-        const gluon_6l3_real t74 = t72 - t73;
-        const gluon_6l3_real t75 = t13 * t74;
-        const gluon_6l3_real t76 = t16 * t25;
-        const gluon_6l3_real t77 = t30 * t19;
-        const gluon_6l3_real t78 = t76 + t77;
-        const gluon_6l3_real t79 = t40 * t78;
-        const gluon_6l3_real t80 = t75 - t79;
-        const gluon_6l3_real t81 = 75.66 * t2;
-        const gluon_6l3_real t82 = 453.87 * t25;
-        const gluon_6l3_real t83 = t16 * t82;
-        const gluon_6l3_real t84 = 453.87 * t19;
-        const gluon_6l3_real t85 = t84 - 174.42;
-        const gluon_6l3_real t86 = t30 * t85;
-        const gluon_6l3_real t87 = t83 + t86;
-        const gluon_6l3_real t88 = t13 * t87;
-        const gluon_6l3_real t89 = t16 * t85;
-        const gluon_6l3_real t90 = t89 - 279.45;
-        const gluon_6l3_real t91 = t30 * t82;
-        const gluon_6l3_real t92 = t90 - t91;
-        const gluon_6l3_real t93 = t92 + 105.03;
-        const gluon_6l3_real t94 = t40 * t93;
-        const gluon_6l3_real t95 = t88 + t94;
-        const gluon_6l3_real t96 = t10 * t95;
-        const gluon_6l3_real t97 = t81 - t96;
-        const gluon_6l3_real t98 = t49 - t97;
-        const gluon_6l3_real t99 = t80 * t98;
-        const gluon_6l3_real t100 = t13 * t78;
-        const gluon_6l3_real t101 = t40 * t74;
-        const gluon_6l3_real t102 = t100 + t101;
-        const gluon_6l3_real t103 = t10 * t102;
-        const gluon_6l3_real t104 = t13 * t93;
-        const gluon_6l3_real t105 = t104 - 105.03;
-        const gluon_6l3_real t106 = t40 * t87;
-        const gluon_6l3_real t107 = t105 - t106;
-        const gluon_6l3_real t108 = t53 + t107;
-        const gluon_6l3_real t109 = t103 * t108;
-        const gluon_6l3_real t110 = t99 - t109;
-        const gluon_6l3_real t111 = t19 * t21;
-        const gluon_6l3_real t112 = t16 * t111;
-        const gluon_6l3_real t113 = t25 * t21;
-        const gluon_6l3_real t114 = t30 * t113;
-        const gluon_6l3_real t115 = t112 - t114;
-        const gluon_6l3_real t116 = t13 * t115;
-        const gluon_6l3_real t117 = t16 * t113;
-        const gluon_6l3_real t118 = t30 * t111;
-        const gluon_6l3_real t119 = t117 + t118;
-        const gluon_6l3_real t120 = t40 * t119;
-        const gluon_6l3_real t121 = t116 - t120;
-        const gluon_6l3_real t122 = t10 * t121;
-        const gluon_6l3_real t123 = t2 * t5;
-        const gluon_6l3_real t124 = t122 - t123;
-        const gluon_6l3_real t125 = 75.66 * t21;
-        const gluon_6l3_real t126 = t25 * t125;
-        const gluon_6l3_real t127 = t32 - t126;
-        const gluon_6l3_real t128 = t127 - 279.45;
-        const gluon_6l3_real t129 = t16 * t128;
-        const gluon_6l3_real t130 = t129 + 279.45;
-        const gluon_6l3_real t131 = t19 * t125;
-        const gluon_6l3_real t132 = t131 + t26;
-        const gluon_6l3_real t133 = t30 * t132;
-        const gluon_6l3_real t134 = t130 - t133;
-        const gluon_6l3_real t135 = t134 - 105.03;
-        const gluon_6l3_real t136 = t13 * t135;
-        const gluon_6l3_real t137 = t136 + 105.03;
-        const gluon_6l3_real t138 = t16 * t132;
-        const gluon_6l3_real t139 = t30 * t128;
-        const gluon_6l3_real t140 = t138 + t139;
-        const gluon_6l3_real t141 = t40 * t140;
-        const gluon_6l3_real t142 = t137 - t141;
-        const gluon_6l3_real t143 = t53 - t142;
-        const gluon_6l3_real t144 = t124 * t143;
-        const gluon_6l3_real t145 = t13 * t119;
-        const gluon_6l3_real t146 = t40 * t115;
-        const gluon_6l3_real t147 = t145 + t146;
-        const gluon_6l3_real t148 = 75.66 * t5;
-        const gluon_6l3_real t149 = t148 - 75.66;
-        const gluon_6l3_real t150 = t2 * t149;
-        const gluon_6l3_real t151 = t13 * t140;
-        const gluon_6l3_real t152 = t40 * t135;
-        const gluon_6l3_real t153 = t151 + t152;
-        const gluon_6l3_real t154 = t10 * t153;
-        const gluon_6l3_real t155 = t150 - t154;
-        const gluon_6l3_real t156 = t49 + t155;
-        const gluon_6l3_real t157 = t147 * t156;
-        const gluon_6l3_real t158 = t144 + t157;
-        const gluon_6l3_real t159 = t2 * t47;
-        const gluon_6l3_real t160 = t10 * t7;
-        const gluon_6l3_real t161 = t159 + t160;
-        const gluon_6l3_real t162 = t10 * t54;
-        const gluon_6l3_real t163 = -t162;
-        const gluon_6l3_real t164 = t10 * t59;
-        const gluon_6l3_real t165 = -t164;
-        const gluon_6l3_real t166 = t10 * t69;
-        const gluon_6l3_real t167 = -t166;
-        const gluon_6l3_real t168 = t2 * t102;
-        const gluon_6l3_real t169 = t168 * t108;
-        const gluon_6l3_real t170 = t2 * t95;
-        const gluon_6l3_real t171 = 75.66 * t10;
-        const gluon_6l3_real t172 = t170 + t171;
-        const gluon_6l3_real t173 = t161 - t172;
-        const gluon_6l3_real t174 = t80 * t173;
-        const gluon_6l3_real t175 = t169 + t174;
-        const gluon_6l3_real t176 = t2 * t153;
-        const gluon_6l3_real t177 = t10 * t149;
-        const gluon_6l3_real t178 = t176 + t177;
-        const gluon_6l3_real t179 = t161 + t178;
-        const gluon_6l3_real t180 = t147 * t179;
-        const gluon_6l3_real t181 = t2 * t121;
-        const gluon_6l3_real t182 = t10 * t5;
-        const gluon_6l3_real t183 = t181 + t182;
-        const gluon_6l3_real t184 = t183 * t143;
-        const gluon_6l3_real t185 = t180 - t184;
-        const gluon_6l3_real t186 = t10 * t49;
-        const gluon_6l3_real t187 = t2 * t161;
-        const gluon_6l3_real t188 = t186 - t187;
-        const gluon_6l3_real t189 = -t188;
-        const gluon_6l3_real t190 = 174.42 * t40;
-        const gluon_6l3_real t191 = t10 * t190;
-        const gluon_6l3_real t192 = t49 - t191;
-        const gluon_6l3_real t193 = t10 * t192;
-        const gluon_6l3_real t194 = t2 * t190;
-        const gluon_6l3_real t195 = t161 + t194;
-        const gluon_6l3_real t196 = t2 * t195;
-        const gluon_6l3_real t197 = t193 - t196;
-        const gluon_6l3_real t198 = -t197;
-        const gluon_6l3_real t199 = t13 * t66;
-        const gluon_6l3_real t200 = t40 * t63;
-        const gluon_6l3_real t201 = t199 + t200;
-        const gluon_6l3_real t202 = t10 * t201;
-        const gluon_6l3_real t203 = t49 - t202;
-        const gluon_6l3_real t204 = t10 * t203;
-        const gluon_6l3_real t205 = t2 * t201;
-        const gluon_6l3_real t206 = t161 + t205;
-        const gluon_6l3_real t207 = t2 * t206;
-        const gluon_6l3_real t208 = t204 - t207;
-        const gluon_6l3_real t209 = -t208;
-        const gluon_6l3_real t210 = t103 * t173;
-        const gluon_6l3_real t211 = t168 * t98;
-        const gluon_6l3_real t212 = t210 + t211;
-        const gluon_6l3_real t213 = t183 * t156;
-        const gluon_6l3_real t214 = t124 * t179;
-        const gluon_6l3_real t215 = t213 + t214;
-        const gluon_6l3_real t216 = -t215;
-        const gluon_6l3_real t217 = -t168;
-        const gluon_6l3_real t218 = -t2;
-        const gluon_6l3_real t219 = -t103;
-        jacobian[0] = t49;
-        jacobian[1] = t56;
-        jacobian[2] = t61;
-        jacobian[3] = t71;
-        jacobian[4] = t110;
-        jacobian[5] = t158;
-        jacobian[6] = t161;
-        jacobian[7] = t163;
-        jacobian[8] = t165;
-        jacobian[9] = t167;
-        jacobian[10] = t175;
-        jacobian[11] = t185;
-        jacobian[12] = 0.0;
-        jacobian[13] = t189;
-        jacobian[14] = t198;
-        jacobian[15] = t209;
-        jacobian[16] = t212;
-        jacobian[17] = t216;
-        jacobian[18] = 0.0;
-        jacobian[19] = t10;
-        jacobian[20] = t10;
-        jacobian[21] = t10;
-        jacobian[22] = t217;
-        jacobian[23] = t183;
-        jacobian[24] = 0.0;
-        jacobian[25] = t218;
-        jacobian[26] = t218;
-        jacobian[27] = t218;
-        jacobian[28] = t219;
-        jacobian[29] = t124;
-        jacobian[30] = 1.0;
-        jacobian[31] = 0.0;
-        jacobian[32] = 0.0;
-        jacobian[33] = 0.0;
-        jacobian[34] = t80;
-        jacobian[35] = t147;
+        gluon_6l3_jacobian_at(u, jacobian);
     }
     return status;
 }
@@ -2151,8 +2174,9 @@ gluon_6l3_status gluon_6l3_track(const gluon_6l3_pose *pose, gluon_6l3_real join
     static const gluon_6l3_real per_turn[6] = { 1.0, 1.0, 1.0, 1.0, 1.0, 1.0 };
     gluon_6l3_real to[7];
     gluon_6l3_real jacobian[36];
+    gluon_6l3_real u[12];
     gluon_6l3_status status = gluon_6l3_normalise_pose(pose, to);
-    const gluon_6l3_status started = gluon_6l3_jacobian(joints, jacobian);
+    const gluon_6l3_status started = gluon_6l3_limit_joints(GLUON_6L3_OK, joints);
     gluon_6l3_write_info(info, 0U, HUGE_VAL, 0.0, 0.0);
     if ((started != GLUON_6L3_OK) && (status != GLUON_6L3_NONFINITE)) {
         status = started;
@@ -2164,7 +2188,9 @@ gluon_6l3_status gluon_6l3_track(const gluon_6l3_pose *pose, gluon_6l3_real join
         gluon_6l3_real e[6];
         gluon_6l3_real step[6];
         gluon_6l3_real moved[6];
-        const gluon_6l3_real before = gluon_6l3_pose_error(joints, to, e);
+        gluon_6l3_half_turns(joints, u);
+        gluon_6l3_jacobian_at(u, jacobian);
+        const gluon_6l3_real before = gluon_6l3_error_at(u, to, e);
         const gluon_6l3_real pivot = gluon_6l3_damped(jacobian, e, step);
         gluon_6l3_real after = HUGE_VAL;
         gluon_6l3_real part = 1.0;
@@ -2183,7 +2209,8 @@ gluon_6l3_status gluon_6l3_track(const gluon_6l3_pose *pose, gluon_6l3_real join
             for (int i = 0; i < 6; ++i) {
                 moved[i] = joints[i] + part * step[i];
             }
-            after = gluon_6l3_pose_error(moved, to, e);
+            gluon_6l3_half_turns(moved, u);
+            after = gluon_6l3_error_at(u, to, e);
         }
         if (!(after <= before + 3.83191235693348e-12)) {
             /* nothing is nearer: the joints stay */

@@ -20,28 +20,28 @@
  *
  * Worst case of a call, with NULL as config (README.md says how it is known and has 255
  * iterations):
- *   inverse_all: 8587 add, 10526 mul, 367 div, 51 sqrt, 144 sin, 144 cos, 34 atan2
- *   inverse_branch: 1363 add, 1755 mul, 59 div, 37 sqrt, 18 sin, 18 cos, 34 atan2
- *   inverse_nearest: 1394 add, 1783 mul, 59 div, 37 sqrt, 18 sin, 18 cos, 34 atan2
+ *   inverse_all: 5435 add, 6950 mul, 127 div, 51 sqrt, 144 sin, 144 cos, 34 atan2
+ *   inverse_branch: 969 add, 1308 mul, 29 div, 37 sqrt, 18 sin, 18 cos, 34 atan2
+ *   inverse_nearest: 1000 add, 1336 mul, 29 div, 37 sqrt, 18 sin, 18 cos, 34 atan2
  *   direct: 59 add, 94 mul, 1 div, 1 sqrt, 6 sin, 6 cos
- *   inverse: 100 iterations, 23060 add, 33719 mul, 1849 div, 1608 sqrt, 24 sin, 24 cos, 606 atan2
+ *   inverse: 100 iterations, 22666 add, 33272 mul, 1819 div, 1608 sqrt, 24 sin, 24 cos, 606 atan2
  *   jacobian: 94 add, 131 mul, 6 sin, 6 cos
  *   twist: 136 add, 167 mul, 6 sin, 6 cos
- *   feed: 890 add, 1060 mul, 53 div, 5 sqrt, 6 sin, 6 cos
- *   rates: 884 add, 1054 mul, 47 div, 5 sqrt, 6 sin, 6 cos
- *   track: 1243 add, 1626 mul, 49 div, 10 sqrt, 36 sin, 36 cos
- *   measured (Cortex-M7, GCC 12.2.1 -O2, 11934 inputs, seed 1): instructions, bytes of stack with
+ *   feed: 496 add, 613 mul, 23 div, 5 sqrt, 6 sin, 6 cos
+ *   rates: 490 add, 607 mul, 17 div, 5 sqrt, 6 sin, 6 cos
+ *   track: 849 add, 1167 mul, 19 div, 10 sqrt, 30 sin, 30 cos
+ *   measured (Cortex-M7, GCC 12.2.1 -O2, 10986 inputs, seed 1): instructions, bytes of stack with
  *     callees, bytes of code with callees but without those of libm:
- *   inverse_all: 19845 instructions, 1560 stack, 6500 code
- *   inverse_branch: 2895 instructions, 1616 stack, 6584 code
- *   inverse_nearest: 3535 instructions, 1680 stack, 6804 code
- *   direct: 1705 instructions, 944 stack, 1228 code
- *   inverse: 125545 instructions, 2432 stack, 11472 code
- *   jacobian: 1820 instructions, 1032 stack, 1688 code
- *   twist: 2255 instructions, 1376 stack, 1888 code
- *   feed: 10250 instructions, 1496 stack, 3308 code
- *   rates: 10130 instructions, 1432 stack, 3208 code
- *   track: 14655 instructions, 1576 stack, 4676 code
+ *   inverse_all: 19820 instructions, 1660 stack, 6668 code
+ *   inverse_branch: 2900 instructions, 1716 stack, 6752 code
+ *   inverse_nearest: 3520 instructions, 1780 stack, 6972 code
+ *   direct: 1670 instructions, 944 stack, 1228 code
+ *   inverse: 126640 instructions, 2532 stack, 11640 code
+ *   jacobian: 1790 instructions, 880 stack, 1700 code
+ *   twist: 2220 instructions, 1224 stack, 1888 code
+ *   feed: 8250 instructions, 1492 stack, 3484 code
+ *   rates: 8125 instructions, 1428 stack, 3384 code
+ *   track: 9660 instructions, 1580 stack, 4860 code
  *
  * Model SHA-256 0a6a5e74c351eb572b3af256f5135e52918e945b40d14db040ccc931c6eb898c
  */

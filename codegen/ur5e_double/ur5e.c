@@ -298,12 +298,12 @@ static ur5e_real ur5e_length_of(const ur5e_real e[6])
     return sqrt(sum) * UR5E_SIZE;
 }
 
-/* How far the tool pose of joint values is from `to`: lengths over the size, and twice the vector
- * of the turn's quaternion. Returns its length. */
-static ur5e_real ur5e_pose_error(const ur5e_real q[6], const ur5e_real to[7], ur5e_real e[6])
+/* How far the tool pose of half turns is from `to`: lengths over the size, and twice the vector of
+ * the turn's quaternion. Returns its length. */
+static ur5e_real ur5e_error_at(const ur5e_real u[12], const ur5e_real to[7], ur5e_real e[6])
 {
     ur5e_real x[7];
-    ur5e_forward(q, x);
+    ur5e_pose_of_turns(u, x);
     const ur5e_real w = to[3] * x[3] + to[4] * x[4] + to[5] * x[5] + to[6] * x[6];
     const ur5e_real twice = (w < 0.0) ? -2.0 : 2.0;
     for (int i = 0; i < 3; ++i) {
@@ -323,30 +323,42 @@ static ur5e_real ur5e_damped(const ur5e_real jacobian[36], const ur5e_real e[6],
 {
     static const ur5e_real row_scale[6] = { 0.0011851211647507592, 0.0011851211647507592,
         0.0011851211647507592, 1.0, 1.0, 1.0 };
-    static const ur5e_real column_scale[6] = { 1.0, 1.0, 1.0, 1.0, 1.0, 1.0 };
     ur5e_real a[6][6];
-    ur5e_real g[6][6];
-    ur5e_real r[6];
+    ur5e_real g[6][6]; /* upper triangle: factors; below: the normal equations */
+    ur5e_real diagonal[6];
+    ur5e_real right[6];
     ur5e_real smallest = 0.0;
     ur5e_real mean = 0.0;
     ur5e_real raised = 0.0;
     for (int i = 0; i < 6; ++i) {
         for (int j = 0; j < 6; ++j) {
-            a[i][j] = jacobian[6 * i + j] * row_scale[i] * column_scale[j];
-            mean += a[i][j] * a[i][j] * 0.16666666666666666;
+            a[i][j] = jacobian[6 * i + j] * row_scale[i];
         }
     }
+    /* the normal equations, which are symmetric */
+    for (int i = 0; i < 6; ++i) {
+        right[i] = e[i];
+        for (int j = i; j < 6; ++j) {
+            ur5e_real sum = 0.0;
+            for (int k = 0; k < 6; ++k) {
+                sum += a[i][k] * a[j][k];
+            }
+            g[j][i] = sum;
+        }
+        diagonal[i] = g[i][i];
+        mean += diagonal[i];
+    }
+    mean *= 0.16666666666666666;
     for (int round = 0; (round < 2) && ((round == 0) || (smallest < 0.0004)); ++round) {
         uint8_t order[6];
-        /* the normal equations */
+        ur5e_real r[6];
+        ur5e_real over[6];
         for (int i = 0; i < 6; ++i) {
             order[i] = (uint8_t)i;
-            r[i] = e[i];
-            for (int j = 0; j < 6; ++j) {
-                g[i][j] = (i == j) ? raised : 0.0;
-                for (int k = 0; k < 6; ++k) {
-                    g[i][j] += a[i][k] * a[j][k];
-                }
+            r[i] = right[i];
+            g[i][i] = diagonal[i] + raised;
+            for (int j = i + 1; j < 6; ++j) {
+                g[i][j] = g[j][i];
             }
         }
         /* factors, the largest diagonal entry first, with the right side beside them */
@@ -356,26 +368,31 @@ static ur5e_real ur5e_damped(const ur5e_real jacobian[36], const ur5e_real e[6],
             for (int i = c + 1; i < 6; ++i) {
                 best = (g[i][i] > g[best][best]) ? i : best;
             }
-            const uint8_t name = order[c];
-            const ur5e_real right = r[c];
-            order[c] = order[best];
-            order[best] = name;
-            r[c] = r[best];
-            r[best] = right;
-            for (int j = 0; j < 6; ++j) {
-                const ur5e_real t = g[c][j];
-                g[c][j] = g[best][j];
-                g[best][j] = t;
-            }
-            for (int i = 0; i < 6; ++i) {
-                const ur5e_real t = g[i][c];
-                g[i][c] = g[i][best];
-                g[i][best] = t;
+            if (best != c) {
+                const uint8_t name = order[c];
+                const ur5e_real side = r[c];
+                order[c] = order[best];
+                order[best] = name;
+                r[c] = r[best];
+                r[best] = side;
+                for (int k = 0; k < 6; ++k) {
+                    if ((k != c) && (k != best)) {
+                        ur5e_real *const one = (k < c) ? &g[k][c] : &g[c][k];
+                        ur5e_real *const other = (k < best) ? &g[k][best] : &g[best][k];
+                        const ur5e_real t = *one;
+                        *one = *other;
+                        *other = t;
+                    }
+                }
+                const ur5e_real first = g[c][c];
+                g[c][c] = g[best][best];
+                g[best][best] = first;
             }
             whole = g[c][c] > 1.7763568394002505e-15 * mean;
+            over[c] = whole ? (1.0 / g[c][c]) : 0.0;
             for (int i = c + 1; (i < 6) && whole; ++i) {
-                const ur5e_real factor = g[i][c] / g[c][c];
-                for (int j = c; j < 6; ++j) {
+                const ur5e_real factor = g[c][i] * over[c];
+                for (int j = i; j < 6; ++j) {
                     g[i][j] -= factor * g[c][j];
                 }
                 r[i] -= factor * r[c];
@@ -390,7 +407,7 @@ static ur5e_real ur5e_damped(const ur5e_real jacobian[36], const ur5e_real e[6],
             for (int j = i + 1; j < 6; ++j) {
                 r[i] -= g[i][j] * r[j];
             }
-            r[i] /= g[i][i];
+            r[i] *= over[i];
         }
         for (int i = 0; i < 6; ++i) {
             y[i] = 0.0;
@@ -400,9 +417,6 @@ static ur5e_real ur5e_damped(const ur5e_real jacobian[36], const ur5e_real e[6],
                 y[j] += a[order[i]][j] * r[i];
             }
         }
-    }
-    for (int i = 0; i < 6; ++i) {
-        y[i] *= column_scale[i];
     }
     return smallest;
 }
@@ -741,8 +755,10 @@ static ur5e_status ur5e_turn_near(const ur5e_real about[6], ur5e_real joints[6])
 static ur5e_status ur5e_hold(const ur5e_real x[7], ur5e_real joints[6], ur5e_real *residual)
 {
     ur5e_real e[6];
+    ur5e_real u[2 * 6];
     ur5e_status status = UR5E_OK;
-    *residual = ur5e_pose_error(joints, x, e);
+    ur5e_half_turns(joints, u);
+    *residual = ur5e_error_at(u, x, e);
     if (!(*residual <= 3.753200649988964e-09)) {
         ur5e_real jacobian[6 * 6];
         ur5e_real step[6];
@@ -752,7 +768,8 @@ static ur5e_status ur5e_hold(const ur5e_real x[7], ur5e_real joints[6], ur5e_rea
             for (int i = 0; i < 6; ++i) {
                 joints[i] += step[i];
             }
-            *residual = ur5e_pose_error(joints, x, e);
+            ur5e_half_turns(joints, u);
+            *residual = ur5e_error_at(u, x, e);
             status = (*residual <= 3.753200649988964e-09) ? UR5E_OK : UR5E_SINGULAR;
         }
     }
@@ -1757,273 +1774,278 @@ ur5e_status ur5e_inverse(const ur5e_config *config, const ur5e_pose *pose,
 }
 
 /* Twist of the tool by joint rates, from the derivative of the tool's pose. */
+static UR5E_SHARED void ur5e_jacobian_at(const ur5e_real u[12], ur5e_real jacobian[36])
+{
+    const ur5e_real t0 = u[0] * u[0];
+    const ur5e_real t1 = u[1] * u[1];
+    const ur5e_real t2 = t0 - t1;
+    const ur5e_real t3 = u[8] * u[8];
+    const ur5e_real t4 = u[9] * u[9];
+    const ur5e_real t5 = t3 - t4;
+    const ur5e_real t6 = 99.6 * t5;
+    const ur5e_real t7 = t6 + 133.3;
+    const ur5e_real t8 = t2 * t7;
+    const ur5e_real t9 = u[0] + u[0];
+    const ur5e_real t10 = t9 * u[1];
+    const ur5e_real t11 = u[2] * u[2];
+    const ur5e_real t12 = u[3] * u[3];
+    const ur5e_real t13 = t11 - t12;
+    const ur5e_real t14 = u[4] * u[4];
+    const ur5e_real t15 = u[5] * u[5];
+    const ur5e_real t16 = t14 - t15;
+    const ur5e_real t17 = u[6] * u[6];
+    const ur5e_real t18 = u[7] * u[7];
+    const ur5e_real t19 = t17 - t18;
+    const ur5e_real t20 = u[8] + u[8];
+    const ur5e_real t21 = t20 * u[9];
+    const ur5e_real t22 = 99.6 * t21;
+    const ur5e_real t23 = t19 * t22;
+    const ur5e_real t24 = t23 + 817.2;
+    const ur5e_real t25 = u[6] + u[6];
+    const ur5e_real t26 = t25 * u[7];
+    const ur5e_real t27 = 99.7 * t26;
+    const ur5e_real t28 = t24 - t27;
+    const ur5e_real t29 = t28 - 425.0;
+    const ur5e_real t30 = t16 * t29;
+    const ur5e_real t31 = t30 + 425.0;
+    const ur5e_real t32 = u[4] + u[4];
+    const ur5e_real t33 = t32 * u[5];
+    const ur5e_real t34 = 99.7 * t19;
+    const ur5e_real t35 = t34 - 162.5;
+    const ur5e_real t36 = t26 * t22;
+    const ur5e_real t37 = t35 + t36;
+    const ur5e_real t38 = t37 + 162.5;
+    const ur5e_real t39 = t33 * t38;
+    const ur5e_real t40 = t31 - t39;
+    const ur5e_real t41 = t13 * t40;
+    const ur5e_real t42 = u[2] + u[2];
+    const ur5e_real t43 = t42 * u[3];
+    const ur5e_real t44 = t16 * t38;
+    const ur5e_real t45 = t44 - 162.5;
+    const ur5e_real t46 = t33 * t29;
+    const ur5e_real t47 = t45 + t46;
+    const ur5e_real t48 = t47 + 162.5;
+    const ur5e_real t49 = t43 * t48;
+    const ur5e_real t50 = t41 - t49;
+    const ur5e_real t51 = t10 * t50;
+    const ur5e_real t52 = t8 + t51;
+    const ur5e_real t53 = t13 * t48;
+    const ur5e_real t54 = t53 - 162.5;
+    const ur5e_real t55 = t43 * t40;
+    const ur5e_real t56 = t54 + t55;
+    const ur5e_real t57 = t56 + 162.5;
+    const ur5e_real t58 = t2 * t57;
+    const ur5e_real t59 = 425.0 * t43;
+    const ur5e_real t60 = t59 - 162.5;
+    const ur5e_real t61 = t56 - t60;
+    const ur5e_real t62 = t2 * t61;
+    const ur5e_real t63 = 392.2 * t33;
+    const ur5e_real t64 = t13 * t63;
+    const ur5e_real t65 = t64 - 162.5;
+    const ur5e_real t66 = 392.2 * t16;
+    const ur5e_real t67 = t66 + 425.0;
+    const ur5e_real t68 = t43 * t67;
+    const ur5e_real t69 = t65 + t68;
+    const ur5e_real t70 = t56 - t69;
+    const ur5e_real t71 = t2 * t70;
+    const ur5e_real t72 = t16 * t26;
+    const ur5e_real t73 = t33 * t19;
+    const ur5e_real t74 = t72 + t73;
+    const ur5e_real t75 = t13 * t74;
+    const ur5e_real t76 = t33 * t26;
+    const ur5e_real t77 = t16 * t19;
+    const ur5e_real t78 = t76 - t77;
+    const ur5e_real t79 = t43 * t78;
+    const ur5e_real t80 = t75 - t79;
+    const ur5e_real t81 = t10 * t80;
+    const ur5e_real t82 = 162.5 * t19;
+    const ur5e_real t83 = t16 * t82;
+    const ur5e_real t84 = t83 - 162.5;
+    const ur5e_real t85 = 162.5 * t26;
+    const ur5e_real t86 = t85 - 392.2;
+    const ur5e_real t87 = t33 * t86;
+    const ur5e_real t88 = t84 - t87;
+    const ur5e_real t89 = t88 + 162.5;
+    const ur5e_real t90 = t13 * t89;
+    const ur5e_real t91 = t90 - 162.5;
+    const ur5e_real t92 = t16 * t86;
+    const ur5e_real t93 = t92 - 425.0;
+    const ur5e_real t94 = t33 * t82;
+    const ur5e_real t95 = t93 + t94;
+    const ur5e_real t96 = t43 * t95;
+    const ur5e_real t97 = t91 - t96;
+    const ur5e_real t98 = t56 - t97;
+    const ur5e_real t99 = t81 * t98;
+    const ur5e_real t100 = t13 * t78;
+    const ur5e_real t101 = t43 * t74;
+    const ur5e_real t102 = t100 + t101;
+    const ur5e_real t103 = 133.3 * t2;
+    const ur5e_real t104 = t13 * t95;
+    const ur5e_real t105 = t43 * t89;
+    const ur5e_real t106 = t104 + t105;
+    const ur5e_real t107 = t10 * t106;
+    const ur5e_real t108 = t103 - t107;
+    const ur5e_real t109 = t52 - t108;
+    const ur5e_real t110 = t102 * t109;
+    const ur5e_real t111 = t99 - t110;
+    const ur5e_real t112 = -t111;
+    const ur5e_real t113 = t26 * t21;
+    const ur5e_real t114 = t33 * t113;
+    const ur5e_real t115 = t19 * t21;
+    const ur5e_real t116 = t16 * t115;
+    const ur5e_real t117 = t114 - t116;
+    const ur5e_real t118 = t13 * t117;
+    const ur5e_real t119 = t16 * t113;
+    const ur5e_real t120 = t33 * t115;
+    const ur5e_real t121 = t119 + t120;
+    const ur5e_real t122 = t43 * t121;
+    const ur5e_real t123 = t118 + t122;
+    const ur5e_real t124 = t10 * t123;
+    const ur5e_real t125 = t2 * t5;
+    const ur5e_real t126 = t124 - t125;
+    const ur5e_real t127 = 133.3 * t21;
+    const ur5e_real t128 = t26 * t127;
+    const ur5e_real t129 = t35 - t128;
+    const ur5e_real t130 = t129 + 162.5;
+    const ur5e_real t131 = t16 * t130;
+    const ur5e_real t132 = t131 - 162.5;
+    const ur5e_real t133 = t19 * t127;
+    const ur5e_real t134 = t133 - 817.2;
+    const ur5e_real t135 = t134 + t27;
+    const ur5e_real t136 = t135 + 425.0;
+    const ur5e_real t137 = t33 * t136;
+    const ur5e_real t138 = t132 - t137;
+    const ur5e_real t139 = t138 + 162.5;
+    const ur5e_real t140 = t13 * t139;
+    const ur5e_real t141 = t140 - 162.5;
+    const ur5e_real t142 = t16 * t136;
+    const ur5e_real t143 = t142 - 425.0;
+    const ur5e_real t144 = t33 * t130;
+    const ur5e_real t145 = t143 + t144;
+    const ur5e_real t146 = t43 * t145;
+    const ur5e_real t147 = t141 - t146;
+    const ur5e_real t148 = t56 - t147;
+    const ur5e_real t149 = t126 * t148;
+    const ur5e_real t150 = t43 * t117;
+    const ur5e_real t151 = t13 * t121;
+    const ur5e_real t152 = t150 - t151;
+    const ur5e_real t153 = 133.3 * t5;
+    const ur5e_real t154 = t153 - 133.3;
+    const ur5e_real t155 = t2 * t154;
+    const ur5e_real t156 = t13 * t145;
+    const ur5e_real t157 = t43 * t139;
+    const ur5e_real t158 = t156 + t157;
+    const ur5e_real t159 = t10 * t158;
+    const ur5e_real t160 = t155 + t159;
+    const ur5e_real t161 = t52 + t160;
+    const ur5e_real t162 = t152 * t161;
+    const ur5e_real t163 = t149 - t162;
+    const ur5e_real t164 = -t163;
+    const ur5e_real t165 = t2 * t50;
+    const ur5e_real t166 = t10 * t7;
+    const ur5e_real t167 = t165 - t166;
+    const ur5e_real t168 = -t167;
+    const ur5e_real t169 = t10 * t57;
+    const ur5e_real t170 = t10 * t61;
+    const ur5e_real t171 = t10 * t70;
+    const ur5e_real t172 = t2 * t106;
+    const ur5e_real t173 = 133.3 * t10;
+    const ur5e_real t174 = t172 + t173;
+    const ur5e_real t175 = t167 + t174;
+    const ur5e_real t176 = t102 * t175;
+    const ur5e_real t177 = t2 * t80;
+    const ur5e_real t178 = t177 * t98;
+    const ur5e_real t179 = t176 - t178;
+    const ur5e_real t180 = -t179;
+    const ur5e_real t181 = t2 * t158;
+    const ur5e_real t182 = t10 * t154;
+    const ur5e_real t183 = t181 - t182;
+    const ur5e_real t184 = t167 + t183;
+    const ur5e_real t185 = t152 * t184;
+    const ur5e_real t186 = t2 * t123;
+    const ur5e_real t187 = t10 * t5;
+    const ur5e_real t188 = t186 + t187;
+    const ur5e_real t189 = t188 * t148;
+    const ur5e_real t190 = t185 - t189;
+    const ur5e_real t191 = -t190;
+    const ur5e_real t192 = t10 * t52;
+    const ur5e_real t193 = t2 * t167;
+    const ur5e_real t194 = t192 + t193;
+    const ur5e_real t195 = -t194;
+    const ur5e_real t196 = 425.0 * t13;
+    const ur5e_real t197 = t10 * t196;
+    const ur5e_real t198 = t52 - t197;
+    const ur5e_real t199 = t10 * t198;
+    const ur5e_real t200 = t2 * t196;
+    const ur5e_real t201 = t167 - t200;
+    const ur5e_real t202 = t2 * t201;
+    const ur5e_real t203 = t199 + t202;
+    const ur5e_real t204 = -t203;
+    const ur5e_real t205 = t13 * t67;
+    const ur5e_real t206 = t43 * t63;
+    const ur5e_real t207 = t205 - t206;
+    const ur5e_real t208 = t10 * t207;
+    const ur5e_real t209 = t52 - t208;
+    const ur5e_real t210 = t10 * t209;
+    const ur5e_real t211 = t2 * t207;
+    const ur5e_real t212 = t167 - t211;
+    const ur5e_real t213 = t2 * t212;
+    const ur5e_real t214 = t210 + t213;
+    const ur5e_real t215 = -t214;
+    const ur5e_real t216 = t177 * t109;
+    const ur5e_real t217 = t81 * t175;
+    const ur5e_real t218 = t216 - t217;
+    const ur5e_real t219 = -t218;
+    const ur5e_real t220 = t188 * t161;
+    const ur5e_real t221 = t126 * t184;
+    const ur5e_real t222 = t220 - t221;
+    const ur5e_real t223 = -t222;
+    const ur5e_real t224 = -t2;
+    jacobian[0] = t52;
+    jacobian[1] = t58;
+    jacobian[2] = t62;
+    jacobian[3] = t71;
+    jacobian[4] = t112;
+    jacobian[5] = t164;
+    jacobian[6] = t168;
+    jacobian[7] = t169;
+    jacobian[8] = t170;
+    jacobian[9] = t171;
+    jacobian[10] = t180;
+    jacobian[11] = t191;
+    jacobian[12] = 0.0;
+    jacobian[13] = t195;
+    jacobian[14] = t204;
+    jacobian[15] = t215;
+    jacobian[16] = t219;
+    jacobian[17] = t223;
+    jacobian[18] = 0.0;
+    jacobian[19] = t10;
+    jacobian[20] = t10;
+    jacobian[21] = t10;
+    jacobian[22] = t177;
+    jacobian[23] = t188;
+    jacobian[24] = 0.0;
+    jacobian[25] = t224;
+    jacobian[26] = t224;
+    jacobian[27] = t224;
+    jacobian[28] = t81;
+    jacobian[29] = t126;
+    jacobian[30] = 1.0;
+    jacobian[31] = 0.0;
+    jacobian[32] = 0.0;
+    jacobian[33] = 0.0;
+    jacobian[34] = t102;
+    jacobian[35] = t152;
+}
+
 ur5e_status ur5e_jacobian(const ur5e_real joints[6], ur5e_real jacobian[36])
 {
+    ur5e_real u[12];
     ur5e_status status = ur5e_limit_joints(UR5E_OK, joints);
     if (status == UR5E_OK) {
-        ur5e_real u[12];
         ur5e_half_turns(joints, u);
-        const ur5e_real t0 = u[0] * u[0];
-        const ur5e_real t1 = u[1] * u[1];
-        const ur5e_real t2 = t0 - t1;
-        const ur5e_real t3 = u[8] * u[8];
-        const ur5e_real t4 = u[9] * u[9];
-        const ur5e_real t5 = t3 - t4;
-        const ur5e_real t6 = 99.6 * t5;
-        const ur5e_real t7 = t6 + 133.3;
-        const ur5e_real t8 = t2 * t7;
-        const ur5e_real t9 = u[0] + u[0];
-        const ur5e_real t10 = t9 * u[1];
-        const ur5e_real t11 = u[2] * u[2];
-        const ur5e_real t12 = u[3] * u[3];
-        const ur5e_real t13 = t11 - t12;
-        const ur5e_real t14 = u[4] * u[4];
-        const ur5e_real t15 = u[5] * u[5];
-        const ur5e_real t16 = t14 - t15;
-        const ur5e_real t17 = u[6] * u[6];
-        const ur5e_real t18 = u[7] * u[7];
-        const ur5e_real t19 = t17 - t18;
-        const ur5e_real t20 = u[8] + u[8];
-        const ur5e_real t21 = t20 * u[9];
-        const ur5e_real t22 = 99.6 * t21;
-        const ur5e_real t23 = t19 * t22;
-        const ur5e_real t24 = t23 + 817.2;
-        const ur5e_real t25 = u[6] + u[6];
-        const ur5e_real t26 = t25 * u[7];
-        const ur5e_real t27 = 99.7 * t26;
-        const ur5e_real t28 = t24 - t27;
-        const ur5e_real t29 = t28 - 425.0;
-        const ur5e_real t30 = t16 * t29;
-        const ur5e_real t31 = t30 + 425.0;
-        const ur5e_real t32 = u[4] + u[4];
-        const ur5e_real t33 = t32 * u[5];
-        const ur5e_real t34 = 99.7 * t19;
-        const ur5e_real t35 = t34 - 162.5;
-        const ur5e_real t36 = t26 * t22;
-        const ur5e_real t37 = t35 + t36;
-        const ur5e_real t38 = t37 + 162.5;
-        const ur5e_real t39 = t33 * t38;
-        const ur5e_real t40 = t31 - t39;
-        const ur5e_real t41 = t13 * t40;
-        const ur5e_real t42 = u[2] + u[2];
-        const ur5e_real t43 = t42 * u[3];
-        const ur5e_real t44 = t16 * t38;
-        const ur5e_real t45 = t44 - 162.5;
-        const ur5e_real t46 = t33 * t29;
-        const ur5e_real t47 = t45 + t46;
-        const ur5e_real t48 = t47 + 162.5;
-        const ur5e_real t49 = t43 * t48;
-        const ur5e_real t50 = t41 - t49;
-        const ur5e_real t51 = t10 * t50;
-        const ur5e_real t52 = t8 + t51;
-        const ur5e_real t53 = t13 * t48;
-        const ur5e_real t54 = t53 - 162.5;
-        const ur5e_real t55 = t43 * t40;
-        const ur5e_real t56 = t54 + t55;
-        const ur5e_real t57 = t56 + 162.5;
-        const ur5e_real t58 = t2 * t57;
-        const ur5e_real t59 = 425.0 * t43;
-        const ur5e_real t60 = t59 - 162.5;
-        const ur5e_real t61 = t56 - t60;
-        const ur5e_real t62 = t2 * t61;
-        const ur5e_real t63 = 392.2 * t33;
-        const ur5e_real t64 = t13 * t63;
-        const ur5e_real t65 = t64 - 162.5;
-        const ur5e_real t66 = 392.2 * t16;
-        const ur5e_real t67 = t66 + 425.0;
-        const ur5e_real t68 = t43 * t67;
-        const ur5e_real t69 = t65 + t68;
-        const ur5e_real t70 = t56 - t69;
-        const ur5e_real t71 = t2 * t70;
-        const ur5e_real t72 = t16 * t26;
-        const ur5e_real t73 = t33 * t19;
-        const ur5e_real t74 = t72 + t73;
-        const ur5e_real t75 = t13 * t74;
-        const ur5e_real t76 = t33 * t26;
-        const ur5e_real t77 = t16 * t19;
-        const ur5e_real t78 = t76 - t77;
-        const ur5e_real t79 = t43 * t78;
-        const ur5e_real t80 = t75 - t79;
-        const ur5e_real t81 = t10 * t80;
-        const ur5e_real t82 = 162.5 * t19;
-        const ur5e_real t83 = t16 * t82;
-        const ur5e_real t84 = t83 - 162.5;
-        const ur5e_real t85 = 162.5 * t26;
-        const ur5e_real t86 = t85 - 392.2;
-        const ur5e_real t87 = t33 * t86;
-        const ur5e_real t88 = t84 - t87;
-        const ur5e_real t89 = t88 + 162.5;
-        const ur5e_real t90 = t13 * t89;
-        const ur5e_real t91 = t90 - 162.5;
-        const ur5e_real t92 = t16 * t86;
-        const ur5e_real t93 = t92 - 425.0;
-        const ur5e_real t94 = t33 * t82;
-        const ur5e_real t95 = t93 + t94;
-        const ur5e_real t96 = t43 * t95;
-        const ur5e_real t97 = t91 - t96;
-        const ur5e_real t98 = t56 - t97;
-        const ur5e_real t99 = t81 * t98;
-        const ur5e_real t100 = t13 * t78;
-        const ur5e_real t101 = t43 * t74;
-        const ur5e_real t102 = t100 + t101;
-        const ur5e_real t103 = 133.3 * t2;
-        const ur5e_real t104 = t13 * t95;
-        const ur5e_real t105 = t43 * t89;
-        const ur5e_real t106 = t104 + t105;
-        const ur5e_real t107 = t10 * t106;
-        const ur5e_real t108 = t103 - t107;
-        const ur5e_real t109 = t52 - t108;
-        const ur5e_real t110 = t102 * t109;
-        const ur5e_real t111 = t99 - t110;
-        const ur5e_real t112 = -t111;
-        const ur5e_real t113 = t26 * t21;
-        const ur5e_real t114 = t33 * t113;
-        const ur5e_real t115 = t19 * t21;
-        const ur5e_real t116 = t16 * t115;
-        const ur5e_real t117 = t114 - t116;
-        const ur5e_real t118 = t13 * t117;
-        const ur5e_real t119 = t16 * t113;
-        const ur5e_real t120 = t33 * t115;
-        const ur5e_real t121 = t119 + t120;
-        const ur5e_real t122 = t43 * t121;
-        const ur5e_real t123 = t118 + t122;
-        const ur5e_real t124 = t10 * t123;
-        const ur5e_real t125 = t2 * t5;
-        const ur5e_real t126 = t124 - t125;
-        const ur5e_real t127 = 133.3 * t21;
-        const ur5e_real t128 = t26 * t127;
-        const ur5e_real t129 = t35 - t128;
-        const ur5e_real t130 = t129 + 162.5;
-        const ur5e_real t131 = t16 * t130;
-        const ur5e_real t132 = t131 - 162.5;
-        const ur5e_real t133 = t19 * t127;
-        const ur5e_real t134 = t133 - 817.2;
-        const ur5e_real t135 = t134 + t27;
-        const ur5e_real t136 = t135 + 425.0;
-        const ur5e_real t137 = t33 * t136;
-        const ur5e_real t138 = t132 - t137;
-        const ur5e_real t139 = t138 + 162.5;
-        const ur5e_real t140 = t13 * t139;
-        const ur5e_real t141 = t140 - 162.5;
-        const ur5e_real t142 = t16 * t136;
-        const ur5e_real t143 = t142 - 425.0;
-        const ur5e_real t144 = t33 * t130;
-        const ur5e_real t145 = t143 + t144;
-        const ur5e_real t146 = t43 * t145;
-        const ur5e_real t147 = t141 - t146;
-        const ur5e_real t148 = t56 - t147;
-        const ur5e_real t149 = t126 * t148;
-        const ur5e_real t150 = t43 * t117;
-        const ur5e_real t151 = t13 * t121;
-        const ur5e_real t152 = t150 - t151;
-        const ur5e_real t153 = 133.3 * t5;
-        const ur5e_real t154 = t153 - 133.3;
-        const ur5e_real t155 = t2 * t154;
-        const ur5e_real t156 = t13 * t145;
-        const ur5e_real t157 = t43 * t139;
-        const ur5e_real t158 = t156 + t157;
-        const ur5e_real t159 = t10 * t158;
-        const ur5e_real t160 = t155 + t159;
-        const ur5e_real t161 = t52 + t160;
-        const ur5e_real t162 = t152 * t161;
-        const ur5e_real t163 = t149 - t162;
-        const ur5e_real t164 = -t163;
-        const ur5e_real t165 = t2 * t50;
-        const ur5e_real t166 = t10 * t7;
-        const ur5e_real t167 = t165 - t166;
-        const ur5e_real t168 = -t167;
-        const ur5e_real t169 = t10 * t57;
-        const ur5e_real t170 = t10 * t61;
-        const ur5e_real t171 = t10 * t70;
-        const ur5e_real t172 = t2 * t106;
-        const ur5e_real t173 = 133.3 * t10;
-        const ur5e_real t174 = t172 + t173;
-        const ur5e_real t175 = t167 + t174;
-        const ur5e_real t176 = t102 * t175;
-        const ur5e_real t177 = t2 * t80;
-        const ur5e_real t178 = t177 * t98;
-        const ur5e_real t179 = t176 - t178;
-        const ur5e_real t180 = -t179;
-        const ur5e_real t181 = t2 * t158;
-        const ur5e_real t182 = t10 * t154;
-        const ur5e_real t183 = t181 - t182;
-        const ur5e_real t184 = t167 + t183;
-        const ur5e_real t185 = t152 * t184;
-        const ur5e_real t186 = t2 * t123;
-        const ur5e_real t187 = t10 * t5;
-        const ur5e_real t188 = t186 + t187;
-        const ur5e_real t189 = t188 * t148;
-        const ur5e_real t190 = t185 - t189;
-        const ur5e_real t191 = -t190;
-        const ur5e_real t192 = t10 * t52;
-        const ur5e_real t193 = t2 * t167;
-        const ur5e_real t194 = t192 + t193;
-        const ur5e_real t195 = -t194;
-        const ur5e_real t196 = 425.0 * t13;
-        const ur5e_real t197 = t10 * t196;
-        const ur5e_real t198 = t52 - t197;
-        const ur5e_real t199 = t10 * t198;
-        const ur5e_real t200 = t2 * t196;
-        const ur5e_real t201 = t167 - t200;
-        const ur5e_real t202 = t2 * t201;
-        const ur5e_real t203 = t199 + t202;
-        const ur5e_real t204 = -t203;
-        const ur5e_real t205 = t13 * t67;
-        const ur5e_real t206 = t43 * t63;
-        const ur5e_real t207 = t205 - t206;
-        const ur5e_real t208 = t10 * t207;
-        const ur5e_real t209 = t52 - t208;
-        const ur5e_real t210 = t10 * t209;
-        const ur5e_real t211 = t2 * t207;
-        const ur5e_real t212 = t167 - t211;
-        const ur5e_real t213 = t2 * t212;
-        const ur5e_real t214 = t210 + t213;
-        const ur5e_real t215 = -t214;
-        const ur5e_real t216 = t177 * t109;
-        const ur5e_real t217 = t81 * t175;
-        const ur5e_real t218 = t216 - t217;
-        const ur5e_real t219 = -t218;
-        const ur5e_real t220 = t188 * t161;
-        const ur5e_real t221 = t126 * t184;
-        const ur5e_real t222 = t220 - t221;
-        const ur5e_real t223 = -t222;
-        const ur5e_real t224 = -t2;
-        jacobian[0] = t52;
-        jacobian[1] = t58;
-        jacobian[2] = t62;
-        jacobian[3] = t71;
-        jacobian[4] = t112;
-        jacobian[5] = t164;
-        jacobian[6] = t168;
-        jacobian[7] = t169;
-        jacobian[8] = t170;
-        jacobian[9] = t171;
-        jacobian[10] = t180;
-        jacobian[11] = t191;
-        jacobian[12] = 0.0;
-        jacobian[13] = t195;
-        jacobian[14] = t204;
-        jacobian[15] = t215;
-        jacobian[16] = t219;
-        jacobian[17] = t223;
-        jacobian[18] = 0.0;
-        jacobian[19] = t10;
-        jacobian[20] = t10;
-        jacobian[21] = t10;
-        jacobian[22] = t177;
-        jacobian[23] = t188;
-        jacobian[24] = 0.0;
-        jacobian[25] = t224;
-        jacobian[26] = t224;
-        jacobian[27] = t224;
-        jacobian[28] = t81;
-        jacobian[29] = t126;
-        jacobian[30] = 1.0;
-        jacobian[31] = 0.0;
-        jacobian[32] = 0.0;
-        jacobian[33] = 0.0;
-        jacobian[34] = t102;
-        jacobian[35] = t152;
+        ur5e_jacobian_at(u, jacobian);
     }
     return status;
 }
@@ -2122,8 +2144,9 @@ ur5e_status ur5e_track(const ur5e_pose *pose, ur5e_real joints[6], ur5e_info *in
     static const ur5e_real per_turn[6] = { 1.0, 1.0, 1.0, 1.0, 1.0, 1.0 };
     ur5e_real to[7];
     ur5e_real jacobian[36];
+    ur5e_real u[12];
     ur5e_status status = ur5e_normalise_pose(pose, to);
-    const ur5e_status started = ur5e_jacobian(joints, jacobian);
+    const ur5e_status started = ur5e_limit_joints(UR5E_OK, joints);
     ur5e_write_info(info, 0U, HUGE_VAL, 0.0, 0.0);
     if ((started != UR5E_OK) && (status != UR5E_NONFINITE)) {
         status = started;
@@ -2135,7 +2158,9 @@ ur5e_status ur5e_track(const ur5e_pose *pose, ur5e_real joints[6], ur5e_info *in
         ur5e_real e[6];
         ur5e_real step[6];
         ur5e_real moved[6];
-        const ur5e_real before = ur5e_pose_error(joints, to, e);
+        ur5e_half_turns(joints, u);
+        ur5e_jacobian_at(u, jacobian);
+        const ur5e_real before = ur5e_error_at(u, to, e);
         const ur5e_real pivot = ur5e_damped(jacobian, e, step);
         ur5e_real after = HUGE_VAL;
         ur5e_real part = 1.0;
@@ -2154,7 +2179,8 @@ ur5e_status ur5e_track(const ur5e_pose *pose, ur5e_real joints[6], ur5e_info *in
             for (int i = 0; i < 6; ++i) {
                 moved[i] = joints[i] + part * step[i];
             }
-            after = ur5e_pose_error(moved, to, e);
+            ur5e_half_turns(moved, u);
+            after = ur5e_error_at(u, to, e);
         }
         if (!(after <= before + 5.995528194870549e-12)) {
             /* nothing is nearer: the joints stay */

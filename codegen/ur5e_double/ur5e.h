@@ -20,28 +20,28 @@
  *
  * Worst case of a call, with NULL as config (README.md says how it is known and has 255
  * iterations):
- *   inverse_all: 8595 add, 10526 mul, 367 div, 51 sqrt, 144 sin, 144 cos, 34 atan2
- *   inverse_branch: 1364 add, 1755 mul, 59 div, 37 sqrt, 18 sin, 18 cos, 34 atan2
- *   inverse_nearest: 1395 add, 1783 mul, 59 div, 37 sqrt, 18 sin, 18 cos, 34 atan2
+ *   inverse_all: 5443 add, 6950 mul, 127 div, 51 sqrt, 144 sin, 144 cos, 34 atan2
+ *   inverse_branch: 970 add, 1308 mul, 29 div, 37 sqrt, 18 sin, 18 cos, 34 atan2
+ *   inverse_nearest: 1001 add, 1336 mul, 29 div, 37 sqrt, 18 sin, 18 cos, 34 atan2
  *   direct: 58 add, 92 mul, 1 div, 1 sqrt, 6 sin, 6 cos
- *   inverse: 100 iterations, 23062 add, 33717 mul, 1849 div, 1608 sqrt, 24 sin, 24 cos, 606 atan2
+ *   inverse: 100 iterations, 22668 add, 33270 mul, 1819 div, 1608 sqrt, 24 sin, 24 cos, 606 atan2
  *   jacobian: 97 add, 135 mul, 6 sin, 6 cos
  *   twist: 139 add, 171 mul, 6 sin, 6 cos
- *   feed: 893 add, 1064 mul, 53 div, 5 sqrt, 6 sin, 6 cos
- *   rates: 887 add, 1058 mul, 47 div, 5 sqrt, 6 sin, 6 cos
- *   track: 1241 add, 1620 mul, 49 div, 10 sqrt, 36 sin, 36 cos
- *   measured (Cortex-M7, GCC 12.2.1 -O2, 13748 inputs, seed 1): instructions, bytes of stack with
+ *   feed: 499 add, 617 mul, 23 div, 5 sqrt, 6 sin, 6 cos
+ *   rates: 493 add, 611 mul, 17 div, 5 sqrt, 6 sin, 6 cos
+ *   track: 847 add, 1161 mul, 19 div, 10 sqrt, 30 sin, 30 cos
+ *   measured (Cortex-M7, GCC 12.2.1 -O2, 14487 inputs, seed 1): instructions, bytes of stack with
  *     callees, bytes of code with callees but without those of libm:
- *   inverse_all: 19600 instructions, 1568 stack, 6500 code
- *   inverse_branch: 2915 instructions, 1624 stack, 6584 code
- *   inverse_nearest: 3540 instructions, 1688 stack, 6804 code
+ *   inverse_all: 19525 instructions, 1660 stack, 6660 code
+ *   inverse_branch: 2905 instructions, 1716 stack, 6744 code
+ *   inverse_nearest: 3510 instructions, 1780 stack, 6964 code
  *   direct: 1715 instructions, 944 stack, 1236 code
- *   inverse: 125150 instructions, 2448 stack, 11448 code
- *   jacobian: 1830 instructions, 1040 stack, 1704 code
- *   twist: 2265 instructions, 1384 stack, 1904 code
- *   feed: 10265 instructions, 1504 stack, 3324 code
- *   rates: 10140 instructions, 1440 stack, 3224 code
- *   track: 13920 instructions, 1584 stack, 4700 code
+ *   inverse: 123820 instructions, 2540 stack, 11608 code
+ *   jacobian: 1830 instructions, 880 stack, 1708 code
+ *   twist: 2265 instructions, 1224 stack, 1896 code
+ *   feed: 8280 instructions, 1492 stack, 3492 code
+ *   rates: 8155 instructions, 1428 stack, 3392 code
+ *   track: 11190 instructions, 1580 stack, 4876 code
  *
  * Model SHA-256 a72b063b87bb3a08505b80421fdd2a78f08e451a852a353dab64180a7c23c55b
  */

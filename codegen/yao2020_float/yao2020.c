@@ -298,13 +298,13 @@ static yao2020_real yao2020_length_of(const yao2020_real e[6])
     return sqrtf(sum) * YAO2020_SIZE;
 }
 
-/* How far the tool pose of joint values is from `to`: lengths over the size, and twice the vector
- * of the turn's quaternion. Returns its length. */
-static yao2020_real yao2020_pose_error(const yao2020_real q[6], const yao2020_real to[7],
+/* How far the tool pose of half turns is from `to`: lengths over the size, and twice the vector of
+ * the turn's quaternion. Returns its length. */
+static yao2020_real yao2020_error_at(const yao2020_real u[12], const yao2020_real to[7],
     yao2020_real e[6])
 {
     yao2020_real x[7];
-    yao2020_forward(q, x);
+    yao2020_pose_of_turns(u, x);
     const yao2020_real w = to[3] * x[3] + to[4] * x[4] + to[5] * x[5] + to[6] * x[6];
     const yao2020_real twice = (w < 0.0f) ? -2.0f : 2.0f;
     for (int i = 0; i < 3; ++i) {
@@ -327,28 +327,41 @@ static yao2020_real yao2020_damped(const yao2020_real jacobian[36], const yao202
         1.0f, 1.0f };
     static const yao2020_real column_scale[6] = { 1.0f, 1.0f, 1.0f, 1.0f, 1.0f, 555.0225f };
     yao2020_real a[6][6];
-    yao2020_real g[6][6];
-    yao2020_real r[6];
+    yao2020_real g[6][6]; /* upper triangle: factors; below: the normal equations */
+    yao2020_real diagonal[6];
+    yao2020_real right[6];
     yao2020_real smallest = 0.0f;
     yao2020_real mean = 0.0f;
     yao2020_real raised = 0.0f;
     for (int i = 0; i < 6; ++i) {
         for (int j = 0; j < 6; ++j) {
             a[i][j] = jacobian[6 * i + j] * row_scale[i] * column_scale[j];
-            mean += a[i][j] * a[i][j] * 0.16666667f;
         }
     }
+    /* the normal equations, which are symmetric */
+    for (int i = 0; i < 6; ++i) {
+        right[i] = e[i];
+        for (int j = i; j < 6; ++j) {
+            yao2020_real sum = 0.0f;
+            for (int k = 0; k < 6; ++k) {
+                sum += a[i][k] * a[j][k];
+            }
+            g[j][i] = sum;
+        }
+        diagonal[i] = g[i][i];
+        mean += diagonal[i];
+    }
+    mean *= 0.16666667f;
     for (int round = 0; (round < 2) && ((round == 0) || (smallest < 0.0004f)); ++round) {
         uint8_t order[6];
-        /* the normal equations */
+        yao2020_real r[6];
+        yao2020_real over[6];
         for (int i = 0; i < 6; ++i) {
             order[i] = (uint8_t)i;
-            r[i] = e[i];
-            for (int j = 0; j < 6; ++j) {
-                g[i][j] = (i == j) ? raised : 0.0f;
-                for (int k = 0; k < 6; ++k) {
-                    g[i][j] += a[i][k] * a[j][k];
-                }
+            r[i] = right[i];
+            g[i][i] = diagonal[i] + raised;
+            for (int j = i + 1; j < 6; ++j) {
+                g[i][j] = g[j][i];
             }
         }
         /* factors, the largest diagonal entry first, with the right side beside them */
@@ -358,26 +371,31 @@ static yao2020_real yao2020_damped(const yao2020_real jacobian[36], const yao202
             for (int i = c + 1; i < 6; ++i) {
                 best = (g[i][i] > g[best][best]) ? i : best;
             }
-            const uint8_t name = order[c];
-            const yao2020_real right = r[c];
-            order[c] = order[best];
-            order[best] = name;
-            r[c] = r[best];
-            r[best] = right;
-            for (int j = 0; j < 6; ++j) {
-                const yao2020_real t = g[c][j];
-                g[c][j] = g[best][j];
-                g[best][j] = t;
-            }
-            for (int i = 0; i < 6; ++i) {
-                const yao2020_real t = g[i][c];
-                g[i][c] = g[i][best];
-                g[i][best] = t;
+            if (best != c) {
+                const uint8_t name = order[c];
+                const yao2020_real side = r[c];
+                order[c] = order[best];
+                order[best] = name;
+                r[c] = r[best];
+                r[best] = side;
+                for (int k = 0; k < 6; ++k) {
+                    if ((k != c) && (k != best)) {
+                        yao2020_real *const one = (k < c) ? &g[k][c] : &g[c][k];
+                        yao2020_real *const other = (k < best) ? &g[k][best] : &g[best][k];
+                        const yao2020_real t = *one;
+                        *one = *other;
+                        *other = t;
+                    }
+                }
+                const yao2020_real first = g[c][c];
+                g[c][c] = g[best][best];
+                g[best][best] = first;
             }
             whole = g[c][c] > 9.536743e-07f * mean;
+            over[c] = whole ? (1.0f / g[c][c]) : 0.0f;
             for (int i = c + 1; (i < 6) && whole; ++i) {
-                const yao2020_real factor = g[i][c] / g[c][c];
-                for (int j = c; j < 6; ++j) {
+                const yao2020_real factor = g[c][i] * over[c];
+                for (int j = i; j < 6; ++j) {
                     g[i][j] -= factor * g[c][j];
                 }
                 r[i] -= factor * r[c];
@@ -392,7 +410,7 @@ static yao2020_real yao2020_damped(const yao2020_real jacobian[36], const yao202
             for (int j = i + 1; j < 6; ++j) {
                 r[i] -= g[i][j] * r[j];
             }
-            r[i] /= g[i][i];
+            r[i] *= over[i];
         }
         for (int i = 0; i < 6; ++i) {
             y[i] = 0.0f;
@@ -717,8 +735,10 @@ static yao2020_status yao2020_hold(const yao2020_real x[7], yao2020_real joints[
     yao2020_real *residual)
 {
     yao2020_real e[6];
+    yao2020_real u[2 * 6];
     yao2020_status status = YAO2020_OK;
-    *residual = yao2020_pose_error(joints, x, e);
+    yao2020_half_turns(joints, u);
+    *residual = yao2020_error_at(u, x, e);
     if (!(*residual <= 0.0022495706f)) {
         yao2020_real jacobian[6 * 6];
         yao2020_real step[6];
@@ -728,7 +748,8 @@ static yao2020_status yao2020_hold(const yao2020_real x[7], yao2020_real joints[
             for (int i = 0; i < 6; ++i) {
                 joints[i] += step[i];
             }
-            *residual = yao2020_pose_error(joints, x, e);
+            yao2020_half_turns(joints, u);
+            *residual = yao2020_error_at(u, x, e);
             status = (*residual <= 0.0022495706f) ? YAO2020_OK : YAO2020_SINGULAR;
         }
     }
@@ -1584,210 +1605,215 @@ yao2020_status yao2020_inverse(const yao2020_config *config, const yao2020_pose 
 }
 
 /* Twist of the tool by joint rates, from the derivative of the tool's pose. */
+static YAO2020_SHARED void yao2020_jacobian_at(const yao2020_real u[12], yao2020_real jacobian[36])
+{
+    const yao2020_real t0 = u[0] * u[0];
+    const yao2020_real t1 = u[1] * u[1];
+    const yao2020_real t2 = t0 - t1;
+    const yao2020_real t3 = u[4] * u[4];
+    const yao2020_real t4 = u[5] * u[5];
+    const yao2020_real t5 = t3 - t4;
+    const yao2020_real t6 = u[8] + u[8];
+    const yao2020_real t7 = t6 * u[9];
+    const yao2020_real t8 = u[10] - 160.0f;
+    const yao2020_real t9 = t7 * t8;
+    const yao2020_real t10 = t5 * t9;
+    const yao2020_real t11 = u[4] + u[4];
+    const yao2020_real t12 = t11 * u[5];
+    const yao2020_real t13 = u[6] * u[6];
+    const yao2020_real t14 = u[7] * u[7];
+    const yao2020_real t15 = t13 - t14;
+    const yao2020_real t16 = 105.0f * t15;
+    const yao2020_real t17 = u[6] + u[6];
+    const yao2020_real t18 = t17 * u[7];
+    const yao2020_real t19 = u[8] * u[8];
+    const yao2020_real t20 = u[9] * u[9];
+    const yao2020_real t21 = t19 - t20;
+    const yao2020_real t22 = t21 * t8;
+    const yao2020_real t23 = t22 - 85.0f;
+    const yao2020_real t24 = t18 * t23;
+    const yao2020_real t25 = t16 - t24;
+    const yao2020_real t26 = t12 * t25;
+    const yao2020_real t27 = t10 - t26;
+    const yao2020_real t28 = t2 * t27;
+    const yao2020_real t29 = u[0] + u[0];
+    const yao2020_real t30 = t29 * u[1];
+    const yao2020_real t31 = u[2] * u[2];
+    const yao2020_real t32 = u[3] * u[3];
+    const yao2020_real t33 = t31 - t32;
+    const yao2020_real t34 = t15 * t23;
+    const yao2020_real t35 = t34 - 300.0f;
+    const yao2020_real t36 = 105.0f * t18;
+    const yao2020_real t37 = t35 + t36;
+    const yao2020_real t38 = t33 * t37;
+    const yao2020_real t39 = u[2] + u[2];
+    const yao2020_real t40 = t39 * u[3];
+    const yao2020_real t41 = t5 * t25;
+    const yao2020_real t42 = t12 * t9;
+    const yao2020_real t43 = t41 + t42;
+    const yao2020_real t44 = t40 * t43;
+    const yao2020_real t45 = t38 + t44;
+    const yao2020_real t46 = t30 * t45;
+    const yao2020_real t47 = t28 + t46;
+    const yao2020_real t48 = -t47;
+    const yao2020_real t49 = t33 * t43;
+    const yao2020_real t50 = t40 * t37;
+    const yao2020_real t51 = t49 - t50;
+    const yao2020_real t52 = t2 * t51;
+    const yao2020_real t53 = t30 * t33;
+    const yao2020_real t54 = t53 * t51;
+    const yao2020_real t55 = t40 * t47;
+    const yao2020_real t56 = t54 + t55;
+    const yao2020_real t57 = t2 * t5;
+    const yao2020_real t58 = t40 * t12;
+    const yao2020_real t59 = t30 * t58;
+    const yao2020_real t60 = t57 + t59;
+    const yao2020_real t61 = 300.0f * t40;
+    const yao2020_real t62 = t51 - t61;
+    const yao2020_real t63 = t60 * t62;
+    const yao2020_real t64 = t33 * t12;
+    const yao2020_real t65 = 300.0f * t33;
+    const yao2020_real t66 = t30 * t65;
+    const yao2020_real t67 = t47 + t66;
+    const yao2020_real t68 = t64 * t67;
+    const yao2020_real t69 = t63 - t68;
+    const yao2020_real t70 = t33 * t18;
+    const yao2020_real t71 = t5 * t15;
+    const yao2020_real t72 = t40 * t71;
+    const yao2020_real t73 = t70 + t72;
+    const yao2020_real t74 = t30 * t73;
+    const yao2020_real t75 = t12 * t15;
+    const yao2020_real t76 = t2 * t75;
+    const yao2020_real t77 = t74 - t76;
+    const yao2020_real t78 = 85.0f * t18;
+    const yao2020_real t79 = t5 * t78;
+    const yao2020_real t80 = t33 * t79;
+    const yao2020_real t81 = 85.0f * t15;
+    const yao2020_real t82 = t81 + 300.0f;
+    const yao2020_real t83 = t40 * t82;
+    const yao2020_real t84 = t80 + t83;
+    const yao2020_real t85 = t51 - t84;
+    const yao2020_real t86 = t77 * t85;
+    const yao2020_real t87 = t33 * t71;
+    const yao2020_real t88 = t40 * t18;
+    const yao2020_real t89 = t87 - t88;
+    const yao2020_real t90 = t33 * t82;
+    const yao2020_real t91 = t40 * t79;
+    const yao2020_real t92 = t90 - t91;
+    const yao2020_real t93 = t30 * t92;
+    const yao2020_real t94 = t12 * t78;
+    const yao2020_real t95 = t2 * t94;
+    const yao2020_real t96 = t93 + t95;
+    const yao2020_real t97 = t47 + t96;
+    const yao2020_real t98 = t89 * t97;
+    const yao2020_real t99 = t86 - t98;
+    const yao2020_real t100 = t15 * t21;
+    const yao2020_real t101 = t33 * t100;
+    const yao2020_real t102 = t12 * t7;
+    const yao2020_real t103 = t18 * t21;
+    const yao2020_real t104 = t5 * t103;
+    const yao2020_real t105 = t102 - t104;
+    const yao2020_real t106 = t40 * t105;
+    const yao2020_real t107 = t101 + t106;
+    const yao2020_real t108 = t2 * t107;
+    const yao2020_real t109 = t5 * t7;
+    const yao2020_real t110 = t12 * t103;
+    const yao2020_real t111 = t109 + t110;
+    const yao2020_real t112 = t30 * t111;
+    const yao2020_real t113 = t108 - t112;
+    const yao2020_real t114 = t2 * t45;
+    const yao2020_real t115 = t30 * t27;
+    const yao2020_real t116 = t114 - t115;
+    const yao2020_real t117 = t30 * t51;
+    const yao2020_real t118 = t40 * t116;
+    const yao2020_real t119 = t2 * t33;
+    const yao2020_real t120 = t119 * t51;
+    const yao2020_real t121 = t118 + t120;
+    const yao2020_real t122 = -t121;
+    const yao2020_real t123 = t2 * t65;
+    const yao2020_real t124 = t116 + t123;
+    const yao2020_real t125 = t64 * t124;
+    const yao2020_real t126 = t2 * t58;
+    const yao2020_real t127 = t30 * t5;
+    const yao2020_real t128 = t126 - t127;
+    const yao2020_real t129 = t128 * t62;
+    const yao2020_real t130 = t125 - t129;
+    const yao2020_real t131 = t2 * t92;
+    const yao2020_real t132 = t30 * t94;
+    const yao2020_real t133 = t131 - t132;
+    const yao2020_real t134 = t116 + t133;
+    const yao2020_real t135 = t89 * t134;
+    const yao2020_real t136 = t2 * t73;
+    const yao2020_real t137 = t30 * t75;
+    const yao2020_real t138 = t136 + t137;
+    const yao2020_real t139 = t138 * t85;
+    const yao2020_real t140 = t135 - t139;
+    const yao2020_real t141 = t2 * t111;
+    const yao2020_real t142 = t30 * t107;
+    const yao2020_real t143 = t141 + t142;
+    const yao2020_real t144 = t30 * t47;
+    const yao2020_real t145 = t2 * t116;
+    const yao2020_real t146 = t144 + t145;
+    const yao2020_real t147 = -t146;
+    const yao2020_real t148 = t119 * t47;
+    const yao2020_real t149 = t53 * t116;
+    const yao2020_real t150 = t148 - t149;
+    const yao2020_real t151 = t128 * t67;
+    const yao2020_real t152 = t60 * t124;
+    const yao2020_real t153 = t151 - t152;
+    const yao2020_real t154 = t138 * t97;
+    const yao2020_real t155 = t77 * t134;
+    const yao2020_real t156 = t154 - t155;
+    const yao2020_real t157 = t33 * t105;
+    const yao2020_real t158 = t40 * t100;
+    const yao2020_real t159 = t157 - t158;
+    const yao2020_real t160 = -t30;
+    const yao2020_real t161 = -t40;
+    jacobian[0] = t48;
+    jacobian[1] = t52;
+    jacobian[2] = t56;
+    jacobian[3] = t69;
+    jacobian[4] = t99;
+    jacobian[5] = t113;
+    jacobian[6] = t116;
+    jacobian[7] = t117;
+    jacobian[8] = t122;
+    jacobian[9] = t130;
+    jacobian[10] = t140;
+    jacobian[11] = t143;
+    jacobian[12] = 0.0f;
+    jacobian[13] = t147;
+    jacobian[14] = t150;
+    jacobian[15] = t153;
+    jacobian[16] = t156;
+    jacobian[17] = t159;
+    jacobian[18] = 0.0f;
+    jacobian[19] = t160;
+    jacobian[20] = t119;
+    jacobian[21] = t128;
+    jacobian[22] = t138;
+    jacobian[23] = 0.0f;
+    jacobian[24] = 0.0f;
+    jacobian[25] = t2;
+    jacobian[26] = t53;
+    jacobian[27] = t60;
+    jacobian[28] = t77;
+    jacobian[29] = 0.0f;
+    jacobian[30] = 1.0f;
+    jacobian[31] = 0.0f;
+    jacobian[32] = t161;
+    jacobian[33] = t64;
+    jacobian[34] = t89;
+    jacobian[35] = 0.0f;
+}
+
 yao2020_status yao2020_jacobian(const yao2020_real joints[6], yao2020_real jacobian[36])
 {
+    yao2020_real u[12];
     yao2020_status status = yao2020_limit_joints(YAO2020_OK, joints);
     if (status == YAO2020_OK) {
-        yao2020_real u[12];
         yao2020_half_turns(joints, u);
-        const yao2020_real t0 = u[0] * u[0];
-        const yao2020_real t1 = u[1] * u[1];
-        const yao2020_real t2 = t0 - t1;
-        const yao2020_real t3 = u[4] * u[4];
-        const yao2020_real t4 = u[5] * u[5];
-        const yao2020_real t5 = t3 - t4;
-        const yao2020_real t6 = u[8] + u[8];
-        const yao2020_real t7 = t6 * u[9];
-        const yao2020_real t8 = u[10] - 160.0f;
-        const yao2020_real t9 = t7 * t8;
-        const yao2020_real t10 = t5 * t9;
-        const yao2020_real t11 = u[4] + u[4];
-        const yao2020_real t12 = t11 * u[5];
-        const yao2020_real t13 = u[6] * u[6];
-        const yao2020_real t14 = u[7] * u[7];
-        const yao2020_real t15 = t13 - t14;
-        const yao2020_real t16 = 105.0f * t15;
-        const yao2020_real t17 = u[6] + u[6];
-        const yao2020_real t18 = t17 * u[7];
-        const yao2020_real t19 = u[8] * u[8];
-        const yao2020_real t20 = u[9] * u[9];
-        const yao2020_real t21 = t19 - t20;
-        const yao2020_real t22 = t21 * t8;
-        const yao2020_real t23 = t22 - 85.0f;
-        const yao2020_real t24 = t18 * t23;
-        const yao2020_real t25 = t16 - t24;
-        const yao2020_real t26 = t12 * t25;
-        const yao2020_real t27 = t10 - t26;
-        const yao2020_real t28 = t2 * t27;
-        const yao2020_real t29 = u[0] + u[0];
-        const yao2020_real t30 = t29 * u[1];
-        const yao2020_real t31 = u[2] * u[2];
-        const yao2020_real t32 = u[3] * u[3];
-        const yao2020_real t33 = t31 - t32;
-        const yao2020_real t34 = t15 * t23;
-        const yao2020_real t35 = t34 - 300.0f;
-        const yao2020_real t36 = 105.0f * t18;
-        const yao2020_real t37 = t35 + t36;
-        const yao2020_real t38 = t33 * t37;
-        const yao2020_real t39 = u[2] + u[2];
-        const yao2020_real t40 = t39 * u[3];
-        const yao2020_real t41 = t5 * t25;
-        const yao2020_real t42 = t12 * t9;
-        const yao2020_real t43 = t41 + t42;
-        const yao2020_real t44 = t40 * t43;
-        const yao2020_real t45 = t38 + t44;
-        const yao2020_real t46 = t30 * t45;
-        const yao2020_real t47 = t28 + t46;
-        const yao2020_real t48 = -t47;
-        const yao2020_real t49 = t33 * t43;
-        const yao2020_real t50 = t40 * t37;
-        const yao2020_real t51 = t49 - t50;
-        const yao2020_real t52 = t2 * t51;
-        const yao2020_real t53 = t30 * t33;
-        const yao2020_real t54 = t53 * t51;
-        const yao2020_real t55 = t40 * t47;
-        const yao2020_real t56 = t54 + t55;
-        const yao2020_real t57 = t2 * t5;
-        const yao2020_real t58 = t40 * t12;
-        const yao2020_real t59 = t30 * t58;
-        const yao2020_real t60 = t57 + t59;
-        const yao2020_real t61 = 300.0f * t40;
-        const yao2020_real t62 = t51 - t61;
-        const yao2020_real t63 = t60 * t62;
-        const yao2020_real t64 = t33 * t12;
-        const yao2020_real t65 = 300.0f * t33;
-        const yao2020_real t66 = t30 * t65;
-        const yao2020_real t67 = t47 + t66;
-        const yao2020_real t68 = t64 * t67;
-        const yao2020_real t69 = t63 - t68;
-        const yao2020_real t70 = t33 * t18;
-        const yao2020_real t71 = t5 * t15;
-        const yao2020_real t72 = t40 * t71;
-        const yao2020_real t73 = t70 + t72;
-        const yao2020_real t74 = t30 * t73;
-        const yao2020_real t75 = t12 * t15;
-        const yao2020_real t76 = t2 * t75;
-        const yao2020_real t77 = t74 - t76;
-        const yao2020_real t78 = 85.0f * t18;
-        const yao2020_real t79 = t5 * t78;
-        const yao2020_real t80 = t33 * t79;
-        const yao2020_real t81 = 85.0f * t15;
-        const yao2020_real t82 = t81 + 300.0f;
-        const yao2020_real t83 = t40 * t82;
-        const yao2020_real t84 = t80 + t83;
-        const yao2020_real t85 = t51 - t84;
-        const yao2020_real t86 = t77 * t85;
-        const yao2020_real t87 = t33 * t71;
-        const yao2020_real t88 = t40 * t18;
-        const yao2020_real t89 = t87 - t88;
-        const yao2020_real t90 = t33 * t82;
-        const yao2020_real t91 = t40 * t79;
-        const yao2020_real t92 = t90 - t91;
-        const yao2020_real t93 = t30 * t92;
-        const yao2020_real t94 = t12 * t78;
-        const yao2020_real t95 = t2 * t94;
-        const yao2020_real t96 = t93 + t95;
-        const yao2020_real t97 = t47 + t96;
-        const yao2020_real t98 = t89 * t97;
-        const yao2020_real t99 = t86 - t98;
-        const yao2020_real t100 = t15 * t21;
-        const yao2020_real t101 = t33 * t100;
-        const yao2020_real t102 = t12 * t7;
-        const yao2020_real t103 = t18 * t21;
-        const yao2020_real t104 = t5 * t103;
-        const yao2020_real t105 = t102 - t104;
-        const yao2020_real t106 = t40 * t105;
-        const yao2020_real t107 = t101 + t106;
-        const yao2020_real t108 = t2 * t107;
-        const yao2020_real t109 = t5 * t7;
-        const yao2020_real t110 = t12 * t103;
-        const yao2020_real t111 = t109 + t110;
-        const yao2020_real t112 = t30 * t111;
-        const yao2020_real t113 = t108 - t112;
-        const yao2020_real t114 = t2 * t45;
-        const yao2020_real t115 = t30 * t27;
-        const yao2020_real t116 = t114 - t115;
-        const yao2020_real t117 = t30 * t51;
-        const yao2020_real t118 = t40 * t116;
-        const yao2020_real t119 = t2 * t33;
-        const yao2020_real t120 = t119 * t51;
-        const yao2020_real t121 = t118 + t120;
-        const yao2020_real t122 = -t121;
-        const yao2020_real t123 = t2 * t65;
-        const yao2020_real t124 = t116 + t123;
-        const yao2020_real t125 = t64 * t124;
-        const yao2020_real t126 = t2 * t58;
-        const yao2020_real t127 = t30 * t5;
-        const yao2020_real t128 = t126 - t127;
-        const yao2020_real t129 = t128 * t62;
-        const yao2020_real t130 = t125 - t129;
-        const yao2020_real t131 = t2 * t92;
-        const yao2020_real t132 = t30 * t94;
-        const yao2020_real t133 = t131 - t132;
-        const yao2020_real t134 = t116 + t133;
-        const yao2020_real t135 = t89 * t134;
-        const yao2020_real t136 = t2 * t73;
-        const yao2020_real t137 = t30 * t75;
-        const yao2020_real t138 = t136 + t137;
-        const yao2020_real t139 = t138 * t85;
-        const yao2020_real t140 = t135 - t139;
-        const yao2020_real t141 = t2 * t111;
-        const yao2020_real t142 = t30 * t107;
-        const yao2020_real t143 = t141 + t142;
-        const yao2020_real t144 = t30 * t47;
-        const yao2020_real t145 = t2 * t116;
-        const yao2020_real t146 = t144 + t145;
-        const yao2020_real t147 = -t146;
-        const yao2020_real t148 = t119 * t47;
-        const yao2020_real t149 = t53 * t116;
-        const yao2020_real t150 = t148 - t149;
-        const yao2020_real t151 = t128 * t67;
-        const yao2020_real t152 = t60 * t124;
-        const yao2020_real t153 = t151 - t152;
-        const yao2020_real t154 = t138 * t97;
-        const yao2020_real t155 = t77 * t134;
-        const yao2020_real t156 = t154 - t155;
-        const yao2020_real t157 = t33 * t105;
-        const yao2020_real t158 = t40 * t100;
-        const yao2020_real t159 = t157 - t158;
-        const yao2020_real t160 = -t30;
-        const yao2020_real t161 = -t40;
-        jacobian[0] = t48;
-        jacobian[1] = t52;
-        jacobian[2] = t56;
-        jacobian[3] = t69;
-        jacobian[4] = t99;
-        jacobian[5] = t113;
-        jacobian[6] = t116;
-        jacobian[7] = t117;
-        jacobian[8] = t122;
-        jacobian[9] = t130;
-        jacobian[10] = t140;
-        jacobian[11] = t143;
-        jacobian[12] = 0.0f;
-        jacobian[13] = t147;
-        jacobian[14] = t150;
-        jacobian[15] = t153;
-        jacobian[16] = t156;
-        jacobian[17] = t159;
-        jacobian[18] = 0.0f;
-        jacobian[19] = t160;
-        jacobian[20] = t119;
-        jacobian[21] = t128;
-        jacobian[22] = t138;
-        jacobian[23] = 0.0f;
-        jacobian[24] = 0.0f;
-        jacobian[25] = t2;
-        jacobian[26] = t53;
-        jacobian[27] = t60;
-        jacobian[28] = t77;
-        jacobian[29] = 0.0f;
-        jacobian[30] = 1.0f;
-        jacobian[31] = 0.0f;
-        jacobian[32] = t161;
-        jacobian[33] = t64;
-        jacobian[34] = t89;
-        jacobian[35] = 0.0f;
+        yao2020_jacobian_at(u, jacobian);
     }
     return status;
 }
@@ -1889,8 +1915,9 @@ yao2020_status yao2020_track(const yao2020_pose *pose, yao2020_real joints[6], y
     static const yao2020_real per_turn[6] = { 1.0f, 1.0f, 1.0f, 1.0f, 1.0f, 0.0018017287f };
     yao2020_real to[7];
     yao2020_real jacobian[36];
+    yao2020_real u[12];
     yao2020_status status = yao2020_normalise_pose(pose, to);
-    const yao2020_status started = yao2020_jacobian(joints, jacobian);
+    const yao2020_status started = yao2020_limit_joints(YAO2020_OK, joints);
     yao2020_write_info(info, 0U, HUGE_VALF, 0.0f, 0.0f);
     if ((started != YAO2020_OK) && (status != YAO2020_NONFINITE)) {
         status = started;
@@ -1902,7 +1929,9 @@ yao2020_status yao2020_track(const yao2020_pose *pose, yao2020_real joints[6], y
         yao2020_real e[6];
         yao2020_real step[6];
         yao2020_real moved[6];
-        const yao2020_real before = yao2020_pose_error(joints, to, e);
+        yao2020_half_turns(joints, u);
+        yao2020_jacobian_at(u, jacobian);
+        const yao2020_real before = yao2020_error_at(u, to, e);
         const yao2020_real pivot = yao2020_damped(jacobian, e, step);
         yao2020_real after = HUGE_VALF;
         yao2020_real part = 1.0f;
@@ -1921,7 +1950,8 @@ yao2020_status yao2020_track(const yao2020_pose *pose, yao2020_real joints[6], y
             for (int i = 0; i < 6; ++i) {
                 moved[i] = joints[i] + part * step[i];
             }
-            after = yao2020_pose_error(moved, to, e);
+            yao2020_half_turns(moved, u);
+            after = yao2020_error_at(u, to, e);
         }
         if (!(after <= before + 0.002117243f)) {
             /* nothing is nearer: the joints stay */

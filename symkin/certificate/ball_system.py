@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any
 
 from flint import ctx
 
-from symkin.computed_once import cached_property, lru_cache
+from symkin.computed_once import cached_property
 from symkin.homotopy.algebraic import AlgebraicSystem
-from symkin.numeric.balls import BallFunction, Number, Ring
+from symkin.homotopy.far_roots import rows_over_balls
+from symkin.numeric.balls import Number, Prepared, Ring
 
 
 @dataclass(frozen=True, eq=False)
@@ -19,7 +19,7 @@ class BallSystem:
 
     system: AlgebraicSystem
     known: tuple[Number, ...]
-    _prepared: dict[tuple[bool, int], list[Any]] = field(default_factory=dict)
+    _prepared: dict[tuple[bool, int], Prepared] = field(default_factory=dict)
 
     @cached_property
     def width(self) -> int:
@@ -46,21 +46,15 @@ class BallSystem:
 
     def rows(self, ring: Ring, z: Sequence[Number]) -> list[Number]:
         """F at balls z."""
-        return _graph(self.system).evaluate(0, z, self._at(ring))
+        return rows_over_balls(self.system).evaluate(0, z, self._at(ring))
 
     def jacobian(self, ring: Ring, z: Sequence[Number]) -> list[Number]:
         """dF/dz at balls z, row by row."""
-        return _graph(self.system).evaluate(1, z, self._at(ring))
+        return rows_over_balls(self.system).evaluate(1, z, self._at(ring))
 
-    def _at(self, ring: Ring) -> list[Any]:
+    def _at(self, ring: Ring) -> Prepared:
         """What the known values determine, at the present precision."""
         key = (ring.is_real, ctx.prec)
         if key not in self._prepared:
-            self._prepared[key] = _graph(self.system).prepare(ring, self.known)
+            self._prepared[key] = rows_over_balls(self.system).prepare(ring, self.known)
         return self._prepared[key]
-
-
-@lru_cache(maxsize=64)
-def _graph(system: AlgebraicSystem) -> BallFunction:
-    """Rows and first derivatives."""
-    return BallFunction(system.z, system.k, system.rows, ("value", "slope"))

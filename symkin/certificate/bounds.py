@@ -20,13 +20,13 @@ import numpy as np
 from symkin.certificate.certificate import CertificateBatch
 from symkin.certificate.discs import DiscFunction, Knowns
 from symkin.certificate.exact import exact_arm
-from symkin.certificate.tape import build_tape
 from symkin.certificate.triangular import root_counts
 from symkin.computed_once import lru_cache
 from symkin.homotopy.algebraic import AlgebraicSystem
 from symkin.homotopy.six_distances import universal_system
 from symkin.homotopy.six_revolute import is_six_revolute
 from symkin.homotopy.structure import Structure
+from symkin.numeric.tape import build_tape
 from symkin.position.problem import Problem
 
 _GEOMETRY_ROUNDING = 1e-13

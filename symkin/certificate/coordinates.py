@@ -7,7 +7,6 @@ import numpy as np
 from flint import arb
 
 from symkin.certificate.discs import DiscFunction, Discs, Knowns
-from symkin.certificate.tape import build_tape
 from symkin.computed_once import lru_cache
 from symkin.homotopy.algebraic import AlgebraicSystem
 from symkin.numeric.balls import REAL, BallFunction, Number, precision, upper
@@ -63,9 +62,8 @@ def _ball_spread(
 
 @lru_cache(maxsize=64)
 def _disc_coordinates(system: AlgebraicSystem) -> DiscFunction | None:
-    function = _coordinates(system)
     try:
-        return DiscFunction(build_tape(function.z, function.k, function.f, ("value",)))
+        return DiscFunction(_coordinates(system).tape)
     except NotImplementedError:
         return None
 

@@ -14,12 +14,12 @@ from pathlib import Path
 
 import numpy as np
 
-from symkin.certificate.tape import Code, Tape
 from symkin.computed_once import lru_cache
 from symkin.homotopy.compiled import DATA as HOMOTOPY_DATA
 from symkin.homotopy.compiled import OFF
 from symkin.numeric.c_library import CompilerError, begin_of, find_compilers, load_library
 from symkin.numeric.cache_folder import cache_folder
+from symkin.numeric.tape import Code, Tape
 
 _DATA = Path(__file__).resolve().parent / "data"
 _MAIN = "certificate.c"

@@ -14,12 +14,12 @@ from dataclasses import dataclass
 import numpy as np
 from flint import acb, arb
 
-from symkin.certificate.disc_arithmetic import UP, balls_about
-from symkin.certificate.disc_arithmetic import run as run_by_balls
+from symkin.certificate.disc_arithmetic import UP, balls_about, disc_about
 from symkin.certificate.disc_library import disc_library
-from symkin.certificate.tape import Code, Tape
 from symkin.computed_once import cached_property
+from symkin.numeric import balls
 from symkin.numeric.balls import COMPLEX, REAL, Number, precision
+from symkin.numeric.tape import Code, Tape
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,15 +104,18 @@ def run(code: Code, z: Discs, known: Discs, instance: np.ndarray) -> Discs:
         return Discs(*library.run(code, middle, radius, (own[0], own[1]), chosen))
     ring, held = REAL if z.is_real else COMPLEX, dict[int, list[Number]]()
     found = Discs.exact(np.zeros((len(chosen), code.outputs), dtype=z.middle.dtype))
-    for i, j in enumerate(chosen.tolist()):
-        if j not in held:
-            held[j] = balls_about(known.middle[j], known.radius[j])
-        told = run_by_balls(code, balls_about(z.middle[i], z.radius[i]) + held[j], ring)
-        found.middle[i], found.radius[i] = zip(*told, strict=True) if told else ([], [])
+    with precision(_DISC_BITS):
+        for i, j in enumerate(chosen.tolist()):
+            if j not in held:
+                held[j] = balls_about(known.middle[j], known.radius[j])
+            inputs = balls_about(z.middle[i], z.radius[i]) + held[j]
+            told = [disc_about(ball) for ball in balls.run(code, inputs, ring)]
+            found.middle[i], found.radius[i] = zip(*told, strict=True) if told else ([], [])
     return found
 
 
-_BITS = 128
+_BITS, _DISC_BITS = 128, 64
+"""Precision of known values, and of balls in place of discs: more than a double has."""
 
 
 @dataclass(frozen=True, eq=False)

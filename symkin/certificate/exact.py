@@ -16,13 +16,13 @@ from flint import arb
 
 from symkin.certificate.disc_arithmetic import TINY, UNIT, UP
 from symkin.certificate.discs import DiscFunction, Discs, Knowns
-from symkin.certificate.tape import build_tape
 from symkin.closure.rows import RowBuilder
 from symkin.computed_once import lru_cache
 from symkin.homotopy.algebraic import AlgebraicSystem
 from symkin.homotopy.six_distances import distance_function, is_universal
 from symkin.homotopy.values import coordinate_scale
 from symkin.numeric.balls import REAL, BallFunction, Number, precision
+from symkin.numeric.tape import build_tape
 from symkin.position.problem import Problem
 
 _BITS = 256

@@ -19,9 +19,10 @@ import numpy as np
 
 from symkin.certificate.disc_library import DiscLibrary, disc_library
 from symkin.certificate.discs import DiscFunction, Knowns
-from symkin.certificate.tape import Tape, build_tape
 from symkin.computed_once import lru_cache
 from symkin.homotopy.algebraic import AlgebraicSystem
+from symkin.homotopy.far_roots import rows_over_balls
+from symkin.numeric.tape import Tape
 
 _WIDE = (2.0**-30, 2.0**-34, 2.0**-40)
 """Distances from a point within which the derivatives are bounded, one trial after another. The
@@ -76,7 +77,7 @@ def disc_function(system: AlgebraicSystem) -> DiscFunction | None:
     over them.
     """
     try:
-        return DiscFunction(build_tape(system.z, system.k, system.rows, ("value", "slope")))
+        return DiscFunction(rows_over_balls(system).tape)
     except NotImplementedError:
         return None
 

@@ -18,7 +18,6 @@ from flint import acb, arb
 from symkin.certificate.disc_arithmetic import UP
 from symkin.certificate.discs import DiscFunction, Discs
 from symkin.certificate.krawczyk import Box
-from symkin.certificate.tape import build_tape
 from symkin.computed_once import lru_cache
 from symkin.homotopy.algebraic import AlgebraicSystem
 from symkin.numeric.balls import COMPLEX, BallFunction, Number, precision
@@ -208,7 +207,7 @@ def _mixing(system: AlgebraicSystem) -> _Mixing:
         rows.append(total)
     if ray:
         rows.append(ca.sumsqr(z[ray[:4]]))
-    told = ca.vertcat(*rows)
-    discs = DiscFunction(build_tape(z, symbols, told, ("value",)))
+    balls = BallFunction(z, symbols, ca.vertcat(*rows))
+    discs = DiscFunction(balls.tape)
     prepared = discs.prepare(Discs.exact(np.array([weights], dtype=complex)))
-    return _Mixing(discs, prepared, BallFunction(z, symbols, told), weights)
+    return _Mixing(discs, prepared, balls, weights)

@@ -2,12 +2,12 @@
 first ones goes on to as many as the next row's degree.
 
 Before that a length that stands in a row once, and an angle that a row of two terms makes a sum of
-others, are taken from the other rows.
+others, are taken from the other rows, and the angle at which two circles meet from both.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
 import casadi as ca
@@ -27,7 +27,9 @@ from symkin.model.joint import Coordinate
 
 _NEVER_ZERO = ("z turn", "k turn", "turn", "i")
 """Kinds of factors that no value makes zero."""
-_ZERO, _ONE = fmpq(0), fmpq(1)
+_ZERO, _ONE, _I = fmpq(0), fmpq(1), Factor("i")
+_MOST_PRODUCTS = 2_000
+"""Products of two terms at most of two circles' rows, some 10 ms."""
 
 
 def root_counts(system: AlgebraicSystem) -> dict[str, int] | None:
@@ -44,22 +46,26 @@ def root_counts(system: AlgebraicSystem) -> dict[str, int] | None:
         return None
     chain = _Chain(system, rows, set(range(system.width)))
     while chain.rows:
-        if not (chain.alone() or chain.length_once() or chain.sum_of_angles()):
+        steps = (
+            chain.alone,
+            chain.last,
+            chain.length_once,
+            chain.circles,
+            chain.sum_of_angles,
+        )
+        if not any(step() for step in steps):
             return None
     return chain.found
 
 
 @dataclass
 class _Chain:
-    """Rows, the unknowns that they are to give, and what has been `found`; whether it is known
-    which terms of the rows are zero (`is_exact`).
-    """
+    """Rows, the unknowns that they are to give, and what has been `found`."""
 
     system: AlgebraicSystem
     rows: list[Terms]
     left: set[int]
     found: dict[str, int] = field(default_factory=dict)
-    is_exact: bool = True
 
     def alone(self) -> bool:
         """A row with a single unknown left: its degree."""
@@ -72,9 +78,18 @@ class _Chain:
                 return count is not None
         return False
 
+    def last(self) -> bool:
+        """An unknown in a single row: so many for each solution of the others."""
+        for k in self.left:
+            own = [row for row in self.rows if _degree(row, k) != 0]
+            if len(own) == 1 and (count := self._root_count(own[0], k)) is not None:
+                self._take(own[0], k, count)
+                return True
+        return False
+
     def length_once(self) -> bool:
         """A length in one term of a row, times what is never zero, is put into the other rows."""
-        for row in self.rows if self.is_exact else ():
+        for row in self.rows:
             for k in self.left:
                 length = Factor("z", k)
                 own = [term for term in row if length in dict(term)]
@@ -85,16 +100,31 @@ class _Chain:
                     return True
         return False
 
+    def circles(self) -> bool:
+        """Two rows that alone hold an angle's turn t, as those of a point on two circles: sums of
+        both are A t + B and C / t + D, so that A C = B D. Of its solutions each gives one t,
+        -B / A or -D / C; where it gives none or any, no root is isolated.
+        """
+        for k in self.left:
+            own = [row for row in self.rows if _degree(row, k) != 0]
+            parts = _linear_sums(own, k) if len(own) == 2 else None
+            if parts is not None:
+                (a, b), (c, d) = parts
+                self._take(own[0], k, 1)
+                self.rows = [row for row in self.rows if row is not own[1]]
+                self.rows.append(plus(times(a, c), times(b, d), -1))
+                return True
+        return False
+
     def sum_of_angles(self) -> bool:
         """A row of two terms whose quotient is a product of turns: one of these, as a product of
-        the others, is put into the other rows. Roots of turns change the signs of whole rows alone.
+        the others, is put into the other rows.
         """
         for row in self.rows:
             for turn, value in _turns_given(row):
                 if turn.number in self.left:
                     self._take(row, int(turn.number), 1)
                     self.rows = [_with_turn(other, turn, value) for other in self.rows]
-                    self.is_exact = False
                     return True
         return False
 
@@ -104,8 +134,6 @@ class _Chain:
         """
         degree, coordinate = _degree(row, unknown), self.system.unknowns[unknown]
         if degree is None or coordinate.least is None:
-            return degree
-        if not (self.is_exact or coordinate.least == 0.0):
             return degree
         middle = fmpq(*coordinate.least.as_integer_ratio())
         middle /= fmpq(*self.system.characteristic_length.as_integer_ratio())
@@ -154,30 +182,78 @@ def _with_length(row: Terms, length: Factor, value: Terms) -> Terms:
     return found
 
 
-def _turns_given(row: Terms) -> Iterator[tuple[Factor, Term]]:
-    """The turns that a row of two terms gives, with what they are but for a number."""
+def _turns_given(row: Terms) -> Iterator[tuple[Factor, tuple[Term, fmpq]]]:
+    """The turns that a row of two terms gives, as a term and its number."""
     if len(row) != 2 or any(factor.kind == "z" for term in row for factor, _ in term):
         return
-    first, second = row
-    ratio, _ = product_of_terms(first, tuple((factor, -e) for factor, e in second))
+    (first, x), (second, y) = row.items()
+    ratio, sign = product_of_terms(first, tuple((factor, -e) for factor, e in second))
     if all(factor.kind in _NEVER_ZERO for factor, _ in ratio):
         for turn, exponent in ratio:
             if turn.kind == "z turn" and abs(exponent) == 1:
-                others = ((f, e) for f, e in ratio if f != turn and f.kind != "i")
-                yield turn, tuple((f, -e / exponent) for f, e in others)
+                others = tuple((f, -e / exponent) for f, e in ratio if f != turn)
+                yield turn, (others, (-sign * y / x) ** int(exponent.p))
 
 
-def _with_turn(row: Terms, turn: Factor, value: Term) -> Terms:
-    """The terms of a row with a turn put in, but for their numbers, of which none are zero then:
-    there are no more terms than these.
+def _with_turn(row: Terms, turn: Factor, value: tuple[Term, fmpq]) -> Terms:
+    """A row with a turn put in, times its root where that makes exponents whole: it is never
+    zero.
     """
-    found: Terms = {}
-    for term in row:
-        count = dict(term).get(turn, _ZERO)
-        others = tuple((f, e) for f, e in term if f not in (turn, Factor("i")))
-        put_in = tuple((f, e * count) for f, e in value)
-        found[product_of_terms(others, put_in)[0]] = _ONE
+    (others, number), found = value, Terms()
+    by_turn = _by_turn(row, turn)
+    part_of_one = (least := min(by_turn)) - least.p // least.q
+    for exponent, part in by_turn.items():
+        count = int((exponent - part_of_one).p)
+        power = tuple((f, e * count) for f, e in others if f != _I)
+        quarters = int(dict(others).get(_I, _ZERO).p) * count % 4
+        power += ((_I, _ONE),) if quarters % 2 else ()
+        sign = -1 if quarters > 1 else 1
+        found = plus(found, times(part, {tuple(sorted(power)): sign * number**count}))
     return found
+
+
+def _linear_sums(
+    rows: Sequence[Terms], unknown: int
+) -> tuple[tuple[Terms, Terms], tuple[Terms, Terms]] | None:
+    """A and B, and C and D, of sums A t + B and C / t + D of two rows, each times a number, where t
+    is an unknown's turn; None where there are none.
+    """
+    (first, second), turn, found = rows, Factor("z turn", unknown), []
+    for exponent in (-_ONE, _ONE):
+        own, other = (_by_turn(row, turn).get(exponent, {}) for row in rows)
+        place = next(iter(other), None)
+        if place is None:
+            return None
+        plain = tuple((f, e) for f, e in place if f != _I)
+        (x, y), (u, v) = (
+            [part.get(term, _ZERO) for term in _with_i(plain)] for part in (own, other)
+        )
+        square = -(u * u + v * v)
+        factor = {(): (x * u + y * v) / square, ((_I, _ONE),): (y * u - x * v) / square}
+        whole = plus(first, times(second, {term: n for term, n in factor.items() if n}))
+        parts = _by_turn(whole, turn)
+        rest, turned = parts.pop(_ZERO, {}), parts.pop(-exponent, {})
+        if parts or not turned:
+            return None
+        found.append((turned, rest))
+    (a, b), (c, d) = found
+    few = len(a) * len(c) + len(b) * len(d) <= _MOST_PRODUCTS
+    return ((a, b), (c, d)) if few else None
+
+
+def _with_i(term: Term) -> tuple[Term, Term]:
+    """A term, and that times i."""
+    return term, tuple(sorted((*term, (_I, _ONE))))
+
+
+def _by_turn(row: Terms, turn: Factor) -> dict[fmpq, Terms]:
+    """What a row has in front of each power of a turn."""
+    parts = dict[fmpq, Terms]()
+    for term, number in row.items():
+        powers = dict(term)
+        part = parts.setdefault(powers.pop(turn, _ZERO), {})
+        part[tuple(sorted(powers.items()))] = number
+    return parts
 
 
 def _exponents(row: Terms, factor: Factor) -> list[fmpq]:

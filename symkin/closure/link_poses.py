@@ -8,7 +8,7 @@ centres, which nothing holds: it is turned there from its reference by the short
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -54,15 +54,10 @@ def link_poses(closure: Closure, values: np.ndarray) -> LinkPoses:
     """The displacements of all links, the base and those within limbs ("leg1.1", from the base on)
     included, at full vectors of variables (m, variables).
     """
-    found, values = link_frames(closure), np.asarray(values, dtype=float)
-    numbers = _at(_placed(closure), values).reshape(len(found.frames), 7, len(values))
-    turns = numbers[:, 3:] / np.linalg.norm(numbers[:, 3:], axis=1, keepdims=True)
-    poses = {
-        link: Pose(position, turn)
-        for link, position, turn in zip(found.frames, numbers[:, :3], turns, strict=True)
-    }
-    for bridge in found.bridges:
-        poses |= _hung(bridge, poses, [centre[:, None] for centre in bridge.centres])
+    values = np.asarray(values, dtype=float)
+    links, evaluate = _placed(closure)
+    numbers = _at(evaluate, values).reshape(len(links), 7, len(values))
+    poses = {link: Pose(own[:3], own[3:]) for link, own in zip(links, numbers, strict=True)}
     return LinkPoses(poses, values)
 
 
@@ -73,21 +68,13 @@ def _at(evaluate: ca.Function, values: np.ndarray) -> np.ndarray:
 
 
 def joint_readings(closure: Closure, poses: LinkPoses) -> dict[str, np.ndarray]:
-    """Every joint coordinate by name (m,), those of cut joints included, from the poses of the
-    links on both sides: radians, lengths and quaternions (4, m).
+    """Every joint coordinate by name (m,), those of cut joints included: radians, lengths and
+    quaternions (4, m).
     """
-    evaluate, read = _read_joints(closure)
-    numbers, found, place = _at(evaluate, poses.values), dict[str, np.ndarray](), 0
-    for joint, (before, after) in link_frames(closure).joints.items():
-        names = [c.name for c in joint.coordinates]
-        if joint in read:
-            own = [c.width for c in joint.coordinates]
-            rows = [numbers[place + sum(own[:k]) :][:width] for k, width in enumerate(own)]
-            found |= dict(zip(names, (r if len(r) > 1 else r[0] for r in rows), strict=True))
-            place += sum(own)
-            continue
-        between = poses[before].inverse() @ poses[after]
-        found |= dict(zip(names, joint_coordinates(joint, between), strict=True))
+    numbers, found, place = _at(_read_joints(closure), poses.values), dict[str, np.ndarray](), 0
+    for c in (c for joint in link_frames(closure).joints for c in joint.coordinates):
+        found[c.name] = numbers[place : place + c.width] if c.width > 1 else numbers[place]
+        place += c.width
     return found
 
 
@@ -135,7 +122,7 @@ def link_expressions(closure: Closure) -> dict[str, Pose]:
         link: Pose(frames[:3, k], normalized(frames[3:, k])) for k, link in enumerate(found.frames)
     }
     for bridge in found.bridges:
-        poses |= _hung(bridge, poses, [ca.SX(ca.DM(centre)) for centre in bridge.centres])
+        poses |= _hung(bridge, poses)
     return poses
 
 
@@ -165,19 +152,18 @@ def _between(found: LinkFrames) -> Iterator[tuple[Joint, Pose]]:
 
 
 @lru_cache(maxsize=128)
-def _placed(closure: Closure) -> ca.Function:
-    """Position and quaternion of each link; those of a bridge as seen from its first one."""
-    found = link_frames(closure)
-    return _function(closure, found.bound(ca.vertcat(*found.frames.values())))
+def _placed(closure: Closure) -> tuple[tuple[str, ...], ca.Function]:
+    """All links, and position and quaternion of each, one below the other."""
+    links = link_expressions(closure)
+    parts = [part for pose in links.values() for part in (pose.position, pose.quaternion)]
+    return tuple(links), _function(closure, ca.vertcat(*parts))
 
 
 @lru_cache(maxsize=128)
-def _read_joints(closure: Closure) -> tuple[ca.Function, frozenset[Joint]]:
-    """The coordinates of the joints that expressions place, one below the other, and these."""
-    found = link_frames(closure)
-    between = dict(_between(found))
-    parts = [part for joint, pose in between.items() for part in joint_coordinates(joint, pose)]
-    return _function(closure, found.bound(ca.vertcat(ca.SX(0, 1), *parts))), frozenset(between)
+def _read_joints(closure: Closure) -> ca.Function:
+    """The coordinates of all joints, one below the other."""
+    read = joint_expressions(closure, link_expressions(closure))
+    return _function(closure, ca.vertcat(ca.SX(0, 1), *read.values()))
 
 
 def _function(closure: Closure, numbers: ca.SX) -> ca.Function:
@@ -185,12 +171,12 @@ def _function(closure: Closure, numbers: ca.SX) -> ca.Function:
     return ca.Function("placed", [variables], [ca.densify(numbers)], {"cse": True})
 
 
-def _hung(bridge: Bridge, poses: dict[str, Pose], centres: Sequence[Array]) -> dict[str, Pose]:
+def _hung(bridge: Bridge, poses: dict[str, Pose]) -> dict[str, Pose]:
     """The links of a bridge, turned about the first of its centres by the shortest way, so that
     both ends meet.
     """
     first, last = (poses[link] for link in bridge.ends)
-    near, far = centres
+    near, far = (ca.SX(ca.DM(centre)) for centre in bridge.centres)
     arm = poses[bridge.links[-1]].apply(far) - near
     turn = _shortest_turn(arm, first.inverse().apply(last.apply(far)) - near)
     ball = Pose(near - rotate(turn, near), turn)

@@ -30,18 +30,16 @@ def arm_error(
     count = len(coordinates)
     wide, slides = count >= 6, not all(c.is_angular for c in coordinates)
     scales = ", ".join(str(1.0 if c.is_angular else size) for c in coordinates)
+    scale = f"static const real column_scale[{count}] = {{ {scales} }};"
     own = {
         "nm": min(count, 6),
         "last": min(count, 6) - 1,
         "per_count": 1.0 / min(count, 6),
         "row_scales": (values["per_size"],) * 3 + (1.0,) * 3,
-        "column_scale": f"static const real column_scale[{count}] = {{ {scales} }};"
-        if slides
-        else [],
-        "times_column": " * column_scale[j]" if slides else "",
-        "scaled": [f"for (int i = 0; i < {count}; ++i) {{", "    y[i] *= column_scale[i];", "}"]
-        if slides
-        else [],
+        "column_scale": slides * [scale],
+        "times_column": slides * " * column_scale[j]",
+        "scaled": slides
+        * [f"for (int i = 0; i < {count}; ++i) {{", "    y[i] *= column_scale[i];", "}"],
         "damped_pivot": real.literal(DAMPED_BELOW**2),
         "least_pivot": 16.0 * real.epsilon,
         # of six joints or more J J^T z = e and y = J^T z, of fewer J^T J y = J^T e

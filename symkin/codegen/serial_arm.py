@@ -227,10 +227,6 @@ def _middle(c: Coordinate, size: float, part: float) -> float:
     return unit * round((middle + spread * part) / unit, 6)
 
 
-_SETTING = ("work_u", "set_u", "set_moved")
-"""Statements of functions that set what pose and Jacobian are functions of."""
-
-
 @dataclass(frozen=True, eq=False)
 class ArmSource(Source):
     """The C of one arm, function by function."""
@@ -296,14 +292,16 @@ class ArmSource(Source):
         set from joint values once for both; else the joint values.
         """
         count = len(self.made.actuated)
-        if self.motion is None:
-            own = {"u_what": "joint values", "pose_at": "forward", "u_moved": "moved"}
-            return own | {"u": "joints", "n_u": count, **{key: [] for key in _SETTING}}
-        set_u = (f"name_half_turns({joints}, u);" for joints in ("joints", "moved"))
-        work = f"real u[{2 * count}];"
-        own = {"u_what": "half turns", "pose_at": "pose_of_turns", "u_moved": "u"}
-        setting = dict(zip(_SETTING, (work, *set_u), strict=True))
-        return own | {"u": "u", "n_u": 2 * count, **setting}
+        own = {"u": "joints", "u_what": "joint values", "u_moved": "moved", "n_u": count}
+        own |= {"pose_at": "forward", "work_u": [], "set_u": [], "set_moved": []}
+        if self.motion is not None:
+            own |= {"u": "u", "u_what": "half turns", "u_moved": "u", "n_u": 2 * count}
+            own |= {"pose_at": "pose_of_turns", "work_u": f"real u[{2 * count}];"}
+            own |= {
+                "set_u": "name_half_turns(joints, u);",
+                "set_moved": "name_half_turns(moved, u);",
+            }
+        return own
 
     @cached_property
     def _frame(self) -> ArmFrame | None:

@@ -14,13 +14,12 @@ import casadi as ca
 import numpy as np
 
 from symkin.certificate.discs import DiscFunction
-from symkin.certificate.tape import build_tape
 from symkin.computed_once import cached_property, lru_cache
 from symkin.following.trajectory import between_samples
 from symkin.model.joint import units_of
-from symkin.numeric.balls import raise_constants
 from symkin.numeric.mapped import Mapped
 from symkin.numeric.system import System, split_blocks
+from symkin.numeric.tape import build_tape, raise_constants
 from symkin.numeric.tolerances import ROUNDED_STEP
 from symkin.position.problem import Problem
 

@@ -9,8 +9,6 @@ of homogeneous coordinates its step d meets conj(x).d = 0.
 
 from __future__ import annotations
 
-from typing import Any
-
 import casadi as ca
 import numpy as np
 
@@ -21,7 +19,7 @@ from symkin.homotopy.engine import track
 from symkin.homotopy.monodromy import Fibre
 from symkin.homotopy.point_checks import is_no_pose
 from symkin.homotopy.tracker import LastPoints, TrackSettings, extrapolated
-from symkin.numeric.balls import COMPLEX, BallFunction, Number, precision, upper
+from symkin.numeric.balls import COMPLEX, BallFunction, Number, Prepared, precision, upper
 
 _BITS = 128
 _FAR = 4.0
@@ -121,7 +119,7 @@ def _settle(system: AlgebraicSystem, z: np.ndarray, k: np.ndarray) -> np.ndarray
 def _solved(
     system: AlgebraicSystem,
     rows: BallFunction,
-    known: list[Any],
+    known: Prepared,
     point: list[Number],
     *right: list[Number],
 ) -> list[list[Number]]:
@@ -289,14 +287,15 @@ def _corrected(
     return system.unit_rays(root), along, sizes[0]
 
 
-def _at(system: AlgebraicSystem, k: np.ndarray) -> tuple[BallFunction, list[Any]]:
+def _at(system: AlgebraicSystem, k: np.ndarray) -> tuple[BallFunction, Prepared]:
     """Rows and their derivatives, and what known values make of them, at the present precision."""
-    rows = _rows(system)
+    rows = rows_over_balls(system)
     return rows, rows.prepare(COMPLEX, [complex(v) for v in k])
 
 
-@lru_cache(maxsize=16)
-def _rows(system: AlgebraicSystem) -> BallFunction:
+@lru_cache(maxsize=128)
+def rows_over_balls(system: AlgebraicSystem) -> BallFunction:
+    """Rows and first derivatives."""
     return BallFunction(system.z, system.k, system.rows, ("value", "slope"))
 
 

@@ -122,7 +122,7 @@ def track(
 
 def _columns(k: np.ndarray, n: int) -> np.ndarray:
     k = np.asarray(k, dtype=complex)
-    return np.broadcast_to(k.reshape(len(k), -1), (len(k), n))
+    return np.broadcast_to(k if k.ndim == 2 else k[:, None], (len(k), n))
 
 
 def _track(system: AlgebraicSystem, z: np.ndarray, line: _Line, settings: TrackSettings) -> Tracked:

@@ -13,11 +13,9 @@ import numpy as np
 
 from symkin.closure.branches import edges_of
 from symkin.computed_once import cached_property
-from symkin.model.changed import displaced
-from symkin.model.graph import LinkJoint
+from symkin.model.changed import Changed, displaced
 from symkin.model.joint import BASE, Joint
 from symkin.model.keys import ABOUT_Z
-from symkin.model.limb import AnyLimb, RodLimb
 from symkin.model.machine import Machine
 from symkin.model.mechanism import Mechanism
 from symkin.spatial.pose import Pose
@@ -228,22 +226,15 @@ def _most(counts: Sequence[np.ndarray]) -> int:
 
 def _placed(mechanism: Mechanism, turn: Pose) -> tuple[Mechanism, Frames]:
     """The machine turned, its platform frame along that of the base."""
-    turned = displaced(mechanism, turn)
     if mechanism.platform_link is None and not mechanism.limbs:
-        return _aligned(turned), Frames(turn, Pose(np.zeros(3), np.array(_AS_BASE)))
-    own = Pose(np.zeros(3), turned.reference_pose.quaternion)
-    limbs = [_with_rods(limb, own) for limb in turned.limbs]
+        return _aligned(displaced(mechanism, turn)), Frames(
+            turn, Pose(np.zeros(3), np.array(_AS_BASE))
+        )
+    own = Pose(np.zeros(3), (turn @ mechanism.reference_pose).quaternion)
     told_in = tuple(tuple(np.asarray(p.quaternion).tolist()) for p in (turn, own))
-    placed = Machine.of(turned, limbs=limbs, platform_quaternion=_AS_BASE, told_in=told_in)
+    turned = displaced(mechanism, turn, inner=own)
+    placed = Machine.of(turned, platform_quaternion=_AS_BASE, told_in=told_in)
     return _aligned(placed), Frames(turn, own)
-
-
-def _with_rods(limb: AnyLimb, own: Pose) -> AnyLimb:
-    """The limb with the ends of its rods in a platform frame of which the former is `own`."""
-    if isinstance(limb, RodLimb):
-        return replace(limb, platform=own.apply(np.array(limb.platform)).tolist())
-    rods = [replace(rod, platform=own.apply(np.array(rod.platform)).tolist()) for rod in limb.rods]
-    return replace(limb, rods=rods)
 
 
 def _aligned(mechanism: Mechanism) -> Mechanism:
@@ -251,12 +242,11 @@ def _aligned(mechanism: Mechanism) -> Mechanism:
     are equal to rounding: else what processors make of their last digits tells what formulas cost.
     """
     clean = _Clean(mechanism.characteristic_length, [])
-    entries = [LinkJoint(clean.joint(entry.joint), entry.links) for entry in mechanism.link_joints]
+    changed = Changed(lambda _, p: clean.point(p), lambda _, v: clean.axis(v), clean.point)
     return replace(
-        mechanism,
-        limbs=[clean.limb(limb) for limb in mechanism.limbs],
-        link_joints=entries,
-        platform_position=clean.point(mechanism.platform_position),
+        changed.mechanism(mechanism),
+        platform_position=clean.point(np.array(mechanism.platform_position)).tolist(),
+        example=mechanism.example,
     )
 
 
@@ -269,24 +259,11 @@ class _Clean:
     size: float
     seen: list[float]
 
-    def point(self, numbers: Sequence[float]) -> list[float]:
-        return [self._number(c, (0.0,), self.size) for c in numbers]
+    def point(self, numbers: np.ndarray) -> np.ndarray:
+        return np.array([self._number(c, (0.0,), self.size) for c in numbers.tolist()])
 
-    def axis(self, numbers: Sequence[float] | None) -> list[float] | None:
-        return None if numbers is None else [self._number(c, (0.0, 1.0), 1.0) for c in numbers]
-
-    def joint(self, joint: Joint) -> Joint:
-        axis, axis2 = self.axis(joint.axis), self.axis(joint.axis2)
-        return replace(joint, point=self.point(joint.point), axis=axis, axis2=axis2)
-
-    def limb(self, limb: AnyLimb) -> AnyLimb:
-        if isinstance(limb, RodLimb):
-            return replace(limb, base=self.point(limb.base), platform=self.point(limb.platform))
-        rods = [
-            replace(rod, start=self.point(rod.start), platform=self.point(rod.platform))
-            for rod in limb.rods
-        ]
-        return replace(limb, joints=[self.joint(joint) for joint in limb.joints], rods=rods)
+    def axis(self, numbers: np.ndarray) -> np.ndarray:
+        return np.array([self._number(c, (0.0, 1.0), 1.0) for c in numbers.tolist()])
 
     def _number(self, number: float, whole: Sequence[float], size: float) -> float:
         length = abs(number)

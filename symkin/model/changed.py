@@ -19,6 +19,7 @@ from symkin.spatial.pose import Pose
 
 Move = Callable[[str, np.ndarray], np.ndarray]
 """What becomes of a vector of the base frame on a link."""
+_STILL = Pose.identity()
 
 
 def scaled(mechanism: Mechanism, factor: float) -> Mechanism:
@@ -29,7 +30,7 @@ def scaled(mechanism: Mechanism, factor: float) -> Mechanism:
     221.32
     """
     units = {c.name: c.unit(factor) for c in mechanism.coordinates}
-    changed = _Changed(lambda _, p: factor * p, lambda _, v: v, factor)
+    changed = Changed(lambda _, p: factor * p, lambda _, v: v, lambda p: factor * p, factor)
     return replace(
         changed.mechanism(mechanism),
         couplings=[coupling.in_units(units) for coupling in mechanism.couplings],
@@ -37,10 +38,13 @@ def scaled(mechanism: Mechanism, factor: float) -> Mechanism:
     )
 
 
-def displaced(mechanism: Mechanism, by: Pose, rounding: float = 0.0) -> Mechanism:
+def displaced(
+    mechanism: Mechanism, by: Pose, rounding: float = 0.0, inner: Pose = _STILL
+) -> Mechanism:
     """The same machine with every point and axis, and the platform, moved by a displacement of the
-    base frame, without its table of DH and its example. Components of directions within `rounding`
-    of 0 and 1, and of points within so much of the size of 0, are that.
+    base frame, and what its limbs hold in the platform frame by `inner`, without its table of DH
+    and its example. Components of directions within `rounding` of 0 and 1, and of points within so
+    much of the size of 0, are that.
 
     >>> import symkin
     >>> up = symkin.Pose.from_euler([0.0, 0.0, 50.0], [0.0, 0.0, 0.0])
@@ -48,9 +52,10 @@ def displaced(mechanism: Mechanism, by: Pose, rounding: float = 0.0) -> Mechanis
     (0.0, -275.0, 50.0)
     """
     size = mechanism.characteristic_length
-    moved = _Changed(
+    moved = Changed(
         lambda _, p: _rounded(by.apply(p), rounding * size, 0.0),
         lambda _, v: _rounded(by.turn(v), rounding, 1.0),
+        inner.apply,
     ).mechanism(mechanism)
     # without a platform there is no frame to move
     without = mechanism.platform_link is None and not mechanism.serial
@@ -70,7 +75,7 @@ def described_at(
     and at which joints of one coordinate have these values; without its table of DH and its
     example.
     """
-    moved = _Changed(
+    moved = Changed(
         lambda link, p: links[link].apply(p), lambda link, v: links[link].turn(v), zeros=values
     ).mechanism(mechanism)
     link, pose = mechanism.platform_link, mechanism.reference_pose
@@ -86,19 +91,22 @@ def with_platform_at(mechanism: Mechanism, pose: Pose) -> Mechanism:
     )
 
 
-class _Changed:
-    """Every part of a description, with its points, directions, lengths (times `factor`) and values
-    at the reference (`zeros`, by joint) changed.
+class Changed:
+    """Every part of a description, with its points, directions, those of limbs in the platform
+    frame (`inner`), lengths (times `factor`) and values at the reference (`zeros`, by joint)
+    changed.
     """
 
     def __init__(
         self,
         point: Move,
         direction: Move,
+        inner: Callable[[np.ndarray], np.ndarray] = lambda p: p,
         factor: float = 1.0,
         zeros: Mapping[str, float] = MappingProxyType({}),
     ) -> None:
-        self._point, self._direction, self.factor, self.zeros = point, direction, factor, zeros
+        self._point, self._direction, self._inner = point, direction, inner
+        self.factor, self.zeros = factor, zeros
 
     def mechanism(self, given: Mechanism) -> Mechanism:
         """All parts but couplings and the platform's frame."""
@@ -119,6 +127,9 @@ class _Changed:
 
     def _at(self, link: str, point: Sequence[float]) -> tuple[float, ...]:
         return tuple(self._point(link, np.array(point, dtype=float)).tolist())
+
+    def _inside(self, point: Sequence[float]) -> tuple[float, ...]:
+        return tuple(self._inner(np.array(point, dtype=float)).tolist())
 
     def _turned(self, link: str, axis: Sequence[float] | None) -> tuple[float, ...] | None:
         if axis is None:
@@ -142,7 +153,7 @@ class _Changed:
             return replace(
                 limb,
                 base=self._at(limb.links[0], limb.base),
-                platform=self.times(limb.platform),
+                platform=self._inside(limb.platform),
                 offset=self.factor * limb.offset,
                 limits=None if limb.limits is None else self.times(limb.limits),
             )
@@ -152,7 +163,7 @@ class _Changed:
             replace(
                 rod,
                 start=self._at(links[-1], rod.start),
-                platform=self.times(rod.platform),
+                platform=self._inside(rod.platform),
                 length=None if rod.length is None else self.factor * rod.length,
             )
             for rod in limb.rods

@@ -296,7 +296,7 @@ NAMES = {
     "enclose_all": "symkin.certificate.quick_test",
     "distinct_boxes": "symkin.certificate.separation",
     "is_pose": "symkin.certificate.separation",
-    "build_tape": "symkin.certificate.tape",
+    "build_tape": "symkin.numeric.tape",
     # all modes
     "independent_parts": "symkin.position.groups",
     "modes_by_groups": "symkin.assembly.by_groups",

@@ -272,6 +272,15 @@ def test_a_point_that_turns_about_any_axis_meets_a_distance_twice():
         assert root_counts(system) == {"x": 2}
 
 
+def two_links(z, k):
+    """Where a point that two links carry is to be."""
+    turned = z[0] + z[1]
+    return [
+        2 * ca.cos(z[0]) + ca.cos(turned) - 0.3 * ca.sin(turned) - k,
+        2 * ca.sin(z[0]) + ca.sin(turned) + 0.3 * ca.cos(turned) - 0.4,
+    ]
+
+
 @pytest.mark.parametrize(
     ("kinds", "rows", "counts"),
     [
@@ -286,7 +295,24 @@ def test_a_point_that_turns_about_any_axis_meets_a_distance_twice():
         ("aa", lambda z, k: [ca.sin(z[0] - z[1]) - 0.5, ca.cos(z[0]) + ca.sin(z[1]) - k], None),
         ("aa", lambda z, k: [k * ca.sin((z[0] - z[1]) / 2), ca.cos(z[0]) + ca.sin(z[1])], (1, 2)),
         ("al", lambda z, k: [z[1] - k * ca.cos(z[0]), z[1] + ca.sin(z[0]) - k], (2, 1)),
-        ("al", lambda z, k: [k * z[1] - ca.cos(z[0]), k * z[1] + ca.sin(z[0]) - k], None),
+        ("al", lambda z, k: [k * z[1] - ca.cos(z[0]), k * z[1] + ca.sin(z[0]) - k], (1, 2)),
+        # a point on two circles, level and seen askew; a conic's sum with the square of an angle
+        ("aa", lambda z, k: two_links(z, k), (1, 2)),
+        (
+            "aa",
+            lambda z, k: [3 * x - 2 * y for x, y in [two_links(z, k), two_links(z, k)[::-1]]],
+            (1, 2),
+        ),
+        (
+            "aa",
+            lambda z, k: [ca.cos(z[0]) + ca.cos(z[1]) - k, 2 * ca.sin(z[0]) - ca.sin(z[1])],
+            (1, 4),
+        ),
+        (
+            "aa",
+            lambda z, k: [ca.cos(2 * z[0]) + ca.cos(z[1]) - k, ca.sin(z[0]) + ca.sin(2 * z[1])],
+            None,
+        ),
         ("ll", lambda z, k: [z[0] - z[1] ** 2, z[0] * z[1] - k], (1, 3)),
         ("ll", lambda z, k: [z[0] * z[1] - 1, k * z[0] + k * z[1]], None),
         ("al", lambda z, k: [z[1] * ca.sin(z[0] / 2), z[1] * ca.cos(z[0] / 2) - k], None),
@@ -297,7 +323,7 @@ def test_a_point_that_turns_about_any_axis_meets_a_distance_twice():
 )
 def test_what_one_row_gives_is_put_into_others(kinds, rows, counts):
     """An angle that a row of two terms makes a sum of others, a length that is there once with a
-    number that is not zero: the counts of what is left bound the roots.
+    number that is not zero, an angle of a circle: the counts of what is left bound the roots.
     """
     z, k = ca.SX.sym("z", 2), ca.SX.sym("k")
     named = {"a": "angle", "l": "length", "t": "turns"}

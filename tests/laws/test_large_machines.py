@@ -161,8 +161,8 @@ def test_loops_of_a_family_answer_as_alone(coupler):
     given = {f"a{k}": angle for k, angle in enumerate(angles)}
     found = symkin.modes(whole, given=given)
     assert found.count == len(found) == 2**count
-    # a crank's rod meets a circle: a polynomial of degree 2 counts its solutions
-    assert found.completeness == ("proved" if coupler == "rod" else "probability one")
+    # two circles meet: a polynomial of degree 2 counts the solutions of a loop's two rows
+    assert found.completeness == ("probability one" if coupler == "turned" else "proved")
     # three rows of a loop that is turned contradict each other by rounding
     assert {mode.certified for mode in found} == {coupler != "turned"}
     for k, angle in enumerate(angles):

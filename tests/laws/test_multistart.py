@@ -88,13 +88,13 @@ MODE_KEYS = {
 }
 
 
-def check(mechanism, modes):
+def check(mechanism, modes, said="sampled"):
     """Every mode closes by plain matrices, no two are the same, and the hits are counted among the
     starts.
     """
     assert all(closes(mechanism, mode) for mode in modes)
     assert all_distinct(modes, mechanism.characteristic_length)
-    assert modes.completeness == "sampled"
+    assert modes.completeness == said
     if len(modes):
         assert all(mode.hits >= 1 for mode in modes)
         assert modes.smallest_residual is None
@@ -303,7 +303,9 @@ def test_planar_three_rrr_working_modes_are_elbows(motion):
         elbows = circles(base, RRR_LINKS[0], end, RRR_LINKS[1])
         choices.append([math.atan2(*(elbow - base)[::-1]) for elbow in elbows])
     pose = [*shift, 0.0, math.cos(turn / 2), 0.0, 0.0, math.sin(turn / 2)]
-    found = check(mechanism, sampled(mechanism, pose=pose, starts=300))
+    found = sampled(mechanism, pose=pose, starts=300)
+    # what starts reach is all where it is as many as two circles have in common
+    check(mechanism, found, "proved" if motion == "planar" else "sampled")
     same = lambda m, e: all(same_angle(x, y, 1e-7) for x, y in zip(m.actuated, e, strict=True))  # noqa: E731
     assert matched(list(found), list(product(*choices)), same)
     assert found.poses == 1

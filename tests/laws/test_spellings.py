@@ -79,7 +79,7 @@ BY_NAME = [
     ("ankle", ("upper_motor", "z"), ("limbs", "graph", "graph, R R for U")),
 ]
 
-PROVED_BY_NAME = ("slider-crank", "Tricept", "Agile Eye")
+PROVED_BY_NAME = ("slider-crank", "Tricept", "Agile Eye", "five-bar")
 """Machines whose lists above a theorem covers."""
 
 

@@ -179,7 +179,7 @@ def test_a_part_that_nothing_moves_is_complete_too():
         + joint("g3", ("follower", "bar1"), c / 4)
     )
     found = symkin.modes(parse(text), joints=[0.0])
-    assert found.completeness == "probability one"
+    assert found.completeness == "proved"
     turns = {round(abs(mode.joints["f1"]), 6) for mode in found}
     # the triangle as drawn, and turned over about the line of its feet
     assert turns == {0.0, round(2 * np.degrees(np.arctan2(80, 30)), 6)}
@@ -197,7 +197,7 @@ def test_a_tilted_frame_without_freedom_has_its_two_forms():
         for name, pair, place in zip("ace", links, places, strict=True)
     )
     found = symkin.modes(parse(text))
-    assert found.completeness == "probability one"
+    assert found.completeness == "proved"
     turns = sorted(abs(mode.joints["a"]) for mode in found)
     assert turns == pytest.approx([0.0, 2 * np.degrees(np.arctan2(4, 3))])
 

@@ -33,7 +33,8 @@ static name_real name_damped(const name_real jacobian[@nj], const name_real e[6]
     static const name_real row_scale[6] = { @row_scales };
     @column_scale
     name_real a[6][@nq];
-    name_real normal[@nm][@nm];
+    name_real g[@nm][@nm]; /* upper triangle: factors; below: the normal equations */
+    name_real diagonal[@nm];
     name_real right[@nm];
     name_real smallest = 0.0;
     name_real mean = 0.0;
@@ -52,24 +53,23 @@ static name_real name_damped(const name_real jacobian[@nj], const name_real e[6]
             for (int k = 0; k < @inner; ++k) {
                 sum += @product;
             }
-            normal[i][j] = sum;
-            normal[j][i] = sum;
+            g[j][i] = sum;
         }
-        mean += normal[i][i];
+        diagonal[i] = g[i][i];
+        mean += diagonal[i];
     }
     mean *= @per_count;
     for (int round = 0; (round < 2) && ((round == 0) || (smallest < @damped_pivot)); ++round) {
         uint8_t order[@nm];
-        name_real g[@nm][@nm];
         name_real r[@nm];
         name_real over[@nm];
         for (int i = 0; i < @nm; ++i) {
             order[i] = (uint8_t)i;
             r[i] = right[i];
-            for (int j = 0; j < @nm; ++j) {
-                g[i][j] = normal[i][j];
+            g[i][i] = diagonal[i] + raised;
+            for (int j = i + 1; j < @nm; ++j) {
+                g[i][j] = g[j][i];
             }
-            g[i][i] += raised;
         }
         /* factors, the largest diagonal entry first, with the right side beside them */
         bool whole = true;
@@ -85,16 +85,18 @@ static name_real name_damped(const name_real jacobian[@nj], const name_real e[6]
                 order[best] = name;
                 r[c] = r[best];
                 r[best] = side;
-                for (int j = 0; j < @nm; ++j) {
-                    const name_real t = g[c][j];
-                    g[c][j] = g[best][j];
-                    g[best][j] = t;
+                for (int k = 0; k < @nm; ++k) {
+                    if ((k != c) && (k != best)) {
+                        name_real *const one = (k < c) ? &g[k][c] : &g[c][k];
+                        name_real *const other = (k < best) ? &g[k][best] : &g[best][k];
+                        const name_real t = *one;
+                        *one = *other;
+                        *other = t;
+                    }
                 }
-                for (int i = 0; i < @nm; ++i) {
-                    const name_real t = g[i][c];
-                    g[i][c] = g[i][best];
-                    g[i][best] = t;
-                }
+                const name_real first = g[c][c];
+                g[c][c] = g[best][best];
+                g[best][best] = first;
             }
             whole = g[c][c] > @least_pivot * mean;
             over[c] = whole ? (1.0 / g[c][c]) : 0.0;
@@ -102,7 +104,6 @@ static name_real name_damped(const name_real jacobian[@nj], const name_real e[6]
                 const name_real factor = g[c][i] * over[c];
                 for (int j = i; j < @nm; ++j) {
                     g[i][j] -= factor * g[c][j];
-                    g[j][i] = g[i][j];
                 }
                 r[i] -= factor * r[c];
             }

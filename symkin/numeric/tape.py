@@ -2,8 +2,9 @@
 many points at once.
 
 What k alone determines is a tape of its own, which is run once for each instance. Derivatives are
-taken of the graph in which each constant is a symbol (see `balls.raise_constants`), so that a tape
-stands for the graph with its exact constants.
+taken of the graph in which each constant is a symbol, because CasADi folds products of constants in
+double precision: a tape stands for the graph with its constants taken as the exact doubles that
+they are.
 """
 
 from __future__ import annotations
@@ -11,13 +12,20 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from enum import IntEnum
+from typing import Literal
 
 import casadi as ca
 import numpy as np
 
-from symkin.closure.expression_graph import instructions
+from symkin.closure.expression_graph import instructions, rebuilt
 from symkin.computed_once import cached_property
-from symkin.numeric.balls import Part, derive, raise_constants
+
+Part = Literal["value", "slope"]
+"""A column f, or its derivatives by z."""
+_EXACT = (-2.0, -1.0, -0.5, 0.0, 0.5, 1.0, 2.0)
+"""Constants that stay numbers in a graph: sums and products of a few of them are exact in double
+precision.
+"""
 
 
 class Op(IntEnum):
@@ -91,6 +99,11 @@ class Tape:
     values: np.ndarray
 
     @cached_property
+    def places(self) -> list[tuple[list[int], list[int]]]:
+        """The `patterns` as numbers of Python."""
+        return [(rows.tolist(), columns.tolist()) for rows, columns in self.patterns]
+
+    @cached_property
     def has_known(self) -> bool:
         """Whether k enters: not constants alone."""
         lines = self.before.instructions
@@ -133,6 +146,28 @@ def build_tape(z: ca.SX, k: ca.SX, f: ca.SX, parts: Sequence[Part]) -> Tape:
     codes = tuple(_code(nodes, part, entry, z.shape[0] + len(kept)) for part in wanted)
     patterns = tuple(_pattern(function, i) for i in range(len(parts)))
     return Tape(z.shape[0], before, codes, patterns, np.array(values, dtype=float))
+
+
+def derive(f: ca.SX, z: ca.SX, part: Part) -> ca.SX:
+    return f if part == "value" else ca.jacobian(f, z)
+
+
+def raise_constants(expression: ca.SX, *inputs: ca.SX) -> tuple[ca.SX, ca.SX, tuple[float, ...]]:
+    """The same graph with a symbol in place of each constant that is not a small power of two; the
+    symbols and values.
+    """
+    function = ca.Function("f", list(inputs), [ca.densify(expression)], {"cse": True})
+    places: dict[float, ca.SX] = {}
+
+    def raised(value: float) -> ca.SX:
+        return (
+            ca.SX(value)
+            if value in _EXACT
+            else places.setdefault(value, ca.SX.sym(f"c{len(places)}"))
+        )
+
+    result = rebuilt(function, inputs, raised, lambda value: value)
+    return result, ca.vertcat(ca.SX(0, 1), *places.values()), tuple(places)
 
 
 def _pattern(function: ca.Function, i: int) -> tuple[np.ndarray, np.ndarray]:
