@@ -13,7 +13,7 @@ from symkin.position.problem import Problem
 from symkin.position.solution_list import SolutionList
 from symkin.spatial.pose import Pose
 
-DIGITS = 6
+_DIGITS = 6
 """Decimals to which distances (of the size) and values are rounded, so that rounding errors do not
 decide the order.
 """
@@ -39,11 +39,11 @@ def places_by(owner: np.ndarray, first: np.ndarray, values: np.ndarray) -> np.nd
     near, of = first[order], owner[order]
     tied = (near[1:] == near[:-1]) & (of[1:] == of[:-1])
     if len(order) <= _FEW and tied.any():
-        return np.lexsort((*values.T[::-1].round(DIGITS), first, owner))
+        return np.lexsort((*values.T[::-1].round(_DIGITS), first, owner))
     for column in values.T:
         if not tied.any():
             break
-        key = column[order].round(DIGITS)
+        key = column[order].round(_DIGITS)
         if (key[1:] < key[:-1])[tied].any():
             turn = np.lexsort((key, np.append(0, ~tied).cumsum()))
             order, key = order[turn], key[turn]
@@ -56,7 +56,7 @@ def _distances(problem: Problem, position: np.ndarray, quaternion: np.ndarray) -
     first = _first_pose(problem)
     turn = 8.0 * (1.0 - (quaternion @ np.asarray(first.quaternion)) ** 2)
     step = (position - np.asarray(first.position)) / problem.closure.characteristic_length
-    return (turn + squared_norms(step)).round(DIGITS)
+    return (turn + squared_norms(step)).round(_DIGITS)
 
 
 def _joint_distances(problem: Problem, values: np.ndarray) -> np.ndarray:
@@ -76,7 +76,7 @@ def _joint_distances(problem: Problem, values: np.ndarray) -> np.ndarray:
                 total += gap[:, 0] ** 2
             case _:
                 total += (gap[:, 0] / closure.characteristic_length) ** 2
-    return np.round(total, DIGITS)
+    return np.round(total, _DIGITS)
 
 
 @lru_cache(maxsize=64)

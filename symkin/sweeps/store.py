@@ -58,8 +58,8 @@ class Store:
 
     @property
     def is_untouched(self) -> bool:
-        """Whether this run has made the folder, and no other has written into it since."""
-        return self.is_new and self.lengths() <= {1} and not self.done().any()
+        """Whether this run has made the folder, and none has let it grow since."""
+        return self.is_new and self.lengths() <= {1}
 
     @interrupts_held()
     def done(self) -> np.ndarray:
