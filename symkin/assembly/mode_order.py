@@ -36,8 +36,8 @@ def order_of_modes(problem: Problem, listed: SolutionList, owner: np.ndarray) ->
 def places_by(owner: np.ndarray, first: np.ndarray, values: np.ndarray) -> np.ndarray:
     """Places (m,) that sort by `owner`, then by `first` (m,), ties by rounded values (m, any)."""
     order = np.lexsort((first, owner))
-    near, of = first[order], owner[order]
-    tied = (near[1:] == near[:-1]) & (of[1:] == of[:-1])
+    both = np.stack([first, owner])[:, order]
+    tied = (both[:, 1:] == both[:, :-1]).all(axis=0)
     if len(order) <= _FEW and tied.any():
         return np.lexsort((*values.T[::-1].round(_DIGITS), first, owner))
     for column in values.T:
