@@ -273,8 +273,7 @@ def _create(folder: Path, plan: Plan, pinned: Mapping[str, Any], bound: int | No
     within an empty one, whose description is moved up last. Where another run is first, nothing.
     """
     there = folder.exists()
-    if not there:
-        folder.parent.mkdir(parents=True, exist_ok=True)
+    folder.parent.mkdir(parents=True, exist_ok=True)
     beside = (folder if there else folder.parent) / f".{folder.name}.{uuid.uuid4().hex}{_PART}"
     try:
         create_arrays(beside, plan, pinned, bound)
@@ -344,7 +343,9 @@ def _mend_chunks(store: Store) -> int:
 def _mend_coordinates(store: Store) -> None:
     """Write anew the names and coordinates that are not those of the plan."""
     for name, values in expected_coordinates(store.plan).items():
-        if not _is_equal(store.group[name], values):
+        # what cannot be read is None, which has no values' shape
+        found = np.asarray(readable(store.group[name], slice(None)))
+        if not np.array_equal(found, values):
             for path in (store.folder / name / "c").rglob("*"):
                 if path.is_file():
                     path.unlink()
@@ -372,8 +373,3 @@ def _remove_unreadable(store: Store) -> None:
     for path in (store.folder / "done" / "c").iterdir():
         if readable(marks, int(path.name)) is None:
             path.unlink()
-
-
-def _is_equal(array: Any, values: np.ndarray) -> bool:
-    found = readable(array, slice(None))
-    return found is not None and np.array_equal(np.asarray(found), values)
