@@ -55,8 +55,10 @@ class BlockPaths:
 
     @cached_property
     def notes(self) -> tuple[str, ...]:
-        """Poses that no motion connects, over the complex numbers: operation modes."""
-        return orbit_notes(self.start)
+        """Poses that no motion connects, over the complex numbers: operation modes. Roots of
+        combinations of rows are none.
+        """
+        return () if self.combined else orbit_notes(self.start)
 
     @cached_property
     def prover(self) -> Prover:

@@ -129,10 +129,13 @@ class FitReport(Verdict):
             for kind, rms in held.rms.items()
         ]
         p = "" if held.p_value is None else f", probability {held.p_value:.3g}"
+        told = (
+            f"errors of the prediction, rms: {', '.join(parts)}; chi-square "
+            f"{held.chi_square:.4g} with {held.degrees} degrees of freedom{p}"
+        )
         return [
-            f"held out, at random with seed {held.seed}: {len(held.labels)} postures, errors of "
-            f"the prediction, rms: {', '.join(parts)}; chi-square {held.chi_square:.4g} with "
-            f"{held.degrees} degrees of freedom{p}",
+            f"held out, at random with seed {held.seed}: {len(held.labels)} postures, "
+            f"{told if parts else 'none predicted'}",
             *(
                 f"held-out postures {what}: {first_of(labels, _MAX_SHOWN, '; ')}"
                 for what, labels in (

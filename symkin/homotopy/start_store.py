@@ -43,7 +43,7 @@ from symkin.homotopy.universal_start import machine_start, universal_start
 from symkin.homotopy.values import algebraic_points, coordinate_scale, known_angles, known_values
 from symkin.numeric.rank import Rank
 from symkin.position.closed_configurations import closed_configurations
-from symkin.position.mobility import mobility
+from symkin.position.mobility import must_agree
 from symkin.position.multistart import batched
 from symkin.position.problem import Problem
 
@@ -58,7 +58,6 @@ _INSTANCES = 5
 _CHECK_STARTS = 600
 _TARGETS, _BASES = 4, 19
 """Real instances on which bases of a start are compared, and how many bases."""
-AGREEING = "the values of the actuated joints must agree with each other"
 _RUNS = 4
 """Second searches at most; the first that agrees settles the generic count."""
 _LOOPS, _FEW_LOOPS, _FEW_RUNS = 200, 40, 1
@@ -192,10 +191,8 @@ def _settled(system: AlgebraicSystem, z: np.ndarray, k: np.ndarray) -> np.ndarra
 
 
 def _by_monodromy(problem: Problem, system: AlgebraicSystem) -> tuple[Fibre | None, str]:
-    if problem.of_joints:
-        found = mobility(problem.mechanism)
-        if found.closed and found.direct_rank.value < found.rank.value:
-            return None, f"{AGREEING}: {found.actuated} of them for {found.mobility} freedoms"
+    if problem.of_joints and (why := must_agree(problem.mechanism)) is not None:
+        return None, why
     # fewer combinations of the rows than these are no more redundant than they
     redundant = 0 if problem.of_pose else redundant_rows(problem)
     rank = min(system.count, problem.system.rows.shape[0] - redundant)

@@ -30,6 +30,17 @@ from symkin.verb import verb
 from symkin.verb_options import check_seed
 
 
+def must_agree(mechanism: Mechanism) -> str | None:
+    """What is said of more actuated joints than freedoms; None where they are free."""
+    found = mobility(mechanism)
+    if not found.closed or found.direct_rank.value >= found.rank.value:
+        return None
+    return (
+        f"the values of the actuated joints must agree with each other: {found.actuated} of them "
+        f"for {found.mobility} freedoms"
+    )
+
+
 @verb
 def mobility(mechanism: Mechanism, *, seed: int = 0) -> Mobility:
     """Count the freedoms of a mechanism: rank of the closure at generic configurations of the

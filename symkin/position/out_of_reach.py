@@ -12,6 +12,7 @@ from symkin.numeric.root_checks import are_roots, rounding
 from symkin.numeric.system import split_blocks
 from symkin.position.determination import is_least
 from symkin.position.given import Given
+from symkin.position.mobility import must_agree
 from symkin.position.problem import Problem
 from symkin.position.starts import random_starts
 from symkin.quiet import without_float_warnings
@@ -42,7 +43,7 @@ def reach_note(problem: Problem, given: Given) -> str | None:
     gap = f"{_gap(problem, nearest, given):.3g} {problem.mechanism.length_unit}"
     left = system.residuals(nearest.points, given.values)
     if is_least(problem, given.values, nearest.points[int(np.argmin(left))], float(left.min())):
-        return _few_digits(gap)
+        return _few_digits(problem, gap)
     rows = np.abs(system.linearise(nearest.points, given.values)[0])
     names = list(dict.fromkeys(row.limb for row in sources))
     largest = np.stack(
@@ -94,13 +95,14 @@ def _gap(problem: Problem, nearest: Polished, given: Given) -> float:
     return max(gaps)
 
 
-def _few_digits(gap: str) -> str:
+def _few_digits(problem: Problem, gap: str) -> str:
     """What is said where nothing is out of reach, but redundant rows contradict each other."""
-    return (
-        f"the loops close to within {gap} only: redundant constraints want more digits in the "
-        f"mechanism's numbers (arithmetic such as "
+    why = must_agree(problem.mechanism) if problem.of_joints else None
+    digits = (
+        "redundant constraints want more digits in the mechanism's numbers (arithmetic such as "
         '"1/sqrt(3)" is allowed)'
     )
+    return f"the loops close to within {gap} only: {why or digits}"
 
 
 def _out_of_reach(problem: Problem, names: Sequence[str], gap: str) -> str | None:

@@ -5,6 +5,7 @@ believable fit.
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -65,7 +66,16 @@ def test_a_draw_takes_whole_groups_and_what_is_read():
     assert not np.array_equal(draw_held_out(data, 10, 1), draw_held_out(data, 10, 2))
 
 
-@pytest.mark.parametrize("asked", ["", "some", "0", "40", "100%", "2.5", "-3"])
+def test_postures_that_the_fit_cannot_take_are_told():
+    """Where none of those held out has a solution there is no prediction, and no error."""
+    data = measured(12, 0)
+    fit = calibrate(MECHANISM, data, outliers="ignore", method="nested")
+    far = data.subset(np.arange(2))
+    found = predict_held_out(fit, replace(far, joints=far.joints * ([1.0] * 5 + [9.0])), 0)
+    assert (found.unsolved, found.rms) == (found.labels, {})
+
+
+@pytest.mark.parametrize("asked", ["", "some", "0", "0%", "40", "100%", "2.5", "-3"])
 def test_impossible_numbers_are_refused(asked):
     with pytest.raises(InputError, match="--hold-out"):
         held_out_count(asked, 40)

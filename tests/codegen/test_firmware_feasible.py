@@ -303,6 +303,35 @@ def test_tests_of_folders_hold_what_cannot_be_taken(tmp_path):
     assert "#define FOUR_BAR_VECTOR_INFEASIBLE_FOUND 0" not in four_bar["four_bar_vectors.h"]
 
 
+def test_a_limb_without_a_motor_compiles_without_a_warning(tmp_path):
+    """A four-bar whose coupler is the platform: its rocker has no joint rates to write."""
+    text = (Path(symkin.__file__).parent / "mechanisms" / "four_bar.toml").read_text()
+    made = loaded(tmp_path, text + '[platform]\nlink = "coupler"\n')
+    library(made, tmp_path / "c")
+
+
+RSSR = """format = 1
+name = "rssr"
+length_unit = "mm"
+angle_unit = "deg"
+joint = [
+  { name = "in", type = "R", links = ["base", "crank"], point = [0, 0, 0], axis = [0, 0, 1] },
+  { name = "out", type = "R", links = ["base", "arm"], point = [200, 50, 0], axis = [0, 1, 0] },
+]
+rod = [{ name = "rod", links = ["crank", "arm"], from = [60, 10, 0], to = [190, 50, 120] }]
+"""
+"""A crank drives an arm, which turns back 5 degrees beyond the reference."""
+
+
+@pytest.mark.skipif(not can_run(), reason="no C compiler")
+def test_answers_of_one_unknown_are_judged_by_how_far_their_fold_is(tmp_path):
+    """One row's condition by its unknown is 1 everywhere: code was held to digits that no float has
+    beside a fold, and refused.
+    """
+    options = Options("float", given=("in",), find=("out",))
+    run_own_test("rssr", folder_files(loaded(tmp_path, RSSR), options))
+
+
 def three_limbs(axis: tuple[float, float], types: str) -> str:
     """A planar platform on three limbs of revolutes and a slide along an axis of its first limb's
     frame.

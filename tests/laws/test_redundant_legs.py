@@ -129,6 +129,13 @@ def test_a_planar_machine_of_four_legs_is_sampled_with_the_reason():
         for note in found.notes
     )
     assert min(np.linalg.norm(mode.position) for mode in found) < 1e-6
+    assert not any("operation modes" in note for note in found.notes)
+    home = found[0].joints
+    apart = [home[f"s{i}"] + 0.05 * (i == 3) for i in range(4)]
+    with pytest.raises(
+        symkin.SolveError, match=r"close to within .* must agree with each other: 4"
+    ):
+        symkin.solve(machine, joints=apart)
 
 
 # --- large numbers --------------------------------------------------------------------------------

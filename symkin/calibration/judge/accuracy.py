@@ -231,7 +231,8 @@ def held_out_count(asked: str, configurations: int) -> int:
         raise InputError(
             f"--hold-out {asked!r}: a number of postures, or a share such as 20%, is needed"
         )
-    count = max(1, round(float(match[1]) / 100.0 * configurations)) if match[2] else int(match[1])
+    share = float(match[1]) / 100.0
+    count = max(int(share > 0.0), round(share * configurations)) if match[2] else int(match[1])
     if not 1 <= count < configurations:
         raise InputError(
             f"--hold-out {asked.strip()}: {count} of {configurations} postures would be held out; "

@@ -216,11 +216,14 @@ def close_others(
     problem: CalibrationProblem, state: State, measurements: Measurements, seed: int = 0
 ) -> tuple[CalibrationProblem, np.ndarray, np.ndarray]:
     """Close other configurations at the parameters of a fit, from their neighbours' solutions: the
-    problem of those that are solved, their unknown coordinates, and which they are (n,).
+    problem of those that are solved (where there are none, of the fit), their unknown coordinates,
+    and which they are (n,).
     """
     model = build_model(problem.mechanism, measurements, problem.names)
     near = state.z[nearest_rows(problem.joints, measurements.joints, 1)[:, 0]]
     found = solve_configurations(model, measurements, state.p, z=near, seed=seed)
+    if not found.solved.any():
+        return problem, found.z[:0], found.solved
     some = measurements.subset(found.solved)
     readings = build_readings(model, some)
     there = replace(problem, measurements=some, model=model, readings=readings)

@@ -168,10 +168,7 @@ class _Sides:
 
     def condition(self, values: np.ndarray) -> float:
         """The larger condition of the two directions."""
-        return max(
-            p.system.condition(values[p.unknown_places], values[p.known_places])
-            for p in (self.direct, self.inverse)
-        )
+        return max(_condition(problem, values) for problem in (self.direct, self.inverse))
 
     @cached_property
     def cases(self) -> list[np.ndarray]:
@@ -201,6 +198,20 @@ class _Sides:
     def _is_regular(self, case: Configuration) -> bool:
         """Whether roundings of the type cannot hide a singularity."""
         return self.condition(case.values) * self.kind.real.epsilon <= _HIDDEN
+
+
+def _condition(problem: Problem, values: np.ndarray) -> float:
+    """The condition of a problem at a configuration: of one unknown, which alone tells nothing, by
+    how much it changes with the known values.
+    """
+    system, known = problem.system, values[problem.known_places]
+    unknown = values[problem.unknown_places]
+    if system.freedom > 1:
+        return system.condition(unknown, known)
+    own = system.linearise_one(unknown, known)[1]
+    given = system.exchanged(problem.known_coordinates).linearise_one(known, unknown)[1]
+    least = np.linalg.norm(own)
+    return float(np.hypot(least, np.linalg.norm(given)) / least) if least else np.inf
 
 
 def _moved(problem: Problem, values: np.ndarray, known: np.ndarray) -> np.ndarray:

@@ -227,7 +227,7 @@ class LimbSource(Source):
         singular = singular_condition(kernel, k, "&w", compact=made.options.compact)
         columns, solved = self._columns, self._twist_columns(kernel)
         table, column = list[str](), "j"
-        if columns != tuple(range(len(columns))):
+        if wanted and columns != tuple(range(len(columns))):
             numbers, column = ", ".join(f"{c}U" for c in columns), "(int)column[j]"
             table = [f"static const uint8_t column[{len(columns)}] = {{ {numbers} }};"]
         stores = [
