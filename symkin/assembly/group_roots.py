@@ -199,9 +199,9 @@ def places_of(owner: np.ndarray, rank: np.ndarray) -> np.ndarray:
 
 
 def engines_together(engines: Iterable[str | None]) -> str | None:
-    """Names of engines, each once."""
+    """Names of engines, each once, in an order that other inputs have no part in."""
     return (
-        ", ".join(dict.fromkeys(name for e in engines if e is not None for name in e.split(", ")))
+        ", ".join(sorted({name for e in engines if e is not None for name in e.split(", ")}))
         or None
     )
 

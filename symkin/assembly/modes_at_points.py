@@ -29,7 +29,6 @@ from symkin.assembly.mode_table import COMPLETENESS, ModeTable, stored_counts
 from symkin.assembly.modes_result import Modes
 from symkin.assembly.search import Search
 from symkin.assembly.without_search import (
-    free_unknowns,
     known_without_search,
     meet_conditions,
     nothing,
@@ -37,7 +36,7 @@ from symkin.assembly.without_search import (
 from symkin.computed_once import cached_property
 from symkin.errors import InputError, TooManyModesError
 from symkin.machine.lower import Lowered
-from symkin.position.determination import determination, refuse_unless_determined
+from symkin.position.determination import determination, refuse_unless_determined, what_is_free
 from symkin.position.given import Given, in_order
 from symkin.position.problem import Problem, build_problem
 from symkin.position.roots import NOT_KNOWN
@@ -120,7 +119,9 @@ class ModeFinder:
         given = Given(tuple(c.name for c in self.problem.known_coordinates), known, {})
         try:
             (found,) = known_without_search(self.problem, [given], self.search)
-            return ModeTable.of(found or modes_of_inputs(self.problem, [given], self.search)[0])
+            if found is None:
+                (found,) = modes_of_inputs(self.problem, [given], self.search)
+            return ModeTable.of(found)
         except TooManyModesError:
             return ModeTable.of(self._empty, "too many to list", -1)
 
@@ -145,9 +146,7 @@ class GroupFinder:
     def _groups(self) -> tuple[Problem, ...]:
         """The groups of the problem; none where nothing is searched."""
         problem = self.problem
-        if problem.is_explicit or free_unknowns(problem):
-            return ()
-        return solved_groups(problem, self.search)
+        return () if problem.is_explicit else solved_groups(problem, self.search)
 
     @property
     def engine(self) -> str | None:
@@ -251,11 +250,7 @@ def _of_machine(problem: Problem, search: Search, certify: bool) -> ModeFinder |
 
 def _own(problem: Problem, search: Search) -> GroupFinder:
     """The finder of a description itself."""
-    mechanism = problem.mechanism
-    if mechanism.serial and free_unknowns(problem):
-        raise InputError(
-            f"{mechanism.name}: its {len(mechanism.actuated)} joints leave solutions of a pose "
-            f"free, so that none is isolated; "
-            "sweep over its inputs"
-        )
+    if (free := what_is_free(problem, at_closed=problem.of_joints)) is not None:
+        other = "; sweep over its inputs" if problem.mechanism.serial else ""
+        raise InputError(f"{free}, so that its solutions are no isolated modes{other}")
     return GroupFinder(problem, search)

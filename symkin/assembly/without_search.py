@@ -16,6 +16,7 @@ from symkin.assembly.search import Search
 from symkin.errors import InputError
 from symkin.homotopy.systems import unsuitable
 from symkin.numeric.tolerances import CLOSURE_TOLERANCE
+from symkin.position.determination import what_is_free
 from symkin.position.given import Given
 from symkin.position.groups import structure_groups
 from symkin.position.pose_coordinates import poses_coordinates
@@ -27,13 +28,10 @@ def free_unknowns(problem: Problem) -> str | None:
     """What to say where the rows leave unknowns free, so that no solution is isolated; coordinates
     by name are refused where they do not determine the others.
     """
-    free = 0 if problem.by_name else problem.system.freedom - problem.generic_rank
-    if free <= 0:
-        return None
-    return (
-        f"{problem.mechanism.name}: the {problem.name} problem leaves {free} of "
-        f"{problem.system.freedom} unknowns free, so that "
-        "its solutions are no isolated modes; use solve with a start for one of them"
+    free = what_is_free(problem)
+    return free and (
+        f"{free}, so that its solutions are no isolated modes; use solve with a start for one of "
+        f"them"
     )
 
 

@@ -94,13 +94,13 @@ def _add(terms: Terms, term: Term, number: fmpq) -> None:
 
 
 def product_of_terms(first: Term, second: Term) -> tuple[Term, int]:
-    """The product of two terms, and its sign: i^2 = -1."""
-    powers, sign = dict(first), 1
+    """The product of two terms, in which i stands once or not at all, and its sign: i^2 = -1."""
+    powers = dict(first)
     for factor, exponent in second:
         powers[factor] = powers.get(factor, fmpq(0)) + exponent
-    if powers.get(_I) == 2:
-        sign = -1
-        del powers[_I]
+    quarters = int(powers.pop(_I, fmpq(0)).p) % 4
+    powers[_I] = fmpq(quarters % 2)
+    sign = -1 if quarters > 1 else 1
     return tuple(sorted((f, e) for f, e in powers.items() if e != 0)), sign
 
 

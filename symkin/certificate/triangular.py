@@ -55,17 +55,20 @@ def root_counts(system: AlgebraicSystem) -> dict[str, int] | None:
         )
         if not any(step() for step in steps):
             return None
-    return chain.found
+    return chain.first | chain.then
 
 
 @dataclass
 class _Chain:
-    """Rows, the unknowns that they are to give, and what has been `found`."""
+    """Rows, the unknowns that they are to give, and what has been found: those `first` that stand
+    alone, and `then` those that are put in, of which the last one put in is told by the former.
+    """
 
     system: AlgebraicSystem
     rows: list[Terms]
     left: set[int]
-    found: dict[str, int] = field(default_factory=dict)
+    first: dict[str, int] = field(default_factory=dict)
+    then: dict[str, int] = field(default_factory=dict)
 
     def alone(self) -> bool:
         """A row with a single unknown left: its degree."""
@@ -74,7 +77,8 @@ class _Chain:
             if len(held) == 1:
                 count = self._root_count(row, held[0])
                 if count is not None:
-                    self._take(row, held[0], count)
+                    self._take(row, held[0])
+                    self.first[self._name(held[0])] = count
                 return count is not None
         return False
 
@@ -83,7 +87,7 @@ class _Chain:
         for k in self.left:
             own = [row for row in self.rows if _degree(row, k) != 0]
             if len(own) == 1 and (count := self._root_count(own[0], k)) is not None:
-                self._take(own[0], k, count)
+                self._put_in(own[0], k, count)
                 return True
         return False
 
@@ -95,7 +99,7 @@ class _Chain:
                 own = [term for term in row if length in dict(term)]
                 if len(own) == 1 and _is_once(own[0], length):
                     value = _solved(row, own[0], length)
-                    self._take(row, k, 1)
+                    self._put_in(row, k, 1)
                     self.rows = [_with_length(other, length, value) for other in self.rows]
                     return True
         return False
@@ -110,7 +114,7 @@ class _Chain:
             parts = _linear_sums(own, k) if len(own) == 2 else None
             if parts is not None:
                 (a, b), (c, d) = parts
-                self._take(own[0], k, 1)
+                self._put_in(own[0], k, 1)
                 self.rows = [row for row in self.rows if row is not own[1]]
                 self.rows.append(plus(times(a, c), times(b, d), -1))
                 return True
@@ -123,7 +127,7 @@ class _Chain:
         for row in self.rows:
             for turn, value in _turns_given(row):
                 if turn.number in self.left:
-                    self._take(row, int(turn.number), 1)
+                    self._put_in(row, int(turn.number), 1)
                     self.rows = [_with_turn(other, turn, value) for other in self.rows]
                     return True
         return False
@@ -142,10 +146,17 @@ class _Chain:
         mirrored = _with_length(row, length, other_side)
         return (degree + 1) // 2 if not plus(row, mirrored, (-1) ** (degree + 1)) else degree
 
-    def _take(self, row: Terms, unknown: int, count: int) -> None:
+    def _put_in(self, row: Terms, unknown: int, count: int) -> None:
+        """An unknown that its row gives once all those are known that are still left."""
+        self._take(row, unknown)
+        self.then = {self._name(unknown): count} | self.then
+
+    def _take(self, row: Terms, unknown: int) -> None:
         self.rows = [other for other in self.rows if other is not row]
         self.left.discard(unknown)
-        self.found[self.system.unknowns[unknown].name] = count
+
+    def _name(self, unknown: int) -> str:
+        return self.system.unknowns[unknown].name
 
 
 def _is_algebraic(rows: list[Terms], unknown: int, coordinate: Coordinate) -> bool:
@@ -204,11 +215,8 @@ def _with_turn(row: Terms, turn: Factor, value: tuple[Term, fmpq]) -> Terms:
     part_of_one = (least := min(by_turn)) - least.p // least.q
     for exponent, part in by_turn.items():
         count = int((exponent - part_of_one).p)
-        power = tuple((f, e * count) for f, e in others if f != _I)
-        quarters = int(dict(others).get(_I, _ZERO).p) * count % 4
-        power += ((_I, _ONE),) if quarters % 2 else ()
-        sign = -1 if quarters > 1 else 1
-        found = plus(found, times(part, {tuple(sorted(power)): sign * number**count}))
+        power = tuple((f, e * count) for f, e in others)
+        found = plus(found, times(part, {power: number**count}))
     return found
 
 

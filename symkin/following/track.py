@@ -34,7 +34,7 @@ from symkin.following.track_result import Track
 from symkin.following.trajectory import Trajectory, make_trajectory
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.tolerances import SINGULAR_CONDITION
-from symkin.position.determination import refuse_unless_determined
+from symkin.position.determination import refuse_unless_determined, what_is_free
 from symkin.position.given import Joints, Values
 from symkin.position.problem import Problem
 from symkin.position.solution import Solution
@@ -139,17 +139,12 @@ def branch_from(
 # --- the start ------------------------------------------------------------------------------------
 
 
-def _check_isolated(problem: Problem) -> None:
+def _check_isolated(problem: Problem, *, at_closed: bool = False) -> None:
+    """Raise InputError where no mode is isolated; see `what_is_free`."""
     if problem.by_name:
         refuse_unless_determined(problem)
-        return
-    free = problem.system.freedom - problem.generic_rank
-    if free > 0:
-        raise InputError(
-            f"{problem.mechanism.name}: the {problem.name} problem leaves {free} of "
-            f"{problem.system.freedom} unknowns free, so "
-            "that there is no isolated mode to stay on"
-        )
+    elif (free := what_is_free(problem, at_closed=at_closed)) is not None:
+        raise InputError(f"{free}, so that there is no isolated mode to stay on")
 
 
 def _start_mode(trajectory: Trajectory, start: Start) -> tuple[Solution | None, tuple[str, ...]]:
@@ -225,6 +220,8 @@ def _result(path: MachinePath, branch: Branch, name_modes: bool) -> Track:
         way, before = branch.way(place.row, place.u), kept[-1] if kept else None
         kept.append(make_sample(path, place, before, way, values))
     stop = stop_of(path, branch, kept, name_modes)
+    if stop is not None and stop.kind == "singular start":
+        _check_isolated(path.trajectory.problem, at_closed=True)
     if stop is not None and stop.place is not None and stop.place.parameter > kept[-1].parameter:
         kept.append(stop.place)
     near = nearest_to_singularity(branch, path.trajectory)

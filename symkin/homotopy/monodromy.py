@@ -203,11 +203,10 @@ def agreeing_searches(
         count = first.z.shape[1]
         LOG.info("%d generic solutions; they are searched again from other numbers", count)
         second = search(seed, None, count)
-        alike, fresh = True, [missing(first, seed)]
-        if second is not None:
-            fresh.append(roots_beside(system, first, second.z, second.k))
-            alike = second.z.shape[1] == count
-        others = np.hstack(fresh)
+        ends = first.z[:, :0] if second is None else _brought(system, second.z, second.k, first.k)
+        others = np.hstack([missing(first, seed), _others(system, first, ends)])
+        # a root that is lost on its way may be another one
+        alike = second is not None and second.z.shape[1] == ends.shape[1] == count
         if alike and not others.shape[1]:
             return first, ""
         first = search(seed + 100, (np.hstack([first.z, others]), first.k), None)
@@ -218,10 +217,18 @@ def roots_beside(system: AlgebraicSystem, start: Fibre, z: np.ndarray, k: np.nda
     """Of roots z at k, (known,) or (known, n), those that lead to others at the start's base than
     it has.
     """
-    ends = carried(system, z, k, start.k)
-    ends, last = newton(system, ends, start.k)
-    ends = ends[:, last <= _CLOSED]
-    return ends[:, known_root(system, start.z, ends) < 0]
+    return _others(system, start, _brought(system, z, k, start.k))
+
+
+def _brought(system: AlgebraicSystem, z: np.ndarray, k: np.ndarray, base: np.ndarray) -> np.ndarray:
+    """Roots at a base that roots z at k, (known,) or (known, n), lead to."""
+    ends, last = newton(system, carried(system, z, k, base), base)
+    return ends[:, last <= _CLOSED]
+
+
+def _others(system: AlgebraicSystem, start: Fibre, z: np.ndarray) -> np.ndarray:
+    """Of roots at the start's base those that it has not."""
+    return z[:, known_root(system, start.z, z) < 0]
 
 
 @dataclass

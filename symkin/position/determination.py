@@ -80,6 +80,22 @@ def refuse_unless_determined(problem: Problem) -> None:
         )
 
 
+def what_is_free(problem: Problem, *, at_closed: bool = False) -> str | None:
+    """What to say where an inverse or direct problem leaves unknowns free, so that no solution is
+    isolated. Where no motion is declared rows have more rank at random points than where loops
+    close: such places are asked `at_closed`, which takes longer.
+    """
+    free = 0 if problem.by_name else problem.system.freedom - problem.generic_rank
+    if at_closed and not (free or problem.by_name):
+        free = determination(problem).free
+    if free <= 0:
+        return None
+    return (
+        f"{problem.mechanism.name}: the {problem.name} problem leaves {free} of "
+        f"{problem.system.freedom} unknowns free"
+    )
+
+
 def _pose_names(problem: Problem) -> tuple[str, ...]:
     """What may bind where no joint does."""
     known = {c.name for c in problem.known_coordinates}

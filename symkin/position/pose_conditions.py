@@ -14,7 +14,9 @@ import numpy as np
 
 from symkin.closure.closure import Closure, build_closure
 from symkin.computed_once import lru_cache
+from symkin.machine.lower import lowered
 from symkin.model.joint import Coordinate
+from symkin.model.keys import ABOUT_Z
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.levenberg import levenberg_marquardt
 from symkin.numeric.system import NOTHING, System
@@ -24,7 +26,7 @@ from symkin.position.platform_motion import fewer_rows
 from symkin.position.pose_coordinates import pose_coordinates
 from symkin.position.varied_pose import varied_pose
 from symkin.spatial.pose import Pose
-from symkin.text import counted
+from symkin.text import counted, plain
 
 _STARTS = 24
 """Random starts from which closed configurations are sought."""
@@ -94,7 +96,22 @@ def condition_sentence(
     return (
         f"the {frame} of {mechanism.name} has {counted(freedoms, 'freedom')} of "
         f"{coordinates}, so that {varied} cannot vary alone; "
-        f"allowed: {instead}{motion}"
+        f"allowed: {instead}{motion}{_of_turned(mechanism)}"
+    )
+
+
+def _of_turned(mechanism: Mechanism) -> str:
+    """What else would let pose coordinates vary, of a platform whose motion is about another axis
+    than z.
+    """
+    low = lowered(mechanism)
+    if low is None or low.frames is None or low.machine.motion not in ABOUT_Z:
+        return ""
+    axis = np.asarray(low.frames.base.inverse().turn((0.0, 0.0, 1.0)))
+    told = ", ".join(f"{plain(float(value)):.6g}" for value in axis)
+    return (
+        f"; its joints leave it a {low.machine.motion} motion about ({told}): x, y and gamma vary "
+        f"where it is described with this axis along z"
     )
 
 

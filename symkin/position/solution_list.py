@@ -14,6 +14,7 @@ from symkin.closure.closure import Closure
 from symkin.numeric.linear_algebra import condition_of
 from symkin.numeric.root_checks import NEARLY_SINGULAR, are_double
 from symkin.numeric.tolerances import CLOSURE_TOLERANCE, SINGULAR_CONDITION
+from symkin.position.determination import what_is_free
 from symkin.position.groups import structure_groups
 from symkin.position.problem import Problem
 from symkin.position.readings import canonical, poses_of, within_limits
@@ -166,6 +167,8 @@ def _double(problem: Problem, values: np.ndarray, extremes: np.ndarray) -> np.nd
     for part in structure_groups(problem) if suspect.size else ():
         unknown, known = near[:, part.unknown_places], near[:, part.known_places]
         found[suspect] |= are_double(part.system, unknown, known)
+    if found.any() and what_is_free(problem, at_closed=True) is not None:
+        found[:] = False  # all of them are points of a set
     return found
 
 

@@ -25,7 +25,7 @@ import numpy as np
 from symkin.assembly.as_written import machine_of
 from symkin.closure.closure import Closure
 from symkin.errors import InputError
-from symkin.machine.lower import Lowered, lowered
+from symkin.machine.lower import Lowered, arm_or_limbs, lowered
 from symkin.model.joint import Coordinate
 from symkin.model.joint_forms import Kind
 from symkin.model.mechanism import Mechanism
@@ -131,10 +131,9 @@ def pose_planes(mechanism: Mechanism) -> tuple[Mechanism, Lowered | None] | None
     frame of its description; None of another one.
     """
     low = lowered(mechanism)
-    if low is None or low.frames is not None:
-        low, machine = None, mechanism
-    else:
-        machine = low.machine
+    if low is not None and low.frames is not None:
+        low = arm_or_limbs(mechanism)
+    machine = mechanism if low is None else low.machine
     return (machine, low) if plain_kind(machine, pose_names(machine)) is not None else None
 
 

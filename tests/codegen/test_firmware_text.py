@@ -46,6 +46,11 @@ def test_c_of_doubles_becomes_that_of_a_machine():
     assert typed == in_float + comment
     typed = Real("double", "m_real").typed(said + comment, "m", struct=False)
     assert typed == in_double + comment
+    for name in ("real", "nan", "name", "name_name", "geometry"):
+        begin = f'#include "{name}.h"'
+        said = f"{begin}\nreal name_x({name}_y, NAME_C);"
+        typed = Real("float", "m_real").typed(said, name, struct=True)
+        assert typed == f"{begin}\nm_real {name}_x({name}_y, {name.upper()}_C);"
     for real, number in (("float", "inf"), ("double", "-inf"), ("float", "1e60")):
         with pytest.raises(InputError, match="no finite"):
             Real(real).typed(f"x = {number};", "m", struct=False)

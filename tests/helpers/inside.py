@@ -232,6 +232,7 @@ NAMES = {
     "Ends": "symkin.homotopy.ends",
     "instance": "symkin.homotopy.many_instances",
     "Fibre": "symkin.homotopy.monodromy",
+    "agreeing_searches": "symkin.homotopy.monodromy",
     "Looping": "symkin.homotopy.monodromy",
     "around": "symkin.homotopy.monodromy",
     "fibre": "symkin.homotopy.monodromy",

@@ -332,6 +332,16 @@ def test_what_one_row_gives_is_put_into_others(kinds, rows, counts):
     assert found == (None if counts is None else {f"x{i}": n for i, n in enumerate(counts)})
 
 
+def test_unknowns_are_told_in_the_order_in_which_rows_give_them():
+    """Of two links the joint that is left when the other one is put in, which it tells."""
+    z, k = ca.SX.sym("z", 2), ca.SX.sym("k")
+    unknowns = tuple(Coordinate(f"x{i}", "angle", "passive") for i in range(2))
+    linked = ca.vertcat(*two_links(z, k))
+    for system in (linked, linked[::-1]):
+        counts = root_counts(AlgebraicSystem(1.0, unknowns, z, k, system, ()))
+        assert [*(counts or {}).values()] == [2, 1]
+
+
 def test_lengths_of_rods_are_halved_where_both_signs_are_roots():
     """(3 x - 0.7)^2 = k has one rod; with a length tied to another one, whose square is not
     mirrored, both values count.

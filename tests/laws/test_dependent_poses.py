@@ -5,13 +5,14 @@ what is near is projected.
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 import symkin
-from helpers.samples import tied_platform
-from symkin import SolveError
+from helpers.samples import parallel_rrr, tied_platform
+from symkin import InputError, SolveError
 
 
 def exechon() -> symkin.Mechanism:
@@ -109,3 +110,34 @@ def test_a_platform_of_six_freedoms_is_never_projected():
 def test_lengths_of_rods_that_no_machine_has_end_without_an_infinite_error(length):
     result = symkin.solve(symkin.load("zhang2009"), joints=[length] * 6, check=False)
     assert result.solution is not None or math.isfinite(result.smallest_residual)
+
+
+def test_motors_that_are_too_few_are_told_wherever_modes_are_followed_or_counted(tmp_path):
+    """No motion is declared, so that rows lose rank only where loops close: no singular start, no
+    double solution, no count of modes, but the unknown that stays free.
+    """
+    ball = exechon().limbs[2]
+    slide = replace(ball.joints[1], actuated=False)
+    limbs = [*exechon().limbs[:2], replace(ball, joints=[ball.joints[0], slide, ball.joints[2]])]
+    machine, free = replace(exechon(), limbs=limbs), "leaves 1 of 10 unknowns free"
+    found = symkin.solve(machine, joints=[1.0, 0.0])
+    assert any(free in note for note in found.notes)
+    assert not any("double" in note for note in found.solution.notes)
+    for ask in (
+        lambda: symkin.track(machine, joints=[[0, 0], [5, 3]]),
+        lambda: symkin.sweep(machine, {"p1": [0.0, 1.0]}, tmp_path / "swept", workers=0),
+        lambda: symkin.write_firmware(machine, tmp_path / "code"),
+    ):
+        with pytest.raises(InputError, match=free):
+            ask()
+
+
+def test_a_sweep_counts_no_modes_where_none_is_isolated(tmp_path):
+    """Motion declared: what `modes` says of an input, a sweep says of all of them."""
+    machine = parallel_rrr("planar")
+    first = replace(machine.limbs[0].joints[0], actuated=False)
+    free = replace(machine.limbs[0], joints=[first, *machine.limbs[0].joints[1:]])
+    machine = replace(machine, limbs=[free, *machine.limbs[1:]])
+    assert symkin.modes(machine, joints=[0.0, 0.0]).positive_dimensional
+    with pytest.raises(InputError, match="leaves 1 of 7 unknowns free"):
+        symkin.sweep(machine, {"q2": [0.0, 0.1]}, tmp_path / "swept", workers=0)

@@ -15,6 +15,8 @@ import pytest
 import symkin
 from helpers import samples
 from helpers.command_line import run, run_json
+from helpers.graph_twin import graph_twin
+from helpers.inside import displaced
 from symkin import InputError
 
 MOTORS = (
@@ -262,3 +264,14 @@ def test_axes_that_do_not_fit_are_refused(
 ) -> None:
     with pytest.raises(InputError, match=part):
         symkin.mode_graph(symkin.load("four_bar"), axes, 2, given=given)
+
+
+@pytest.mark.parametrize("written", [lambda machine: machine, graph_twin], ids=["limbs", "graph"])
+def test_poses_of_a_tilted_plane_are_refused_with_its_axis_in_every_spelling(written):
+    """A planar platform that stands on its edge: x and y leave its plane, whose axis is told."""
+    on_edge = symkin.Pose(np.zeros(3), np.array([1.0, 1.0, 0.0, 0.0]) / math.sqrt(2.0))
+    machine = written(displaced(samples.three_rrr(), on_edge))
+    here = symkin.solve(machine).solution
+    with pytest.raises(InputError, match=r"x, y' *: .*planar motion about \(0, -1, 0\)") as refused:
+        symkin.singular_loci(here, ("x", "y"), starts=1)
+    assert "q1, q2, q3" in str(refused.value)

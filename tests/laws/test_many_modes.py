@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import symkin
-from helpers.samples import delta, five_bar, three_rps, three_rrr
+from helpers.samples import delta, five_bar, random_mechanism, three_rps, three_rrr
 
 
 def joints_about(mechanism, count, spread, seed=0):
@@ -138,6 +138,18 @@ def test_results_do_not_depend_on_neighbours():
     for a, b in zip(whole[2:4], part, strict=True):
         for x, y in zip(a, b, strict=True):
             np.testing.assert_allclose(x.position, y.position, rtol=1e-13)
+
+
+def test_what_found_the_modes_of_one_is_told_alike_beside_others():
+    """Two limbs by paths and by formulas, of which a pose out of reach needs the one only."""
+    machine = random_mechanism(np.random.default_rng(0), ["PSS", "RRS"], motion="schoenflies")
+    pose = [*machine.reference_pose.position, *machine.reference_pose.quaternion]
+    away = [*np.add(pose[:3], [-76.0, -37.0, 2.0]).tolist(), *pose[3:]]
+    alone = symkin.modes(machine, pose=pose)
+    assert len(alone) == 2
+    for together in ([pose, away], [away, pose]):
+        found = symkin.modes(machine, pose=together)[together.index(pose)]
+        assert (found.engine, len(found)) == (alone.engine, 2)
 
 
 def test_no_inputs_have_no_modes():

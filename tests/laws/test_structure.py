@@ -6,12 +6,17 @@ from __future__ import annotations
 
 from functools import partial
 
+import casadi as ca
 import numpy as np
 import pytest
 
 import symkin
 from helpers.gate import in_gate
 from helpers.inside import (
+    AlgebraicSystem,
+    Coordinate,
+    Fibre,
+    agreeing_searches,
     block_paths,
     build_problem,
     closed_configurations,
@@ -341,3 +346,26 @@ def test_distances_of_a_moving_base_are_those_between_the_points():
             assert size * row[1:4] == pytest.approx(start, abs=1e-9 * size)
             length = solution.joints[rod.name] + rod.offset
             assert size * row[0] == pytest.approx(length, abs=1e-9 * size)
+
+
+@pytest.mark.parametrize("found", ["nothing", "roots of which one is lost", "the same roots"])
+def test_a_second_search_must_come_to_all_roots_of_the_first(found):
+    """Of z^2 = k: one that finds nothing, or loses a root on the way to the first's base, agrees
+    with nothing.
+    """
+    z, k = ca.SX.sym("z"), ca.SX.sym("k")
+    system = AlgebraicSystem(1.0, (Coordinate("x", "length", "passive"),), z, k, z**2 - k, ())
+
+    def fibre(base: complex, lost: int) -> Fibre:
+        roots = np.sqrt(base) * np.array([[1.0, -1.0]])
+        roots[0, :lost] = np.nan
+        return Fibre(roots, np.array([base]), np.zeros(2, dtype=int), 9.0, 9, 0)
+
+    def search(seed, known, enough):
+        if seed == 0 or known is not None:
+            return fibre(1.0 + 1.0j, 0)
+        return None if found == "nothing" else fibre(2.0 - 1.0j, int("lost" in found))
+
+    agreed, reason = agreeing_searches(system, search, lambda first, _: first.z[:, :0], 2)
+    assert (agreed is not None) == (found == "the same roots")
+    assert bool(reason) == (agreed is None)

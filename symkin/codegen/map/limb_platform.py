@@ -40,6 +40,7 @@ from symkin.model.joint import Coordinate, units_of
 from symkin.numeric.rank import Rank
 from symkin.numeric.system import System, constant_rows, split_blocks
 from symkin.numeric.tolerances import CLOSURE_TOLERANCE
+from symkin.position.determination import what_is_free
 from symkin.position.mobility import mobility
 from symkin.position.problem import Problem, actuated_names, build_problem, pose_names
 from symkin.spatial.pose import Pose
@@ -428,6 +429,8 @@ class LimbPlatform(Described):
             *(values[places] for places in (problem.unknown_places, problem.known_places))
         )
         if gap <= CLOSURE_TOLERANCE * self.size and self._is_singular(values):
+            if (free := what_is_free(problem, at_closed=True)) is not None:
+                raise InputError(f"{free} wherever it is; nothing to generate")
             raise InputError(
                 f"{self.name}: the reference configuration is singular for the joints "
                 f"{', '.join(c.name for c in self.actuated)}: "

@@ -17,12 +17,14 @@ from symkin.errors import InputError
 from symkin.text import c_comment
 
 _PLAIN = re.compile(
-    r"/\*.*?\*/|(?<![\w.])\d+\.\d+(?:e[-+]?\d+)?(?!\w)|(?<![\w.])\d+e[-+]?\d+(?!\w)"
+    r'/\*.*?\*/|"[^"\n]*"|(?<![\w.])\d+\.\d+(?:e[-+]?\d+)?(?!\w)|(?<![\w.])\d+e[-+]?\d+(?!\w)'
     r"|(?<![\w>])(?:(?:fabs|sqrt|sin|cos|atan2)(?=\()|(?:HUGE_VAL|real|inf|nan)\b"
     r"|(?:name|NAME)(?=_)|GEOMETRY(?:_GIVEN)? )",
     re.S,
 )
-"""Comments; numbers, functions and the infinity of doubles; names that stand for others."""
+"""Comments and strings; numbers, functions and the infinity of doubles; names that stand for
+others.
+"""
 
 
 @dataclass(frozen=True)
@@ -71,18 +73,22 @@ class Real:
 
     def typed(self, text: str, name: str, *, struct: bool) -> str:
         """C text of the machine of a name, with names, numbers and functions of math.h of this type
-        in the places of name_, NAME_, real and what doubles have; comments, and what has a type
-        already, stay. A `struct` of its geometry is an argument where GEOMETRY stands.
+        in the places of name_, NAME_, real and what doubles have; comments, strings, and what has
+        them already, stay. A `struct` of its geometry is an argument where GEOMETRY stands.
         """
         own = {"real": self.type, "name": name, "NAME": name.upper()} | {
             "GEOMETRY ": "geometry, " if struct else "",
             "GEOMETRY_GIVEN ": f"const {name}_geometry *geometry, " if struct else "",
         }
 
+        begun = (f"{name}_", f"{name.upper()}_") if name.lower().startswith("name_") else ()
+
         def word(found: re.Match[str]) -> str:
             told = found[0]
-            if told.startswith("/*") or told in own:
-                return own.get(told, told)
+            if told[0] in '/"' or found.string.startswith(begun, found.start()):
+                return told
+            if told in own:
+                return own[told]
             if told in ("inf", "nan"):
                 return self.literal(float(told))
             if self.name == "double":
