@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from symkin.assembly.mode_order import places_by
 from symkin.assembly.modes_result import Completeness
 from symkin.computed_once import lru_cache
 from symkin.numeric.linear_algebra import extreme_singular_values
@@ -30,10 +31,6 @@ _PER_ROW = ("statement", "complex_count", "unresolved", "smallest", "continuum",
 """The arrays that tell of rows."""
 _PER_ROOT = ("points", "owner", "hits", "origin", "judged")
 """Those that tell of solutions."""
-_DIGITS = 6
-"""Decimals to which values are rounded for the order of a group's solutions, so that rounding
-errors do not decide it.
-"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,12 +126,11 @@ class GroupRoots:
             for part in parts
         ]
         arrays: dict[str, Any] = {
-            name: np.concatenate([getattr(part, name) for part in parts]) for name in _PER_ROW
+            name: np.concatenate([getattr(part, name) for part in parts])
+            for name in ("points", "hits", *_PER_ROW)
         }
         return GroupRoots(
-            np.concatenate([part.points for part in parts]),
-            np.concatenate([part.owner + begin for begin, part in begun]),
-            np.concatenate([part.hits for part in parts]),
+            owner=np.concatenate([part.owner + begin for begin, part in begun]),
             **arrays,
             notes={row + begin: told for begin, part in begun for row, told in part.notes.items()},
             orbits=parts[0].orbits,
@@ -168,7 +164,7 @@ class GroupRoots:
         """The same with the solutions of each row in an order that rounding errors do not
         decide.
         """
-        return self._with(np.lexsort((*self.points.T[::-1].round(_DIGITS), self.owner)))
+        return self._with(places_by(self.owner, self.owner, self.points))
 
     def _with(self, places: np.ndarray, **told: Any) -> GroupRoots:
         """Some of the solutions, with what else is `told`."""
@@ -182,7 +178,7 @@ class GroupRoots:
         """Some of the rows, in their order."""
         rank = np.full(len(self.statement), -1)
         rank[rows] = np.arange(len(rows))
-        own, ends = (_places_of(owner, rank) for owner in (self.owner, self.ends_of))
+        own, ends = (places_of(owner, rank) for owner in (self.owner, self.ends_of))
         kept = dict(zip(rows.tolist(), range(len(rows)), strict=True))
         return self._with(
             own,
@@ -196,7 +192,7 @@ class GroupRoots:
         )
 
 
-def _places_of(owner: np.ndarray, rank: np.ndarray) -> np.ndarray:
+def places_of(owner: np.ndarray, rank: np.ndarray) -> np.ndarray:
     """Places of what belongs to rows that have a rank, by this."""
     kept = np.flatnonzero(rank[owner] >= 0)
     return kept[np.argsort(rank[owner[kept]], kind="stable")]

@@ -17,6 +17,8 @@ _DIGITS = 6
 """Decimals to which distances (of the size) and values are rounded, so that rounding errors do not
 decide the order.
 """
+_FEW = 64
+"""Modes up to which ties are told by all values at once; of many most stand in order already."""
 
 
 def order_of_modes(problem: Problem, listed: SolutionList, owner: np.ndarray) -> np.ndarray:
@@ -28,11 +30,25 @@ def order_of_modes(problem: Problem, listed: SolutionList, owner: np.ndarray) ->
         if problem.mechanism.platform_link is None
         else _distances(problem, listed.position, listed.quaternion)
     )
-    order = np.lexsort((away, owner))
-    far, of = away[order], owner[order]
-    if not ((far[1:] == far[:-1]) & (of[1:] == of[:-1])).any():
-        return order
-    return np.lexsort((*np.round(listed.values.T[::-1], _DIGITS), away, owner))
+    return places_by(owner, away, listed.values)
+
+
+def places_by(owner: np.ndarray, first: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Places (m,) that sort by `owner`, then by `first` (m,), ties by rounded values (m, any)."""
+    order = np.lexsort((first, owner))
+    both = np.stack([first, owner])[:, order]
+    tied = (both[:, 1:] == both[:, :-1]).all(axis=0)
+    if len(order) <= _FEW and tied.any():
+        return np.lexsort((*values.T[::-1].round(_DIGITS), first, owner))
+    for column in values.T:
+        if not tied.any():
+            break
+        key = column[order].round(_DIGITS)
+        if (key[1:] < key[:-1])[tied].any():
+            turn = np.lexsort((key, np.append(0, ~tied).cumsum()))
+            order, key = order[turn], key[turn]
+        tied &= key[1:] == key[:-1]
+    return order
 
 
 def _distances(problem: Problem, position: np.ndarray, quaternion: np.ndarray) -> np.ndarray:

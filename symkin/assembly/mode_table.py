@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from symkin.assembly.group_roots import STATEMENTS
+from symkin.assembly.group_roots import STATEMENTS, places_of
 from symkin.assembly.modes_result import Modes
 from symkin.closure.link_poses import link_poses
 from symkin.computed_once import cached_property
@@ -62,10 +62,8 @@ class ModeTable:
             return self
         rank = np.full(len(self.count), -1)
         rank[places] = np.arange(len(places))
-        kept = np.flatnonzero(rank[self.owner] >= 0)
-        modes = kept[np.argsort(rank[self.owner[kept]], kind="stable")]
-        told = {name: getattr(self, name)[places] for name in PER_POINT}
-        return replace(self, listed=self.listed.chosen(modes), **told)
+        listed = self.listed.chosen(places_of(self.owner, rank))
+        return replace(self, listed=listed, **{k: getattr(self, k)[places] for k in PER_POINT})
 
     @staticmethod
     def joined(tables: Sequence[ModeTable]) -> ModeTable:

@@ -23,7 +23,7 @@ from symkin.assembly.as_written import (
 from symkin.assembly.block_paths import BlockPaths
 from symkin.assembly.by_groups import modes_by_groups, modes_of_inputs
 from symkin.assembly.closed_roots import ClosedBlock
-from symkin.assembly.group_roots import STATEMENTS
+from symkin.assembly.group_roots import STATEMENTS, engines_together
 from symkin.assembly.group_solvers import most_roots, solved_groups, solvers_of
 from symkin.assembly.mode_table import COMPLETENESS, ModeTable, stored_counts
 from symkin.assembly.modes_result import Modes
@@ -147,7 +147,7 @@ class GroupFinder:
     @property
     def engine(self) -> str | None:
         """What tracks the paths or has the formulas."""
-        return ", ".join(dict.fromkeys(solver.engine for solver in self._solvers)) or None
+        return engines_together(solver.engine for solver in self._solvers)
 
     @cached_property
     def starts_digest(self) -> str:

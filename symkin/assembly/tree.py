@@ -132,10 +132,20 @@ class _Rows(NamedTuple):
         tree, places = step.tree, step.group.known_places
         if len(tree.owner) == 1:
             return _Rows(step, tree.values[:, places], tree.away[:, places], np.zeros(1, dtype=int))
-        known, which = np.unique(tree.values[:, places], axis=0, return_inverse=True)
+        known, which = _each_once(tree.values[:, places])
         away = np.zeros(known.shape)
-        np.maximum.at(away, which.ravel(), tree.away[:, places])
-        return _Rows(step, known, away, which.ravel())
+        if tree.away.any():
+            np.maximum.at(away, which, tree.away[:, places])
+        return _Rows(step, known, away, which)
+
+
+def _each_once(known: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The different ones of some rows (m, any), in order, and which of them each is."""
+    order = np.lexsort(known.T[::-1]) if known.size else np.arange(len(known))
+    rows, which = known[order], np.empty(len(known), dtype=int)
+    new = np.append(True, (rows[1:] != rows[:-1]).any(axis=1))
+    which[order] = new.cumsum() - 1
+    return rows[new], which
 
 
 def _grown(rows: _Rows, found: ProvedRoots, account: Account, solving: Solving) -> Tree:

@@ -333,10 +333,12 @@ class Mechanism:
 
     def to_toml(self) -> str:
         """The mechanism file (format 1) that describes this mechanism."""
+        return self._written
+
+    @cached_property
+    def _written(self) -> str:
         # tomlkit takes a while to import, and few runs write
-        from symkin.model.writer import (
-            mechanism_to_toml,
-        )
+        from symkin.model.writer import mechanism_to_toml
 
         return mechanism_to_toml(self)
 

@@ -173,7 +173,8 @@ def _squared_extremes(matrices: np.ndarray) -> np.ndarray:
 
 def squared_norms(stack: np.ndarray) -> np.ndarray:
     """Sums (n,) of the squares of the entries of each vector or matrix of a stack (n, ...)."""
-    return np.add.reduce(stack * stack, axis=tuple(range(1, stack.ndim)))
+    axes = list(range(stack.ndim))
+    return np.einsum(stack, axes, stack, axes, [0])
 
 
 def least_squares_steps(

@@ -18,8 +18,10 @@ from symkin.sweeps.quantities import ALL_NAMES
 
 _MODE_CHUNK, _MODE_SHARD = 8, 64
 """Modes in one chunk of an array, and in one file, which has several chunks."""
-_COMPRESSION_LEVEL = 0
-"""Level of Zstandard with which arrays over the points are made; 0 is its own default."""
+_COMPRESSION_LEVEL = 1
+"""Level of Zstandard with which arrays over the points are made: its own default makes files 2 %
+smaller in twice the time.
+"""
 _SAMPLE_DIMENSION = "point"
 _DIMENSIONS = (
     "mode",
@@ -71,9 +73,7 @@ def create_arrays(folder: Path, plan: Plan, pinned: Mapping[str, Any], bound: in
         folder, attributes={**pinned, "coordinates": " ".join([*names, "joint_units"])}
     )
     _create_results(group, plan, bound)
-    for name, values in _texts(plan).items():
-        _strings(group, name, values, "joint" if name == "joint_units" else name)
-    _create_coordinates(group, plan, names, _point_dimensions(plan))
+    _create_coordinates(group, plan, names)
     consolidate(folder)
 
 
@@ -191,40 +191,23 @@ def _texts(plan: Plan) -> dict[str, list[str]]:
     }
 
 
-def _create_coordinates(
-    group: Any, plan: Plan, names: Sequence[str], dimensions: tuple[str, ...]
-) -> None:
-    """Values of the swept joints or pose coordinates, along their axes or for each random point."""
-    space = plan.space
-    for k, (axis, name) in enumerate(zip(space.axes, names, strict=True)):
-        own = dimensions if space.sample is not None else (dimensions[k],)
-        length = space.sample if space.sample is not None else len(axis.values)
-        attributes = {"units": axis.unit, "long_name": axis.name}
-        coordinate = group.create_array(
+def _create_coordinates(group: Any, plan: Plan, names: Sequence[str]) -> None:
+    """The names of what is listed, and the values of the swept joints or pose coordinates, along
+    their axes or for each random point.
+    """
+    axes = dict(zip(names, plan.space.axes, strict=True))
+    for name, values in expected_coordinates(plan).items():
+        axis, own = axes.get(name), name
+        told: dict[str, Any] = {"dtype": "str"}
+        if axis is not None:
+            said = {"units": axis.unit, "long_name": axis.name}
+            told = {"dtype": "float64", "fill_value": np.nan, "attributes": said}
+            own = name if plan.space.sample is None else _SAMPLE_DIMENSION
+        array = group.create_array(
             name,
-            shape=(length,),
-            chunks=(max(1, min(length, 100_000)),),
-            dtype="float64",
-            fill_value=np.nan,
-            dimension_names=own,
-            attributes=attributes,
+            shape=values.shape,
+            chunks=(max(1, min(len(values), 100_000)),),
+            dimension_names=("joint" if name == "joint_units" else own,),
+            **told,
         )
-        if space.sample is None:
-            coordinate[:] = axis.values
-    if space.sample is not None:
-        for begin in range(0, space.sample, 100_000):
-            block = slice(begin, min(begin + 100_000, space.sample))
-            points = space.points((block,))
-            for k, name in enumerate(names):
-                group[name][block] = points[:, k]
-
-
-def _strings(group: Any, name: str, values: Sequence[str], dimension: str) -> None:
-    array = group.create_array(
-        name,
-        shape=(len(values),),
-        chunks=(max(1, len(values)),),
-        dtype="str",
-        dimension_names=(dimension,),
-    )
-    array[:] = np.array(list(values), dtype=object)
+        array[:] = values

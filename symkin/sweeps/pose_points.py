@@ -87,12 +87,11 @@ def _check_some_near(
             np.random.default_rng(0).uniform(-_NEAR, _NEAR, (_SAMPLES, len(swept))),
         ]
     )
-    origin = {n: base["xyz".index(n)] if n in "xyz" else 0.0 for n in swept}
-    units = {
-        n: mechanism.characteristic_length if n in "xyz" else mechanism.angle_out(1.0)
-        for n in swept
+    size, angle = mechanism.characteristic_length, mechanism.angle_out(1.0)
+    near = {
+        n: base["xyz".index(n)] + size * share if n in "xyz" else angle * share
+        for n, share in zip(swept, shares.T, strict=True)
     }
-    near = {n: origin[n] + units[n] * shares[:, k] for k, n in enumerate(swept)}
     counts = modes_by_groups(problem, pose_values(mechanism, base, near)[0], Search.of(None)).total
     if counts[0] and not any(counts[1:]):
         raise InputError(

@@ -194,9 +194,11 @@ def arrays_of(
     needs.
     """
     chosen = variables(quantity, certify, problem)
-    told = vars(found.listed) | vars(found) | _derived(found)
-    if any(v.name in ("joints", "points") for v in chosen):
+    told = vars(found.listed) | vars(found)
+    if quantity == "modes":
         told |= dict(zip(("joints", "points"), found.joints_and_points, strict=True))
+    else:
+        told |= _derived(found)
     if quantity == "conditioning":
         told |= _distances(found, problem)
     arrays = {}

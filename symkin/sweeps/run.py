@@ -184,7 +184,7 @@ def sweep(
     with _crew(executor, workers, dask) as crew:
         store = open_store(folder, plan, pinned, finder.bound)
         with locked(folder):
-            damaged = mend(store)
+            damaged = 0 if store.is_untouched else mend(store)
             return replace(_run(store, crew, Job(plan, pinned).packed(), progress), damaged=damaged)
 
 

@@ -34,11 +34,12 @@ MISSING = "sweeps need xarray, zarr and dask: pip install 'symkin[sweep]'"
 
 @dataclass(frozen=True, eq=False)
 class Store:
-    """An open folder; `group` is its Zarr group."""
+    """An open folder; `group` is its Zarr group, which this run made if it `is_new`."""
 
     folder: Path
     plan: Plan
     group: Any
+    is_new: bool = False
 
     @cached_property
     def arrays(self) -> dict[str, Any]:
@@ -54,6 +55,11 @@ class Store:
     @property
     def per_mode(self) -> list[Variable]:
         return [v for v in self.plan.variables if v.per_mode]
+
+    @property
+    def is_untouched(self) -> bool:
+        """Whether this run has made the folder, and none has let it grow since."""
+        return self.is_new and self.lengths() <= {1}
 
     @interrupts_held()
     def done(self) -> np.ndarray:
@@ -151,6 +157,7 @@ def open_store(folder: Path, plan: Plan, pinned: Mapping[str, Any], bound: int |
     cannot be written.
     """
     kept = read_attributes(folder)
+    is_new = kept is None
     if kept is None:
         with refused_writing(folder, begun=False):
             _create(folder, plan, pinned, bound)
@@ -163,7 +170,7 @@ def open_store(folder: Path, plan: Plan, pinned: Mapping[str, Any], bound: int |
         )
     if not os.access(folder, os.W_OK):
         raise InputError(f"{folder}: cannot be written (permission denied)")
-    return Store(folder, plan, _group(folder))
+    return Store(folder, plan, _group(folder), is_new)
 
 
 @interrupts_held()
@@ -266,8 +273,7 @@ def _create(folder: Path, plan: Plan, pinned: Mapping[str, Any], bound: int | No
     within an empty one, whose description is moved up last. Where another run is first, nothing.
     """
     there = folder.exists()
-    if not there:
-        folder.parent.mkdir(parents=True, exist_ok=True)
+    folder.parent.mkdir(parents=True, exist_ok=True)
     beside = (folder if there else folder.parent) / f".{folder.name}.{uuid.uuid4().hex}{_PART}"
     try:
         create_arrays(beside, plan, pinned, bound)
@@ -337,7 +343,9 @@ def _mend_chunks(store: Store) -> int:
 def _mend_coordinates(store: Store) -> None:
     """Write anew the names and coordinates that are not those of the plan."""
     for name, values in expected_coordinates(store.plan).items():
-        if not _is_equal(store.group[name], values):
+        # what cannot be read is None, which has no values' shape
+        found = np.asarray(readable(store.group[name], slice(None)))
+        if not np.array_equal(found, values):
             for path in (store.folder / name / "c").rglob("*"):
                 if path.is_file():
                     path.unlink()
@@ -365,8 +373,3 @@ def _remove_unreadable(store: Store) -> None:
     for path in (store.folder / "done" / "c").iterdir():
         if readable(marks, int(path.name)) is None:
             path.unlink()
-
-
-def _is_equal(array: Any, values: np.ndarray) -> bool:
-    found = readable(array, slice(None))
-    return found is not None and np.array_equal(np.asarray(found), values)

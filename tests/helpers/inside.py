@@ -197,6 +197,7 @@ NAMES = {
     "distinct": "symkin.position.roots",
     "features": "symkin.position.roots",
     "merge": "symkin.position.roots",
+    "places_by": "symkin.assembly.mode_order",
     "polished_roots": "symkin.position.roots",
     "product_of_counts": "symkin.position.roots",
     "sum_of_counts": "symkin.position.roots",

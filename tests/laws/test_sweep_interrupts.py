@@ -48,6 +48,7 @@ def test_a_chunk_is_written_whole_when_ctrl_c_comes_meanwhile(tmp_path, monkeypa
     finder = plan.finder()
     pinned = plan.pinned(finder)
     store: Store = open_store(tmp_path / "s", plan, pinned, finder.bound)
+    assert store.is_untouched
     arrays = compute_chunk(Job(plan, pinned).packed(), 0)
     put, slow = local._put, []
 
@@ -63,6 +64,7 @@ def test_a_chunk_is_written_whole_when_ctrl_c_comes_meanwhile(tmp_path, monkeypa
         store.write(0, arrays)
     assert slow
     assert store.done().all()
+    assert not store.is_untouched
     assert (store.counts(0) == arrays["count"]).all()
 
 
