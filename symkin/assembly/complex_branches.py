@@ -26,6 +26,10 @@ one with a probability of 10^-5.
 """
 _CONVERGED = 1e-9
 """Last step to a solution: angles, lengths in sizes."""
+_FARTHEST = 12.0
+"""Imaginary part of an angle beyond which no end is held for a solution: rows of cosines of 1e5
+keep no digits, and their steps may end anywhere.
+"""
 
 
 def complex_errors(problem: Problem, form: ClosedForm, known: np.ndarray) -> np.ndarray:
@@ -53,7 +57,8 @@ def misses_none(problem: Problem, form: ClosedForm, known: np.ndarray) -> bool:
         turns = [i for i, c in enumerate(system.unknowns) if c.is_periodic]
         z[turns] += rng.uniform(-np.pi, np.pi, (len(turns), _STARTS))
         ends, last = newton(system, z, k[:, 0], _STEPS)
-        ends = ends[:, last <= _CONVERGED]
+        near = np.max(np.abs(ends[turns].imag), axis=0, initial=0.0) <= _FARTHEST
+        ends = ends[:, near & (last <= _CONVERGED)]
         return ends.shape[1] >= _FEWEST and bool((known_root(system, branches, ends) >= 0).all())
 
 
