@@ -522,7 +522,11 @@ def test_the_platform_is_dragged(open_page: Callable[..., Any]) -> None:
     """The joints follow the platform: it goes to the right, and the closure holds."""
     page = open_page(page_of("ren2008"))
     before = page.evaluate("symkin.solution()")
+    early = page.locator("#view").bounding_box()
+    page.wait_for_function("document.querySelectorAll('#strip button').length > 0")
+    page.evaluate("() => new Promise(done => requestAnimationFrame(() => setTimeout(done, 50)))")
     box = page.locator("#view").bounding_box()
+    assert abs(box["height"] - early["height"]) < 20.0  # the modes have their room from the start
     place = page.evaluate(ON_PLATFORM)
     x, y = box["x"] + place[0], box["y"] + place[1]
     page.mouse.move(x, y)
