@@ -136,19 +136,18 @@ def given_poses(mechanism: Mechanism, rows: np.ndarray) -> list[Given]:
     exact = off <= _ROUNDING * machine.characteristic_length
     if ties_poses(machine):
         exact &= taken_poses(machine, values)
+    names = pose_names(machine)
+    found = [Given(names, values[k], {"pose": row}) for k, row in enumerate(rows.tolist())]
+    for k in (~exact).nonzero()[0].tolist():
+        found[k] = _moved(machine, replace(found[k], off_motion=float(off[k])), low)
+    if low is None:
+        return found
     own, _ = poses_coordinates(mechanism, poses.position, poses.quaternion)
-    found = []
-    for k, row in enumerate(rows.tolist()):
-        there = Given(pose_names(machine), values[k], {"pose": row})
-        if not exact[k]:
-            there = _moved(machine, replace(there, off_motion=float(off[k])), low)
-        if low is None:
-            found.append(there)
-            continue
+    for k, there in enumerate(found):
         told = own[k]
         if not exact[k] and not there.off_motion:
             told, _ = pose_coordinates(mechanism, low.told(motion_pose(machine, there.values)))
-        found.append(replace(there, names=pose_names(mechanism), values=told, there=there))
+        found[k] = replace(there, names=pose_names(mechanism), values=told, there=there)
     return found
 
 

@@ -140,7 +140,7 @@ def checked_solutions(
     judged = np.full((len(values), 3), np.nan) if judged is None else judged
     left = np.isnan(judged[:, 2])
     if left.any():
-        own = values[left]
+        own, judged = values[left], judged.copy()
         unknown, known = own[:, problem.unknown_places], own[:, problem.known_places]
         judged[left, :2], judged[left, 2] = system.extremes(unknown, known)
     extremes = judged[:, :2]
