@@ -9,10 +9,9 @@
 #define ASK(named, function, of_goal, of_guess, goal, guess, result)                                                            \
     void named(int count, const REAL *goals, const REAL *guesses, REAL *found, int *status, int *steps)                         \
     {                                                                                                                           \
-        for (int k = 0; k < count; ++k) {                                                                                       \
+        for (int k = 0; k < count; ++k, goals += of_goal, guesses += of_guess, found += of_guess) {                             \
             OF(info) info;                                                                                                      \
-            status[k] = (int)OF(function)(0, goal(goals + of_goal * k), guess(guesses + of_guess * k),                          \
-                result(found + of_guess * k), &info);                                                                           \
+            status[k] = (int)OF(function)(0, goal(goals), guess(guesses), result(found), &info);                                \
             steps[k] = info.iterations;                                                                                         \
         }                                                                                                                       \
     }

@@ -1,26 +1,23 @@
-"""Ask a mechanism's generated C many things at once."""
+"""Ask a machine's generated C many things at once."""
 
 from __future__ import annotations
 
 import ctypes
-import subprocess
 import tempfile
 from collections.abc import Sequence
-from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
-from shlex import split
 from typing import NamedTuple
 
 import numpy as np
 
-from symkin.codegen.folder.folder import write_folder
+from continuation import library
+from processors import BENCH
 from symkin.codegen.map.options import Options
 from symkin.codegen.map.program import Program, build_program
-from symkin.machine.limbs import with_limbs
 from symkin.model.mechanism import Mechanism
 
-BENCH = Path(__file__).parent
 STATUSES = ("OK", "MAX_ITERATIONS", "SINGULAR", "NONFINITE", "OUT_OF_RANGE", "WRONG_BRANCH")
 
 
@@ -33,51 +30,23 @@ class Answers(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class Machine:
-    """A mechanism and the options of its folder."""
-
-    mechanism: Mechanism
-    given: tuple[str, ...] = ()
-    find: tuple[str, ...] = ()
-    home: tuple[float, ...] | None = None
-
-    @property
-    def kind(self) -> str:
-        return "map" if self.given else "arm" if self.mechanism.serial else "platform"
-
-    def options(self, real: str) -> Options:
-        return Options(real, home=self.home, given=self.given, find=self.find)  # type: ignore[arg-type]
-
-
-def library(folder: Path, sources: str, macros: str) -> ctypes.CDLL:
-    """Compiled C as a library; `sources` stand in the folder or are named whole."""
-    flags = "-O2 -std=c99 -fno-math-errno -ffp-contract=off -shared -fPIC -I."
-    command = split(f"gcc {flags} {macros} {sources} -o code.so -lm")
-    subprocess.run(command, cwd=folder, check=True)
-    return ctypes.CDLL(str(folder / "code.so"))
-
-
-@lru_cache(maxsize=2)
-def built(machine: Machine, real: str) -> ctypes.CDLL:
-    """The library of a machine's code; `write_folder` refuses it where its own test fails."""
-    mechanism = machine.mechanism
-    if not machine.given:
-        mechanism = with_limbs(mechanism, "firmware", "")
-    joints = len(machine.given) or len(mechanism.actuated)
-    with tempfile.TemporaryDirectory() as folder:
-        write_folder(mechanism, Path(folder), machine.options(real))
-        return _compiled(Path(folder), mechanism.name, real, machine.kind, joints)
-
-
-@dataclass(frozen=True, eq=False)
 class Asked:
-    """The generated C of one mechanism: of a platform its direct problem, of an arm its inverse
-    one, of a map both. Without a library that was `built` its text alone is compiled.
+    """A mechanism, the options of its code, and this code, compiled: of a platform its direct
+    problem, of an arm its inverse one, of a map both.
     """
 
     mechanism: Mechanism
-    options: Options
-    built: ctypes.CDLL | None = None
+    options: Options = Options()  # noqa: RUF009 - frozen
+
+    def of(self, real: str) -> Asked:
+        """The same in a type of numbers."""
+        return replace(self, options=replace(self.options, real=real))  # type: ignore[arg-type]
+
+    @property
+    def kind(self) -> str:
+        if self.options.is_map:
+            return "map"
+        return "arm" if self.mechanism.serial else "platform"
 
     @property
     def number(self) -> type[np.floating]:
@@ -114,17 +83,12 @@ class Asked:
 
     @cached_property
     def _library(self) -> ctypes.CDLL:
-        if self.built is not None:
-            return self.built
-        name, kind = self.mechanism.name, "arm" if self.mechanism.serial else "platform"
-        with tempfile.TemporaryDirectory() as folder:
+        """ask.c with the code."""
+        name = self.mechanism.name
+        joints = len(self.options.given) or len(self.mechanism.actuated)
+        macros = f"""-D'HEADER="{name}.h"' -DREAL={self.options.real} -D'OF(x)={name}_##x'"""
+        macros += f" -DJOINTS={joints} -D{self.kind.upper()}"
+        with tempfile.TemporaryDirectory() as place:
             for suffix, text in (("h", self.program.header), ("c", self.program.source)):
-                Path(folder, f"{name}.{suffix}").write_text(text)
-            joints = len(self.mechanism.actuated)
-            return _compiled(Path(folder), name, self.options.real, kind, joints)
-
-
-def _compiled(folder: Path, name: str, real: str, kind: str, joints: int) -> ctypes.CDLL:
-    """ask.c with the code in a folder, as a library; `kind` is "platform", "arm" or "map"."""
-    macros = f"""-D'HEADER="{name}.h"' -DREAL={real} -D'OF(x)={name}_##x' -DJOINTS={joints}"""
-    return library(folder, f"{BENCH / 'ask.c'} {name}.c", f"{macros} -D{kind.upper()}")
+                Path(place, f"{name}.{suffix}").write_text(text)
+            return library(Path(place), f"{macros} {BENCH / 'ask.c'} {name}.c")

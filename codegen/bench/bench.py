@@ -18,9 +18,9 @@ from pathlib import Path
 
 import numpy as np
 
-from calls import driver, manifest_of
+from calls import manifest_of, program
 from folders import FOLDERS, chosen
-from processors import HOST, TICK, counted, linked, said
+from processors import BOARD_OF, HOST, TICK, counted, said
 from readme import table, told, written
 from subjects import HOME, machine_of
 from symkin.codegen.map.options import Options
@@ -30,8 +30,6 @@ from symkin.codegen.steps.samples import rounded_to
 from symkin.position.problem import actuated_names, build_problem
 from symkin.spatial.rotation import multiply
 
-PROCESSORS = {"float": "M4F", "double": "M7"}
-"""The board that folders of a type of numbers run on."""
 CASES = {
     "platform": {"direct": ("cold", "warm"), "track": ("", "track")},
     "arm": {name: (name, name) for name in ("inverse", "inverse_nearest", "inverse_all", "track")},
@@ -49,25 +47,30 @@ the last one of a map is the Jacobian and the second derivatives.
 HEADS = ("folder", "processor", "case", "mean", "largest", "largest error")
 
 
-def measured(folder: Path, processor: str, cc: str = "gcc") -> dict[str, np.ndarray]:
-    """Of each case rows (instructions, error), the error in the vectors' unit."""
+def rows_of(folder: Path, processor: str, cc: str = "gcc") -> list[tuple[str, ...]]:
+    """Rows of the table: instructions of each case, its error in the vectors' unit."""
     name, kind, manifest = manifest_of(folder)
     found = defaultdict[str, list[tuple[float, float]]](list)
     with tempfile.TemporaryDirectory() as scratch:
         place = Path(scratch)
-        words = f"{driver(folder, 'CASES', place)} {folder / name}.c"
         if manifest["options"]["home"] == list(HOME):
             (place / f"{name}_vectors.h").write_text(_about_home(manifest["options"]))
         for function, cases in CASES[kind].items():
-            program = linked(processor, f"""-D'ONLY="{function}"' {words}""", place, cc)
-            rows = [line.split()[1:] for line in said(processor, program).splitlines()]
+            only = f"""-D'ONLY="{function}"'"""
+            made = program(folder, "cases.h", processor, place, only, cc)
+            rows = [line.split()[1:] for line in said(processor, made).splitlines()]
             counts = [int(ticks) * TICK for _, ticks, _, _ in rows]
             if rows and processor == HOST:
-                counts = counted(program, f"{name}_{function}")
+                counts = counted(made, f"{name}_{function}")
             for (number, _, fine, coarse), count in zip(rows, counts, strict=True):
                 off = float(fine) * 1e-12 if float(fine) < 4e9 else float(coarse) * 1e-6
                 found[cases[int(number) % 2]].append((count, off))
-    return {case: np.array(rows) for case, rows in found.items() if case}
+    found.pop("", None)
+    most = {case: (np.mean(rows, axis=0)[0], *np.max(rows, axis=0)) for case, rows in found.items()}
+    return [
+        (folder.name, processor, case, f"{mean:,.0f}", f"{largest:,.0f}", f"{error:.2g}")
+        for case, (mean, largest, error) in most.items()
+    ]
 
 
 def _about_home(chosen: dict[str, object]) -> str:
@@ -98,16 +101,6 @@ def _about_home(chosen: dict[str, object]) -> str:
     return "\n".join(lines) + "\n"
 
 
-def rows_of(folder: Path, processor: str, cc: str = "gcc") -> list[tuple[str, ...]]:
-    """Rows of the table."""
-    found = measured(folder, processor, cc)
-    most = {case: (f[:, 0].mean(), f[:, 0].max(), f[:, 1].max()) for case, f in found.items()}
-    return [
-        (folder.name, processor, case, f"{mean:,.0f}", f"{largest:,.0f}", f"{error:.2g}")
-        for case, (mean, largest, error) in most.items()
-    ]
-
-
 def main() -> None:
     parser = argparse.ArgumentParser(description="Instructions of the generated C.")
     parser.add_argument("folders", nargs="*", metavar="FOLDER", help="default: all")
@@ -116,7 +109,7 @@ def main() -> None:
     parser.add_argument("--write", action="store_true", help="the table of codegen/README.md")
     given, rows = parser.parse_args(), list[tuple[str, ...]]()
     for folder in chosen(given.folders):
-        board = PROCESSORS[manifest_of(folder)[2]["options"]["real"]]
+        board = BOARD_OF[manifest_of(folder)[2]["options"]["real"]]
         for processor in given.processor or (board, HOST):
             rows += rows_of(folder, processor, given.cc)
             print("\n".join(" | ".join(row) for row in rows if row[:2] == (folder.name, processor)))

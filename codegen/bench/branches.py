@@ -43,18 +43,17 @@ from pathlib import Path
 
 import numpy as np
 
-from asked import STATUSES, Asked, Machine
+from asked import STATUSES, Asked
 from closes import closes
 from continuation import LONGEST
-from directions import HARD, PLAIN, Direction, Outcome, direction_of, directions
+from directions import HARD, PLAIN, Direction, Outcome, directions
 from grazes import grazed
 from ranges import ARMS, MIDDLE, RANGES, Reach, by_legs, goals_about, maker
 from readme import table, written
 from rows import Row
 from subjects import STUDIED, drawn, machine_of, named
-from symkin.codegen.map.options import Options
+from symkin.codegen.folder.folder import write_folder
 from symkin.errors import InputError
-from symkin.model.mechanism import Mechanism
 
 REALS = ("double", "float")
 HELD = ("paths", "grazes", "closes")
@@ -72,18 +71,15 @@ long.
 
 
 def study(
-    mechanism: Mechanism,
-    options: Options,
+    asked: Asked,
     count: int,
     reach: Reach = MIDDLE,
     seed: int = 0,
     legs: int = 1,
     folds: bool = True,
 ) -> Row:
-    """What random goals about home come to, `count` a leg, of code that is compiled without its
-    folder.
-    """
-    lines, rng = direction_of(Asked(mechanism, options)), np.random.default_rng(seed)
+    """What random goals about home come to, `count` a leg."""
+    lines, rng = directions(asked)[0], np.random.default_rng(seed)
     return judged(lines, by_legs(lines, count, rng, reach, legs, folds))
 
 
@@ -91,23 +87,22 @@ def judged(lines: Direction, outcomes: Iterable[Outcome]) -> Row:
     """Counts of all outcomes, and what is wrong in them."""
     row = Row()
     for outcome in outcomes:
-        _count(row, lines, outcome)
+        row.add(_counted(lines, outcome))
     return row
 
 
-def _count(row: Row, lines: Direction, outcome: Outcome) -> None:
+def _counted(lines: Direction, outcome: Outcome) -> Row:
     ok, ends, goals = outcome.ok, outcome.ends, outcome.goals
     status, found, steps = outcome.answers
     reached = lines.stated(ends.unknowns, goals)
     refused = outcome.regular & ~ok
     refused[refused] = lines.gives_back(reached[refused], goals[refused])
+    row = Row(len(ok), int(np.sum(ok)), steps=int(steps.sum()), most_steps=int(steps.max()))
     stands_for = np.sum(~ok) / max(1, np.sum(outcome.walked & ~ok))
+    row.regular = stands_for * np.bincount(status[refused], minlength=len(STATUSES))
     row.regular[0] += np.sum(outcome.regular & ok)
-    row.regular += stands_for * np.bincount(status[refused], minlength=len(STATUSES))
-    row.goals, row.ok = row.goals + len(ok), row.ok + int(np.sum(ok))
-    row.steps, row.most_steps = row.steps + int(steps.sum()), max(row.most_steps, int(steps.max()))
     told = lines.tells(np.where(ok[:, None], found, reached), goals)
-    row.anew += int(np.sum(outcome.right & ~told))
+    row.anew = int(np.sum(outcome.right & ~told))
     again = lines.answers(goals, np.where(ok[:, None], found, outcome.starts.guesses)).status
     wrong = {
         "wrong": ok & ~outcome.right,
@@ -115,8 +110,9 @@ def _count(row: Row, lines: Direction, outcome: Outcome) -> None:
         "stuck": _stuck(lines, outcome, reached, refused),
     }
     for what, which in wrong.items():
-        setattr(row, what, getattr(row, what) + int(which.sum()))
+        setattr(row, what, int(which.sum()))
         row.said += [_said(lines, outcome, what, int(k), reached[k]) for k in np.flatnonzero(which)]
+    return row
 
 
 def _stuck(
@@ -139,8 +135,9 @@ def _said(lines: Direction, outcome: Outcome, what: str, k: int, reached: np.nda
         ", ".join(repr(float(v)) for v in lines.asked.number(values[k]))
         for values in (outcome.starts.guesses, outcome.goals)
     )
-    ends, told = outcome.ends, f"{lines.mechanism.name} {lines.real}: {what}, goal [{goal}], guess "
-    told += f"[{guess}], {STATUSES[outcome.answers.status[k]]} {outcome.answers.found[k].tolist()}"
+    ends, name = outcome.ends, lines.asked.mechanism.name
+    told = f"{name} {lines.real}: {what}, goal [{goal}], guess [{guess}], "
+    told += f"{STATUSES[outcome.answers.status[k]]} {outcome.answers.found[k].tolist()}"
     if ends.shortest[k] > 0.0:
         return f"{told}, the line leads to {reached.tolist()} by steps of {ends.shortest[k]:.2g}"
     return f"{told}, the line ends at {ends.done[k]:.9f} of it"
@@ -172,40 +169,42 @@ class Campaign:
     rows: dict[tuple[str, str, str], Row] = field(default_factory=dict)
     failed: list[str] = field(default_factory=list)
 
-    def ask(self, machine: Machine, label: str) -> None:
+    def ask(self, machine: Asked, label: str) -> None:
         """Ask one machine's code of each type in each range; what is not in time is left out."""
-        name = machine.mechanism.name
-        for real in self.chosen.real:
-            for word in self._ranges(machine):
+        for asked in map(machine.of, self.chosen.real):
+            for word in self._ranges(asked):
+                name = f"{asked.mechanism.name} {asked.options.real}"
                 signal.setitimer(signal.ITIMER_PROF, 0 if label else SECONDS)
                 try:
-                    for key, row in self._rows(machine, real, word):
-                        self.rows.setdefault((label or key, real, word), Row()).add(row)
+                    for key, row in self._rows(asked, word):
+                        kind = label or key, asked.options.real, word
+                        self.rows.setdefault(kind, Row()).add(row)
                         told = (f"{head} {cell}" for head, cell in row.cells().items() if cell)
-                        print(f"{name} {real} {word}", *told, sep=", ", flush=True)
+                        print(f"{name} {word}", *told, sep=", ", flush=True)
                         print("".join(f"    {words}\n" for words in row.said), end="", flush=True)
                 except (InputError, TimeoutError) as reason:
-                    print(f"{name} {real} {word}: left out: {str(reason)[:200]}", flush=True)
-                    self.failed += [f"{name} {real}"] if OWN_TEST in str(reason) else []
+                    print(f"{name} {word}: left out: {str(reason)[:200]}", flush=True)
+                    self.failed += [name] if OWN_TEST in str(reason) else []
                 finally:
                     signal.setitimer(signal.ITIMER_PROF, 0.0)
 
-    def _ranges(self, machine: Machine) -> list[str]:
+    def _ranges(self, asked: Asked) -> list[str]:
         if self.chosen.range:
-            return [w for w in self.chosen.range if w not in ARMS or machine.kind == "arm"]
-        if self.chosen.all or machine.kind == "map":
+            return [w for w in self.chosen.range if w not in ARMS or asked.kind == "arm"]
+        if self.chosen.all or asked.kind == "map":
             return list(HELD)
-        return [*RANGES, *(ARMS if machine.kind == "arm" else ())]
+        return [*RANGES, *(ARMS if asked.kind == "arm" else ())]
 
-    def _rows(self, machine: Machine, real: str, word: str) -> Iterator[tuple[str, Row]]:
+    def _rows(self, asked: Asked, word: str) -> Iterator[tuple[str, Row]]:
         """What solves a problem, and what the range came to, of a map both ways."""
         count = self.chosen.count or COUNTS.get(word, 2000)
+        rng = np.random.default_rng(self.chosen.seed)
         if word == "closes":
-            rng = np.random.default_rng(self.chosen.seed)
-            yield machine.kind, closes(machine, real, count, rng)
+            with tempfile.TemporaryDirectory() as folder:
+                write_folder(asked.mechanism, Path(folder), asked.options)
+            yield asked.kind, closes(asked, count, rng)
             return
-        longest = PLAIN if word in HELD else LONGEST
-        for lines in directions(machine, real, longest):
+        for lines in directions(asked, PLAIN if word in HELD else LONGEST):
             rng = np.random.default_rng(self.chosen.seed)
             if word == "grazes":
                 yield lines.solved_by, grazed(lines, count, rng)
@@ -227,14 +226,13 @@ class Campaign:
         return not self.failed and all(row.is_good for row in self.rows.values())
 
 
-def machines_of(chosen: argparse.Namespace, scratch: Path) -> Iterator[tuple[Machine, str]]:
+def machines_of(chosen: argparse.Namespace, scratch: Path) -> Iterator[tuple[Asked, str]]:
     """The named machines with their names; else all kinds, random ones among them, told by what
     solves their problems.
     """
     if not chosen.all and not chosen.random:
         for name in chosen.names or STUDIED:
-            machine = machine_of(name, chosen.given, chosen.find)
-            yield machine, Path(name).stem
+            yield machine_of(name, chosen.given, chosen.find), Path(name).stem
         return
     number, count = (int(v) for v in chosen.part.split("/"))
     every = [*(named() if chosen.all else ()), *islice(drawn(chosen.seed, scratch), chosen.random)]

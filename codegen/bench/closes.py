@@ -1,6 +1,6 @@
 """Whether OK of generated C means that all loops close: values on and off what machines can take.
 
-What C answers is put into the closure of tests/oracle/plain_closure.py and plain_graph.py, where
+What C answers is put into the closures of tests/oracle (plain_closure.py, plain_graph.py), where
 every joint keeps its coordinates; passive joints are looked for from many starts. Each answer is
 asked for once more, from itself: standing still has to be OK.
 """
@@ -8,22 +8,21 @@ asked for once more, from itself: standing still has to be OK.
 from __future__ import annotations
 
 import sys
-import tempfile
 import tomllib
-from collections.abc import Callable
+from collections.abc import Iterator
 from dataclasses import dataclass
-from pathlib import Path
+from typing import Any
 
 import numpy as np
 
-sys.path.append(str(Path(__file__).resolve().parents[2] / "tests"))
+from processors import BENCH
 
-from asked import Asked, Machine, built
-from oracle import plain_graph
-from oracle.plain_closure import PlainMechanism, matrix_quaternion
-from oracle.plain_search import closed_configurations, random_configurations, solve
+sys.path.append(str(BENCH.parents[1] / "tests"))
+
+from asked import Asked
+from campaigns.twin_oracle import Oracle, numbers_only, oracle_of
+from directions import Direction, directions
 from rows import Row
-from symkin.machine.limbs import with_limbs
 from symkin.model.writer import mechanism_to_toml
 from symkin.spatial.rotation import multiply
 
@@ -31,193 +30,119 @@ CLOSES = {"float": 4e-5, "double": 4e-6}
 """Largest closure error of an OK, over the size: 1e-6, or 64 roundings, of each row, a few of which
 add up in rows written otherwise.
 """
-STARTS = 24
 SPREADS = (0.05, 0.3)
 """How far configurations that close lie from the reference: half of them each."""
+BESIDE = 0.05
+"""How far guesses lie from the joints of such configurations (rad, or of the size)."""
+
+Side = tuple[str, ...] | None
+"""What is given or found: joints by name, or the pose."""
 
 
-def closes(machine: Machine, real: str, count: int, rng: np.random.Generator) -> Row:
-    """Ask a machine's code about `count` configurations, and values aside."""
-    mechanism = machine.mechanism
-    if not machine.given:
-        mechanism = with_limbs(mechanism, "firmware", "")
-    code = Code(Asked(mechanism, machine.options(real), built(machine, real)), Row())
-    (_of_map if machine.given else _of_limbs)(machine, code, count, rng)
-    return code.row
+def closes(asked: Asked, count: int, rng: np.random.Generator) -> Row:
+    """Ask a machine's code both ways, an arm's for joints, about `count` configurations and values
+    aside.
+    """
+    oracle = oracle_of(numbers_only(tomllib.loads(mechanism_to_toml(asked.mechanism))))
+    near = np.vstack([oracle.closed(count // 2, spread, rng) for spread in SPREADS])
+    row = Row()
+    for problem in Plain(asked, oracle, near, rng).problems() if len(near) else ():
+        row.add(problem)
+    return row
 
 
 @dataclass(frozen=True, eq=False)
-class Code:
-    """A machine's code and what came of it."""
+class Plain:
+    """A machine's code and its plain closure, configurations of which are `near` the reference."""
 
     asked: Asked
-    row: Row
-
-    def ask(
-        self,
-        what: str,
-        goals: np.ndarray,
-        guesses: np.ndarray | None,
-        gaps: Callable[[np.ndarray, np.ndarray], np.ndarray],
-        feasible: int = 0,
-        way: str = "ask_all",
-    ) -> None:
-        """Ask for goals, from guesses where a problem has some, and then for each answer from
-        itself. `gaps` tell of answers, with the places of their goals, how far from closing they
-        are; the first `feasible` goals are such that the machine can take.
-        """
-        if guesses is None:
-            status, found = self.asked.back(goals)
-        else:
-            status, found, _ = self.asked.answers(goals, guesses, way)
-        at = np.flatnonzero(status == 0)
-        again = np.zeros(len(at), int)
-        if guesses is not None and len(at):
-            again = self.asked.answers(goals[at], found[at], way).status
-        off = gaps(at, found[at])
-        wrong, taken = off > CLOSES[self.asked.options.real], int(np.sum(at < feasible))
-        said = [
-            f"{what}: {goals[at[k]].tolist()} gives {found[at[k]].tolist()}, open by {off[k]:.2g}, "
-            f"from itself {again[k]}"
-            for k in np.flatnonzero(wrong | (again != 0))[:3]
-        ]
-        row = Row(len(goals), len(at), int(wrong.sum()), int(np.sum(again != 0)), said=said)
-        row.feasible, row.taken = feasible, taken
-        self.row.add(row)
-
-
-# --- platforms and arms by limbs ------------------------------------------------------------------
-
-
-@dataclass(frozen=True, eq=False)
-class Limbs:
-    """The plain closure of a mechanism of limbs, and configurations of it."""
-
-    plain: PlainMechanism
+    oracle: Oracle
+    near: np.ndarray
     rng: np.random.Generator
 
-    def poses(self, x: np.ndarray) -> np.ndarray:
-        position, rotation = self.plain.pose(x)
-        return np.column_stack([position, np.array([matrix_quaternion(r) for r in rotation])])
+    def problems(self) -> Iterator[Row]:
+        joints, options = tuple(self.oracle.actuated), self.asked.options
+        ways = directions(self.asked)
+        if self.asked.kind == "map":
+            yield self._judged(options.given, options.find, ways[0])
+            yield self._judged(options.find, options.given, ways[1])
+            return
+        yield self._judged(None, joints, ways[0] if self.asked.kind == "arm" else None)
+        if self.asked.kind == "platform":
+            yield self._judged(joints, None, ways[0])
 
-    def joints(self, x: np.ndarray) -> np.ndarray:
-        return np.column_stack([x[:, self.plain.slices[i]] for i in self.plain.places("actuated")])
-
-    def moved(self, poses: np.ndarray) -> np.ndarray:
-        """Poses aside, by 1e-3 to a third of the size and as many radians."""
-        far = 10.0 ** self.rng.uniform(-3.0, -0.5, (len(poses), 1))
-        step = self.rng.normal(size=(len(poses), 6))
-        half = 0.5 * far * step[:, 3:]
-        turned = np.array(
-            [multiply(np.array([1.0, *h]), q) for h, q in zip(half, poses[:, 3:], strict=True)]
-        )
-        turned /= np.linalg.norm(turned, axis=1, keepdims=True)
-        return np.column_stack([poses[:, :3] + self.plain.size * far * step[:, :3], turned])
-
-    def projected(self, poses: np.ndarray) -> np.ndarray:
-        """Poses with the numbers that the declared motion has."""
-        m = self.plain
-        return self.poses(
-            np.vstack([m.with_pose(m.reference[None], pose[:3], pose[3:]) for pose in poses])
-        )
-
-    def gaps(self, begin: np.ndarray, poses: np.ndarray, joints: np.ndarray) -> np.ndarray:
-        """How far from closing (n,), over the size, configurations with poses and joint values are
-        at best.
+    def _judged(self, known: Side, wanted: Side, way: Direction | None) -> Row:
+        """Ask for goals, of a problem that takes guesses by its `way`, and then for each answer
+        from itself. Goals of the closed configurations come first: if these are poses, or joints
+        that are asked for from beside them, the machine can take them.
         """
-        m, found = self.plain, []
-        passive = m.places("passive")
-        for x, pose, values in zip(begin, poses, joints, strict=True):
-            start = m.with_pose(x[None], pose[:3], pose[3:] / np.linalg.norm(pose[3:]))
-            for i, value in zip(m.places("actuated"), values, strict=True):
-                start[:, m.slices[i]] = value
-            gap = float(m.residual(solve(m, start, m.tangent(passive), 40))[0])
-            if gap > 1e-6 and passive:
-                many = random_configurations(m, np.tile(start, (STARTS, 1)), passive, self.rng)
-                gap = min(gap, float(m.residual(solve(m, many, m.tangent(passive), 60)).min()))
-            found.append(gap)
-        return np.array(found)
+        on, count = self._values(known), len(self.near)
+        goals = np.vstack([on, self._aside(known, on)])
+        if way is None:
+            goals = np.vstack([goals, self._of_motion(goals[count:])])
+            status, found = self.asked.back(goals)
+            again = 0 * status
+        else:
+            guesses = np.repeat(way.home.guesses, len(goals), axis=0)
+            if wanted is not None:
+                beside = BESIDE * self.rng.normal(size=(count, len(wanted)))
+                guesses[:count] = self._values(wanted) + beside * self._units(wanted)
+            status, found, _ = way.answers(goals, guesses)
+            again = way.answers(goals, np.where(status[:, None] == 0, found, guesses)).status
+        row = Row(len(goals), int(np.sum(status == 0)), feasible=count if wanted else 0)
+        row.taken = int(np.sum(status[: row.feasible] == 0))
+        for k in np.flatnonzero(status == 0):
+            sides = {known: goals[k], wanted: found[k]}
+            gap, _ = self.oracle.fitted(self._mode(sides), self.near[k % count])
+            wrong = gap > CLOSES[self.asked.options.real]
+            row.wrong, row.moved = row.wrong + wrong, row.moved + int(again[k] != 0)
+            if (wrong or again[k]) and len(row.said) < 3:
+                given = f"{known or 'pose'} {goals[k].tolist()} gives {found[k].tolist()}"
+                row.said.append(f"{given}, open by {gap:.2g}, from itself {again[k]}")
+        return row
 
+    def _mode(self, sides: dict[Side, np.ndarray]) -> dict[str, Any]:
+        """A configuration as a mode of the oracle's: joints in the file's units, and a pose."""
+        mode: dict[str, Any] = {"joints": {}, "pose": None}
+        for names, values in sides.items():
+            if names is None:
+                mode["pose"] = [*values[:3], *(values[3:] / np.linalg.norm(values[3:]))]
+            else:
+                mode["joints"] |= zip(names, values / self._file_units(names), strict=True)
+        return mode
 
-def _of_limbs(machine: Machine, code: Code, count: int, rng: np.random.Generator) -> None:
-    """Ask a platform's or an arm's code."""
-    mechanism = code.asked.mechanism
-    plain = PlainMechanism(tomllib.loads(mechanism_to_toml(mechanism)))
-    limbs = Limbs(plain, rng)
-    x = np.vstack([closed_configurations(plain, count // 2, spread, rng) for spread in SPREADS])
-    if not len(x):
-        return
-    on, number = limbs.poses(x), len(mechanism.actuated)
-    units = np.array([1.0 if c.is_angular else plain.size for c in mechanism.actuated])
-    targets = [on, limbs.moved(on)]
-    if not plain.serial:
-        targets.append(limbs.projected(limbs.moved(on)))
-    goals, begin = np.vstack(targets), np.vstack([x] * len(targets))
+    def _values(self, side: Side) -> np.ndarray:
+        """What C would state at the closed configurations."""
+        if side is None:
+            return np.array([self.oracle.pose(x) for x in self.near])
+        rows = [[self.oracle.joints(x)[name] for name in side] for x in self.near]
+        return np.array(rows) * self._file_units(side)
 
-    def of_joints(at: np.ndarray, joints: np.ndarray) -> np.ndarray:
-        return limbs.gaps(begin[at], goals[at], joints)
+    def _angular(self, names: tuple[str, ...]) -> np.ndarray:
+        mechanism = self.asked.mechanism
+        known = {c.name: c for c in (*mechanism.coordinates, *mechanism.actuated)}
+        return np.array([known[name].is_angular for name in names])
 
-    joints = np.vstack([limbs.joints(x)] * 2)
-    if plain.serial:
-        # from beside the answer
-        guesses = joints + 0.05 * rng.normal(size=joints.shape) * units
-        code.ask("inverse", goals, guesses, of_joints, len(x))
-        return
-    code.ask("inverse", goals, None, of_joints, len(x))
-    joints[len(x) :] += 0.3 * rng.normal(size=(len(x), number)) * units
-    home = limbs.poses(plain.reference[None]) if machine.home is None else np.array([machine.home])
+    def _units(self, names: tuple[str, ...]) -> np.ndarray:
+        return np.where(self._angular(names), 1.0, self.oracle.size)
 
-    def of_poses(at: np.ndarray, found: np.ndarray) -> np.ndarray:
-        return limbs.gaps(begin[at], found, joints[at])
+    def _file_units(self, names: tuple[str, ...]) -> np.ndarray:
+        degrees = self.asked.mechanism.angle_unit == "deg"
+        return np.where(self._angular(names) & degrees, np.pi / 180, 1.0)
 
-    code.ask("direct", joints, np.tile(home, (len(joints), 1)), of_poses)
+    def _aside(self, side: Side, on: np.ndarray) -> np.ndarray:
+        """Poses aside by 1e-3 to a third of the size and as many radians, joints up to three."""
+        far = 10.0 ** self.rng.uniform(-3.0, -0.5 if side is None else 0.5, (len(on), 1))
+        step = far * self.rng.normal(size=(len(on), 6 if side is None else len(side)))
+        if side is not None:
+            return on + step * self._units(side)
+        turns = np.column_stack([np.ones(len(on)), 0.5 * step[:, 3:]])
+        q = np.array([multiply(turn, q) for turn, q in zip(turns, on[:, 3:], strict=True)])
+        q /= np.linalg.norm(q, axis=1, keepdims=True)
+        return np.column_stack([on[:, :3] + self.oracle.size * step[:, :3], q])
 
-
-# --- maps -----------------------------------------------------------------------------------------
-
-
-def _of_map(machine: Machine, code: Code, count: int, rng: np.random.Generator) -> None:
-    """Ask a map's code, both ways."""
-    with tempfile.NamedTemporaryFile("w", suffix=".toml") as file:
-        file.write(mechanism_to_toml(machine.mechanism))
-        file.flush()
-        g = plain_graph.read(Path(file.name))
-    places = [[g.place(n) for n in part] for part in (machine.given, machine.find)]
-    units = np.array([1.0 if c.angle else g.size for c in g.coordinates])
-    near = np.vstack([plain_graph.generic(g, count // 2, spread, seed=1) for spread in SPREADS])
-    if not len(near):
-        return
-    values = g.values(near) * units
-    home = np.array([c.zero for c in g.coordinates]) * units
-    for what, function, known, wanted in (
-        ("direct", "ask_all", *places),
-        ("inverse", "ask_inverse", *reversed(places)),
-    ):
-        on, both = values[:, known], [*known, *wanted]
-        goals = np.vstack([on, on + rng.normal(size=on.shape) * units[known]])
-        guesses = np.vstack([values[:, wanted], np.tile(home[wanted], (len(near), 1))])
-
-        def gaps(at: np.ndarray, found: np.ndarray, goals=goals, both=both) -> np.ndarray:  # type: ignore[no-untyped-def]
-            numbers = np.hstack([goals[at], found]) / units[both]
-            rows = (dict(zip(both, row, strict=True)) for row in numbers.tolist())
-            each = zip(near[at % len(near)], rows, strict=True)
-            return np.array([_graph_gap(g, x, fixed, rng) for x, fixed in each])
-
-        code.ask(what, goals, guesses, gaps, len(near), function)
-
-
-def _graph_gap(
-    g: plain_graph.Graph, x: np.ndarray, fixed: dict[int, float], rng: np.random.Generator
-) -> float:
-    """How far from closing a graph is at best with fixed coordinates: from a configuration, then
-    from random starts.
-    """
-    start = x[None].copy()
-    for k, value in fixed.items():
-        start[:, 7 * len(g.names) + k] = value
-    columns = np.setdiff1d(np.arange(g.freedom), [6 * len(g.names) + k for k in fixed])
-    gap = float(np.max(np.abs(g.closure(plain_graph.solve(g, start, columns))[0])))
-    if gap > 1e-6:
-        many = plain_graph.solve(g, plain_graph.random_starts(g, 4 * STARTS, fixed, rng), columns)
-        gap = min(gap, float(np.max(np.abs(g.closure(many)[0]), axis=1).min()))
-    return gap
+    def _of_motion(self, poses: np.ndarray) -> np.ndarray:
+        """Poses with the numbers that the declared motion has."""
+        m = self.oracle.m
+        placed = (m.with_pose(m.reference[None], pose[:3], pose[3:])[0] for pose in poses)
+        return np.array([self.oracle.pose(x) for x in placed])

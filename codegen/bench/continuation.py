@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import ctypes
 import tempfile
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -13,10 +14,10 @@ from pathlib import Path
 import casadi as ca
 import numpy as np
 
-from asked import BENCH, library
+from processors import BENCH, HOST, compiled_for
+from symkin.model.joint import Coordinate
 from symkin.numeric.system import System
 from symkin.position.problem import Problem
-from symkin.spatial.rotation import multiply
 
 LONGEST = 1.0 / 200
 """Longest step as a part of a line."""
@@ -24,6 +25,12 @@ _RESIDUAL = 1e-8
 """Largest closure error, over all constraints, of a configuration that is reached, as a part of the
 size.
 """
+
+
+def library(folder: Path, words: str) -> ctypes.CDLL:
+    """C as a library: sources and macros as the compiler's words."""
+    compiled_for(HOST, f"-shared -fPIC -I. {words} -o code.so -lm", folder)
+    return ctypes.CDLL(str(folder / "code.so"))
 
 
 @dataclass(frozen=True)
@@ -54,13 +61,11 @@ class Walker:
         """Lines from known values `begin` (n, known), where the unknowns are `start` (n, width), to
         `goals`.
         """
-        z, begin, goals = (
-            np.array(values, dtype=float, order="C") for values in (start, begin, goals)
-        )
-        shortest, done = np.zeros(len(z)), np.zeros(len(z))
-        arrays = [ctypes.c_void_p(v.ctypes.data) for v in (z, begin, goals, shortest, done)]
-        self._library.follow_all(len(z), ctypes.c_double(self.longest), *arrays)
-        whole = np.flatnonzero(shortest > 0.0)
+        long = [np.array(v, np.longdouble, order="C") for v in (start, begin, goals)]
+        shortest, done = np.zeros(len(start)), np.zeros(len(start))
+        arrays = [ctypes.c_void_p(v.ctypes.data) for v in (*long, shortest, done)]
+        self._library.follow_all(len(start), ctypes.c_double(self.longest), *arrays)
+        z, whole = long[0].astype(float), np.flatnonzero(shortest > 0.0)
         if len(whole):
             error = self.system.residuals(z[whole], goals[whole])
             shortest[whole[~(error < _RESIDUAL * self.system.characteristic_length)]] = 0.0
@@ -81,45 +86,30 @@ class Walker:
         macros = " ".join(f"-D{name}={count}" for name, count in counts.items())
         with tempfile.TemporaryDirectory() as folder:
             generator.generate(f"{folder}/")
-            return library(Path(folder), str(BENCH / "walk.c"), macros)
+            return library(Path(folder), f"{macros} {BENCH / 'walk.c'}")
 
     @property
     def _functions(self) -> tuple[ca.Function, ca.Function]:
-        """Rows, their matrix and their rate along a line; the retraction."""
-        system = self.system
+        """Rows, their matrix and their rate along a line; the unknowns after a tangent step."""
+        system, part = self.system, ca.SX.sym("t")
         begin, goal = (ca.SX.sym(name, *system.known.shape) for name in "bg")
-        part, step = ca.SX.sym("t"), ca.SX.sym("step", system.freedom)
-        line = self._line(begin, goal, part)
-        rows, matrix = (
-            ca.substitute(ca.densify(out), system.known, line)
-            for out in (system.rows, system.jacobian)
-        )
+        line = _normalised(begin + part * (goal - begin), self.problem.known_coordinates)
+        told = (ca.densify(out) for out in (system.rows, system.jacobian))
+        rows, matrix = (ca.substitute(out, system.known, line) for out in told)
         outputs = [rows, ca.densify(matrix), ca.densify(ca.jacobian(rows, part))]
-        options = {"cse": True}
+        step = ca.SX.sym("step", system.freedom)
+        to = _normalised(system.unknown + ca.mtimes(system.tangent, step), system.unknowns)
         return (
-            ca.Function("linearised", [system.unknown, begin, goal, part], outputs, options),
-            ca.Function("retracted", [system.unknown, step], [self._moved(step)], options),
+            ca.Function("linearised", [system.unknown, begin, goal, part], outputs, {"cse": True}),
+            ca.Function("retracted", [system.unknown, step], [to], {"cse": True}),
         )
 
-    def _line(self, begin: ca.SX, goal: ca.SX, part: ca.SX) -> ca.SX:
-        """Known values at a part of the line; quaternions have unit length."""
-        line, place = begin + part * (goal - begin), 0
-        for c in self.problem.known_coordinates:
-            if c.kind == "quaternion":
-                line[place : place + 4] /= ca.norm_2(line[place : place + 4])
-            place += c.width
-        return line
 
-    def _moved(self, step: ca.SX) -> ca.SX:
-        """The unknowns after a tangent step."""
-        system, column, parts = self.system, 0, []
-        size = system.characteristic_length
-        for c, place in zip(system.unknowns, system.slices, strict=True):
-            entry = system.unknown[place]
-            if c.kind == "quaternion":
-                turned = multiply([1.0, *(0.5 / size * step[column + k] for k in range(3))], entry)
-                parts.append(turned / ca.norm_2(turned))
-            else:
-                parts.append(entry + step[column] * (1.0 / size if c.is_angular else 1.0))
-            column += c.freedom
-        return ca.vertcat(*parts)
+def _normalised(values: ca.SX, coordinates: Sequence[Coordinate]) -> ca.SX:
+    """Values of coordinates, quaternions of unit length."""
+    place = 0
+    for c in coordinates:
+        if c.kind == "quaternion":
+            values[place : place + 4] /= ca.norm_2(values[place : place + 4])
+        place += c.width
+    return values

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from asked import STATUSES, Answers, Asked, Machine, built
+from asked import STATUSES, Answers, Asked
 from continuation import LONGEST, Ends, Walker
 from symkin.codegen.map.joint_map import JointMap
 from symkin.codegen.map.limb_platform import LimbPlatform
@@ -20,7 +20,6 @@ from symkin.codegen.map.rod_platform import RodPlatform
 from symkin.codegen.serial_arm import SerialArm
 from symkin.codegen.text.c import Real
 from symkin.model.joint import Coordinate
-from symkin.model.mechanism import Mechanism
 from symkin.position.problem import Problem, actuated_names, build_problem, pose_names
 from symkin.position.readings import poses_of
 
@@ -82,23 +81,23 @@ class Outcome:
     @property
     def regular(self) -> np.ndarray:
         """Walked lines that are regular, of goals within limits."""
-        return np.asarray(
-            self.walked & (self.ends.shortest >= REGULAR) & (self.answers.status != OUT_OF_RANGE)
-        )
+        within = self.walked & (self.answers.status != OUT_OF_RANGE)
+        return np.asarray(within & (self.ends.shortest >= REGULAR))
 
 
 @dataclass(frozen=True, eq=False)
 class Direction:
-    """One problem of one machine's code, a function of ask.c, and the closure that it solves; of a
-    map the places of what is found among the unknowns, and the problem that leads `back`.
+    """One problem of one machine's code, a function of ask.c, and the closure that it solves. Of
+    arms and maps the places of what is found among the unknowns, of a map the problem that leads
+    `back`; platforms find poses.
     """
 
     asked: Asked
     problem: Problem
     longest: float = LONGEST
+    solved_by: str = ""
     way: str = "ask_all"
     places: np.ndarray | None = None
-    solved_by: str = ""
     back: Direction | None = None
 
     @cached_property
@@ -109,10 +108,6 @@ class Direction:
     def far_walker(self) -> Walker:
         """One whose steps are long where nothing is near."""
         return Walker(self.problem, PLAIN)
-
-    @property
-    def mechanism(self) -> Mechanism:
-        return self.asked.mechanism
 
     @property
     def kind(self) -> Kind:
@@ -128,15 +123,7 @@ class Direction:
 
     @property
     def size(self) -> float:
-        return self.mechanism.characteristic_length
-
-    @property
-    def is_map(self) -> bool:
-        return self.places is not None
-
-    @property
-    def is_platform(self) -> bool:
-        return self.places is None and not self.mechanism.serial
+        return self.asked.mechanism.characteristic_length
 
     @cached_property
     def home(self) -> Starts:
@@ -155,36 +142,23 @@ class Direction:
         known = problem.select_values(values, problem.known_coordinates)[None]
         return Starts(unknowns, known, self.stated(unknowns, known))
 
-    @property
-    def found_coordinates(self) -> Sequence[Coordinate]:
-        """What an arm's or a map's code finds."""
-        if self.places is None:
-            return self.mechanism.actuated
-        system = self.problem.system
-        at = {s.start: c for c, s in zip(system.unknowns, system.slices, strict=True)}
-        return [at[int(place)] for place in self.places]
-
     def answers(self, goals: np.ndarray, guesses: np.ndarray) -> Answers:
         return self.asked.answers(goals, guesses, self.way)
 
     def stated(self, unknowns: np.ndarray, known: np.ndarray) -> np.ndarray:
-        """What the code finds at configurations: poses, an arm's joint values, a map's found
-        values.
-        """
+        """What the code finds at configurations: poses, or joint values."""
         if self.places is not None:
             return unknowns[:, self.places]
-        if self.mechanism.serial:
-            return unknowns
         return np.hstack(poses_of(self.problem.closure, self.problem.join_values(unknowns, known)))
 
     def gives_back(self, found: np.ndarray, known: np.ndarray) -> np.ndarray:
         """Whether the code's limbs, on the reference's branches, reach a pose with these joint
         values: else one is past a dead centre.
         """
-        if not self.is_platform:
+        if self.places is not None:
             return np.ones(len(found), bool)
         status, joints = self.asked.back(found)
-        away = self._away(joints - known, self.problem.known_coordinates, turns=True)
+        away = self._away(joints - known, self.problem.known_coordinates)
         # beside a dead centre joints differ by the root of the pose's rounding
         return np.asarray((status == 0) & (away < np.sqrt(self.epsilon)))
 
@@ -192,10 +166,10 @@ class Direction:
         """Whether rounded poses tell on which side of their dead centres limbs stand: those of
         configurations at which the limbs' rows, the pose given, are far from singular.
         """
-        if not self.is_platform:
+        if self.places is not None:
             return np.ones(len(unknowns), bool)
         values = self.problem.join_values(unknowns, known)
-        limbs = build_problem(self.mechanism, pose_names(self.mechanism))
+        limbs = build_problem(self.asked.mechanism, pose_names(self.asked.mechanism))
         parts = (limbs.system.unknowns, limbs.known_coordinates)
         conditions = limbs.system.conditions(*(limbs.select_values(values, c) for c in parts))
         return np.asarray(conditions * np.sqrt(self.epsilon) < _FIRM)
@@ -220,22 +194,23 @@ class Direction:
         """Largest differences (n,), over the size or in rad; of quaternions twice that, up to sign;
         of maps but for whole turns.
         """
-        if self.is_platform:
-            q, r = found[:, 3:], reached[:, 3:]
-            turned = np.minimum(np.max(np.abs(q - r), axis=1), np.max(np.abs(q + r), axis=1))
-            return np.maximum(
-                np.max(np.abs(found[:, :3] - reached[:, :3]), axis=1) / self.size, 2 * turned
-            )
-        return self._away(found - reached, self.found_coordinates, turns=self.is_map)
+        if self.places is not None:
+            system, turns = self.problem.system, self.asked.kind == "map"
+            at = {s.start: c for c, s in zip(system.unknowns, system.slices, strict=True)}
+            return self._away(found - reached, [at[int(p)] for p in self.places], turns=turns)
+        q, r = found[:, 3:], reached[:, 3:]
+        turned = np.minimum(np.max(np.abs(q - r), axis=1), np.max(np.abs(q + r), axis=1))
+        moved = np.max(np.abs(found[:, :3] - reached[:, :3]), axis=1) / self.size
+        return np.maximum(moved, 2 * turned)
 
     def _away(
-        self, differences: np.ndarray, coordinates: Sequence[Coordinate], *, turns: bool
+        self, differences: np.ndarray, coordinates: Sequence[Coordinate], *, turns: bool = True
     ) -> np.ndarray:
         """The largest difference of coordinates (n,), over the size or in rad, with `turns` but for
         whole ones.
         """
-        units = np.array([1.0 if c.is_angular else self.size for c in coordinates])
-        angular, away = np.array([c.is_angular for c in coordinates]), differences / units
+        angular = np.array([c.is_angular for c in coordinates])
+        away = differences / np.where(angular, 1.0, self.size)
         if turns:
             away[:, angular] = np.angle(np.exp(1j * away[:, angular]))
         return np.asarray(np.max(np.abs(away), axis=1))
@@ -260,24 +235,20 @@ class Direction:
         are where they are.
         """
         begin, end, place = known.copy(), goals.copy(), 0
-        if self.is_map:
-            return begin, end
-        for c in self.problem.known_coordinates:
+        for c in self.problem.known_coordinates if self.asked.kind != "map" else ():
             at = slice(place, place + c.width)
             if c.kind == "quaternion":
-                end[:, at] *= np.where(np.sum(begin[:, at] * end[:, at], axis=1) < 0, -1.0, 1.0)[
-                    :, None
-                ]
+                opposite = np.sum(begin[:, at] * end[:, at], axis=1, keepdims=True) < 0
+                end[:, at] *= np.where(opposite, -1.0, 1.0)
                 end[:, at] /= np.linalg.norm(end[:, at], axis=1, keepdims=True)
-            elif c.kind == "angle" and not self.mechanism.serial:
-                turns = 2 * np.pi * np.round((end[:, place] - begin[:, place]) / (2 * np.pi))
+            elif c.kind == "angle" and not self.asked.mechanism.serial:
+                turns = 2 * np.pi * np.round((end[:, at] - begin[:, at]) / (2 * np.pi))
                 if c.limits is None:
-                    end[:, place] -= turns
+                    end[:, at] -= turns
                 else:
-                    moved = begin[:, place] + turns
-                    begin[:, place] = np.where(
-                        (moved >= c.limits[0]) & (moved <= c.limits[1]), moved, begin[:, place]
-                    )
+                    moved = begin[:, at] + turns
+                    within = (moved >= c.limits[0]) & (moved <= c.limits[1])
+                    begin[:, at] = np.where(within, moved, begin[:, at])
             place += c.width
         return begin, end
 
@@ -300,44 +271,24 @@ class Direction:
         return reached.where(outcome.right, other)
 
 
-def solved_by(kind: object, way: object = None) -> str:
-    """What solves a problem: six rods, an arm, limbs by formulas or by Newton's method, a map by
-    either.
+def directions(asked: Asked, longest: float = LONGEST) -> list[Direction]:
+    """The problems of a machine's code that take a guess, walked in steps of `longest`, told by
+    what solves them: six rods, an arm, limbs by formulas or by Newton's method, a map by either.
     """
+    kind, arm = asked.program.kind, asked.mechanism.serial
     if isinstance(kind, JointMap):
-        return "map, formulas" if way.is_closed else "map, Newton"  # type: ignore[attr-defined]
-    if isinstance(kind, RodPlatform):
-        return "six rods"
-    if isinstance(kind, SerialArm):
-        return "arm"
-    return (
-        "limbs, Newton"
-        if not isinstance(kind, LimbPlatform) or kind.direct_formulas is None
-        else "limbs, formulas"
-    )
-
-
-def direction_of(asked: Asked, longest: float = LONGEST) -> Direction:
-    """The problem of a platform's or an arm's code."""
-    names = pose_names if asked.mechanism.serial else actuated_names
-    problem = build_problem(asked.mechanism, names(asked.mechanism))
-    return Direction(asked, problem, longest, solved_by=solved_by(asked.program.kind))
-
-
-def directions(machine: Machine, real: str, longest: float = PLAIN) -> list[Direction]:
-    """The problems of a machine's code that take a guess, walked in steps of `longest`."""
-    asked = Asked(machine.mechanism, machine.options(real), built(machine, real))
-    kind = asked.program.kind
-    if not isinstance(kind, JointMap):
-        return [direction_of(asked, longest)]
-    found = []
-    for way, function, wanted in (
-        (kind.direct, "ask_all", machine.find),
-        (kind.inverse, "ask_inverse", machine.given),
-    ):
-        names = [c.name for c in way.unknown]
-        places = np.array([way.problem.system.slices[names.index(n)].start for n in wanted])
-        solved = solved_by(kind, way)
-        found.append(Direction(asked, way.problem, longest, function, places, solved))
-    direct, inverse = found
-    return [replace(direct, back=inverse), replace(inverse, back=direct)]
+        found = []
+        for way, function, wanted in (
+            (kind.direct, "ask_all", asked.options.find),
+            (kind.inverse, "ask_inverse", asked.options.given),
+        ):
+            by = "map, formulas" if way.is_closed else "map, Newton"
+            places = np.array([way.problem.system.places[name].start for name in wanted])
+            found.append(Direction(asked, way.problem, longest, by, function, places))
+        return [replace(one, back=other) for one, other in (found, found[::-1])]
+    names = (pose_names if arm else actuated_names)(asked.mechanism)
+    closed = isinstance(kind, LimbPlatform) and kind.direct_formulas is not None
+    by = f"limbs, {'formulas' if closed else 'Newton'}"
+    by = "arm" if arm else "six rods" if isinstance(kind, RodPlatform) else by
+    places = np.arange(len(asked.mechanism.actuated)) if arm else None
+    return [Direction(asked, build_problem(asked.mechanism, names), longest, by, places=places)]

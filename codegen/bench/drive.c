@@ -1,266 +1,303 @@
-/* Sends random inputs to every function of a generated folder, or its vectors, as one of four:
+/* Calls every function of a generated folder with many inputs.
  *
- * FUZZ, `drive COUNT SEED trap|division|count`: with floating-point traps, on processors that have them; fuzz.py builds it under sanitizers, a
- *   trap ends it with the place in the source. `division` traps no overflow, `count` nothing. Says what should not have been answered, and how
- *   often each function raises which exception.
- * COUNTS, `drive COUNT SEED` (C++, SOURCE: the folder's source, whose numbers are counted.h's): the most operations of any kind in one call
- *   without a config: additions, multiplications, divisions, sqrt, sin, cos, atan2.
- * CASES (ONLY: one function's name, or ""), on any processor with `board.h`: every vector of the folder, from where its own test starts. Of each
- *   call its name, the vector, ticks, and how far the result is from the answer in 1e-12 and 1e-6.
- * WORST (SEED, MOST_INPUTS, MOST_TICKS of all calls together), on a board of `targets/`: searches the inputs that take most instructions without
- *   a config; every second is the dearest so far of one function with some of its numbers changed. Ticks and bytes of stack touched, and how many
- *   inputs there were. */
+ * HOOKS names a header that says what for. It defines what is done with a call: `begin` before it, `finish` after it, `end` with what it gave;
+ * `next_input`, which makes input number k and returns 0 where there is none; `report`, at the end. Here: cases.h (each vector of the folder),
+ * worst.h (the dearest inputs), fuzz.h (floating-point traps). calls.h (calls.py) has the folder's vectors and CALLS, the calls. Macros: SEED,
+ * COUNT (inputs), ONLY (one function's name). Results are said by `board.h`, on boards and hosts. */
 #define _GNU_SOURCE
-#ifdef COUNTS
-#include "counted.h"
-#include SOURCE
+#include <float.h>
+#include <math.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+#include "board.h"
+#include "calls.h"
+
+#ifndef ONLY
+#define ONLY ""
 #endif
-#include "inputs.h"
-#include <stdio.h>
-#include <stdlib.h>
+#ifndef SEED
+#define SEED 0
+#endif
+#define KINDS 10
+#define MOST_FUNCTIONS 12
+#define MOST_RESULTS 600 /* numbers of a result: branches of an arm times its joints */
+#define WANTED(name) ((ONLY[0] == '\0') || (strcmp(ONLY, name) == 0))
+
+/* What a call is given; the first ones as in `vectors`. */
+enum { JOINTS, GUESS, POSE, FOUND, FOUND_GUESS, TO, TWIST, RATES, LIMITS, FOUND_RATES, SLOTS };
+#define GIVEN TO /* slots that are varied */
+#define WIDEST 24
+static const int counts[SLOTS] = { N, N, POSES, FOUND_COUNT, FOUND_COUNT, POSES, 6, N, N, FOUND_COUNT };
+#define EACH(s, i, slots)             \
+    for (int s = 0; s < (slots); ++s) \
+        for (int i = 0; i < counts[s]; ++i)
+
+typedef struct {
+    real v[SLOTS][WIDEST];
+    config settings;
+    int usual; /* whether the call has no config */
+} inputs;
 
 static const char *names[MOST_FUNCTIONS];
 static int functions;
+static int of_finite; /* whether this input has finite numbers only */
 
-static void named(int function, const char *name)
+static void begin(void);
+static void finish(void);
+/* finite: whether what OK came with is; error: how far the first result is from the vector's answer. */
+static void end(int function, int status, int finite, long number, double error);
+static int next_input(inputs *in, long k);
+static void report(long count);
+
+static void tell(const char *name, const uint32_t *numbers, int count)
 {
-    names[function] = name;
-    functions = (function >= functions) ? function + 1 : functions;
-}
-
-#ifdef FUZZ
-#include <fenv.h>
-
-static int trapping;
-static long raised[MOST_FUNCTIONS][3];
-static long answered[MOST_FUNCTIONS];
-
-static void begin(void)
-{
-    (void)feclearexcept(FE_ALL_EXCEPT);
-    if (trapping) {
-        (void)feenableexcept(FE_DIVBYZERO | ((trapping > 1) ? FE_OVERFLOW : 0) | (of_finite ? FE_INVALID : 0));
-    }
-}
-
-static void finish(void)
-{
-    (void)fedisableexcept(FE_ALL_EXCEPT);
-}
-
-/* Ends a call: its exceptions, and whether OK came with finite results; anything else ends the program. */
-static void end(int function, const char *name, int status, int finite, long number, double error)
-{
-    (void)error;
-    named(function, name);
-    raised[function][0] += fetestexcept(FE_DIVBYZERO) != 0;
-    raised[function][1] += fetestexcept(FE_OVERFLOW) != 0;
-    raised[function][2] += of_finite && (fetestexcept(FE_INVALID) != 0);
-    answered[function] += (status == 0);
-    if ((status < 0) || (status > 5) || ((status == 0) && !finite)) {
-        (void)printf("input %ld, %s: status %d%s\n", number, name, status, finite ? "" : " with a result that is not finite");
-        exit(1);
-    }
-}
-
-static void tell(int f)
-{
-    (void)printf("%s: %ld answered; division %ld, overflow %ld, invalid %ld\n", names[f], answered[f], raised[f][0], raised[f][1], raised[f][2]);
-}
-#elif defined(COUNTS)
-static tally most[MOST_FUNCTIONS];
-static tally last;
-
-static void begin(void)
-{
-    counted = tally();
-}
-
-static void finish(void)
-{
-    last = counted;
-}
-
-static void end(int function, const char *name, int, int, long, double)
-{
-    named(function, name);
-    for (int k = 0; k < OPERATIONS; ++k) {
-        most[function].of[k] = (last.of[k] > most[function].of[k]) ? last.of[k] : most[function].of[k];
-    }
-}
-
-static void tell(int f)
-{
-    (void)printf("%s", names[f]);
-    for (int k = 0; k < OPERATIONS; ++k) {
-        (void)printf(" %ld", most[f].of[k]);
-    }
-    (void)printf("\n");
-}
-#else
-#include "board.h"
-
-static uint32_t begun_at;
-static uint32_t last;
-#ifdef CASES
-static void begin(void)
-{
-    begun_at = board_ticks();
-}
-#else
-#define PAINTED 16384
-#define PAINT 0xA5u
-
-static uint32_t most[MOST_FUNCTIONS];
-static uint32_t touched[MOST_FUNCTIONS];
-static inputs dearest[MOST_FUNCTIONS];
-static const inputs *current;
-static uint64_t total;
-static int painting;
-static volatile uint8_t *top;
-
-static void __attribute__((noinline)) begin(void)
-{
-    if (painting) {
-        top = (volatile uint8_t *)__builtin_frame_address(0);
-        for (int i = 64; i < PAINTED; ++i) {
-            *(top - i) = PAINT;
-        }
-    }
-    begun_at = board_ticks();
-}
-
-#endif
-
-static void finish(void)
-{
-    last = (board_ticks() - begun_at) & 0xFFFFFFu;
-}
-
-#ifdef CASES
-static void end(int function, const char *name, int status, int finite, long number, double error)
-{
-    const double off_by = (status == 0) ? error : 4e9;
-    const uint32_t told[] = { (uint32_t)number, last, (uint32_t)fmin(off_by * 1e12, 4e9), (uint32_t)fmin(off_by * 1e6, 4e9) };
-    (void)finite;
-    named(function, name);
     board_text(name);
-    for (int i = 0; i < 4; ++i) {
+    for (int i = 0; i < count; ++i) {
         board_text(" ");
-        board_number(told[i]);
+        board_number(numbers[i]);
     }
     board_text("\n");
 }
-#else
 
-static void end(int function, const char *name, int status, int finite, long number, double error)
+/* --- random numbers --- */
+
+static unsigned long long state;
+
+static unsigned long long next(void)
 {
-    (void)status;
-    (void)finite;
-    (void)number;
-    (void)error;
-    named(function, name);
-    total += last;
-    if (painting) {
-        uint32_t deepest = PAINTED - 1;
-        while ((deepest > 64u) && (*(top - deepest) == PAINT)) {
-            --deepest;
-        }
-        touched[function] = (deepest > touched[function]) ? deepest : touched[function];
-    } else if (last > most[function]) {
-        most[function] = last;
-        dearest[function] = *current;
+    state ^= state << 13;
+    state ^= state >> 7;
+    state ^= state << 17;
+    return state;
+}
+
+static int below(int count)
+{
+    return (int)(next() % (unsigned long long)count);
+}
+
+/* -1 to 1 */
+static double uniform(void)
+{
+    return (double)(next() >> 11) * 0x1p-53 * 2.0 - 1.0;
+}
+
+static real ordinary(double scale)
+{
+    return (real)(scale * uniform());
+}
+
+/* A finite number of any size. */
+static real any_size(double scale)
+{
+    const double most = log10(sizeof(real) == 4 ? (double)FLT_MAX : DBL_MAX);
+    const double least = log10(sizeof(real) == 4 ? 1e-45 : 5e-324);
+    const double size = pow(10.0, least + (most - least) * 0.4999 * (uniform() + 1.0));
+    (void)scale;
+    return (real)((below(2) == 0) ? size : -size);
+}
+
+/* NaN, infinities, zeros, the largest and least numbers, or a number of any size. */
+static real special(void)
+{
+    const double most = sizeof(real) == 4 ? (double)FLT_MAX : DBL_MAX;
+    const double least = sizeof(real) == 4 ? 1e-45 : 5e-324;
+    const double values[10] = { NAN, INFINITY, -INFINITY, 0.0, -0.0, most, -most, least, -least, 1.0 };
+    const int kind = below(14);
+    return (kind < 10) ? (real)values[kind] : any_size(0.0);
+}
+
+static real ordinary_or_special(double scale)
+{
+    return (below(4) == 0) ? special() : ordinary(scale);
+}
+
+/* Multiples of an eighth turn or of a quarter of the size: where linear systems lose rank. */
+static real lattice(double step)
+{
+    const double off = (below(2) == 0) ? 0.0 : pow(10.0, -8.0 - 8.0 * fabs(uniform())) * uniform();
+    return (real)(step * (double)(below(17) - 8) + off);
+}
+
+/* --- random inputs --- */
+
+static double vector(int slot, int k, int i)
+{
+    return (double)vectors[slot][k * counts[slot] + i];
+}
+
+/* A vector, its numbers off by a share of them, positions of the size; another goal of lines. */
+static void of_vectors(inputs *in, int k, double relative)
+{
+    EACH(s, i, GIVEN + 1)
+    {
+        const double value = vector(s, (s == TO) ? below(VECTORS) : k, i);
+        const double unit = (s == POSE && i < 3) ? (double)SIZE * relative : (s == POSE) ? fmin(relative, 2e-3) : (fabs(value) + 0.1) * relative;
+        in->v[s][i] = (real)(value + ((s == TO) ? 0.0 : unit * uniform()));
     }
 }
 
-/* The dearest input of a function with some of its numbers changed. */
-static void vary(inputs *in, int function)
+static void of_vector(inputs *in, double relative)
 {
-    const int turns = below(2);
-    *in = dearest[function];
-    for (int s = 0; s < SLOTS; ++s) {
-        real *const v = in->v[s];
-        for (int i = 0; i < counts[s]; ++i) {
-            if ((below(3) == 0) && ((s != POSE) || (i < 3) || turns)) {
-                const unsigned long long digits = 1ULL << (next() % 24ULL);
-                v[i] += (real)(uniform() / (double)digits) * (real)fmax(fabs((double)v[i]), 0.01);
-            }
-        }
+    of_vectors(in, below(VECTORS), relative);
+}
+
+static void unit_length(real *q)
+{
+    double squared = 0.0;
+    for (int i = 0; i < 4; ++i) {
+        squared += (double)q[i] * (double)q[i];
     }
-    if ((POSES > 0) && turns) {
+    for (int i = 0; i < 4; ++i) {
+        q[i] = (real)((squared > 1e-6 && squared < 1e6) ? (double)q[i] / sqrt(squared) : (double)(i == 0));
+    }
+}
+
+/* Every number of the joints, the guess and the position by a function of its scale, the quaternion of unit length or not. */
+static void all_by(inputs *in, real (*number)(double), double angle, double length, int is_unit)
+{
+    EACH(s, i, GIVEN)
+    {
+        const int is_length = (s == POSE) ? (i < 3) : (s == JOINTS || s == FOUND) && below((FOUND_COUNT > 0) ? 4 : 2) == 0;
+        in->v[s][i] = number(is_length ? length : (s == POSE) ? 1.0 : angle);
+    }
+    if (is_unit) {
         unit_length(&in->v[POSE][3]);
     }
 }
-#endif
-#endif
 
-#if defined(CASES)
-int main(void)
+/* Values on the line from one vector's to another's and up to some times its length beyond, so that many lines end where the machine
+ * cannot go and are cut until a config's iterations are used up. */
+static void of_line(inputs *in)
 {
-    static inputs in;
-    in.usual = 1;
-    board_start_counter();
-    for (int k = 0; k < VECTORS; ++k) {
-        of_vectors(&in, k, 0.0);
-        for (int s = 0; s < SLOTS; ++s) {
-            for (int i = 0; (starts[s] != NULL) && (i < counts[s]); ++i) {
-                in.v[s][i] = starts[s][counts[s] * k + i];
-            }
-        }
-        call_all(&in, k);
+    const int a = below(VECTORS), b = below(VECTORS), c = below(VECTORS);
+    const double reach = 4.0 * pow(10.0, -2.0 * fabs(uniform())) * uniform();
+    EACH(s, i, GIVEN)
+    {
+        const double from = vector(s, a, i), way = reach * (vector(s, b, i) - from);
+        const int is_third = (s == POSE) || (s == FOUND_GUESS) || (s == GUESS && below(2) == 0);
+        in->v[s][i] = (real)(is_third ? vector(s, c, i) : (s == GUESS) ? from - way : from + way);
     }
-    return 0;
 }
-#elif defined(WORST)
+
+/* Whole turns away from a vector's values: sines of large angles take longest. */
+static void of_turns(inputs *in)
+{
+    of_vector(in, pow(10.0, -6.0 * fabs(uniform())));
+    EACH(s, i, GIVEN)
+    {
+        if (s != POSE) {
+            in->v[s][i] += (real)(6.283185307179586 * floor(160.0 * uniform()));
+        }
+    }
+}
+
+/* One number that is not finite, or as large or small as can be. */
+static void of_one_special(inputs *in)
+{
+    int s = below(GIVEN);
+    of_vector(in, 1e-3);
+    s = (counts[s] > 0) ? s : JOINTS;
+    in->v[s][below(counts[s])] = special();
+}
+
+static void of_other_guess(inputs *in)
+{
+    of_vector(in, pow(10.0, -3.0 * fabs(uniform())));
+    for (int i = 0; i < N; ++i) {
+        in->v[GUESS][i] = (below(2) == 0) ? in->v[JOINTS][i] : lattice(0.78539816339744831);
+    }
+}
+
+static void fill(inputs *in)
+{
+    const int kind = below(KINDS);
+    const double size = (double)SIZE;
+    of_vector(in, 0.0);
+    switch (kind) {
+    case 0:
+    case 1: all_by(in, ordinary_or_special, 3.2, 2.0 * size, kind); break;
+    case 2: of_vector(in, pow(10.0, -12.0 * fabs(uniform()))); break;
+    case 3: of_one_special(in); break;
+    case 4: all_by(in, ordinary, 3.2, 1.5 * size, 1); break;
+    case 5: all_by(in, lattice, 0.78539816339744831, 0.25 * size, 1); break;
+    case 6: all_by(in, any_size, 1.0, 1.0, 1); break;
+    case 8: of_line(in); break;
+    case 9: of_turns(in); break;
+    default: of_other_guess(in); break;
+    }
+    for (int s = TWIST; s < SLOTS; ++s) {
+        for (int i = 0; i < counts[s]; ++i) {
+            in->v[s][i] = (kind % 2 == 0) ? ordinary_or_special(size) : (s == LIMITS) ? (real)(0.1 * size * fabs(uniform())) : ordinary(size);
+        }
+    }
+    in->usual = (below(4) != 0);
+    in->settings.tolerance = (below(2) == 0) ? TOLERANCE : special();
+    in->settings.max_iterations = (uint8_t)((below(2) == 0) ? MAX_STEPS : next() % 256ULL);
+    in->settings.max_step = (below(2) == 0) ? MAX_STEP : special();
+}
+
+/* --- calls --- */
+
+static int all_finite(const real *v, int n)
+{
+    int found = 1;
+    for (int i = 0; i < n; ++i) {
+        found = found && isfinite(v[i]);
+    }
+    return found;
+}
+
+/* Results begin as the values that functions move from, or as zeros. */
+static void begun(real *result, const real *from, int count)
+{
+    for (int i = 0; i < count; ++i) {
+        result[i] = (from != NULL && i < WIDEST) ? from[i] : (real)0;
+    }
+}
+
+/* How far a result is from a vector's answer, of poses their positions, of lists the nearest row. */
+static inline double off(const real *result, int slot, long number, int rows)
+{
+    double least = (slot < 0 || answers[slot] == NULL) ? 0.0 : 4e9;
+    for (int row = 0; (least > 0.0) && (row < rows); ++row) {
+        double most = 0.0;
+        for (int i = 0; i < ((slot == POSE) ? 3 : counts[slot]); ++i) {
+            const int at = counts[slot] * row + i;
+            most = fmax(most, fabs((double)result[at] - (double)answers[slot][counts[slot] * (number % VECTORS) + i]));
+        }
+        least = fmin(least, most);
+    }
+    return least;
+}
+
+static void call_all(const inputs *in, long number)
+{
+    const config *const settings = in->usual ? NULL : &in->settings;
+    static real result[2][MOST_RESULTS];
+    INFO info;
+    int function = 0;
+    int status;
+    of_finite = isfinite(in->settings.tolerance) && isfinite(in->settings.max_step);
+    for (int s = 0; s < SLOTS; ++s) {
+        of_finite = of_finite && all_finite(in->v[s], counts[s]);
+    }
+    CALLS
+    functions = function;
+}
+
+#include HOOKS
+
 int main(void)
 {
     static inputs in;
-    long count = 0;
+    long k = 0;
     state = 88172645463325252ULL + 7919ULL * (unsigned long long)SEED;
-    current = &in;
     board_start_counter();
-    for (; (count < MOST_INPUTS) && (total < MOST_TICKS); ++count) {
-        if ((count % 2L == 0L) || (functions == 0)) {
-            fill(&in, below(KINDS));
-        } else {
-            vary(&in, (int)((count / 2L) % functions));
-        }
-        in.usual = 1;
-        call_all(&in, count);
-    }
-    painting = 1;
-    for (int f = 0; f < functions; ++f) {
-        call_all(&dearest[f], 0);
-    }
-    for (int f = 0; f <= functions; ++f) {
-        board_text((f < functions) ? names[f] : "inputs");
-        board_text(" ");
-        board_number((f < functions) ? most[f] : (uint32_t)count);
-        board_text(" ");
-        board_number((f < functions) ? touched[f] : 0u);
-        board_text("\n");
-    }
-    return 0;
-}
-#else
-int main(int argc, char **argv)
-{
-    const long count = (argc > 1) ? atol(argv[1]) : 1000L;
-    static inputs in;
-    state = 88172645463325252ULL + 7919ULL * (unsigned long long)((argc > 2) ? atol(argv[2]) : 0L);
-#ifdef FUZZ
-    trapping = ((argc <= 3) || (strcmp(argv[3], "trap") == 0)) ? 2 : (strcmp(argv[3], "division") == 0) ? 1 : 0;
-#endif
-    for (long k = 0; k < count; ++k) {
-        fill(&in, below(KINDS));
-#ifdef COUNTS
-        in.usual = 1;
-#endif
+    for (; next_input(&in, k) != 0; ++k) {
         call_all(&in, k);
     }
-    for (int f = 0; f < functions; ++f) {
-        tell(f);
-    }
+    report(k);
     return 0;
 }
-#endif

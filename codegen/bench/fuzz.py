@@ -11,35 +11,29 @@ it counts.
 from __future__ import annotations
 
 import argparse
-import subprocess
 import sys
 import tempfile
 from pathlib import Path
-from shlex import split
 
-from calls import driver, manifest_of
+from calls import program
 from folders import chosen
+from processors import HOST, said
 
-FLAGS = """-std=gnu99 -Wall -Wextra -O1 -g -fno-omit-frame-pointer -ftrapping-math -fno-math-errno
-    -ffp-contract=off -fsanitize=address,undefined -fno-sanitize-recover=all"""
-
-
-def built(folder: Path, output: Path) -> Path:
-    """The fuzzing program of a folder."""
-    name, _, _ = manifest_of(folder)
-    words = f"{driver(folder, 'FUZZ', output.parent)} {folder / name}.c -lm -o {output}"
-    subprocess.run(split(f"gcc {FLAGS} {words}"), check=True)
-    return output
+FLAGS = """-std=gnu99 -O1 -g -fno-omit-frame-pointer -ftrapping-math
+    -fsanitize=address,undefined -fno-sanitize-recover=all"""
+MODES = ("count", "division", "trap")
 
 
 def fuzzed(folder: Path, count: int, seed: int = 0, mode: str = "trap") -> tuple[bool, str]:
     """Whether nothing was found in a folder, and what the program said."""
-    with tempfile.TemporaryDirectory() as scratch:
-        program = built(folder, Path(scratch) / "fuzz")
-        done = subprocess.run(
-            [str(program), str(count), str(seed), mode], capture_output=True, text=True, check=False
-        )
-    return done.returncode == 0, done.stdout + done.stderr
+    words = f"{FLAGS} -DTRAPS={MODES.index(mode)} -DCOUNT={count}L -DSEED={seed}"
+    with tempfile.TemporaryDirectory() as place:
+        try:
+            told = said(HOST, program(folder, "fuzz.h", HOST, Path(place), words), None)
+        except RuntimeError as found:
+            return False, str(found)
+    form = "{}: {} answered; division {}, overflow {}, invalid {}"
+    return True, "\n".join(form.format(*line.split()) for line in told.splitlines())
 
 
 def main() -> int:
@@ -47,13 +41,13 @@ def main() -> int:
     parser.add_argument("folders", nargs="*")
     parser.add_argument("--count", type=int, default=1_000_000)
     parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--mode", choices=["trap", "division", "count"], default="trap")
+    parser.add_argument("--mode", choices=MODES, default="trap")
     given = parser.parse_args()
     findings = 0
     for folder in chosen(given.folders):
-        clean, said = fuzzed(folder, given.count, given.seed, given.mode)
+        clean, told = fuzzed(folder, given.count, given.seed, given.mode)
         findings += not clean
-        print(f"{folder.name}: {'no finding' if clean else 'FOUND'}\n{said}", flush=True)
+        print(f"{folder.name}: {'no finding' if clean else 'FOUND'}\n{told}", flush=True)
     return 1 if findings else 0
 
 

@@ -12,21 +12,19 @@ changes them. Statuses are those of fixed goals (branches.py), a letter a goal.
 from __future__ import annotations
 
 import argparse
+import json
 import sys
 import tomllib
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping
 from itertools import product
-from pathlib import Path
 
-from asked import Asked
 from branches import LETTERS, REALS, statuses
-from directions import direction_of
+from directions import directions
+from processors import BENCH
 from ranges import RANGES
 from subjects import GOLDEN as MACHINES
 from subjects import machine_of
 
-BENCH = Path(__file__).parent
 GOLDEN = BENCH.parents[1] / "tests" / "data" / "golden_counts.toml"
 COLUMNS = ("iterations", "additions", "multiplications", "divisions", "sqrt", "sin", "cos", "atan2")
 GOALS = 30
@@ -45,100 +43,78 @@ _HEAD = f"""\
 #   O OK, M MAX_ITERATIONS, S SINGULAR, N NONFINITE, R OUT_OF_RANGE, W WRONG_BRANCH
 """
 
-
-Row = tuple[int, ...] | None
-"""Of a function its COLUMNS; None where the text tells no bound."""
-
-
-@dataclass(frozen=True)
-class Figures:
-    """Operations of each function, and statuses of each range."""
-
-    operations: Mapping[str, Row]
-    statuses: Mapping[str, str]
+Figures = Mapping[str, Mapping[str, list[int] | str]]
+"""Of one machine's C: `operations` of each function, the COLUMNS or "-", and `statuses` of each
+range.
+"""
 
 
 def found(machine: str, real: str) -> Figures:
     """The figures of one machine's C as it is written now; maps between joints have no lines to ask
     for.
     """
-    made = machine_of(machine)
-    asked = Asked(made.mechanism, made.options(real))
+    asked = machine_of(machine).of(real)
     operations = {
-        function: bound
-        and (bound.iterations, *(bound.operations.get(name, 0) for name in COLUMNS[1:]))
-        for function, bound in asked.program.worst.usual.items()
+        function: [b.iterations, *(b.operations.get(name, 0) for name in COLUMNS[1:])] if b else "-"
+        for function, b in asked.program.worst.usual.items()
     }
-    lines = None if made.given else direction_of(asked)
-    ranges = RANGES.items() if lines else ()
-    said = {words: statuses(lines, GOALS, reach, SEED, LEGS) for words, reach in ranges}
-    return Figures(operations, said)
+    lines = directions(asked)[0]
+    ranges = {} if asked.kind == "map" else RANGES
+    said = {words: statuses(lines, GOALS, reach, SEED, LEGS) for words, reach in ranges.items()}
+    return {"operations": operations, "statuses": said}
 
 
 def kept() -> dict[str, dict[str, Figures]]:
     """What the golden file says: machine, type of numbers, figures."""
-    text = tomllib.loads(GOLDEN.read_text()) if GOLDEN.exists() else {}
-    said = text.get("statuses", {})
+    text = tomllib.loads(GOLDEN.read_text())
     return {
         machine: {
-            real: Figures(
-                {function: None if row == "-" else tuple(row) for function, row in part.items()},
-                said.get(machine, {}).get(real, {}),
-            )
-            for real, part in parts.items()
+            real: {key: text[key].get(machine, {}).get(real, {}) for key in text} for real in parts
         }
-        for machine, parts in text.get("operations", {}).items()
+        for machine, parts in text["operations"].items()
     }
+
+
+def accepting(machine: str) -> str:
+    """How a difference is accepted."""
+    return f"`python codegen/bench/golden.py {machine} --write` accepts it"
 
 
 def differences(machine: str, real: str, old: Figures | None, new: Figures) -> list[str]:
     """A sentence for each figure that is another one now, and how it is accepted."""
-    accepts = f"`python codegen/bench/golden.py {machine} --write` accepts it"
     if old is None:
-        return [f"{machine} {real} has no golden figures; {accepts}"]
-    functions = dict.fromkeys([*old.operations, *new.operations])
-    told = [
-        *(
-            (f, _operations(old.operations.get(f, ()), new.operations.get(f, ())))
-            for f in functions
-        ),
-        *(
-            (f"{w} goals", _goals(old.statuses.get(w, ""), said))
-            for w, said in new.statuses.items()
-        ),
+        return [f"{machine} {real} has no golden figures; {accepting(machine)}"]
+    told = {
+        f"{name}{' goals' if key == 'statuses' else ''}": change(
+            old[key].get(name), new[key].get(name)
+        )
+        for key in new
+        for name in dict.fromkeys([*old[key], *new[key]])
+    }
+    accepts = accepting(machine)
+    return [
+        f"{machine} {real}, {what}: {words}; {accepts}" for what, words in told.items() if words
     ]
-    return [f"{machine} {real}, {what}: {words}; {accepts}" for what, words in told if words]
 
 
-def _operations(before: Row, now: Row) -> str:
-    """What is told of a function's operations; () where there is no such function."""
+def change(before: list[int] | str | None, now: list[int] | str | None) -> str:
+    """What is told of operations of a function, or of letters of a range, that are others now."""
     if before == now:
         return ""
-    if before == ():
-        return "the function is new"
-    if now == ():
-        return "there is no such function any more"
     if before is None or now is None:
-        return f"its operations {'have no bound any more' if before else 'are bounded now'}"
-    return _changes(zip(COLUMNS, before, now, strict=True))
-
-
-def _changes(counts: Iterable[tuple[str, int, int]]) -> str:
-    return ", ".join(f"{b} -> {n} {name}" for name, b, n in counts if b != n)
-
-
-def _goals(before: str, now: str) -> str:
-    """What is told of the statuses of a range's goals."""
+        return "is new" if before is None else "is there no more"
+    if "-" in (before, now):
+        return "has no bound any more" if now == "-" else "is bounded now"
     if len(before) != len(now):
         return f"{len(before)} -> {len(now)} of them"
-    pairs = enumerate(zip(before, now, strict=True))
-    changed = [f"number {k} {b} -> {n}" for k, (b, n) in pairs if b != n]
-    if not changed:
-        return ""
-    counts = _changes((x, before.count(x), now.count(x)) for x in LETTERS)
-    more = [f"{len(changed) - _TOLD} more"] if len(changed) > _TOLD else []
-    told = ", ".join([*changed[:_TOLD], *more])
-    return f"{told}; in all {counts or 'as many of each status'}"
+    changed = [(k, b, n) for k, (b, n) in enumerate(zip(before, now, strict=True)) if b != n]
+    if not isinstance(now, str):
+        return ", ".join(f"{b} -> {n} {COLUMNS[k]}" for k, b, n in changed)
+    told = [f"number {k} {b} -> {n}" for k, b, n in changed[:_TOLD]]
+    told += [f"{len(changed) - _TOLD} more"] if len(changed) > _TOLD else []
+    counts = ((x, before.count(x), now.count(x)) for x in LETTERS)
+    in_all = ", ".join(f"{b} -> {n} {x}" for x, b, n in counts if b != n)
+    return f"{', '.join(told)}; in all {in_all or 'as many of each status'}"
 
 
 def golden_text(figures: Mapping[str, Mapping[str, Figures]]) -> str:
@@ -146,15 +122,10 @@ def golden_text(figures: Mapping[str, Mapping[str, Figures]]) -> str:
     lines = [_HEAD]
     parts = ((m, real, part) for m in sorted(figures) for real, part in sorted(figures[m].items()))
     for machine, real, part in parts:
-        rows = {f: '"-"' if row is None else str(list(row)) for f, row in part.operations.items()}
-        lines += [
-            f"[operations.{machine}.{real}]",
-            *(f"{f} = {row}" for f, row in rows.items()),
-            "",
-        ]
-        if part.statuses:
-            said = (f'{w} = "{letters}"' for w, letters in part.statuses.items())
-            lines += [f"[statuses.{machine}.{real}]", *said, ""]
+        for key, rows in part.items():
+            if rows:
+                said = [f"{name} = {json.dumps(row)}" for name, row in rows.items()]
+                lines += [f"[{key}.{machine}.{real}]", *said, ""]
     return "\n".join(lines)
 
 

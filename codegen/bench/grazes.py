@@ -29,58 +29,57 @@ _WAYS_OUT = (1.0, 0.5, 0.1, 0.01)
 """Parts of the way back to the last goal."""
 
 
-def grazed(direction: Direction, lines: int, rng: np.random.Generator) -> Row:
+def grazed(lines: Direction, count: int, rng: np.random.Generator) -> Row:
     """Go from home in random directions; nothing where the given values are a pose, which has no
     straight lines.
     """
-    found, coordinates = Row(), direction.problem.known_coordinates
+    found, coordinates = Row(), lines.problem.known_coordinates
     if any(c.width != 1 for c in coordinates):
         return found
-    known, guesses, beyond = _refused(direction, lines, rng)
-    near = _STAYS * np.sqrt(direction.epsilon)
+    known, guesses, beyond = _refused(lines, count, rng)
+    near = _STAYS * np.sqrt(lines.epsilon)
     for k in range(_GOALS if len(known) else 0):
-        part = 10.0 ** -rng.uniform(0.0, _FINE[direction.real], (len(known), 1)) if k % 2 else 0.5
-        goal = direction.asked.rounded(beyond + part * (known - beyond))
-        status, answers, _ = direction.answers(goal, guesses)
+        part = 10.0 ** -rng.uniform(0.0, _FINE[lines.real], (len(known), 1)) if k % 2 else 0.5
+        goal = lines.asked.rounded(beyond + part * (known - beyond))
+        status, answers, _ = lines.answers(goal, guesses)
         ok = (status == 0)[:, None]
         held = np.where(ok, answers, guesses)
-        again, there, _ = direction.answers(goal, held)
+        again, there, _ = lines.answers(goal, held)
         there = np.where((again == 0)[:, None], there, held)
-        slips = ok[:, 0] & ((again != 0) | (direction.off(there, held) > near))
+        slips = ok[:, 0] & ((again != 0) | (lines.off(there, held) > near))
         lost = slips.copy()
         for way in _WAYS_OUT if slips.any() else ():
-            back = direction.asked.rounded(goal + way * (known - goal))
-            lost &= direction.answers(back, held).status != 0
-        unread = slips & (again == OUT_OF_RANGE)
-        row = Row(len(known), int(ok.sum()), slipped=int(slips.sum()))
-        row.lost, row.unread = int(lost.sum()), int(unread.sum())
-        found.add(row)
-        found.said += [
+            back = lines.asked.rounded(goal + way * (known - goal))
+            lost &= lines.answers(back, held).status != 0
+        row = Row(len(known), int(ok.sum()), slipped=int(slips.sum()), lost=int(lost.sum()))
+        row.unread = int(np.sum(slips & (again == OUT_OF_RANGE)))
+        row.said = [
             f"from {guesses[i].tolist()} to {goal[i].tolist()}: OK, {answers[i].tolist()}, "
             f"again: status {again[i]}, {there[i].tolist()}{', lost' if lost[i] else ''}"
             for i in np.flatnonzero(slips)[:1]
         ]
+        found.add(row)
         known, guesses, beyond = np.where(ok, goal, known), held, np.where(ok, beyond, goal)
     return found
 
 
 def _refused(
-    direction: Direction, lines: int, rng: np.random.Generator
+    lines: Direction, count: int, rng: np.random.Generator
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Last given values that were OK, their guesses, and the refused ones after them, of lines that
     end within limits.
     """
-    home, coordinates = direction.home, direction.problem.known_coordinates
-    units = np.array([1.0 if c.is_angular else direction.size for c in coordinates])
+    coordinates = lines.problem.known_coordinates
+    units = np.array([1.0 if c.is_angular else lines.size for c in coordinates])
     low, high = np.array([c.limits or (-np.inf, np.inf) for c in coordinates]).T
-    _, known, guesses = home.repeated(lines)
+    _, known, guesses = lines.home.repeated(count)
     way = rng.normal(size=known.shape)
     step = _STEP * units * way / np.linalg.norm(way, axis=1, keepdims=True)
-    beyond, going, refused = known.copy(), np.ones(lines, bool), np.zeros(lines, bool)
+    beyond, going, refused = known.copy(), np.ones(count, bool), np.zeros(count, bool)
     for _ in range(_STEPS):
-        goal = direction.asked.rounded(known + step)
+        goal = lines.asked.rounded(known + step)
         going &= np.all((goal >= low) & (goal <= high), axis=1)
-        status, answers, _ = direction.answers(goal, guesses)
+        status, answers, _ = lines.answers(goal, guesses)
         ends = going & (status != 0)
         beyond[ends], refused, going = goal[ends], refused | ends, going & ~ends
         known = np.where(going[:, None], goal, known)

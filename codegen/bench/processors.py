@@ -10,12 +10,15 @@ import tempfile
 from pathlib import Path
 from shlex import split
 
-TARGETS = Path(__file__).parent.parent / "targets"
+BENCH = Path(__file__).resolve().parent
+TARGETS = BENCH.parent / "targets"
 BOARDS = {
     "M4F": ("mps2-an386", "-mcpu=cortex-m4 -mfpu=fpv4-sp-d16"),
     "M7": ("mps2-an500", "-mcpu=cortex-m7 -mfpu=fpv5-d16"),
 }
 """QEMU's machine and the compiler's flags of each board."""
+BOARD_OF = {"float": "M4F", "double": "M7"}
+"""The board that folders of a type of numbers run on."""
 HOST = "host"
 COMMON = "-O2 -std=c99 -ffp-contract=off -fno-math-errno"
 LIBRARIES = "-lm -lc -lgcc"
@@ -30,7 +33,7 @@ def compiled_for(processor: str, words: str, folder: Path, cc: str = "gcc") -> N
     """Run the processor's compiler in a folder."""
     arm = "" if processor == HOST else "arm-none-eabi-"
     flags = "" if processor == HOST else f"-mthumb -mfloat-abi=hard {BOARDS[processor][1]}"
-    subprocess.run(split(f"{arm}{cc} {COMMON} {flags} {words}"), cwd=folder, check=True)
+    run(f"{arm}{cc} {COMMON} {flags} {words}", folder)
 
 
 def linked(processor: str, words: str, folder: Path, cc: str = "gcc") -> Path:
@@ -42,14 +45,14 @@ def linked(processor: str, words: str, folder: Path, cc: str = "gcc") -> Path:
     return folder / "program"
 
 
-def said(processor: str, program: Path) -> str:
+def said(processor: str, program: Path, seconds: float | None = 300.0) -> str:
     """What a program says on stderr."""
     command = str(program)
     if processor != HOST:
         machine = f"-M {BOARDS[processor][0]} -nographic -icount shift={SHIFT}"
         semihosting = "-semihosting-config enable=on,target=native"
         command = f"qemu-system-arm {machine} {semihosting} -kernel {program}"
-    return _run(command, program.parent)
+    return run(command, program.parent, seconds)
 
 
 def counted(program: Path, call: str) -> list[int]:
@@ -58,14 +61,17 @@ def counted(program: Path, call: str) -> list[int]:
     """
     with tempfile.TemporaryDirectory() as dumps:
         within = f"--toggle-collect={call} --dump-after={call} {program.resolve()}"
-        _run(f"valgrind -q --tool=callgrind --callgrind-out-file=out {within}", Path(dumps))
+        run(f"valgrind -q --tool=callgrind --callgrind-out-file=out {within}", Path(dumps))
         numbered = sorted(Path(dumps).glob("out.*"), key=lambda path: int(path.suffix[1:]))
         totals = (re.search(r"^totals: (\d+)", path.read_text(), re.M) for path in numbered)
         return [int(total[1]) for total in totals if total]
 
 
-def _run(words: str, folder: Path) -> str:
-    command = split(words)
-    return subprocess.run(
-        command, cwd=folder, check=True, capture_output=True, text=True, timeout=300
-    ).stderr
+def run(words: str, folder: Path, seconds: float | None = 300.0) -> str:
+    """What a command says on stderr; raises RuntimeError with all that it says where it fails."""
+    done = subprocess.run(
+        split(words), cwd=folder, check=False, capture_output=True, text=True, timeout=seconds
+    )
+    if done.returncode != 0:
+        raise RuntimeError(f"{words}: {done.stdout}{done.stderr}, exit {done.returncode}")
+    return done.stderr

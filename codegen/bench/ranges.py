@@ -13,7 +13,6 @@ import numpy as np
 from directions import Direction, Outcome, Starts
 from symkin.codegen.map.rod_platform import RodPlatform
 from symkin.codegen.serial_arm import SerialArm
-from symkin.model.joint import Coordinate
 from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import multiply
 
@@ -48,12 +47,14 @@ def goals_about(lines: Direction, count: int, reach: Reach, rng: np.random.Gener
     """Joint values (count, joints) or a map's given ones: of poses about home, or about those of
     the reference; kept within limits. Of arms the tool's poses (count, 7) at such joint values.
     """
-    kind, size, mechanism = lines.kind, lines.size, lines.mechanism
-    joints = lines.problem.known_coordinates if lines.is_map else mechanism.actuated
+    kind, size = lines.kind, lines.size
+    is_map = lines.asked.kind == "map"
+    joints = lines.problem.known_coordinates if is_map else lines.asked.mechanism.actuated
     if isinstance(kind, RodPlatform):
-        poses = POSES.get(reach, reach)
-        made = (kind.lengths(_pose_about(kind.home, poses, size, rng)) for _ in range(count))
-        goals = np.array(list(made))
+        about = POSES.get(reach, reach)
+        goals = np.array(
+            [kind.lengths(_pose_about(kind.home, about, size, rng)) for _ in range(count)]
+        )
     else:
         middle = np.array([c.reference[0] for c in joints])
         spread = np.array([reach.turn if c.is_angular else reach.part * size for c in joints])
@@ -69,11 +70,9 @@ def goals_about(lines: Direction, count: int, reach: Reach, rng: np.random.Gener
 def _pose_about(home: Pose, reach: Reach, size: float, rng: np.random.Generator) -> Pose:
     shift = reach.part * size * rng.uniform(-1, 1, 3)
     turn = rng.uniform(-reach.turn, reach.turn, 3)
-    angle = float(np.linalg.norm(turn))
-    q = multiply(
-        np.array([np.cos(angle / 2), *(np.sin(angle / 2) / angle * turn)]),
-        np.asarray(home.quaternion),
-    )
+    half = 0.5 * float(np.linalg.norm(turn))
+    turned = np.array([np.cos(half), *(np.sin(half) / (2 * half) * turn)])
+    q = multiply(turned, np.asarray(home.quaternion))
     return Pose(np.asarray(home.position) + shift, np.asarray(q))
 
 
@@ -131,48 +130,46 @@ def _beside_folds(
 # --- arms -----------------------------------------------------------------------------------------
 
 
-def anywhere(lines: Direction, count: int, rng: np.random.Generator) -> Iterator[Outcome]:
+def anywhere(
+    lines: Direction, count: int, rng: np.random.Generator, *, folds: bool = False
+) -> Iterator[Outcome]:
     """Arms at joints anywhere, and goals at the poses of others, a random part of the way from the
-    first joints to such anywhere; the ends of these ways.
+    first joints to such anywhere. With `folds` goals from which lines graze folds: on the way of
+    the goal's joints to such anywhere the place from which on lines are stopped by a singularity is
+    bisected by walks, and goals lie on either side of it, ever nearer.
     """
     for first in range(0, count, BATCH):
-        yield lines.run(*_anywhere(lines, min(BATCH, count - first), rng), rng)
+        number = min(BATCH, count - first)
+        begin, end = (_joints_anywhere(lines, number, rng) for _ in range(2))
+        begin = lines.asked.rounded(begin)
+        starts = Starts(begin, _known_at(lines, begin), begin)
+        parts = 10.0 ** rng.uniform(-2.0, 0.0, (number, 1))
+        if folds:
+            end = _joints_anywhere(lines, number, rng)
+            parts = _folds(lines, starts, end - begin)
+            nearer = 10.0 ** -rng.uniform(1.0, 2.0 * _BESIDE[lines.real], parts.shape)
+            parts *= 1.0 + rng.choice([-1.0, 1.0], parts.shape) * nearer
+        yield lines.run(starts, _poses(lines, begin + parts * (end - begin)), rng)
 
 
-def towards_folds(lines: Direction, count: int, rng: np.random.Generator) -> Iterator[Outcome]:
-    """Arms at joints anywhere, and goals from which lines graze folds: on the way of the goal's
-    joints to such anywhere the place from which on lines are stopped by a singularity is bisected
-    by walks, and goals lie on either side of it, ever nearer.
-    """
-    for first in range(0, count, BATCH):
-        starts, _ = _anywhere(lines, min(BATCH, count - first), rng)
-        way = _joints_anywhere(lines, len(starts.guesses), rng) - starts.guesses
-        low, high = np.zeros((len(way), 1)), np.ones((len(way), 1))
-        for k in range(_BISECTED):
-            middle = high if k == 0 else 0.5 * (low + high)
-            goals = _poses(lines, starts.guesses + middle * way)
-            parts = lines.far_walker.reached(starts.unknowns, *lines.line(starts.known, goals))
-            passes = (parts.shortest > 0.0)[:, None]
-            low, high = np.where(passes, middle, low), np.where(passes, high, middle)
-        nearer = 10.0 ** -rng.uniform(1.0, 2.0 * _BESIDE[lines.real], low.shape)
-        beside = low * (1.0 + rng.choice([-1.0, 1.0], low.shape) * nearer)
-        yield lines.run(starts, _poses(lines, starts.guesses + beside * way), rng)
-
-
-def _anywhere(lines: Direction, count: int, rng: np.random.Generator) -> tuple[Starts, np.ndarray]:
-    begin, end = (_joints_anywhere(lines, count, rng) for _ in range(2))
-    begin = lines.asked.rounded(begin)
-    parts = 10.0 ** rng.uniform(-2.0, 0.0, (count, 1))
-    starts = Starts(begin, _known_at(lines, begin), begin)
-    return starts, _poses(lines, begin + parts * (end - begin))
+def _folds(lines: Direction, starts: Starts, way: np.ndarray) -> np.ndarray:
+    """The parts (n, 1) of ways of the goal's joints from which on lines are stopped."""
+    low, high = np.zeros((len(way), 1)), np.ones((len(way), 1))
+    for k in range(_BISECTED):
+        middle = high if k == 0 else 0.5 * (low + high)
+        goals = _poses(lines, starts.guesses + middle * way)
+        parts = lines.far_walker.reached(starts.unknowns, *lines.line(starts.known, goals))
+        passes = (parts.shortest > 0.0)[:, None]
+        low, high = np.where(passes, middle, low), np.where(passes, high, middle)
+    return low
 
 
 def _joints_anywhere(lines: Direction, count: int, rng: np.random.Generator) -> np.ndarray:
     """Joint values (count, joints) of an arm all over their ranges; whole turns and a third of the
     size where there is none.
     """
-    most = [np.pi if c.is_angular else lines.size / 3 for c in lines.mechanism.actuated]
-    spans = zip(most, lines.mechanism.actuated, strict=True)
+    most = [np.pi if c.is_angular else lines.size / 3 for c in lines.asked.mechanism.actuated]
+    spans = zip(most, lines.asked.mechanism.actuated, strict=True)
     low, high = np.array([c.limits or (-end, end) for end, c in spans]).T
     return np.asarray(rng.uniform(low, high, (count, len(low))))
 
@@ -204,8 +201,8 @@ def paths_of(lines: Direction, count: int, steps: int, rng: np.random.Generator)
     """Goals (steps, paths, known): sums of sines about home within limits; poses of an arm are
     those of such joints.
     """
-    arm = lines.mechanism.serial
-    coordinates = lines.mechanism.actuated if arm else lines.problem.known_coordinates
+    arm = lines.asked.mechanism.serial
+    coordinates = lines.asked.mechanism.actuated if arm else lines.problem.known_coordinates
     home = lines.home.unknowns[0] if arm else lines.home.known[0]
     time, goals = np.linspace(0.0, 1.0, steps)[:, None], []
     for middle, c in zip(home, coordinates, strict=False):
@@ -214,20 +211,16 @@ def paths_of(lines: Direction, count: int, steps: int, rng: np.random.Generator)
             for w in range(1, _WAVES + 1)
         )
         waves = (waves - waves[0]) / (2.0 * np.abs(waves).max() + 1e-30)
-        low, high = _path_range(c, middle, lines.size)
+        reach = _REACH * (1.0 if c.is_angular else 0.4 * lines.size)
+        limits = c.limits or (-np.inf, np.inf)
+        low, high = max(limits[0], middle - reach), min(limits[1], middle + reach)
         way = np.where(waves > 0, (high - middle) * waves, (middle - low) * waves)
         goals.append(middle + 0.98 * way)
     found = np.stack(goals, axis=-1)
     return np.array([_known_at(lines, row) for row in found]) if arm else found
 
 
-def _path_range(c: Coordinate, middle: float, size: float) -> tuple[float, float]:
-    reach = _REACH * (1.0 if c.is_angular else 0.4 * size)
-    low, high = c.limits or (-np.inf, np.inf)
-    return max(low, middle - reach), min(high, middle + reach)
-
-
-ARMS = {"anywhere": anywhere, "folds": towards_folds}
+ARMS = {"anywhere": anywhere, "folds": partial(anywhere, folds=True)}
 """Ranges of arms alone."""
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -45,23 +45,20 @@ class Row:
     def add(self, other: Row) -> None:
         """Take the counts of another row too."""
         most = max(self.most_steps, other.most_steps)
-        for key in (f.name for f in fields(self)):
-            setattr(self, key, getattr(self, key) + getattr(other, key))
+        for key, value in vars(other).items():
+            setattr(self, key, getattr(self, key) + value)
         self.most_steps = most
 
     def cells(self) -> dict[str, str]:
         """Cells of a table by their heads; empty where there is nothing to tell."""
-        counts = {"goals": self.goals, "OK": self.ok, "OK wrong": self.wrong}
-        rare = {f.name: getattr(self, f.name) for f in fields(self)[3:9]}
-        is_walked = bool(np.any(self.regular))
-        by_status = zip(STATUSES[1:], self.regular[1:], strict=True)
-        refused = (f"{status} {count:,.0f}" for status, count in by_status if count > 0.5)
-        return {
-            **{head: f"{count:,}" for head, count in counts.items()},
-            **{head: f"{count:,}" if count else "" for head, count in rare.items()},
-            "feasible taken": f"{self.taken:,} of {self.feasible:,}" if self.feasible else "",
-            "OK of regular lines": f"{self.ok_of_regular:.1f} %" if is_walked else "",
-            "refused regular lines": ", ".join(refused),
-            "mean steps": f"{self.steps / max(1, self.goals):.1f}" if self.steps else "",
-            "most steps": f"{self.most_steps}" if self.steps else "",
-        }
+        cells = {"goals": f"{self.goals:,}", "OK": f"{self.ok:,}", "OK wrong": f"{self.wrong:,}"}
+        for key in ("moved", "stuck", "anew", "slipped", "unread", "lost"):
+            cells[key] = f"{count:,}" if (count := getattr(self, key)) else ""
+        of = f"{self.taken:,} of {self.feasible:,}" if self.feasible else ""
+        share = f"{self.ok_of_regular:.1f} %" if np.any(self.regular) else ""
+        refused = zip(STATUSES[1:], self.regular[1:], strict=True)
+        told = ", ".join(f"{status} {count:,.0f}" for status, count in refused if count > 0.5)
+        steps = (f"{self.steps / max(1, self.goals):.1f}", f"{self.most_steps}")
+        mean, most = steps if self.steps else ("", "")
+        cells |= {"feasible taken": of, "OK of regular lines": share}
+        return cells | {"refused regular lines": told, "mean steps": mean, "most steps": most}

@@ -11,8 +11,10 @@ from pathlib import Path
 import numpy as np
 
 import symkin
-from asked import BENCH, Machine
+from asked import Asked
 from folders import generate
+from processors import BENCH
+from symkin.codegen.map.options import Options
 from symkin.errors import InputError, SymkinError
 from symkin.formats.load import load
 
@@ -51,29 +53,30 @@ GOLDEN = (
 """Those of the golden file."""
 
 
-def machine_of(source: str, given: str | None = None, find: str | None = None) -> Machine:
+def machine_of(source: str, given: str | None = None, find: str | None = None) -> Asked:
     """The machine of a name or a file, as a map where joints are given and found; a shipped one
     goes before one of `machines/`.
     """
     made = source in OTHERS and source not in SHIPPED
     sides = (given, find) if given and find else MAPS.get(source, "").split(" to ")
     names = [tuple(side.split(",")) for side in sides if side] or [(), ()]
-    return Machine(load(PLACE / f"{source}.toml" if made else source), *names, HOMES.get(source))
+    options = Options(home=HOMES.get(source), given=names[0], find=names[1])
+    return Asked(load(PLACE / f"{source}.toml" if made else source), options)
 
 
-def named() -> Iterator[Machine]:
+def named() -> Iterator[Asked]:
     """Shipped machines and those of bench/machines."""
     yield from map(machine_of, (*PLATFORMS, *ARMS))
     for made in (load(PLACE / f"{name}.toml") for name in OTHERS):
-        yield Machine(made)
+        yield Asked(made)
         if made.motion != "spatial":
             # the same without its motion: its pose is then of six numbers, of which its limbs leave
             # some
-            yield Machine(replace(made, name=f"{made.name}_six", motion="spatial"))
+            yield Asked(replace(made, name=f"{made.name}_six", motion="spatial"))
     yield from map(machine_of, MAPS)
 
 
-def drawn(seed: int, folder: Path) -> Iterator[Machine]:
+def drawn(seed: int, folder: Path) -> Iterator[Asked]:
     """Random machines: two of three of limbs, one a map of a graph, of tests/campaigns."""
     sys.path.append(str(BENCH.parents[1] / "tests"))
     files, graphs = map(
@@ -88,12 +91,13 @@ def drawn(seed: int, folder: Path) -> Iterator[Machine]:
             file.write_text(text.replace(f'name = "{name}"', f'name = "r{number}"', 1))
             mechanism = load(file)
             if not is_map:
-                yield Machine(mechanism)
+                yield Asked(mechanism)
                 continue
             names = [c.name for c in mechanism.coordinates if c.kind != "quaternion"]
             mobility = symkin.mobility(mechanism).mobility
             if 0 < mobility <= 3 and len(names) >= 2 * mobility:
                 chosen = [str(n) for n in rng.permutation(names)[: 2 * mobility]]
-                yield Machine(mechanism, tuple(chosen[:mobility]), tuple(chosen[mobility:]))
+                sides = tuple(chosen[:mobility]), tuple(chosen[mobility:])
+                yield Asked(mechanism, Options(given=sides[0], find=sides[1]))
         except (SymkinError, InputError):
             continue

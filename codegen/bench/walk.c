@@ -31,13 +31,6 @@ typedef struct {
 static casadi_int iw[SZ_IW + 1];
 static real w[SZ_W + 1];
 
-static void evaluate(const real *z, const real *begin, const real *goal, real part, point *at)
-{
-    const real *arg[SZ_ARG] = { z, begin, goal, &part };
-    real *res[SZ_RES] = { at->f, at->j, at->r };
-    linearised(arg, res, iw, w, 0);
-}
-
 static void moved(real *z, const real *step)
 {
     real to[WIDTH];
@@ -90,25 +83,6 @@ static int triangle(real *a, int m, int n, real *b, int count)
     return sign;
 }
 
-/* Solves a x = b for `count` right-hand sides in the least-squares sense; a is column-major, overwritten; false where it is singular.
- * Solutions stand in the first N entries of each b. */
-static int least_squares(real *a, real *b, int count)
-{
-    if (triangle(a, M, N, b, count) == 0) {
-        return 0;
-    }
-    for (int c = 0; c < count; ++c) {
-        real *x = b + c * M;
-        for (int k = N - 1; k >= 0; --k) {
-            for (int i = k + 1; i < N; ++i) {
-                x[k] -= a[i * M + k] * x[i];
-            }
-            x[k] /= a[k * M + k];
-        }
-    }
-    return 1;
-}
-
 /* Whether det(a^T b) > 0. */
 static int alike(const real *a, const real *b)
 {
@@ -129,17 +103,26 @@ static real corrected(real *z, const real *begin, const real *goal, real part, p
 {
     real a[M * N];
     real b[2 * M];
-    evaluate(z, begin, goal, part, at);
+    const real *arg[SZ_ARG] = { z, begin, goal, &part };
+    real *res[SZ_RES] = { at->f, at->j, at->r };
+    linearised(arg, res, iw, w, 0);
     memcpy(a, at->j, sizeof a);
     for (int i = 0; i < M; ++i) {
         b[i] = -at->f[i];
         b[M + i] = -at->r[i];
     }
-    if (!least_squares(a, b, 2)) {
-        return -1.0;
+    /* least squares: both solutions stand in the first N entries of each right-hand side */
+    const int regular = triangle(a, M, N, b, 2) != 0;
+    for (real *x = b; regular && x < b + 2 * M; x += M) {
+        for (int k = N - 1; k >= 0; --k) {
+            for (int i = k + 1; i < N; ++i) {
+                x[k] -= a[i * M + k] * x[i];
+            }
+            x[k] /= a[k * M + k];
+        }
     }
     const real length = norm(b, N);
-    if (!(length < SIZE)) {
+    if (!regular || !(length < SIZE)) {
         return -1.0;
     }
     moved(z, b);
@@ -204,24 +187,11 @@ static real follow(real *z, const real *begin, const real *goal, real longest, r
 }
 
 /* Many lines; z: begins, overwritten by ends. */
-void follow_all(int count, double longest, double *z, const double *begin, const double *goal, double *shortest, double *done)
+void follow_all(int count, double longest, real *z, const real *begin, const real *goal, double *shortest, double *done)
 {
     for (int k = 0; k < count; ++k) {
-        real unknowns[WIDTH];
-        real from[KNOWN];
-        real to[KNOWN];
         real part;
-        for (int i = 0; i < WIDTH; ++i) {
-            unknowns[i] = z[k * WIDTH + i];
-        }
-        for (int i = 0; i < KNOWN; ++i) {
-            from[i] = begin[k * KNOWN + i];
-            to[i] = goal[k * KNOWN + i];
-        }
-        shortest[k] = (double)follow(unknowns, from, to, longest, &part);
+        shortest[k] = (double)follow(z + k * WIDTH, begin + k * KNOWN, goal + k * KNOWN, longest, &part);
         done[k] = (double)part;
-        for (int i = 0; i < WIDTH; ++i) {
-            z[k * WIDTH + i] = (double)unknowns[i];
-        }
     }
 }

@@ -4,7 +4,7 @@ with callees, bytes.
     python codegen/bench/worst.py [FOLDER ...] [--write] [--seed 1]
 
 float folders run on the Cortex-M4F, double ones on the M7, at -O2. Instructions are the most of any
-call without a config over random inputs of all kinds (inputs.h: own vectors, goals up to the widest
+call without a config over random inputs of all kinds (drive.c: own vectors, goals up to the widest
 range, lines beyond it, NaN and numbers of any size) and over changes of the dearest ones. With
 --write the figures are kept in codegen/measured.json, from which generate.py writes them into the
 folders, and the table of codegen/README.md.
@@ -14,20 +14,17 @@ from __future__ import annotations
 
 import argparse
 import json
-import re
 import subprocess
 import tempfile
 from pathlib import Path
 from typing import Any
 
-from bench import PROCESSORS
-from calls import driver, manifest_of
+from calls import manifest_of, program
 from folders import FOLDERS, chosen
 from footprint import footprints
-from processors import TICK, linked, said
+from processors import BENCH, BOARD_OF, TICK, said
 from readme import table, written
 
-BENCH = Path(__file__).parent
 MEASURED = BENCH.parent / "measured.json"
 MOST_INPUTS = 40_000
 MOST_TICKS = 120_000_000
@@ -39,35 +36,33 @@ def measured(
 ) -> dict[str, Any]:
     """The figures of a folder, as the manifest has them."""
     name, _, manifest = manifest_of(folder)
-    board = PROCESSORS[manifest["options"]["real"]]
-    limits = f"-DSEED={seed} -DMOST_INPUTS={most_inputs}L -DMOST_TICKS={most_ticks}ULL"
-    with tempfile.TemporaryDirectory() as scratch:
-        place = Path(scratch)
-        words = f"{limits} {driver(folder, 'WORST', place)} {folder / name}.c"
-        told = said(board, linked(board, words, place))
-    rows = {f: (int(t), int(b)) for f, t, b in re.findall(r"^(\w+) (\d+) (\d+)$", told, re.M)}
+    board = BOARD_OF[manifest["options"]["real"]]
+    limits = f"-DSEED={seed} -DCOUNT={most_inputs}L -DMOST_TICKS={most_ticks}ULL"
+    with tempfile.TemporaryDirectory() as place:
+        told = said(board, program(folder, "worst.h", board, Path(place), limits))
+    rows = {f: list(map(int, numbers)) for f, *numbers in map(str.split, told.splitlines())}
     count, _ = rows.pop("inputs")
-    # a call that ends within a tick may have taken all of the next
-    searched = {f: (ticks + 1) * TICK for f, (ticks, _) in rows.items()}
-    touched = {f: stack for f, (_, stack) in rows.items()}
-    feet, whole, library = footprints(folder, name, list(searched), board)
+    feet, whole, library = footprints(folder, name, list(rows), board)
+    version = ["arm-none-eabi-gcc", "-dumpfullversion"]
+    version_said = subprocess.run(version, check=True, capture_output=True, text=True)
     return {
         "code": manifest["files"][f"{name}.c"],
         "processor": f"Cortex-{board}",
-        "compiler": f"GCC {_gcc_version()} -O2",
+        "compiler": f"GCC {version_said.stdout.strip()} -O2",
         "inputs": count,
         "seed": seed,
         "object_bytes": whole,
         "library": library,
         "functions": {
             f: {
-                "instructions": searched[f],
+                # a call that ends within a tick may have taken all of the next
+                "instructions": (ticks + 1) * TICK,
                 "stack": feet[f].stack,
-                "stack_touched": touched[f],
+                "stack_touched": touched,
                 "bytes": feet[f].own_bytes,
                 "bytes_with_library": feet[f].bytes,
             }
-            for f in searched
+            for f, (ticks, touched) in rows.items()
         },
     }
 
@@ -85,13 +80,6 @@ def figures_table(figures: dict[str, dict[str, Any]]) -> str:
         )
     heads = ("folder", "function", "instructions", "stack", "bytes", "with libm")
     return table([dict(zip(heads, row, strict=True)) for row in rows])
-
-
-def _gcc_version() -> str:
-    said = subprocess.run(
-        ["arm-none-eabi-gcc", "-dumpfullversion"], check=True, capture_output=True, text=True
-    )
-    return said.stdout.strip()
 
 
 def main() -> None:

@@ -8,7 +8,7 @@ machines that are made by them.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -124,9 +124,11 @@ class Oracle(Protocol):
     def pose(self, x: np.ndarray) -> list[float]:
         """x, y, z and quaternion of the platform at one configuration."""
 
-    def fitted(self, mode: Mapping[str, Any]) -> tuple[float, np.ndarray]:
+    def fitted(
+        self, mode: Mapping[str, Any], near: np.ndarray | None = None
+    ) -> tuple[float, np.ndarray]:
         """The closure error of a printed mode, over the size, with what it does not print fitted,
-        and the configuration."""
+        from a configuration `near` it first, and the configuration."""
 
     def others(self, given: Given, starts: int) -> Iterator[np.ndarray]:
         """Regular configurations at given values, from random starts."""
@@ -160,6 +162,21 @@ def _split(j: np.ndarray) -> tuple[np.ndarray, float]:
     return right[rank:], float(s[rank - 1] / s[0]) if rank else 1.0
 
 
+def _best(
+    batches: Iterable[np.ndarray], errors: Callable[[np.ndarray], np.ndarray]
+) -> tuple[float, np.ndarray]:
+    """The least error and its configuration, of the first batch that has one which closes."""
+    least, best = np.inf, np.zeros(0)
+    for x in batches:
+        left = errors(x)
+        k = int(np.argmin(left)) if len(left) else -1
+        if k >= 0 and left[k] < least:
+            least, best = float(left[k]), x[k]
+        if least < CLOSED:
+            break
+    return least, np.asarray(best)
+
+
 class Limbs:
     """A platform on limbs, or an arm."""
 
@@ -187,8 +204,10 @@ class Limbs:
         position, turned = self.m.pose(x[None])
         return [*position[0].tolist(), *matrix_quaternion(turned[0]).tolist()]
 
-    def fitted(self, mode: Mapping[str, Any]) -> tuple[float, np.ndarray]:
-        m, x, cut = self.m, self.m.reference.copy(), []
+    def fitted(
+        self, mode: Mapping[str, Any], near: np.ndarray | None = None
+    ) -> tuple[float, np.ndarray]:
+        m, x, cut = self.m, self.m.reference if near is None else near, []
         pose = np.array(mode["pose"])
         x = m.with_pose(x[None], pose[:3], pose[3:])[0]
         for i, n in enumerate(m.numbers):
@@ -196,15 +215,14 @@ class Limbs:
                 x[m.slices[i]] = np.ravel(mode["joints"][n.name]) * self._unit(i)
             elif n.role != "pose":
                 cut.append(i)
-        begin = x[None]
+        away = np.abs(np.array(self.pose(x))[:3] - pose[:3]).max() / m.size
+        starts, some = [x[None]], np.tile(x, (FITS, 1))
         if cut:
-            some = np.tile(x, (FITS, 1))
-            tried = search.random_configurations(m, some, cut, np.random.default_rng(0))
-            begin = search.solve(m, np.concatenate([begin, tried]), m.tangent(cut), 100)
-        left = m.residual(begin)
-        best = int(np.argmin(left))
-        away = np.abs(np.array(self.pose(begin[best]))[:3] - pose[:3]).max() / m.size
-        return max(float(left[best]), float(away)), np.asarray(begin[best])
+            starts.append(search.random_configurations(m, some, cut, np.random.default_rng(0)))
+        left, best = _best(
+            (search.solve(m, begin, m.tangent(cut), 100) for begin in starts), m.residual
+        )
+        return max(left, float(away)), best
 
     def others(self, given: Given, starts: int) -> Iterator[np.ndarray]:
         m, x = self.m, self.m.reference.copy()
@@ -297,20 +315,26 @@ class Links:
         x[:, 7 * i : 7 * i + 3], x[:, 7 * i + 3 : 7 * i + 7] = centre, q
         return x
 
-    def fitted(self, mode: Mapping[str, Any]) -> tuple[float, np.ndarray]:
+    def fitted(
+        self, mode: Mapping[str, Any], near: np.ndarray | None = None
+    ) -> tuple[float, np.ndarray]:
         g, first = self.g, 6 * len(self.g.names)
         listed = {k: c for k, c in enumerate(g.coordinates) if c.name in mode["joints"]}
         fixed = {k: float(mode["joints"][c.name]) * c.unit for k, c in listed.items()}
         free = np.setdiff1d(np.arange(g.freedom), [first + k for k in fixed if k not in g.idle])
-        begin = graphs.random_starts(g, FITS, fixed, np.random.default_rng(0))
+        starts = [graphs.random_starts(g, FITS, fixed, np.random.default_rng(0))]
+        if near is not None:
+            starts.insert(0, near[None].copy())
+            for k, value in fixed.items():
+                starts[0][:, 7 * len(g.names) + k] = value
         if mode["pose"] is not None:
-            begin = self._with_pose(begin, mode["pose"])
+            starts = [self._with_pose(begin, mode["pose"]) for begin in starts]
             i = g.platform
             free = np.setdiff1d(free, np.arange(6 * i, 6 * i + 6))
-        x = graphs.solve(g, begin, free)
-        left = np.max(np.abs(g.closure(x)[0]), axis=1, initial=0.0)
-        best = int(np.argmin(left))
-        return float(left[best]), np.asarray(x[best])
+        return _best(
+            (graphs.solve(g, begin, free) for begin in starts),
+            lambda x: np.max(np.abs(g.closure(x)[0]), axis=1, initial=0.0),
+        )
 
     def others(self, given: Given, starts: int) -> Iterator[np.ndarray]:
         g = self.g

@@ -22,10 +22,6 @@ def _one_folder_of_a_kind(_shared_folders_of_c):
         patch.setattr(
             module, "run_own_test", partial(firmware_tools.tested_once, module.run_own_test)
         )
-        # what calls the code itself needs no vectors; the campaign of this name runs own tests
-        patch.setattr(
-            firmware_tools.bench_module("asked"), "write_folder", firmware_tools.write_code
-        )
         yield
 
 

@@ -68,7 +68,7 @@ def walked(arm: symkin.Mechanism, count: int, reach: float, real: str = "double"
     """
     tools.compiler("gcc")
     asked, directions = tools.bench_module("asked"), tools.bench_module("directions")
-    lines = directions.direction_of(asked.Asked(arm, Options(real)), longest=1.0)
+    lines = directions.directions(asked.Asked(arm, Options(real)), longest=1.0)[0]
     rng, joints, size = np.random.default_rng(1), arm.actuated, arm.characteristic_length
     units = np.array([1.0 if c.is_angular else size / 3 for c in joints])
     free = [c.limits or (-math.pi * u, math.pi * u) for c, u in zip(joints, units, strict=True)]
@@ -147,7 +147,7 @@ def test_a_line_beside_the_folds_of_two_joints_is_refused() -> None:
     """
     tools.compiler("gcc")
     asked, directions = tools.bench_module("asked"), tools.bench_module("directions")
-    lines = directions.direction_of(asked.Asked(symkin.load("yao2020"), Options("double")))
+    (lines,) = directions.directions(asked.Asked(symkin.load("yao2020"), Options("double")))
     goals, guesses = (np.array(part) for part in zip(*TWO_FOLDS, strict=True))
     known = np.array([lines.kind.forward_at(q) for q in guesses])
     walked = lines.walker.reached(guesses, *lines.line(known, goals))
@@ -352,7 +352,7 @@ def test_an_answer_is_one_from_itself(name, real):
     tools.compiler("gcc")
     asked, directions = tools.bench_module("asked"), tools.bench_module("directions")
     arm = symkin.load(name)
-    lines, rng = directions.direction_of(asked.Asked(arm, Options(real))), np.random.default_rng(2)
+    lines, rng = directions.directions(asked.Asked(arm, Options(real)))[0], np.random.default_rng(2)
     low, high = np.array([c.limits or (-math.pi, math.pi) for c in arm.actuated]).T
     guesses = lines.asked.rounded(rng.uniform(low, high, (3000, len(low))))
     goals = lines.asked.rounded(np.array([lines.kind.forward_at(q) for q in guesses]))

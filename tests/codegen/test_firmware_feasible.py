@@ -137,8 +137,8 @@ def test_ok_of_a_platform_that_cannot_take_every_pose_closes_all_rows(name, real
     """
     tools.compiler("gcc")
     closes = tools.bench_module("closes")
-    machine = closes.Machine(symkin.load(MACHINES / f"{name}.toml"))
-    found = closes.closes(machine, real, 8, np.random.default_rng(3))
+    code = closes.Asked(symkin.load(MACHINES / f"{name}.toml"), Options(real))
+    found = closes.closes(code, 8, np.random.default_rng(3))
     assert found.wrong == 0, found.said
     assert found.ok > 0
     assert found.moved == 0

@@ -91,10 +91,11 @@ WRITTEN = {
 }
 
 
-def asked(machine, real, poses=24):
+def asked(made, poses, **options):
     tools.compiler("gcc")
     closes = tools.bench_module("closes")
-    return closes.closes(machine, real, poses, np.random.default_rng(3))
+    code = closes.Asked(made, Options(**options))
+    return closes.closes(code, poses, np.random.default_rng(3))
 
 
 @pytest.mark.slow
@@ -108,7 +109,7 @@ def test_ok_means_that_passive_joints_exist(written, real, poses, tmp_path):
     """
     made = as_limbs(tmp_path / "m.toml", **WRITTEN[written])
     assert LimbPlatform(made, Options(real), Real(real)).core is not None
-    tally = asked(tools.bench_module("closes").Machine(made), real, poses)
+    tally = asked(made, poses, real=real)
     assert tally.wrong == 0, tally.said
     assert tally.moved == 0, tally.said
     assert tally.taken == tally.feasible > 0
@@ -120,10 +121,8 @@ def test_ok_means_that_passive_joints_exist(written, real, poses, tmp_path):
 def test_ok_of_a_map_means_that_passive_joints_exist(poses, tmp_path):
     """The same machine as a graph."""
     made = as_graph(tmp_path / "m.toml")
-    machine = tools.bench_module("closes").Machine(
-        made, ("left_p", "right_p"), ("centre.angle", "centre.slide")
-    )
-    tally = asked(machine, "double", poses)
+    sides = {"given": ("left_p", "right_p"), "find": ("centre.angle", "centre.slide")}
+    tally = asked(made, poses, **sides)
     assert tally.wrong == 0, tally.said
     assert tally.moved == 0, tally.said
     assert 0 < tally.ok < tally.goals

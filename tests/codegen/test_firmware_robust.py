@@ -138,7 +138,7 @@ def test_not_one_ok_on_another_branch(name, count, real, least):
     tools.compiler("gcc")
     branches = tools.bench_module("branches")
     machine = tools.bench_module("subjects").machine_of(name)
-    found = branches.study(machine.mechanism, machine.options(real), count, seed=4)
+    found = branches.study(machine.of(real), count, seed=4)
     assert found.wrong == 0
     assert found.ok_of_regular > least
 
@@ -150,8 +150,7 @@ def test_all_near_goals_are_ok():
     branches = tools.bench_module("branches")
     machine = tools.bench_module("subjects").machine_of("zhang2009")
     near = branches.study(
-        machine.mechanism,
-        machine.options("float"),
+        machine.of("float"),
         200,
         tools.bench_module("ranges").Reach(60.0 / 531.2592, 0.25),
         seed=5,

@@ -38,7 +38,7 @@ def test_walks_keep_their_branch(name, real):
     make, turn, least = MECHANISMS[name]
     branches = tools.bench_module("branches")
     reach = tools.bench_module("ranges").Reach(0.2, turn)
-    found = branches.study(make(), Options(real), 30, reach, seed=6, legs=3)
+    found = branches.study(branches.Asked(make(), Options(real)), 30, reach, seed=6, legs=3)
     assert found.ok > 30
     assert found.wrong == 0
     assert found.ok_of_regular > least
@@ -209,10 +209,9 @@ FAR = {
 def test_far_goals_that_were_answered_wrongly(name):
     """What is OK is what the fine walk of the line reaches, and no line that ends is OK."""
     tools.compiler("gcc")
-    asked, directions, subjects = map(tools.bench_module, ("asked", "directions", "subjects"))
+    subjects, directions = tools.bench_module("subjects"), tools.bench_module("directions")
     real, goals = FAR[name]
-    machine = subjects.machine_of(name)
-    lines = directions.direction_of(asked.Asked(machine.mechanism, machine.options(real)))
+    (lines,) = directions.directions(subjects.machine_of(name).of(real))
     home = lines.home.repeated(len(goals))
     outcome = lines.run(home, np.array(goals), np.random.default_rng(0))
     assert not np.any(outcome.ok & ~outcome.right)
@@ -243,7 +242,7 @@ def test_a_regular_line_is_not_refused(name):
     tools.compiler("gcc")
     subjects, directions = tools.bench_module("subjects"), tools.bench_module("directions")
     real, guess, goal = (np.array([v]) for v in REGULAR[name])
-    (direction,) = directions.directions(subjects.machine_of(name), str(real[0]))
+    (direction,) = directions.directions(subjects.machine_of(name).of(str(real[0])))
     status, found, _ = direction.answers(goal, guess)
     assert status[0] == 0
     _, begin = direction.asked.back(guess)
@@ -279,7 +278,7 @@ def test_what_is_ok_beside_a_dead_centre_can_be_held(name, real):
     """
     tools.compiler("gcc")
     asked, grazes, directions = map(tools.bench_module, ("asked", "grazes", "directions"))
-    (direction,) = directions.directions(asked.Machine(GRAZES[name]()), real)
+    (direction,) = directions.directions(asked.Asked(GRAZES[name](), Options(real)))
     found = grazes.grazed(direction, 200, np.random.default_rng(3))
     assert found.ok > 500
     assert found.unread == 0, found.said
@@ -301,7 +300,7 @@ found coordinates by mechanism and type.
 def _map_directions(name, real):
     """Both directions of a map of `HELD`."""
     machine = tools.bench_module("subjects").machine_of(name, *HELD[name, real])
-    return tools.bench_module("directions").directions(machine, real)
+    return tools.bench_module("directions").directions(machine.of(real))
 
 
 @pytest.mark.slow
@@ -336,7 +335,7 @@ def test_a_slide_beside_zero_is_not_answered_on_the_other_side():
     the joint values back.
     """
     asked, directions = tools.bench_module("asked"), tools.bench_module("directions")
-    (direction,) = directions.directions(asked.Machine(_slides_on_arms()), "float")
+    (direction,) = directions.directions(asked.Asked(_slides_on_arms(), Options("float")))
     rng, home = np.random.default_rng(5), direction.home
     goal = np.array(
         [[1.9871028661727905, 3.0342817306518555, 5.613564968109131, 141.12986755371094]]

@@ -7,8 +7,6 @@ from __future__ import annotations
 import hashlib
 import json
 import re
-import shlex
-import subprocess
 from dataclasses import replace
 from pathlib import Path
 
@@ -118,13 +116,15 @@ def _counted(folder: str, place: Path, inputs: int) -> dict[str, dict[str, int]]
         (place / file).write_text(
             text.replace(f"typedef {real} {name}_real;", f"typedef number {name}_real;")
         )
-    driver = tools.bench_module("calls").driver(tools.folder(folder), "COUNTS", place)
-    flags = f"-std=gnu++17 -w -O1 -ffp-contract=off -DNUMBER={real} -x c++"
-    command = shlex.split(f"""{tools.compiler("g++")} {flags} '-DSOURCE="{name}.c"' {driver}""")
-    subprocess.run([*command, "-o", str(place / "counts")], check=True)
-    said = subprocess.run(
-        [str(place / "counts"), str(inputs), "3"], check=True, capture_output=True, text=True
-    ).stdout
+    processors, calls = tools.bench_module("processors"), tools.bench_module("calls")
+    helpers = Path(tools.__file__).parent
+    driver = calls.driver(tools.folder(folder), helpers / "count_hooks.h", place)
+    called = (place / "calls.h").read_text()
+    counting = f'#include "{helpers / "counted.h"}"\n#include "{name}.c"\n'
+    (place / "calls.h").write_text(counting + called)
+    flags = f"-x c++ -std=gnu++17 -w -O1 -DNUMBER={real} -DCOUNT={inputs}L -DSEED=3"
+    tools.compiler("g++")
+    said = processors.said("host", processors.linked("host", f"{flags} {driver}", place, "g++"))
     rows = [line.split() for line in said.splitlines()]
     return {row[0]: dict(zip(OPERATIONS, map(int, row[1:]), strict=True)) for row in rows}
 

@@ -209,7 +209,7 @@ def test_quick_campaign(name, real):
     tools.compiler("gcc")
     branches = tools.bench_module("branches")
     reach, machine = tools.bench_module("ranges").WIDEST, load(str(MACHINES / f"{name}.toml"))
-    found = branches.study(machine, Options(real), 400, reach, seed=9, legs=2)
+    found = branches.study(branches.Asked(machine, Options(real)), 400, reach, seed=9, legs=2)
     assert found.said == []
     assert found.ok > 100
     assert found.ok_of_regular > 80
@@ -230,7 +230,7 @@ def test_a_wrong_ok_is_found(monkeypatch):
 
     monkeypatch.setattr(asked.Asked, "answers", careless)
     reach = tools.bench_module("ranges").WIDEST
-    found = branches.study(wide_five_bar("planar"), Options("double"), 50, reach, seed=1)
+    found = branches.study(asked.Asked(wide_five_bar("planar")), 50, reach, seed=1)
     assert found.wrong == len(found.said) > 10
     assert "goal [" in found.said[0]
     assert "guess [" in found.said[0]

@@ -5,7 +5,7 @@
 
 enum { ADDITIONS, MULTIPLICATIONS, DIVISIONS, SQRT, SIN, COS, ATAN2, OPERATIONS };
 struct tally {
-    long of[OPERATIONS] = {};
+    unsigned int of[OPERATIONS] = {};
 };
 static tally counted;
 
