@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import ctypes
 import tempfile
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -13,7 +12,6 @@ from typing import NamedTuple
 import numpy as np
 
 from continuation import library
-from processors import BENCH
 from symkin.codegen.map.options import Options
 from symkin.codegen.map.program import Program, build_program
 from symkin.model.mechanism import Mechanism
@@ -56,26 +54,40 @@ class Asked:
         """Values as the code's numbers are."""
         return values.astype(self.number).astype(float)
 
-    def answers(self, goals: np.ndarray, guesses: np.ndarray, way: str = "ask_all") -> Answers:
-        """Answers to each goal from each guess, of a map's inverse problem by `way` "ask_inverse";
+    def answers(self, goals: np.ndarray, guesses: np.ndarray, way: str = "") -> Answers:
+        """Answers to each goal from each guess, by `way` "inverse" of a map its inverse problem;
         what is not found is zero.
         """
-        status, steps = np.zeros((2, len(goals)), np.int32)
-        found = np.zeros(guesses.shape, self.number)
-        self._call(way, [goals, guesses], [found, status, steps])
-        return Answers(status, found.astype(float), steps)
+        way = way or ("inverse" if self.mechanism.serial else "direct")
+        found, info = np.zeros(guesses.shape, self.number), np.zeros((len(goals), 64), np.uint8)
+        status = self._called(way, (goals, guesses), (found, info), None)
+        return Answers(status, found.astype(float), info[:, 0].astype(int))
 
     def back(self, found: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Statuses and goals that the other problem gives for what was found."""
-        width = 7 if self.mechanism.serial else len(self.mechanism.actuated)
-        goals, status = np.zeros((len(found), width), self.number), np.zeros(len(found), np.int32)
-        self._call("back_all", [found], [goals, status])
-        return status, goals.astype(float)
+        width, way = len(self.mechanism.actuated), "inverse"
+        if self.mechanism.serial:
+            width, way = 7, "direct"
+        goals = np.zeros((len(found), width), self.number)
+        return self._called(way, (found,), (goals,)), goals.astype(float)
 
-    def _call(self, name: str, given: Sequence[np.ndarray], results: Sequence[np.ndarray]) -> None:
+    def _called(
+        self,
+        function: str,
+        given: tuple[np.ndarray, ...],
+        results: tuple[np.ndarray, ...],
+        *first: None,
+    ) -> np.ndarray:
+        """Statuses of calls of a function with each row of arrays; results are written into theirs.
+        The number of steps stands first in an info.
+        """
         arrays = [*(np.ascontiguousarray(values, self.number) for values in given), *results]
-        places = (ctypes.c_void_p(array.ctypes.data) for array in arrays)
-        getattr(self._library, name)(len(given[0]), *places)
+        call = getattr(self._library, f"{self.mechanism.name}_{function}")
+        call.argtypes = [ctypes.c_void_p] * (len(first) + len(arrays))
+        widths = (a.shape[1] * a.itemsize for a in arrays)
+        begins = (a.ctypes.data for a in arrays)
+        at = (range(b, b + len(given[0]) * w, w) for b, w in zip(begins, widths, strict=True))
+        return np.array([call(*first, *row) for row in zip(*at, strict=True)], int)
 
     @cached_property
     def program(self) -> Program:
@@ -83,12 +95,8 @@ class Asked:
 
     @cached_property
     def _library(self) -> ctypes.CDLL:
-        """ask.c with the code."""
         name = self.mechanism.name
-        joints = len(self.options.given) or len(self.mechanism.actuated)
-        macros = f"""-D'HEADER="{name}.h"' -DREAL={self.options.real} -D'OF(x)={name}_##x'"""
-        macros += f" -DJOINTS={joints} -D{self.kind.upper()}"
         with tempfile.TemporaryDirectory() as place:
             for suffix, text in (("h", self.program.header), ("c", self.program.source)):
                 Path(place, f"{name}.{suffix}").write_text(text)
-            return library(Path(place), f"{macros} {BENCH / 'ask.c'} {name}.c")
+            return library(Path(place), f"{name}.c")

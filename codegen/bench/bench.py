@@ -23,6 +23,8 @@ from folders import FOLDERS, chosen
 from processors import BOARD_OF, HOST, TICK, counted, said
 from readme import table, told, written
 from subjects import HOME, machine_of
+from symkin.codegen.folder.own_test_text import vectors_text
+from symkin.codegen.folder.vectors import Vectors
 from symkin.codegen.map.options import Options
 from symkin.codegen.map.program import build_program
 from symkin.codegen.map.rod_platform import RodPlatform, sample_poses
@@ -78,7 +80,8 @@ def _about_home(chosen: dict[str, object]) -> str:
     from home, and from within 0.2 mm and 1 mrad of the answer.
     """
     options = Options(chosen["real"], chosen["home_relative"], chosen["geometry"], HOME)  # type: ignore[arg-type]
-    platform = build_program(machine_of("zhang2009").mechanism, options).kind
+    program = build_program(machine_of("zhang2009").mechanism, options)
+    platform = program.kind
     assert isinstance(platform, RodPlatform)  # noqa: S101 - six rods
     system = build_problem(platform.mechanism, actuated_names(platform.mechanism)).system
     rng, rows = np.random.default_rng(3), defaultdict[str, list[object]](list)
@@ -93,12 +96,10 @@ def _about_home(chosen: dict[str, object]) -> str:
         rows["joints"] += [given, given]
         rows["guesses"] += [platform.stated(platform.home), near]
         rows["poses"] += [[*(z[:3] - origin), *z[3:]]] * 2
-    lines = [f"#define {platform.name.upper()}_VECTORS 128"]
-    for what, values in rows.items():
-        numbers = ", ".join(platform.real.hexadecimal(float(v)) for v in np.ravel(values))
-        kind = f"static const {platform.name}_real {platform.name}_vector_{what}"
-        lines.append(f"{kind}[128][{np.shape(values)[1]}] = {{ {numbers} }};")
-    return "\n".join(lines) + "\n"
+    answers = {what: np.array(values) for what, values in rows.items()} | {"jacobians": []}
+    return vectors_text(
+        program, Vectors(bounds=np.ones(128), answers=answers, refused={}, places={}, blamed=[])
+    )
 
 
 def main() -> None:

@@ -87,16 +87,16 @@ class Outcome:
 
 @dataclass(frozen=True, eq=False)
 class Direction:
-    """One problem of one machine's code, a function of ask.c, and the closure that it solves. Of
-    arms and maps the places of what is found among the unknowns, of a map the problem that leads
-    `back`; platforms find poses.
+    """One problem of one machine's code, by its function, and the closure that it solves. Of arms
+    and maps the places of what is found among the unknowns, of a map the problem that leads `back`;
+    platforms find poses.
     """
 
     asked: Asked
     problem: Problem
     longest: float = LONGEST
     solved_by: str = ""
-    way: str = "ask_all"
+    way: str = ""
     places: np.ndarray | None = None
     back: Direction | None = None
 
@@ -279,8 +279,8 @@ def directions(asked: Asked, longest: float = LONGEST) -> list[Direction]:
     if isinstance(kind, JointMap):
         found = []
         for way, function, wanted in (
-            (kind.direct, "ask_all", asked.options.find),
-            (kind.inverse, "ask_inverse", asked.options.given),
+            (kind.direct, "direct", asked.options.find),
+            (kind.inverse, "inverse", asked.options.given),
         ):
             by = "map, formulas" if way.is_closed else "map, Newton"
             places = np.array([way.problem.system.places[name].start for name in wanted])
