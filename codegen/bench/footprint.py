@@ -7,14 +7,12 @@ those of libm as their code pushes.
 from __future__ import annotations
 
 import re
-import subprocess
 import tempfile
 from collections import defaultdict
 from dataclasses import dataclass
 from pathlib import Path
-from shlex import split
 
-from processors import BOARDS, LIBRARIES, compiled_for
+from processors import BOARDS, LIBRARIES, compiled_for, run
 
 _FRAME = re.compile(r"\t(push|vpush|stmdb|sub(?:\.w|w)?|str(?:\.w|d)?|vstmdb)\s+(.*)")
 _JUMP = re.compile(
@@ -40,23 +38,21 @@ def footprints(
     it calls.
     """
     with tempfile.TemporaryDirectory() as scratch:
-        place = Path(scratch)
+        place, roots = Path(scratch), [f"{name}_{f}" for f in functions]
         sections = "-ffunction-sections -fdata-sections -fcallgraph-info=su"
         compiled_for(board, f"{sections} -I{folder} -c {folder / name}.c -o z.o", place)
-        library = _run("nm -u z.o", place).split()[1::2]
         frames, calls = call_graph(next(place.glob("*.ci")).read_text())
-        linked = [_linked([f"{name}_{f}"], board, place, with_library=True) for f in functions]
-        alone = [_linked([f"{name}_{f}"], board, place, with_library=False) for f in functions]
-        _linked([f"{name}_{f}" for f in functions], board, place, with_library=True)
-        pushed, jumps = disassembled(_run("objdump -d --no-show-raw-insn z.elf", place))
+        alone = "-nostdlib -Wl,--unresolved-symbols=ignore-all"
+        sizes = [[_linked([f], board, place, o) for o in (alone, LIBRARIES)] for f in roots]
+        _linked(roots, board, place, LIBRARIES)
+        pushed, jumps = disassembled(_tool("objdump -d --no-show-raw-insn z.elf", place))
         for callee in (set().union(*calls.values()) - set(frames)) & set(pushed):
             frames[callee] = depth(callee, pushed, jumps)
         found = {
-            f: Footprint(depth(f"{name}_{f}", frames, calls), own, whole)
-            for f, own, whole in zip(functions, alone, linked, strict=True)
+            function: Footprint(depth(root, frames, calls), *size)
+            for function, root, size in zip(functions, roots, sizes, strict=True)
         }
-        total = _run("size z.o", place).splitlines()[1].split()
-        return found, sum(int(v) for v in total[:3]), sorted(library)
+        return found, _size("z.o", place), sorted(_tool("nm -u z.o", place).split()[1::2])
 
 
 def call_graph(text: str) -> tuple[dict[str, int], dict[str, set[str]]]:
@@ -126,15 +122,18 @@ def depth(
     )
 
 
-def _linked(roots: list[str], board: str, place: Path, *, with_library: bool) -> int:
-    """Bytes of code, constants and data of what some functions need."""
+def _linked(roots: list[str], board: str, place: Path, others: str) -> int:
+    """Bytes of code, constants and data of what some functions need, with other parts of a link."""
     wanted = " ".join(f"-Wl,-u,{root}" for root in roots)
-    others = LIBRARIES if with_library else "-nostdlib -Wl,--unresolved-symbols=ignore-all"
     link = f"-nostartfiles -Wl,--gc-sections -Wl,-e,{roots[0]} {wanted} z.o {others} -o z.elf"
-    _run(f"gcc -mthumb -mfloat-abi=hard {BOARDS[board][1]} {link}", place)
-    return sum(int(v) for v in _run("size z.elf", place).splitlines()[1].split()[:3])
+    _tool(f"gcc -mthumb -mfloat-abi=hard {BOARDS[board][1]} {link}", place)
+    return _size("z.elf", place)
 
 
-def _run(words: str, place: Path) -> str:
-    command = split(f"arm-none-eabi-{words}")
-    return subprocess.run(command, cwd=place, check=True, capture_output=True, text=True).stdout
+def _size(file: str, place: Path) -> int:
+    """Bytes of code, constants and data of a file."""
+    return sum(int(v) for v in _tool(f"size {file}", place).splitlines()[1].split()[:3])
+
+
+def _tool(words: str, place: Path) -> str:
+    return run(f"arm-none-eabi-{words}", place).stdout

@@ -52,7 +52,7 @@ def said(processor: str, program: Path, seconds: float | None = 300.0) -> str:
         machine = f"-M {BOARDS[processor][0]} -nographic -icount shift={SHIFT}"
         semihosting = "-semihosting-config enable=on,target=native"
         command = f"qemu-system-arm {machine} {semihosting} -kernel {program}"
-    return run(command, program.parent, seconds)
+    return run(command, program.parent, seconds).stderr
 
 
 def counted(program: Path, call: str) -> list[int]:
@@ -67,11 +67,13 @@ def counted(program: Path, call: str) -> list[int]:
         return [int(total[1]) for total in totals if total]
 
 
-def run(words: str, folder: Path, seconds: float | None = 300.0) -> str:
-    """What a command says on stderr; raises RuntimeError with all that it says where it fails."""
+def run(
+    words: str, folder: Path, seconds: float | None = 300.0
+) -> subprocess.CompletedProcess[str]:
+    """Run a command in a folder; raises RuntimeError with all that it says where it fails."""
     done = subprocess.run(
         split(words), cwd=folder, check=False, capture_output=True, text=True, timeout=seconds
     )
     if done.returncode != 0:
         raise RuntimeError(f"{words}: {done.stdout}{done.stderr}, exit {done.returncode}")
-    return done.stderr
+    return done

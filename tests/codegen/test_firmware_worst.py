@@ -242,6 +242,18 @@ def test_measured_again_nothing_is_exceeded(folder):
             )
 
 
+def test_the_dearest_input_of_a_code_is_not_forgotten():
+    """Searches of the same code, one luckier than the other; those of another code say nothing."""
+    remembered = tools.bench_module("worst").remembered
+    lucky, other = (
+        {"code": "a", "compiler": "c", "processor": "p", "functions": {"f": {"instructions": n}}}
+        for n in (90, 40)
+    )
+    for first, second in ((lucky, other), (other, lucky)):
+        assert remembered(first, second)["functions"]["f"]["instructions"] == 90
+    assert remembered({**lucky, "code": "b"}, other) == remembered(None, other) == other
+
+
 # --- sums of stacks -------------------------------------------------------------------------------
 
 
