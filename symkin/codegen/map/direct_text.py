@@ -10,9 +10,11 @@ from dataclasses import dataclass
 import casadi as ca
 import numpy as np
 
+from symkin.closure.snapping import snapped_expression
 from symkin.codegen.closed_limb import BESIDE, READ_AGAIN, LimbFormulas, side_lines
 from symkin.codegen.map.limb_platform import LimbBlock, LimbPlatform
 from symkin.codegen.map.record import Source
+from symkin.codegen.steps.composed import Composed
 from symkin.codegen.steps.direct_formulas import DirectFormulas
 from symkin.codegen.steps.formula_guards import RESOLVED
 from symkin.codegen.steps.guard_text import GuardText
@@ -62,15 +64,11 @@ class DirectText(Source):
 
     @property
     def unknowns(self) -> tuple[Coordinate, ...]:
-        return self.found.formulas.system.unknowns
-
-    @cached_property
-    def count(self) -> int:
-        return sum(len(places) for places in self.joint_places.values())
+        return self.made.direct.system.unknowns
 
     @cached_property
     def u(self) -> ca.SX:
-        return ca.SX.sym("u", self.count)
+        return ca.SX.sym("u", self.found.form.known.numel())
 
     @cached_property
     def y(self) -> ca.SX:
@@ -82,7 +80,7 @@ class DirectText(Source):
 
     def places(self, system: System) -> list[tuple[ca.SX, str]]:
         """Symbols of a system's coordinates with their names."""
-        whole = system is self.found.formulas.system
+        whole = system is self.made.direct.system
         known = self.made.direct.known_coordinates if whole else self.made.inverse.known_coordinates
         parts = ((system.unknowns, system.unknown), (known, system.known))
         return [
@@ -91,11 +89,15 @@ class DirectText(Source):
             for k, c in enumerate(coordinates)
         ]
 
-    def signed(self, expression: ca.SX) -> ca.SX:
-        """An expression in which roots have their signs."""
-        return ca.substitute(
-            expression, self.found.formulas.signs, ca.SX.ones(*self.found.formulas.signs.shape)
-        )
+    def of_numbers(self, expression: ca.SX, known: ca.SX) -> ca.SX:
+        """An expression of the formulas by the known numbers."""
+        per = [
+            c.unit(1.0 / self.found.unit)
+            for c in self.made.actuated
+            for _ in self.joint_places[c.name]
+        ]
+        expression = ca.substitute(expression, self.found.form.known, known * ca.DM(per))
+        return snapped_expression(expression, [stacked(ca.symvar(expression))])
 
     @cached_property
     def generators(self) -> dict[str, Numbers]:
@@ -137,7 +139,7 @@ class DirectText(Source):
         """Statements that read a guess: joints by the limbs, signs and guards of the direct
         problem.
         """
-        made, found, formulas = self.made, self.found, self.found.formulas
+        made, form = self.made, self.found.form
         x, roots, limits = ca.SX.sym("x", 7), list[ca.SX](), list[float]()
         taken, discriminants = restricted(made.geometry, x), list[ca.SX]()
         generators, lengths = dict[str, Numbers](), iter(taken.lengths)
@@ -152,19 +154,25 @@ class DirectText(Source):
                 roots.append(own[0])
                 discriminants.append(own[1])
                 limits += own[2]
-        places = self.places(formulas.system)
-        told = self._told(lifted(self.signed(formulas.told), places, generators, formulas.roots))
-        divisors, reaches = (
-            lifted(part, places, generators, formulas.roots)
-            for part in (
-                formulas.divisors,
-                stacked(reach.of_configuration for reach in found.whole.reaches),
+        at = ca.vertcat(*(part for c in made.actuated for part in generators[c.name].parts))
+        there = Composed({name: [self._over_unit(own)] for name, own in generators.items()})
+        told, reaches = (
+            self.of_numbers(stacked(parts), at)
+            for parts in (
+                (there.told(part, part.form) for part in form.whole.parts if part.form),
+                (form.by_numbers(reach.value, there.numbers) for reach in form.reaches),
             )
         )
-        guards = ca.vertcat(*(guard.of(told**2, reaches, divisors) for guard in found.guards))
-        at = ca.vertcat(*(part for c in made.actuated for part in generators[c.name].parts))
+        told, divisors = self._told(told), self.of_numbers(form.divisors, at)
+        guards = ca.vertcat(*(g.of(told**2, reaches, divisors) for g in self.found.guards))
         outputs = [stacked(discriminants), at, told, guards, stacked(taken.off)]
         return self._read(x, stacked(roots), outputs, limits)
+
+    def _over_unit(self, numbers: Numbers) -> Numbers:
+        """The numbers of a coordinate as the formulas read them."""
+        if numbers.value is None:
+            return numbers
+        return Numbers.of((numbers.value * (1.0 / self.found.unit),))
 
     def _joints(
         self, block: LimbBlock, generators: dict[str, Numbers]
@@ -226,7 +234,7 @@ class DirectText(Source):
 
     def _told(self, told: ca.SX) -> ca.SX:
         """What tells each sign, with those before put in: sign times root."""
-        roots, parts = self.found.formulas.roots, list[ca.SX]()
+        roots, parts = self.found.form.roots, list[ca.SX]()
         for part in told.elements():
             for j, before in enumerate(parts):
                 part = ca.substitute(part, roots[j], before)
@@ -251,7 +259,7 @@ class DirectText(Source):
         """Rows, sides of the limbs' choices and numbers of the pose, over u, y and the half
         turn.
         """
-        made, system, none = self.made, self.found.formulas.system, ca.SX(0, 1)
+        made, system, none = self.made, self.made.direct.system, ca.SX(0, 1)
         half = Numbers.of((self.half[0], self.half[1]), is_half=True)
         generators = self.generators | {c.name: half for c in self._turns}
         try:
