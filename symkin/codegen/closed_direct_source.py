@@ -121,27 +121,20 @@ class ClosedDirectSource(DirectText):
     @property
     def _formula_lines(self) -> list[str]:
         """Statements of roots, unknowns and guards."""
-        form, real, guards = self.found.form, self.real, self.found.guards
+        form, real = self.found.form, self.real
         numbers = (form.whole.numbers[c.name][0] for c in self.unknowns)
         unknowns = (
             part * (1.0 if len(n.parts) == 2 else self.found.unit)
             for n in numbers
             for part in n.parts
         )
-        discriminants, unknown, divisors, reaches = (
-            self.of_numbers(e, self.u)
-            for e in (
-                stacked(c.value for c in form.discriminants),
-                stacked(unknowns),
-                form.divisors,
-                stacked(form.by_numbers(r.value, form.whole.numbers) for r in form.reaches),
-            )
-        )
+        discriminants = [c.value for c in form.discriminants]
         outputs = [
-            discriminants,
-            unknown,
-            stacked(g.of(discriminants, reaches, divisors) for g in guards),
+            stacked(discriminants),
+            stacked(unknowns),
+            self.guards_of(discriminants, form.whole, form.divisors),
         ]
+        outputs = [self.of_numbers(e, self.u) for e in outputs]
         outputs = gathered(outputs, [self.u, form.roots], self.turns)
         inputs = [(self.u, "w->u"), (form.roots, [f"r{k + 1}" for k in range(form.roots.numel())])]
         emitter = Emitter.of(real, inputs, *outputs)

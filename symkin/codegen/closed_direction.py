@@ -159,8 +159,8 @@ class ClosedDirection(Source):
         """
         found = list[Guard]()
         for j, one in enumerate(self.conditions):
-            choice = None if one.root is None else j
-            made = Guard(one.name, choice, None, (), self._factors[j], "proved", ())
+            place = None if one.root is None else j
+            made = Guard(one.name, place, (), self._factors[j], "proved", ())
             found.append(self._bounded(made, j, found))
         smaller = any(
             np.max(g.bounds[0].plain) < _SMALLER * np.max(g.bounds[-1].plain) for g in found
@@ -317,11 +317,9 @@ class ClosedDirection(Source):
     def _told_lines(self) -> list[str]:
         """Statements of the signs of a configuration, and of its conditions."""
         made, known, unknown = self.formulas, self.direction.known, self.direction.unknown
-        there = Composed(numbers_by_name(known, made.known) | numbers_by_name(unknown, self.state))
-        told = list[ca.SX]()
-        for part in self.direction.parts:
-            if part.form is not None:
-                told += there.told(part, part.form).elements()
+        numbers = numbers_by_name(known, made.known) | numbers_by_name(unknown, self.state)
+        there = Composed(self.direction.problem.closure, numbers)
+        told = [e for form in made.whole.forms for e in there.written(form.told, form).elements()]
         inputs = [made.known, self.state, made.roots]
         divisors = [one.value for one in self.conditions if one.root is None]
         names = ("k", "x", [f"r{k + 1}" for k in range(len(told))])

@@ -4,29 +4,28 @@ formulas, and how the answer is checked and written.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import casadi as ca
 import numpy as np
 
-from symkin.closure.snapping import snapped_expression
 from symkin.codegen.closed_limb import BESIDE, READ_AGAIN, LimbFormulas, side_lines
 from symkin.codegen.map.limb_platform import LimbBlock, LimbPlatform
 from symkin.codegen.map.record import Source
-from symkin.codegen.steps.composed import Composed
+from symkin.codegen.steps.composed import Composed, snapped
 from symkin.codegen.steps.direct_formulas import DirectFormulas
 from symkin.codegen.steps.formula_guards import RESOLVED
 from symkin.codegen.steps.guard_text import GuardText
 from symkin.codegen.steps.newton_kernel import rounded
 from symkin.codegen.steps.newton_source import tolerance_of
 from symkin.codegen.steps.pose_coordinates import POSE, off_motion, restricted
-from symkin.codegen.text.angles import NotLiftedError, Numbers, lifted
+from symkin.codegen.text.angles import NotLiftedError, Numbers
 from symkin.codegen.text.c import Emitter
 from symkin.codegen.text.gathered import gathered
 from symkin.computed_once import cached_property
+from symkin.elimination.closed_form import ClosedForm
 from symkin.model.joint import Coordinate, places_of
-from symkin.numeric.system import System
 from symkin.spatial.backend import stacked
 
 _SMALL_SHARE = 1.0 / 64
@@ -78,17 +77,6 @@ class DirectText(Source):
     def half(self) -> ca.SX:
         return ca.SX.sym("h", 2)
 
-    def places(self, system: System) -> list[tuple[ca.SX, str]]:
-        """Symbols of a system's coordinates with their names."""
-        whole = system is self.made.direct.system
-        known = self.made.direct.known_coordinates if whole else self.made.inverse.known_coordinates
-        parts = ((system.unknowns, system.unknown), (known, system.known))
-        return [
-            (symbols[k], c.name)
-            for coordinates, symbols in parts
-            for k, c in enumerate(coordinates)
-        ]
-
     def of_numbers(self, expression: ca.SX, known: ca.SX) -> ca.SX:
         """An expression of the formulas by the known numbers."""
         per = [
@@ -96,8 +84,23 @@ class DirectText(Source):
             for c in self.made.actuated
             for _ in self.joint_places[c.name]
         ]
-        expression = ca.substitute(expression, self.found.form.known, known * ca.DM(per))
-        return snapped_expression(expression, [stacked(ca.symvar(expression))])
+        return snapped(ca.substitute(expression, self.found.form.known, known * ca.DM(per)))
+
+    def guards_of(self, squares: Sequence[ca.SX], at: Composed, divisors: ca.SX) -> ca.SX:
+        """The guards by the squares of all roots, the numbers of coordinates and divisors."""
+        form = self.found.form
+        reaches = (at.written(reach.value) for reach in form.reaches)
+        watched = stacked([*squares[: form.pose_choices], *reaches])
+        return stacked(guard.of(watched, divisors) for guard in self.found.guards)
+
+    def _over(
+        self, expression: ca.SX, numbers: Mapping[str, Numbers], form: ClosedForm | None = None
+    ) -> ca.SX:
+        """An expression of the closure's variables, and of a form's roots, over the numbers of
+        coordinates. Raises NotLiftedError.
+        """
+        whole = Composed(self.made.closure, {name: [own] for name, own in numbers.items()})
+        return snapped(whole.written(expression, form))
 
     @cached_property
     def generators(self) -> dict[str, Numbers]:
@@ -155,16 +158,11 @@ class DirectText(Source):
                 discriminants.append(own[1])
                 limits += own[2]
         at = ca.vertcat(*(part for c in made.actuated for part in generators[c.name].parts))
-        there = Composed({name: [self._over_unit(own)] for name, own in generators.items()})
-        told, reaches = (
-            self.of_numbers(stacked(parts), at)
-            for parts in (
-                (there.told(part, part.form) for part in form.whole.parts if part.form),
-                (form.by_numbers(reach.value, there.numbers) for reach in form.reaches),
-            )
-        )
-        told, divisors = self._told(told), self.of_numbers(form.divisors, at)
-        guards = ca.vertcat(*(g.of(told**2, reaches, divisors) for g in self.found.guards))
+        numbers = {name: [self._over_unit(own)] for name, own in generators.items()}
+        there = Composed(form.whole.closure, numbers)
+        told = self._told(stacked(there.written(own.told, own) for own in form.whole.forms))
+        guards = self.guards_of((told**2).elements(), there, form.divisors)
+        told, guards = (self.of_numbers(e, at) for e in (told, guards))
         outputs = [stacked(discriminants), at, told, guards, stacked(taken.off)]
         return self._read(x, stacked(roots), outputs, limits)
 
@@ -180,31 +178,24 @@ class DirectText(Source):
         """Add the generators of a limb's joints; its roots, what stands under them, and below which
         that is nothing; None of a rod.
         """
-        unknowns, places = block.system.unknowns, self.places(block.system)
+        unknowns = block.system.unknowns
         # symbols for unknowns that no formula reads
         unread = {
             c.name: Numbers.of(tuple(map(ca.SX.sym, "cs"[: 1 + c.is_angular]))) for c in unknowns
         }
         if block.rod is not None:
-            rod = lifted(block.rod, places, unread | generators, ca.SX(0, 1))
-            generators[unknowns[0].name] = Numbers.of((rod[0],))
+            generators[unknowns[0].name] = Numbers.of((self._over(block.rod, unread | generators),))
             return None
         assert block.formulas is not None  # noqa: S101 - the caller has looked
         limb, own = LimbFormulas(self.made, block, block.formulas), block.formulas
-        symbols = ca.SX.sym(f"{block.name}_r", own.roots.numel())
         discriminants, first, second = (
-            lifted(
-                ca.substitute(limb.signed(e), own.roots, symbols),
-                places,
-                unread | generators,
-                symbols,
-            )
+            self._over(limb.signed(e), unread | generators, own)
             for e in (own.discriminants, own.first, own.second)
         )
         for k, c in enumerate(unknowns):
             generators[c.name] = Numbers.of((first[k], second[k])[: 1 + c.is_angular])
         least = RESOLVED * self.real.epsilon * limb.usual_roots
-        return symbols, discriminants, (least**2).tolist()
+        return own.roots, discriminants, (least**2).tolist()
 
     def _read(
         self, x: ca.SX, roots: ca.SX, parts: Sequence[ca.SX], limits: Sequence[float]
@@ -259,27 +250,15 @@ class DirectText(Source):
         """Rows, sides of the limbs' choices and numbers of the pose, over u, y and the half
         turn.
         """
-        made, system, none = self.made, self.made.direct.system, ca.SX(0, 1)
+        made, system = self.made, self.made.direct.system
         half = Numbers.of((self.half[0], self.half[1]), is_half=True)
         generators = self.generators | {c.name: half for c in self._turns}
         try:
-            rows = lifted(system.rows, self.places(system), generators, none)
+            rows = self._over(system.rows, generators)
         except NotLiftedError:
-            # these hold whole angles only
-            rows = lifted(system.errors, self.places(system), generators, none)
-        sides = [
-            lifted(
-                limb.formulas.sides(limb.signs), self.places(limb.block.system), generators, none
-            )
-            for limb in self._limbs
-        ]
-        pose = made.closure.role("pose")
-        symbols = [(made.closure.symbols([c]), c.name) for c in pose]
-        return (
-            self._distinct(rows),
-            stacked(sides),
-            lifted(made.geometry.pose, symbols, generators, none),
-        )
+            rows = self._over(system.errors, generators)  # these hold whole angles only
+        sides = (self._over(limb.formulas.sides(limb.signs), generators) for limb in self._limbs)
+        return self._distinct(rows), stacked(sides), self._over(made.geometry.pose, generators)
 
     def _distinct(self, rows: ca.SX) -> ca.SX:
         """Rows without those that equal another one, at values about 1 and about the size: beside

@@ -13,6 +13,7 @@ import casadi as ca
 import numpy as np
 
 from symkin.closure.angle_sums import AngleSum, turned
+from symkin.closure.closure import Closure
 from symkin.closure.snapping import snapped_expression
 from symkin.codegen.steps.formula_guards import free_divisors
 from symkin.codegen.text.angles import (
@@ -24,7 +25,6 @@ from symkin.codegen.text.angles import (
 )
 from symkin.computed_once import cached_property
 from symkin.elimination.closed_form import ClosedForm
-from symkin.model.joint import Coordinate
 from symkin.numeric.tolerances import CLOSURE_TOLERANCE
 from symkin.position.groups import implied_parts, structure_groups
 from symkin.position.problem import Problem
@@ -67,10 +67,11 @@ class Condition:
 
 @dataclass
 class Composed:
-    """The `numbers` of coordinates, the known ones to begin with, and the conditions of the `parts`
-    so far.
+    """The `numbers` of a closure's coordinates, the known ones to begin with, and the conditions of
+    the `parts` so far.
     """
 
+    closure: Closure
     numbers: dict[str, list[Numbers]]
     parts: list[Part] = field(default_factory=list)
     conditions: list[Condition] = field(default_factory=list)
@@ -80,27 +81,17 @@ class Composed:
         """The closed forms of the parts that have one."""
         return [part.form for part in self.parts if part.form is not None]
 
-    def written(
-        self,
-        expression: ca.SX,
-        inputs: Sequence[tuple[ca.SX, Sequence[Coordinate]]],
-        form: ClosedForm | None = None,
-    ) -> ca.SX:
-        """An expression of coordinates, each vector of symbols with them, over their numbers; the
-        roots of a form stay, with their signs.
+    def written(self, expression: ca.SX, form: ClosedForm | None = None) -> ca.SX:
+        """An expression of the closure's variables over the numbers of coordinates; the roots of a
+        form stay, with their signs.
         """
-        symbols = [(s, [n for c in own for n in self.numbers[c.name]]) for s, own in inputs]
+        own = [c for c in self.closure.coordinates if c.name in self.numbers]
+        symbols = [(self.closure.symbols(own), [n for c in own for n in self.numbers[c.name]])]
         if form is not None:
             count = form.roots.numel()
             symbols.append((form.signs, [Numbers(ca.SX(1))] * count))
             symbols.append((form.roots, [Numbers(form.roots[i]) for i in range(count)]))
         return by_numbers(expression, symbols, 1.0)
-
-    def told(self, part: Part, form: ClosedForm) -> ca.SX:
-        """What tells the signs of a part's choices, by the numbers of a configuration."""
-        system, own = form.system, part.problem
-        read = [(system.known, own.known_coordinates), (system.unknown, system.unknowns)]
-        return self.written(form.told, read, form)
 
     def add(self, part: Part) -> None:
         """Add the numbers of a part's unknowns and its conditions."""
@@ -114,9 +105,8 @@ class Composed:
         self.parts.append(part)
 
     def _add_form(self, part: Part, form: ClosedForm) -> None:
-        known = [(form.system.known, part.problem.known_coordinates)]
         first, second, discriminants, divisors = (
-            self.written(e, known, form)
+            self.written(e, form)
             for e in (form.first, form.second, form.discriminants, form.divisors)
         )
         for k, name in enumerate(form.names):
@@ -130,13 +120,11 @@ class Composed:
 
     def _add_linear(self, part: Part) -> None:
         system = part.problem.system
-        known = [(system.known, part.problem.known_coordinates)]
         slope = ca.jacobian(system.rows, system.unknown)
         at_zero = ca.substitute(system.rows, system.unknown, 0)
-        value = self.written(ca.solve(slope, -at_zero), known)
+        value = self.written(ca.solve(slope, -at_zero))
         # at its zeros the unknowns are infinite
-        determinant = self.written(ca.det(slope), known)
-        determinant = snapped_expression(determinant, [stacked(ca.symvar(determinant))])
+        determinant = snapped(self.written(ca.det(slope)))
         if not determinant.is_constant():
             self.conditions.append(Condition(part.names, determinant, None, part))
         for k, c in enumerate(system.unknowns):
@@ -159,7 +147,7 @@ class Formulas:
         """Those of all `parts`, in the order of their solution."""
         given = problem.known_coordinates
         known = ca.SX.sym("k", sum(number_counts(given)))
-        whole = Composed(numbers_by_name(given, known))
+        whole = Composed(problem.closure, numbers_by_name(given, known))
         for part in parts:
             whole.add(part)
         return cls(problem, known, whole)
@@ -224,6 +212,11 @@ class Formulas:
         found = stacked(self.whole.numbers[c.name][0].value for c in system.unknowns)
         residuals = system.residuals(self.at(found, self.signs_at(values[0]), known), known)
         return bool(np.all(residuals <= CLOSURE_TOLERANCE * system.characteristic_length))
+
+
+def snapped(expression: ca.SX) -> ca.SX:
+    """An expression of numbers without the rounding of its constants."""
+    return snapped_expression(expression, [stacked(ca.symvar(expression))])
 
 
 def parts_of(problem: Problem) -> tuple[Problem, ...]:

@@ -136,52 +136,46 @@ class _Guarding:
         """The discriminants."""
         return [self.form.of_values(c.value) for c in self.form.discriminants]
 
-    @cached_property
-    def _divisors(self) -> ca.SX:
-        return self.form.of_values(self.form.divisors)
-
     def guards(self) -> tuple[Guard, ...] | None:
         """A guard for each discriminant of the pose, for each bound of a limb, and for each divisor
         that is no multiple of another; None where one has no bounds.
         """
-        form, divisors, count = self.form, self._divisors, self.form.divisors.numel()
+        form, count = self.form, self.form.divisors.numel()
+        divisors = form.of_values(form.divisors)
         if ca.depends_on(divisors, form.roots):
             return None
-        guards = list[Guard]()
-        above = [
-            (Guard(form.discriminants[k].name, k, None, (), 1.0, "proved", ()), self._squares[k])
-            for k in range(form.pose_choices)
+        above = [(c.name, v) for c, v in zip(form.discriminants, self._squares, strict=True)]
+        above[form.pose_choices :] = [
+            (f"reach of {reach.name}", self._reached(reach)) for reach in form.reaches
         ]
-        for j, reach in enumerate(form.reaches):
-            made = Guard(f"reach of {reach.name}", None, j, (), 1.0, "proved", ())
-            above.append((made, self._reached(reach)))
         # the least powers of divisors that make a value a polynomial P, or P + Q root
         sets = sorted(product(range(_POWERS), repeat=count), key=sum)
-        roots = {j: (form.roots[j], square) for j, square in enumerate(self._squares)}
-        for made, value in above:
-            guard = self._line.proved(made, value, roots, guards, divisors, sets)
+        asked = [
+            (Guard(name, k, (), 1.0, "proved", ()), value, sets)
+            for k, (name, value) in enumerate(above)
+        ]
+        for j, divisor in enumerate(divisors.elements()):
+            if any(self._proportional(divisor, divisors[i]) for i in range(j)):
+                continue
+            sign = float(np.sign(np.median(self._at_samples(divisor))))
+            made = Guard(f"divisor {j + 1}", None, (), sign, "proved", ())
+            asked.append((made, ca.SX(1), [tuple(int(i == j) for i in range(count))]))
+        guards, roots = (
+            list[Guard](),
+            dict(enumerate(zip(form.roots.elements(), self._squares, strict=True))),
+        )
+        for made, value, powers in asked:
+            guard = self._line.proved(made, value, roots, guards, divisors, powers)
             if guard is None:
                 return None
             guards.append(guard)
-        kept: list[ca.SX] = []
-        for j in range(count):
-            divisor = divisors[j]
-            if any(self._proportional(divisor, other) for other in kept):
-                continue
-            bounds = self._line.bounds([divisor])
-            if bounds is None:
-                return None
-            powers = tuple(int(i == j) for i in range(count))
-            kept.append(divisor)
-            sign = float(np.sign(np.median(self._at_samples(divisor))))
-            guards.append(Guard(f"divisor {j + 1}", None, None, powers, sign, "proved", bounds))
         return tuple(guards)
 
     def _reached(self, reach: Reach) -> ca.SX:
         """What has to stay above zero for a limb, in which roots that it holds by their squares
         alone are put in.
         """
-        value = self.form.of_values(self.form.by_numbers(reach.value, self.form.whole.numbers))
+        value = self.form.of_values(self.form.whole.written(reach.value))
         for j in reversed(range(self.form.pose_choices)):
             parts = self._by_root(value, j)
             if parts is not None and parts[1][1] <= NOISE * parts[0][1]:

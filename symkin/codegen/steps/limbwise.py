@@ -12,15 +12,14 @@ while low < N < high, which bends less along a line than D does.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import casadi as ca
 import numpy as np
 
-from symkin.codegen.steps.composed import Composed, Formulas, Part, parts_of
+from symkin.codegen.steps.composed import Formulas, Part, parts_of
 from symkin.codegen.steps.samples import Configuration
-from symkin.codegen.text.angles import Numbers
 from symkin.elimination.closed_form import ClosedForm, closed_form
 from symkin.elimination.implied_rows import plain
 from symkin.model.joint import Coordinate, units_of
@@ -89,12 +88,6 @@ class DirectForm(Formulas):
         """The derivation, a sentence each."""
         return [step for form in self.whole.forms for step in form.steps]
 
-    def by_numbers(self, expression: ca.SX, numbers: Mapping[str, list[Numbers]]) -> ca.SX:
-        """An expression of the closure's variables over the numbers of coordinates."""
-        closure = self.problem.closure
-        every = [c for c in closure.coordinates if c.name in numbers]
-        return Composed(dict(numbers)).written(expression, [(closure.symbols(every), every)])
-
 
 def whole_form(problem: Problem, samples: np.ndarray) -> DirectForm | None:
     """The closed form of all rows together, whose coefficients are compared at known values (n,
@@ -104,8 +97,7 @@ def whole_form(problem: Problem, samples: np.ndarray) -> DirectForm | None:
     if form is None:
         return None
     found = Formulas.of(problem, [Part(problem, form)])
-    known = [(problem.system.known, problem.known_coordinates)]
-    divisors = found.whole.written(form.divisors, known, form)
+    divisors = found.whole.written(form.divisors, form)
     return DirectForm(problem, found.known, found.whole, divisors)
 
 
@@ -195,8 +187,7 @@ class _Limbwise:
             if found is None:
                 return None
             reaches += found[0]
-            read = [(form.system.known, part.known_coordinates)]
-            divisors.append(made.whole.written(stacked(found[1]), read, form))
+            divisors.append(made.whole.written(stacked(found[1]), form))
         if self.held is not None:
             reaches.append(Reach("the motion's wrenches", self.held.volume))
         whole = DirectForm(self.problem, made.known, made.whole, stacked(divisors), tuple(reaches))
