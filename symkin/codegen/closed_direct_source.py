@@ -135,7 +135,7 @@ class ClosedDirectSource(DirectText):
             self.guards_of(discriminants, form.whole, form.divisors),
         ]
         outputs = [self.of_numbers(e, self.u) for e in outputs]
-        outputs = gathered(outputs, [self.u, form.roots], self.turns)
+        outputs = gathered(outputs, [self.u, form.roots], form.turns)
         inputs = [(self.u, "w->u"), (form.roots, [f"r{k + 1}" for k in range(form.roots.numel())])]
         emitter = Emitter.of(real, inputs, *outputs)
         self.store_guards(emitter, 2, "guard", of_divisors=True)

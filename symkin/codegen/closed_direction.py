@@ -30,6 +30,7 @@ from symkin.codegen.steps.guards import (
 from symkin.codegen.steps.newton_kernel import rounded
 from symkin.codegen.text.angles import number_counts, numbers_by_name
 from symkin.codegen.text.c import Emitter
+from symkin.codegen.text.gathered import gathered
 from symkin.codegen.text.templates import fill
 from symkin.computed_once import cached_property
 from symkin.model.joint import units_of
@@ -296,7 +297,9 @@ class ClosedDirection(Source):
         made, conditions = self.formulas, stacked(c.value for c in self.conditions)
         roots = [f"r{k + 1}" for k in range(made.roots.numel())]
         inputs = [(made.known, "k"), (made.roots, roots)]
-        emitter = Emitter.of(self.real, inputs, conditions, self._outputs)
+        symbols = [made.known, made.roots]
+        outputs = gathered([conditions, self._outputs], symbols, made.turns)
+        emitter = Emitter.of(self.real, inputs, *outputs)
         number, side = 0, made.roots.numel()
         for j, one in enumerate(self.conditions):
             text = emitter.value(0, j)
@@ -323,9 +326,8 @@ class ClosedDirection(Source):
         inputs = [made.known, self.state, made.roots]
         divisors = [one.value for one in self.conditions if one.root is None]
         names = ("k", "x", [f"r{k + 1}" for k in range(len(told))])
-        emitter = Emitter.of(
-            self.real, list(zip(inputs, names, strict=True)), stacked(told), stacked(divisors)
-        )
+        outputs = gathered([stacked(told), stacked(divisors)], inputs, made.turns)
+        emitter = Emitter.of(self.real, list(zip(inputs, names, strict=True)), *outputs)
         lines = emitter.lines
         for k, j in enumerate(j for j, c in enumerate(self.conditions) if c.root is not None):
             text = emitter.value(0, k)

@@ -65,9 +65,9 @@ class DirectText(Source):
     def unknowns(self) -> tuple[Coordinate, ...]:
         return self.made.direct.system.unknowns
 
-    @cached_property
+    @property
     def u(self) -> ca.SX:
-        return ca.SX.sym("u", self.found.form.known.numel())
+        return self.found.form.known
 
     @cached_property
     def y(self) -> ca.SX:
@@ -84,7 +84,7 @@ class DirectText(Source):
             for c in self.made.actuated
             for _ in self.joint_places[c.name]
         ]
-        return snapped(ca.substitute(expression, self.found.form.known, known * ca.DM(per)))
+        return snapped(ca.substitute(expression, self.u, known * ca.DM(per)))
 
     def guards_of(self, squares: Sequence[ca.SX], at: Composed, divisors: ca.SX) -> ca.SX:
         """The guards by the squares of all roots, the numbers of coordinates and divisors."""
@@ -110,11 +110,6 @@ class DirectText(Source):
             for name, own in places.items():
                 found[name] = Numbers.of(tuple(array[i] for i in own))
         return found
-
-    @property
-    def turns(self) -> list[tuple[ca.SX, ca.SX]]:
-        """The joints' symbols that are cosine and sine of one angle."""
-        return [(self.u[p[0]], self.u[p[1]]) for p in self.joint_places.values() if len(p) == 2]
 
     def store_guards(self, emitter: Emitter, output: int, array: str, *, of_divisors: bool) -> None:
         """Add statements of guards: those of divisors, by which formulas divide, or those of
@@ -293,7 +288,7 @@ class DirectText(Source):
     def answer_lines(self) -> dict[str, list[str]]:
         """Statements of the residual, the sides, what is firm, and the pose."""
         real, symbols = self.real, [self.u, self.y, self.half]
-        outputs = gathered(list(self._answer), symbols, self.turns)
+        outputs = gathered(list(self._answer), symbols, self.found.form.turns)
         names = zip(symbols, ("w->u", "w->y", "h"), strict=True)
         emitter = Emitter.of(real, list(names), *outputs)
         squares = " + ".join(f"{t} * {t}" for t in emitter.values(0))

@@ -25,6 +25,7 @@ from symkin.codegen.text.angles import (
 )
 from symkin.computed_once import cached_property
 from symkin.elimination.closed_form import ClosedForm
+from symkin.model.joint import places_of
 from symkin.numeric.tolerances import CLOSURE_TOLERANCE
 from symkin.position.groups import implied_parts, structure_groups
 from symkin.position.problem import Problem
@@ -161,6 +162,13 @@ class Formulas:
     def roots(self) -> ca.SX:
         """Symbols of the roots with their signs."""
         return stacked(form.roots for form in self.whole.forms)
+
+    @property
+    def turns(self) -> list[tuple[ca.SX, ca.SX]]:
+        """The known numbers that are cosine and sine of one angle."""
+        given = self.problem.known_coordinates
+        places = places_of(given, number_counts(given)).values()
+        return [(self.known[p[0]], self.known[p[1]]) for p in places if len(p) == 2]
 
     @cached_property
     def values(self) -> ca.SX:
