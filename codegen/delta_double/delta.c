@@ -1029,7 +1029,7 @@ static void delta_direct_formulas(delta_direct_work *w)
         const delta_real t106 = t98 * t21;
         const delta_real t107 = t106 + t85;
         w->y[2] = t107;
-        w->share = fabs(r1) * 0.005982649458223987;
+        w->share = fabs(r1) * 0.00598;
     } else {
         /* what formulas divide by vanishes: no guard is above zero */
         w->guard[0] = 0.0;

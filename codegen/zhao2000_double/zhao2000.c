@@ -1264,8 +1264,8 @@ static void zhao2000_direct_formulas(zhao2000_direct_work *w)
         w->y[9] = t82;
         const zhao2000_real t163 = -t76;
         w->y[10] = t163;
-        w->share = fabs(r1) * 0.005736100475959456;
-        const zhao2000_real share2 = fabs(r2) * 0.010292489690338004;
+        w->share = fabs(r1) * 0.00574;
+        const zhao2000_real share2 = fabs(r2) * 0.0103;
         w->share = (share2 < w->share) ? share2 : w->share;
     } else {
         /* what formulas divide by vanishes: no guard is above zero */

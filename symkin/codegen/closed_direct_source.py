@@ -10,12 +10,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-import casadi as ca
 import numpy as np
 
 from symkin.codegen.map.direct_text import DirectText
 from symkin.codegen.steps.newton_kernel import rounded
-from symkin.codegen.text.angles import lifted
 from symkin.codegen.text.c import Emitter
 from symkin.codegen.text.gathered import gathered
 from symkin.codegen.text.templates import fill
@@ -57,8 +55,8 @@ class ClosedDirectSource(DirectText):
             for c in made.actuated
         ]
         values = dict(self.common) | {
-            "nu": self.count,
-            "nk": max(1, len(self.found.formulas.names)),
+            "nu": self.u.numel(),
+            "nk": max(1, self.found.form.roots.numel()),
             "nto": len(made.actuated),
             "k": "name_direct",
             "ny": self.y.numel(),
@@ -109,7 +107,7 @@ class ClosedDirectSource(DirectText):
     @property
     def _same_signs(self) -> list[str]:
         """Statements that compare the signs of a guess read again."""
-        count = self.found.formulas.roots.numel()
+        count = self.found.form.roots.numel()
         return (
             [
                 f"for (int k = 0; (k < {count}) && (status == NAME_OK); ++k) {{",
@@ -123,39 +121,35 @@ class ClosedDirectSource(DirectText):
     @property
     def _formula_lines(self) -> list[str]:
         """Statements of roots, unknowns and guards."""
-        formulas, real, count = self.found.formulas, self.real, self.found.formulas.roots.numel()
-        places = self.places(formulas.system)
-        discriminants, first, second, divisors, reaches = (
-            lifted(self.signed(e), places, self.generators, formulas.roots)
-            for e in (
-                formulas.discriminants,
-                formulas.first,
-                formulas.second,
-                formulas.divisors,
-                stacked(reach.of_known for reach in self.found.whole.reaches),
-            )
+        form, real = self.found.form, self.real
+        numbers = (form.whole.numbers[c.name][0] for c in self.unknowns)
+        unknowns = (
+            part * (1.0 if len(n.parts) == 2 else self.found.unit)
+            for n in numbers
+            for part in n.parts
         )
-        unknowns = [
-            part
-            for k, c in enumerate(self.unknowns)
-            for part in ((first[k], second[k]) if c.is_angular else (first[k],))
+        discriminants = [c.value for c in form.discriminants]
+        outputs = [
+            stacked(discriminants),
+            stacked(unknowns),
+            self.guards_of(discriminants, form.whole, form.divisors),
         ]
-        guards = [guard.of(discriminants, reaches, divisors) for guard in self.found.guards]
-        outputs = [discriminants, ca.vertcat(*unknowns), ca.vertcat(*guards)]
-        outputs = gathered(outputs, [self.u, formulas.roots], self.turns)
-        inputs = [(self.u, "w->u"), (formulas.roots, [f"r{k + 1}" for k in range(count)])]
+        outputs = [self.of_numbers(e, self.u) for e in outputs]
+        outputs = gathered(outputs, [self.u, form.roots], form.turns)
+        inputs = [(self.u, "w->u"), (form.roots, [f"r{k + 1}" for k in range(form.roots.numel())])]
         emitter = Emitter.of(real, inputs, *outputs)
         self.store_guards(emitter, 2, "guard", of_divisors=True)
         begun, lines = emitter.take(), emitter.lines
-        for k, name in enumerate(formulas.names):
+        for k, one in enumerate(form.discriminants):
             square, sign = emitter.value(0, k), f"w->sign[{k}]"
-            emitter.root(k + 1, square, "0.0", "0.0", about=name, sign=sign)
+            emitter.root(k + 1, square, "0.0", "0.0", about=one.name, sign=sign)
         self.store_guards(emitter, 2, "guard", of_divisors=False)
         for i in sorted(self.needed):
             text = emitter.value(1, i)
             lines.append(f"w->y[{i}] = {text};")
         shares = [
-            f"fabs(r{k + 1}) * {1.0 / float(root)}" for k, root in enumerate(self.found.usual_roots)
+            f"fabs(r{k + 1}) * {rounded(1.0 / float(root))}"
+            for k, root in enumerate(self.found.usual_roots)
         ]
         lines.append(f"w->share = {shares[0] if shares else 1.0};")
         for k, share in enumerate(shares[1:], start=2):

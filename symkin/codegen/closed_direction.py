@@ -7,7 +7,7 @@ group's formulas read the numbers of those before it.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import casadi as ca
@@ -16,7 +16,7 @@ import numpy as np
 from symkin.codegen.line_bounds import Span
 from symkin.codegen.map.joint_map import Direction, JointMap
 from symkin.codegen.map.record import Source
-from symkin.codegen.steps.composed import Composed, Condition, Part
+from symkin.codegen.steps.composed import Composed, Condition, Formulas, Part
 from symkin.codegen.steps.guard_text import GuardText
 from symkin.codegen.steps.guards import (
     SLIDE_PARTS,
@@ -28,8 +28,9 @@ from symkin.codegen.steps.guards import (
     share_of,
 )
 from symkin.codegen.steps.newton_kernel import rounded
-from symkin.codegen.text.angles import Numbers, number_counts, numbers_by_name
+from symkin.codegen.text.angles import number_counts, numbers_by_name
 from symkin.codegen.text.c import Emitter
+from symkin.codegen.text.gathered import gathered
 from symkin.codegen.text.templates import fill
 from symkin.computed_once import cached_property
 from symkin.model.joint import units_of
@@ -57,40 +58,26 @@ class ClosedDirection(Source):
     names: Mapping[str, object]
 
     @cached_property
-    def known(self) -> ca.SX:
-        return ca.SX.sym("k", sum(number_counts(self.direction.known)))
+    def formulas(self) -> Formulas:
+        return Formulas.of(self.direction.problem, self.direction.parts)
 
     @cached_property
     def state(self) -> ca.SX:
         return ca.SX.sym("x", sum(number_counts(self.direction.unknown)))
 
     @cached_property
-    def _composed(self) -> Composed:
-        return Composed.of(self.direction.known, self.known, self.direction.parts)
-
-    @cached_property
-    def signs(self) -> ca.SX:
-        """Symbols of all choices."""
-        return self._composed.signs
-
-    @cached_property
-    def roots(self) -> ca.SX:
-        return self._composed.roots
-
-    @cached_property
     def _outputs(self) -> ca.SX:
         """The state's numbers."""
-        found = [
+        return stacked(
             _unit(n.cosine, n.sine) if c.is_periodic and n.cosine is not None else n.value
             for c in self.direction.unknown
-            for n in self.numbers[c.name]
-        ]
-        return ca.vertcat(*found)
+            for n in self.formulas.whole.numbers[c.name]
+        )
 
     @property
     def conditions(self) -> list[Condition]:
         """Discriminants, and the divisors that none of them implies."""
-        return self._composed.conditions
+        return self.formulas.whole.conditions
 
     @cached_property
     def divisors(self) -> list[int]:
@@ -121,87 +108,44 @@ class ClosedDirection(Source):
             for c, v in zip(self.direction.known, reference, strict=True)
         )
 
-    def _at_home(self, expression: ca.SX) -> ca.SX:
-        """An expression at the reference's signs."""
-        signs = self.reference_signs
-        return (
-            ca.substitute(expression, self.signs, ca.SX(ca.DM(signs))) if len(signs) else expression
-        )
-
-    def _put_in(self, expression: ca.SX, values: ca.SX) -> ca.SX:
-        """An expression of the known `values` at the reference's signs, roots put in."""
-        whole = self._at_home(expression)
-        return self.with_roots(whole, values, lambda d: ca.sqrt(ca.fmax(self._at_home(d), 0)))
-
-    def with_roots(
-        self, expression: ca.SX, values: ca.SX, root: Callable[[ca.SX], ca.SX] = ca.sqrt
-    ) -> ca.SX:
-        """An expression of the known numbers, signs and roots over the known `values` and signs."""
-        for one in reversed([c for c in self.conditions if c.root is not None]):
-            expression = ca.substitute(expression, one.root, root(one.value))
-        return self._with_known(expression, values)
-
-    def _of_known(self, expression: ca.SX) -> ca.SX:
-        """An expression of the known values and roots at the reference's signs."""
-        return self._with_known(self._at_home(expression), self._known_values)
-
-    def _with_known(self, expression: ca.SX, values: ca.SX) -> ca.SX:
-        """An expression over the known `values` in place of their numbers."""
-        numbers = []
-        for k, c in enumerate(self.direction.known):
-            numbers += [ca.cos(values[k]), ca.sin(values[k])] if c.is_periodic else [values[k]]
-        return ca.substitute(expression, self.known, ca.vertcat(*numbers))
-
-    @property
-    def numbers(self) -> dict[str, list[Numbers]]:
-        """The numbers of every coordinate over the known numbers, signs and roots."""
-        return self._composed.numbers
+    def _put_in(self, expression: ca.SX) -> ca.SX:
+        """An expression by the known values at the reference's signs, roots put in."""
+        return self.formulas.put_in(expression, self.reference_signs)
 
     @cached_property
     def reference_signs(self) -> np.ndarray:
         """The reference's sign of each choice."""
-        found = []
-        for part in self.direction.parts:
-            if part.form is not None:
-                values = [
-                    part.problem.select_values(self.made.reference, c)
-                    for c in (part.form.system.unknowns, part.problem.known_coordinates)
-                ]
-                found.append(part.form.signs_at(*values))
-        return np.concatenate(found) if found else np.zeros(0)
+        return self.formulas.signs_at(self.made.reference)
 
     @cached_property
     def usual(self) -> np.ndarray:
         """The usual size of each condition, with the sign that it has at the reference."""
         whole = stacked(c.value for c in self.conditions)
-        known = self._known_values
-        function = ca.Function("f", [known], [self._put_in(whole, known)])
-        places = self.direction.problem.known_places
-        values = np.array(
-            [np.asarray(function(s.values[places])).ravel() for s in self.made.samples]
-        )
+        values = self.formulas.at(whole, self.reference_signs, self._near)
         return np.array([rounded(v) for v in np.median(values, axis=0)])
 
     @cached_property
-    def _known_values(self) -> ca.SX:
-        """Symbols of the known values, angles as they are."""
-        return ca.SX.sym("v", len(self.direction.known))
+    def _near(self) -> np.ndarray:
+        """Known values (n, known) of sampled configurations."""
+        return np.array([s.values[self.direction.problem.known_places] for s in self.made.samples])
 
     @cached_property
     def _over_usual(self) -> list[ca.SX]:
         """The conditions over their usual sizes, of the known values."""
         return [
-            self._put_in(one.value, self._known_values) * factor
+            self._put_in(one.value) * factor
             for one, factor in zip(self.conditions, self._factors, strict=True)
         ]
+
+    @property
+    def _scales(self) -> np.ndarray:
+        """The size of a length among the known values, 1 of an angle."""
+        return np.array(units_of(self.direction.known, self.made.size))
 
     @cached_property
     def units(self) -> np.ndarray:
         """What changes of the known values along a line are told in."""
-        places = self.direction.problem.known_places
-        scales = np.array(units_of(self.direction.known, self.made.size))
-        near = np.array([s.values[places] for s in self.made.samples])
-        return even_units(self._over_usual, self._known_values, scales, near)
+        return even_units(self._over_usual, self.formulas.values, self._scales, self._near)
 
     @cached_property
     def _parts(self) -> tuple[float, ...]:
@@ -216,8 +160,8 @@ class ClosedDirection(Source):
         """
         found = list[Guard]()
         for j, one in enumerate(self.conditions):
-            choice = None if one.root is None else j
-            made = Guard(one.name, choice, None, (), self._factors[j], "proved", ())
+            place = None if one.root is None else j
+            made = Guard(one.name, place, (), self._factors[j], "proved", ())
             found.append(self._bounded(made, j, found))
         smaller = any(
             np.max(g.bounds[0].plain) < _SMALLER * np.max(g.bounds[-1].plain) for g in found
@@ -234,7 +178,7 @@ class ClosedDirection(Source):
 
     @cached_property
     def _line(self) -> Line:
-        return Line(self._known_values, [self._spans(part) for part in self._parts])
+        return Line(self.formulas.values, [self._spans(part) for part in self._parts])
 
     def _bounded(self, guard: Guard, j: int, before: list[Guard]) -> Guard:
         """The guard of condition j with its bounds: proved where it is a polynomial, or one with a
@@ -242,11 +186,11 @@ class ClosedDirection(Source):
         """
         one, line = self.conditions[j], self._line
         roots = {
-            i: (other.root, self._of_known(other.value))
+            i: (other.root, self.formulas.of_values(other.value))
             for i, other in enumerate(self.conditions[:j])
             if other.root is not None
         }
-        value = self._of_known(one.value * guard.factor)
+        value = self.formulas.of_values(one.value * guard.factor)
         few = len(self.direction.known) <= _MOST_GIVEN
         proved = line.proved(guard, value, roots, before, ca.SX(0, 1)) if few else None
         kept: tuple[Bound, ...] = ()
@@ -260,9 +204,8 @@ class ClosedDirection(Source):
         read, share = self._read_by(j), ca.SX(1)
         for i in read:
             share = share * self._shares[i]
-        scales = np.array(units_of(self.direction.known, self.made.size))
         sampled = (
-            sampled_bound(self._over_usual[j], share, line, part, scales, self.units)
+            sampled_bound(self._over_usual[j], share, line, part, self._scales, self.units)
             for part in range(len(kept), len(line.spans))
         )
         return replace(guard, ground="sampled", bounds=(*kept, *sampled), read=read)
@@ -300,10 +243,10 @@ class ClosedDirection(Source):
         return dict(self.names) | {
             "which": self.direction.name,
             "k": f"{self.name}_{self.direction.name}",
-            "nk": self.known.numel(),
+            "nk": self.formulas.known.numel(),
             "ns": self.state.numel(),
             "nto": len(self.direction.known),
-            "signs": max(1, self.signs.numel() + len(self.divisors)),
+            "signs": max(1, self.formulas.roots.numel() + len(self.divisors)),
             "conditions": count,
             "resolved": _RESOLVED * self.real.epsilon,
             "home_signs": (*self.reference_signs, *(self._factors[j] for j in self.divisors))
@@ -351,12 +294,13 @@ class ClosedDirection(Source):
     @property
     def _formula_lines(self) -> list[str]:
         """Statements of the conditions, the roots and the state."""
-        symbols = [self.known, self.signs, self.roots]
-        conditions = stacked(c.value for c in self.conditions)
-        names = ("k", "sign", [f"r{k + 1}" for k in range(self.roots.numel())])
-        inputs = list(zip(symbols, names, strict=True))
-        emitter = Emitter.of(self.real, inputs, conditions, self._outputs)
-        number, side = 0, self.signs.numel()
+        made, conditions = self.formulas, stacked(c.value for c in self.conditions)
+        roots = [f"r{k + 1}" for k in range(made.roots.numel())]
+        inputs = [(made.known, "k"), (made.roots, roots)]
+        symbols = [made.known, made.roots]
+        outputs = gathered([conditions, self._outputs], symbols, made.turns)
+        emitter = Emitter.of(self.real, inputs, *outputs)
+        number, side = 0, made.roots.numel()
         for j, one in enumerate(self.conditions):
             text = emitter.value(0, j)
             if one.root is None:
@@ -365,8 +309,8 @@ class ClosedDirection(Source):
                 side += 1
                 continue
             number += 1
-            least = rounded(_ROOT * float(self.usual[j]))
-            emitter.root(number, text, str(least), "0.0", about=one.name)
+            least, sign = rounded(_ROOT * float(self.usual[j])), f"sign[{number - 1}]"
+            emitter.root(number, text, str(least), "0.0", about=one.name, sign=sign)
             emitter.lines.insert(-1, f"d[{j}] = d{number} * {self._factors[j]};")
         if not self.conditions:
             emitter.lines.append("d[0] = 1.0;")
@@ -375,28 +319,21 @@ class ClosedDirection(Source):
     @property
     def _told_lines(self) -> list[str]:
         """Statements of the signs of a configuration, and of its conditions."""
-        there = Composed(
-            numbers_by_name(self.direction.known, self.known)
-            | numbers_by_name(self.direction.unknown, self.state)
-        )
-        told: list[ca.SX] = []
-        for part in self.direction.parts:
-            if part.form is not None:
-                system, own = part.form.system, part.problem
-                read = [(system.known, own.known_coordinates), (system.unknown, system.unknowns)]
-                told += there.written(part.form.told, read, part.form).elements()
-        inputs = [self.known, self.state, self.signs, self.roots]
+        made, known, unknown = self.formulas, self.direction.known, self.direction.unknown
+        numbers = numbers_by_name(known, made.known) | numbers_by_name(unknown, self.state)
+        there = Composed(self.direction.problem.closure, numbers)
+        told = [e for form in made.whole.forms for e in there.written(form.told, form).elements()]
+        inputs = [made.known, self.state, made.roots]
         divisors = [one.value for one in self.conditions if one.root is None]
-        names = ("k", "x", "sign", [f"r{k + 1}" for k in range(len(told))])
-        emitter = Emitter.of(
-            self.real, list(zip(inputs, names, strict=True)), stacked(told), stacked(divisors)
-        )
+        names = ("k", "x", [f"r{k + 1}" for k in range(len(told))])
+        outputs = gathered([stacked(told), stacked(divisors)], inputs, made.turns)
+        emitter = Emitter.of(self.real, list(zip(inputs, names, strict=True)), *outputs)
         lines = emitter.lines
         for k, j in enumerate(j for j, c in enumerate(self.conditions) if c.root is not None):
             text = emitter.value(0, k)
             lines.append(f"sign[{k}] = ({text} < 0.0) ? -1.0 : 1.0;")
-            if ca.depends_on(stacked([*told[k + 1 :], *divisors]), self.roots[k]):
-                lines.append(f"const real r{k + 1} = fabs({text});")
+            if ca.depends_on(stacked([*told[k + 1 :], *divisors]), made.roots[k]):
+                lines.append(f"const real r{k + 1} = {text};")
             lines.append(f"d[{j}] = {text} * {text} * {self._factors[j]};")
         for place, j in enumerate(self.divisors):
             # on which side of zero it has to stay, over its usual size

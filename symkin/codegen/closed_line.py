@@ -108,7 +108,7 @@ class ClosedLine:
             size = rounded_up(bounds.usual(bounds.at_ends(self._held.steps[i].size), 1.0))
             name = self.plan.steps[i].reason
             told = (Bound(size, none, none, none),)
-            found.append(Guard(name, None, None, (), 1.0, "proved", told))
+            found.append(Guard(name, None, (), 1.0, "proved", told))
         return found
 
     # --- text -------------------------------------------------------------------------------------

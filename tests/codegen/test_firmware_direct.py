@@ -8,6 +8,7 @@ import math
 from itertools import product
 from pathlib import Path
 
+import casadi as ca
 import numpy as np
 import pytest
 
@@ -101,12 +102,13 @@ def test_guards_are_positive_where_the_machine_works():
     program = build_program(symkin.load("zhao2000"), Options("double"))
     kind = program.kind
     found = kind.direct_formulas
-    form = found.formulas
+    form = found.form
+    squares = ca.vertcat(*(one.value for one in form.discriminants))
     for sample in kind.samples[:10]:
-        signs = form.signs_at(sample.unknown, sample.known)
-        discriminants = form.discriminants_at(sample.known[None], signs)
+        (discriminants,) = form.at(squares, form.signs_at(sample.values), sample.known[None])
+        assert discriminants.size
         assert np.all(discriminants > 0.0)
-        assert discriminants[0, 0] < found.guards[0].bounds[-1].size
+        assert discriminants[0] < found.guards[0].bounds[-1].size
 
 
 @pytest.mark.parametrize(

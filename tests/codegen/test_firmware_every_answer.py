@@ -316,9 +316,9 @@ def test_bends_hold_everywhere(name, given, find):
         if not way.is_closed:
             continue
         direction = ClosedDirection(made, way, {})
-        values, rng = ca.SX.sym("v", len(way.known)), np.random.default_rng(9)
+        values, rng = direction.formulas.values, np.random.default_rng(9)
         for one, guard in zip(direction.conditions, direction.guards, strict=True):
-            expression = direction._put_in(one.value, values) * guard.factor
+            expression = direction._put_in(one.value) * guard.factor
             hessian = ca.Function("h", [values], [ca.hessian(expression, values)[0]])
             points = rng.uniform(-np.pi, np.pi, (4000, len(way.known)))
             found = np.asarray(hessian(points.T)).reshape(len(way.known), 4000, -1).swapaxes(0, 1)

@@ -5,6 +5,7 @@ honest about its limbs.
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import product
 
 import casadi as ca
 import numpy as np
@@ -111,30 +112,22 @@ def test_lines_on_which_a_limb_is_stretched_are_refused(declared, asked):
     """
     twin = symkin.load("zhao2000")
     platform = LimbPlatform(twin, Options("double"), Real("double", "x"))
-    form = platform.direct_formulas.formulas
+    form = platform.direct_formulas.form
     rng, home = np.random.default_rng(8), HOME
     status, begin = asked.back(home)
     assert not status.any()
     goals = begin + rng.uniform(-1, 1, (5000, 4)) * [0.9, 0.9, 0.9, 60.0]
     answers = asked.answers(goals, np.tile(home, (len(goals), 1)))
-    problem = platform.direct
-    start = problem.select_values(platform.home_values, problem.system.unknowns)
-    known = problem.select_values(platform.home_values, problem.known_coordinates)
-    signs = form.signs_at(start, known)
-    names = [c.name for c in form.system.unknowns]
-    number = form.choices.tolist().index(signs.tolist())
+    signs = form.signs_at(platform.home_values)
+    names = [f"{what}{k}" for what in ("radial", "height") for k in (1, 2, 3)]
+    asked_for = [form.whole.numbers[name][0].value for name in names]
+    squares = [one.value for one in form.discriminants]
     least, at_end = np.full(len(goals), np.inf), np.zeros(len(goals))
     for part in np.linspace(0.0, 1.0, 61):
         at = begin + part * (goals - begin)
-        found = form.solutions(at)
-        values = np.where(found.real[:, number, None], found.values[:, number], np.nan)
-        reached = np.array(
-            [
-                values[:, names.index(f"radial{k}")] ** 2
-                + values[:, names.index(f"height{k}")] ** 2
-                for k in (1, 2, 3)
-            ]
-        )
+        values, square = (form.at(ca.vertcat(*e), signs, at).T for e in (asked_for, squares))
+        values = np.where(np.all(square >= 0.0, axis=0), values, np.nan)
+        reached = values[:3] ** 2 + values[3:] ** 2
         slack = 4 * LINK**2 - np.max(reached, axis=0)
         least = np.minimum(least, np.where(np.isfinite(slack), slack, -np.inf))
         at_end = slack
@@ -189,10 +182,11 @@ def test_couples_that_no_divisor_watches_are_watched_themselves():
     """
     made = limb_platform(three_upu(), Options("double"), Real("double", "x"))
     assert (made.mechanism.motion, made.direct_formulas is not None) == ("translation", True)
-    (reach,) = made.direct_formulas.whole.reaches
-    form = made.direct_formulas.formulas
+    form = made.direct_formulas.form
+    (reach,) = form.reaches
     # the volume is this times the root of the spheres' discriminant, which has a guard of its own
-    guard = ca.Function("guard", [form.system.known], [reach.of_known, form.discriminants[0]])
+    square = form.of_values(form.discriminants[0].value)
+    guard = ca.Function("guard", [form.values], [reach.value, square])
     places = np.array([0.0, 0.0, 300.0]) + np.random.default_rng(4).uniform(-250, 250, (30, 3))
     own = []
     for place in places:
@@ -232,8 +226,8 @@ def test_volumes_are_compared_with_divisors(declared):
     """The couples of the three limbs are watched; without the divisors they are not."""
     found = declared.direct_formulas
     assert keeps_motion(declared, found)
-    form = replace(found.formulas, divisors=found.formulas.divisors[:0])
-    assert not keeps_motion(declared, replace(found, whole=replace(found.whole, form=form)))
+    form = replace(found.form, divisors=found.form.divisors[:0])
+    assert not keeps_motion(declared, replace(found, form=form))
 
 
 def test_a_struct_of_geometry_keeps_the_described_motion(links):
@@ -251,9 +245,19 @@ def test_formulas_limb_by_limb_hold_in_every_direction_of_a_limb(declared):
     assert whole is not None
     assert [reach.name for reach in whole.reaches] == ["elbow1", "elbow2", "elbow3"]
     home = declared.direct.reference_known
+    system = declared.direct.system
+    found = ca.vertcat(*(whole.whole.numbers[c.name][0].value for c in system.unknowns))
+    squares = ca.vertcat(*(one.value for one in whole.discriminants))
     for angle in (0.0, 0.5 * np.pi, np.pi):
         turned = home.copy()
         turned[0] = angle
-        if angle == 0.5 * np.pi:
-            assert whole.form.closes(turned[None])
-        assert np.isfinite(whole.form.discriminants_at(turned[None], np.ones(5))).all()
+        real = [
+            signs
+            for signs in product((1.0, -1.0), repeat=5)
+            if np.all(whole.at(squares, signs, turned[None]) >= 0.0)
+        ]
+        for signs in real:
+            at = whole.at(found, signs, turned[None])
+            assert system.residual(at[0], turned) <= 1e-9 * system.characteristic_length
+        assert len(real) > 0 or angle != 0.5 * np.pi
+        assert np.isfinite(whole.at(squares, np.ones(5), turned[None])).all()

@@ -170,9 +170,9 @@ def test_conditions_stay_above_their_bound_along_lines(name, reach):
         made, rng, tried = (inner or [_plain(name)])[0], np.random.default_rng(3), 0
     direction = ClosedDirection(made, made.inverse if inner else made.direct, {})
     coordinates = direction.direction.known
-    values = ca.SX.sym("v", len(coordinates))
+    values = direction.formulas.values
     plain = [
-        direction._put_in(one.value, values) * guard.factor
+        direction._put_in(one.value) * guard.factor
         for one, guard in zip(direction.conditions, direction.guards, strict=True)
     ]
     shares = [

@@ -4,7 +4,7 @@ formulas, and how the answer is checked and written.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import casadi as ca
@@ -13,18 +13,19 @@ import numpy as np
 from symkin.codegen.closed_limb import BESIDE, READ_AGAIN, LimbFormulas, side_lines
 from symkin.codegen.map.limb_platform import LimbBlock, LimbPlatform
 from symkin.codegen.map.record import Source
+from symkin.codegen.steps.composed import Composed, snapped
 from symkin.codegen.steps.direct_formulas import DirectFormulas
 from symkin.codegen.steps.formula_guards import RESOLVED
 from symkin.codegen.steps.guard_text import GuardText
 from symkin.codegen.steps.newton_kernel import rounded
 from symkin.codegen.steps.newton_source import tolerance_of
 from symkin.codegen.steps.pose_coordinates import POSE, off_motion, restricted
-from symkin.codegen.text.angles import NotLiftedError, Numbers, lifted
+from symkin.codegen.text.angles import NotLiftedError, Numbers
 from symkin.codegen.text.c import Emitter
 from symkin.codegen.text.gathered import gathered
 from symkin.computed_once import cached_property
+from symkin.elimination.closed_form import ClosedForm
 from symkin.model.joint import Coordinate, places_of
-from symkin.numeric.system import System
 from symkin.spatial.backend import stacked
 
 _SMALL_SHARE = 1.0 / 64
@@ -62,15 +63,11 @@ class DirectText(Source):
 
     @property
     def unknowns(self) -> tuple[Coordinate, ...]:
-        return self.found.formulas.system.unknowns
+        return self.made.direct.system.unknowns
 
-    @cached_property
-    def count(self) -> int:
-        return sum(len(places) for places in self.joint_places.values())
-
-    @cached_property
+    @property
     def u(self) -> ca.SX:
-        return ca.SX.sym("u", self.count)
+        return self.found.form.known
 
     @cached_property
     def y(self) -> ca.SX:
@@ -80,22 +77,30 @@ class DirectText(Source):
     def half(self) -> ca.SX:
         return ca.SX.sym("h", 2)
 
-    def places(self, system: System) -> list[tuple[ca.SX, str]]:
-        """Symbols of a system's coordinates with their names."""
-        whole = system is self.found.formulas.system
-        known = self.made.direct.known_coordinates if whole else self.made.inverse.known_coordinates
-        parts = ((system.unknowns, system.unknown), (known, system.known))
-        return [
-            (symbols[k], c.name)
-            for coordinates, symbols in parts
-            for k, c in enumerate(coordinates)
+    def of_numbers(self, expression: ca.SX, known: ca.SX) -> ca.SX:
+        """An expression of the formulas by the known numbers."""
+        per = [
+            c.unit(1.0 / self.found.unit)
+            for c in self.made.actuated
+            for _ in self.joint_places[c.name]
         ]
+        return snapped(ca.substitute(expression, self.u, known * ca.DM(per)))
 
-    def signed(self, expression: ca.SX) -> ca.SX:
-        """An expression in which roots have their signs."""
-        return ca.substitute(
-            expression, self.found.formulas.signs, ca.SX.ones(*self.found.formulas.signs.shape)
-        )
+    def guards_of(self, squares: Sequence[ca.SX], at: Composed, divisors: ca.SX) -> ca.SX:
+        """The guards by the squares of all roots, the numbers of coordinates and divisors."""
+        form = self.found.form
+        reaches = (at.written(reach.value) for reach in form.reaches)
+        watched = stacked([*squares[: form.pose_choices], *reaches])
+        return stacked(guard.of(watched, divisors) for guard in self.found.guards)
+
+    def _over(
+        self, expression: ca.SX, numbers: Mapping[str, Numbers], form: ClosedForm | None = None
+    ) -> ca.SX:
+        """An expression of the closure's variables, and of a form's roots, over the numbers of
+        coordinates. Raises NotLiftedError.
+        """
+        whole = Composed(self.made.closure, {name: [own] for name, own in numbers.items()})
+        return snapped(whole.written(expression, form))
 
     @cached_property
     def generators(self) -> dict[str, Numbers]:
@@ -105,11 +110,6 @@ class DirectText(Source):
             for name, own in places.items():
                 found[name] = Numbers.of(tuple(array[i] for i in own))
         return found
-
-    @property
-    def turns(self) -> list[tuple[ca.SX, ca.SX]]:
-        """The joints' symbols that are cosine and sine of one angle."""
-        return [(self.u[p[0]], self.u[p[1]]) for p in self.joint_places.values() if len(p) == 2]
 
     def store_guards(self, emitter: Emitter, output: int, array: str, *, of_divisors: bool) -> None:
         """Add statements of guards: those of divisors, by which formulas divide, or those of
@@ -137,7 +137,7 @@ class DirectText(Source):
         """Statements that read a guess: joints by the limbs, signs and guards of the direct
         problem.
         """
-        made, found, formulas = self.made, self.found, self.found.formulas
+        made, form = self.made, self.found.form
         x, roots, limits = ca.SX.sym("x", 7), list[ca.SX](), list[float]()
         taken, discriminants = restricted(made.geometry, x), list[ca.SX]()
         generators, lengths = dict[str, Numbers](), iter(taken.lengths)
@@ -152,19 +152,20 @@ class DirectText(Source):
                 roots.append(own[0])
                 discriminants.append(own[1])
                 limits += own[2]
-        places = self.places(formulas.system)
-        told = self._told(lifted(self.signed(formulas.told), places, generators, formulas.roots))
-        divisors, reaches = (
-            lifted(part, places, generators, formulas.roots)
-            for part in (
-                formulas.divisors,
-                stacked(reach.of_configuration for reach in found.whole.reaches),
-            )
-        )
-        guards = ca.vertcat(*(guard.of(told**2, reaches, divisors) for guard in found.guards))
         at = ca.vertcat(*(part for c in made.actuated for part in generators[c.name].parts))
+        numbers = {name: [self._over_unit(own)] for name, own in generators.items()}
+        there = Composed(form.whole.closure, numbers)
+        told = self._told(stacked(there.written(own.told, own) for own in form.whole.forms))
+        guards = self.guards_of((told**2).elements(), there, form.divisors)
+        told, guards = (self.of_numbers(e, at) for e in (told, guards))
         outputs = [stacked(discriminants), at, told, guards, stacked(taken.off)]
         return self._read(x, stacked(roots), outputs, limits)
+
+    def _over_unit(self, numbers: Numbers) -> Numbers:
+        """The numbers of a coordinate as the formulas read them."""
+        if numbers.value is None:
+            return numbers
+        return Numbers.of((numbers.value * (1.0 / self.found.unit),))
 
     def _joints(
         self, block: LimbBlock, generators: dict[str, Numbers]
@@ -172,31 +173,24 @@ class DirectText(Source):
         """Add the generators of a limb's joints; its roots, what stands under them, and below which
         that is nothing; None of a rod.
         """
-        unknowns, places = block.system.unknowns, self.places(block.system)
+        unknowns = block.system.unknowns
         # symbols for unknowns that no formula reads
         unread = {
             c.name: Numbers.of(tuple(map(ca.SX.sym, "cs"[: 1 + c.is_angular]))) for c in unknowns
         }
         if block.rod is not None:
-            rod = lifted(block.rod, places, unread | generators, ca.SX(0, 1))
-            generators[unknowns[0].name] = Numbers.of((rod[0],))
+            generators[unknowns[0].name] = Numbers.of((self._over(block.rod, unread | generators),))
             return None
         assert block.formulas is not None  # noqa: S101 - the caller has looked
         limb, own = LimbFormulas(self.made, block, block.formulas), block.formulas
-        symbols = ca.SX.sym(f"{block.name}_r", own.roots.numel())
         discriminants, first, second = (
-            lifted(
-                ca.substitute(limb.signed(e), own.roots, symbols),
-                places,
-                unread | generators,
-                symbols,
-            )
+            self._over(limb.signed(e), unread | generators, own)
             for e in (own.discriminants, own.first, own.second)
         )
         for k, c in enumerate(unknowns):
             generators[c.name] = Numbers.of((first[k], second[k])[: 1 + c.is_angular])
         least = RESOLVED * self.real.epsilon * limb.usual_roots
-        return symbols, discriminants, (least**2).tolist()
+        return own.roots, discriminants, (least**2).tolist()
 
     def _read(
         self, x: ca.SX, roots: ca.SX, parts: Sequence[ca.SX], limits: Sequence[float]
@@ -226,7 +220,7 @@ class DirectText(Source):
 
     def _told(self, told: ca.SX) -> ca.SX:
         """What tells each sign, with those before put in: sign times root."""
-        roots, parts = self.found.formulas.roots, list[ca.SX]()
+        roots, parts = self.found.form.roots, list[ca.SX]()
         for part in told.elements():
             for j, before in enumerate(parts):
                 part = ca.substitute(part, roots[j], before)
@@ -251,27 +245,15 @@ class DirectText(Source):
         """Rows, sides of the limbs' choices and numbers of the pose, over u, y and the half
         turn.
         """
-        made, system, none = self.made, self.found.formulas.system, ca.SX(0, 1)
+        made, system = self.made, self.made.direct.system
         half = Numbers.of((self.half[0], self.half[1]), is_half=True)
         generators = self.generators | {c.name: half for c in self._turns}
         try:
-            rows = lifted(system.rows, self.places(system), generators, none)
+            rows = self._over(system.rows, generators)
         except NotLiftedError:
-            # these hold whole angles only
-            rows = lifted(system.errors, self.places(system), generators, none)
-        sides = [
-            lifted(
-                limb.formulas.sides(limb.signs), self.places(limb.block.system), generators, none
-            )
-            for limb in self._limbs
-        ]
-        pose = made.closure.role("pose")
-        symbols = [(made.closure.symbols([c]), c.name) for c in pose]
-        return (
-            self._distinct(rows),
-            stacked(sides),
-            lifted(made.geometry.pose, symbols, generators, none),
-        )
+            rows = self._over(system.errors, generators)  # these hold whole angles only
+        sides = (self._over(limb.formulas.sides(limb.signs), generators) for limb in self._limbs)
+        return self._distinct(rows), stacked(sides), self._over(made.geometry.pose, generators)
 
     def _distinct(self, rows: ca.SX) -> ca.SX:
         """Rows without those that equal another one, at values about 1 and about the size: beside
@@ -306,7 +288,7 @@ class DirectText(Source):
     def answer_lines(self) -> dict[str, list[str]]:
         """Statements of the residual, the sides, what is firm, and the pose."""
         real, symbols = self.real, [self.u, self.y, self.half]
-        outputs = gathered(list(self._answer), symbols, self.turns)
+        outputs = gathered(list(self._answer), symbols, self.found.form.turns)
         names = zip(symbols, ("w->u", "w->y", "h"), strict=True)
         emitter = Emitter.of(real, list(names), *outputs)
         squares = " + ".join(f"{t} * {t}" for t in emitter.values(0))

@@ -27,6 +27,7 @@ from symkin.codegen.steps.limbwise import Held
 from symkin.codegen.steps.pose_coordinates import COLUMNS
 from symkin.codegen.text.c import Real
 from symkin.machine.frame import Frames
+from symkin.model.joint import units_of
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.rank import null_space, row_space
 from symkin.numeric.tolerances import RANK_TOLERANCE
@@ -142,10 +143,8 @@ def keeps_motion(made: LimbPlatform, found: DirectFormulas) -> bool:
     counts = [len(w) for w in wrenches[0]]
     if any([len(w) for w in other] != counts for other in wrenches):
         return False
-    divisors = ca.Function("divisors", [found.formulas.system.known], [found.formulas.divisors])
-    numbers = np.array([np.asarray(divisors(sample.known)).ravel() for sample in samples]).reshape(
-        len(samples), -1
-    )
+    known = np.array([s.known for s in samples]) / units_of(made.actuated, found.unit)
+    numbers = found.form.at(found.form.divisors, found.form.signs_at(samples[0].values), known)
     sets = _sets_of(counts, len(held))[:_MOST_SETS]
     if not sets:
         return False

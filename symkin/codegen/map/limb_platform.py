@@ -235,7 +235,7 @@ class LimbPlatform(Described):
         if self.held is not None:
             twin = replace(twin, held=self.held.in_unit(1.0 / unit, self.direct, twin.direct))
         found = twin.direct_formulas
-        return None if found is None else found.in_unit(unit, twin.direct, self.direct)
+        return None if found is None else found.in_unit(unit)
 
     @cached_property
     def passive_limits(self) -> list[PassiveLimit]:

@@ -13,9 +13,9 @@ from dataclasses import dataclass, replace
 import casadi as ca
 import numpy as np
 
-from symkin.codegen.closed_direction import ClosedDirection
 from symkin.codegen.map.joint_map import Direction, JointMap
 from symkin.codegen.map.options import Options
+from symkin.codegen.steps.composed import Formulas
 from symkin.codegen.text.c import Real
 from symkin.computed_once import cached_property
 from symkin.elimination.implied_rows import PointRow
@@ -103,18 +103,20 @@ class TransmissionRows:
             direction = Direction(direction.name, self._implied_problem(given))
         if not direction.is_closed:
             return None
-        closed = ClosedDirection(self._map, direction, {})
+        formulas = Formulas.of(direction.problem, direction.parts)
         reference = dict(zip(wanted, self._reference(wanted), strict=True))
         told = {c.name: known[k] for k, c in enumerate(direction.known)}
+        signs = ca.SX.sym("s", formulas.roots.numel())
         values = []
         for one in wanted:
-            number = closed.numbers[one][0]
+            number = formulas.whole.numbers[one][0]
             turned = number.value
             if number.cosine is not None and number.sine is not None:
                 about = float(reference[one])
                 turned = _angle_about(number.cosine, number.sine, about) + about
-            values.append(told[one] if one in told else closed.with_roots(turned, known))
-        return Formula(ca.vertcat(*values), closed.signs, closed.reference_signs)
+            turned = formulas.of_values(formulas.with_roots(turned, signs, ca.sqrt), known)
+            values.append(told.get(one, turned))
+        return Formula(ca.vertcat(*values), signs, formulas.signs_at(self._map.reference))
 
     def _reference(self, names: tuple[str, ...]) -> np.ndarray:
         return self.linkage.reference[self.linkage.places_of(names)]

@@ -6,17 +6,27 @@ A part's formulas read the numbers of the coordinates before it; its signs and r
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 import casadi as ca
+import numpy as np
 
 from symkin.closure.angle_sums import AngleSum, turned
+from symkin.closure.closure import Closure
 from symkin.closure.snapping import snapped_expression
 from symkin.codegen.steps.formula_guards import free_divisors
-from symkin.codegen.text.angles import Numbers, by_numbers, numbers_by_name, of_circle
+from symkin.codegen.text.angles import (
+    Numbers,
+    by_numbers,
+    number_counts,
+    numbers_by_name,
+    of_circle,
+)
+from symkin.computed_once import cached_property
 from symkin.elimination.closed_form import ClosedForm
-from symkin.model.joint import Coordinate
+from symkin.model.joint import places_of
+from symkin.numeric.tolerances import CLOSURE_TOLERANCE
 from symkin.position.groups import implied_parts, structure_groups
 from symkin.position.problem import Problem
 from symkin.spatial.backend import stacked
@@ -46,8 +56,8 @@ class Part:
 
 @dataclass(frozen=True, eq=False)
 class Condition:
-    """What must stay above 0: a discriminant with its root, or a divisor; `name` says of which
-    coordinate, `part` of which part.
+    """What must stay above 0: a discriminant with its root, which has the choice's sign, or a
+    divisor; `name` says of which coordinate, `part` of which part.
     """
 
     name: str
@@ -58,51 +68,31 @@ class Condition:
 
 @dataclass
 class Composed:
-    """The `numbers` of coordinates, the known ones to begin with, and the conditions of the `parts`
-    so far.
+    """The `numbers` of a closure's coordinates, the known ones to begin with, and the conditions of
+    the `parts` so far.
     """
 
+    closure: Closure
     numbers: dict[str, list[Numbers]]
     parts: list[Part] = field(default_factory=list)
     conditions: list[Condition] = field(default_factory=list)
-
-    @classmethod
-    def of(cls, known: Sequence[Coordinate], symbols: ca.SX, parts: Sequence[Part]) -> Composed:
-        """All parts by the numbers of known coordinates, which stand in `symbols` one after the
-        other.
-        """
-        whole = cls(numbers_by_name(known, symbols))
-        for part in parts:
-            whole.add(part)
-        return whole
 
     @property
     def forms(self) -> list[ClosedForm]:
         """The closed forms of the parts that have one."""
         return [part.form for part in self.parts if part.form is not None]
 
-    @property
-    def signs(self) -> ca.SX:
-        """Symbols of all choices."""
-        return stacked(form.signs for form in self.forms)
-
-    @property
-    def roots(self) -> ca.SX:
-        return stacked(form.roots for form in self.forms)
-
-    def written(
-        self,
-        expression: ca.SX,
-        inputs: Sequence[tuple[ca.SX, Sequence[Coordinate]]],
-        form: ClosedForm | None = None,
-    ) -> ca.SX:
-        """An expression of coordinates, each vector of symbols with them, over their numbers; the
-        signs and roots of a form stay.
+    def written(self, expression: ca.SX, form: ClosedForm | None = None) -> ca.SX:
+        """An expression of the closure's variables over the numbers of coordinates; the roots of a
+        form stay, with their signs.
         """
-        symbols = [(s, [n for c in own for n in self.numbers[c.name]]) for s, own in inputs]
-        for s in (form.signs, form.roots) if form is not None else ():
-            symbols.append((s, [Numbers(s[i]) for i in range(s.numel())]))
-        return by_numbers(expression, symbols)
+        own = [c for c in self.closure.coordinates if c.name in self.numbers]
+        symbols = [(self.closure.symbols(own), [n for c in own for n in self.numbers[c.name]])]
+        if form is not None:
+            count = form.roots.numel()
+            symbols.append((form.signs, [Numbers(ca.SX(1))] * count))
+            symbols.append((form.roots, [Numbers(form.roots[i]) for i in range(count)]))
+        return by_numbers(expression, symbols, 1.0)
 
     def add(self, part: Part) -> None:
         """Add the numbers of a part's unknowns and its conditions."""
@@ -116,9 +106,8 @@ class Composed:
         self.parts.append(part)
 
     def _add_form(self, part: Part, form: ClosedForm) -> None:
-        known = [(form.system.known, part.problem.known_coordinates)]
         first, second, discriminants, divisors = (
-            self.written(e, known, form)
+            self.written(e, form)
             for e in (form.first, form.second, form.discriminants, form.divisors)
         )
         for k, name in enumerate(form.names):
@@ -132,18 +121,110 @@ class Composed:
 
     def _add_linear(self, part: Part) -> None:
         system = part.problem.system
-        known = [(system.known, part.problem.known_coordinates)]
         slope = ca.jacobian(system.rows, system.unknown)
         at_zero = ca.substitute(system.rows, system.unknown, 0)
-        value = self.written(ca.solve(slope, -at_zero), known)
+        value = self.written(ca.solve(slope, -at_zero))
         # at its zeros the unknowns are infinite
-        determinant = self.written(ca.det(slope), known)
-        determinant = snapped_expression(determinant, [stacked(ca.symvar(determinant))])
+        determinant = snapped(self.written(ca.det(slope)))
         if not determinant.is_constant():
             self.conditions.append(Condition(part.names, determinant, None, part))
         for k, c in enumerate(system.unknowns):
             circle = (ca.cos(value[k]), ca.sin(value[k])) if c.is_periodic else ()
             self.numbers[c.name] = [Numbers(value[k], *circle)]
+
+
+@dataclass(frozen=True, eq=False)
+class Formulas:
+    """The formulas of a `problem`, put together as one `whole` by the `known` numbers, which stand
+    one after the other: of angles cosine and sine.
+    """
+
+    problem: Problem
+    known: ca.SX
+    whole: Composed
+
+    @classmethod
+    def of(cls, problem: Problem, parts: Sequence[Part] = ()) -> Formulas:
+        """Those of all `parts`, in the order of their solution."""
+        given = problem.known_coordinates
+        known = ca.SX.sym("k", sum(number_counts(given)))
+        whole = Composed(problem.closure, numbers_by_name(given, known))
+        for part in parts:
+            whole.add(part)
+        return cls(problem, known, whole)
+
+    @property
+    def discriminants(self) -> list[Condition]:
+        """What stands under the roots."""
+        return [c for c in self.whole.conditions if c.root is not None]
+
+    @cached_property
+    def roots(self) -> ca.SX:
+        """Symbols of the roots with their signs."""
+        return stacked(form.roots for form in self.whole.forms)
+
+    @property
+    def turns(self) -> list[tuple[ca.SX, ca.SX]]:
+        """The known numbers that are cosine and sine of one angle."""
+        given = self.problem.known_coordinates
+        places = places_of(given, number_counts(given)).values()
+        return [(self.known[p[0]], self.known[p[1]]) for p in places if len(p) == 2]
+
+    @cached_property
+    def values(self) -> ca.SX:
+        """Symbols of the known values, angles as they are."""
+        return self.problem.closure.symbols(self.problem.known_coordinates)
+
+    def signs_at(self, values: np.ndarray) -> np.ndarray:
+        """The signs (choices,) of a configuration, all variables of the closure."""
+        found = [np.zeros(0)]
+        for part in self.whole.parts:
+            if part.form is not None:
+                unknown, known = part.form.system.unknowns, part.problem.known_coordinates
+                at = (part.problem.select_values(values, c) for c in (unknown, known))
+                found.append(part.form.signs_at(*at))
+        return np.concatenate(found)
+
+    def of_values(self, expression: ca.SX, values: ca.SX | None = None) -> ca.SX:
+        """An expression of the known numbers by the known `values`; roots stay."""
+        values, numbers = self.values if values is None else values, list[ca.SX]()
+        for k, c in enumerate(self.problem.known_coordinates):
+            numbers += [ca.cos(values[k]), ca.sin(values[k])] if c.is_periodic else [values[k]]
+        return ca.substitute(expression, self.known, stacked(numbers))
+
+    def with_roots(
+        self,
+        expression: ca.SX,
+        signs: ca.SX | np.ndarray,
+        root: Callable[[ca.SX], ca.SX] = lambda d: ca.sqrt(ca.fmax(d, 0)),
+    ) -> ca.SX:
+        """An expression of the known numbers with roots put in: 0 where there are none."""
+        for k, one in reversed(list(enumerate(self.discriminants))):
+            expression = ca.substitute(expression, one.root, signs[k] * root(one.value))
+        return expression
+
+    def put_in(self, expression: ca.SX, signs: np.ndarray) -> ca.SX:
+        """The same by the known values."""
+        return self.of_values(self.with_roots(expression, signs))
+
+    def at(self, expression: ca.SX, signs: np.ndarray, known: np.ndarray) -> np.ndarray:
+        """The numbers (n, entries) of an expression at known values (n, known)."""
+        function = ca.Function("f", [self.values], [self.put_in(expression, signs)])
+        return np.asarray(function.map(len(known))(known.T)).T
+
+    def closes(self, values: np.ndarray) -> bool:
+        """Whether the formulas satisfy the problem's rows at configurations (n, variables) of the
+        same signs.
+        """
+        system, known = self.problem.system, values[:, self.problem.known_places]
+        found = stacked(self.whole.numbers[c.name][0].value for c in system.unknowns)
+        residuals = system.residuals(self.at(found, self.signs_at(values[0]), known), known)
+        return bool(np.all(residuals <= CLOSURE_TOLERANCE * system.characteristic_length))
+
+
+def snapped(expression: ca.SX) -> ca.SX:
+    """An expression of numbers without the rounding of its constants."""
+    return snapped_expression(expression, [stacked(ca.symvar(expression))])
 
 
 def parts_of(problem: Problem) -> tuple[Problem, ...]:

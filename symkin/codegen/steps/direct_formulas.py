@@ -18,19 +18,13 @@ import numpy as np
 
 from symkin.codegen.line_bounds import Span
 from symkin.codegen.steps.guards import NOISE, SLIDE_PARTS, Guard, Line, by_root
-from symkin.codegen.steps.limbwise import (
-    Held,
-    LimbwiseForm,
-    Reach,
-    limbwise_form,
-    of_twin,
-)
+from symkin.codegen.steps.limbwise import DirectForm, Held, Reach, limbwise_form, whole_form
 from symkin.codegen.steps.samples import Configuration
 from symkin.computed_once import cached_property
-from symkin.elimination.closed_form import ClosedForm, closed_form
-from symkin.model.joint import Coordinate, units_of
+from symkin.model.joint import Coordinate
 from symkin.numeric.system import System
 from symkin.position.problem import Problem
+from symkin.spatial.backend import stacked
 
 _COMPARED = 4
 """Configurations at which the coefficients of rows are compared."""
@@ -44,43 +38,20 @@ _FREE_RANGE = 2.0
 
 @dataclass(frozen=True, eq=False)
 class DirectFormulas:
-    """The closed form of a direct problem, the limbs' bounds among its conditions, its guards, and
-    how large roots are at sampled configurations. `spans` are the ranges of the given values.
+    """The formulas of a direct problem, their guards, and how large roots are at sampled
+    configurations. `spans` are the ranges of the given values. The machine is `unit` times as large
+    as that of the formulas: they read lengths over it and give them times it, so that what stands
+    between does not grow with the size.
     """
 
-    whole: LimbwiseForm
+    form: DirectForm
     spans: tuple[Span, ...]
     guards: tuple[Guard, ...]
     usual_roots: np.ndarray
+    unit: float = 1.0
 
-    @property
-    def formulas(self) -> ClosedForm:
-        return self.whole.form
-
-    def in_unit(self, unit: float, own: Problem, problem: Problem) -> DirectFormulas:
-        """The formulas for the `problem` of a machine that is `unit`, a power of two, times as
-        large as that of these formulas and their `own` problem: they read lengths over the unit
-        and give them times it, so that what stands between does not grow with the size.
-        """
-
-        def read(expression: ca.SX) -> ca.SX:
-            return of_twin(expression, own, problem, unit)
-
-        form = self.formulas
-        made = replace(
-            form,
-            system=problem.system,
-            first=read(form.first) * ca.DM(units_of(problem.system.unknowns, unit)),
-            second=read(form.second),
-            discriminants=read(form.discriminants),
-            divisors=read(form.divisors),
-            told=read(form.told),
-            samples=form.samples * [1.0 if span.angular else unit for span in self.spans],
-        )
-        reaches = tuple(
-            Reach(reach.name, read(reach.of_configuration), read(reach.of_known))
-            for reach in self.whole.reaches
-        )
+    def in_unit(self, unit: float) -> DirectFormulas:
+        """Those of a machine that is `unit`, a power of two, times as large."""
         spans = tuple(
             span
             if span.angular
@@ -92,9 +63,7 @@ class DirectFormulas:
             replace(guard, bounds=tuple(bound.over(squares) for bound in guard.bounds))
             for guard in self.guards
         )
-        return replace(
-            self, whole=replace(self.whole, form=made, reaches=reaches), spans=spans, guards=guards
-        )
+        return replace(self, spans=spans, guards=guards, unit=unit)
 
 
 def direct_formulas(
@@ -110,29 +79,24 @@ def direct_formulas(
     joints = problem.known_coordinates
     if len(samples) < _COMPARED or len(joints) > _MOST_GIVEN or any(c.width != 1 for c in joints):
         return None
+    if any(c.is_advancing for c in problem.closure.coordinates):
+        return None  # formulas give angles by cosine and sine
     given = np.array([sample.known for sample in samples])
-    form = closed_form(problem.system, given[:_COMPARED]) if held is None else None
-    whole = (
-        limbwise_form(problem, limbs, samples, held)
-        if form is None
-        else LimbwiseForm(form, form.signs.numel(), ())
-    )
-    if whole is None:
+    form = whole_form(problem, given[:_COMPARED]) if held is None else None
+    form = form or limbwise_form(problem, limbs, samples, held)
+    if form is None:
         return None
     spans = tuple(_span(c, problem.closure.characteristic_length) for c in joints)
     parts = (1.0,) if all(span.angular for span in spans) else SLIDE_PARTS
-    whole = replace(
-        whole,
-        reaches=tuple(
-            _Guarding(whole, spans, parts, given).without_root(reach) for reach in whole.reaches
-        ),
-    )
-    guards = _Guarding(whole, spans, parts, given).guards()
+    first = _Guarding(form, spans, parts, given)
+    form = replace(form, reaches=tuple(map(first.without_root, form.reaches)))
+    guards = _Guarding(form, spans, parts, given).guards()
     if guards is None:
         return None
-    signs = whole.form.signs_at(samples[0].unknown, given[0])
-    usual = np.sqrt(np.median(np.abs(whole.form.discriminants_at(given, signs)), axis=0))
-    return DirectFormulas(whole, spans, guards, usual)
+    squares = stacked(c.value for c in form.discriminants)
+    values = form.at(squares, form.signs_at(samples[0].values), given)
+    roots = np.sqrt(np.median(np.abs(values), axis=0))
+    return DirectFormulas(form, spans, guards, roots)
 
 
 def _span(coordinate: Coordinate, size: float) -> Span:
@@ -149,113 +113,102 @@ def _span(coordinate: Coordinate, size: float) -> Span:
 
 @dataclass(frozen=True, eq=False)
 class _Guarding:
-    """How guards of a closed form are found."""
+    """How guards of formulas are found."""
 
-    whole: LimbwiseForm
+    form: DirectForm
     spans: Sequence[Span]
     parts: Sequence[float]
     given: np.ndarray
-
-    @property
-    def found(self) -> ClosedForm:
-        return self.whole.form
 
     @cached_property
     def _line(self) -> Line:
         """The spans about their middles, in each part of the slides' ranges."""
         return Line(
-            self.found.system.known,
+            self.form.values,
             [
                 [s if s.angular else replace(s, half=part * s.half) for s in self.spans]
                 for part in self.parts
             ],
         )
 
+    @cached_property
+    def _squares(self) -> list[ca.SX]:
+        """The discriminants."""
+        return [self.form.of_values(c.value) for c in self.form.discriminants]
+
     def guards(self) -> tuple[Guard, ...] | None:
         """A guard for each discriminant of the pose, for each bound of a limb, and for each divisor
         that is no multiple of another; None where one has no bounds.
         """
-        found, count = self.found, self.found.divisors.numel()
-        discriminants = ca.substitute(
-            found.discriminants, found.signs, ca.SX.ones(*found.signs.shape)
-        )
-        if ca.depends_on(found.divisors, found.roots):
+        form, count = self.form, self.form.divisors.numel()
+        divisors = form.of_values(form.divisors)
+        if ca.depends_on(divisors, form.roots):
             return None
-        guards, choices = list[Guard](), self.whole.pose_choices
-        above = [
-            (Guard(name, k, None, (), 1.0, "proved", ()), discriminants[k])
-            for k, name in enumerate(found.names[:choices])
+        above = [(c.name, v) for c, v in zip(form.discriminants, self._squares, strict=True)]
+        above[form.pose_choices :] = [
+            (f"reach of {reach.name}", self._reached(reach)) for reach in form.reaches
         ]
-        for j, reach in enumerate(self.whole.reaches):
-            value = ca.substitute(reach.of_known, found.signs, ca.SX.ones(*found.signs.shape))
-            made = Guard(f"reach of {reach.name}", None, j, (), 1.0, "proved", ())
-            above.append((made, self._without_squares(value, discriminants[:choices])))
         # the least powers of divisors that make a value a polynomial P, or P + Q root
         sets = sorted(product(range(_POWERS), repeat=count), key=sum)
-        roots = {j: (found.roots[j], discriminants[j]) for j in range(discriminants.numel())}
-        for made, value in above:
-            guard = self._line.proved(made, value, roots, guards, found.divisors, sets)
+        asked = [
+            (Guard(name, k, (), 1.0, "proved", ()), value, sets)
+            for k, (name, value) in enumerate(above)
+        ]
+        for j, divisor in enumerate(divisors.elements()):
+            if any(self._proportional(divisor, divisors[i]) for i in range(j)):
+                continue
+            sign = float(np.sign(np.median(self._at_samples(divisor))))
+            made = Guard(f"divisor {j + 1}", None, (), sign, "proved", ())
+            asked.append((made, ca.SX(1), [tuple(int(i == j) for i in range(count))]))
+        guards, roots = (
+            list[Guard](),
+            dict(enumerate(zip(form.roots.elements(), self._squares, strict=True))),
+        )
+        for made, value, powers in asked:
+            guard = self._line.proved(made, value, roots, guards, divisors, powers)
             if guard is None:
                 return None
             guards.append(guard)
-        kept: list[ca.SX] = []
-        for j in range(count):
-            divisor = found.divisors[j]
-            if any(self._proportional(divisor, other) for other in kept):
-                continue
-            bounds = self._line.bounds([divisor])
-            if bounds is None:
-                return None
-            powers = tuple(int(i == j) for i in range(count))
-            kept.append(divisor)
-            sign = float(np.sign(np.median(self._at_samples(divisor))))
-            guards.append(Guard(f"divisor {j + 1}", None, None, powers, sign, "proved", bounds))
         return tuple(guards)
 
-    def _without_squares(self, value: ca.SX, discriminants: ca.SX) -> ca.SX:
-        """A value in which roots that it holds by their squares alone are put in."""
-        for j in reversed(range(discriminants.numel())):
-            root = self.found.roots[j]
-            if ca.depends_on(value, root):
-                parts = by_root(value, root, discriminants[j])
-                if parts is None:
-                    continue
-                sizes = [self._size(part) for part in parts]
-                value = (
-                    parts[0]
-                    if sizes[1] * np.sqrt(self._size(discriminants[j])) <= NOISE * sizes[0]
-                    else value
-                )
+    def _reached(self, reach: Reach) -> ca.SX:
+        """What has to stay above zero for a limb, in which roots that it holds by their squares
+        alone are put in.
+        """
+        value = self.form.of_values(self.form.whole.written(reach.value))
+        for j in reversed(range(self.form.pose_choices)):
+            parts = self._by_root(value, j)
+            if parts is not None and parts[1][1] <= NOISE * parts[0][1]:
+                value = parts[0][0]
         return value
+
+    def _by_root(self, value: ca.SX, j: int) -> list[tuple[ca.SX, float]] | None:
+        """P and Q of a value P + Q r by a root, with the sizes of both terms; None where it holds
+        none of it, or more of it.
+        """
+        root, square = self.form.roots[j], self._squares[j]
+        parts = by_root(value, root, square) if ca.depends_on(value, root) else None
+        if parts is None:
+            return None
+        sizes = self._size(parts[0]), self._size(parts[1]) * np.sqrt(self._size(square))
+        return list(zip(parts, sizes, strict=True))
 
     def without_root(self, reach: Reach) -> Reach:
         """A condition Q r with the root r of the pose's first discriminant as Q alone, by the given
         values, with a sign that is above zero: r has a guard of its own.
         """
-        ones, count = ca.SX.ones(*self.found.signs.shape), self.whole.pose_choices
-        value, discriminants = (
-            ca.substitute(e, self.found.signs, ones)
-            for e in (reach.of_known, self.found.discriminants)
-        )
-        value = self._without_squares(value, discriminants[:count])
-        roots = self.found.roots
-        if not ca.depends_on(value, roots[0]) or (
-            count > 1 and ca.depends_on(value, roots[1:count])
-        ):
+        value, count = self._reached(reach), self.form.pose_choices
+        alone = count > 0 and not ca.depends_on(value, self.form.roots[1:count])
+        parts = self._by_root(value, 0) if alone else None
+        if parts is None or parts[0][1] > NOISE * parts[1][1]:
             return reach
-        parts = by_root(value, roots[0], discriminants[0])
-        if parts is None:
-            return reach
-        odd, sizes = parts[1], [self._size(part) for part in parts]
-        if sizes[0] > NOISE * sizes[1] * np.sqrt(self._size(discriminants[0])):
-            return reach
-        odd = odd * float(np.sign(np.median(self._at_samples(odd))))
-        return Reach(reach.name, odd, odd)
+        odd = parts[1][0]
+        return Reach(reach.name, odd * float(np.sign(np.median(self._at_samples(odd)))))
 
     def _size(self, expression: ca.SX) -> float:
         """The largest value of an expression at the samples, roots as ones."""
-        ones = ca.SX.ones(*self.found.roots.shape)
-        plain = ca.substitute(expression, self.found.roots, ones)
+        ones = ca.SX.ones(*self.form.roots.shape)
+        plain = ca.substitute(expression, self.form.roots, ones)
         return float(np.max(np.abs(self._at_samples(plain))))
 
     def _proportional(self, first: ca.SX, second: ca.SX) -> bool:

@@ -78,15 +78,14 @@ class Bound:
 
 @dataclass(frozen=True)
 class Guard:
-    """What has to stay above zero: discriminant `choice`, or `reach` of a limb (both None: a
-    divisor), times divisors to some `powers`, times `factor`. `bounds` are one for each part of the
+    """What has to stay above zero: number `place` of what is watched (None: a divisor), times
+    divisors to some `powers`, times `factor`. `bounds` are one for each part of the
     slides' ranges, known as `ground` says. `root` is the guard whose root a proved bound reads,
     `read` are those over whose shares a sampled one is.
     """
 
     name: str
-    choice: int | None
-    reach: int | None
+    place: int | None
     powers: tuple[int, ...]
     factor: float
     ground: Ground
@@ -97,22 +96,20 @@ class Guard:
     @property
     def is_divisor(self) -> bool:
         """Whether the formulas divide by it."""
-        return self.choice is None and self.reach is None
+        return self.place is None
 
     @property
     def is_led(self) -> bool:
         """Whether its bound follows from what the line does, and from no squares of changes."""
         return any(not len(bound.plain) for bound in self.bounds)
 
-    def of(self, discriminants: ca.SX, reaches: ca.SX, divisors: ca.SX) -> ca.SX:
-        """Its expression, by those of discriminants, reaches and divisors."""
+    def of(self, watched: ca.SX, divisors: ca.SX) -> ca.SX:
+        """Its expression, by what is watched and divisors."""
         whole = times(divisors, self.powers) * self.factor
-        if self.reach is not None:
-            return whole * reaches[self.reach]
-        return whole if self.choice is None else whole * discriminants[self.choice]
+        return whole if self.place is None else whole * watched[self.place]
 
 
-DETERMINANT = Guard("the determinant of Newton's matrix", None, None, (), 1.0, "measured", ())
+DETERMINANT = Guard("the determinant of Newton's matrix", None, (), 1.0, "measured", ())
 """What Newton's method watches, by how its steps shrink."""
 
 

@@ -18,9 +18,8 @@ from dataclasses import dataclass, replace
 import casadi as ca
 import numpy as np
 
-from symkin.codegen.steps.composed import Composed, Part, parts_of
+from symkin.codegen.steps.composed import Formulas, Part, parts_of
 from symkin.codegen.steps.samples import Configuration
-from symkin.codegen.text.angles import Numbers
 from symkin.elimination.closed_form import ClosedForm, closed_form
 from symkin.elimination.implied_rows import plain
 from symkin.model.joint import Coordinate, units_of
@@ -38,14 +37,12 @@ _SAME = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class Reach:
-    """What has to stay above zero for a limb to reach the pose: by a configuration's coordinates,
-    `of_configuration`, and by the formulas of the known values, their signs and roots, `of_known`.
-    `name` is the coordinate that is decided.
+    """What has to stay above zero for a limb to reach the pose: its `value` by the closure's
+    variables. `name` is the coordinate that is decided.
     """
 
     name: str
-    of_configuration: ca.SX
-    of_known: ca.SX
+    value: ca.SX
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,14 +64,41 @@ class Held:
 
 
 @dataclass(frozen=True, eq=False)
-class LimbwiseForm:
-    """The closed form of all unknowns; the limbs' `reaches` stand for discriminants from number
-    `pose_choices` on.
+class DirectForm(Formulas):
+    """The formulas of a direct problem, the pose's first: the `divisors` that are watched, by the
+    known numbers, and the limbs' `reaches`, which stand for the discriminants of all other parts.
     """
 
-    form: ClosedForm
-    pose_choices: int
-    reaches: tuple[Reach, ...]
+    divisors: ca.SX
+    reaches: tuple[Reach, ...] = ()
+
+    @property
+    def pose_choices(self) -> int:
+        """How many discriminants are watched themselves."""
+        form = self.whole.parts[0].form
+        return 0 if form is None else form.roots.numel()
+
+    @property
+    def is_limbwise(self) -> bool:
+        """Whether passive joints are solved limb by limb, after the pose."""
+        return len(self.whole.parts) > 1
+
+    @property
+    def steps(self) -> list[str]:
+        """The derivation, a sentence each."""
+        return [step for form in self.whole.forms for step in form.steps]
+
+
+def whole_form(problem: Problem, samples: np.ndarray) -> DirectForm | None:
+    """The closed form of all rows together, whose coefficients are compared at known values (n,
+    known).
+    """
+    form = closed_form(problem.system, samples)
+    if form is None:
+        return None
+    found = Formulas.of(problem, [Part(problem, form)])
+    divisors = found.whole.written(form.divisors, form)
+    return DirectForm(problem, found.known, found.whole, divisors)
 
 
 def limbwise_form(
@@ -82,7 +106,7 @@ def limbwise_form(
     limbs: Sequence[System],
     samples: Sequence[Configuration],
     held: Held | None = None,
-) -> LimbwiseForm | None:
+) -> DirectForm | None:
     """The closed form of a direct problem by its parts, the pose first; None where it is not found
     in this way. `limbs` are systems of a given pose, in the order of what is `held`.
     """
@@ -145,106 +169,57 @@ class _Limbwise:
     def _values(self, coordinates: tuple[Coordinate, ...]) -> np.ndarray:
         return np.array([self.problem.select_values(s.values, coordinates) for s in self.samples])
 
-    def found(self) -> LimbwiseForm | None:
+    def found(self) -> DirectForm | None:
         known = self.problem.known_coordinates
         if any(c.width != 1 for c in (*self._pose, *known)):
             return None
         pose, *others = parts_of(self.problem)
         if not others or pose.system.unknowns != self._pose:
             return None
-        whole = Composed(self._known_numbers)
+        made = Formulas.of(self.problem)
         reaches, divisors = list[Reach](), list[ca.SX]()
         for part in (pose, *others):
             form = self._form(part)
             if form is None:
                 return None
-            whole.add(Part(part, form))
-            if part is pose:
-                divisors += form.divisors.elements()
-                continue
-            found = self._reaches_of(Part(part, form), whole, divisors)
+            made.whole.add(Part(part, form))
+            found = ([], form.divisors.elements()) if part is pose else self._watched(part, form)
             if found is None:
                 return None
-            reaches += found
+            reaches += found[0]
+            divisors.append(made.whole.written(stacked(found[1]), form))
         if self.held is not None:
-            volume = self.held.volume
-            reaches.append(Reach("the motion's wrenches", volume, self._of_known(whole, volume)))
-        made = self._whole_form(whole, divisors)
-        return (
-            LimbwiseForm(made, whole.forms[0].signs.numel(), tuple(reaches))
-            if made.closes(self._values(known))
-            else None
-        )
+            reaches.append(Reach("the motion's wrenches", self.held.volume))
+        whole = DirectForm(self.problem, made.known, made.whole, stacked(divisors), tuple(reaches))
+        return whole if whole.closes(np.array([s.values for s in self.samples])) else None
 
     def _form(self, part: Problem) -> ClosedForm | None:
         coordinates = (*part.system.unknowns, *part.known_coordinates)
         system = _of_whole_angles(part.system, self.problem, coordinates)
         return closed_form(system, self._values(part.known_coordinates)[:_COMPARED])
 
-    @property
-    def _known_numbers(self) -> dict[str, list[Numbers]]:
-        """The numbers of the known coordinates, over their values."""
-        known = self.problem.known_coordinates
-        found = dict[str, list[Numbers]]()
-        for c, value in zip(known, self.problem.closure.symbols(known).elements(), strict=True):
-            circle = (ca.cos(value), ca.sin(value)) if c.is_angular else ()
-            found[c.name] = [Numbers(value, *circle)]
-        return found
-
-    def _of_known(self, whole: Composed, expression: ca.SX) -> ca.SX:
-        """An expression of coordinates over the known values."""
-        every = tuple(c for c in self.problem.closure.coordinates if c.name in whole.numbers)
-        return whole.written(expression, [(self.problem.closure.symbols(every), every)])
-
-    def _whole_form(self, whole: Composed, divisors: Sequence[ca.SX]) -> ClosedForm:
-        """The composed formulas as one closed form with these divisors."""
-        none, forms = ca.SX(0, 1), whole.forms
-        numbers = [whole.numbers[c.name][0] for c in self.problem.system.unknowns]
-        return ClosedForm(
-            system=self.problem.system,
-            signs=whole.signs,
-            roots=whole.roots,
-            first=ca.vertcat(*(n.value if n.cosine is None else n.cosine for n in numbers)),
-            second=ca.vertcat(*(ca.SX(0) if n.sine is None else n.sine for n in numbers)),
-            discriminants=ca.vertcat(
-                none, *(c.value for c in whole.conditions if c.root is not None)
-            ),
-            divisors=stacked(divisors),
-            implied=frozenset(),
-            squares=frozenset(),
-            told=ca.vertcat(none, *(f.told for f in forms)),
-            steps=tuple(step for f in forms for step in f.steps),
-            names=tuple(name for f in forms for name in f.names),
-            samples=forms[0].samples,
-        )
-
-    def _reaches_of(self, part: Part, whole: Composed, divisors: list[ca.SX]) -> list[Reach] | None:
-        """What has to stay above zero for a limb's choices, and more divisors; None where that is
-        not known.
+    def _watched(self, part: Problem, form: ClosedForm) -> tuple[list[Reach], list[ca.SX]] | None:
+        """What has to stay above zero for a limb's choices, and divisors of its formulas that are
+        watched; None where that is not known.
         """
         square = None if self.held is None else self._square(part, self.held)
-        return (
-            self._by_cosines(part, whole)
-            if square is None
-            else self._by_wrench(part, divisors, square)
-        )
+        if square is None:
+            return self._by_cosines(part, form)
+        return self._by_wrench(part, form, square)
 
-    def _square(self, part: Part, held: Held) -> ca.SX | None:
+    def _square(self, part: Problem, held: Held) -> ca.SX | None:
         """The square of the wrench of the limb that a part belongs to."""
-        own = {c.name for c in part.problem.system.unknowns}
+        own = {c.name for c in part.system.unknowns}
         limb = next(k for k, s in enumerate(self.limbs) if own <= {c.name for c in s.unknowns})
         return held.squares[limb]
 
     def _by_wrench(
-        self, part: Part, whole_divisors: list[ca.SX], square: ca.SX
-    ) -> list[Reach] | None:
+        self, part: Problem, form: ClosedForm, square: ca.SX
+    ) -> tuple[list[Reach], list[ca.SX]] | None:
         """Nothing where all discriminants and divisors are multiples of a wrench's squared length,
-        which the volume holds, or divisors of the joints alone, which become those of the whole;
-        else None.
+        which the volume holds, or divisors of the joints alone, which are watched; else None.
         """
-        form, poses = part.form, self._values(self._pose)
-        assert form is not None  # noqa: S101 - the caller has found it
-        known = self._values(part.problem.known_coordinates)
+        poses, known = (self._values(c) for c in (self._pose, part.known_coordinates))
         signs = form.signs_at(self._values(form.system.unknowns)[0], known[0])
         length = ca.Function("length", [self.problem.closure.symbols(self._pose)], [square])
         lengths = np.array([float(length(v)) for v in poses])
@@ -256,21 +231,20 @@ class _Limbwise:
         ]
         count = form.discriminants.numel()
         others = ca.vertcat(form.roots, form.signs, self.problem.closure.symbols(self._pose))
-        for k in alone:
-            if k < count or ca.depends_on(form.divisors[k - count], others):
-                return None
-            whole_divisors.append(form.divisors[k - count])
-        return []
+        watched = [form.divisors[k - count] for k in alone if k >= count]
+        if len(watched) < len(alone) or any(ca.depends_on(d, others) for d in watched):
+            return None
+        return [], watched
 
-    def _by_cosines(self, part: Part, whole: Composed) -> list[Reach] | None:
+    def _by_cosines(
+        self, part: Problem, form: ClosedForm
+    ) -> tuple[list[Reach], list[ca.SX]] | None:
         """The bounds of N of each choice; None where a discriminant does not follow the law of
         cosines or a divisor may vanish alone.
         """
-        form = part.form
-        assert form is not None  # noqa: S101 - the caller has found it
         if ca.depends_on(ca.vertcat(form.discriminants, form.divisors), form.roots):
             return None
-        known = self._values(part.problem.known_coordinates)
+        known = self._values(part.known_coordinates)
         function = ca.Function("d", [form.system.known], [form.discriminants, form.divisors])
         numbers = [function(v) for v in known]
         discriminants, divisors = (
@@ -287,13 +261,14 @@ class _Limbwise:
             bounds = [high - form.divisors[j]]
             # N is a sum of squares, which is zero where both are: no bound that a line crosses
             bounds += [form.divisors[j] - low] if low > _SAME * high else []
-            reaches += [Reach(name, bound, self._of_known(whole, bound)) for bound in bounds]
+            reaches += [Reach(name, bound) for bound in bounds]
         alone = [
             divisors[:, j]
             for j in range(divisors.shape[1])
             if not _is_multiple_of_any(divisors[:, j], divisors[:, sorted(squares)])
         ]
-        return reaches if all(np.ptp(v) <= _SAME * np.max(np.abs(v)) for v in alone) else None
+        constant = all(np.ptp(v) <= _SAME * np.max(np.abs(v)) for v in alone)
+        return (reaches, []) if constant else None
 
 
 def _law_of_cosines(

@@ -7,7 +7,7 @@ by its four entries. Sines and cosines of sums of angles follow from the additio
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import TypeAlias
 
@@ -16,7 +16,7 @@ import numpy as np
 
 from symkin.closure.angle_sums import AngleSum, combined, turned
 from symkin.closure.expression_graph import walk
-from symkin.closure.snapping import snap, snapped_expression
+from symkin.closure.snapping import snap
 from symkin.model.joint import Coordinate
 from symkin.spatial.backend import stacked
 
@@ -118,22 +118,6 @@ def by_numbers(
     reader = _Reader([numbers for _, numbers in symbols], scale)
     walk(function, reader)
     return stacked(reader.found[k] for k in range(expression.numel()))
-
-
-def lifted(
-    expression: ca.SX,
-    places: Sequence[tuple[ca.SX, str]],
-    known: Mapping[str, Numbers],
-    others: ca.SX,
-) -> ca.SX:
-    """An expression of coordinates (symbol, name) and of other symbols over the coordinates'
-    numbers, rounding off its constants. Raises NotLiftedError.
-    """
-    symbols = stacked(symbol for symbol, _ in places)
-    numbers = [known[name] for _, name in places]
-    own = [Numbers(others[k]) for k in range(others.numel())]
-    found = by_numbers(expression, [(symbols, numbers), (others, own)], 1.0)
-    return snapped_expression(found, [stacked(ca.symvar(found))])
 
 
 @dataclass
