@@ -47,6 +47,8 @@ Term = tuple[tuple[Factor, fmpq], ...]
 """Factors, each once and in order, with their exponents."""
 Terms = dict[Term, fmpq]
 """A sum: terms with their coefficients, none of which is zero."""
+_Sum = dict[Term, tuple[fmpq, fmpq]]
+"""A sum to which more is added: terms with their coefficients, and the largest part of each."""
 _I = Factor("i")
 
 
@@ -106,27 +108,32 @@ def product_of_terms(first: Term, second: Term) -> tuple[Term, int]:
 
 @dataclass
 class _Reader:
-    """Evaluator that makes sums of terms, by so many `products` of two terms at most."""
+    """Evaluator that makes sums of terms, by so many `products` of two terms at most. What three
+    squares leave in all is judged by the largest of them, not by the one that is added last.
+    """
 
     products: int
     found: dict[int, Terms] = field(default_factory=dict)
     functions: int = 0
 
-    def input(self, number: int, nonzero: int) -> Terms:
-        return {((Factor("zk"[number], nonzero), _ONE),): _ONE}
+    def input(self, number: int, nonzero: int) -> _Sum:
+        return _as_sum({((Factor("zk"[number], nonzero), _ONE),): _ONE})
 
-    def constant(self, number: float) -> Terms:
-        return {(): fmpq(*number.as_integer_ratio())} if number else {}
+    def constant(self, number: float) -> _Sum:
+        return _as_sum({(): fmpq(*number.as_integer_ratio())} if number else {})
 
-    def output(self, number: int, nonzero: int, value: Terms) -> None:  # noqa: ARG002 - there is one output
-        self.found[nonzero] = value
+    def output(self, number: int, nonzero: int, value: _Sum) -> None:  # noqa: ARG002 - there is one output
+        self.found[nonzero] = _summed(value)
 
-    def operation(self, op: int, operands: list[Terms]) -> Terms:
-        first, last = operands[0], operands[-1]
+    def operation(self, op: int, operands: list[_Sum]) -> _Sum:
         if op in (ca.OP_ADD, ca.OP_SUB):
-            return plus(first, last, 1 if op == ca.OP_ADD else -1)
+            return _added(operands[0], operands[1], 1 if op == ca.OP_ADD else -1)
         if op in (ca.OP_NEG, ca.OP_TWICE, ca.OP_ASSIGN):
-            return plus({}, first, {ca.OP_NEG: -1, ca.OP_TWICE: 2}.get(op, 1))
+            return _added({}, operands[0], {ca.OP_NEG: -1, ca.OP_TWICE: 2}.get(op, 1))
+        return _as_sum(self._other(op, [_summed(operand) for operand in operands]))
+
+    def _other(self, op: int, operands: list[Terms]) -> Terms:
+        first, last = operands[0], operands[-1]
         if op in (ca.OP_MUL, ca.OP_SQ):
             return self._product(first, last)
         if op in (ca.OP_SIN, ca.OP_COS) and (turn := _turn(first)) is not None:
@@ -151,6 +158,24 @@ class _Reader:
         if self.products < 0:
             raise NotTermsError
         return times(first, second)
+
+
+def _as_sum(terms: Terms) -> _Sum:
+    return {term: (number, abs(number)) for term, number in terms.items()}
+
+
+def _added(first: _Sum, second: _Sum, factor: int) -> _Sum:
+    """A sum and `factor` times another."""
+    found, nothing = dict(first), (fmpq(0), fmpq(0))
+    for term, (number, part) in second.items():
+        before, largest = found.get(term, nothing)
+        found[term] = (before + factor * number, max(largest, abs(factor) * part))
+    return found
+
+
+def _summed(whole: _Sum) -> Terms:
+    """A sum without what the rounding of geometry leaves."""
+    return {t: number for t, (number, part) in whole.items() if abs(number) > _ROUNDING * part}
 
 
 def _is_unknown(terms: Terms) -> bool:

@@ -35,6 +35,10 @@ _ROUNDING = 1e-9
 """Placed points that are nearer to each other than this share of the described ones are one point
 to rounding.
 """
+_ONE_POINT = 1e-13
+"""Points that are nearer to each other than this share of their coordinates are one point: some
+rounding errors of a point that was turned or computed.
+"""
 MOST_PARTS = 1000
 """Limbs, joints and rods of a mechanism at most: accounts of more would take hours."""
 
@@ -421,7 +425,7 @@ def unit_quaternion(value: Sequence[float], where: str) -> tuple[float, ...]:
 
 def _diameter(points: list[np.ndarray]) -> float:
     """Largest distance of two points: of those that are so far apart to rounding the largest, pair
-    by pair.
+    by pair; 0 where all are one point to rounding.
     """
     if len(points) < 2:
         return 0.0
@@ -433,7 +437,8 @@ def _diameter(points: list[np.ndarray]) -> float:
     pairs = (
         (k, k + 1 + int(i)) for k, row in enumerate(rows) for i in np.flatnonzero(row >= least)
     )
-    return max(float(np.linalg.norm(points[i] - points[j])) for i, j in pairs)
+    largest = max(float(np.linalg.norm(points[i] - points[j])) for i, j in pairs)
+    return largest if largest > _ONE_POINT * float(np.max(np.abs(places))) else 0.0
 
 
 def _check_size(mechanism: Mechanism) -> None:

@@ -259,8 +259,10 @@ def test_degrees_bound_the_roots_of_one_row(kind, row, degree):
 
 
 def test_a_point_that_turns_about_any_axis_meets_a_distance_twice():
-    """The squares of cosine and sine cancel but for the rounding of the axis."""
-    for seed in range(5):
+    """The squares of cosine and sine cancel but for the rounding of the axis, which is that of the
+    largest of them: the last one of seed 126 is small.
+    """
+    for seed in (0, 1, 2, 3, 126):
         rng = np.random.default_rng(seed)
         axis, point, far = rng.normal(size=(3, 3))
         axis = axis / np.linalg.norm(axis)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import symkin
+from helpers.inside import build_closure
 from helpers.samples import tied_platform
 
 
@@ -45,6 +46,31 @@ def test_the_bound_of_the_other_rows_is_never_smaller_than_their_contradiction(s
             g is not None and away * 0.99 <= g.remaining + 2e-13 and g.remaining < 10 * away
             for g in grounds
         )
+
+
+def test_a_planar_loop_is_proved_wherever_its_plane_stands():
+    """A five-bar whose coupler carries a hinge that a rod turns: two rows of the loop and one of
+    the rod, however the machine is turned in space.
+    """
+    turn = symkin.Pose.from_rotation_vector([1, 2, 3], [0.4, 1.1, -0.3])
+    places = [(-5, 0, 0), (8, 0, 0), (-7, 10, 0), (12, 9, 0), (2, 20, 0), (2, 23, 3)]
+    links = ["base a", "base b", "a c", "b d", "c d", "c hand"]
+    joints = [
+        symkin.LinkJoint(
+            symkin.Joint(f"j{k}", "R", turn.apply(place), turn.turn(axis), actuated=k < 2),
+            pair.split(),
+        )
+        for k, (place, pair) in enumerate(zip(places, links, strict=True))
+        for axis in [(0, 0, 1) if k < 5 else (0, 0.6, 0.8)]
+    ]
+    ends = [turn.apply((0, 16, 1)), turn.apply((3, 25, 4))]
+    machine = symkin.Mechanism(
+        "oblique", link_joints=joints, link_rods=[symkin.LinkRod("push", ["c", "hand"], *ends)]
+    )
+    assert len(build_closure(machine).row_sources) == 3
+    found = symkin.modes(machine, joints=[0.1, -0.1])
+    assert (len(found), found.completeness, found.complex_count) == (4, "proved", 4)
+    assert all(mode.certified for mode in found)
 
 
 def test_certified_modes_need_no_other_ground():

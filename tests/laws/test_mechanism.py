@@ -15,7 +15,18 @@ from hypothesis import given
 import symkin
 from helpers.laws import act, frame, refused_in_one_line
 from helpers.samples import delta, pieper, point, random_mechanism, seeds, unit
-from symkin import DHTable, Example, Joint, Limb, Mechanism, MechanismError, Rod, RodLimb
+from symkin import (
+    DHTable,
+    Example,
+    Joint,
+    Limb,
+    LinkJoint,
+    Mechanism,
+    MechanismError,
+    Rod,
+    RodLimb,
+    mobility,
+)
 
 LIMBS = ["rRS", "SPS", "pU", "hC", "SPS"]
 LEG = RodLimb("leg", (0, 0, 0), (0, 0, 1))
@@ -141,6 +152,21 @@ def test_size_of_coinciding_points_is_positive():
     limb = Limb("l", [TURN])
     assert Mechanism("m", [limb], platform_position=(3, 4, 0)).characteristic_length == 5.0
     assert Mechanism("m", [limb]).characteristic_length == 1.0
+
+
+def test_points_that_differ_by_rounding_are_one_point():
+    """A spherical five-bar whose axes meet but for rounding was 1e-16 across, and its rounding a
+    share of that: it had no freedom.
+    """
+    axes = [(1, 0, 0.1), (0.8, 0.5, 0.4), (0.2, 0.9, 0.8), (-0.5, 0.8, 0.3), (-1, 0.1, 0.2)]
+    links = ["base", "a", "b", "c", "d", "base"]
+    joints = [
+        LinkJoint(Joint(f"j{k}", "R", (0.1, 0.2 + k % 2 * 6e-17, 0.3), axis), links[k : k + 2])
+        for k, axis in enumerate(axes)
+    ]
+    machine = Mechanism("five", link_joints=joints)
+    assert math.isclose(machine.characteristic_length, math.sqrt(0.14))  # to the origin
+    assert mobility(machine).mobility == 2
 
 
 @given(seeds)
