@@ -22,11 +22,9 @@ COMPLETE = ("proved", "probability one")
 """What is said of lists that hold all modes."""
 
 
-def machine_of(
-    mechanism: Mechanism, given: Given, kept: frozenset[str] = frozenset()
-) -> Lowered | None:
+def machine_of(mechanism: Mechanism, given: Given, kept: frozenset[str] = frozenset()) -> Lowered:
     """The machine for known values of joints, or of the platform's pose, which has the joints
-    `kept` as they are written; None where it is the mechanism itself.
+    `kept` as they are written.
     """
     if _is_pose(mechanism, given) or plain_kind(mechanism, given.names) is not None:
         return lowered(mechanism, kept=kept)

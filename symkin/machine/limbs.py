@@ -5,15 +5,13 @@ rods, and chains that end in rods.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from symkin.closure.branches import Branch, Element, chains_of, edges_of
-from symkin.errors import InputError
-from symkin.model.arm import arm_of
 from symkin.model.bar import Bar
 from symkin.model.joint import BASE, PLATFORM, Joint
 from symkin.model.limb import AnyLimb, Limb, Rod, RodLimb
-from symkin.model.mechanism import Mechanism, require_mechanism
+from symkin.model.mechanism import Mechanism
 
 _TURNED = ("R", "P", "H", "C")
 """Types whose coordinates stay what they are where the axis points the other way and the links
@@ -21,43 +19,10 @@ change places.
 """
 
 
-def with_limbs(
-    mechanism: Mechanism, verb: str, instead: str, *, arms_only: bool = False
-) -> Mechanism:
-    """The mechanism, or the arm or the limbs that a graph is, for a verb that takes limbs between a
-    base and a platform; `arms_only` where answers are over coordinates that the graph's closure
-    must hold too. Raises InputError for other graphs; `instead` says what is taken for them.
-    """
-    require_mechanism(mechanism)
-    if not mechanism.is_graph:
-        return mechanism
-    limbs = None if arms_only else limbs_of(mechanism)
-    found = arm_of(mechanism) or (None if limbs is None else limbs.mechanism)
-    if found is None:
-        arm = (
-            "; of an arm, name the tool's link by [platform] link, of a robot's file by --platform "
-            "LINK"
-        )
-        raise InputError(
-            f"{mechanism.name} is a graph of links and joints, and {verb} takes limbs between a "
-            f"base and a platform, and serial arms; "
-            f"{instead}{arm if mechanism.platform_link is None else ''}"
-        )
-    return found
-
-
-@dataclass(frozen=True)
-class AsLimbs:
-    """A graph as the limbs that it is, and what these call its `links`."""
-
-    mechanism: Mechanism
-    links: dict[str, str]
-
-
-def limbs_of(graph: Mechanism) -> AsLimbs | None:
+def limbs_of(graph: Mechanism) -> tuple[Mechanism, dict[str, str]]:
     """The graph as limbs between the base and the platform, with its names and the order of its
-    actuated joints, without named points. None where it is another graph: of loops within loops,
-    couplings, links that no limb holds.
+    actuated joints, without named points, and what these call its links. Itself where it is
+    limbs, or another graph: of loops within loops, couplings, links that no limb holds.
 
     >>> import symkin
     >>> z, links = [0, 0, 1], []
@@ -66,13 +31,13 @@ def limbs_of(graph: Mechanism) -> AsLimbs | None:
     ...     end = symkin.Joint(f"end{k}", "R", [70 * k, 90, 0], z)
     ...     links.append(symkin.LinkJoint(motor, ["base", f"arm{k}"]))
     ...     links.append(symkin.LinkJoint(end, [f"arm{k}", "platform"]))
-    >>> bench = limbs_of(symkin.Mechanism("bench", link_joints=links))
-    >>> [limb.type for limb in bench.mechanism.limbs], bench.links["arm1"]
+    >>> bench, called = limbs_of(symkin.Mechanism("bench", link_joints=links))
+    >>> [limb.type for limb in bench.limbs], called["arm1"]
     (['RR', 'RR'], 'limb2.1')
     """
     platform = graph.platform_link
     if platform is None or graph.couplings or not graph.is_graph:
-        return None
+        return graph, {}
     chains = [
         chain if chain.ends[0] == BASE or chain.ends[1] == platform else chain.reversed
         for chain in chains_of(list(edges_of(graph)), {platform})
@@ -81,7 +46,7 @@ def limbs_of(graph: Mechanism) -> AsLimbs | None:
     found = list(_limbs(graph, chains, platform, links))
     limbs = [limb for limb in found if limb is not None]
     if not limbs or len(limbs) < len(found):
-        return None
+        return graph, {}
     names = [c.name for c in graph.actuated]
     made = replace(
         graph,
@@ -94,8 +59,8 @@ def limbs_of(graph: Mechanism) -> AsLimbs | None:
         example=None,
     )
     if [c.name for c in made.actuated] != names:
-        return None
-    return AsLimbs(made, links | {platform: PLATFORM})
+        return graph, {}
+    return made, links | {platform: PLATFORM}
 
 
 def _first(limb: AnyLimb, names: Sequence[str]) -> int:

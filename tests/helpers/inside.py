@@ -142,7 +142,7 @@ NAMES = {
     "lowered": "symkin.machine.lower",
     "lowered_limbs": "symkin.machine.lower",
     "BallReading": "symkin.machine.universal",
-    "with_limbs": "symkin.machine.limbs",
+    "with_limbs": "symkin.machine.lower",
     # closure equations
     "edges_of": "symkin.closure.branches",
     "layout_of": "symkin.closure.branches",

@@ -32,8 +32,7 @@ from symkin.codegen.text.c import Real
 from symkin.codegen.text.templates import fill
 from symkin.codegen.worst_case import WorstCase
 from symkin.errors import InputError
-from symkin.machine.limbs import with_limbs
-from symkin.machine.lower import Lowered, lowered_limbs
+from symkin.machine.lower import Lowered, lowered_limbs, with_limbs
 from symkin.model.mechanism import Mechanism
 from symkin.model.names import check_c_name, cmake_target
 from symkin.model.oddities import degrees_question
@@ -127,14 +126,14 @@ def _lowered(mechanism: Mechanism, options: Options) -> Lowered:
     each call are of the machine as it is described.
     """
     if options.is_map:
-        return Lowered(mechanism, mechanism, None, ())
+        return Lowered(mechanism, mechanism)
     remedy = (
         "describe the machine by limbs, or map joints to joints by --given and --find (given and "
         "find in Python)"
     )
     limbs = with_limbs(mechanism, "firmware", remedy)
     if limbs.serial or options.geometry == "struct":
-        return Lowered(limbs, limbs, None, ())
+        return Lowered(limbs, limbs)
     return lowered_limbs(mechanism)
 
 
