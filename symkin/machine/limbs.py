@@ -134,12 +134,10 @@ def _outward(element: Element) -> Joint | None:
 
 def _ends(graph: Mechanism, element: Element) -> tuple[list[float], list[float]]:
     """The centre of a rod on its first link, and that on the platform in the platform's frame."""
-    bar, home = element.part, graph.reference_pose
+    bar = element.part
     assert isinstance(bar, Bar)  # noqa: S101 - the caller has looked
-    start, end = (e.at_reference(home) for e in (bar.start, bar.end))
-    if not element.along:
-        start, end = end, start
-    return start.tolist(), home.inverse().apply(end).tolist()
+    start, end = bar.places if element.along else bar.places[::-1]
+    return start.tolist(), graph.reference_pose.inverse().apply(end).tolist()
 
 
 def _rod_limb(graph: Mechanism, element: Element) -> RodLimb | None:

@@ -116,6 +116,11 @@ class Description:
             *(rod.bar for rod in self.link_rods),
         )
 
+    @property
+    def rod_ends(self) -> list[np.ndarray]:
+        """Both ends of each rod in the base frame at the reference."""
+        return [place for bar in self.bars for place in bar.places]
+
     @cached_property
     def coordinates(self) -> tuple[Coordinate, ...]:
         """Every coordinate of joints and actuated rods in file order: those of limbs, then of

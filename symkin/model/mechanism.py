@@ -135,22 +135,13 @@ class Mechanism(Description):
         """The largest coordinate of a point of the description at the reference: numbers as large
         as this are added and cancel.
         """
-        ends = [
-            end.at_reference(self.reference_pose)
-            for bar in self.bars
-            for end in (bar.start, bar.end)
-        ]
-        points = [*(joint.point for joint in self.all_joints), *ends, self.platform_position]
+        joints = (joint.point for joint in self.all_joints)
+        points = [*joints, *self.rod_ends, self.platform_position]
         return float(np.max(np.abs(np.array(points))))
 
     def _spread(self, places: Mapping[str, np.ndarray]) -> float:
         """The largest distance between points of joints and rod ends."""
-        ends = [
-            end.at_reference(self.reference_pose)
-            for bar in self.bars
-            for end in (bar.start, bar.end)
-        ]
-        points = [*places.values(), *ends]
+        points = [*places.values(), *self.rod_ends]
         spread = _diameter(points)
         return spread or _diameter([*points, np.array(self.platform_position)])
 
@@ -311,12 +302,8 @@ def _check_names(mechanism: Mechanism) -> None:
 def _check_rods(mechanism: Mechanism) -> None:
     for limb in mechanism.limbs:
         for k, bar in enumerate(limb.bars(mechanism.reference_pose), start=1):
-            end = bar.end.at_reference(mechanism.reference_pose)
-            if (
-                bar.length is None
-                and bar.coordinate is None
-                and coincide(end.tolist(), bar.start.point)
-            ):
+            start, end = (place.tolist() for place in bar.places)
+            if bar.length is None and bar.coordinate is None and coincide(start, end):
                 raise MechanismError(
                     f"limb {limb.name!r}: the ends of rod {k} lie at one point at the reference; a "
                     f"rod has a length"
