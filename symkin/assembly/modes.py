@@ -162,9 +162,9 @@ def _of_machine(
     if problem.by_name:
         refuse_unless_determined(problem)
     may_be = not choose and search.method == "continuation"
-    low = machine_of(mechanism, givens[0])
+    low = machine_of(mechanism, givens[0]) if may_be else None
     find = partial(modes_of_inputs, search=search, choose=choose, least_errors=least_errors)
-    if low.is_written or not may_be:
+    if low is None:
         return find(problem, givens)
     there = [given.there or in_order(low.machine, given) for given in givens]
     told = Told(low, problem, np.array([given.values for given in givens]))

@@ -234,7 +234,7 @@ def _of_machine(problem: Problem, search: Search, certify: bool) -> ModeFinder |
     # values that tell which of them the machine takes
     given = Given(names, np.arange(len(names)), {})
     low = machine_of(problem.mechanism, given)
-    if low.is_written or may_contradict(low, given):
+    if low is None or may_contradict(low, given):
         return None
     there = in_order(low.machine, given)
     of_machine = build_problem(low.machine, there.names)

@@ -88,7 +88,7 @@ def machine_path(trajectory: Trajectory) -> MachinePath:
     first, of_pose = Given(names, trajectory.samples[0], {}), names == pose_names(mechanism)
     is_mixed = not of_pose and any(c.role == "pose" for c in trajectory.coordinates)
     low = None if is_mixed else machine_of(mechanism, first, frozenset(trajectory.limited))
-    if low is None or low.is_written:
+    if low is None:
         return MachinePath(trajectory, trajectory)
     known = pose_names(low.machine) if of_pose else in_order(low.machine, first).names
     problem = path_problem(low.machine, known, trajectory.limited)

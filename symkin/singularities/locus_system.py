@@ -54,7 +54,7 @@ class Plane:
     actuated joints, or known coordinates by name.
 
     `told` are the names of the coordinates that are given, `problem` is the one of the machine
-    `low` for which they are known; `here` are its closure's
+    `low` (None: the description itself) for which they are known; `here` are its closure's
     variables at the solution. `values` are these with the symbols `u`, `v` in place of the plane's
     coordinates, the held ones as numbers, and `free` (the rest) as symbols of the closure. Pose
     coordinates have the meaning of `position.varied_pose`: x, y, z, gamma, and the rotation vector
@@ -63,7 +63,7 @@ class Plane:
 
     problem: Problem
     solution: Solution
-    low: Lowered
+    low: Lowered | None
     here: np.ndarray
     names: tuple[str, ...]
     told: tuple[str, ...]
@@ -159,11 +159,12 @@ def plane_of(solution: Solution, names: Sequence[str], known: Sequence[str] | No
             f"two of the {what}, {', '.join(told) or 'none'}"
         )
     low = machine_of(mechanism, Given(told, np.zeros(0), {}))
-    if plain_kind(low.machine, told) is not None:
-        return _plane(build_problem(low.machine, told), solution, low, names, told)
+    machine = mechanism if low is None else low.machine
+    if plain_kind(machine, told) is not None:
+        return _plane(build_problem(machine, told), solution, low, names, told)
     problem = build_problem(mechanism, told)
     refuse_unless_determined(problem)
-    return _plane(problem, solution, Lowered(mechanism, mechanism), names, told)
+    return _plane(problem, solution, None, names, told)
 
 
 def _guess(names: Sequence[str], known: Sequence[str]) -> str:
@@ -184,7 +185,7 @@ def _plane_of_pose(solution: Solution, names: Sequence[str], low: Lowered) -> Pl
 def _plane(
     problem: Problem,
     solution: Solution,
-    low: Lowered,
+    low: Lowered | None,
     names: Sequence[str],
     told_names: tuple[str, ...],
 ) -> Plane:
