@@ -24,7 +24,7 @@ from dataclasses import dataclass, replace
 import casadi as ca
 import numpy as np
 
-from symkin.closure.closure import Closure, random_values
+from symkin.closure.closure import Closure, random_points
 from symkin.closure.pose_forms import PlatformPose, linear_parts, weighted_point
 from symkin.closure.snapping import snap
 from symkin.elimination.polynomial import Monomial, Polynomial, Ring
@@ -221,8 +221,8 @@ def _part(closure: Closure, rows: ca.SX, unknown: Sequence[int]) -> tuple[System
     """Rows in some of a closure's coordinates, by number, all others known; and samples (n, known)
     of these.
     """
-    rng, size = np.random.default_rng(0), closure.characteristic_length
-    values = np.array([random_values(closure.coordinates, size, rng) for _ in range(_DRAWS)])
+    size = closure.characteristic_length
+    values = random_points(closure.coordinates, size, _DRAWS)
     chosen = [closure.coordinates[k] for k in unknown]
     own, others = (
         [p for c in part for p in range(*closure.slices[c.name].indices(values.shape[1]))]
