@@ -17,7 +17,7 @@ import numpy as np
 from symkin.codegen.folder.folder import write_folder
 from symkin.codegen.map.options import Options
 from symkin.codegen.map.program import Program, build_program
-from symkin.machine.lower import with_limbs
+from symkin.machine.limbs import with_limbs
 from symkin.model.mechanism import Mechanism
 
 BENCH = Path(__file__).parent

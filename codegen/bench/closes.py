@@ -23,7 +23,7 @@ from oracle import plain_graph
 from oracle.plain_closure import PlainMechanism, matrix_quaternion
 from oracle.plain_search import closed_configurations, random_configurations, solve
 from rows import Row
-from symkin.machine.lower import with_limbs
+from symkin.machine.limbs import with_limbs
 from symkin.model.writer import mechanism_to_toml
 from symkin.spatial.rotation import multiply
 

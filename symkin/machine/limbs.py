@@ -8,15 +8,38 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from symkin.closure.branches import Branch, Element, chains_of, edges_of
+from symkin.errors import InputError
+from symkin.model.arm import arm_of
 from symkin.model.bar import Bar
 from symkin.model.joint import BASE, PLATFORM, Joint
 from symkin.model.limb import AnyLimb, Limb, Rod, RodLimb
-from symkin.model.mechanism import Mechanism
+from symkin.model.mechanism import Mechanism, require_mechanism
 
 _TURNED = ("R", "P", "H", "C")
 """Types whose coordinates stay what they are where the axis points the other way and the links
 change places.
 """
+
+
+def with_limbs(
+    mechanism: Mechanism, verb: str, instead: str, *, arms_only: bool = False
+) -> Mechanism:
+    """The mechanism, or the arm or the limbs that a graph is, for a verb that takes limbs between a
+    base and a platform; `arms_only` where answers are over coordinates that the graph's closure
+    must hold too. Raises InputError for other graphs; `instead` says what is taken for them.
+    """
+    require_mechanism(mechanism)
+    found = arm_of(mechanism) or (mechanism if arms_only else limbs_of(mechanism)[0])
+    if not found.is_graph:
+        return found
+    arm = (
+        "; of an arm, name the tool's link by [platform] link, of a robot's file by --platform LINK"
+    )
+    raise InputError(
+        f"{mechanism.name} is a graph of links and joints, and {verb} takes limbs between a "
+        f"base and a platform, and serial arms; "
+        f"{instead}{arm if mechanism.platform_link is None else ''}"
+    )
 
 
 def limbs_of(graph: Mechanism) -> tuple[Mechanism, dict[str, str]]:

@@ -14,7 +14,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 from symkin.computed_once import lru_cache
-from symkin.errors import InputError
 from symkin.machine.frame import Frames, with_own_frame
 from symkin.machine.limbs import limbs_of
 from symkin.machine.motion import Guide, with_own_motion, without_guides
@@ -22,7 +21,7 @@ from symkin.machine.universal import BallReading, Reading, with_universal_joints
 from symkin.model.arm import arm_of
 from symkin.model.joint import BASE
 from symkin.model.machine import Machine
-from symkin.model.mechanism import Mechanism, require_mechanism
+from symkin.model.mechanism import Mechanism
 from symkin.spatial.pose import Pose
 
 
@@ -87,27 +86,6 @@ def arm_or_limbs(mechanism: Mechanism) -> Lowered | None:
     arm = arm_of(mechanism)
     machine, links = limbs_of(mechanism) if arm is None else (arm, {})
     return None if machine.is_graph else Lowered(mechanism, machine, links=links)
-
-
-def with_limbs(
-    mechanism: Mechanism, verb: str, instead: str, *, arms_only: bool = False
-) -> Mechanism:
-    """The mechanism, or the arm or the limbs that a graph is, for a verb that takes limbs between a
-    base and a platform; `arms_only` where answers are over coordinates that the graph's closure
-    must hold too. Raises InputError for other graphs; `instead` says what is taken for them.
-    """
-    require_mechanism(mechanism)
-    low = arm_or_limbs(mechanism)
-    if low is not None and (low.machine.serial or low.machine is mechanism or not arms_only):
-        return low.machine
-    arm = (
-        "; of an arm, name the tool's link by [platform] link, of a robot's file by --platform LINK"
-    )
-    raise InputError(
-        f"{mechanism.name} is a graph of links and joints, and {verb} takes limbs between a "
-        f"base and a platform, and serial arms; "
-        f"{instead}{arm if mechanism.platform_link is None else ''}"
-    )
 
 
 @lru_cache(maxsize=128)

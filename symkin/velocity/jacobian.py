@@ -14,7 +14,8 @@ import numpy as np
 from symkin.closure.closure import Closure
 from symkin.computed_once import cached_property, lru_cache
 from symkin.errors import InputError
-from symkin.machine.lower import arm_or_limbs, with_limbs
+from symkin.machine.limbs import with_limbs
+from symkin.machine.lower import arm_or_limbs
 from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.position.solution import Solution
 from symkin.position.solve_result import SolveError

@@ -143,7 +143,7 @@ NAMES = {
     "lowered": "symkin.machine.lower",
     "lowered_limbs": "symkin.machine.lower",
     "BallReading": "symkin.machine.universal",
-    "with_limbs": "symkin.machine.lower",
+    "with_limbs": "symkin.machine.limbs",
     # closure equations
     "edges_of": "symkin.closure.branches",
     "layout_of": "symkin.closure.branches",

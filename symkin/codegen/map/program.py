@@ -32,7 +32,8 @@ from symkin.codegen.text.c import Real
 from symkin.codegen.text.templates import fill
 from symkin.codegen.worst_case import WorstCase
 from symkin.errors import InputError
-from symkin.machine.lower import Lowered, lowered_limbs, with_limbs
+from symkin.machine.limbs import with_limbs
+from symkin.machine.lower import Lowered, lowered_limbs
 from symkin.model.mechanism import Mechanism
 from symkin.model.names import check_c_name, cmake_target
 from symkin.model.oddities import degrees_question
