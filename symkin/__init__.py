@@ -35,11 +35,12 @@ if TYPE_CHECKING:
     from symkin.following.track_result import Track
     from symkin.formats.load import load
     from symkin.formats.read_options import ReadOptions
+    from symkin.model.description import Example
     from symkin.model.dh import DHRow, DHTable
     from symkin.model.graph import Coupling, LinkJoint, LinkPoint, LinkRod
     from symkin.model.joint import Joint
     from symkin.model.limb import Limb, Rod, RodLimb
-    from symkin.model.mechanism import Example, Mechanism, serial_arm_from_dh
+    from symkin.model.mechanism import Mechanism, serial_arm_from_dh
     from symkin.model.motor import Motor as Motor
     from symkin.model.shipped import shipped_names
     from symkin.page.result_views import view

@@ -24,7 +24,8 @@ import numpy as np
 
 import symkin
 from studies.gluon_6l3.forward_transform import Chain, Transform, chain_of_dh, forward_transform
-from symkin.spatial.screw import exponential, move_screw, revolute_screw
+from studies.shared.screws import exponential, move_screw
+from symkin.spatial.screw import revolute_screw
 
 D = (105.03, 0.0, 0.0, 75.66, 80.09, 44.36)
 A = (0.0, -174.42, -174.42, 0.0, 0.0, 0.0)

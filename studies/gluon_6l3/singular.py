@@ -26,13 +26,14 @@ from symkin.singularities.loci import Loci
 from symkin.singularities.locus import picture_distance
 from symkin.singularities.singular_loci import singular_loci
 from symkin.singularities.singularity_result import Singularity
-from symkin.spatial.screw import exponential, move_screw, reciprocal_product, revolute_screw
+from symkin.spatial.screw import revolute_screw
 
 if __name__ == "__main__":  # run as a file: modules are named from the folder that holds studies
     sys.path[0] = str(Path(__file__).resolve().parents[2])
 
 from studies.gluon_6l3.model import OFFSET, A, D, determinant, symbolic_jacobian
 from studies.shared.report import Report, new_figure, options_parser
+from studies.shared.screws import exponential, move_screw, reciprocal_product
 
 SEED = 6
 SLICE = (15.0, 15.0, 40.0, 30.0, 50.0, 20.0)

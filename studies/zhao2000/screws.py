@@ -17,6 +17,7 @@ import numpy as np
 
 import symkin
 from studies.shared.report import Report
+from studies.shared.screws import reciprocal_product
 from studies.zhao2000.model import BASE, LINK, SIZE, TABLE_1, corners, inverse
 from symkin.model.limb import Limb
 from symkin.plots.figures import figure_of_sketch
@@ -24,7 +25,7 @@ from symkin.plots.figures import figure_of_sketch
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 from symkin.position.limb_screws import reciprocal_system
-from symkin.spatial.screw import reciprocal_product, revolute_screw
+from symkin.spatial.screw import revolute_screw
 
 PLATFORM_NAME, LINKS_NAME = "zhao2000", "zhao2000_links"
 INDEPENDENT = 1e-9

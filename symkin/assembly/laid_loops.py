@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from symkin.closure.closure import random_values
+from symkin.closure.closure import random_points
 from symkin.errors import MechanismError
 from symkin.model.changed import displaced
 from symkin.model.joint import BASE
@@ -143,10 +143,9 @@ def _is_same(group: Problem, laid: LaidLoop) -> bool:
     there = (*other.system.unknowns, *other.known_coordinates)
     if [replace(c, reference=()) for c in whole] != [replace(c, reference=()) for c in there]:
         return False
-    rng, size = np.random.default_rng(0), group.system.characteristic_length
+    size = group.system.characteristic_length
     count = _SAMPLES * int(group.system.rows.shape[0] + other.system.rows.shape[0])
-    values = np.array([random_values(whole, size, rng) for _ in range(count)])
-    points, known = np.split(values, [group.system.width], axis=1)
+    points, known = np.split(random_points(whole, size, count), [group.system.width], axis=1)
     own, _ = group.system.linearise(points, known)
     rows, _ = other.system.linearise(points, laid.known(known))
     combined, _, rank, _ = np.linalg.lstsq(rows, own, rcond=_LEAST)

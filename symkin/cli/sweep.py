@@ -168,7 +168,7 @@ def _check_pose_loci(mechanism: Mechanism, names: Sequence[str]) -> None:
             f"--loci with --poses: {mechanism.name} is no platform on limbs, and its loci are "
             f"traced over joints; sweep joints with --grid or --given, or leave --loci out"
         )
-    check_poses_vary(found[0], names)
+    check_poses_vary(found.machine, names)
 
 
 @contextmanager

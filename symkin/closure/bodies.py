@@ -178,8 +178,7 @@ class BodyBuilder:
         """
         if isinstance(element.part, Joint):
             return self.mechanism.places[element.name]
-        end = element.part.start if first == element.along else element.part.end
-        return end.at_reference(self.mechanism.reference_pose)
+        return element.part.places[first != element.along]
 
     def _declare_pose(self, reference: Pose) -> None:
         m = self.mechanism

@@ -327,3 +327,9 @@ def random_values(
             case _:
                 parts.append(np.array(c.reference) + rng.uniform(-np.pi, np.pi, 1))
     return np.concatenate(parts)
+
+
+def random_points(coordinates: Sequence[Coordinate], size: float, count: int) -> np.ndarray:
+    """So many random coordinate values (count, width), the same in every run."""
+    rng = np.random.default_rng(0)
+    return np.array([random_values(coordinates, size, rng) for _ in range(count)])

@@ -42,7 +42,7 @@ class UnitPose:
         return ca.SX(1)
 
     def point(self, m: ca.SX) -> ca.SX:
-        return self.position + rotate(self.quaternion, m)
+        return self.position + self.direction(m)
 
     def direction(self, v: ca.SX) -> ca.SX:
         return rotate(self.quaternion, v)
@@ -52,22 +52,30 @@ class UnitPose:
         return dot(difference, difference)
 
 
-@dataclass(frozen=True)
-class HomogeneousPose:
-    """Position and a quaternion of any length; N = q.q."""
+class _OfAnyLength:
+    """A quaternion of any length; N = q.q."""
 
-    position: ca.SX
     quaternion: ca.SX
 
     @property
     def weight(self) -> ca.SX:
         return dot(self.quaternion, self.quaternion)
 
+    def direction(self, v: ca.SX) -> ca.SX:
+        """q v q*: (w^2 - u.u) v + 2 (u.v) u + 2 w u x v."""
+        w, u = self.quaternion[0], self.quaternion[1:]
+        return (w * w - dot(u, u)) * v + 2 * (dot(u, v) * u + w * cross(u, v))
+
+
+@dataclass(frozen=True)
+class HomogeneousPose(_OfAnyLength):
+    """Position and a quaternion of any length."""
+
+    position: ca.SX
+    quaternion: ca.SX
+
     def point(self, m: ca.SX) -> ca.SX:
         return self.weight * self.position + self.direction(m)
-
-    def direction(self, v: ca.SX) -> ca.SX:
-        return rotate_homogeneous(self.quaternion, v)
 
     def squared_distance(self, m: ca.SX, other: ca.SX) -> ca.SX:
         # |p + R m - b|^2 = |p - b|^2 + |m|^2 + 2 (p - b).R m, where N R m is a quadratic form of
@@ -77,7 +85,7 @@ class HomogeneousPose:
 
 
 @dataclass(frozen=True)
-class StudyPose:
+class StudyPose(_OfAnyLength):
     """Study coordinates (e; g), e.g = 0: rotation e of any length, position 2 g e* / N, N = e.e.
 
     N times the squared distance of p + R m to b is |2 g + e m - b e|^2, a quadratic form (Husty
@@ -87,16 +95,9 @@ class StudyPose:
     quaternion: ca.SX
     dual: ca.SX
 
-    @property
-    def weight(self) -> ca.SX:
-        return dot(self.quaternion, self.quaternion)
-
     def point(self, m: ca.SX) -> ca.SX:
         # N p = 2 g e*: the dual part holds half the position times e
         return 2 * multiply(self.dual, conjugate(self.quaternion))[1:] + self.direction(m)
-
-    def direction(self, v: ca.SX) -> ca.SX:
-        return rotate_homogeneous(self.quaternion, v)
 
     def squared_distance(self, m: ca.SX, other: ca.SX) -> ca.SX:
         # N |p + R m - b|^2 = |(p + R m - b) e|^2 with p e = 2 g and (R m) e = e m: linear in (e, g)
@@ -106,12 +107,6 @@ class StudyPose:
             2 * self.dual + multiply(e, ca.vertcat(0, m)) - multiply(ca.vertcat(0, other), e)
         )
         return dot(difference, difference)
-
-
-def rotate_homogeneous(q: ca.SX, v: ca.SX) -> ca.SX:
-    """q v q* for a quaternion of any length: (w^2 - u.u) v + 2 (u.v) u + 2 w u x v."""
-    w, u = q[0], q[1:]
-    return (w * w - dot(u, u)) * v + 2 * (dot(u, v) * u + w * cross(u, v))
 
 
 _HALF_TURNS = np.eye(4)

@@ -281,8 +281,7 @@ class RowBuilder(BodyBuilder):
         if bar.coordinate is not None:
             offset = self.table.scalar(f"{bar.path}.offset", bar.offset)
             return offset + self._symbol(bar.coordinate)
-        ends = [end.at_reference(self.mechanism.reference_pose) for end in (bar.start, bar.end)]
-        length = bar.length if bar.length is not None else float(np.linalg.norm(ends[0] - ends[1]))
+        length = bar.reference_length if bar.length is None else bar.length
         return self.table.scalar(f"{bar.path}.length", length)
 
     def _two_balls(self, branch: Branch, first: int, last: int) -> None:

@@ -366,7 +366,7 @@ class _Gathered:
         self.joints.append(JointMark(joint, edge.ends, start, end, axes, floats))
 
     def _rod(self, edge: Branch, bar: Bar) -> None:
-        start, end = (e.at_reference(self.mechanism.reference_pose) for e in (bar.start, bar.end))
+        start, end = bar.places
         kinds = next((limb.type for limb in self.mechanism.limbs if limb.name == bar.name), "SS")
         own = bar.name == edge.name
         name = bar.name if own else f"{edge.name} {bar.name}"

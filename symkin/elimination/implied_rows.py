@@ -18,13 +18,13 @@ rounded by the change.
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import casadi as ca
 import numpy as np
 
-from symkin.closure.closure import Closure, random_values
+from symkin.closure.closure import Closure, random_points
 from symkin.closure.pose_forms import PlatformPose, linear_parts, weighted_point
 from symkin.closure.snapping import snap
 from symkin.elimination.polynomial import Monomial, Polynomial, Ring
@@ -94,7 +94,12 @@ def pose_rows(system: System, poses: np.ndarray) -> list[PointRow] | None:
     if limb is None:
         return None
     lacking = len(limb.rows) - len(limb.gone)
-    points = limb.planes(lacking)
+    planes = limb.planes()
+    points = next(planes)[:lacking]
+    if not points:
+        # of several by terms of joints some may be multiples of each other
+        more = next(planes)
+        points = more[:lacking] if len(more) == 1 else []
     sphere = limb.sphere() if len(points) < lacking else None
     if sphere is not None:
         points.append(sphere)
@@ -138,7 +143,8 @@ def implied_rows(
         for limb in kept
         for row in _products_of(closure, limb, angle, [*moved, *factors])
     ]
-    return [*together.all_planes(), *(s for s in spheres if s is not None), *products]
+    planes = [row for rows in together.planes() for row in rows]
+    return [*planes, *(s for s in spheres if s is not None), *products]
 
 
 def _products_of(
@@ -215,8 +221,8 @@ def _part(closure: Closure, rows: ca.SX, unknown: Sequence[int]) -> tuple[System
     """Rows in some of a closure's coordinates, by number, all others known; and samples (n, known)
     of these.
     """
-    rng, size = np.random.default_rng(0), closure.characteristic_length
-    values = np.array([random_values(closure.coordinates, size, rng) for _ in range(_DRAWS)])
+    size = closure.characteristic_length
+    values = random_points(closure.coordinates, size, _DRAWS)
     chosen = [closure.coordinates[k] for k in unknown]
     own, others = (
         [p for c in part for p in range(*closure.slices[c.name].indices(values.shape[1]))]
@@ -341,24 +347,14 @@ class _Limb:
         kept = sizes > _CANCELLED * np.max(sizes, initial=0.0)
         return matrix[kept] / sizes[kept, None]
 
-    def planes(self, most: int) -> list[PointRow]:
-        """Planes in which the point lies, at most so many."""
-        for monomials in self.factors:
-            polynomials = self._products(monomials)
-            matrix = self._bound(polynomials)
-            null = _reduced_null_space(matrix)
-            if len(null) and (len(monomials) == 1 or len(null) == 1):
-                return [self._plane(factors, monomials, polynomials) for factors in null[:most]]
-        return []
-
-    def all_planes(self) -> list[PointRow]:
-        """Planes in which the point lies, multiples of each other among them."""
-        found = []
+    def planes(self) -> Iterator[list[PointRow]]:
+        """Planes in which the point lies, for each of the `factors`; of those of joints some may be
+        multiples of each other.
+        """
         for monomials in self.factors:
             polynomials = self._products(monomials)
             null = _reduced_null_space(self._bound(polynomials))
-            found += [self._plane(factors, monomials, polynomials) for factors in null]
-        return found
+            yield [self._plane(factors, monomials, polynomials) for factors in null]
 
     def _plane(
         self, factors: np.ndarray, monomials: Sequence[Monomial], polynomials: Sequence[Polynomial]
@@ -391,14 +387,8 @@ class _Limb:
         self, factors: np.ndarray, monomials: Sequence[Monomial], polynomials: Sequence[Polynomial]
     ) -> PointRow:
         # |w - A|^2 = |f + A|^2 = |f|^2 + 2 A f + |A|^2
-        n, level = len(monomials), self._free(_sum(zip((1.0, *factors), polynomials, strict=True)))
-        for j in range(len(self.rows)):
-            part = Polynomial(
-                {
-                    m: ca.SX(float(v))
-                    for m, v in zip(monomials, factors[n * j : n * j + n], strict=True)
-                }
-            )
+        level = self._free(_sum(zip((1.0, *factors), polynomials, strict=True)))
+        for part in self._parts(factors, monomials):
             level = level.plus(self.ring.product(part, part))
         return PointRow(
             self.point,
@@ -412,16 +402,15 @@ class _Limb:
 
     def _vector(self, factors: np.ndarray, monomials: Sequence[Monomial], power: int) -> ca.SX:
         """One expression of the actuated joints for each row, of a power of lengths."""
-        n = len(monomials)
-        parts = [
-            Polynomial(
-                dict(
-                    zip(monomials, map(ca.SX, map(float, factors[n * j : n * j + n])), strict=True)
-                )
-            )
-            for j in range(len(self.rows))
-        ]
+        parts = self._parts(factors, monomials)
         return ca.vertcat(*(self.expression(part, power) for part in parts))
+
+    def _parts(self, factors: np.ndarray, monomials: Sequence[Monomial]) -> list[Polynomial]:
+        """One polynomial for each row, of its own factors."""
+        each = factors.reshape(len(self.rows), -1).tolist()
+        return [
+            Polynomial({m: ca.SX(v) for m, v in zip(monomials, own, strict=True)}) for own in each
+        ]
 
     def expression(self, polynomial: Polynomial, power: int) -> ca.SX:
         return expression_of(self.ring, polynomial, self.system.unknown, self.unit, power)

@@ -63,15 +63,14 @@ def _chain(limb: AnyLimb) -> Iterator[LinkJoint]:
 
 def _rods(mechanism: Mechanism, limb: AnyLimb) -> Iterator[LinkRod]:
     """The rods at the end of a limb, between its last link and the platform."""
-    pose = mechanism.reference_pose
     start = limb.links_along[-1]
-    for bar in limb.bars(pose):
+    for bar in limb.bars(mechanism.reference_pose):
         driven = bar.coordinate is not None
         yield LinkRod(
             bar.path,
             (start, limb.links[1]),
             bar.start.point,
-            bar.end.at_reference(pose).tolist(),
+            bar.places[1].tolist(),
             length=bar.length,
             actuated=driven,
             offset=bar.offset,

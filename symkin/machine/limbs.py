@@ -5,7 +5,7 @@ rods, and chains that end in rods.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from symkin.closure.branches import Branch, Element, chains_of, edges_of
 from symkin.errors import InputError
@@ -29,35 +29,23 @@ def with_limbs(
     must hold too. Raises InputError for other graphs; `instead` says what is taken for them.
     """
     require_mechanism(mechanism)
-    if not mechanism.is_graph:
-        return mechanism
-    limbs = None if arms_only else limbs_of(mechanism)
-    found = arm_of(mechanism) or (None if limbs is None else limbs.mechanism)
-    if found is None:
-        arm = (
-            "; of an arm, name the tool's link by [platform] link, of a robot's file by --platform "
-            "LINK"
-        )
-        raise InputError(
-            f"{mechanism.name} is a graph of links and joints, and {verb} takes limbs between a "
-            f"base and a platform, and serial arms; "
-            f"{instead}{arm if mechanism.platform_link is None else ''}"
-        )
-    return found
+    found = arm_of(mechanism) or (mechanism if arms_only else limbs_of(mechanism)[0])
+    if not found.is_graph:
+        return found
+    arm = (
+        "; of an arm, name the tool's link by [platform] link, of a robot's file by --platform LINK"
+    )
+    raise InputError(
+        f"{mechanism.name} is a graph of links and joints, and {verb} takes limbs between a "
+        f"base and a platform, and serial arms; "
+        f"{instead}{arm if mechanism.platform_link is None else ''}"
+    )
 
 
-@dataclass(frozen=True)
-class AsLimbs:
-    """A graph as the limbs that it is, and what these call its `links`."""
-
-    mechanism: Mechanism
-    links: dict[str, str]
-
-
-def limbs_of(graph: Mechanism) -> AsLimbs | None:
+def limbs_of(graph: Mechanism) -> tuple[Mechanism, dict[str, str]]:
     """The graph as limbs between the base and the platform, with its names and the order of its
-    actuated joints, without named points. None where it is another graph: of loops within loops,
-    couplings, links that no limb holds.
+    actuated joints, without named points, and what these call its links. Itself where it is
+    limbs, or another graph: of loops within loops, couplings, links that no limb holds.
 
     >>> import symkin
     >>> z, links = [0, 0, 1], []
@@ -66,13 +54,13 @@ def limbs_of(graph: Mechanism) -> AsLimbs | None:
     ...     end = symkin.Joint(f"end{k}", "R", [70 * k, 90, 0], z)
     ...     links.append(symkin.LinkJoint(motor, ["base", f"arm{k}"]))
     ...     links.append(symkin.LinkJoint(end, [f"arm{k}", "platform"]))
-    >>> bench = limbs_of(symkin.Mechanism("bench", link_joints=links))
-    >>> [limb.type for limb in bench.mechanism.limbs], bench.links["arm1"]
+    >>> bench, called = limbs_of(symkin.Mechanism("bench", link_joints=links))
+    >>> [limb.type for limb in bench.limbs], called["arm1"]
     (['RR', 'RR'], 'limb2.1')
     """
     platform = graph.platform_link
     if platform is None or graph.couplings or not graph.is_graph:
-        return None
+        return graph, {}
     chains = [
         chain if chain.ends[0] == BASE or chain.ends[1] == platform else chain.reversed
         for chain in chains_of(list(edges_of(graph)), {platform})
@@ -81,7 +69,7 @@ def limbs_of(graph: Mechanism) -> AsLimbs | None:
     found = list(_limbs(graph, chains, platform, links))
     limbs = [limb for limb in found if limb is not None]
     if not limbs or len(limbs) < len(found):
-        return None
+        return graph, {}
     names = [c.name for c in graph.actuated]
     made = replace(
         graph,
@@ -94,8 +82,8 @@ def limbs_of(graph: Mechanism) -> AsLimbs | None:
         example=None,
     )
     if [c.name for c in made.actuated] != names:
-        return None
-    return AsLimbs(made, links | {platform: PLATFORM})
+        return graph, {}
+    return made, links | {platform: PLATFORM}
 
 
 def _first(limb: AnyLimb, names: Sequence[str]) -> int:
@@ -169,12 +157,10 @@ def _outward(element: Element) -> Joint | None:
 
 def _ends(graph: Mechanism, element: Element) -> tuple[list[float], list[float]]:
     """The centre of a rod on its first link, and that on the platform in the platform's frame."""
-    bar, home = element.part, graph.reference_pose
+    bar = element.part
     assert isinstance(bar, Bar)  # noqa: S101 - the caller has looked
-    start, end = (e.at_reference(home) for e in (bar.start, bar.end))
-    if not element.along:
-        start, end = end, start
-    return start.tolist(), home.inverse().apply(end).tolist()
+    start, end = bar.places if element.along else bar.places[::-1]
+    return start.tolist(), graph.reference_pose.inverse().apply(end).tolist()
 
 
 def _rod_limb(graph: Mechanism, element: Element) -> RodLimb | None:

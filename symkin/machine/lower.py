@@ -27,17 +27,22 @@ from symkin.spatial.pose import Pose
 
 @dataclass(frozen=True, eq=False)
 class Lowered:
-    """The machine of a description, its frames (None: those of the description), what coordinates
-    of the description read that it has not, what it calls links whose names differ, and the guides
-    that it does without.
+    """The machine of a description, which may be itself, its frames (None: those of the
+    description), what coordinates of the description read that it has not, what it calls links
+    whose names differ, and the guides that it does without.
     """
 
     written: Mechanism
     machine: Mechanism
-    frames: Frames | None
-    readings: tuple[Reading | BallReading, ...]
+    frames: Frames | None = None
+    readings: tuple[Reading | BallReading, ...] = ()
     links: Mapping[str, str] = field(default_factory=dict)
     guides: tuple[Guide, ...] = ()
+
+    @property
+    def is_written(self) -> bool:
+        """Whether the machine is the description itself."""
+        return self.machine is self.written
 
     def taken(self, pose: Pose) -> Pose:
         """A pose of the description as the machine has it."""
@@ -55,35 +60,32 @@ def lowered(
     *,
     pose: bool = True,
     kept: frozenset[str] = frozenset(),
-) -> Lowered | None:
+) -> Lowered:
     """The machine of a description whose coordinates `given` stay, as those `kept`, and whose
-    platform's `pose` is a coordinate or not; None where it is the description itself. A graph is
-    the limbs that it is where all of its driven joints, or the whole pose, are given.
+    platform's `pose` is a coordinate or not. A graph is the limbs that it is where all of its
+    driven joints, or the whole pose, are given.
     """
     bare = _without_points(mechanism)
     whole = pose if not given else given == {c.name for c in mechanism.actuated}
     arm = arm_of(bare) if whole else None
     if arm is not None and {c.name for c in arm.coordinates} >= {c.name for c in bare.coordinates}:
-        return Lowered(mechanism, arm, None, ())
-    limbs = limbs_of(bare) if whole else None
-    plain = mechanism if bare.is_graph else bare
-    plain = plain if limbs is None else limbs.mechanism
+        return Lowered(mechanism, arm)
+    limbs, links = limbs_of(bare) if whole else (bare, {})
+    plain = mechanism if limbs.is_graph else limbs
     placed, frames = with_own_motion(plain, declare=pose or not plain.is_graph)
     alone, guides = without_guides(placed) if whole else (placed, ())
     machine, readings = with_universal_joints(alone, given | kept)
-    if machine is mechanism:
-        return None
-    links = {} if limbs is None else limbs.links
     return Lowered(mechanism, machine, frames, readings, links, guides)
 
 
 @lru_cache(maxsize=128)
 def arm_or_limbs(mechanism: Mechanism) -> Lowered | None:
-    """A graph as the arm or the limbs that it is, in its own frame and motion; None of others."""
+    """A description as the arm or the limbs that it is, in its own frame and motion; None of other
+    graphs.
+    """
     arm = arm_of(mechanism)
-    limbs = limbs_of(mechanism) if arm is None else None
-    machine, links = (arm, {}) if limbs is None else (limbs.mechanism, limbs.links)
-    return None if machine is None else Lowered(mechanism, machine, None, (), links)
+    machine, links = limbs_of(mechanism) if arm is None else (arm, {})
+    return None if machine.is_graph else Lowered(mechanism, machine, links=links)
 
 
 @lru_cache(maxsize=128)
@@ -93,9 +95,7 @@ def lowered_limbs(mechanism: Mechanism) -> Lowered:
     motion is gone, it stands in the frame in which its numbers are simplest, and its limbs are laid
     along axes.
     """
-    limbs = limbs_of(mechanism)
-    plain = mechanism if limbs is None else limbs.mechanism
-    placed, frames = with_own_motion(plain, declare=True)
+    placed, frames = with_own_motion(limbs_of(mechanism)[0], declare=True)
     kept = frozenset(c.name for c in mechanism.coordinates if c.limits is not None)
     machine, readings = with_universal_joints(without_guides(placed)[0], kept)
     if frames is None:

@@ -4,6 +4,7 @@ between links.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,19 +16,21 @@ from symkin.spatial.pose import Pose
 @dataclass(frozen=True)
 class RodEnd:
     """One end of a rod: the key path of its point, and the point, in the platform frame or in the
-    base frame at the reference.
+    base frame at the reference; of a platform's point `there` is that in the base frame.
     """
 
     path: str
     point: tuple[float, ...]
-    in_platform_frame: bool = False
+    there: tuple[float, ...] | None = None
 
-    def at_reference(self, platform: Pose) -> np.ndarray:
-        """The point in the base frame at the reference, where the platform frame is at
-        `platform`.
-        """
-        point = np.array(self.point)
-        return platform.apply(point) if self.in_platform_frame else point
+    @staticmethod
+    def of_platform(path: str, point: Sequence[float], platform: Pose) -> RodEnd:
+        """An end in the platform frame, which is at `platform` at the reference."""
+        return RodEnd(path, tuple(point), tuple(platform.apply(np.array(point)).tolist()))
+
+    @property
+    def in_platform_frame(self) -> bool:
+        return self.there is not None
 
 
 @dataclass(frozen=True)
@@ -44,6 +47,18 @@ class Bar:
     offset: float = 0.0
     coordinate: Coordinate | None = None
     spins: bool = True
+
+    @property
+    def places(self) -> tuple[np.ndarray, np.ndarray]:
+        """Its ends in the base frame at the reference."""
+        return np.array(self.start.there or self.start.point), np.array(
+            self.end.there or self.end.point
+        )
+
+    @property
+    def reference_length(self) -> float:
+        """Distance of the ends at the reference."""
+        return float(np.linalg.norm(np.subtract(*self.places)))
 
     @property
     def freedom(self) -> int:

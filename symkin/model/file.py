@@ -13,7 +13,7 @@ from typing import Any
 
 from symkin.computed_once import lru_cache
 from symkin.errors import MechanismError, SymkinError
-from symkin.model.description import unit_of_coordinates
+from symkin.model.description import Example
 from symkin.model.dh import DHRow, DHTable
 from symkin.model.foreign_keys import foreign_key, is_second_platform, second_platform
 from symkin.model.graph import Coupling, LinkJoint, LinkPoint, LinkRod
@@ -21,7 +21,7 @@ from symkin.model.joint import BASE, PLATFORM, Joint
 from symkin.model.joint_forms import JOINT_FORMS
 from symkin.model.keys import MECHANISM, Place, read_table, with_parameters
 from symkin.model.limb import LIMB_LINKS, Limb, Rod, RodLimb
-from symkin.model.mechanism import Example, Mechanism, serial_arm_from_dh
+from symkin.model.mechanism import Mechanism, serial_arm_from_dh
 from symkin.model.shipped import SHIPPED
 from symkin.regular_file import content_of
 from symkin.text import meant
@@ -116,7 +116,7 @@ def _mechanism(data: dict[str, Any], told: Mapping[str, Any]) -> Mechanism:
     )
     if not table.coupling:
         return described
-    units = unit_of_coordinates(described)
+    units = described.units
     couplings = [Coupling(**vars(each)).in_units(units) for each in table.coupling]
     return replace(described, couplings=couplings)
 

@@ -7,20 +7,20 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from symkin.errors import MechanismError
-from symkin.model.description import Graph
+from symkin.model.description import Description
 from symkin.model.joined import joined_to
 from symkin.model.joint import BASE
 from symkin.model.names import check_name
 from symkin.text import meant, shown
 
 
-def links_of(graph: Graph) -> tuple[str, ...]:
+def links_of(graph: Description) -> tuple[str, ...]:
     """The links by name, the base first; those within limbs have no names."""
     pairs = [tuple(entry.links) for entry in (*graph.link_joints, *graph.link_rods, *graph.limbs)]
     return tuple(dict.fromkeys([BASE, *(link for pair in pairs for link in pair)]))
 
 
-def check_graph(graph: Graph) -> None:
+def check_graph(graph: Description) -> None:
     """Raise MechanismError where the description contradicts itself."""
     links = links_of(graph)
     for link in links:
@@ -55,12 +55,12 @@ def check_graph(graph: Graph) -> None:
     _check_couplings(graph)
 
 
-def _has_frame(graph: Graph) -> bool:
+def _has_frame(graph: Description) -> bool:
     frame = tuple(graph.platform_position), tuple(graph.platform_quaternion), graph.motion
     return frame != ((0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0), "spatial")
 
 
-def _check_held(graph: Graph, links: Sequence[str]) -> None:
+def _check_held(graph: Description, links: Sequence[str]) -> None:
     """Every link is joined to the base, if over others."""
     reached = joined_to((*graph.link_joints, *graph.link_rods, *graph.limbs), BASE)
     lost = [link for link in links if link not in reached]
@@ -81,7 +81,7 @@ def _check_known(name: str, known: Sequence[str], where: str, what: str) -> None
         )
 
 
-def _check_couplings(graph: Graph) -> None:
+def _check_couplings(graph: Description) -> None:
     coordinates = {c.name: c for c in graph.coordinates}
     known = [name for name, c in coordinates.items() if not c.is_rotation]
     depends: dict[str, tuple[str, ...]] = {}

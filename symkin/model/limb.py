@@ -5,7 +5,7 @@ that end in rods.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal, TypeAlias
 
 import numpy as np
@@ -88,23 +88,10 @@ class RodLimb:
     def bars(self, platform: Pose) -> tuple[Bar, ...]:
         """The rod, for a reference pose of the platform."""
         start = RodEnd(f"{self.name}.base", tuple(self.base))
-        end = RodEnd(f"{self.name}.platform", tuple(self.platform), in_platform_frame=True)
-        reference = (
-            float(np.linalg.norm(end.at_reference(platform) - np.array(self.base))) - self.offset
-        )
-        coordinate = self.coordinate(reference)
-        spins = self.type == "SPS"
-        return (
-            Bar(
-                self.name,
-                start,
-                end,
-                path=self.name,
-                offset=self.offset,
-                coordinate=coordinate,
-                spins=spins,
-            ),
-        )
+        end = RodEnd.of_platform(f"{self.name}.platform", self.platform, platform)
+        bar = Bar(self.name, start, end, self.name, offset=self.offset, spins=self.type == "SPS")
+        reference = bar.reference_length - self.offset
+        return (replace(bar, coordinate=self.coordinate(reference)),)
 
 
 @dataclass(frozen=True)
@@ -195,12 +182,12 @@ class Limb:
                 "them moves them apart, a rod of no length; leave one of them out"
             )
 
-    def bars(self, platform: Pose) -> tuple[Bar, ...]:  # noqa: ARG002 - a rod limb's depend on the pose
+    def bars(self, platform: Pose) -> tuple[Bar, ...]:
         """The rods at its end."""
         found = []
         for k, rod in enumerate(self.rods, start=1):
             path = f"{self.name}.rod{k}"
-            end = RodEnd(f"{path}.platform", tuple(rod.platform), in_platform_frame=True)
+            end = RodEnd.of_platform(f"{path}.platform", rod.platform, platform)
             found.append(
                 Bar(f"rod {k}", RodEnd(f"{path}.from", tuple(rod.start)), end, path, rod.length)
             )

@@ -4,27 +4,24 @@ from __future__ import annotations
 
 import hashlib
 import math
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, fields, replace
-from typing import Literal
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields
 
 import numpy as np
 
 from symkin.computed_once import cached_property
 from symkin.errors import InputError, MechanismError
-from symkin.model.bar import Bar
+from symkin.model.description import Description, Example
 from symkin.model.dh import DHTable, reference_frames
-from symkin.model.graph import Coupling, LinkJoint, LinkPoint, LinkRod
 from symkin.model.graph_checks import check_graph, links_of
-from symkin.model.joint import BASE, PLATFORM, POSE_CONDITIONS, Coordinate, Joint, finite, vector3
+from symkin.model.joint import PLATFORM, POSE_CONDITIONS, Joint, finite, vector3
 from symkin.model.keys import ANGLE_UNITS, LENGTH_UNITS
 from symkin.model.keys import MOTIONS as MOTIONS
 from symkin.model.keys import Motion as Motion
-from symkin.model.limb import Limb, RodLimb, coincide
-from symkin.model.mesh import LinkMesh
+from symkin.model.limb import Limb, coincide
 from symkin.model.names import check_mechanism_name, check_name, check_text
 from symkin.model.placement import placed_points
-from symkin.spatial.pose import NORM_OFF, Pose
+from symkin.spatial.pose import NORM_OFF
 from symkin.text import meant, not_among
 
 _MUCH_LARGER = 3.0
@@ -44,34 +41,7 @@ MOST_PARTS = 1000
 
 
 @dataclass(frozen=True)
-class Example:
-    """A worked example of a mechanism, used where no input is given; in the mechanism's own units.
-
-    `joints` (actuated values in file order), `pose` (x, y, z, qw, qx, qy, qz) or `given` (pairs of
-    a coordinate's name and its value); `start` is where a solve begins: a pose with `joints`, else
-    actuated values. Raises MechanismError for a number that is not finite; whether they fit is
-    checked by the Mechanism that holds them.
-
-    >>> import symkin
-    >>> symkin.load("zhang2009").example.joints[:3]
-    (144.6, 347.0, 110.3)
-    """
-
-    joints: tuple[float, ...] | None = None
-    pose: tuple[float, ...] | None = None
-    given: tuple[tuple[str, float], ...] | None = None
-    start: tuple[float, ...] | None = None
-
-    def __post_init__(self) -> None:
-        for key in ("joints", "pose", "start"):
-            for k, value in enumerate(getattr(self, key) or ()):
-                finite(value, f"example.{key}[{k}]")
-        for name, value in self.given or ():
-            finite(value, f"example.given.{name}")
-
-
-@dataclass(frozen=True)
-class Mechanism:
+class Mechanism(Description):
     """Limbs between a base and a platform, a serial arm, or a graph of links.
 
     A serial arm (`serial`) is one limb, all of its joints actuated, its platform the tool. A graph
@@ -94,25 +64,6 @@ class Mechanism:
     >>> [c.name for c in bench.actuated], round(bench.characteristic_length, 3)
     (['leg0', 'leg1'], 600.0)
     """
-
-    name: str
-    limbs: Sequence[Limb | RodLimb] = ()
-    platform_position: Sequence[float] = (0.0, 0.0, 0.0)
-    platform_quaternion: Sequence[float] = (1.0, 0.0, 0.0, 0.0)
-    motion: Motion = "spatial"
-    length_unit: Literal["m", "mm"] = "mm"
-    angle_unit: Literal["deg", "rad"] = "rad"
-    title: str = ""
-    source: str = ""
-    serial: bool = False
-    dh: DHTable | None = None
-    example: Example | None = None
-    link_joints: Sequence[LinkJoint] = ()
-    link_rods: Sequence[LinkRod] = ()
-    couplings: Sequence[Coupling] = ()
-    link_points: Sequence[LinkPoint] = ()
-    platform_link: str | None = PLATFORM
-    link_meshes: Sequence[LinkMesh] = field(default=(), compare=False)
 
     def __post_init__(self) -> None:
         for key in ("limbs", "link_joints", "link_rods", "couplings", "link_points", "link_meshes"):
@@ -160,114 +111,6 @@ class Mechanism:
         return {name: value for name, value in vars(self).items() if name != "_hash"}
 
     @cached_property
-    def is_graph(self) -> bool:
-        """Whether links are joined in other ways than by limbs from the base to the platform."""
-        other_limbs = any(limb.links != (BASE, PLATFORM) for limb in self.limbs)
-        return bool(
-            self.link_joints or self.link_rods or self.couplings or self.link_points or other_limbs
-        )
-
-    @property
-    def frame_name(self) -> str:
-        """What the frame is called whose pose is found: the tool's of an arm, else the
-        platform's.
-        """
-        return "tool" if self.serial else "platform"
-
-    def key_path(self, limb: Limb | RodLimb, joint: Joint) -> str:
-        """The key path of a joint's numbers: the joints of an arm stand in no limb."""
-        return joint.name if self.serial else f"{limb.name}.{joint.name}"
-
-    @property
-    def reference_pose(self) -> Pose:
-        """Pose of the platform or tool at the reference configuration."""
-        return Pose(np.array(self.platform_position), np.array(self.platform_quaternion))
-
-    @property
-    def joints(self) -> Iterator[tuple[Limb | RodLimb, Joint]]:
-        """All joints of limbs, in file order."""
-        return ((limb, joint) for limb in self.limbs for joint in limb.joints)
-
-    @property
-    def all_joints(self) -> Iterator[Joint]:
-        """The joints of limbs, then those between links, in file order."""
-        yield from (joint for _, joint in self.joints)
-        yield from (entry.joint for entry in self.link_joints)
-
-    @cached_property
-    def bars(self) -> tuple[Bar, ...]:
-        """The rods of limbs, then those between links, in file order."""
-        pose = self.reference_pose
-        return (
-            *(bar for limb in self.limbs for bar in limb.bars(pose)),
-            *(rod.bar for rod in self.link_rods),
-        )
-
-    @cached_property
-    def coordinates(self) -> tuple[Coordinate, ...]:
-        """Every coordinate of joints and actuated rods in file order: those of limbs, then of
-        joints and of rods between links. Angles of `advancing` couplings are no angles modulo a
-        turn: a whole turn of one gear is none of the other.
-        """
-        advancing = self.advancing
-        return tuple(
-            replace(c, kind="turns") if c.is_periodic and c.name in advancing else c
-            for c in self._as_described
-        )
-
-    @cached_property
-    def _as_described(self) -> tuple[Coordinate, ...]:
-        """Every coordinate, couplings left aside."""
-        found: list[Coordinate] = []
-        for limb in self.limbs:
-            found.extend(c for joint in limb.joints for c in joint.coordinates)
-            found.extend(
-                bar.coordinate
-                for bar in limb.bars(self.reference_pose)
-                if bar.coordinate is not None
-            )
-        found.extend(c for entry in self.link_joints for c in entry.joint.coordinates)
-        found.extend(rod.coordinate for rod in self.link_rods if rod.actuated)
-        return tuple(found)
-
-    @cached_property
-    def advancing(self) -> Mapping[str, str]:
-        """Why angles that couplings name advance without end, by their names; an angle coupled to
-        one that advances does too.
-        """
-        kinds: dict[str, str] = {c.name: c.kind for c in self._as_described}
-        naming: dict[str, list[Coupling]] = {}
-        todo: list[tuple[str, Coupling]] = []
-        for coupling in self.couplings:
-            for name in (coupling.joint, *coupling.names):
-                naming.setdefault(name, []).append(coupling)
-            reason = coupling.advance_reason(kinds)
-            todo += [] if reason is None else [(reason, coupling)]
-        found: dict[str, str] = {}
-        while todo:
-            reason, coupling = todo.pop()
-            for name in (coupling.joint, *coupling.names):
-                if kinds.get(name) == "angle" and name not in found:
-                    found[name] = reason
-                    todo += [(reason, other) for other in naming[name]]
-        return found
-
-    @cached_property
-    def pitches(self) -> Mapping[str, float]:
-        """Lengths per turn of the coordinates of helical joints, by their names."""
-        return {
-            c.name: joint.pitch
-            for joint in self.all_joints
-            if joint.type == "H"
-            for c in joint.coordinates
-        }
-
-    @cached_property
-    def actuated(self) -> tuple[Coordinate, ...]:
-        """Actuated coordinates in file order: the order of `--joints`."""
-        return tuple(c for c in self.coordinates if c.role == "actuated")
-
-    @cached_property
     def places(self) -> dict[str, np.ndarray]:
         """A point of each joint at the reference: the one described; or, where that makes the
         mechanism much larger than it is, one of its axis that is near the limb's other points (see
@@ -296,44 +139,15 @@ class Mechanism:
         """The largest coordinate of a point of the description at the reference: numbers as large
         as this are added and cancel.
         """
-        ends = [
-            end.at_reference(self.reference_pose)
-            for bar in self.bars
-            for end in (bar.start, bar.end)
-        ]
-        points = [*(joint.point for joint in self.all_joints), *ends, self.platform_position]
+        joints = (joint.point for joint in self.all_joints)
+        points = [*joints, *self.rod_ends, self.platform_position]
         return float(np.max(np.abs(np.array(points))))
 
     def _spread(self, places: Mapping[str, np.ndarray]) -> float:
         """The largest distance between points of joints and rod ends."""
-        ends = [
-            end.at_reference(self.reference_pose)
-            for bar in self.bars
-            for end in (bar.start, bar.end)
-        ]
-        points = [*places.values(), *ends]
+        points = [*places.values(), *self.rod_ends]
         spread = _diameter(points)
         return spread or _diameter([*points, np.array(self.platform_position)])
-
-    def angle_out(self, radians: float) -> float:
-        """From radians to the mechanism's angle unit."""
-        return math.degrees(radians) if self.angle_unit == "deg" else radians
-
-    def angle_in(self, value: float) -> float:
-        """From the mechanism's angle unit to radians."""
-        return math.radians(value) if self.angle_unit == "deg" else value
-
-    def value_out(self, coordinate: Coordinate, value: float) -> float:
-        """A coordinate's value in the mechanism's units, from radians and the length unit."""
-        return self.angle_out(value) if coordinate.is_angular else value
-
-    def value_in(self, coordinate: Coordinate, value: float) -> float:
-        """A coordinate's value in radians and the length unit, from the mechanism's units."""
-        return self.angle_in(value) if coordinate.is_angular else value
-
-    def unit_of(self, coordinate: Coordinate) -> str:
-        """The mechanism's unit of a coordinate that is one number."""
-        return self.angle_unit if coordinate.is_angular else self.length_unit
 
     def to_toml(self) -> str:
         """The mechanism file (format 1) that describes this mechanism."""
@@ -493,12 +307,8 @@ def _check_names(mechanism: Mechanism) -> None:
 def _check_rods(mechanism: Mechanism) -> None:
     for limb in mechanism.limbs:
         for k, bar in enumerate(limb.bars(mechanism.reference_pose), start=1):
-            end = bar.end.at_reference(mechanism.reference_pose)
-            if (
-                bar.length is None
-                and bar.coordinate is None
-                and coincide(end.tolist(), bar.start.point)
-            ):
+            start, end = (place.tolist() for place in bar.places)
+            if bar.length is None and bar.coordinate is None and coincide(start, end):
                 raise MechanismError(
                     f"limb {limb.name!r}: the ends of rod {k} lie at one point at the reference; a "
                     f"rod has a length"

@@ -9,7 +9,6 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from symkin.model.limb import RodLimb
 from symkin.model.mechanism import Mechanism
 from symkin.text import first_of
 
@@ -35,18 +34,12 @@ def oddities(mechanism: Mechanism) -> tuple[str, ...]:
 
 
 def _negative_rods(mechanism: Mechanism) -> Iterator[str]:
-    drives = [
-        (f"limb {limb.name}", limb.offset, limb.limits)
-        for limb in mechanism.limbs
-        if isinstance(limb, RodLimb)
-    ]
-    drives += [
-        (f"rod {rod.name}", rod.offset, rod.limits) for rod in mechanism.link_rods if rod.actuated
-    ]
+    drives = [(bar, bar.coordinate.limits) for bar in mechanism.bars if bar.coordinate is not None]
     wrong = [
-        f"{name} (limits {limits[0]:g} to {limits[1]:g} beyond offset {offset:g})"
-        for name, offset, limits in drives
-        if limits is not None and limits[1] + offset <= 0.0
+        f"{'limb' if bar.end.in_platform_frame else 'rod'} {bar.name} (limits {limits[0]:g} to "
+        f"{limits[1]:g} beyond offset {bar.offset:g})"
+        for bar, limits in drives
+        if limits is not None and limits[1] + bar.offset <= 0.0
     ]
     if wrong:
         yield (
@@ -61,12 +54,8 @@ def _far_points(mechanism: Mechanism) -> Iterator[str]:
         joint.name: tuple(joint.point) for joint in mechanism.all_joints if joint.type != "P"
     }
     moving: dict[str, tuple[float, ...]] = {}
-    for limb in mechanism.limbs:
-        if isinstance(limb, RodLimb):
-            fixed[f"{limb.name}.base"], moving[f"{limb.name}.platform"] = (
-                tuple(limb.base),
-                tuple(limb.platform),
-            )
+    for end in (end for bar in mechanism.bars for end in (bar.start, bar.end)):
+        (moving if end.in_platform_frame else fixed)[end.path] = end.point
     for points in (fixed, moving):
         yield from _far_of(points, mechanism.length_unit)
 

@@ -9,7 +9,7 @@ from typing import Any
 
 import tomlkit
 
-from symkin.model.description import Description, unit_of_coordinates
+from symkin.model.description import Description
 from symkin.model.dh import DHTable
 from symkin.model.graph import Coupling
 from symkin.model.keys import (
@@ -64,7 +64,7 @@ def _links(document: tomlkit.TOMLDocument, mechanism: Description) -> None:
         SimpleNamespace(**vars(entry.joint), links=tuple(entry.links))
         for entry in mechanism.link_joints
     ]
-    units = unit_of_coordinates(mechanism) if mechanism.couplings else {}
+    units = mechanism.units
     tables = {
         "joint": [write_table(LINK_JOINT, joint, unit) for joint in joints],
         "rod": [write_table(LINK_ROD, rod, unit) for rod in mechanism.link_rods],

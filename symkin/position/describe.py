@@ -125,7 +125,7 @@ def _link_rod(rod: LinkRod) -> str:
 
 def _coupling(m: Mechanism, coupling: Coupling) -> str:
     """An equation in the mechanism's units."""
-    unit = {c.name: m.value_in(c, 1.0) for c in m.coordinates}
+    unit = m.units
     own = unit[coupling.joint]
     if coupling.polynomial is not None:
         (name,) = coupling.names

@@ -131,7 +131,7 @@ def given_pose(mechanism: Mechanism, given: Sequence[float] | Pose) -> Given:
 def given_poses(mechanism: Mechanism, rows: np.ndarray) -> list[Given]:
     """`given_pose` for poses (n, 7) whose quaternions are of unit length."""
     low, poses = reader_of_poses(mechanism), Pose(rows[:, :3].T, rows[:, 3:].T)
-    machine, at = (mechanism, poses) if low is None else (low.machine, low.taken(poses))
+    machine, at = low.machine, low.taken(poses)
     values, off = poses_coordinates(machine, at.position, at.quaternion)
     exact = off <= _ROUNDING * machine.characteristic_length
     if ties_poses(machine):
@@ -139,8 +139,8 @@ def given_poses(mechanism: Mechanism, rows: np.ndarray) -> list[Given]:
     names = pose_names(machine)
     found = [Given(names, values[k], {"pose": row}) for k, row in enumerate(rows.tolist())]
     for k in (~exact).nonzero()[0].tolist():
-        found[k] = _moved(machine, replace(found[k], off_motion=float(off[k])), low)
-    if low is None:
+        found[k] = _moved(low, replace(found[k], off_motion=float(off[k])))
+    if low.is_written:
         return found
     own, _ = poses_coordinates(mechanism, poses.position, poses.quaternion)
     for k, there in enumerate(found):
@@ -151,20 +151,20 @@ def given_poses(mechanism: Mechanism, rows: np.ndarray) -> list[Given]:
     return found
 
 
-def _moved(machine: Mechanism, given: Given, low: Lowered | None) -> Given:
+def _moved(low: Lowered, given: Given) -> Given:
     """A pose off those that joints can take, moved to the nearest of them where few digits are why;
     of the machine of `low` notes are told of the description.
     """
-    values, off, notes = given.values, given.off_motion, list[str]()
+    machine, values, off, notes = low.machine, given.values, given.off_motion, list[str]()
     by = f"{off:.3g} {machine.length_unit}"
-    if off >= projected_below(machine, low):
+    if off >= projected_below(low):
         notes.append(f"the pose lies off the platform's {machine.motion} motion by {by}")
     else:
         if off > _ROUNDING * machine.characteristic_length:
             notes.append(
                 f"the pose was projected onto the platform's {machine.motion} motion, by {by}"
             )
-        values, off, more = feasible_pose(machine, values, low)
+        values, off, more = feasible_pose(low, values)
         notes += more
     return replace(given, values=values, notes=tuple(notes), off_motion=off)
 

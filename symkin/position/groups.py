@@ -21,7 +21,7 @@ from itertools import pairwise
 import casadi as ca
 import numpy as np
 
-from symkin.closure.closure import Closure, random_values
+from symkin.closure.closure import Closure, random_points
 from symkin.computed_once import lru_cache
 from symkin.elimination.implied_rows import PointRow, implied_rows
 from symkin.elimination.product_rows import ProductRow
@@ -258,11 +258,7 @@ def dependence_of(rows: ca.SX, closure: Closure) -> np.ndarray:
     """Which rows hold which numbers of the closure's variables (rows, variables); lengths are
     compared in sizes, as angles are.
     """
-    rng = np.random.default_rng(0)
-    values = [
-        random_values(closure.coordinates, closure.characteristic_length, rng)
-        for _ in range(_POINTS)
-    ]
+    values = random_points(closure.coordinates, closure.characteristic_length, _POINTS)
     jacobian = ca.Function("j", [closure.variables], [ca.jacobian(rows, closure.variables)])
     units = np.array(units_of(closure.coordinates, closure.characteristic_length))
     sizes = np.max([np.abs(np.asarray(jacobian(v))) for v in values], axis=0) * units

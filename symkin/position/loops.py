@@ -200,9 +200,8 @@ def _screws(mechanism: Mechanism, edge: Branch, poses: Mapping[str, Pose]) -> np
     part, size, middle = edge.elements[0].part, mechanism.characteristic_length, _middle(mechanism)
     before, after = (poses[link] for link in edge.ends)
     if isinstance(part, Bar):
-        ends = []
-        for pose, end in ((before, part.start), (after, part.end)):
-            ends.append(pose.apply(end.at_reference(mechanism.reference_pose)))
+        start, end = part.places
+        ends = [before.apply(start), after.apply(end)]
         ball = JOINT_FORMS["S"]
         turns = np.vstack([ball.screws((end - middle) / size, (), 0.0) for end in ends])
         along = np.concatenate([np.zeros(3), ends[1] - ends[0]])[None]
@@ -223,6 +222,5 @@ def _screws(mechanism: Mechanism, edge: Branch, poses: Mapping[str, Pose]) -> np
 def _middle(mechanism: Mechanism) -> np.ndarray:
     """The mean of joints and rod ends at the reference: moments about it are of the size of the
     mechanism, however far that stands from the base's origin."""
-    pose = mechanism.reference_pose
-    ends = [end.at_reference(pose) for bar in mechanism.bars for end in (bar.start, bar.end)]
-    return np.mean(np.array([*mechanism.places.values(), *ends], dtype=float), axis=0)
+    points = [*mechanism.places.values(), *mechanism.rod_ends]
+    return np.mean(np.array(points, dtype=float), axis=0)

@@ -105,7 +105,7 @@ def _of_turned(mechanism: Mechanism) -> str:
     than z.
     """
     low = lowered(mechanism)
-    if low is None or low.frames is None or low.machine.motion not in ABOUT_Z:
+    if low.frames is None or low.machine.motion not in ABOUT_Z:
         return ""
     axis = np.asarray(low.frames.base.inverse().turn((0.0, 0.0, 1.0)))
     told = ", ".join(f"{plain(float(value)):.6g}" for value in axis)

@@ -116,38 +116,36 @@ def motion_note(mechanism: Mechanism, position: np.ndarray, quaternion: np.ndarr
     )
 
 
-def reader_of_poses(mechanism: Mechanism) -> Lowered | None:
+def reader_of_poses(mechanism: Mechanism) -> Lowered:
     """The machine that reads the poses of a description which does not tell what its joints leave
-    the platform, or tie of its pose: it declares no motion, or is a graph. None where the
-    description does.
+    the platform, or tie of its pose: it declares no motion, or is a graph. The description where it
+    does.
     """
     low = lowered(mechanism)
-    if low is None:
-        return None
     tells_more = mechanism.is_graph and not low.machine.is_graph
-    return low if tells_more or low.machine.motion != mechanism.motion else None
+    told = tells_more or low.machine.motion != mechanism.motion
+    return low if told else Lowered(mechanism, mechanism)
 
 
-def projected_below(mechanism: Mechanism, low: Lowered | None) -> float:
+def projected_below(low: Lowered) -> float:
     """How far (length unit) off its motion a pose is taken for one of it: of a motion that is
     declared by rounding, of one that the joints leave the machine of `low` by few digits, as where
     joints tie poses.
     """
-    is_declared = low is None or low.written.motion != "spatial"
-    return (ON_MOTION if is_declared else PROJECTED) * mechanism.characteristic_length
+    is_declared = low.written.motion != "spatial"
+    return (ON_MOTION if is_declared else PROJECTED) * low.machine.characteristic_length
 
 
-def feasible_pose(
-    mechanism: Mechanism, values: np.ndarray, low: Lowered | None = None
-) -> tuple[np.ndarray, float, tuple[str, ...]]:
+def feasible_pose(low: Lowered, values: np.ndarray) -> tuple[np.ndarray, float, tuple[str, ...]]:
     """Pose coordinates that the joints can take, where they tie them to each other: those of a pose
     with few digits are moved to the nearest; a distance that is more than that or beyond reach, and
     what is said of it, in the words of the description of `low`.
     """
+    mechanism = low.machine
     nearest = nearest_pose(mechanism, values)
     if nearest is None:
         return values, 0.0, ()
-    frame = (mechanism if low is None else low.written).frame_name
+    frame = low.written.frame_name
     unit = mechanism.length_unit
     if nearest.distance <= PROJECTED * mechanism.characteristic_length and not nearest.beyond_reach:
         note = (
@@ -155,8 +153,7 @@ def feasible_pose(
             f"{nearest.distance:.3g} {unit}",
         )
         return nearest.values, 0.0, note
-    there = motion_pose(mechanism, nearest.values)
-    there = there if low is None else low.told(there)
+    there = low.told(motion_pose(mechanism, nearest.values))
     numbers = np.concatenate([there.position, there.quaternion])
     scales = [mechanism.characteristic_length] * 3 + [1.0] * 4
     at = ", ".join(

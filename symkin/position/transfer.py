@@ -60,9 +60,9 @@ def many_of_machine(
     closure: Closure, own: Closure, values: np.ndarray, lowered: Lowered | None
 ) -> np.ndarray:
     """Full vectors of the variables of a closure of the machine (m, variables) at configurations
-    (m, own variables) of its description, which may be the machine itself (None).
+    (m, own variables) of its description, which may be the machine itself.
     """
-    if lowered is None:
+    if lowered is None or lowered.is_written:
         return many_elsewhere(closure, own, values)
     found = _transfer(closure, own, lowered, to_machine=True)(values)[0][:, :, 0]
     return in_standard_writing(closure, own, found)

@@ -126,15 +126,13 @@ class Plane:
         return plane_of, (self.solution, self.names, None if self.of_pose else self.told)
 
 
-def pose_planes(mechanism: Mechanism) -> tuple[Mechanism, Lowered | None] | None:
+def pose_planes(mechanism: Mechanism) -> Lowered | None:
     """The machine over whose pose coordinates loci may be asked for, a platform on limbs, in the
     frame of its description; None of another one.
     """
-    low = lowered(mechanism)
-    if low is not None and low.frames is not None:
-        low = arm_or_limbs(mechanism)
-    machine = mechanism if low is None else low.machine
-    return (machine, low) if plain_kind(machine, pose_names(machine)) is not None else None
+    turned = lowered(mechanism)
+    low = turned if turned.frames is None else arm_or_limbs(mechanism)
+    return None if low is None or low.machine.is_graph else low
 
 
 def plane_of(solution: Solution, names: Sequence[str], known: Sequence[str] | None = None) -> Plane:
@@ -145,14 +143,14 @@ def plane_of(solution: Solution, names: Sequence[str], known: Sequence[str] | No
     joints = actuated_names(mechanism)
     told = joints if known is None else checked_names(mechanism, known, "given")
     of_poses = pose_planes(mechanism) if known is None else None
-    axes = () if of_poses is None else POSE_AXES[of_poses[0].motion]
+    axes = () if of_poses is None else POSE_AXES[of_poses.machine.motion]
     if not 1 <= len(names) <= 2 or len(set(names)) < len(names):
         raise InputError(
             f"plane = {', '.join(names)!r}; one or two different coordinates are needed"
         )
     # a joint that is named as a coordinate of the pose is the joint, as among values by name
     if of_poses is not None and not set(names) <= set(told) and set(names) <= set(axes):
-        return _plane_of_pose(solution, names, *of_poses)
+        return _plane_of_pose(solution, names, of_poses)
     if not set(names) <= set(told) or any(name.startswith("pose.") for name in told):
         poses = f"two of {', '.join(axes)} (pose), or " if axes else ""
         what = "actuated joints" if known is None else "coordinates that are given"
@@ -175,14 +173,13 @@ def _guess(names: Sequence[str], known: Sequence[str]) -> str:
     return meant(wrong[0], known) if wrong else ""
 
 
-def _plane_of_pose(
-    solution: Solution, names: Sequence[str], machine: Mechanism, low: Lowered | None
-) -> Plane:
+def _plane_of_pose(solution: Solution, names: Sequence[str], low: Lowered) -> Plane:
     """A plane of two coordinates of the pose."""
     if len(names) < 2 or set(names) == {"gamma", "rz"}:
         same = "; they are the same angle: " if len(names) == 2 else "; "
         raise InputError(f"plane = {', '.join(names)!r}{same}two different coordinates are needed")
-    return _plane(build_problem(machine, pose_names(machine)), solution, low, names, ())
+    problem = build_problem(low.machine, pose_names(low.machine))
+    return _plane(problem, solution, low, names, ())
 
 
 def _plane(

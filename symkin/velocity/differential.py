@@ -15,19 +15,14 @@ import casadi as ca
 import numpy as np
 
 from symkin.closure.chain import Chain, Turn
-from symkin.closure.closure import Closure, random_values
+from symkin.closure.closure import Closure, nonzero_rows
 from symkin.closure.link_poses import cut_expressions
-from symkin.closure.pose_forms import PlatformPose
+from symkin.closure.pose_forms import PlatformPose, UnitPose
 from symkin.closure.rows import RowBuilder
 from symkin.model.joint import Coordinate
-from symkin.spatial.backend import dot
 from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import matrix_from_quaternion, multiply
 
-_VANISHING = 1e-11
-"""A row that stays below this times the size at random configurations is implied by the restricted
-motion.
-"""
 TWIST_COLUMNS = {
     "pose.x": (0,),
     "pose.y": (1,),
@@ -180,32 +175,19 @@ def pose_rates(coordinate: Coordinate, quaternion: ca.SX, twists: ca.SX) -> ca.S
     return twists[TWIST_COLUMNS[coordinate.name][0], :]
 
 
-@dataclass
-class _TurningPose:
-    """A platform pose whose position, quaternion and turned directions are symbols; see
-    PlatformPose.
+@dataclass(frozen=True)
+class _TurningPose(UnitPose):
+    """A platform pose whose position, quaternion and turned directions are symbols in place of the
+    `true` ones.
     """
 
     true: Pose
-    position: ca.SX = field(default_factory=lambda: ca.SX.sym("p", 3))
-    quaternion: ca.SX = field(default_factory=lambda: ca.SX.sym("e", 4))
     turned: list[tuple[ca.SX, ca.SX]] = field(default_factory=list)
-
-    @property
-    def weight(self) -> ca.SX:
-        return ca.SX(1)
-
-    def point(self, m: ca.SX) -> ca.SX:
-        return self.position + self.direction(m)
 
     def direction(self, v: ca.SX) -> ca.SX:
         symbol = ca.SX.sym("s", 3)
         self.turned.append((symbol, v))
         return symbol
-
-    def squared_distance(self, m: ca.SX, other: ca.SX) -> ca.SX:
-        difference = self.point(m) - other
-        return dot(difference, difference)
 
     def settled(self, expressions: list[ca.SX]) -> list[ca.SX]:
         """The expressions with the pose in place of the symbols."""
@@ -226,7 +208,7 @@ class _Builder(RowBuilder):
 
     def _declare_pose(self, reference: Pose) -> None:
         super()._declare_pose(reference)
-        self.pose = _TurningPose(self.pose)  # type: ignore[arg-type]
+        self.pose = _TurningPose(ca.SX.sym("p", 3), ca.SX.sym("e", 4), self.pose)  # type: ignore[arg-type]
         self.platform_pose = self.pose
 
     def _distance(
@@ -286,16 +268,7 @@ def _kept_rows(closure: Closure, rows: ca.SX) -> list[int]:
     if closure.mechanism.motion == "spatial":
         return list(range(rows.shape[0]))
     evaluate = ca.Function("rows", [closure.variables], [closure.bound(rows)])
-    rng = np.random.default_rng(0)
-    samples = [
-        np.asarray(
-            evaluate(random_values(closure.coordinates, closure.characteristic_length, rng))
-        ).ravel()
-        for _ in range(3)
-    ]
-    return np.flatnonzero(
-        np.max(np.abs(samples), axis=0) > _VANISHING * closure.characteristic_length
-    ).tolist()
+    return list(nonzero_rows(evaluate, closure.coordinates, closure.characteristic_length))
 
 
 def rate_names(coordinates: Sequence[Coordinate]) -> tuple[str, ...]:

@@ -312,14 +312,14 @@ def _built(
     by: tuple[str, ...] = (),
 ) -> Jacobian:
     low = None if of else arm_or_limbs(mechanism)
-    if low is not None and kind == "passive" and not low.machine.serial:
+    if kind == "passive" and mechanism.is_graph and low is not None and not low.machine.serial:
         low = None  # rates of joints alone need no pose
-    if of or (low is None and mechanism.is_graph):
+    if low is None:
         if of:
             return _with_inputs(mechanism, kind, *rates_by_name(mechanism, of, by))
         named = graph_rates(mechanism, kind)
         return _with_inputs(mechanism, kind, named, matrix_of(named, kind, mechanism))
-    equations = velocity_equations(mechanism if low is None else low.machine)
+    equations = velocity_equations(low.machine)
     _check_defined(equations, kind)
     differential = (
         equations.differential if parameters else differentiate(equations.closure, bound=True)

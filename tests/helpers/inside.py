@@ -44,9 +44,10 @@ NAMES = {
     "quaternion_from_rotation_vector": "symkin.spatial.rotation",
     "rotate": "symkin.spatial.rotation",
     "wrapped": "symkin.spatial.rotation",
-    "exponential": "symkin.spatial.screw",
+    "exponential": "studies.shared.screws",
+    "move_screw": "studies.shared.screws",
     "prismatic_screw": "symkin.spatial.screw",
-    "reciprocal_product": "symkin.spatial.screw",
+    "reciprocal_product": "studies.shared.screws",
     "revolute_screw": "symkin.spatial.screw",
     # tolerances, compilers, caches
     "BallFunction": "symkin.numeric.balls",

@@ -64,8 +64,8 @@ def test_rods_of_every_kind_are_bars(rng):
     limb = Limb("limb", [random_joint(rng, "R", "r")], [Rod(start, away)])
     between = LinkRod("leg", ["base", "foot"], start, end, actuated=True, offset=2.0).bar
     for bar in (leg, *limb.bars(pose), between):
-        assert bar.start.at_reference(pose) == pytest.approx(start)
-        assert bar.end.at_reference(pose) == pytest.approx(end)
+        assert bar.places[0] == pytest.approx(start)
+        assert bar.places[1] == pytest.approx(end)
     for bar in (leg, between):
         assert bar.coordinate.reference[0] + bar.offset == pytest.approx(math.dist(start, end))
     assert RodLimb("leg", start, away).joints == ()

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from helpers.inside import reciprocal_system
+from helpers.inside import exponential, move_screw, reciprocal_product, reciprocal_system
 from helpers.inside import screw as sc
 from helpers.laws import act, axis_turn, displacement, frame, same_pose
 from helpers.samples import point, seeds, unit
@@ -48,19 +48,17 @@ def test_exponential_of_a_joint_is_its_turn_and_slide(rng, value, pitch):
     c, a = np.array(point(rng, 2.0)), np.array(unit(rng))
     turned = displacement(axis_turn(a, value), c, pitch * value / (2 * math.pi) * a)
     assert np.allclose(
-        sc.exponential(sc.revolute_screw(c, a, pitch), value).matrix, turned, atol=1e-10
+        exponential(sc.revolute_screw(c, a, pitch), value).matrix, turned, atol=1e-10
     )
     slid = displacement(np.eye(3), c, value * a)
-    assert np.allclose(sc.exponential(sc.prismatic_screw(a), value).matrix, slid, atol=1e-13)
+    assert np.allclose(exponential(sc.prismatic_screw(a), value).matrix, slid, atol=1e-13)
 
 
 @given(seeds, st.floats(-2, 2))
 def test_exponential_is_the_matrix_exponential(rng, value):
     """exp(value [s]) of the 4 x 4 twist matrix, for any screw."""
     s = random_screw(rng)
-    assert np.allclose(
-        sc.exponential(s, value).matrix, matrix_exponential(value * hat(s)), atol=1e-8
-    )
+    assert np.allclose(exponential(s, value).matrix, matrix_exponential(value * hat(s)), atol=1e-8)
 
 
 @given(seeds, values, values)
@@ -68,17 +66,15 @@ def test_exponential_adds(rng, a, b):
     """exp(a s) exp(b s) = exp((a + b) s), and exp(0) = 1."""
     s = random_screw(rng)
     s[:3] /= np.linalg.norm(s[:3])
-    assert same_pose(
-        sc.exponential(s, a) @ sc.exponential(s, b), sc.exponential(s, a + b), 10.0, 1e-10
-    )
-    assert np.array_equal(sc.exponential(s, 0.0).matrix, np.eye(4))
+    assert same_pose(exponential(s, a) @ exponential(s, b), exponential(s, a + b), 10.0, 1e-10)
+    assert np.array_equal(exponential(s, 0.0).matrix, np.eye(4))
 
 
 @given(seeds)
 def test_exponential_is_smooth_where_the_series_takes_over(rng):
     """Both branches agree about |s| value = 1e-5 to the distance between the two values."""
     s = sc.revolute_screw(np.array(point(rng, 2.0)), np.array(unit(rng)))
-    below, above = sc.exponential(s, 1e-5 * (1 - 1e-7)), sc.exponential(s, 1e-5 * (1 + 1e-7))
+    below, above = exponential(s, 1e-5 * (1 - 1e-7)), exponential(s, 1e-5 * (1 + 1e-7))
     assert np.max(np.abs(below.matrix - above.matrix)) < 1e-11
 
 
@@ -92,15 +88,15 @@ def test_adjoint_moves_the_screw_with_its_axis(rng, value):
     s = sc.revolute_screw(c, a, 0.5)
     m = frame(g.position, g.quaternion)
     assert np.allclose(
-        sc.move_screw(g, s), sc.revolute_screw(act(m, c), m[:3, :3] @ a, 0.5), atol=1e-12
+        move_screw(g, s), sc.revolute_screw(act(m, c), m[:3, :3] @ a, 0.5), atol=1e-12
     )
     assert same_pose(
-        g @ sc.exponential(s, value) @ g.inverse(),
-        sc.exponential(sc.move_screw(g, s), value),
+        g @ exponential(s, value) @ g.inverse(),
+        exponential(move_screw(g, s), value),
         1.0,
         1e-10,
     )
-    assert np.allclose(sc.move_screw(g @ h, s), sc.move_screw(g, sc.move_screw(h, s)), atol=1e-11)
+    assert np.allclose(move_screw(g @ h, s), move_screw(g, move_screw(h, s)), atol=1e-11)
 
 
 @given(seeds)
@@ -111,15 +107,15 @@ def test_reciprocal_product_is_power_and_does_not_depend_on_the_frame(rng):
     twist, force, at = random_screw(rng), rng.normal(size=3), rng.normal(size=3)
     wrench = np.concatenate([force, np.cross(at, force)])
     velocity = twist[3:] + np.cross(twist[:3], at)
-    power = sc.reciprocal_product(twist, wrench)
+    power = reciprocal_product(twist, wrench)
     assert math.isclose(power, force @ velocity, rel_tol=1e-10, abs_tol=1e-10)
     g = Pose(rng.normal(size=3), np.array(unit(rng, 4)))
     assert math.isclose(
-        sc.reciprocal_product(sc.move_screw(g, twist), sc.move_screw(g, wrench)),
+        reciprocal_product(move_screw(g, twist), move_screw(g, wrench)),
         power,
         abs_tol=1e-10,
     )
-    assert math.isclose(sc.reciprocal_product(wrench, twist), power, abs_tol=1e-12)
+    assert math.isclose(reciprocal_product(wrench, twist), power, abs_tol=1e-12)
 
 
 @given(seeds, st.integers(0, 6), st.integers(0, 2), st.sampled_from([1.0, 100.0]))
@@ -135,9 +131,7 @@ def test_reciprocal_systems_are_complements(rng, count, repeats, size):
     assert len(other) == 6 - count
     for s in screws:
         for w in other:
-            assert (
-                abs(sc.reciprocal_product(s, w)) < 1e-8 * np.linalg.norm(s) * np.linalg.norm(w) * 10
-            )
+            assert abs(reciprocal_product(s, w)) < 1e-8 * np.linalg.norm(s) * np.linalg.norm(w) * 10
     again = reciprocal_system(other, size)
     assert len(again) == count
     assert (
@@ -171,11 +165,11 @@ def test_symbols_evaluate_to_the_same_numbers(rng, value):
     screw.
     """
     s, v = ca.SX.sym("s", 6), ca.SX.sym("v")
-    made = sc.exponential(s, v)
+    made = exponential(s, v)
     function = ca.Function("f", [s, v], [made.matrix, ca.jacobian(ca.vec(made.matrix), v)])
     numbers = random_screw(rng)
     matrix, _ = function(numbers, value)
-    assert np.allclose(np.array(matrix), sc.exponential(numbers, value).matrix, atol=1e-11)
+    assert np.allclose(np.array(matrix), exponential(numbers, value).matrix, atol=1e-11)
     _, slope = function(numbers, 0.0)
     assert np.allclose(np.array(slope).reshape(4, 4, order="F"), hat(numbers), atol=1e-12)
 
@@ -184,6 +178,6 @@ def test_symbols_evaluate_to_the_same_numbers(rng, value):
 def test_a_stack_is_element_by_element(rng):
     """Screws (6, N) and values (N,) act column by column."""
     screws, v = rng.normal(size=(6, 4)), np.array([0.0, 1e-7, 0.5, -2.0])
-    whole = sc.exponential(screws, v).matrix
+    whole = exponential(screws, v).matrix
     for k in range(4):
-        assert np.allclose(whole[:, :, k], sc.exponential(screws[:, k], v[k]).matrix, atol=1e-13)
+        assert np.allclose(whole[:, :, k], exponential(screws[:, k], v[k]).matrix, atol=1e-13)

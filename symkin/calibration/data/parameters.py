@@ -18,7 +18,7 @@ from symkin.calibration.data.observables import (
     observing_closure,
     point_path,
 )
-from symkin.closure.closure import build_closure, random_values
+from symkin.closure.closure import build_closure, random_points
 from symkin.closure.link_frames import link_frames
 from symkin.closure.rows import RowBuilder
 from symkin.computed_once import lru_cache
@@ -132,10 +132,9 @@ def bound_by_motion(mechanism: Mechanism, read: tuple[str, ...] = ()) -> frozens
     variables = ca.vertcat(*(builder.coordinates[c.name][1] for c in closure.coordinates))
     rows, table = ca.vertcat(*builder.rows), ca.vertcat(*builder.table.symbols)
     both = ca.Function("left_out", [variables, table], [rows, ca.jacobian(rows, table)])
-    rng, size = np.random.default_rng(0), closure.characteristic_length
-    drawn = [
-        both(random_values(closure.coordinates, size, rng), builder.table.values) for _ in range(3)
-    ]
+    size = closure.characteristic_length
+    points = random_points(closure.coordinates, size, 3)
+    drawn = [both(point, builder.table.values) for point in points]
     largest, slopes = (
         np.max(np.abs([np.asarray(values) for values in found]), axis=0)
         for found in zip(*drawn, strict=True)

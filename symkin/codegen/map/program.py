@@ -127,14 +127,14 @@ def _lowered(mechanism: Mechanism, options: Options) -> Lowered:
     each call are of the machine as it is described.
     """
     if options.is_map:
-        return Lowered(mechanism, mechanism, None, ())
+        return Lowered(mechanism, mechanism)
     remedy = (
         "describe the machine by limbs, or map joints to joints by --given and --find (given and "
         "find in Python)"
     )
     limbs = with_limbs(mechanism, "firmware", remedy)
     if limbs.serial or options.geometry == "struct":
-        return Lowered(limbs, limbs, None, ())
+        return Lowered(limbs, limbs)
     return lowered_limbs(mechanism)
 
 
