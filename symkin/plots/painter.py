@@ -229,8 +229,9 @@ class Painter:
             start, end = (marks[name].centre for name in names)
             if np.linalg.norm(end - start) > _SAME * self.layout.size:
                 order = 1.5 + 0.5 * self.depth(0.5 * (start + end))
-                arc, look = _arc(self.at(start), self.at(end)), {"linestyle": (0, (1.5, 2.0))}
-                look |= {"color": COLOURS["accent"], "linewidth": self.width, "zorder": order}
+                arc = _arc(self.at(start), self.at(end))
+                look: dict[str, Any] = {"linestyle": (0, (1.5, 2.0)), "linewidth": self.width}
+                look |= {"color": COLOURS["accent"], "zorder": order}
                 self.ax.plot(*arc.T, gid="coupling", **look)
                 self.strokes += pairwise(arc)
 
