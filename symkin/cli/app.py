@@ -103,7 +103,7 @@ ENTRIES = (
     ),
     Entry(
         "firmware",
-        "symkin.cli.transmission:firmware",
+        "symkin.cli.firmware:firmware",
         _MACHINE,
         "C99 for your controller, with tests and build files.",
     ),

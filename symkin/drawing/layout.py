@@ -430,10 +430,11 @@ class _Gathered:
                 if link in (BASE, PLATFORM) or len(self.points[link]) != 1:
                     continue
                 ((_, place),) = self.points[link]
-                # hands at one place are of different lengths
-                longer = sum(np.linalg.norm(place - other) < _SAME * self.size for other in taken)
+                # hands at one place point in different directions
+                turn = sum(np.linalg.norm(place - other) < _SAME * self.size for other in taken)
                 taken.append(place)
-                self._attach(link, HAND, place + (1.0 + 0.5 * longer) * hand * across)
+                way = np.cos(turn) * across + np.sin(turn) * np.cross(_unit(axis), across)
+                self._attach(link, HAND, place + hand * way)
 
 
 def _unit(vector: np.ndarray) -> np.ndarray:

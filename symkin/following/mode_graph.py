@@ -11,7 +11,7 @@ what the grid's edges show: a finer grid can join more, and never parts what is 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise, product
 from typing import Any, Literal, Unpack
@@ -28,6 +28,7 @@ from symkin.following.options import GraphOptions
 from symkin.following.path_system import path_systems
 from symkin.following.track import branch_from
 from symkin.following.trajectory import Trajectory, make_trajectory
+from symkin.model.joined import Joined, back, tree_from
 from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.position.given import Joints, Values, given_by_name, read_given
 from symkin.position.problem import plain_kind
@@ -122,10 +123,11 @@ class ModeGraph(Result):
                 raise InputError(
                     f"mode {k} is unknown; the chosen input has modes 0 to {len(self.chosen) - 1}"
                 )
-        nodes = _shortest(self.edges, (last, begin), (last, end))
-        if nodes is None:
+        tree = tree_from(self.edges, (last, begin))
+        if (last, end) not in tree:
             return None
-        rows = self.inputs[[point for point, _ in nodes]]
+        points = [last, *(point for _, (point, _) in back(tree, (last, end)))]
+        rows = self.inputs[points[::-1]]
         moved = np.any(np.diff(rows, axis=0) != 0.0, axis=1)
         return rows[np.append(True, moved)]
 
@@ -394,37 +396,9 @@ def _lines(
 
 def _sheets(nodes: list[Node], edges: list[tuple[Node, Node]]) -> tuple[frozenset[Node], ...]:
     """Connected components, the largest first."""
-    beside, left, sheets = _neighbours(edges), set(nodes), []
+    joined, sheets = Joined[Node](), dict[Node, list[Node]]()
+    for pair in edges:
+        joined.join(*pair)
     for node in nodes:
-        if node in left:
-            sheets.append(frozenset(_reached(beside, node)))
-            left -= sheets[-1]
-    return tuple(sorted(sheets, key=lambda sheet: (-len(sheet), min(sheet))))
-
-
-def _shortest(edges: Sequence[tuple[Node, Node]], begin: Node, end: Node) -> list[Node] | None:
-    before = _reached(_neighbours(edges), begin)
-    if end not in before:
-        return None
-    nodes = [end]
-    while nodes[-1] != begin:
-        nodes.append(before[nodes[-1]])
-    return nodes[::-1]
-
-
-def _reached(beside: Mapping[Node, list[Node]], begin: Node) -> dict[Node, Node]:
-    """All nodes that edges lead to, the nearest first, and the one before each."""
-    before, order = {begin: begin}, [begin]
-    for node in order:
-        more = [other for other in beside.get(node, []) if other not in before]
-        before |= dict.fromkeys(more, node)
-        order += more
-    return before
-
-
-def _neighbours(edges: Sequence[tuple[Node, Node]]) -> dict[Node, list[Node]]:
-    beside: dict[Node, list[Node]] = {}
-    for a, b in edges:
-        beside.setdefault(a, []).append(b)
-        beside.setdefault(b, []).append(a)
-    return beside
+        sheets.setdefault(joined.head(node), []).append(node)
+    return tuple(sorted(map(frozenset, sheets.values()), key=lambda s: (-len(s), min(s))))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
 from itertools import pairwise
 from typing import Generic, Protocol, TypeVar
 
@@ -20,16 +20,36 @@ class Pair(Protocol):
 PairType = TypeVar("PairType", bound=Pair)
 
 
+def tree_from(ends: Iterable[tuple[Item, Item]], root: Item) -> dict[Item, tuple[int, Item]]:
+    """All items to which pairs lead from a root, the nearest first, with the number of the pair
+    that leads to each, and the item before it; -1 and itself for the root.
+    """
+    beside: dict[Item, list[tuple[int, Item]]] = {}
+    for number, (first, second) in enumerate(ends):
+        beside.setdefault(first, []).append((number, second))
+        beside.setdefault(second, []).append((number, first))
+    found = {root: (-1, root)}
+    for item in (reached := [root]):
+        for number, other in beside.get(item, ()):
+            if other not in found:
+                found[other] = number, item
+                reached.append(other)
+    return found
+
+
+def back(tree: Mapping[Item, tuple[int, Item]], item: Item) -> list[tuple[int, Item]]:
+    """The pairs from an item back to the root of its tree, each with the item before it."""
+    found = []
+    while tree[item][0] >= 0:
+        found.append(tree[item])
+        item = tree[item][1]
+    return found
+
+
 def way(pairs: Sequence[PairType], begin: str, end: str) -> list[PairType] | None:
     """What joins two links in order, as few as possible; None where nothing does."""
-    ways: dict[str, list[PairType]] = {begin: []}
-    for link in (reached := [begin]):
-        for pair in (pair for pair in pairs if link in pair.links):
-            other = pair.links[pair.links[0] == link]
-            if other not in ways:
-                ways[other] = [*ways[link], pair]
-                reached.append(other)
-    return ways.get(end)
+    tree = tree_from(((pair.links[0], pair.links[1]) for pair in pairs), begin)
+    return [pairs[k] for k, _ in reversed(back(tree, end))] if end in tree else None
 
 
 def along(pairs: Iterable[PairType], begin: str) -> Iterator[tuple[PairType, bool]]:

@@ -64,8 +64,8 @@ _WIDEST = 2200.0
 """Pixels that one row of panels may have."""
 _NARROWEST = 1150.0
 """Least width of a figure of panels in pixels, for its title."""
-_TITLE = 14.0
-"""Points of the heading, where it fits."""
+_TITLE, _LETTER = 14.0, 13.5
+"""Points of the heading, where it fits, and pixels a letter of the smallest, of which it is cut."""
 _FAR = 0.5
 """Distance over the size beyond which the base frame's origin is left out of the picture."""
 _THIN = 0.12
@@ -198,14 +198,22 @@ class _Side:
     def extent(self) -> np.ndarray:
         return np.asarray(self.high - self.low)
 
-    def frames_above(self, layout: Layout, scale: float) -> float:
-        """Pixels by which axes of frames reach above the bounds, in panels."""
+    def reach_above(self, layout: Layout, scale: float) -> float:
+        """Pixels by which frames and symbols of joints reach above the bounds, in panels."""
         places = [
+            scale * self.camera.flat(mark.centre)[1] + _SHARE * _PANEL_SYMBOL
+            for mark in self.spread(layout, scale, _PANEL_SYMBOL).joints
+        ]
+        places += [
             scale * self.camera.flat(origin)[1] + FRAME * _PANEL_SYMBOL * max(0.0, *up)
             for origin, rotation in frames_of(layout, base=self.origin)
             for up in [self.camera.flat(rotation.T)[:, 1]]
         ]
         return max([0.0, *(float(place - scale * self.high[1]) for place in places)])
+
+    def spread(self, layout: Layout, scale: float, symbol: float) -> Layout:
+        """Joints that share a point stand apart, but along axes that point to the eye."""
+        return layout if self.camera.planar else layout.spread(_STEP * (symbol / scale))
 
     def painted(
         self,
@@ -216,10 +224,8 @@ class _Side:
         symbol: float,
         **look: Any,
     ) -> Painter:
-        """Draw a configuration about a place of a sheet; joints that share a point stand apart, but
-        along axes that point to the eye.
-        """
-        drawn = layout if self.camera.planar else layout.spread(_STEP * (symbol / scale))
+        """Draw a configuration about a place of a sheet."""
+        drawn = self.spread(layout, scale, symbol)
         shift = centre - 0.5 * scale * (self.low + self.high)
         made = Painter(ax, drawn, self.camera, scale, shift, symbol, origin=self.origin, **look)
         made.draw()
@@ -258,7 +264,7 @@ class Block:
         cell_wide = max(width, _LEAST_CELL) + _PANEL_GAP
         across = columns or _columns(len(panels), len(sides), cell_wide)
         lines = max(len(_wrapped(panel.text, cell_wide)) for panel in panels)
-        over = max(side.frames_above(layout, scale) for side in sides for layout in layouts)
+        over = max(side.reach_above(layout, scale) for side in sides for layout in layouts)
         text = _PANEL_TITLE + _PANEL_LINE * lines + over
         cell = (cell_wide, height + text + _PANEL_GAP)
         return Block(mechanism, panels, names, sides, across, scale, cell, text)
@@ -374,7 +380,7 @@ def heading(
 ) -> None:
     """Write the mechanism's title, then `part`, at the top of a sheet, and facts below it."""
     title = mechanism.name + (f": {mechanism.title}" if mechanism.title else "")
-    room = int(width / 17)
+    room = int(width / _LETTER)
     shortened = (
         title
         if len(title) + len(part) <= room

@@ -112,12 +112,13 @@ def figure_of_solve(
 def _facts(modes: Modes) -> list[str]:
     """What is given, and the count of modes with its completeness."""
     mechanism = modes.problem.mechanism
-    given = ", ".join(_given_text(key, values) for key, values in modes.given.items()) or "nothing"
+    given = ", ".join(_given_text(key, values) for key, values in modes.given.items())
     units = f"{mechanism.length_unit}, {mechanism.angle_unit}"
+    asked = f"problem at {given} [{units}]" if given else "problem, nothing given"
     statement = f"{modes.counted}; completeness: {modes.completeness}" + (
         f", {modes.starts} starts" if modes.starts else ""
     )
-    return [f"{modes.problem.name} problem at {given} [{units}]", statement]
+    return [f"{modes.problem.name} {asked}", statement]
 
 
 def _given_text(key: str, values: Any) -> str:

@@ -39,6 +39,8 @@ in pixels.
 """
 _LAP = 0.6
 """Pixels by which pieces of one line overlap, so that no seam is seen."""
+_SAG = 0.08
+"""Height of the arc of a coupling, of its length."""
 _MOTION = 3.0
 """Half length of the axis of a platform's motion, of what is drawn at least, in symbols."""
 
@@ -136,8 +138,11 @@ class Painter:
         column, points, edge = mark.of(ORIGIN), mark.points, COLOURS["base edge"]
         corners = outline(self.at(points))
         if self.camera.planar:
-            column, corners = column[:0], corners[:0]
+            # two pivots are joined by a line, whose length is told; a slide holds no place of it
+            slides = {joint.name for joint in self.layout.joints if joint.type == "P"}
             points = points[[owner != ORIGIN for owner in mark.owners]]
+            joined = len(points) == 2 and not slides & set(mark.owners)
+            column, corners = column[:0], self.at(points) if joined else corners[:0]
         if len(corners) > 2:
             inner = 0.0 if self.colours is None else 1.2
             points = self._plate(points, corners, COLOURS["base"], edge, BASE, (1.2, inner))
@@ -216,14 +221,19 @@ class Painter:
         return points[within]
 
     def _couplings(self) -> None:
-        """Dotted lines between coupled joints; those that share a place have none."""
+        """Dotted arcs between coupled joints, which no link lies on; those that share a place have
+        none.
+        """
         marks = self.layout.marks
         for names in self.layout.couplings:
             start, end = (marks[name].centre for name in names)
             if np.linalg.norm(end - start) > _SAME * self.layout.size:
                 order = 1.5 + 0.5 * self.depth(0.5 * (start + end))
-                ends = self.at(start), self.at(end)
-                self._flat(*ends, 1.0, COLOURS["accent"], "coupling", order, (0, (1.5, 2.0)))
+                arc = _arc(self.at(start), self.at(end))
+                look: dict[str, Any] = {"linestyle": (0, (1.5, 2.0)), "linewidth": self.width}
+                look |= {"color": COLOURS["accent"], "zorder": order}
+                self.ax.plot(*arc.T, gid="coupling", **look)
+                self.strokes += pairwise(arc)
 
     # --- joints and frames ------------------------------------------------------------------------
 
@@ -434,6 +444,13 @@ class Painter:
             zorder=order,
             gid=gid or None,
         )
+
+
+def _arc(start: np.ndarray, end: np.ndarray) -> np.ndarray:
+    """Points (k, 2) of a flat arc."""
+    share = np.linspace(0.0, 1.0, 17)[:, None]
+    across = np.array([start[1] - end[1], end[0] - start[0]])
+    return start + share * (end - start) + _SAG * 4.0 * share * (1.0 - share) * across
 
 
 def frames_of(layout: Layout, *, base: bool) -> list[tuple[np.ndarray, np.ndarray]]:

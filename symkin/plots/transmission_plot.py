@@ -20,6 +20,8 @@ from symkin.plots.sheet import (
     subtitle,
 )
 from symkin.transmissions.polytope import between_planes, torque_vertices
+from symkin.transmissions.states import States
+from symkin.transmissions.survey import Survey
 from symkin.transmissions.transmission_result import Transmission, Transmissions
 
 if TYPE_CHECKING:
@@ -117,8 +119,16 @@ def _values(one: Transmission) -> np.ndarray:
 
 
 def _torque(one: Transmission, ax: Any, i: int) -> None:
-    """The torque of a joint alone: over two joints a map, else along the joint itself."""
+    """The torque of a joint alone: over two joints a map, else along the joint itself, of one joint
+    over the whole range.
+    """
     torque, joints = one.survey.alone[:, i], _values(one)
+    if len(one.joints) == 1:
+        line, found = _along(one, i)
+        regular = np.isfinite(found.jacobian + found.inverse_jacobian.transpose(0, 2, 1))
+        kept = regular.all(axis=(1, 2))
+        joints, states = line[kept], States(one.linkage, found.w[kept])
+        torque = Survey(states, one.data, one.survey.ends).alone[:, i]
     high = np.percentile(torque, _SPREAD)
     unit = _effect(one, i, "torque")
     subtitle(ax, f"torque of {one.joints[i]} alone, {unit}")
@@ -148,15 +158,21 @@ def _legend(ax: Any, below: float = 0.2, columns: int = 2) -> None:
     own_legend(ax, labelled(ax), ncols=columns, fontsize=7, **place)
 
 
+def _along(one: Transmission, i: int) -> tuple[np.ndarray, States]:
+    """Joints along the range of one, the others at the reference, and the linkage there."""
+    line = np.tile(_values(one)[0], (_CURVE, 1))
+    low, high = (one.survey.out(i, end.value) for end in one.survey.ends[i])
+    line[:, i] = np.linspace(low, high, _CURVE)
+    return line, one.states(joints=line, check=False)
+
+
 def _ratios(one: Transmission, ax: Any, i: int) -> None:
     """The motors' rates by the joint's along its range, the other joints at the reference; the play
     of the joint where the motors' resolutions are told.
     """
     survey, ends = one.survey, one.survey.ends[i]
-    line = np.tile(_values(one)[0], (_CURVE, 1))
-    low, high = (survey.out(i, end.value) for end in ends)
-    line[:, i] = np.linspace(low, high, _CURVE)
-    ratios = one.states(joints=line, check=False).inverse_jacobian[:, :, i]
+    line, states = _along(one, i)
+    ratios = states.inverse_jacobian[:, :, i]
     for a, name in enumerate(one.motors):
         look = {"color": SERIES[a % len(SERIES)], "linestyle": _DASHES[a % len(_DASHES)]}
         ax.plot(line[:, i], ratios[:, a], label=name, **look)

@@ -234,10 +234,22 @@ def _coordinates_named(mechanism: Mechanism, values: Iterable[str]) -> dict[str,
 
 
 def unknown_name(mechanism: Mechanism, name: str, known: list[str], what: str = "given") -> str:
-    """A sentence about a name that no coordinate has, with the nearest ones."""
+    """A sentence about a name that no coordinate has, with the nearest ones, or how those of a
+    named point are given.
+    """
+    points = {p.name: p for p in mechanism.link_points}
+    point = points.get(str(name).rpartition(".")[0])
+    of_point = (
+        ""
+        if point is None
+        else (
+            f"; {point.name} is a point of {point.link}: with [platform] link = {point.link!r} and "
+            f"position = {list(point.point)} its coordinates are x, y, z"
+        )
+    )
     return (
-        f"{what}: {mechanism.name} has no coordinate {shown(name)}{meant(name, known)}; allowed: "
-        f"{', '.join(known)}"
+        f"{what}: {mechanism.name} has no coordinate {shown(name)}"
+        f"{of_point or meant(name, known)}; allowed: {', '.join(known)}"
     )
 
 

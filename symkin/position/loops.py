@@ -8,7 +8,6 @@ the force along it.
 
 from __future__ import annotations
 
-from collections import deque
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -19,6 +18,7 @@ from symkin.closure.closure import Closure
 from symkin.closure.link_poses import link_poses
 from symkin.computed_once import lru_cache
 from symkin.model.bar import Bar
+from symkin.model.joined import back, tree_from
 from symkin.model.joint import Joint
 from symkin.model.joint_forms import JOINT_FORMS
 from symkin.model.mechanism import Mechanism
@@ -84,8 +84,7 @@ def independent_cycles(mechanism: Mechanism) -> tuple[tuple[int, ...], ...]:
     edges = list(edges_of(mechanism))
     links = list(dict.fromkeys(link for edge in edges for link in edge.ends))
     wanted = len(edges) - len(links) + 1
-    neighbours = _neighbours(edges)
-    candidates = [cycle for link in links for cycle in _cycles_through(link, edges, neighbours)]
+    candidates = [cycle for link in links for cycle in _cycles_through(link, edges)]
     candidates.sort(key=lambda cycle: (len(cycle), sorted(cycle)))
     chosen: list[tuple[int, ...]] = []
     basis: dict[int, int] = {}
@@ -103,34 +102,24 @@ def independent_cycles(mechanism: Mechanism) -> tuple[tuple[int, ...], ...]:
     )
 
 
-def _neighbours(edges: Sequence[Branch]) -> dict[str, list[tuple[int, str]]]:
-    found: dict[str, list[tuple[int, str]]] = {}
-    for number, edge in enumerate(edges):
-        first, last = edge.ends
-        found.setdefault(first, []).append((number, last))
-        found.setdefault(last, []).append((number, first))
-    return found
-
-
-def _cycles_through(
-    root: str, edges: Sequence[Branch], neighbours: Mapping[str, list[tuple[int, str]]]
-) -> list[tuple[int, ...]]:
+def _cycles_through(root: str, edges: Sequence[Branch]) -> list[tuple[int, ...]]:
     """The cycles of shortest paths from a link to both ends of an edge."""
-    paths: dict[str, tuple[int, ...]] = {root: ()}
-    places: dict[str, frozenset[str]] = {root: frozenset((root,))}
-    tree: set[int] = set()
-    queue = deque([root])
-    while queue:
-        link = queue.popleft()
-        for number, other in neighbours[link]:
-            if other not in paths:
-                paths[other], places[other] = (*paths[link], number), places[link] | {other}
-                tree.add(number)
-                queue.append(other)
+    tree = tree_from((edge.ends for edge in edges), root)
+    ways = {link: back(tree, link) for link in tree}
+    within = {number for number, _ in tree.values()}
+
+    def apart(first: str, last: str) -> bool:
+        links = ({link, *(before for _, before in ways[link])} for link in (first, last))
+        return set.intersection(*links) == {root}
+
     return [
-        (*paths[edge.ends[0]], number, *reversed(paths[edge.ends[1]]))
+        (
+            *(k for k, _ in reversed(ways[edge.ends[0]])),
+            number,
+            *(k for k, _ in ways[edge.ends[1]]),
+        )
         for number, edge in enumerate(edges)
-        if number not in tree and places[edge.ends[0]] & places[edge.ends[1]] == {root}
+        if number not in within and apart(*edge.ends)
     ]
 
 

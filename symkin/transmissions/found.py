@@ -12,6 +12,7 @@ from symkin.computed_once import cached_property, lru_cache
 from symkin.errors import InputError
 from symkin.model.bar import Bar
 from symkin.model.graph import Coupling, LinkJoint
+from symkin.model.joined import back, tree_from
 from symkin.model.joint import BASE, Coordinate, Joint, interval
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.system import components
@@ -71,9 +72,8 @@ class Group:
     @property
     def _root(self) -> str:
         """Its link that is nearest to the base."""
-        depth, edges = _depths(self.mechanism), _edges(self.mechanism)
-        links = {link for k in self.edges for link in edges[k].ends}
-        return min(sorted(links), key=lambda link: depth[link])
+        links = {link for k in self.edges for link in _edges(self.mechanism)[k].ends}
+        return min(sorted(links), key=lambda link: len(_way(self.mechanism, link)))
 
     def serial_ways(self, count: int) -> list[tuple[str, ...]]:
         """Ways of `count` single coordinates from the first link on, not all of motors: first those
@@ -220,26 +220,9 @@ def _welded(entry: LinkJoint) -> LinkJoint:
 @lru_cache(maxsize=64)
 def _tree(mechanism: Mechanism) -> dict[str, tuple[int, str]]:
     """The edge and the link before each link, on a shortest way from the base."""
-    edges = _edges(mechanism)
-    found: dict[str, tuple[int, str]] = {BASE: (-1, BASE)}
-    reached = [BASE]
-    for link in reached:
-        for k, edge in enumerate(edges):
-            for here, there in (edge.ends, edge.ends[::-1]):
-                if here == link and there not in found:
-                    found[there] = (k, link)
-                    reached.append(there)
-    return found
+    return tree_from((edge.ends for edge in _edges(mechanism)), BASE)
 
 
 def _way(mechanism: Mechanism, link: str) -> list[int]:
-    """Edges from the base to a link."""
-    tree, found = _tree(mechanism), []
-    while link != BASE:
-        edge, link = tree[link]
-        found.append(edge)
-    return found
-
-
-def _depths(mechanism: Mechanism) -> dict[str, int]:
-    return {link: len(_way(mechanism, link)) for link in _tree(mechanism)}
+    """Edges from a link back to the base."""
+    return [k for k, _ in back(_tree(mechanism), link)]

@@ -89,12 +89,8 @@ def transmission(
                 f"{mechanism.name}: {name} is in no loop: nothing but itself moves it, so that no "
                 f"other coordinate is a function of it"
             )
-    if motors is None:
-        motors = [c.name for c in group.actuated]
-        if not motors:
-            raise InputError(f"{mechanism.name}: the file names no motors; give motors (--motors)")
-    if joints is None:
-        return _named(mechanism, group, tuple(motors), options)
+    if motors is None or joints is None:
+        return _named(mechanism, group, motors, joints, options)
     linkage = Linkage(group.alone, tuple(motors), tuple(joints))
     return _checked(mechanism.name, linkage, options)
 
@@ -125,14 +121,7 @@ def _all(mechanism: Mechanism, options: MotorOptions) -> Transmissions:
     found, notes = [], []
     for group in groups_of(mechanism):
         try:
-            motors = tuple(c.name for c in group.actuated)
-            if not motors:
-                names = [c.name for c in group.coordinates]
-                raise InputError(
-                    f"{mechanism.name}: the linkage of {first_of(names)} has no motors; name them "
-                    f"(--motors)"
-                )
-            found.append(_named(mechanism, group, motors, options))
+            found.append(_named(mechanism, group, None, None, options))
         except InputError as error:
             notes.append(str(error))
     if not found:
@@ -142,36 +131,52 @@ def _all(mechanism: Mechanism, options: MotorOptions) -> Transmissions:
 
 
 def _named(
-    mechanism: Mechanism, group: Group, motors: tuple[str, ...], options: MotorOptions
+    mechanism: Mechanism,
+    group: Group,
+    motors: Sequence[str] | None,
+    joints: Sequence[str] | None,
+    options: MotorOptions,
 ) -> Transmission:
-    """The transmission of a linkage whose joints nobody names."""
-    whole = Linkage(group.alone, motors, tuple(c.name for c in group.coordinates))
-    free, notes = whole.mobility, []
+    """The transmission of a linkage whose motors, or joints, nobody names."""
+    names, robot = tuple(c.name for c in group.coordinates), mechanism.name
+    motors = tuple(motors or (c.name for c in group.actuated))
+    whole, notes = Linkage(group.alone, motors, names), []
+    _refuse_still(robot, whole)
+    free = whole.mobility
+    if not motors:
+        raise InputError(
+            f"{robot}: the linkage of {first_of(names)} has no motors; name them (--motors)"
+        )
+    if joints is not None:
+        return _checked(robot, Linkage(group.alone, motors, tuple(joints)), options)
     if len(motors) > free:
-        deciding = _deciding(whole, motors, free)
+        deciding = _deciding(whole, motors)
         notes.append(
             f"{len(motors)} coordinates are marked as actuated, and the linkage has {free} "
             f"freedom(s): taken as motors are {', '.join(deciding)}; --motors names others"
         )
         motors = deciding
-    _refuse_too_few(mechanism.name, whole, motors)
-    for names in _serial_sets(group, motors, free):
-        if _decide(whole, names):
-            made = _checked(mechanism.name, Linkage(group.alone, motors, names), options)
+    _refuse_too_few(robot, whole, motors)
+    for chosen in _serial_sets(group, motors, free):
+        if _decide(whole, chosen):
+            made = _checked(robot, Linkage(group.alone, motors, chosen), options)
             return Transmission(made.name, made.linkage, made.data, (*made.notes, *notes))
     raise InputError(
-        f"{mechanism.name}: no serial way through the linkage of {', '.join(motors)} has joints "
+        f"{robot}: no serial way through the linkage of {', '.join(motors)} has joints "
         f"that decide the motors; name them (--joints)"
     )
 
 
-def _deciding(whole: Linkage, names: tuple[str, ...], free: int) -> tuple[str, ...]:
-    """The first `free` of the names that decide the motion together."""
+def _deciding(whole: Linkage, names: tuple[str, ...]) -> tuple[str, ...]:
+    """As many of the names as decide the motion together, the first ones that do so at the
+    reference too.
+    """
     chosen: list[str] = []
-    for name in names:
-        if len(chosen) < free and _rank(whole, [*chosen, name]) > len(chosen):
-            chosen.append(name)
-    return tuple(chosen)
+    for at in (True, False):
+        for name in names:
+            if _rank(whole, [*chosen, name], at_reference=at) > len(chosen):
+                chosen.append(name)
+    return tuple(name for name in names if name in chosen)
 
 
 def _serial_sets(group: Group, motors: tuple[str, ...], free: int) -> Iterator[tuple[str, ...]]:
@@ -204,11 +209,7 @@ def _decide(whole: Linkage, names: Sequence[str]) -> bool:
 def _checked(robot: str, linkage: Linkage, options: MotorOptions) -> Transmission:
     """The transmission of motors and joints. Raises InputError where these make none."""
     motors, joints, free = linkage.motors, linkage.joints, linkage.mobility
-    if linkage.system.residual(linkage.reference, np.zeros(0)) > _OPEN * linkage.size:
-        raise InputError(
-            f"{robot}: its loops are open at the reference configuration; `symkin close` closes "
-            f"them"
-        )
+    _refuse_still(robot, linkage)
     _refuse_too_few(robot, linkage, motors)
     if len(joints) != free:
         raise InputError(
@@ -252,6 +253,21 @@ def _checked(robot: str, linkage: Linkage, options: MotorOptions) -> Transmissio
         )
     data = read_motors(motors, options, motors_of_file(linkage.mechanism, motors))
     return Transmission(", ".join(joints), linkage, data, tuple(notes))
+
+
+def _refuse_still(robot: str, linkage: Linkage) -> None:
+    """Refuse loops that are open, and those that hold each other still."""
+    if linkage.system.residual(linkage.reference, np.zeros(0)) > _OPEN * linkage.size:
+        raise InputError(
+            f"{robot}: its loops are open at the reference configuration; `symkin close` closes "
+            f"them"
+        )
+    if not linkage.mobility:
+        names = list(dict.fromkeys([*linkage.motors, *linkage.joints]))
+        raise InputError(
+            f"{robot}: the linkage of {first_of(names)} cannot move: its loops leave no "
+            f"freedom, so that no motor can drive it"
+        )
 
 
 def _refuse_too_few(robot: str, linkage: Linkage, motors: tuple[str, ...]) -> None:

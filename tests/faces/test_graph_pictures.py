@@ -312,6 +312,31 @@ def test_an_arm_of_links_stands_where_it_is_held(axis):
     assert (abs(ground[0] - joint.center[0]) < 1.0) == (axis == (0, 0, 1))
 
 
+@pytest.mark.parametrize(
+    ("name", "count"), [("four_bar", 1), ("slider_crank", 0), ("klann_leg", 0)]
+)
+def test_two_pivots_are_joined_by_the_line_whose_length_is_told(name, count):
+    """A length of the base stood in an empty place; no line leads to where a slide is by chance."""
+    (ax,) = figure_of_sketch(symkin.load(name)).axes
+    dashes = [a for a in ax.lines if a.get_gid() == "base" and a.get_linestyle() == "--"]
+    assert len(dashes) == count
+
+
+def test_couplings_and_hands_lie_on_nothing_else():
+    """The coupling of two wheels on the line of their bearings is an arc beside it; two wheels on
+    one axle show where each of them points.
+    """
+    (ax,) = figure_of_sketch(symkin.load("differential")).axes
+    arcs = [a.get_xydata() for a in ax.lines if a.get_gid() == "coupling"]
+    assert arcs
+    for arc in arcs:
+        away = arc[len(arc) // 2] - 0.5 * (arc[0] + arc[-1])
+        assert np.linalg.norm(away) > 0.05 * np.linalg.norm(arc[-1] - arc[0])
+    links = drawn_layout(symkin.load("planetary_gear")).links
+    (sun, ring) = (np.diff(links[name].points, axis=0)[0] for name in ("sun_gear", "ring_gear"))
+    assert np.linalg.norm(np.cross(sun, ring)) > 0.5 * np.linalg.norm(sun) * np.linalg.norm(ring)
+
+
 # --- robots of other formats ----------------------------------------------------------------------
 
 ROBOTS = Path(__file__).parents[1] / "data" / "models"

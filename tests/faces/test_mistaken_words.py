@@ -37,6 +37,10 @@ from helpers.inside import parse
             ["--method 'multstart' is unknown", "'multistart'", "continuation"],
         ),
         ("list zhao2000", ["options only"]),
+        (
+            "modes jansen_leg --given foot.x=1",
+            ["foot is a point of shin", "[platform] link = 'shin'", "coordinates are x, y, z"],
+        ),
     ],
 )
 def test_words_are_told_what_they_lack(

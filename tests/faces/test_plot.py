@@ -355,6 +355,18 @@ def test_frames_stay_below_the_text_of_their_panel():
     assert not any(line.get_gid() == "frame" for line in far.axes[0].lines)
 
 
+def test_symbols_stay_below_the_text_of_their_panel_and_the_title_is_whole():
+    """Joints that share the platform's points stand apart above it."""
+    sheet = symkin.solve(symkin.load("zhao2000_links")).plot().axes[0]
+    told = min(text.get_position()[1] for text in sheet.texts if "roll" in text.get_text())
+    symbols = [a for a in sheet.get_children() if str(a.get_gid()).startswith("joint R top")]
+    assert symbols
+    assert max(a.get_window_extent().y1 for a in symbols) < told - 2 * 19.0
+    gripper = symkin.load("parallel_gripper")
+    texts = [text.get_text() for text in symkin.modes(gripper).plot().axes[0].texts]
+    assert f"parallel_gripper: {gripper.title}" in texts
+
+
 def test_a_pin_is_seen_in_its_slide_and_joints_have_units():
     """The revolute joint on the axis of a piston is drawn over it; angles and lengths are told with
     their unit.

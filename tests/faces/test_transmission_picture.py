@@ -36,10 +36,14 @@ def test_panels_tell_units(axes):
 
 
 def test_without_limits_torques_are_multiples():
-    """Where no torque is told none is called newton metres; the curve of ratios is the verb's."""
+    """Where no torque is told none is called newton metres; the curve of ratios is the verb's, and
+    that of torques goes as far.
+    """
     found = transmission("four_bar")
     upper, lower = figure_of_transmission(found).axes
     assert "N" not in upper.get_title().split(",")[1]
+    reach, whole = (np.ptp(ax.lines[0].get_xdata()) for ax in (upper, lower))
+    assert reach > 0.95 * whole
     follower, ratio = lower.lines[0].get_data()
     known = np.isfinite(ratio)
     assert known.sum() > 50

@@ -470,3 +470,25 @@ def tricept_of_joints(pairs: bool) -> Mechanism:
     middle = crossed("c", (0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
     limbs.append(Limb("centre", [*middle, Joint("slide", "P", (0.0, 0.0, 0.0), Z)]))
     return Mechanism("tricept", limbs, platform_position=(0.0, 0.0, 300.0))
+
+
+def exechon() -> symkin.Mechanism:
+    """Two limbs U P R in the plane y = 0, whose first axes are one line, and one S P R
+    (Exechon).
+    """
+    limbs = []
+    for k, (foot, head) in enumerate(
+        [((250.0, 0, 0), (100.0, 0, 600.0)), ((-250.0, 0, 0), (-100.0, 0, 600.0))], start=1
+    ):
+        along = tuple(np.subtract(head, foot) / np.linalg.norm(np.subtract(head, foot)))
+        universal = symkin.Joint(f"u{k}", "U", foot, (1, 0, 0), (0, 1, 0))
+        slide, hinge = (
+            symkin.Joint(f"p{k}", "P", foot, along, actuated=True),
+            symkin.Joint(f"r{k}", "R", head, (0, 1, 0)),
+        )
+        limbs.append(symkin.Limb(f"limb{k}", [universal, slide, hinge]))
+    foot, head = (0.0, 300.0, 0.0), (0.0, 120.0, 600.0)
+    along = tuple(np.subtract(head, foot) / np.linalg.norm(np.subtract(head, foot)))
+    ball, slide = symkin.Joint("s3", "S", foot), symkin.Joint("p3", "P", foot, along, actuated=True)
+    limbs.append(symkin.Limb("limb3", [ball, slide, symkin.Joint("r3", "R", head, (1, 0, 0))]))
+    return symkin.Mechanism("exechon", limbs, platform_position=(0.0, 0.0, 600.0), angle_unit="deg")

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from itertools import product
 from pathlib import Path
 
@@ -18,6 +19,7 @@ from helpers.closed_leg import Dynamics, g1_maps, of_mujoco, of_pinocchio, worst
 from helpers.command_line import run, run_json
 from helpers.gate import in_gate
 from helpers.inside import between_planes, zonotope
+from helpers.samples import exechon
 from helpers.transmissions import G1, G1_RANGES, MODELS, linear, regular_motors, robot, transmission
 
 MACHINES = (
@@ -398,6 +400,32 @@ def test_what_is_left_aside_says_why() -> None:
     """Linkages with springs are named with what stays free."""
     with pytest.raises(symkin.InputError, match=r"left-knee do not decide.*left-tarsus"):
         robot("mjcf/cassie.xml")
+
+
+def test_motors_are_those_that_decide_where_the_mode_begins() -> None:
+    """Of four marked motors of an Exechon those are taken that decide its linkage at the reference,
+    where a slide and the hinge at its end leave the platform's tilt free.
+    """
+    limbs = exechon().limbs
+    hinged = [replace(j, actuated=True) if j.name == "r1" else j for j in limbs[0].joints]
+    machine = replace(exechon(), limbs=[replace(limbs[0], joints=hinged), *limbs[1:]])
+    assert set(symkin.transmission(machine).found[0].motors) < {"p1", "r1", "p2", "p3"}
+
+
+@pytest.mark.parametrize("motors", [None, ["a"]])
+@pytest.mark.parametrize("actuated", [False, True])
+def test_a_loop_that_cannot_move_is_not_asked_for_motors(motors, actuated) -> None:  # type: ignore[no-untyped-def]
+    """Three hinges of two bars on the base make a triangle."""
+    ends = {"a": ["base", "one"], "b": ["base", "two"], "c": ["one", "two"]}
+    points = {"a": (0.0, 0.0, 0.0), "b": (100.0, 0.0, 0.0), "c": (30.0, 80.0, 0.0)}
+    joints = [
+        symkin.LinkJoint(
+            symkin.Joint(n, "R", points[n], (0, 0, 1), actuated=actuated and n == "a"), ends[n]
+        )
+        for n in ends
+    ]
+    with pytest.raises(symkin.InputError, match="linkage of a, b, c cannot move"):
+        symkin.transmission(symkin.Mechanism("frame", link_joints=joints), motors)
 
 
 def test_found_by_itself() -> None:
