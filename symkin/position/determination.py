@@ -18,6 +18,7 @@ from symkin.position.closed_configurations import (
     assembly_of,
     closed_configurations,
     least_squares_ends,
+    own_component,
     whole_system,
 )
 from symkin.position.file_digits import rank_to_digits
@@ -38,6 +39,8 @@ one of redundant rows.
 """
 _OWN_MOTION = 1e-7
 """Share of a coordinate's motions beyond those of others up to which it has none of its own."""
+_OWN_WAY = 1e-2
+"""The same of directions to configurations nearby, which rounding and curvature bend."""
 _SUGGESTED = 4
 """Names that a message lists."""
 
@@ -46,7 +49,8 @@ _SUGGESTED = 4
 class Determination:
     """Given coordinates that others decide; freedoms that are left; coordinates that would bind
     them; the mobility. `misfit` (length unit) is not 0 where loops of redundant constraints close
-    only to the digits of a file.
+    only to the digits of a file; `infinitesimal` counts freedoms of first order that the given
+    coordinates leave and no motion follows.
     """
 
     decided: tuple[str, ...]
@@ -54,14 +58,21 @@ class Determination:
     binding: tuple[str, ...]
     mobility: int
     misfit: float = 0.0
+    infinitesimal: int = 0
 
 
-def refuse_unless_determined(problem: Problem) -> None:
+def refuse_unless_determined(problem: Problem, *, rates: bool = False) -> None:
     """Raise InputError where the given coordinates leave some motion free, or say the same thing
-    twice.
+    twice; with `rates` where they leave some of these free at every configuration.
     """
     refuse_contradictions(problem)
     found = determination(problem)
+    if rates and found.infinitesimal and not found.free:
+        raise InputError(
+            f"given: {', '.join(c.name for c in _given(problem))}; their rates leave "
+            f"{problem.mechanism.name} {counted(found.infinitesimal, 'freedom')} of first order, "
+            "which no motion follows: every configuration of this assembly is singular"
+        )
     if found.free:
         name, some = (
             problem.mechanism.name,
@@ -134,11 +145,14 @@ def _given(problem: Problem) -> list[Coordinate]:
 def determination(problem: Problem) -> Determination:
     """What the given coordinates of a problem decide, at generic closed configurations."""
     closure = build_closure(problem.mechanism, replace(problem.closure.partition, geometry=False))
-    system = whole_system(closure)
+    system, own = whole_system(closure), own_component(assembly_of(closure), 0)
     jacobians = [system.linearise_one(z)[1] for z in closed_configurations(closure, 0)]
-    found = _determination(
-        problem, closure, jacobians[generic([Rank.of(j) for j in jacobians])], RANK_TOLERANCE, 0.0
-    )
+    best = jacobians[generic([Rank.of(j) for j in jacobians])]
+    found = _determination(problem, closure, _motions(best, RANK_TOLERANCE))
+    if own is not None and own.motions is not None:
+        # what no motion follows is not free, and values of it may be given all the same
+        led = _determination(problem, closure, own.motions, own_motion=_OWN_WAY)
+        return replace(led, decided=found.decided, infinitesimal=found.free - led.free)
     if not found.decided:
         beside = _beside_singular(closure, system.freedom - found.mobility) if found.free else None
         return found if beside is None else _determination(problem, closure, *beside)
@@ -148,14 +162,24 @@ def determination(problem: Problem) -> Determination:
         return found
     z, misfit = nearly
     tolerance = min(_OPEN_RANK * misfit / closure.characteristic_length, 1e-2)
-    loose = _determination(problem, closure, system.linearise_one(z)[1], tolerance, misfit)
+    motions = _motions(system.linearise_one(z)[1], tolerance)
+    loose = _determination(problem, closure, motions, misfit)
     return loose if len(loose.decided) < len(found.decided) else found
 
 
+def _motions(jacobian: np.ndarray, tolerance: float) -> np.ndarray:
+    return null_space(jacobian, tolerance, relative=True)
+
+
 def _determination(
-    problem: Problem, closure: Closure, jacobian: np.ndarray, tolerance: float, misfit: float
+    problem: Problem,
+    closure: Closure,
+    motions: np.ndarray,
+    misfit: float = 0.0,
+    own_motion: float = _OWN_MOTION,
 ) -> Determination:
-    left = null_space(jacobian, tolerance, relative=True).T
+    """What given coordinates decide of motions (orthonormal rows) at a configuration."""
+    left = motions.T
     columns: dict[str, list[int]] = {}
     for column, coordinate in enumerate(
         held for held in closure.coordinates for _ in range(held.freedom)
@@ -171,7 +195,7 @@ def _determination(
     ]
     # one after another: how many motions each decides that those before it leave free
     order = [k for c in (*given, *others) for k in columns[c.name]]
-    taken = {*independent_rows(left, _OWN_MOTION, groups=order)}
+    taken = {*independent_rows(left, own_motion, groups=order)}
     grown = {c.name: sum(k in taken for k in columns[c.name]) for c in (*given, *others)}
     free = left.shape[1] - sum(grown[c.name] for c in given)
     decided = tuple(c.name for c in given if grown[c.name] < c.freedom)
@@ -212,10 +236,10 @@ def misfit_note(problem: Problem, misfit: float) -> str:
     )
 
 
-def _beside_singular(closure: Closure, rank: int) -> tuple[np.ndarray, float, float] | None:
-    """Where nothing but a singular reference of this rank closes exactly: the Jacobian at a
-    configuration beside it that closes to the digits of a file, the share below which its singular
-    values are zero, and the closure error. None elsewhere.
+def _beside_singular(closure: Closure, rank: int) -> tuple[np.ndarray, float] | None:
+    """Where nothing but a singular reference of this rank closes exactly: motions of first order at
+    a configuration beside it that closes to the digits of a file, and the closure error. None
+    elsewhere.
     """
     system, ends = whole_system(closure), least_squares_ends(assembly_of(closure), 0)
     digits = rank_to_digits(system, ends, rank)
@@ -233,7 +257,7 @@ def _beside_singular(closure: Closure, rank: int) -> tuple[np.ndarray, float, fl
         )
         / values[best, 0]
     )
-    return jacobians[best], float(share), digits.misfit
+    return _motions(jacobians[best], float(share)), digits.misfit
 
 
 def _nearly_closed(closure: Closure) -> tuple[np.ndarray, float] | None:

@@ -18,7 +18,7 @@ import numpy as np
 
 from symkin.numeric.levenberg import levenberg_marquardt
 from symkin.numeric.newton import polish
-from symkin.numeric.rank import Rank, null_space
+from symkin.numeric.rank import Rank, null_space, row_space
 from symkin.numeric.rank import generic as generic_one
 from symkin.numeric.system import NOTHING, System
 from symkin.numeric.tolerances import CLOSED_CONFIGURATION, RANK_TOLERANCE, SINGULAR_VALUE
@@ -75,13 +75,15 @@ radii of curvature are above a thirtieth of the size.
 class Component:
     """Generic configurations of the assembly that a closed configuration belongs to (n, width),
     that one alone where no motion leads away; their rank; how many freedoms of first order no
-    motion follows; the ranks of other branches that meet there.
+    motion follows; the ranks of other branches that meet there; where some are followed by none,
+    directions (orthonormal rows) of those that lead away from one of the points.
     """
 
     points: np.ndarray
     rank: Rank
     infinitesimal: int = 0
     other_ranks: tuple[int, ...] = ()
+    motions: np.ndarray | None = None
 
 
 def regular_component(system: System, start: np.ndarray, seed: int) -> Component:
@@ -112,7 +114,7 @@ def component_at_singular(system: System, start: np.ndarray, seed: int) -> Compo
     searches = _FEW_SEARCHES if system.freedom > _MANY_FREEDOMS else _SEARCHES
     near = walker.near(start, motions, searches, _MEETING)
     if not len(near):
-        return Component(start[None], rank, infinitesimal=len(motions))
+        return Component(start[None], rank, infinitesimal=len(motions), motions=motions[:0])
     near = walker.off_singular_places(start, near)
     meeting = {walker.motions(z, SINGULAR_VALUE)[1].value for z in near}
     ends = walker.closed(walker.walked(start, near, np.resize(_LENGTHS, len(near))))
@@ -132,8 +134,9 @@ def component_at_singular(system: System, start: np.ndarray, seed: int) -> Compo
         [left for _, left in kept],
     )
     some = slice(0, len(points), max(1, len(points) // _LOOKED))
-    followed = walker.dimension(points[some], freedoms[: len(points)][some])
-    return Component(points, best, len(freedoms[0]) - followed, others)
+    followed = walker.followed(points[some], freedoms[: len(points)][some])
+    infinitesimal = len(freedoms[0]) - len(followed)
+    return Component(points, best, infinitesimal, others, followed if infinitesimal else None)
 
 
 def _unit(vectors: np.ndarray) -> np.ndarray:
@@ -255,18 +258,17 @@ class _Walker:
         open_by = self.system.residuals(ends)
         return ends[open_by <= self.allowed(_CLOSED_STEP)]
 
-    def dimension(self, points: np.ndarray, motions: list[np.ndarray]) -> int:
-        """How many dimensions of the motions of first order at generic configurations those span
-        that lead away: the least, since other branches that pass nearby add theirs.
+    def followed(self, points: np.ndarray, motions: list[np.ndarray]) -> np.ndarray:
+        """Of the motions of first order at generic configurations those that lead away from one:
+        the fewest, since other branches that pass nearby add theirs.
         """
-        return min(
-            self._followed(point, there) for point, there in zip(points, motions, strict=True)
-        )
+        every = (self._followed(point, there) for point, there in zip(points, motions, strict=True))
+        return min(every, key=len)
 
-    def _followed(self, point: np.ndarray, motions: np.ndarray) -> int:
+    def _followed(self, point: np.ndarray, motions: np.ndarray) -> np.ndarray:
         count = 4 * len(motions) + 8
         if not len(motions) or self.begun(point, self.directions(motions, count)) is not None:
-            return len(motions)
+            return motions
         near = self.near(point, motions, count, _TANGENT)
         near = near[
             np.array(
@@ -274,9 +276,9 @@ class _Walker:
             )
         ]
         if not len(near):
-            return 0
+            return motions[:0]
         ways = _unit(self.system.difference(np.tile(point, (len(near), 1)), near))
-        return int(np.sum(np.linalg.svd(ways, compute_uv=False) > _SPANNED * np.sqrt(len(ways))))
+        return row_space(ways, _SPANNED * np.sqrt(len(ways)))
 
 
 @dataclass(frozen=True, eq=False)

@@ -163,7 +163,7 @@ def plane_of(solution: Solution, names: Sequence[str], known: Sequence[str] | No
     if plain_kind(machine, told) is not None:
         return _plane(build_problem(machine, told), solution, low, names, told)
     problem = build_problem(mechanism, told)
-    refuse_unless_determined(problem)
+    refuse_unless_determined(problem, rates=True)
     return _plane(problem, solution, None, names, told)
 
 

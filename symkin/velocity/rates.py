@@ -129,7 +129,7 @@ def graph_rates(mechanism: Mechanism, kind: JacobianKind) -> NamedRates:
         )
     held = () if kind == "passive" else pose_names(mechanism)
     problem = build_problem(mechanism, actuated_names(mechanism), held)
-    refuse_unless_determined(problem)
+    refuse_unless_determined(problem, rates=True)
     return NamedRates(problem)
 
 
@@ -159,10 +159,11 @@ def rates_by_name(
     plain = tuple(name for name in others if name not in _LEVEL)
     problem = build_problem(mechanism, by, others)
     rates = NamedRates(problem)
-    refuse_unless_determined(build_problem(mechanism, by, plain) if others != plain else problem)
+    asked = build_problem(mechanism, by, plain) if others != plain else problem
+    refuse_unless_determined(asked, rates=True)
     if others != plain:
         _refuse_level(rates, of, by)
-        refuse_unless_determined(problem)
+        refuse_unless_determined(problem, rates=True)
     return rates, Matrix(of, by, ca.vertcat(*(rates.of[name] for name in of)))
 
 

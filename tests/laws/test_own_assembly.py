@@ -26,7 +26,7 @@ from helpers.inside import (
     rank_to_digits,
     whole_system,
 )
-from symkin import Joint, Limb, Mechanism
+from symkin import InputError, Joint, Limb, LinkJoint, Mechanism
 
 Z = (0.0, 0.0, 1.0)
 
@@ -208,3 +208,36 @@ def test_ranks_of_which_none_is_frequent_are_not_clear() -> None:
     assert file_digits._generic(jacobians, np.full(5, 1e-6)) == (3, False)
     alike = jacobians[[4, 4, 3, 0, 1]]
     assert file_digits._generic(alike, np.full(5, 1e-6)) == (5, True)
+
+
+def carried_taut() -> Mechanism:
+    """A stretched four-bar, which first order would let move twice, on a crank that turns."""
+    pins = [("a", 100, "crank", "l1"), ("b", 200, "l1", "l2"), ("c", 250, "l2", "l3")]
+    crank = [("q", 0, "base", "crank"), ("q2", 0, "crank", "base")]
+    joints = [
+        LinkJoint(Joint(name, "R", (x, 0.0, 0.0), Z), links)
+        for name, x, *links in (*crank, *pins, ("d", 400, "l3", "crank"))
+    ]
+    return Mechanism("taut", link_joints=joints)
+
+
+def test_what_no_motion_follows_is_not_said_to_be_free() -> None:
+    """One value decides the only motion, and the configuration is listed; it has no rates."""
+    machine = carried_taut()
+    assert symkin.mobility(machine).infinitesimal == 2
+    (mode,) = symkin.modes(machine, given={"q": 0.3}, starts=60)
+    assert [mode.joints[n] for n in ("q2", "a", "b", "c", "d")] == pytest.approx(
+        [-0.3, 0.0, 0.0, 0.0, 0.0], abs=1e-6
+    )
+    with pytest.raises(InputError, match=r"leaves taut 1 freedom, .* give 1 more, for example q"):
+        symkin.modes(machine, given={"b": 0.0})
+    with pytest.raises(InputError, match="2 freedoms of first order, which no motion follows"):
+        symkin.jacobian(machine, of=["b"], by=["q"])
+
+
+def test_a_rigid_machine_of_first_order_freedoms_is_listed() -> None:
+    """Its one configuration, whether nothing is given or what first order leaves."""
+    machine = four_bar(0.0, 1.0, 2.5, 4.0)
+    for given in ({}, {"crank": 0.0}):
+        (mode,) = symkin.modes(machine, given=given, starts=60, method="multistart")
+        assert mode.joints["pin"] == pytest.approx(0.0, abs=1e-6)
