@@ -130,7 +130,9 @@ class Account:
 
     def notes_of(self, number: int) -> list[str]:
         """What is said of an input's groups, in their order."""
-        told = [*self.notes.get(None, ()), *self.notes.get(number, ())] if self.notes else []
+        if not self.notes:
+            return []
+        told = [*self.notes.get(None, ()), *self.notes.get(number, ())]
         chosen = sorted(
             ((group, texts) for group, texts in told if self.seen[number, group]),
             key=lambda note: note[0],

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from math import isfinite, prod
+from math import prod
 from typing import Any
 
 import numpy as np
@@ -33,7 +33,8 @@ from symkin.position.given import Given
 from symkin.position.groups import independent_parts
 from symkin.position.platform_motion import motion_notes
 from symkin.position.problem import Problem
-from symkin.position.roots import MOST_MODES, product_of_counts, sum_of_counts
+from symkin.position.roots import MOST_MODES, NOT_KNOWN, of_each, product_of_counts, sum_of_counts
+from symkin.position.solution import PartialProof
 from symkin.position.solution_list import SolutionList, checked_solutions
 from symkin.text import shown
 
@@ -56,9 +57,14 @@ class GroupedModes:
     account: Account
 
     @cached_property
+    def counts(self) -> np.ndarray:
+        """How many modes of each input (n,) are listed."""
+        return np.bincount(self.owner, minlength=len(self.total))
+
+    @cached_property
     def ends(self) -> list[int]:
         """Where the modes of each input end, behind a zero."""
-        return [0, *np.cumsum(np.bincount(self.owner, minlength=len(self.total))).tolist()]
+        return [0, *np.cumsum(self.counts).tolist()]
 
     @property
     def asked(self) -> Problem:
@@ -79,15 +85,18 @@ class GroupedModes:
         for number in account.too_many[account.too_many != FEW].tolist():
             groups = solved_groups(self.problem, self.search)
             raise TooManyModesError(_too_many(self.problem, groups, number))
+        met, smallest = account.continuum.any(axis=1), account.smallest
+        factors = np.where(account.whole[:, None], self.factors, NOT_KNOWN)
+        missed = (self.counts == 0) & ~met & np.isfinite(smallest)
         columns = {
             "completeness": [STATEMENTS[said] for said in self.statement.tolist()],
-            "complex_count": [
-                product_of_counts(row) if whole else None
-                for row, whole in zip(self.factors.tolist(), account.whole.tolist(), strict=True)
+            "complex_count": of_each(product_of_counts, factors),
+            "unresolved_paths": of_each(sum_of_counts, account.unresolved),
+            "smallest_residual": [
+                least if lost else None
+                for least, lost in zip(smallest.tolist(), missed.tolist(), strict=True)
             ],
-            "unresolved_paths": [sum_of_counts(row) for row in account.unresolved.tolist()],
-            "smallest_residual": account.smallest.tolist(),
-            "positive_dimensional": account.continuum.any(axis=1).tolist(),
+            "positive_dimensional": met.tolist(),
             "count": list(map(int, self.total.tolist())),
             "engine": account.each_engine,
         }
@@ -98,19 +107,12 @@ class GroupedModes:
         ]
 
     def _modes_of(self, number: int, given: Given, told: dict[str, Any]) -> Modes:
-        account, found = self.account, self.listed
-        if len(self.total) > 1:
-            found = found.chosen(slice(*self.ends[number : number + 2]), notes=given.notes)
-        elif found.notes != given.notes:
-            found = replace(found, notes=given.notes, _made={})
-        if len(found) or told["positive_dimensional"] or not isfinite(told["smallest_residual"]):
-            told["smallest_residual"] = None
-        grounds = (
-            []
-            if found.ground is None
-            else [ground for ground in found.ground.tolist() if ground is not None]
-        )
-        return Modes(
+        account, found = self.account, self.listed.part(self._places_of(number), given.notes)
+        grounds = self._grounds_of(number)
+        # for each of many inputs: a frozen record would be given its fields one by one
+        one = object.__new__(Modes)
+        vars(one).update(
+            told,
             problem=self.asked,
             given=given.echo,
             modes=found,
@@ -118,15 +120,33 @@ class GroupedModes:
             seed=self.search.seed,
             elapsed_s=self.search.elapsed_s,
             **sampling(account.samples.get(number, [])),
-            **told,
             notes=(
                 *given.notes,
                 *account.notes_of(number),
                 *theorem_notes(account.theorems_of(number)),
-                *ground_notes(self.problem, grounds, len(found)),
+                *ground_notes(self.problem, grounds, int(self.counts[number])),
             ),
             groups=self._groups_of(number) if self.problem.by_name else (),
         )
+        one.__post_init__()
+        return one
+
+    def _places_of(self, number: int) -> slice:
+        """The places of an input's modes."""
+        return slice(*self.ends[number : number + 2])
+
+    @cached_property
+    def _has_grounds(self) -> bool:
+        """Whether anything is proved of modes that are not certified."""
+        ground = self.listed.ground
+        return ground is not None and any(one is not None for one in ground.tolist())
+
+    def _grounds_of(self, number: int) -> list[PartialProof]:
+        """What is proved of the modes of an input that are not certified."""
+        if self.listed.ground is None or not self._has_grounds:
+            return []
+        own = self.listed.ground[self._places_of(number)].tolist()
+        return [ground for ground in own if ground is not None]
 
     def _groups_of(self, number: int) -> tuple[Group, ...]:
         """What is known of the groups that an input has reached."""
@@ -156,8 +176,8 @@ def modes_by_groups(
     _check_choices(problem, groups, choose)
     account, parts = Account.empty(n, len(groups)), independent_parts(groups)
     certify = certify and can_be_proved(groups)
-    # rows of the one group that a problem is need no second look
-    judges = told is None and groups == (problem,)
+    # rows of the one group that a problem is need no second look, nor its solutions an order
+    judges = told is None and groups == (problem,) and not choose
     solving = Solving(search, least_errors, certify, judges=judges)
     trees = [Tree.begun(begin) for _ in parts]
     for depth in range(max(map(len, parts), default=0)):
@@ -206,7 +226,7 @@ def modes_of_inputs(
             told=None if told is None else told.of(left),
         )
         found = grouped.modes(own)
-        if not all(found):
+        if not grouped.counts.all():
             found = with_least_modes(problem, own, search, found)
         if search.method == "continuation" and all(
             m.starts is None and m.completeness != "incomplete" for m in found

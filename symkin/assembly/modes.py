@@ -135,7 +135,7 @@ def _found(
     search = replace(search, begun=time.perf_counter(), inputs=len(givens))
     with told_of_searches(search.progress):
         found = _of_machine(mechanism, search, givens, *how)
-    lost = [not modes and modes.problem.by_name for modes in found]
+    lost = [modes.problem.by_name and not modes for modes in found]
     note = open_loops_note(mechanism) if any(lost) else None
     if note is None:
         return tuple(found)

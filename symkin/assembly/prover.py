@@ -164,7 +164,7 @@ class Prover:
         found = certify_batch(self.whole, z, knowns, owner, self._size)
         listed = np.bincount(owner, minlength=knowns.count)
         complete = self.completes(found, listed)
-        return found.real == "real", found.radius, complete, found.reasons
+        return found.is_real & found.certified, found.radius, complete, found.reasons
 
     @cached_property
     def _unproved(self) -> str | None:

@@ -279,8 +279,10 @@ def _alone(rows: _Rows, solving: Solving, roots: GroupRoots | None = None) -> Pr
 def _proved(
     group: Problem, roots: GroupRoots, known: np.ndarray, away: np.ndarray, solving: Solving
 ) -> ProvedRoots:
-    """The solutions in their order, with what is proved of them if it is asked for."""
-    roots = roots.in_order()
+    """The solutions in their order, unless those of the whole problem are ordered, with what is
+    proved of them if it is asked for.
+    """
+    roots = roots if solving.judges else roots.in_order()
     if not solving.certify:
         return ProvedRoots(roots, PartProofs.of_nothing(len(roots.owner)))
     proofs, roots = proofs_of_group(group, roots, known, away)

@@ -123,7 +123,7 @@ def _forward(
         yield Modes(
             problem=problem if told is None else told.problem,
             given=given.echo,
-            modes=listed.chosen(slice(k, k + 1), notes=given.notes),
+            modes=listed.part(slice(k, k + 1), given.notes),
             completeness="proved",
             method="forward",
             seed=None,

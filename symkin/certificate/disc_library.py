@@ -15,15 +15,11 @@ from pathlib import Path
 import numpy as np
 
 from symkin.computed_once import lru_cache
-from symkin.homotopy.compiled import DATA as HOMOTOPY_DATA
-from symkin.homotopy.compiled import OFF
-from symkin.numeric.c_library import CompilerError, begin_of, find_compilers, load_library
-from symkin.numeric.cache_folder import cache_folder
+from symkin.numeric.c_library import LANES, OFF, begin_of, library_of_all
 from symkin.numeric.tape import Code, Tape
 
 _DATA = Path(__file__).resolve().parent / "data"
-_MAIN = "certificate.c"
-_SYMBOLS = ("symkin_run", "symkin_enclose")
+_SOURCES = (*(_DATA / name for name in ("certificate.c", "discs.h", "krawczyk.h")), LANES)
 
 
 class _Code(ctypes.Structure):
@@ -133,19 +129,9 @@ def _loaded() -> DiscLibrary | None:
 
 @lru_cache(maxsize=1)
 def _load() -> DiscLibrary | None:
-    """What was found at the first call, for good: the library is the same for all mechanisms."""
-    try:
-        compilers = find_compilers(os.environ.get("CC", ""), os.environ.get("PATH", ""))
-        return DiscLibrary(
-            load_library(compilers, _sources(), _MAIN, _SYMBOLS, cache_folder(), build=True)
-        )
-    except (CompilerError, OSError):
-        return None
-
-
-def _sources() -> dict[str, str]:
-    own = {name: (_DATA / name).read_text() for name in (_MAIN, "discs.h", "krawczyk.h")}
-    return own | {"lanes.h": (HOMOTOPY_DATA / "lanes.h").read_text()}
+    """What was found at the first call, for good."""
+    library = library_of_all(_SOURCES, ("symkin_run", "symkin_enclose"))
+    return None if library is None else DiscLibrary(library)
 
 
 # Two threads may make these twice, which does no harm; they are asked for at every call.

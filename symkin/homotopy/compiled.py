@@ -21,6 +21,8 @@ from symkin.homotopy.algebraic import AlgebraicSystem
 from symkin.homotopy.lane_code import closure_source
 from symkin.homotopy.tracker import Tracked, TrackSettings
 from symkin.numeric.c_library import (
+    LANES,
+    OFF,
     CompilerError,
     NotBuiltError,
     begin_of,
@@ -31,11 +33,9 @@ from symkin.numeric.cache_folder import cache_folder
 from symkin.numeric.tolerances import ROOT_POLISHED, ROWS_CONTRADICT
 
 DATA = Path(__file__).resolve().parent / "data"
-SOURCES = ("tracker.c", "elimination.h", "lanes.h")
+SOURCES = (DATA / "tracker.c", DATA / "elimination.h", LANES)
 """Files of the engine that are the same for every closure, the one to compile first."""
 SYMBOLS = ("symkin_track", "symkin_newton")
-OFF = "numpy"
-"""Value of the environment variable SYMKIN_ENGINE that forbids compiled code."""
 
 
 class _Settings(ctypes.Structure):
@@ -162,7 +162,7 @@ def _load(
         library = load_library(
             find_compilers(named, path),
             dict(_sources(system)),
-            SOURCES[0],
+            SOURCES[0].name,
             SYMBOLS,
             folder,
             build=build,
@@ -177,7 +177,7 @@ def _load(
 @lru_cache(maxsize=128)
 def _sources(system: AlgebraicSystem) -> tuple[tuple[str, str], ...]:
     return (
-        *((name, (DATA / name).read_text()) for name in SOURCES),
+        *((path.name, path.read_text()) for path in SOURCES),
         ("closure.h", closure_source(system)),
     )
 

@@ -29,7 +29,7 @@ from typing import Any
 import numpy as np
 
 from symkin.computed_once import lru_cache
-from symkin.numeric.cache_folder import discard, folder_fault, keep, read_kept
+from symkin.numeric.cache_folder import cache_folder, discard, folder_fault, keep, read_kept
 
 FLAGS = ("-O2", "-std=gnu11", "-fPIC", "-shared", "-fno-math-errno", "-fno-trapping-math", "-w")
 """No -ffast-math: a path that fails is seen by its NaN."""
@@ -40,6 +40,10 @@ macros.
 """
 _silent: set[str] = set()
 """Compilers that were given up in this process; they are not run again."""
+LANES = Path(__file__).resolve().parent / "data" / "lanes.h"
+"""Vectors of numbers, which the sources of several libraries include."""
+OFF = "numpy"
+"""Value of the environment variable SYMKIN_ENGINE that forbids compiled code."""
 LOG = logging.getLogger(__name__)
 _MOST_SLASHES = 3000
 """Slashes in a path at most: a path may have 4096 characters."""
@@ -97,6 +101,23 @@ def load_library(
         except CompilerError as reason:
             error = reason
     raise error
+
+
+def library_of_all(paths: Sequence[Path], symbols: Sequence[str]) -> ctypes.CDLL | None:
+    """The library of the first of some sources, which includes the others: one for all mechanisms,
+    from the cache or compiled now; None where there is none.
+    """
+    try:
+        return load_library(
+            find_compilers(os.environ.get("CC", ""), os.environ.get("PATH", "")),
+            {path.name: path.read_text() for path in paths},
+            paths[0].name,
+            symbols,
+            cache_folder(),
+            build=True,
+        )
+    except (CompilerError, OSError):
+        return None
 
 
 def find_compilers(named: str, path: str) -> Iterator[Compiler]:

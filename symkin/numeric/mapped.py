@@ -16,6 +16,7 @@ import numpy as np
 
 from symkin.computed_once import cached_property
 from symkin.locks import Pool
+from symkin.numeric.point_library import MANY, PointTape, point_library
 
 _LARGEST_BLOCK = 256
 """Points of the largest block; its inputs and outputs stay in the second level of the cache."""
@@ -59,7 +60,10 @@ class Mapped:
         """
         count = max([a.shape[0] for a in arguments if a.ndim == 2], default=1)
         told = [np.empty((count, *shape[::-1])) for shape in self._shapes]
-        begin = 0
+        begin, library = 0, point_library() if count >= MANY else None
+        if library is not None and self._tape is not None:
+            library.evaluate(self._tape, arguments, told)
+            begin = count
         while begin < count:
             size = min(_LARGEST_BLOCK, 1 << (count - begin).bit_length() - 1)
             self._blocks[size].evaluate(arguments, told, begin)
@@ -73,6 +77,10 @@ class Mapped:
     @cached_property
     def _shapes(self) -> list[tuple[int, int]]:
         return [self.function.size_out(i) for i in range(self.function.n_out())]
+
+    @cached_property
+    def _tape(self) -> PointTape | None:
+        return PointTape.of(self.function)
 
     @cached_property
     def _blocks(self) -> dict[int, _Block]:

@@ -13,6 +13,7 @@ import numpy as np
 
 from symkin.numeric.linear_algebra import condition_of, extreme_singular_values, squared_norms
 from symkin.numeric.newton import Polished
+from symkin.numeric.point_library import suit
 from symkin.numeric.rank import null_space
 from symkin.numeric.system import System
 from symkin.numeric.tolerances import (
@@ -108,10 +109,10 @@ def are_suspect(extremes: np.ndarray) -> np.ndarray:
 
 def suspects(jacobians: np.ndarray) -> np.ndarray:
     """Which roots (n,) `are_suspect`, by their Jacobians (n, rows, freedom): Frobenius's norms of
-    these and of their inverses, of which singular values are no larger, clear most of them.
+    these and of their inverses, of which singular values are no larger, clear most of few.
     """
     found = np.ones(len(jacobians), dtype=bool)
-    if len(jacobians) and jacobians.shape[1] == jacobians.shape[2]:
+    if len(jacobians) and jacobians.shape[1] == jacobians.shape[2] and not suit(jacobians):
         try:
             inverse, square = squared_norms(np.linalg.inv(jacobians)), squared_norms(jacobians)
         except np.linalg.LinAlgError:

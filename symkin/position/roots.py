@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from math import isnan, lgamma, log, nan, prod
+from typing import TypeVar
 
 import numpy as np
 
@@ -25,6 +26,8 @@ from symkin.numeric.tolerances import (
     DISTINCT_ROOTS,
     MULTIPLE_ROOT_SHARE,
 )
+
+Told = TypeVar("Told")
 
 MOST_MODES = 20_000
 _TO_A_SIDE = 1e-4
@@ -97,6 +100,15 @@ def binomial_bound(trials: int, seen: int, doubt: float) -> float:
         terms = (c + k * log(p) + (trials - k) * log(1.0 - p) for k, c in enumerate(choices))
         low, high = (p, high) if sum(np.exp(term) for term in terms) > doubt else (low, p)
     return high
+
+
+def of_each(function: Callable[[Sequence[float]], Told], rows: np.ndarray) -> list[Told]:
+    """What a function makes of each of some rows (n, any), asked once of equal ones."""
+    told: dict[tuple[float, ...], Told] = {}
+    return [
+        told[row] if row in told else told.setdefault(row, function(row))
+        for row in map(tuple, rows.tolist())
+    ]
 
 
 def product_of_counts(counts: Iterable[float]) -> int | None:

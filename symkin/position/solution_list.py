@@ -41,9 +41,9 @@ class SolutionList(Sequence[Solution]):
     certified: np.ndarray
     radius: np.ndarray
     notes: tuple[str, ...]
-    ground: np.ndarray | None = None
-    double: np.ndarray | None = None
-    hits: np.ndarray | None = None
+    ground: np.ndarray | None
+    double: np.ndarray | None
+    hits: np.ndarray | None
     _made: dict[int, Solution] = field(default_factory=dict)
 
     def __len__(self) -> int:
@@ -70,13 +70,33 @@ class SolutionList(Sequence[Solution]):
         """Some of the solutions, in the order of their places (any,), a part of them, or where a
         mask (m,) holds; with what else is `told` of them.
         """
-        # for each of many inputs: without the loops of `replace`
+        cut: dict[str, Any] = {
+            k: v[places] for k, v in self.columns.items() if isinstance(v, np.ndarray)
+        }
+        return replace(self, **cut | told, _made={})
+
+    def part(self, places: slice, notes: tuple[str, ...]) -> SolutionList:
+        """Those of one of many inputs, whose arrays are cut when they are asked for."""
         some = object.__new__(SolutionList)
-        vars(some).update(
-            {k: v[places] if isinstance(v, np.ndarray) else v for k, v in vars(self).items()}
-        )
-        vars(some).update(told, _made={})
+        vars(some).update(closure=self.closure, notes=notes, _made={}, _of=(self, places))
         return some
+
+    def __getattr__(self, name: str) -> Any:
+        """An array of a part, cut at its first use."""
+        if name.startswith("__") or "_of" not in vars(self):
+            raise AttributeError(name)
+        whole, places = vars(self)["_of"]
+        array = getattr(whole, name)
+        return vars(self).setdefault(name, None if array is None else array[places])
+
+    @property
+    def columns(self) -> dict[str, Any]:
+        """All fields by their names."""
+        return {f.name: getattr(self, f.name) for f in fields(self)}
+
+    def __getstate__(self) -> dict[str, Any]:
+        """What a copy holds: of a part nothing of other inputs."""
+        return self.columns
 
     @staticmethod
     def joined(lists: Sequence[SolutionList]) -> SolutionList:
@@ -154,7 +174,9 @@ def checked_solutions(
         within_limits=untried if inside is None else inside.astype(int),
         certified=untried,
         radius=np.full(len(values), np.nan),
+        ground=None,
         double=_double(problem, values, extremes),
+        hits=None,
         notes=notes,
     )
 

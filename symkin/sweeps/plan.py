@@ -30,7 +30,7 @@ _LARGEST_CHUNK, _FEWEST_CHUNKS = 10_000, 16
 """A chunk has as many points as it may, unless a sweep would have less chunks than this."""
 _MODES_IN_CHUNK = 40_000
 """Complex solutions of a chunk's points: a few seconds of work."""
-_FORMULA_MODES = 100_000
+_FORMULA_MODES = 200_000
 """Those of a chunk that formulas solve, in half a second, distances from singularities left aside:
 writing its files takes a tenth of that, however few points they hold, so that small sweeps are one
 chunk.

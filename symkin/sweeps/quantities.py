@@ -194,7 +194,7 @@ def arrays_of(
     needs.
     """
     chosen = variables(quantity, certify, problem)
-    told = vars(found.listed) | vars(found)
+    told = found.listed.columns | vars(found)
     if quantity == "modes":
         told |= dict(zip(("joints", "points"), found.joints_and_points, strict=True))
     else:

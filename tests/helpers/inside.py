@@ -66,6 +66,7 @@ NAMES = {
     "keep": "symkin.numeric.cache_folder",
     "read_kept": "symkin.numeric.cache_folder",
     "diagonal_parts": "symkin.numeric.linear_algebra",
+    "point_library": "symkin.numeric.point_library",
     "extreme_singular_values": "symkin.numeric.linear_algebra",
     "conditions": "symkin.numeric.linear_algebra",
     "levenberg_marquardt": "symkin.numeric.levenberg",

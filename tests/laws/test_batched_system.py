@@ -14,11 +14,13 @@ from helpers.inside import (
     build_problem,
     canonical,
     conditions,
+    extreme_singular_values,
     independent_rows,
     least_squares_steps,
     levenberg_marquardt,
     most_independent,
     null_space,
+    point_library,
     row_space,
     singular_values,
 )
@@ -41,6 +43,42 @@ def test_a_mapped_function_is_the_function(count):
             a, b = mapped.function(points[i], each[i] if each.ndim == 2 else each)
             assert np.array_equal(np.asarray(a), first[i])
             assert np.array_equal(np.asarray(b), second[i])
+
+
+def test_compiled_operations_are_those_of_casadi(monkeypatch):
+    """Every operation at numbers of all kinds, digit for digit, with a compiler and without."""
+    x, y = ca.SX.sym("x"), ca.SX.sym("y")
+    both = [x + y, x - y, x * y, x / y, ca.fmax(x, y), ca.atan2(x, y)]
+    one = [x**2, -x, 2 * x, 1 / x, ca.sin(x), ca.cos(x), ca.sqrt(x), ca.fabs(x)]
+    mapped = Mapped.of([x, y], [ca.vertcat(*both, *one, 3.7)])
+    special = [0.0, -0.0, 1e-310, 1e308, np.inf, -np.inf, np.nan]
+    points = np.concatenate([special, RNG.normal(size=93), 1e5 * RNG.normal(size=30)])
+    compiled = mapped(points[:, None], np.roll(points, 3)[:, None])[0]
+    monkeypatch.setenv("SYMKIN_ENGINE", "numpy")
+    assert point_library() is None
+    plain = mapped(points[:, None], np.roll(points, 3)[:, None])[0]
+    assert np.array_equal(compiled, plain, equal_nan=True)
+
+
+@pytest.mark.parametrize("shape", [(1, 1), (2, 2), (2, 5), (4, 4), (10, 7), (8, 12)])
+def test_extremes_of_many_are_those_of_their_singular_values(shape):
+    """Simple ones, equal ones, nearly equal ones, nearly none; each the same in other company; of
+    what is zero or not finite nothing.
+    """
+    n, least = 600, min(shape)
+    left, sizes, right = np.linalg.svd(RNG.normal(size=(n, *shape)), full_matrices=False)
+    sizes[:100] = sizes[:100, :1]
+    sizes[100:200, 1:] = sizes[100:200, 1:2]
+    sizes[200:300] = sizes[200:300, :1] * (1 + 1e-9 * RNG.random((100, least)))
+    sizes[300:400, -1] *= 10.0 ** RNG.uniform(-12, 0, 100)
+    whole = (left * sizes[:, None]) @ right
+    whole[400:403, 0, 0] = 0.0, np.nan, np.inf
+    whole[403] = 0.0
+    found, sizes = extreme_singular_values(whole), singular_values(whole)
+    np.testing.assert_allclose(found[:, 0], sizes[:, 0], rtol=1e-13)
+    np.testing.assert_allclose(found[:, 1], sizes[:, -1], rtol=1e-9, atol=1e-15)
+    assert not found[[401, 402, 403]].any()
+    assert np.array_equal(extreme_singular_values(whole[7:107]), found[7:107])
 
 
 @pytest.mark.parametrize("held", [0, 1, 40])

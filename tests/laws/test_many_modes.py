@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import pickle
+
 import numpy as np
 import pytest
 
@@ -138,6 +140,33 @@ def test_results_do_not_depend_on_neighbours():
     for a, b in zip(whole[2:4], part, strict=True):
         for x, y in zip(a, b, strict=True):
             np.testing.assert_allclose(x.position, y.position, rtol=1e-13)
+
+
+def test_compiled_batches_are_those_of_casadi(monkeypatch):
+    """Many poses of an arm: the same digits with a compiler and without, conditions to rounding,
+    and each pose as alone.
+    """
+    arm = symkin.load("ur5e")
+    joints = np.random.default_rng(4).uniform(-150, 150, (12, 6))
+    poses = np.array([[*m[0].position, *m[0].quaternion] for m in symkin.modes(arm, joints=joints)])
+    found = symkin.modes(arm, pose=poses)
+    check_same(found[7], symkin.modes(arm, pose=poses[7].tolist()))
+    monkeypatch.setenv("SYMKIN_ENGINE", "numpy")
+    for a, b in zip(found, symkin.modes(arm, pose=poses), strict=True):
+        assert np.array_equal(a.modes.values, b.modes.values)
+        assert np.array_equal(a.modes.residual, b.modes.residual)
+        np.testing.assert_allclose(a.modes.condition, b.modes.condition, rtol=1e-9)
+
+
+def test_a_copy_of_one_of_many_holds_no_other():
+    """The modes of an input are cut out of those of all when they are asked for, or copied."""
+    machine = five_bar()
+    found = symkin.modes(machine, joints=joints_about(machine, 300, 0.3))
+    copied = pickle.loads(pickle.dumps(found[5].modes))
+    assert np.array_equal(copied.values, found[5].modes.values)
+    assert len(pickle.dumps(found[5])) < len(pickle.dumps(found[5].modes)) + 2_000 < 20_000
+    with pytest.raises(AttributeError):
+        _ = found[5].modes.nothing
 
 
 def test_what_found_the_modes_of_one_is_told_alike_beside_others():
