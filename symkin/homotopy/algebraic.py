@@ -141,20 +141,14 @@ class AlgebraicSystem:
 
     def normalise(self, z: np.ndarray) -> np.ndarray:
         """Rays to unit length, angles into (-pi, pi]."""
-        return self.without_turns(self.unit_rays(z))
+        z = self.unit_rays(z)
+        z[self.angles] -= 2 * np.pi * np.round(z[self.angles].real / (2 * np.pi))
+        return z
 
     @cached_property
     def angles(self) -> list[int]:
         """Places of the unknowns that are angles."""
         return [i for i, c in enumerate(self.unknowns) if c.is_periodic]
-
-    def without_turns(self, z: np.ndarray) -> np.ndarray:
-        """The same points with angles in (-pi, pi]."""
-        if not self.angles:
-            return z
-        z, turns = z.copy(), z[self.angles].real / (2 * np.pi)
-        z[self.angles] -= 2 * np.pi * np.round(turns)
-        return z
 
 
 def _within_reach(*values: np.ndarray) -> list[np.ndarray]:

@@ -103,16 +103,15 @@ class CompiledTracker:
             begin_of(ends),
             begin_of(last),
         )
-        return self.system.without_turns(ends.T), last
+        return ends.T, last
 
     def _points(self, z: np.ndarray) -> tuple[np.ndarray, int]:
-        """Points (width, n), angles in one turn, as (n, width) in one piece; and n."""
+        """Points (width, n) as (n, width) in one piece; and n."""
         if z.ndim != 2 or z.shape[0] != self.system.width:
             raise ValueError(
                 f"points of shape {z.shape}; the system has {self.system.width} unknowns"
             )
-        points = self.system.without_turns(z)
-        return np.ascontiguousarray(points.T, dtype=complex), z.shape[1]
+        return np.ascontiguousarray(z.T, dtype=complex), z.shape[1]
 
     def _line(self, begin: np.ndarray, end: np.ndarray, n: int) -> tuple[np.ndarray, np.ndarray]:
         """begin and end - begin, both (known,) or both (n, known), in one piece."""
