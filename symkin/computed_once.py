@@ -34,9 +34,11 @@ def lru_cache(maxsize: int) -> Callable[[Callable[Arguments, Value]], Callable[A
 
         @functools.wraps(function)
         def cached(*args: Arguments.args, **kwargs: Arguments.kwargs) -> Value:
-            with guard.held:
-                entry = entries(*args, **kwargs)  # type: ignore[arg-type]  # unhashable arguments raise TypeError
+            entry = entries(*args, **kwargs)  # type: ignore[arg-type]  # unhashable arguments raise TypeError
             if entry.value is _MISSING:
+                # of two threads that miss it together one entry is kept, which both find here
+                with guard.held:
+                    entry = entries(*args, **kwargs)  # type: ignore[arg-type]
                 with computing(id(entry)):
                     if entry.value is _MISSING:
                         value = function(*args, **kwargs)

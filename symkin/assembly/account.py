@@ -95,8 +95,10 @@ class Account:
     @property
     def each_engine(self) -> list[str | None]:
         """What has found the solutions of each input."""
-        if not self.engines:
-            return [None] * len(self.seen)
+        if len(self.engines) < 2:
+            names = [None, *self.engines]
+            found = next(iter(self.engines.values()), np.zeros(len(self.seen), dtype=bool))
+            return [names[used] for used in found.tolist()]
         used = list(zip(*(own.tolist() for own in self.engines.values()), strict=True))
         told = {kind: engines_together(compress(self.engines, kind)) for kind in set(used)}
         return [told[kind] for kind in used]
@@ -121,12 +123,15 @@ class Account:
             found[rows, part[-1]] = np.where(real, counts[:, -1], NOT_KNOWN)
         return found
 
-    def theorems_of(self, number: int) -> list[str]:
-        """What proves an input's groups complete, in their order."""
+    def theorem_notes_of(self, number: int) -> list[str]:
+        """What is said of the bounds that the solutions of an input's groups reach, in their order:
+        of several those that are about more than one unknown alone.
+        """
         if not self.theorems:
             return []
         proved = (self.seen[number] & (self.statement[number] == 0)).nonzero()[0].tolist()
-        return [self.theorems[k] for k in proved if k in self.theorems]
+        found = dict.fromkeys(self.theorems[k] for k in proved if k in self.theorems)
+        return [f"at most {text}" for text in found if len(found) == 1 or "alone" not in text]
 
     def notes_of(self, number: int) -> list[str]:
         """What is said of an input's groups, in their order."""

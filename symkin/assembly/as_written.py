@@ -23,15 +23,15 @@ COMPLETE = ("proved", "probability one")
 
 
 def machine_of(
-    mechanism: Mechanism, given: Given, kept: frozenset[str] = frozenset()
+    mechanism: Mechanism, names: tuple[str, ...], kept: frozenset[str] = frozenset()
 ) -> Lowered | None:
-    """The machine for known values of joints, or of the platform's pose, which has the joints
-    `kept` as they are written; None where it is the mechanism itself.
+    """The machine for known values, by their names, of joints or of the platform's pose, which has
+    the joints `kept` as they are written; None where it is the mechanism itself.
     """
-    if _is_pose(mechanism, given) or plain_kind(mechanism, given.names) is not None:
+    if names == pose_names(mechanism) or plain_kind(mechanism, names) is not None:
         low = lowered(mechanism, kept=kept)
     else:
-        joints = frozenset(given.names) & {c.name for c in mechanism.coordinates}
+        joints = frozenset(names) & {c.name for c in mechanism.coordinates}
         low = lowered(mechanism, joints, pose=not mechanism.is_graph, kept=kept)
     return None if low.is_written else low
 
@@ -45,7 +45,7 @@ def may_contradict(low: Lowered, given: Given) -> bool:
     """Whether rounding may leave a given pose without modes: the joints tie the pose, so that its
     rows contradict each other by rounding.
     """
-    return _is_pose(low.written, given) and ties_poses(low.machine)
+    return given.names == pose_names(low.written) and ties_poses(low.machine)
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,11 +96,6 @@ def _ball_notes(low: Lowered) -> list[str]:
         for reading in low.readings
         if isinstance(reading, BallReading)
     ]
-
-
-def _is_pose(mechanism: Mechanism, given: Given) -> bool:
-    """Whether the platform's pose as a whole is what is given."""
-    return given.names == pose_names(mechanism)
 
 
 def _renamed(group: Group, names: dict[str, str]) -> Group:

@@ -9,6 +9,7 @@ beyond doubt, and every real one is well conditioned and differs from the others
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -17,7 +18,7 @@ from symkin.assembly.prover import Prover, prover_of
 from symkin.computed_once import cached_property, lru_cache
 from symkin.homotopy.algebraic import AlgebraicSystem, imaginary_part
 from symkin.homotopy.engine import engine_of
-from symkin.homotopy.many_instances import plain_instances
+from symkin.homotopy.many_instances import instances_at_once, plain_instances
 from symkin.homotopy.monodromy import Fibre
 from symkin.homotopy.start_store import TIED, start_of
 from symkin.homotopy.structure import Structure
@@ -26,6 +27,9 @@ from symkin.homotopy.values import known_values, real_values
 from symkin.numeric.cache_folder import cache_folder
 from symkin.position.groups import is_tied
 from symkin.position.problem import Problem
+
+if TYPE_CHECKING:
+    from symkin.certificate.certificate import CertificateBatch
 
 _REAL, _NOT_REAL = 1e-10, 1e-4
 """Imaginary parts of roots below the first and above the second leave no doubt."""
@@ -69,21 +73,35 @@ class BlockPaths:
         """What the roots begin from."""
         return self.start.z.tobytes() + self.start.k.tobytes()
 
-    def roots(self, known: np.ndarray, *, judges: bool = False) -> tuple[GroupRoots, np.ndarray]:
+    def roots(
+        self, known: np.ndarray, *, judges: bool = False, certifies: bool = False
+    ) -> tuple[GroupRoots, np.ndarray]:
         """Roots at instances known (n, values), with what is `judged` of them if it `judges`, and
-        those that are left in doubt.
+        those that are left in doubt. It `certifies` all of them where a theorem may tell then that
+        none is.
         """
         k = known_values(self.problem, known.T)
         k = k if self.shared is None else self.shared.known(k)
-        ends, plain = plain_instances(self.algebraic, self.start, k)
-        n, width, roots = ends.shape
-        z = ends.transpose(1, 0, 2).reshape(width, -1)
+        n, roots = len(known), self.most_roots
+        certificates: list[CertificateBatch] = []
+
+        def proves(ends: np.ndarray) -> np.ndarray:
+            z, knowns = _side_by_side(ends), self.prover.knowns(known)
+            certificates.append(self.prover.ends(z, knowns, np.arange(n).repeat(roots)))
+            return self.prover.tells_all(certificates[0])
+
+        together = n <= instances_at_once(self.start) and self.prover.may_complete(roots)
+        ends, plain = plain_instances(
+            self.algebraic, self.start, k, proves if certifies and together else None
+        )
+        z = _side_by_side(ends)
         part = imaginary_part(self.algebraic, z)
         # every root is real or not, beyond doubt
         plain &= ((part < _REAL) | (part > _NOT_REAL)).reshape(n, roots).all(axis=1)
         instance = np.arange(n).repeat(roots)
         if not plain.all():
             kept = plain[instance]
+            certificates.clear()
             z, part, instance = z[:, kept], part[kept], instance[kept]
         whole = np.ones(len(instance), dtype=bool)
         if self.combined:
@@ -105,6 +123,7 @@ class BlockPaths:
             ends_of=instance,
             origin=origin[kept],
             judged=judged,
+            certificates=next(iter(certificates), None),
         ), (~plain).nonzero()[0]
 
     def points(self, z: np.ndarray, owner: np.ndarray, k: np.ndarray) -> np.ndarray:
@@ -114,6 +133,11 @@ class BlockPaths:
         if self.shared is not None and not self.algebraic.projective:
             values = dict(zip(names, values.values(), strict=True))
         return np.concatenate([values[name] for name in names], axis=1)
+
+
+def _side_by_side(ends: np.ndarray) -> np.ndarray:
+    """Roots (width, n roots) of instances (n, width, roots), one after another."""
+    return ends.transpose(1, 0, 2).reshape(ends.shape[1], -1)
 
 
 def orbit_notes(start: Fibre) -> tuple[str, ...]:

@@ -18,11 +18,10 @@ import numpy as np
 from symkin.assembly.account import FEW, Account
 from symkin.assembly.as_written import Told
 from symkin.assembly.group_roots import STATEMENTS
-from symkin.assembly.group_solvers import dependent_parts, solved_groups
 from symkin.assembly.least_modes import with_least_modes
 from symkin.assembly.mode_order import order_of_modes
-from symkin.assembly.mode_proofs import can_be_proved, ground_notes, theorem_notes
 from symkin.assembly.modes_result import Group, Modes, sampling
+from symkin.assembly.plan import Plan, plan_of
 from symkin.assembly.prover import PartProofs
 from symkin.assembly.search import Search
 from symkin.assembly.tree import Solving, Step, Tree, grown_together
@@ -30,7 +29,6 @@ from symkin.assembly.without_search import known_without_search
 from symkin.computed_once import cached_property
 from symkin.errors import InputError, TooManyModesError
 from symkin.position.given import Given
-from symkin.position.groups import independent_parts
 from symkin.position.platform_motion import motion_notes
 from symkin.position.problem import Problem
 from symkin.position.roots import MOST_MODES, NOT_KNOWN, of_each, product_of_counts, sum_of_counts
@@ -47,7 +45,7 @@ class GroupedModes:
     of the problem.
     """
 
-    problem: Problem
+    plan: Plan
     search: Search
     told: Told | None
     listed: SolutionList
@@ -69,13 +67,12 @@ class GroupedModes:
     @property
     def asked(self) -> Problem:
         """The problem in whose coordinates the modes are told."""
-        return self.problem if self.told is None else self.told.problem
+        return self.plan.problem if self.told is None else self.told.problem
 
     @property
     def factors(self) -> np.ndarray:
         """Numbers (n, groups) whose product is the count of an input's complex solutions."""
-        groups = solved_groups(self.problem, self.search)
-        return self.account.factors(dependent_parts(self.problem, groups))
+        return self.account.factors(self.plan.dependent_parts)
 
     def modes(self, givens: Sequence[Given]) -> list[Modes]:
         """The modes of each input. Raises TooManyModesError where the choices of its groups are
@@ -83,8 +80,7 @@ class GroupedModes:
         """
         account = self.account
         for number in account.too_many[account.too_many != FEW].tolist():
-            groups = solved_groups(self.problem, self.search)
-            raise TooManyModesError(_too_many(self.problem, groups, number))
+            raise TooManyModesError(_too_many(self.plan, number))
         met, smallest = account.continuum.any(axis=1), account.smallest
         factors = np.where(account.whole[:, None], self.factors, NOT_KNOWN)
         missed = (self.counts == 0) & ~met & np.isfinite(smallest)
@@ -123,10 +119,10 @@ class GroupedModes:
             notes=(
                 *given.notes,
                 *account.notes_of(number),
-                *theorem_notes(account.theorems_of(number)),
-                *ground_notes(self.problem, grounds, int(self.counts[number])),
+                *account.theorem_notes_of(number),
+                *_ground_notes(self.plan.problem, grounds, int(self.counts[number])),
             ),
-            groups=self._groups_of(number) if self.problem.by_name else (),
+            groups=self._groups_of(number) if self.plan.problem.by_name else (),
         )
         one.__post_init__()
         return one
@@ -150,7 +146,7 @@ class GroupedModes:
 
     def _groups_of(self, number: int) -> tuple[Group, ...]:
         """What is known of the groups that an input has reached."""
-        account, groups = self.account, solved_groups(self.problem, self.search)
+        account, groups = self.account, self.plan.groups
         reached = account.seen[number].nonzero()[0].tolist()
         return tuple(account.group_of(number, k, groups[k]) for k in reached)
 
@@ -170,15 +166,17 @@ def modes_by_groups(
     closure error; with `certify` modes are proved. Those of a machine are `told` in the coordinates
     of a description, and held against its rows.
     """
-    n, groups = len(known), solved_groups(problem, search)
+    n, plan = len(known), plan_of(problem, search)
+    groups, parts = plan.groups, plan.parts
     begin = np.zeros((n, problem.closure.reference.size))
     problem.put_known(begin, known)
-    _check_choices(problem, groups, choose)
-    account, parts = Account.empty(n, len(groups)), independent_parts(groups)
-    certify = certify and can_be_proved(groups)
-    # rows of the one group that a problem is need no second look, nor its solutions an order
-    judges = told is None and groups == (problem,) and not choose
-    solving = Solving(search, least_errors, certify, judges=judges)
+    if choose != ():
+        _check_choices(plan, choose)
+    account, certify = Account.empty(n, len(groups)), certify and plan.can_be_proved
+    # rows of the one group that a problem is need no second look
+    judges = told is None and plan.is_one_group
+    only = len(groups) == 1 and not choose
+    solving = Solving(search, least_errors, certify, judges=judges, only=only)
     trees = [Tree.begun(begin) for _ in parts]
     for depth in range(max(map(len, parts), default=0)):
         deep = [k for k, numbers in enumerate(parts) if depth < len(numbers)]
@@ -192,11 +190,11 @@ def modes_by_groups(
             for k in deep
             for number in [parts[k][depth]]
         ]
-        grown = grown_together(steps, groups, account, solving)
+        grown = grown_together(steps, plan.members, account, solving)
         for k, tree in zip(deep, grown, strict=True):
             trees[k] = tree
     whole = _combined(begin, trees, [[groups[k] for k in numbers] for numbers in parts])
-    return _checked(problem, search, account, whole, told, certify=certify)
+    return _checked(plan, search, account, whole, told, certify=certify)
 
 
 def modes_of_inputs(
@@ -212,7 +210,9 @@ def modes_of_inputs(
     else as `modes_by_groups` finds them, proved where that can be, with what is said where there
     are none.
     """
-    known = known_without_search(problem, givens, search, told)
+    plan, known = plan_of(problem, search), list[Modes | None]([None] * len(givens))
+    if not plan.is_searched or any(given.off_motion for given in givens):
+        known = known_without_search(plan, givens, search, told)
     left = [i for i, modes in enumerate(known) if modes is None]
     own, found = [givens[i] for i in left], list[Modes]()
     if own:
@@ -242,27 +242,39 @@ def modes_of_inputs(
     return [next(rest) if modes is None else modes for modes in known]
 
 
-def _check_choices(problem: Problem, groups: Sequence[Problem], choose: Sequence[int]) -> None:
+def _ground_notes(problem: Problem, grounds: Sequence[PartialProof], count: int) -> list[str]:
+    """What is proved of those of `count` modes whose rows are redundant."""
+    if not grounds:
+        return []
+    one, unit = grounds[0], problem.mechanism.length_unit
+    every = "each mode" if len(grounds) == count else f"{len(grounds)} of the modes"
+    return [
+        f"proved of {every}: {one.independent} independent rows of {one.rows} vanish at one exact "
+        f"point within {max(g.radius for g in grounds):.1e} {unit}, and no other row is more than "
+        f"{max(g.remaining for g in grounds):.1e} {unit} there"
+    ]
+
+
+def _check_choices(plan: Plan, choose: Sequence[int]) -> None:
     if not isinstance(choose, Sequence):
         raise InputError(f"choose = {shown(choose)} is no list of whole numbers, one a block")
-    if len(choose) > len(groups):
+    if len(choose) > len(plan.groups):
         raise InputError(
-            f"choose: {len(choose)} numbers for {len(groups)} blocks of {problem.mechanism.name}; "
-            f"one a block, in order"
+            f"choose: {len(choose)} numbers for {len(plan.groups)} blocks of "
+            f"{plan.problem.mechanism.name}; one a block, in order"
         )
     for number in choose:
         if isinstance(number, bool) or not isinstance(number, int) or number < 0:
             raise InputError(f"choose: {number!r}; whole numbers from 0 on are needed, one a block")
 
 
-def _too_many(problem: Problem, groups: Sequence[Problem], number: int) -> str:
-    names = ", ".join(c.name for c in groups[number].system.unknowns)
+def _too_many(plan: Plan, number: int) -> str:
+    names = ", ".join(c.name for c in plan.groups[number].system.unknowns)
     return (
-        f"{problem.mechanism.name}: the solutions of its blocks combine to more than the "
-        f"{MOST_MODES} modes that are listed, at "
-        f"block {number} ({names}) of {len(groups)}; take one solution of each of the first blocks "
-        f"by choose (--choose 0,1,...), or "
-        "solve for one near a start"
+        f"{plan.problem.mechanism.name}: the solutions of its blocks combine to more than the "
+        f"{MOST_MODES} modes that are listed, at block {number} ({names}) of {len(plan.groups)}; "
+        f"take one solution of each of the first blocks by choose (--choose 0,1,...), or solve for "
+        f"one near a start"
     )
 
 
@@ -321,7 +333,7 @@ def _some_combinations(sizes: list[int]) -> np.ndarray:
 
 
 def _checked(
-    problem: Problem,
+    plan: Plan,
     search: Search,
     account: Account,
     combined: tuple[Tree, np.ndarray],
@@ -329,7 +341,8 @@ def _checked(
     *,
     certify: bool,
 ) -> GroupedModes:
-    n, asked = len(account.seen), problem if told is None else told.problem
+    n, problem = len(account.seen), plan.problem
+    asked = problem if told is None else told.problem
     tree, every = combined
     if told is None:
         found = checked_solutions(problem, tree.values, judged=tree.judged)
@@ -349,4 +362,4 @@ def _checked(
     statement = np.where(left_out, np.maximum(statement, STATEMENTS.index("incomplete")), statement)
     counts = np.bincount(owner, minlength=n)
     total = np.where(left_out, counts, np.where(account.whole, every, 0))
-    return GroupedModes(problem, search, told, listed, owner, total, statement, account)
+    return GroupedModes(plan, search, told, listed, owner, total, statement, account)

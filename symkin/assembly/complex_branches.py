@@ -76,7 +76,7 @@ def _branches(
     first, second = found[:, :, 0].T.reshape(2, form.system.width, -1)
     angular = np.array([c.is_angular for c in form.system.unknowns])[:, None]
     points = np.where(angular, -1j * np.log(first + 1j * second), first)
-    z = algebraic_points(problem, system_of(problem), form.system.named(points.T))
+    z = algebraic_points(problem, system_of(problem), form.system, points.T)
     off = np.max(np.abs(np.where(angular, first**2 + second**2 - 1.0, 0.0)), axis=0)
     return z, known_values(problem, every.T).astype(complex), off
 

@@ -6,9 +6,9 @@ told apart.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import partial
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -22,6 +22,9 @@ from symkin.numeric.system import System
 from symkin.numeric.tolerances import DISTINCT_ROOTS
 from symkin.position.readings import canonical
 from symkin.position.roots import NOT_KNOWN, Sample, features
+
+if TYPE_CHECKING:
+    from symkin.certificate.certificate import CertificateBatch
 
 STATEMENTS: tuple[Completeness, ...] = ("proved", "probability one", "incomplete", "sampled")
 """What is said of a list, from the strongest to the weakest; of several parts the weakest holds."""
@@ -40,12 +43,12 @@ class GroupRoots:
     each row (n,): the place of what is said of it in `STATEMENTS`, complex solutions and unresolved
     paths (`NOT_KNOWN`), the least closure error that a search without success has reached (else
     infinite), whether a set that is not isolated was met, what `engine` found them (None where none
-    was needed); `notes` of single rows, and the `samples`
-    of those searched from random starts; `orbits` (notes) and `theorem` (what
-    proves that there are no others) of all; from paths all complex roots `ends` (width, e) of the
-    rows `ends_of` (e,), rising, and where they are told the `origin` (m,) of the solutions among
-    these; where they are kept the largest and smallest singular value of the group's rows at each
-    solution and its closure error, `judged` (m, 3), `NOT_KNOWN` of single ones.
+    was needed); `notes` of single rows, and the `samples` of those searched from random starts;
+    `orbits` (notes) and `theorem` (what proves that there are no others) of all; from paths all
+    complex roots `ends` (width, e) of the rows `ends_of` (e,), rising, their `certificates`, where
+    these have been tried, and where they are told the `origin` (m,) of the solutions among these;
+    where they are kept the largest and smallest singular value of the group's rows at each solution
+    and its closure error, `judged` (m, 3), `NOT_KNOWN` of single ones.
     """
 
     points: np.ndarray
@@ -65,6 +68,7 @@ class GroupRoots:
     samples: Mapping[int, Sample] = field(default_factory=dict)
     origin: np.ndarray | None = None
     judged: np.ndarray | None = None
+    certificates: CertificateBatch | None = None
 
     @staticmethod
     def of_all(
@@ -153,12 +157,12 @@ class GroupRoots:
         """
         if not (complete & (self.statement > 0)).any():
             return self
-        return replace(self, statement=np.where(complete, 0, self.statement), theorem=theorem)
+        return self._but(statement=np.where(complete, 0, self.statement), theorem=theorem)
 
     def with_notes(self, more: Mapping[int, str]) -> GroupRoots:
         """The same with another note of some rows."""
         notes = {row: (*self.notes.get(row, ()), text) for row, text in more.items()}
-        return replace(self, notes={**self.notes, **notes}) if more else self
+        return self._but(notes={**self.notes, **notes}) if more else self
 
     def in_order(self) -> GroupRoots:
         """The same with the solutions of each row in an order that rounding errors do not
@@ -172,7 +176,14 @@ class GroupRoots:
         chosen: dict[str, Any] = {
             name: None if array is None else array[places] for name, array in arrays
         }
-        return replace(self, **chosen | told)
+        return self._but(**chosen | told)
+
+    def _but(self, **told: Any) -> GroupRoots:
+        """The same but for what is told: without the loops of `replace`, at every answer."""
+        other = object.__new__(GroupRoots)
+        vars(other).update(vars(self))
+        vars(other).update(told)
+        return other
 
     def at(self, rows: np.ndarray) -> GroupRoots:
         """Some of the rows, in their order."""
@@ -189,6 +200,7 @@ class GroupRoots:
             ends=self.ends[:, ends],
             ends_of=rank[self.ends_of[ends]],
             origin=None,
+            certificates=None,
         )
 
 
@@ -231,7 +243,7 @@ def checked_roots(
     moved = (polished.points != points).any(axis=1).nonzero()[0]
     if moved.size:
         residuals[moved] = block.residuals(polished.points[moved], here[moved])
-    points = canonical(block.unknowns, block.places, polished.points)
+    points = canonical(block, polished.points)
     closed = are_roots(block, polished, residuals).nonzero()[0]
     points, owner = points[closed], owner[closed]
     plain[_owners_of_equal(block, points, owner)] = False

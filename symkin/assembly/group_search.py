@@ -57,7 +57,7 @@ def linear_roots(group: Problem, known: np.ndarray) -> GroupRoots:
 
 def geared_roots(group: Problem, train: GearTrain, known: np.ndarray) -> GroupRoots:
     points, system = train.solutions(known), group.system
-    flat = canonical(system.unknowns, system.places, points.reshape(-1, system.width))
+    flat = canonical(system, points.reshape(-1, system.width))
     found = _closed(group, known, flat.reshape(points.shape))
     return (
         found

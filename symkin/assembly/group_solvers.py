@@ -1,15 +1,18 @@
-"""What finds the solutions of a structure group: formulas, paths, or its parts."""
+"""What finds the solutions of a structure group, formulas, paths, or its parts; and what is proved
+of them: each one by a certificate, their number where a theorem bounds it.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
-from symkin.assembly.account import Part
+import numpy as np
+
 from symkin.assembly.block_paths import BlockPaths, own_paths, paths_of_rows
 from symkin.assembly.closed_roots import ClosedBlock, closed_block, closing
 from symkin.assembly.complex_branches import misses_none
-from symkin.assembly.rod_lengths import rod_lengths
-from symkin.assembly.search import Search
+from symkin.assembly.group_roots import GroupRoots
+from symkin.assembly.prover import PartProofs, prover_of
 from symkin.computed_once import lru_cache
 from symkin.elimination.closed_form import ClosedForm
 from symkin.homotopy.six_distances import redundant_distances
@@ -17,14 +20,7 @@ from symkin.homotopy.structure import MOST_UNKNOWNS, start_of_structure, structu
 from symkin.homotopy.systems import system_of, unsuitable
 from symkin.numeric.cache_folder import cache_folder
 from symkin.position.gear_train import gear_train
-from symkin.position.groups import (
-    implied_parts,
-    independent_parts,
-    is_linear,
-    is_tied,
-    joined_groups,
-    structure_groups,
-)
+from symkin.position.groups import implied_parts, is_linear
 from symkin.position.problem import Problem
 from symkin.position.roots import NOT_KNOWN, product_of_counts
 
@@ -65,52 +61,6 @@ def any_paths(group: Problem) -> BlockPaths | None:
     """
     found = group_paths(group)
     return found if found is not None or redundant_distances(group) else own_paths(group)[0]
-
-
-def solved_groups(problem: Problem, search: Search) -> tuple[Problem, ...]:
-    """The structure groups of a problem in the order of their solution. Where no answer lists them,
-    those that formulas solve together are one: those of a limb, and rods whose ends are known.
-    """
-    formulas = search.method == "continuation" and search.formulas
-    return _joined(problem) if formulas and not problem.by_name else structure_groups(problem)
-
-
-@lru_cache(maxsize=128)
-def _joined(problem: Problem) -> tuple[Problem, ...]:
-    groups, found = structure_groups(problem), list[Problem]()
-    for numbers in independent_parts(groups):
-        own = tuple(groups[k] for k in numbers)
-        is_one = len(own) > 1 and _is_solved_as_one(joined_groups(problem, own), own)
-        found += [joined_groups(problem, own)] if is_one else own
-    given = {*problem.known_coordinates}
-    rods = tuple(g for g in found if given >= {*g.known_coordinates} and rod_lengths(g.system))
-    if len(rods) < 2:
-        return tuple(found)
-    return (joined_groups(problem, rods), *(group for group in found if group not in rods))
-
-
-@lru_cache(maxsize=128)
-def dependent_parts(problem: Problem, groups: tuple[Problem, ...]) -> tuple[Part, ...]:
-    """The parts of a problem that are several groups."""
-    parts = [numbers for numbers in independent_parts(groups) if len(numbers) > 1]
-    own = [tuple(groups[k] for k in numbers) for numbers in parts]
-    ties = [_may_refuse(some) and is_tied(joined_groups(problem, some)) for some in own]
-    return tuple(zip(parts, ties, strict=True))
-
-
-def _may_refuse(groups: tuple[Problem, ...]) -> bool:
-    """Whether further rows of later groups may refuse solutions of earlier ones."""
-    return any(g.system.rows.shape[0] > g.system.freedom for g in groups[1:])
-
-
-def _is_solved_as_one(joined: Problem, own: tuple[Problem, ...]) -> bool:
-    """Whether formulas solve groups together, or further rows of a later one refuse solutions of
-    an earlier one, so that products of their counts are too large.
-    """
-    if solved_at_once(joined):
-        return False
-    solver = group_solver(joined)
-    return isinstance(solver, ClosedBlock) or (_may_refuse(own) and solver is not None)
 
 
 def group_paths(group: Problem) -> BlockPaths | None:
@@ -196,3 +146,52 @@ def _are_followed_together(group: Problem, parts: Sequence[Problem]) -> bool:
 def solved_at_once(group: Problem) -> bool:
     """Whether a group needs neither formulas nor paths."""
     return is_linear(group) or gear_train(group) is not None
+
+
+# --- what is proved of them -----------------------------------------------------------------------
+
+
+def proofs_of_group(
+    group: Problem, roots: GroupRoots, known: np.ndarray, away: np.ndarray
+) -> tuple[PartProofs, GroupRoots]:
+    """What is proved of the solutions of a group at known values (n, known) that are within `away`
+    (n, known) of exact ones (length unit); and the solutions, proved to be all where a theorem
+    allows it, with notes where some have no certificate.
+    """
+    near = np.isfinite(away).all(axis=1)
+    if not near.all():
+        return _proofs_of_near(group, roots, (known, away), near)
+    prover = prover_of(group, system_of(group))
+    knowns, owner = prover.knowns(known, away), roots.owner
+    paths, ends = group_paths(group) if len(roots.ends_of) else None, None
+    of_paths = prover if paths is None else paths.prover
+    if paths is not None and of_paths.may_complete(paths.most_roots):
+        ends = roots.certificates or of_paths.ends(roots.ends, knowns, roots.ends_of)
+    own = ends if paths is not None and paths.shared is None else None
+    proofs, complete, reasons = prover.proofs(roots.points, owner, knowns, own, roots.origin)
+    roots = roots.with_notes(
+        {
+            int(owner[place]): f"not certified: {reason}"
+            for place, reason in reasons.items()
+            if np.isinf(proofs.radius[place])
+        }
+    )
+    if ends is not None and not complete.all():
+        listed = np.bincount(owner, minlength=knowns.count)
+        whole = np.bincount(owner[proofs.certified], minlength=knowns.count) == listed
+        complete = complete | (whole & of_paths.completes(ends, listed))
+    return proofs, roots.proved(complete, of_paths.theorem)
+
+
+def _proofs_of_near(
+    group: Problem, roots: GroupRoots, knowns: tuple[np.ndarray, np.ndarray], near: np.ndarray
+) -> tuple[PartProofs, GroupRoots]:
+    """The same where nothing is known of how far `away` values are but of some, `near` (n,)."""
+    rows, mine = near.nonzero()[0], near[roots.owner]
+    certified, ground = np.zeros(len(mine), dtype=bool), np.zeros((len(mine), 4))
+    ground[:, 2] = np.inf
+    if rows.size:
+        some, proved = proofs_of_group(group, roots.at(rows), *(part[rows] for part in knowns))
+        certified[mine], ground[mine] = some.certified, some.ground
+        roots = roots.with_rows(rows, proved)
+    return PartProofs(certified, ground), roots

@@ -36,8 +36,8 @@ def order_of_modes(problem: Problem, listed: SolutionList, owner: np.ndarray) ->
 def places_by(owner: np.ndarray, first: np.ndarray, values: np.ndarray) -> np.ndarray:
     """Places (m,) that sort by `owner`, then by `first` (m,), ties by rounded values (m, any)."""
     order = np.lexsort((first, owner))
-    both = np.stack([first, owner])[:, order]
-    tied = (both[:, 1:] == both[:, :-1]).all(axis=0)
+    keys, owners = first[order], owner[order]
+    tied = (keys[1:] == keys[:-1]) & (owners[1:] == owners[:-1])
     if len(order) <= _FEW and tied.any():
         return np.lexsort((*values.T[::-1].round(_DIGITS), first, owner))
     for column in values.T:
@@ -55,7 +55,7 @@ def _distances(problem: Problem, position: np.ndarray, quaternion: np.ndarray) -
     """|R - R0|^2 + (|x - x0| / size)^2 of poses, with |R - R0|^2 = 8 (1 - (q.q0)^2)."""
     first = _first_pose(problem)
     turn = 8.0 * (1.0 - (quaternion @ np.asarray(first.quaternion)) ** 2)
-    step = (position - np.asarray(first.position)) / problem.closure.characteristic_length
+    step = (position - np.asarray(first.position)) / problem.system.characteristic_length
     return (turn + squared_norms(step)).round(_DIGITS)
 
 

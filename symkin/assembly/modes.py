@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Mapping, Sequence
+from contextlib import nullcontext
 from dataclasses import replace
 from functools import partial
 from typing import Any, Unpack, overload
@@ -21,7 +22,9 @@ from symkin.assembly.by_groups import modes_of_inputs
 from symkin.assembly.modes_result import Modes
 from symkin.assembly.options import ModesOptions
 from symkin.assembly.search import DEFAULT_SEED, Search
+from symkin.computed_once import lru_cache
 from symkin.homotopy.monodromy import told_of_searches
+from symkin.machine.lower import Lowered
 from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.position.determination import refuse_unless_determined
 from symkin.position.given import (
@@ -38,7 +41,7 @@ from symkin.position.mobility import open_loops_note
 from symkin.position.multistart import DEFAULT_STARTS
 from symkin.position.out_of_reach import reach_note
 from symkin.position.pose_coordinates import motion_note
-from symkin.position.problem import build_problem
+from symkin.position.problem import Problem, build_problem
 from symkin.quiet import without_float_warnings
 from symkin.spatial.pose import Pose
 from symkin.verb import verb
@@ -119,9 +122,8 @@ def modes(
     one = read_given(mechanism, joints, pose, given)
     found = _found(mechanism, search, [one], choose)[0]
     # coordinates of a pose are those of the declared motion; joints may carry it elsewhere
-    is_carried = not found.problem.closure.role("pose")
-    listed = found.modes
-    notes = [motion_note(mechanism, listed.position, listed.quaternion) if is_carried else None]
+    listed, carries = found.modes, found.problem.carries_pose
+    notes = [motion_note(mechanism, listed.position, listed.quaternion) if carries else None]
     if not (listed or found.positive_dimensional or found.smallest_residual is None):
         notes.append(reach_note(found.problem, one))
     told = [note for note in notes if note is not None]
@@ -132,8 +134,10 @@ def _found(
     mechanism: Mechanism, search: Search, givens: Sequence[Given], *how: Any
 ) -> tuple[Modes, ...]:
     """The modes of inputs of one kind, with the loop that cannot close where there are none."""
-    search = replace(search, begun=time.perf_counter(), inputs=len(givens))
-    with told_of_searches(search.progress):
+    if len(givens) != 1:
+        search = replace(search, begun=time.perf_counter(), inputs=len(givens))
+    told = nullcontext() if search.progress is None else told_of_searches(search.progress)
+    with told:
         found = _of_machine(mechanism, search, givens, *how)
     lost = [modes.problem.by_name and not modes for modes in found]
     note = open_loops_note(mechanism) if any(lost) else None
@@ -157,12 +161,8 @@ def _of_machine(
     """
     if not givens:
         return []
-    # numbers of solutions to take are those of blocks of named coordinates
-    problem = build_problem(mechanism, givens[0].names, () if choose else None)
-    if problem.by_name:
-        refuse_unless_determined(problem)
-    may_be = not choose and search.method == "continuation"
-    low = machine_of(mechanism, givens[0]) if may_be else None
+    names, is_searched = givens[0].names, search.method == "continuation"
+    problem, low = _problem_and_machine(mechanism, names, bool(choose), is_searched)
     find = partial(modes_of_inputs, search=search, choose=choose, least_errors=least_errors)
     if low is None:
         return find(problem, givens)
@@ -182,6 +182,20 @@ def _of_machine(
     for i, modes in zip(rest, alone, strict=True):
         own[i] = modes if own[i] is None or is_complete(modes) else own[i]
     return [modes for modes in own if modes is not None]
+
+
+@lru_cache(maxsize=128)
+def _problem_and_machine(
+    mechanism: Mechanism, names: tuple[str, ...], chooses: bool, is_searched: bool
+) -> tuple[Problem, Lowered | None]:
+    """The problem of known coordinates, and the machine that the description means where another
+    one's modes are to be found.
+    """
+    # numbers of solutions to take are those of blocks of named coordinates
+    problem = build_problem(mechanism, names, () if chooses else None)
+    if problem.by_name:
+        refuse_unless_determined(problem)
+    return problem, machine_of(mechanism, names) if is_searched and not chooses else None
 
 
 @without_float_warnings

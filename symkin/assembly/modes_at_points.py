@@ -24,14 +24,12 @@ from symkin.assembly.block_paths import BlockPaths
 from symkin.assembly.by_groups import modes_by_groups, modes_of_inputs
 from symkin.assembly.closed_roots import ClosedBlock
 from symkin.assembly.group_roots import STATEMENTS, engines_together
-from symkin.assembly.group_solvers import most_roots, solved_groups, solvers_of
+from symkin.assembly.group_solvers import most_roots, solvers_of
 from symkin.assembly.mode_table import COMPLETENESS, ModeTable, stored_counts
 from symkin.assembly.modes_result import Modes
+from symkin.assembly.plan import Plan, plan_of
 from symkin.assembly.search import Search
-from symkin.assembly.without_search import (
-    meet_conditions,
-    nothing,
-)
+from symkin.assembly.without_search import errors_of_given, nothing
 from symkin.computed_once import cached_property
 from symkin.errors import InputError, TooManyModesError
 from symkin.machine.lower import Lowered
@@ -141,8 +139,11 @@ class GroupFinder:
     @cached_property
     def _groups(self) -> tuple[Problem, ...]:
         """The groups of the problem; none where nothing is searched."""
-        problem = self.problem
-        return () if problem.is_explicit else solved_groups(problem, self.search)
+        return () if self.problem.is_explicit else self._plan.groups
+
+    @property
+    def _plan(self) -> Plan:
+        return plan_of(self.problem, self.search)
 
     @property
     def engine(self) -> str | None:
@@ -177,7 +178,8 @@ class GroupFinder:
         where the description's digits may be why. Those of a machine are `told` in the coordinates
         of a description.
         """
-        chosen = np.flatnonzero(bool(self._groups) & meet_conditions(self.problem, known))
+        meets = errors_of_given(self._plan, known) == 0.0
+        chosen = np.flatnonzero(bool(self._groups) & meets)
         each = max(1, ROOTS_AT_ONCE // max(self.most_modes, 1))
         parts = [chosen[i : i + each] for i in range(0, max(len(chosen), 1), each)]
         table = ModeTable.joined(
@@ -233,7 +235,7 @@ def _of_machine(problem: Problem, search: Search, certify: bool) -> ModeFinder |
         return None
     # values that tell which of them the machine takes
     given = Given(names, np.arange(len(names)), {})
-    low = machine_of(problem.mechanism, given)
+    low = machine_of(problem.mechanism, names)
     if low is None or may_contradict(low, given):
         return None
     there = in_order(low.machine, given)

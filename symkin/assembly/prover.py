@@ -94,6 +94,10 @@ class Prover:
         t = self.bound.theorem
         return f"{t.count}: {t.about} ({t.reference})"
 
+    def may_complete(self, count: int) -> bool:
+        """Whether so many complex roots may be all that a theorem allows."""
+        return self.bound is not None and self.bound.theorem.count == count
+
     def knowns(self, known: np.ndarray, away: np.ndarray | None = None) -> Knowns:
         """Known values (n, known) of n instances, which are exact or within `away` (n, known) of
         exact ones (length unit; angles times the size).
@@ -129,9 +133,8 @@ class Prover:
         are not certified.
         """
         certified, radius, complete, reasons = self._certified(points, owner, knowns, ends, origin)
-        rows = self.problem.system.rows.shape[0]
         ground = np.zeros((len(owner), 4))
-        ground[:, :2], ground[:, 2] = rows, np.where(certified, radius, np.inf)
+        ground[:, :2], ground[:, 2] = self.problem.system.count, np.where(certified, radius, np.inf)
         left = np.flatnonzero(~certified) if self.is_redundant else ()
         if len(left):
             from symkin.certificate.independent_rows import prove_independent_rows
@@ -191,20 +194,26 @@ class Prover:
         """Instances (n,) whose certified roots are all that there are, the real ones as many as
         those `listed` (n,).
         """
-        from symkin.certificate.bounds import proves
-
         if self.bound is None:
             return np.zeros(len(listed), dtype=bool)
         real = np.bincount(found.instance[found.real == "real"], minlength=len(listed))
-        return proves(found, self.bound) & (real == listed)
+        return self.tells_all(found) & (real == listed)
+
+    def tells_all(self, found: CertificateBatch) -> np.ndarray:
+        """Instances (n,) that by the theorem have no roots but those that are certified."""
+        from symkin.certificate.bounds import proves
+
+        return (
+            np.zeros(found.knowns.count, bool) if self.bound is None else proves(found, self.bound)
+        )
 
     @property
     def _size(self) -> float:
-        return self.problem.closure.characteristic_length
+        return self.problem.system.characteristic_length
 
     def _algebraic(self, points: np.ndarray) -> np.ndarray:
         """The roots (width, m) of the paths' system that real roots `points` (m, width) are."""
-        return algebraic_points(self.problem, self.whole, self.problem.system.named(points))
+        return algebraic_points(self.problem, self.whole, self.problem.system, points)
 
 
 @lru_cache(maxsize=128)

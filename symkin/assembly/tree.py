@@ -9,13 +9,18 @@ from typing import NamedTuple
 import numpy as np
 
 from symkin.assembly.account import FEW, Account
-from symkin.assembly.closed_roots import ClosedBlock
+from symkin.assembly.block_paths import BlockPaths
 from symkin.assembly.continuation import least_error
-from symkin.assembly.families import Member, members_of
+from symkin.assembly.families import Member
 from symkin.assembly.group_roots import NO_ENDS, STATEMENTS, GroupRoots, checked_roots
 from symkin.assembly.group_search import geared_roots, linear_roots, searched_alone
-from symkin.assembly.group_solvers import any_paths, group_solver, most_roots, solved_parts
-from symkin.assembly.mode_proofs import proofs_of_group
+from symkin.assembly.group_solvers import (
+    any_paths,
+    group_solver,
+    most_roots,
+    proofs_of_group,
+    solved_parts,
+)
 from symkin.assembly.prover import PartProofs
 from symkin.assembly.search import Search
 from symkin.errors import InputError
@@ -73,8 +78,10 @@ class Tree:
 @dataclass(frozen=True)
 class Solving:
     """How groups are to be solved: the search, whether least errors are needed, whether solutions
-    are to be proved, whether inputs with more choices than are listed keep some of them, and
-    whether a group `judges` its solutions for the whole problem, which it is.
+    are to be proved, whether inputs with more choices than are listed keep some of them, whether a
+    group `judges` its solutions for the whole problem, which it is, and whether it is the `only`
+    one and none of its solutions is chosen: given values are exact then, and modes are ordered
+    afterwards.
     """
 
     search: Search
@@ -82,6 +89,7 @@ class Solving:
     certify: bool = False
     keeps_some: bool = False
     judges: bool = False
+    only: bool = False
 
 
 class Step(NamedTuple):
@@ -103,13 +111,13 @@ class ProvedRoots(NamedTuple):
 
 
 def grown_together(
-    steps: Sequence[Step], groups: tuple[Problem, ...], account: Account, solving: Solving
+    steps: Sequence[Step], members: dict[Problem, Member], account: Account, solving: Solving
 ) -> list[Tree]:
     """The trees with every solution of their groups, or the chosen one, beside each of their
-    configurations. Groups of one family, of the problem's `groups`, are solved together.
+    configurations. Groups that are `members` of one family are solved together.
     """
     asked = [_Rows.of(step) for step in steps if len(step.tree.owner)]
-    found = _solved(asked, members_of(groups), solving)
+    found = _solved(asked, members, solving)
     grown = {
         rows.step.number: _grown(rows, one, account, solving)
         for rows, one in zip(asked, found, strict=True)
@@ -279,10 +287,8 @@ def _alone(rows: _Rows, solving: Solving, roots: GroupRoots | None = None) -> Pr
 def _proved(
     group: Problem, roots: GroupRoots, known: np.ndarray, away: np.ndarray, solving: Solving
 ) -> ProvedRoots:
-    """The solutions in their order, unless those of the whole problem are ordered, with what is
-    proved of them if it is asked for.
-    """
-    roots = roots if solving.judges else roots.in_order()
+    """The solutions in their order, with what is proved of them if it is asked for."""
+    roots = roots if solving.only else roots.in_order()
     if not solving.certify:
         return ProvedRoots(roots, PartProofs.of_nothing(len(roots.owner)))
     proofs, roots = proofs_of_group(group, roots, known, away)
@@ -319,12 +325,11 @@ def _by_solver(
     solver = group_solver(group, formulas=solving.search.formulas)
     if solver is None:
         return None, np.arange(len(known))
+    if isinstance(solver, BlockPaths):
+        certifies = solving.certify and solving.only
+        return solver.roots(known, judges=solving.judges, certifies=certifies)
     found, doubtful = solver.roots(known, judges=solving.judges)
-    if (
-        doubtful.size
-        and isinstance(solver, ClosedBlock)
-        and (paths := any_paths(group)) is not None
-    ):
+    if doubtful.size and (paths := any_paths(group)) is not None:
         tracked, left = paths.roots(known[doubtful], judges=solving.judges)
         found, doubtful = found.with_rows(doubtful, tracked), doubtful[left]
     return found, doubtful
@@ -362,7 +367,7 @@ def roots_of_parts(
     tree, account = Tree.begun(begin), Account.empty(len(known), len(parts))
     solving = Solving(replace(search, formulas=True), keeps_some=True)
     for number, part in enumerate(parts):
-        (tree,) = grown_together([Step(part, number, tree)], (), account, solving)
+        (tree,) = grown_together([Step(part, number, tree)], {}, account, solving)
     generic = [most_roots(part) for part in parts]
     most = np.array([NOT_KNOWN if count is None else count for count in generic], dtype=float)
     points, owner, hits, met = _held_against(group, tree, known)
@@ -405,7 +410,7 @@ def _held_against(
         polished = polished_roots(system, points[mine], known[i])
         met[i] = polished.continuum is not None
         first, _ = unite(system, polished.points, known[i], continuum_met=bool(met[i]))
-        own = canonical(system.unknowns, system.places, polished.points[first])
+        own = canonical(system, polished.points[first])
         least = np.full(len(own), np.min(tree.hits[mine], initial=np.inf))
         parts.append((own, np.full(len(own), i), least))
     points, owner, hits = (np.concatenate(column) for column in zip(*parts, strict=True))

@@ -9,30 +9,19 @@ import numpy as np
 
 from symkin.assembly.as_written import Told
 from symkin.assembly.group_roots import GroupRoots
-from symkin.assembly.mode_proofs import proofs_of_group
+from symkin.assembly.group_solvers import proofs_of_group
 from symkin.assembly.modes_result import Modes
+from symkin.assembly.plan import Plan
 from symkin.assembly.prover import PartProofs
 from symkin.assembly.search import Search
 from symkin.errors import InputError
 from symkin.homotopy.systems import unsuitable
 from symkin.numeric.tolerances import CLOSURE_TOLERANCE
-from symkin.position.determination import what_is_free
 from symkin.position.given import Given
 from symkin.position.groups import structure_groups
 from symkin.position.pose_coordinates import poses_coordinates
 from symkin.position.problem import Problem
 from symkin.position.solution_list import SolutionList, checked_solutions
-
-
-def free_unknowns(problem: Problem) -> str | None:
-    """What to say where the rows leave unknowns free, so that no solution is isolated; coordinates
-    by name are refused where they do not determine the others.
-    """
-    free = what_is_free(problem)
-    return free and (
-        f"{free}, so that its solutions are no isolated modes; use solve with a start for one of "
-        f"them"
-    )
 
 
 def _certified(problem: Problem, one: SolutionList, values: np.ndarray) -> SolutionList:
@@ -51,16 +40,12 @@ def _certified(problem: Problem, one: SolutionList, values: np.ndarray) -> Solut
     return one.chosen(slice(None), **proofs.told())
 
 
-def meet_conditions(problem: Problem, known: np.ndarray) -> np.ndarray:
-    """Which given values (n, known) meet the rows without unknowns."""
-    return _errors_of_given(problem, known) == 0.0
-
-
-def _errors_of_given(problem: Problem, known: np.ndarray) -> np.ndarray:
+def errors_of_given(plan: Plan, known: np.ndarray) -> np.ndarray:
     """The errors (n,) of rows without unknowns at given values (n, known), 0 where these are
-    rounding. Rows of a problem whose coordinates are told by name are left to its groups.
+    rounding.
     """
-    if problem.by_name or problem.conditions.errors.is_zero():
+    problem = plan.problem
+    if not plan.has_conditions:
         return np.zeros(len(known))
     errors = problem.conditions.residuals(np.zeros((len(known), 0)), known)
     within = errors <= CLOSURE_TOLERANCE * problem.closure.characteristic_length
@@ -68,13 +53,13 @@ def _errors_of_given(problem: Problem, known: np.ndarray) -> np.ndarray:
 
 
 def known_without_search(
-    problem: Problem, givens: Sequence[Given], search: Search, told: Told | None = None
+    plan: Plan, givens: Sequence[Given], search: Search, told: Told | None = None
 ) -> list[Modes | None]:
     """What needs no search, of each input: unknowns that nothing determines, a pose off the motion,
     the direct problem of a serial arm, given values that contradict rows without unknowns. The
     modes of a machine are `told` in the coordinates of a description.
     """
-    free = free_unknowns(problem)
+    problem, free = plan.problem, plan.free
     if free is not None and problem.mechanism.serial:
         raise InputError(free)
     if free is not None:
@@ -87,7 +72,7 @@ def known_without_search(
     known = np.array([given.values for given in givens])
     if problem.is_explicit:
         return [*_forward(problem, givens, known, search, told)]
-    errors = _errors_of_given(problem, known).tolist()
+    errors = errors_of_given(plan, known).tolist()
     off = (g.off_motion or e for g, e in zip(givens, errors, strict=True))
     return [
         nothing(problem, given, search, away) if away else None

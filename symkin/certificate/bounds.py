@@ -154,8 +154,9 @@ def proves(found: CertificateBatch, bound: Bound) -> np.ndarray:
     poses.
     """
     n, count = found.knowns.count, bound.theorem.count
-    if found.system is not bound.system:
+    every = np.bincount(found.instance, minlength=n) == count
+    if found.system is not bound.system or not every.any():
         return np.zeros(n, dtype=bool)
     whole = found.certified & found.pose & (found.real != "unknown")
-    every, sure = (np.bincount(found.instance[some], minlength=n) for some in (slice(None), whole))
-    return (every == count) & (sure == count) & (found.distinct == count)
+    sure = np.bincount(found.instance[whole], minlength=n)
+    return every & (sure == count) & (found.distinct == count)

@@ -214,7 +214,7 @@ class CertificateBatch:
             shown[i] = not_real(self.system, self._box(i))
         return shown
 
-    @property
+    @cached_property
     def pose(self) -> np.ndarray:
         """Which certified roots (n,) are proved to be poses."""
         found = self.certified
@@ -232,7 +232,7 @@ class CertificateBatch:
             point = self.centre[:, i].real if is_real else self.centre[:, i]
             return prove_pose(balls, point, float(self.ball[i]), is_real=is_real)
 
-    @property
+    @cached_property
     def distinct(self) -> np.ndarray:
         """So many certified roots of each instance (m,) are proved to differ."""
         found, mixed = self.certified, self._features.mixed

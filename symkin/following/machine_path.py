@@ -87,7 +87,7 @@ def machine_path(trajectory: Trajectory) -> MachinePath:
     mechanism, names = trajectory.mechanism, tuple(c.name for c in trajectory.coordinates)
     first, of_pose = Given(names, trajectory.samples[0], {}), names == pose_names(mechanism)
     is_mixed = not of_pose and any(c.role == "pose" for c in trajectory.coordinates)
-    low = None if is_mixed else machine_of(mechanism, first, frozenset(trajectory.limited))
+    low = None if is_mixed else machine_of(mechanism, first.names, frozenset(trajectory.limited))
     if low is None:
         return MachinePath(trajectory, trajectory)
     known = pose_names(low.machine) if of_pose else in_order(low.machine, first).names

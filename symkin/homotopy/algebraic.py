@@ -142,10 +142,13 @@ class AlgebraicSystem:
     def normalise(self, z: np.ndarray) -> np.ndarray:
         """Rays to unit length, angles into (-pi, pi]."""
         z = self.unit_rays(z)
-        for i, c in enumerate(self.unknowns):
-            if c.is_periodic:
-                z[i] -= 2 * np.pi * np.round(z[i].real / (2 * np.pi))
+        z[self.angles] -= 2 * np.pi * np.round(z[self.angles].real / (2 * np.pi))
         return z
+
+    @cached_property
+    def angles(self) -> list[int]:
+        """Places of the unknowns that are angles."""
+        return [i for i, c in enumerate(self.unknowns) if c.is_periodic]
 
 
 def _within_reach(*values: np.ndarray) -> list[np.ndarray]:

@@ -83,9 +83,7 @@ class CompiledTracker:
             begin_of(s),
             begin_of(tries),
         )
-        with np.errstate(all="ignore"):
-            ends = self.system.unit_rays(ends.T)
-        return Tracked(ends, s >= 1.0, s, tries)
+        return Tracked(ends.T, s >= 1.0, s, tries)
 
     def newton(
         self, z: np.ndarray, k: np.ndarray, iterations: int = 5
@@ -105,19 +103,15 @@ class CompiledTracker:
             begin_of(ends),
             begin_of(last),
         )
-        with np.errstate(all="ignore"):
-            return self.system.normalise(ends.T), last
+        return ends.T, last
 
     def _points(self, z: np.ndarray) -> tuple[np.ndarray, int]:
-        """Points (width, n), rays of unit length and angles in one turn, as (n, width) in one
-        piece; and n.
-        """
+        """Points (width, n) as (n, width) in one piece; and n."""
         if z.ndim != 2 or z.shape[0] != self.system.width:
             raise ValueError(
                 f"points of shape {z.shape}; the system has {self.system.width} unknowns"
             )
-        with np.errstate(all="ignore"):
-            return np.ascontiguousarray(self.system.normalise(z.astype(complex)).T), z.shape[1]
+        return np.ascontiguousarray(z.T, dtype=complex), z.shape[1]
 
     def _line(self, begin: np.ndarray, end: np.ndarray, n: int) -> tuple[np.ndarray, np.ndarray]:
         """begin and end - begin, both (known,) or both (n, known), in one piece."""

@@ -74,7 +74,7 @@ def _real_roots(
     starts = random_starts(problem, free, reference, _REAL_STARTS, rng)
     batch = levenberg_marquardt(free, starts, np.zeros(0))
     points = batch.points[batch.converged][:REAL_POINTS]
-    z = algebraic_points(problem, system, free.named(points))
+    z = algebraic_points(problem, system, free, points)
     k = known_values(problem, points[:, problem.system.width :].T).astype(complex)
     good = regular(system, z, k)
     return z[:, good], k[:, good]

@@ -33,13 +33,17 @@ def closure_source(system: AlgebraicSystem) -> str:
     direction = ca.SX.sym("dk", system.k.shape[0])
     outputs = [rows, ca.jacobian(rows, system.z), ca.jtimes(rows, system.k, direction), further]
     function = ca.Function("f", [system.z, system.k, direction], outputs, {"cse": True})
-    in_ray = ", ".join("1" if i in system.projective else "0" for i in range(system.width))
+    in_ray, angles = (
+        ", ".join("1" if i in places else "0" for i in range(system.width))
+        for places in (system.projective, system.angles)
+    )
     return "\n".join(
         [
             f"#define UNKNOWNS {system.width}",
             f"#define KNOWN {system.k.shape[0]}",
             f"#define PROJECTIVE {int(bool(system.projective))}",
             f"static const char in_ray[UNKNOWNS] = {{{in_ray}}};",
+            f"static const char is_angle[UNKNOWNS] = {{{angles}}};",
             "static void evaluate(const v *restrict z, v s, const v *restrict begin, const v "
             "*restrict along, v *restrict a,",
             "                     v *restrict further)",

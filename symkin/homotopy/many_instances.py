@@ -6,6 +6,8 @@ the same for one instance, and does what is to be done for others.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from symkin.homotopy.algebraic import AlgebraicSystem
@@ -19,28 +21,37 @@ from symkin.homotopy.tracker import Tracked
 
 _PATHS_AT_ONCE = 1400
 """Paths that are tracked in one call: enough to fill vectors, few enough to stay in the cache."""
+Proves = Callable[[np.ndarray], np.ndarray]
+"""Which instances (n,) a theorem proves to have no roots but those (n, width, roots), all regular
+and different.
+"""
 APART = 1e-5
 """Distance of two ends (see `nearest`) above which they are two roots, whatever is asked of them:
 equal roots are told by 1e-6.
 """
 
 
+def instances_at_once(start: Fibre) -> int:
+    """How many instances are tracked in one call."""
+    return max(1, _PATHS_AT_ONCE // max(1, start.z.shape[1]))
+
+
 def plain_instances(
-    system: AlgebraicSystem, start: Fibre, known: np.ndarray
+    system: AlgebraicSystem, start: Fibre, known: np.ndarray, proves: Proves | None = None
 ) -> tuple[np.ndarray, np.ndarray]:
     """Roots (n, width, roots) of n instances with known values (known, n), and which of the
-    instances are plain; the roots of others mean nothing.
+    instances are plain; the roots of others mean nothing. Those that a theorem `proves` need no
+    other look.
     """
-    each = max(1, _PATHS_AT_ONCE // max(1, start.z.shape[1]))
-    count = known.shape[1]
-    parts = [_group(system, start, known[:, i : i + each]) for i in range(0, count, each)]
+    each, count = instances_at_once(start), known.shape[1]
+    parts = [_group(system, start, known[:, i : i + each], proves) for i in range(0, count, each)]
     if len(parts) == 1:
         return parts[0]
     return np.concatenate([z for z, _ in parts]), np.concatenate([plain for _, plain in parts])
 
 
 def _group(
-    system: AlgebraicSystem, start: Fibre, known: np.ndarray
+    system: AlgebraicSystem, start: Fibre, known: np.ndarray, proves: Proves | None
 ) -> tuple[np.ndarray, np.ndarray]:
     mirrors, n = start.mirrors, known.shape[1]
     begin = start.z if mirrors is None else start.z[:, mirrors.first]
@@ -52,6 +63,11 @@ def _group(
         tracked = track(system, np.tile(begin, (1, n)), start.k, np.repeat(target, each, axis=1))
     plain = tracked.arrived.reshape(n, each).all(axis=1)
     plain &= np.isfinite(tracked.z).all(axis=0).reshape(n, each).all(axis=1)
+    ends = tracked.z.reshape(system.width, n, each).transpose(1, 0, 2)
+    if mirrors is not None:
+        ends = _unfolded(mirrors, ends)
+    if proves is not None and plain.all() and proves(ends).all():
+        return ends, plain
     places = plain.nonzero()[0]
     if places.size:
         # by symmetry what holds of roots holds of their images
@@ -60,9 +76,6 @@ def _group(
             system, kept, target[:, 0] if n == 1 else np.repeat(target[:, places], each, axis=1)
         )
         plain[places] = good.reshape(places.size, each).all(axis=1)
-    ends = tracked.z.reshape(system.width, n, each).transpose(1, 0, 2)
-    if mirrors is not None:
-        ends = _unfolded(mirrors, ends)
     places = plain.nonzero()[0]
     plain[places] = nearest(system, ends[places]) > APART
     return ends, plain

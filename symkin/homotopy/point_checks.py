@@ -105,10 +105,10 @@ def is_no_pose(
     if not system.projective:
         return np.zeros(z.shape[1], dtype=bool)
     ray = z[list(system.projective)]
-    e = ray[:4]
-    norm = np.linalg.norm(e, axis=0)
-    short = norm <= max(far, 10 * error) * np.linalg.norm(ray, axis=0)
-    return short | (np.abs(np.sum(e * e, axis=0)) <= max(thin, 10 * error) * norm**2)
+    e, squares = ray[:4], ray.real**2 + ray.imag**2
+    weight = squares[:4].sum(axis=0)
+    short = weight <= max(far, 10 * error) ** 2 * squares.sum(axis=0)
+    return short | (np.abs((e * e).sum(axis=0)) <= max(thin, 10 * error) * weight)
 
 
 def lie_on_sets(system: AlgebraicSystem, z: np.ndarray, k: np.ndarray) -> np.ndarray:

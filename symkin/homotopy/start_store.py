@@ -276,7 +276,7 @@ def _real_points(
     rows = problem.system
     found = batched(problem, known, _CHECK_STARTS, np.random.default_rng(seed))
     regular = found.points[rows.conditions(found.points, known) < 1e7]
-    return algebraic_points(problem, system, rows.named(regular))
+    return algebraic_points(problem, system, rows, regular)
 
 
 def _closed_points(problem: Problem, system: AlgebraicSystem) -> Points:
@@ -287,9 +287,8 @@ def _closed_points(problem: Problem, system: AlgebraicSystem) -> Points:
 
     def draw(rng: np.random.Generator, near: bool) -> tuple[np.ndarray, np.ndarray]:  # noqa: ARG001 - all are near the reference
         values = closed[int(rng.integers(len(closed)))]
-        unknowns = problem.system.unknowns
-        named = {c.name: values[None, problem.closure.slices[c.name]] for c in unknowns}
-        z = algebraic_points(problem, system, named)[:, 0]
+        point = values[None, problem.unknown_places]
+        z = algebraic_points(problem, system, problem.system, point)[:, 0]
         return z, known_values(
             problem, problem.select_values(values, problem.known_coordinates)
         ).astype(complex)

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import casadi as ca
 import numpy as np
 
+from symkin.computed_once import lru_cache
 from symkin.homotopy.algebraic import AlgebraicSystem
-from symkin.homotopy.six_distances import distance_data, is_universal
+from symkin.homotopy.six_distances import distance_function, is_universal
 from symkin.model.joint import Coordinate, units_of
+from symkin.numeric.system import System
 from symkin.position.problem import Problem
 from symkin.spatial.rotation import conjugate, multiply
 
@@ -27,11 +30,30 @@ def known_values(problem: Problem, known: np.ndarray) -> np.ndarray:
     """Known values of a problem (known,) or (known, n), real or complex, as the algebraic system
     takes them.
     """
-    data = distance_data(problem) if is_universal(problem) else None
-    if data is not None:
-        return data(known)
-    scale = coordinate_scale(problem, problem.known_coordinates)
-    return (known.T / scale).T
+    line = _line_of_distances(problem)
+    if line is None:
+        return (known.T / _known_scale(problem)).T
+    begin, slope = line
+    return slope @ known.astype(complex) + (begin if known.ndim == 1 else begin[:, None])
+
+
+@lru_cache(maxsize=128)
+def _known_scale(problem: Problem) -> np.ndarray:
+    return coordinate_scale(problem, problem.known_coordinates)
+
+
+@lru_cache(maxsize=128)
+def _line_of_distances(problem: Problem) -> tuple[np.ndarray, np.ndarray] | None:
+    """Six distances and their points (42,), over the size, at joints that are zero, and their
+    derivatives: they are linear in the joints. None for another problem.
+    """
+    function = distance_function(problem) if is_universal(problem) else None
+    if function is None:
+        return None
+    size, zero = problem.closure.characteristic_length, np.zeros(function.numel_in(0))
+    at_zero = function(zero)
+    slope = function.jacobian()(zero, at_zero)
+    return np.asarray(at_zero)[:, 0] / size, np.asarray(ca.densify(slope)) / size
 
 
 def real_values(
@@ -70,7 +92,7 @@ def complex_values(
         rays = rays / np.sqrt(np.einsum("in,in->n", rays[:4], rays[:4]))
         values[f"{system.body}.quaternion"] = rays[:4].T
         if len(rays) == 8:
-            position = 2 * size * multiply(rays[4:], conjugate(rays[:4]))[1:]
+            position = 2 * size * _products(rays[4:], conjugate(rays[:4]))[1:]
             values |= {
                 f"{system.body}.{axis}": position[i][:, None] for i, axis in enumerate("xyz")
             }
@@ -78,22 +100,35 @@ def complex_values(
 
 
 def algebraic_points(
-    problem: Problem, system: AlgebraicSystem, values: dict[str, np.ndarray]
+    problem: Problem, system: AlgebraicSystem, block: System, points: np.ndarray
 ) -> np.ndarray:
-    """z (width, n) of real roots given as coordinates (n, numbers) of the block: the inverse of
+    """z (width, n) of real roots given as points (n, numbers) of the block: the inverse of
     `real_values`.
     """
     size = problem.closure.characteristic_length
-    z = [values[c.name].T / c.unit(size) for c in system.unknowns]
-    if system.projective:
-        start = f"{system.body}."
-        own = {
-            f"pose.{name.removeprefix(start)}": value.T
-            for name, value in values.items()
-            if name.startswith(start)
-        }
-        z.append(pose_point(own, size))
-    return np.concatenate(z).astype(complex)
+    columns, scale, pose = _columns(system, block, size)
+    z = (points[:, columns] / scale).T.astype(complex)
+    if not system.projective:
+        return z
+    own = {name: points[:, place].T for name, place in pose.items()}
+    return np.concatenate([z, pose_point(own, size)])
+
+
+@lru_cache(maxsize=128)
+def _columns(
+    system: AlgebraicSystem, block: System, size: float
+) -> tuple[list[int], np.ndarray, dict[str, slice]]:
+    """Where a block's points have the affine unknowns of an algebraic system, what these are
+    divided by, and where they have the coordinates of its body's pose.
+    """
+    columns = [block.places[c.name].start for c in system.unknowns]
+    start = f"{system.body}."
+    pose = {
+        f"pose.{name.removeprefix(start)}": place
+        for name, place in block.places.items()
+        if name.startswith(start)
+    }
+    return columns, np.array(units_of(system.unknowns, size)), pose
 
 
 def pose_point(values: dict[str, np.ndarray], size: float) -> np.ndarray:
@@ -104,4 +139,13 @@ def pose_point(values: dict[str, np.ndarray], size: float) -> np.ndarray:
     if "pose.x" not in values:
         return e
     x, y, z = (values[f"pose.{axis}"][0] / size for axis in "xyz")
-    return np.concatenate([e, 0.5 * multiply(np.array([0.0 * x, x, y, z]), e)])
+    return np.concatenate([e, 0.5 * _products(np.array([0.0 * x, x, y, z]), e)])
+
+
+_PRODUCT = np.array([[multiply(p, q) for q in np.eye(4)] for p in np.eye(4)])
+"""The product of the unit quaternions j and k, components along the last axis."""
+
+
+def _products(p: np.ndarray, q: np.ndarray) -> np.ndarray:
+    """Products (4, n) of quaternions (4, n), real or complex, in one step."""
+    return np.asarray(np.einsum("jki,jn,kn->in", _PRODUCT, p, q))

@@ -294,12 +294,14 @@ def _in_a_file(content: bytes) -> Iterator[str]:
 
 
 def begin_of(array: np.ndarray) -> Any:
-    """Where an array begins: three times as fast as its own `ctypes.data`, where it may be written
-    to.
+    """Where an array begins, None for an empty one: three times as fast as its own `ctypes.data`,
+    where it may be written to.
     """
+    if not array.size:
+        return None
     try:
         return ctypes.byref(ctypes.c_char.from_buffer(array))  # type: ignore[arg-type]
     except (TypeError, ValueError):
-        if array.size and array.flags.writeable:
+        if array.flags.writeable:
             raise  # it is not in one piece
         return array.ctypes.data

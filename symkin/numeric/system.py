@@ -27,6 +27,9 @@ these are a tenth of the operations, and finding them takes as long as 10^4 eval
 """
 _AT_ONCE = 64_000
 """Entries of Jacobians that are held at once: they stay in the processor's cache."""
+_UNITS = np.array([[1, 0, 3, 2], [2, 3, 0, 1], [3, 2, 1, 0]])
+_SIGNS = np.array([[-1.0, 1.0, -1.0, 1.0], [-1.0, 1.0, 1.0, -1.0], [-1.0, -1.0, 1.0, 1.0]])
+"""Places and signs of a quaternion's components in its products by i, j, k from the left."""
 NOTHING = np.zeros(0)
 """Known values of a system that has none."""
 
@@ -54,6 +57,11 @@ class System:
         return self.unknown.shape[0]
 
     @cached_property
+    def count(self) -> int:
+        """Rows."""
+        return self.rows.shape[0]
+
+    @cached_property
     def freedom(self) -> int:
         """Dimension of the tangent space of the unknowns."""
         return sum(c.freedom for c in self.unknowns)
@@ -67,10 +75,6 @@ class System:
     def places(self) -> dict[str, slice]:
         """Places of the unknowns by their names."""
         return {c.name: place for c, place in zip(self.unknowns, self.slices, strict=True)}
-
-    def named(self, points: np.ndarray) -> dict[str, np.ndarray]:
-        """The columns of points (n, width) by the names of their coordinates."""
-        return {name: points[:, place] for name, place in self.places.items()}
 
     @cached_property
     def lengths(self) -> list[int]:
@@ -159,10 +163,9 @@ class System:
         `residuals` (n,); few points at a time, since the Jacobians of a large system hold millions
         of numbers.
         """
-        rows = self.rows.shape[0]
-        if min(rows, self.freedom) == 0:
+        if min(self.count, self.freedom) == 0:
             return np.ones((len(z), 2)), self.residuals(z, known)
-        each = max(1, _AT_ONCE // (rows * self.freedom))
+        each = max(1, _AT_ONCE // (self.count * self.freedom))
         every = np.broadcast_to(known, (len(z), known.shape[-1])) if len(z) > each else known
         found = []
         for i in range(0, max(len(z), 1), each):
@@ -215,17 +218,10 @@ class System:
         moved = z.copy()
         moved[:, plain] += step[:, columns] / units
         for place, column in turns:
-            w, x, y, t = z[:, place].T
-            a, b, c = (0.5 / self.characteristic_length) * step[:, column : column + 3].T
-            q = np.array(
-                [
-                    w - a * x - b * y - c * t,
-                    x + a * w + b * t - c * y,
-                    y - a * t + b * w + c * x,
-                    t + a * y - b * x + c * w,
-                ]
-            )
-            moved[:, place] = (q / np.sqrt(np.sum(q * q, axis=0))).T
+            half = (0.5 / self.characteristic_length) * step[:, column : column + 3]
+            q = z[:, place]
+            q = q + np.einsum("nk,nki->ni", half, q[:, _UNITS] * _SIGNS)
+            moved[:, place] = q / np.sqrt(np.add.reduce(q * q, axis=1))[:, None]
         return moved
 
     def difference(self, z: np.ndarray, there: np.ndarray) -> np.ndarray:

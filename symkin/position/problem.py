@@ -73,6 +73,11 @@ class Problem:
         return "direct" if names and names == set(actuated_names(self.mechanism)) else "given"
 
     @cached_property
+    def carries_pose(self) -> bool:
+        """Whether joints carry the platform: its pose is no variable."""
+        return not self.closure.role("pose")
+
+    @cached_property
     def reference_known(self) -> np.ndarray:
         """The known values at the reference."""
         return self.select_values(self.closure.reference, self.known_coordinates)
@@ -216,6 +221,7 @@ def plain_kind(mechanism: Mechanism, names: tuple[str, ...]) -> Kind | None:
     return "direct" if told and told == set(actuated_names(mechanism)) else None
 
 
+@lru_cache(maxsize=256)
 def build_problem(
     mechanism: Mechanism,
     names: tuple[str, ...],

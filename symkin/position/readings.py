@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import casadi as ca
 import numpy as np
@@ -16,34 +17,71 @@ from symkin.computed_once import lru_cache
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.mapped import Mapped
+from symkin.numeric.system import System
 from symkin.numeric.tolerances import LIMIT_SLACK, ROUNDED_COMPONENT
 from symkin.spatial.rotation import wrapped
 
 _TURN = 2.0 * math.pi
 
 
-def canonical(
-    coordinates: Sequence[Coordinate], places: Mapping[str, slice], values: np.ndarray
-) -> np.ndarray:
-    """The same configurations (m, width) in their standard writing: rod lengths not negative,
-    angles in (-pi, pi] and moved by whole turns into their limits where possible, quaternions of
-    unit length with w >= 0. `places` are those of coordinates.
+@dataclass(frozen=True, eq=False)
+class Writing:
+    """Columns of configurations whose numbers several writings have: angles, the limits of some of
+    them, rod lengths with the least of each, quaternions.
     """
-    values = values.copy()
-    angles = [places[c.name].start for c in coordinates if c.is_periodic]
-    if angles:
-        values[:, angles] = _without_turns(values[:, angles])
-    for c in coordinates:
-        place = places[c.name]
-        if c.is_rotation:
+
+    angles: list[int]
+    limited: list[tuple[int, tuple[float, float]]]
+    rods: list[int]
+    least: np.ndarray
+    rotations: list[slice]
+
+    @staticmethod
+    def of(coordinates: Sequence[Coordinate], places: Mapping[str, slice]) -> Writing:
+        """Those of coordinates at their `places`."""
+        columns = [(c, places[c.name].start) for c in coordinates]
+        angles = [(c, k) for c, k in columns if c.is_periodic]
+        rods = [(c.least, k) for c, k in columns if c.least is not None]
+        return Writing(
+            [k for _, k in angles],
+            [(k, c.limits) for c, k in angles if c.limits is not None],
+            [k for _, k in rods],
+            np.array([least for least, _ in rods]),
+            [places[c.name] for c in coordinates if c.is_rotation],
+        )
+
+    def standard(self, values: np.ndarray) -> np.ndarray:
+        """The same configurations (m, width) in their standard writing: rod lengths not negative,
+        angles in (-pi, pi] and moved by whole turns into their limits where possible, quaternions
+        of unit length with w >= 0.
+        """
+        values = values + 0.0
+        if self.angles:
+            values[:, self.angles] = _without_turns(values[:, self.angles])
+        for k, limits in self.limited:
+            values[:, k] = into_limits(values[:, k], limits)
+        if self.rods:
+            rods = values[:, self.rods]
+            values[:, self.rods] = np.where(rods < self.least, 2.0 * self.least - rods, rods)
+        for place in self.rotations:
             values[:, place] = positive_quaternions(values[:, place])
-        elif c.is_periodic and c.limits is not None:
-            values[:, place] = into_limits(values[:, place], c.limits)
-        elif c.least is not None:
-            values[:, place] = np.where(
-                values[:, place] < c.least, 2.0 * c.least - values[:, place], values[:, place]
-            )
-    return values + 0.0
+        return values
+
+
+def canonical(rows: System, points: np.ndarray) -> np.ndarray:
+    """Points (m, width) of rows in their standard writing."""
+    return _writing_of_rows(rows).standard(points)
+
+
+@lru_cache(maxsize=256)
+def _writing_of_rows(rows: System) -> Writing:
+    return Writing.of(rows.unknowns, rows.places)
+
+
+@lru_cache(maxsize=128)
+def writing_of(closure: Closure) -> Writing:
+    """What several writings have of a closure's variables."""
+    return Writing.of(closure.coordinates, closure.slices)
 
 
 def positive_quaternions(q: np.ndarray) -> np.ndarray:
@@ -112,7 +150,7 @@ def readings(closure: Closure, poses: LinkPoses) -> dict[str, np.ndarray]:
         c.name: slice(int(end) - c.width, int(end))
         for c, end in zip(coordinates, ends, strict=True)
     }
-    values = canonical(coordinates, places, np.concatenate(columns, axis=1))
+    values = Writing.of(coordinates, places).standard(np.concatenate(columns, axis=1))
     return {name: values[:, place] for name, place in places.items()}
 
 

@@ -17,7 +17,7 @@ from symkin.numeric.tolerances import CLOSURE_TOLERANCE, SINGULAR_CONDITION
 from symkin.position.determination import what_is_free
 from symkin.position.groups import structure_groups
 from symkin.position.problem import Problem
-from symkin.position.readings import canonical, poses_of, within_limits
+from symkin.position.readings import poses_of, within_limits, writing_of
 from symkin.position.solution import DOUBLE_NOTE, SINGULAR_NOTE, Solution, named_values
 from symkin.spatial.pose import Pose
 
@@ -154,7 +154,7 @@ def checked_solutions(
     were `judged`, NaN of others.
     """
     closure, system = problem.closure, problem.system
-    values = canonical(closure.coordinates, closure.slices, values)
+    values = writing_of(closure).standard(values)
     inside, untried = within_limits(closure, values), np.full(len(values), -1)
     position, quaternion = poses_of(closure, values)
     judged = np.full((len(values), 3), np.nan) if judged is None else judged

@@ -19,7 +19,7 @@ from symkin.machine.lower import Lowered
 from symkin.model.joint import POSE_CONDITIONS, Coordinate
 from symkin.numeric.mapped import Mapped
 from symkin.position.pose_coordinates import motion_coordinates
-from symkin.position.readings import canonical
+from symkin.position.readings import Writing
 from symkin.position.solution import Solution
 from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import normalized
@@ -74,7 +74,7 @@ def in_standard_writing(closure: Closure, own: Closure, values: np.ndarray) -> n
     """
     held = {c.name for c in own.coordinates}
     read = [c for c in closure.coordinates if c.role == "pose" or c.name not in held]
-    return canonical(read, closure.slices, values)
+    return Writing.of(read, closure.slices).standard(values)
 
 
 @lru_cache(maxsize=64)

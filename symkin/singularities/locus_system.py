@@ -32,7 +32,6 @@ from symkin.model.mechanism import Mechanism
 from symkin.numeric.system import System
 from symkin.position.closed_configurations import closed_configurations, whole_system
 from symkin.position.determination import refuse_unless_determined
-from symkin.position.given import Given
 from symkin.position.problem import Problem, actuated_names, build_problem, plain_kind, pose_names
 from symkin.position.solution import Solution, named_values
 from symkin.position.transfer import (
@@ -158,7 +157,7 @@ def plane_of(solution: Solution, names: Sequence[str], known: Sequence[str] | No
             f"plane = {', '.join(names)!r}{_guess(names, [*axes, *told])}; allowed: {poses}one or "
             f"two of the {what}, {', '.join(told) or 'none'}"
         )
-    low = machine_of(mechanism, Given(told, np.zeros(0), {}))
+    low = machine_of(mechanism, told)
     machine = mechanism if low is None else low.machine
     if plain_kind(machine, told) is not None:
         return _plane(build_problem(machine, told), solution, low, names, told)

@@ -18,7 +18,7 @@ from helpers.inside import (
     Search,
     any_paths,
     build_problem,
-    solved_groups,
+    problem_plan,
     solved_parts,
 )
 from symkin import load, shipped_names
@@ -43,7 +43,7 @@ def prepared_groups() -> Iterator[Problem]:
     for mechanism in (load(name) for name in shipped_names()):
         for kind in () if mechanism.is_graph else ("direct", "inverse"):
             problem = build_problem(mechanism, kind)
-            groups = () if problem.is_explicit else solved_groups(problem, Search.of(None))
+            groups = () if problem.is_explicit else problem_plan(problem, Search.of(None)).groups
             for group in groups:
                 for part in (group, *solved_parts(group)):
                     any_paths(part)

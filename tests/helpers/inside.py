@@ -166,7 +166,7 @@ NAMES = {
     "rotation_conditions": "symkin.closure.tilt_torsion",
     "tilt_and_torsion": "symkin.closure.tilt_torsion",
     # one configuration
-    "canonical": "symkin.position.readings",
+    "Writing": "symkin.position.readings",
     "close_robot": "symkin.position.close",
     "assembly_of": "symkin.position.closed_configurations",
     "closed_configurations": "symkin.position.closed_configurations",
@@ -304,7 +304,7 @@ NAMES = {
     "independent_parts": "symkin.position.groups",
     "modes_by_groups": "symkin.assembly.by_groups",
     "any_paths": "symkin.assembly.group_solvers",
-    "solved_groups": "symkin.assembly.group_solvers",
+    "problem_plan": "symkin.assembly.plan:plan_of",
     "group_paths": "symkin.assembly.group_solvers",
     "group_solver": "symkin.assembly.group_solvers",
     "solved_parts": "symkin.assembly.group_solvers",

@@ -11,8 +11,8 @@ def algebraic_point(
     problem: Problem, system: AlgebraicSystem, values: dict[str, np.ndarray]
 ) -> np.ndarray:
     """The root z (width,) that coordinates tell."""
-    many = {name: value[None] for name, value in values.items()}
-    return np.asarray(algebraic_points(problem, system, many)[:, 0])
+    point = np.concatenate([values[c.name] for c in problem.system.unknowns])[None]
+    return np.asarray(algebraic_points(problem, system, problem.system, point)[:, 0])
 
 
 def real_values(

@@ -11,8 +11,8 @@ from helpers.inside import (
     Coordinate,
     Mapped,
     System,
+    Writing,
     build_problem,
-    canonical,
     conditions,
     extreme_singular_values,
     independent_rows,
@@ -209,19 +209,19 @@ def test_the_standard_writing():
     values = np.tile(closure.reference, (4, 1))
     place = closure.slices["pose.quaternion"]
     values[:, place] = RNG.normal(size=(4, 4))
-    once = canonical(closure.coordinates, closure.slices, values)
+    once = Writing.of(closure.coordinates, closure.slices).standard(values)
     q = once[:, place]
     np.testing.assert_allclose(np.linalg.norm(q, axis=1), 1.0)
     assert (q[:, 0] >= 0).all()
     np.testing.assert_allclose(
-        canonical(closure.coordinates, closure.slices, once), once, atol=1e-15
+        Writing.of(closure.coordinates, closure.slices).standard(once), once, atol=1e-15
     )
     arm = build_problem(five_bar(), "direct").closure
     angles = [arm.slices[c.name].start for c in arm.coordinates if c.kind == "angle"]
     turned = np.tile(arm.reference, (2, 1))
     turned[:, angles] += 2 * np.pi * np.array([[3.0], [-2.0]])
     np.testing.assert_allclose(
-        canonical(arm.coordinates, arm.slices, turned)[:, angles],
+        Writing.of(arm.coordinates, arm.slices).standard(turned)[:, angles],
         np.tile(arm.reference[angles], (2, 1)),
     )
 
@@ -236,7 +236,7 @@ def test_angles_are_written_within_their_limits():
     ]
     places = {c.name: slice(k, k + 1) for k, c in enumerate(coordinates)}
     values = RNG.uniform(-30, 30, (500, len(limits)))
-    for k, column in enumerate(canonical(coordinates, places, values).T):
+    for k, column in enumerate(Writing.of(coordinates, places).standard(values).T):
         low, high = limits[k]
         start = np.remainder(values[:, k] + np.pi, 2 * np.pi) - np.pi
         others = start[:, None] + 2 * np.pi * np.arange(-6, 7)
@@ -253,5 +253,7 @@ def test_lengths_are_written_above_their_least():
     rod = Coordinate("r", "length", "actuated", least=-3.0)
     length = RNG.uniform(-10, 10, (200, 1))
     np.testing.assert_allclose(
-        canonical([rod], {"r": slice(0, 1)}, length - 3.0), np.abs(length) - 3.0, atol=1e-12
+        Writing.of([rod], {"r": slice(0, 1)}).standard(length - 3.0),
+        np.abs(length) - 3.0,
+        atol=1e-12,
     )

@@ -13,6 +13,7 @@
 
 #define POINTS 3   /* points and tangents that the predictor keeps */
 #define TURNED 1.3 /* |z|^2 beyond which the patch is renewed; it is 1 at renewal */
+#define TURN 6.283185307179586
 #define LIMIT 1e30 /* a Newton step beyond is not finite */
 
 typedef struct {
@@ -175,8 +176,30 @@ static v step_for(const lanes *l, v wanted, v cap)
 
 /* --- paths ------------------------------------------------------------------------------------------------------ */
 
-static void take_path(lanes *l, int i, int path, const double *z, const double *begin, const double *along, double first_step)
+/* A point with its ray of unit length. */
+static void unit_ray(double *to, const double *z)
 {
+    double sum = 0.0;
+    for (int i = 0; i < PARTS; i++)
+        sum += in_ray[i / 2] ? z[i] * z[i] : 0.0;
+    sum = __builtin_sqrt(sum);
+    for (int i = 0; i < PARTS; i++)
+        to[i] = in_ray[i / 2] ? z[i] / sum : z[i];
+}
+
+/* The same with angles within half a turn of zero. */
+static void standard(double *to, const double *z)
+{
+    unit_ray(to, z);
+    for (int i = 0; i < UNKNOWNS; i++)
+        if (is_angle[i])
+            to[2 * i] -= TURN * __builtin_rint(to[2 * i] / TURN);
+}
+
+static void take_path(lanes *l, int i, int path, const double *from, const double *begin, const double *along, double first_step)
+{
+    double z[PARTS];
+    standard(z, from);
     l->path[i] = path, l->busy[i] = -1;
     for (int j = 0; j < 2 * KNOWN; j++)
         l->begin[j][i] = begin[j], l->along[j][i] = along ? along[j] : 0.0;
@@ -195,6 +218,7 @@ static void leave_path(lanes *l, int i, double *z, double *s, int *tries)
     int path = l->path[i];
     for (int j = 0; j < PARTS; j++)
         z[path * PARTS + j] = l->point[0][j][i];
+    unit_ray(z + path * PARTS, z + path * PARTS);
     s[path] = l->s[i], tries[path] = (int)l->tries[i];
     l->path[i] = -1, l->busy[i] = 0;
 }
@@ -265,7 +289,7 @@ static void aim_ahead(lanes *l, mask who)
     predict(l, who);
 }
 
-/* Tracks n roots z (unit rays) and writes where each path came: z at the last point kept, its s, predictions made.
+/* Tracks n roots z and writes where each path came: z at the last point kept, rays of unit length, its s, predictions made.
  * begin and along are those of all paths, or of each if `each`. */
 void symkin_track(int n, const double *z, const double *begin, const double *along, int each, const settings *set, double *end,
                   double *s, int *tries)
@@ -298,7 +322,7 @@ void symkin_track(int n, const double *z, const double *begin, const double *alo
     }
 }
 
-/* Newton from n points z (unit rays) at the k of all of them, or of each if `each`; `last` are the sizes of the last
+/* Newton from n points z, to rays of unit length and angles within half a turn of zero, at the k of all of them, or of each if `each`; `last` are the sizes of the last
  * steps, infinite where rows stay. */
 void symkin_newton(int n, const double *z, const double *k, int each, int iterations, double left, double *end, double *last)
 {
@@ -324,6 +348,7 @@ void symkin_newton(int n, const double *z, const double *k, int each, int iterat
         for (int i = 0; i < here; i++) {
             for (int j = 0; j < PARTS; j++)
                 end[(first + i) * PARTS + j] = l.z[j][i];
+            standard(end + (first + i) * PARTS, end + (first + i) * PARTS);
             last[first + i] = size[i];
         }
     }
