@@ -178,9 +178,10 @@ def modes_by_groups(
     _check_choices(problem, groups, choose)
     account, parts = Account.empty(n, len(groups)), independent_parts(groups)
     certify = certify and can_be_proved(groups)
-    # rows of the one group that a problem is need no second look, nor its solutions an order
-    judges = told is None and groups == (problem,) and not choose
-    solving = Solving(search, least_errors, certify, judges=judges)
+    # rows of the one group that a problem is need no second look
+    judges = told is None and groups == (problem,)
+    only = len(groups) == 1 and not choose
+    solving = Solving(search, least_errors, certify, judges=judges, only=only)
     trees = [Tree.begun(begin) for _ in parts]
     for depth in range(max(map(len, parts), default=0)):
         deep = [k for k, numbers in enumerate(parts) if depth < len(numbers)]

@@ -74,7 +74,8 @@ class Tree:
 class Solving:
     """How groups are to be solved: the search, whether least errors are needed, whether solutions
     are to be proved, whether inputs with more choices than are listed keep some of them, and
-    whether a group `judges` its solutions for the whole problem, which it is.
+    whether a group `judges` its solutions for the whole problem, which it is, and whether it is
+    the `only` one, all of whose solutions are taken.
     """
 
     search: Search
@@ -82,6 +83,7 @@ class Solving:
     certify: bool = False
     keeps_some: bool = False
     judges: bool = False
+    only: bool = False
 
 
 class Step(NamedTuple):
@@ -279,10 +281,10 @@ def _alone(rows: _Rows, solving: Solving, roots: GroupRoots | None = None) -> Pr
 def _proved(
     group: Problem, roots: GroupRoots, known: np.ndarray, away: np.ndarray, solving: Solving
 ) -> ProvedRoots:
-    """The solutions in their order, unless those of the whole problem are ordered, with what is
-    proved of them if it is asked for.
+    """The solutions in their order, with what is proved of them if it is asked for; those of the
+    only group are ordered as modes.
     """
-    roots = roots if solving.judges else roots.in_order()
+    roots = roots if solving.only else roots.in_order()
     if not solving.certify:
         return ProvedRoots(roots, PartProofs.of_nothing(len(roots.owner)))
     proofs, roots = proofs_of_group(group, roots, known, away)
