@@ -34,6 +34,7 @@ from symkin.position.problem import Problem
 from symkin.position.roots import MOST_MODES, NOT_KNOWN, of_each, product_of_counts, sum_of_counts
 from symkin.position.solution import PartialProof
 from symkin.position.solution_list import SolutionList, checked_solutions
+from symkin.quiet import collector_at_rest
 from symkin.text import shown
 
 
@@ -74,6 +75,7 @@ class GroupedModes:
         """Numbers (n, groups) whose product is the count of an input's complex solutions."""
         return self.account.factors(self.plan.dependent_parts)
 
+    @collector_at_rest()
     def modes(self, givens: Sequence[Given]) -> list[Modes]:
         """The modes of each input. Raises TooManyModesError where the choices of its groups are
         more than can be held.

@@ -260,7 +260,7 @@ def _owners_of_equal(block: System, points: np.ndarray, owner: np.ndarray) -> li
     """Instances with two roots that are not distinct (see `roots.unite`).
 
     Roots differ where a combination of their features does by more than the sum of its weights
-    times the tolerance; sorted by one, nearly all instances are told by neighbours alone.
+    times the tolerance: one tells nearly all of an instance's apart, held against those before.
     """
     if len(points) < 2:
         return []
@@ -269,16 +269,12 @@ def _owners_of_equal(block: System, points: np.ndarray, owner: np.ndarray) -> li
         return [int(owner[0])] if _has_equal(block, f) else []
     weights = _weights(f.shape[1])
     mixed = f @ weights
-    order = np.lexsort((mixed, owner))
-    sorted_owner, gap = owner[order], np.diff(mixed[order])
-    near = (sorted_owner[1:] == sorted_owner[:-1]) & ~(
-        gap > DISTINCT_ROOTS * block.characteristic_length * float(np.sum(np.abs(weights)))
-    )
-    return [
-        i
-        for i in np.flatnonzero(np.bincount(sorted_owner[1:][near])).tolist()
-        if _has_equal(block, f[owner == i])
-    ]
+    bound = DISTINCT_ROOTS * block.characteristic_length * float(np.sum(np.abs(weights)))
+    near = np.zeros(len(f), dtype=bool)
+    for back in range(1, int(np.bincount(owner).max())):
+        close = ~(np.abs(mixed[back:] - mixed[:-back]) > bound)
+        near[back:] |= close & (owner[back:] == owner[:-back])
+    return [i for i in np.unique(owner[near]).tolist() if _has_equal(block, f[owner == i])]
 
 
 @lru_cache(maxsize=64)

@@ -158,16 +158,20 @@ class Prover:
         if self._unproved is not None:
             reasons = dict.fromkeys(range(count), self._unproved)
             return np.zeros(count, dtype=bool), np.zeros(count), nothing, reasons
-        z = self._algebraic(points)
+        z, left, radius = self._algebraic(points), np.arange(count), np.zeros(count)
         # a theorem on poses tells nothing of passive joints beside them
         if ends is not None and ends.system.width == len(z):
             index, radius = ends.find(z, owner, origin)
-            if (index >= 0).all():
+            # the roots of one instance are told apart together
+            left = np.bincount(owner[index < 0], minlength=knowns.count)[owner].nonzero()[0]
+            if not left.size:
                 return index >= 0, radius, nothing, {}
-        found = certify_batch(self.whole, z, knowns, owner, self._size)
-        listed = np.bincount(owner, minlength=knowns.count)
-        complete = self.completes(found, listed)
-        return found.is_real & found.certified, found.radius, complete, found.reasons
+        certified = np.ones(count, dtype=bool)
+        found = certify_batch(self.whole, z[:, left], knowns, owner[left], self._size)
+        certified[left], radius[left] = found.is_real & found.certified, found.radius
+        reasons = {int(left[place]): why for place, why in found.reasons.items()}
+        complete = self.completes(found, np.bincount(owner, minlength=knowns.count))
+        return certified, radius, complete, reasons
 
     @cached_property
     def _unproved(self) -> str | None:

@@ -111,8 +111,10 @@ def suspects(jacobians: np.ndarray) -> np.ndarray:
     """Which roots (n,) `are_suspect`, by their Jacobians (n, rows, freedom): Frobenius's norms of
     these and of their inverses, of which singular values are no larger, clear most of few.
     """
+    if suit(jacobians):
+        return are_suspect(extreme_singular_values(jacobians))
     found = np.ones(len(jacobians), dtype=bool)
-    if len(jacobians) and jacobians.shape[1] == jacobians.shape[2] and not suit(jacobians):
+    if len(jacobians) and jacobians.shape[1] == jacobians.shape[2]:
         try:
             inverse, square = squared_norms(np.linalg.inv(jacobians)), squared_norms(jacobians)
         except np.linalg.LinAlgError:

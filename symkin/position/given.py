@@ -28,6 +28,7 @@ from symkin.position.pose_coordinates import (
     reader_of_poses,
 )
 from symkin.position.problem import actuated_names, plain_kind, pose_names
+from symkin.quiet import collector_at_rest
 from symkin.spatial.pose import NORM_OFF, Pose
 from symkin.text import counted, first_of, meant, shown
 from symkin.verb import real
@@ -128,6 +129,7 @@ def given_pose(mechanism: Mechanism, given: Sequence[float] | Pose) -> Given:
     return given_poses(mechanism, np.array([[*pose.position, *pose.quaternion]]))[0]
 
 
+@collector_at_rest()
 def given_poses(mechanism: Mechanism, rows: np.ndarray) -> list[Given]:
     """`given_pose` for poses (n, 7) whose quaternions are of unit length."""
     low, poses = reader_of_poses(mechanism), Pose(rows[:, :3].T, rows[:, 3:].T)

@@ -7,7 +7,7 @@
  */
 #pragma STDC FP_CONTRACT OFF
 #ifndef __clang__
-#pragma GCC optimize("fp-contract=off")
+#pragma GCC optimize("O3", "fp-contract=off")
 #endif
 #include <math.h>
 #include <stdlib.h>
