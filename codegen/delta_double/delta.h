@@ -23,7 +23,7 @@
  * iterations):
  *   direct: 100 iterations, 5809 add, 8215 mul, 217 div, 217 sqrt, 312 sin, 312 cos, 6 atan2
  *   track: 1 iterations, 463 add, 592 mul, 19 div, 19 sqrt, 15 sin, 15 cos, 6 atan2
- *   inverse: 44 add, 60 mul, 4 div, 4 sqrt, 3 atan2
+ *   inverse: 46 add, 58 mul, 4 div, 4 sqrt, 3 atan2
  *   jacobian: 120 add, 210 mul, 10 div, 4 sqrt
  *   rates: 144 add, 228 mul, 10 div, 4 sqrt
  *   feed: 147 add, 231 mul, 13 div, 4 sqrt

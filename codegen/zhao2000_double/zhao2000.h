@@ -24,7 +24,7 @@
  * iterations):
  *   direct: 100 iterations, 8628 add, 12300 mul, 424 div, 428 sqrt, 312 sin, 312 cos, 6 atan2
  *   track: 1 iterations, 609 add, 816 mul, 28 div, 32 sqrt, 15 sin, 15 cos, 6 atan2
- *   inverse: 74 add, 76 mul, 7 div, 8 sqrt, 3 sin, 3 cos, 4 atan2
+ *   inverse: 62 add, 72 mul, 7 div, 8 sqrt, 3 sin, 3 cos, 4 atan2
  *   jacobian: 132 add, 218 mul, 14 div, 5 sqrt, 3 sin, 3 cos, 1 atan2
  *   rates: 162 add, 242 mul, 14 div, 5 sqrt, 3 sin, 3 cos, 1 atan2
  *   feed: 166 add, 246 mul, 18 div, 5 sqrt, 3 sin, 3 cos, 1 atan2
