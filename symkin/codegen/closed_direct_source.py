@@ -90,10 +90,7 @@ class ClosedDirectSource(DirectText):
             "name_direct_formulas(w);",
         ]
         walk = self.guards.text(values, aim, 1.0 if any(wide) else 0.5)
-        whole = fill("closed_direct.c", values | {"walk": angle + walk})
-        answer = fill("closed_direct_answer.c", values)
-        begin = whole.index("/* The answer at joint values")
-        return turn + whole[:begin] + answer + whole[begin:]
+        return turn + fill("closed_direct.c", values | {"walk": angle + walk})
 
     @property
     def _half_lines(self) -> str:

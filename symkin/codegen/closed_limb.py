@@ -21,6 +21,7 @@ from symkin.codegen.steps.newton_kernel import rounded
 from symkin.codegen.steps.passive_limits import texts_of
 from symkin.codegen.text.angles import Numbers, by_numbers
 from symkin.codegen.text.c import Emitter, indented_by_braces
+from symkin.codegen.text.gathered import gathered
 from symkin.codegen.text.templates import fill
 from symkin.computed_once import cached_property
 from symkin.elimination.closed_form import ClosedForm
@@ -125,7 +126,8 @@ class LimbFormulas(Source):
         free, count = self.block.free_divisors, roots.numel()
         divisors = self.signed(stacked(self.formulas.divisors[j] for j in free))
         inputs = [(known, "c"), (roots, [f"r{k + 1}" for k in range(count)])]
-        emitter = Emitter.of(real, inputs, self._discriminants, results, divisors, rows)
+        outputs = gathered([self._discriminants, results, divisors, rows], [known, roots], [])
+        emitter = Emitter.of(real, inputs, *outputs)
         zeros = [f"{array}[{i}] = 0.0;" for i in range(results.numel())]
         status = [f"name_status status = NAME_{refused};"]
         written, closings, tests = list(status if free else []), list[list[str]](), list[str]()

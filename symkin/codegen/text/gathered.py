@@ -17,7 +17,7 @@ import numpy as np
 
 from symkin.closure.expression_graph import walk
 from symkin.closure.snapping import snap
-from symkin.codegen.text.graph import Graph, Node
+from symkin.codegen.text.graph import Graph, Node, kind_of
 from symkin.computed_once import cached_property
 
 _MOST_TERMS = 40
@@ -39,10 +39,7 @@ def gathered(
     whole, every = ca.densify(ca.vertcat(*expressions)), ca.vertcat(*symbols)
     graph = _Values(every, turns)
     walk(ca.Function("f", [every], [whole], {"cse": True}), graph)
-    best = min(
-        (whole, graph.whole(whole.numel())),
-        key=lambda e: ca.Function("f", [every], [e], {"cse": True}).n_instructions(),
-    )
+    best = min((whole, graph.whole(whole.numel())), key=lambda e: _operations(e, every))
     return ca.vertsplit(best, np.cumsum([0, *(e.numel() for e in expressions)]).tolist())
 
 
@@ -176,6 +173,14 @@ class _Values(Graph):
         if factor.is_constant() and float(factor) < 0:
             return others - self._value(atom) * -factor
         return others + found
+
+
+def _operations(expression: ca.SX, symbols: ca.SX) -> tuple[int, int]:
+    """How many operations are printed, and how many there are before signs are drawn out."""
+    function = ca.Function("f", [symbols], [expression], {"cse": True})
+    graph = Graph.of(function, shares_signs=True)
+    printed = sum(kind_of(graph.nodes[k].op) is not None for k, n in graph.uses.items() if n)
+    return printed, function.n_instructions()
 
 
 def _without(monomial: _Monomial, atom: int) -> _Monomial:
