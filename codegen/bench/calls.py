@@ -129,6 +129,12 @@ def _call(function: Function, *, struct: bool) -> str:
         arguments.append("&info")
         begins.append("info.residual = 0;")
         finite.append("isfinite(info.residual)")
+    read = [
+        *map(_slot, function.takes),
+        *(_BEGINS[v.name] for v in function.gives if function.moves),
+    ]
+    mask = " | ".join(f"1 << {slot}" for slot in read if slot != "BRANCH")
+    begins.append(f"reads = {mask};")
     called = f"{'count =' if is_list else 'status = (int)'} name_{name}({', '.join(arguments)});"
     listed = "status = (count < 0 || count > NAME_BRANCHES) ? -1 : (count == 0);" if is_list else ""
     return (

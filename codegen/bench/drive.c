@@ -42,6 +42,7 @@ typedef struct {
 static const char *names[MOST_FUNCTIONS];
 static int functions;
 static int of_finite; /* whether this input has finite numbers only */
+static int reads; /* slots that a function reads, as bits */
 
 static void begin(void);
 static void finish(void);

@@ -108,7 +108,7 @@ def change(before: list[int] | str | None, now: list[int] | str | None) -> str:
     if len(before) != len(now):
         return f"{len(before)} -> {len(now)} of them"
     changed = [(k, b, n) for k, (b, n) in enumerate(zip(before, now, strict=True)) if b != n]
-    if not isinstance(now, str):
+    if not (isinstance(before, str) and isinstance(now, str)):
         return ", ".join(f"{b} -> {n} {COLUMNS[k]}" for k, b, n in changed)
     told = [f"number {k} {b} -> {n}" for k, b, n in changed[:_TOLD]]
     told += [f"{len(changed) - _TOLD} more"] if len(changed) > _TOLD else []

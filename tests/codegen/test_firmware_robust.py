@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 import re
 import shutil
@@ -17,33 +16,15 @@ from helpers.inside import Options, write_folder
 from helpers.wide_five_bar import wide_five_bar
 
 TRAPS = "trap"
-SANITIZED = ["-O1", "-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"]
+SANITIZED = "-O1 -g -fsanitize=address,undefined -fno-sanitize-recover=all"
 
 
-def _called(folder: Path, tmp_path: Path, *flags: str) -> str:
-    """What helpers/firmware_calls.c prints of a folder; it must end with status 0."""
-    manifest = json.loads((folder / "manifest.json").read_text())
-    name, options = manifest["mechanism"], manifest["options"]
-    is_arm = (
-        re.search(rf"{name}_inverse\([^)]*guess", (folder / f"{name}.h").read_text()) is not None
-    )
-    kind = "SERIAL" if is_arm else "PARALLEL"
-    macros = [
-        f"-D{kind}",
-        f"-DNAME={name}",
-        f"-DUPPER={name.upper()}",
-        f'-DHEADER="{name}.h"',
-        f'-DVECTORS="{name}_vectors.h"',
-    ]
-    macros += ["-DSTRUCT"] if options["geometry"] == "struct" else []
-    macros += [f"-DHUGE_FINITE={'3e38' if options['real'] == 'float' else '1e200'}"]
-    sources = [
-        str(Path(__file__).parents[1] / "helpers" / "firmware_calls.c"),
-        str(folder / f"{name}.c"),
-    ]
-    return tools.passed(
-        tools.built("gcc", tmp_path, sources, "calls", *macros, *flags, *SANITIZED, f"-I{folder}")
-    )
+def _called(folder: Path, tmp_path: Path) -> None:
+    """Call every function with each number that it reads spoilt; fails where one is not refused."""
+    tools.compiler("gcc")
+    calls, processors = tools.bench_module("calls"), tools.bench_module("processors")
+    hooks = Path(tools.__file__).with_name("nonfinite_hooks.h")
+    processors.said("host", calls.program(folder, hooks, "host", tmp_path, SANITIZED))
 
 
 FEW = ["ankle_float", "delta_double", "scara_float"]
@@ -51,10 +32,10 @@ FEW = ["ankle_float", "delta_double", "scara_float"]
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("folder", in_gate(tools.POSES, FEW))
+@pytest.mark.parametrize("folder", in_gate(tools.FOLDERS, FEW))
 def test_one_status_for_what_is_not_finite(folder, tmp_path):
-    """NaN or an infinity in any number of joints, pose or guess is NONFINITE in every function that
-    reads it, whatever else is wrong; a number whose square overflows is never OK.
+    """NaN or an infinity in any number is NONFINITE in every function that reads it, whatever else
+    is wrong; of joints, poses and guesses one whose square overflows is never OK.
     """
     _called(tools.folder(folder), tmp_path)
 
