@@ -152,7 +152,9 @@ def _listed(problem: Problem, points: np.ndarray, known: np.ndarray) -> np.ndarr
     where that is a root as well: else it comes back turn by turn without end.
     """
     system, moved = problem.system, points.copy()
-    for name, (low, high) in turning(problem).items():
+    if not (limits := turning(problem)):
+        return points
+    for name, (low, high) in limits.items():
         values, middle = moved[:, system.places[name]], 0.5 * (low + high)
         outside = (values < low) | (values > high)
         values[outside] = middle + wrapped(values[outside] - middle)
