@@ -21,7 +21,7 @@ from symkin.homotopy.many_instances import instance
 from symkin.homotopy.six_distances import meet_all_distances, redundant_distances
 from symkin.homotopy.systems import meets_all_rows
 from symkin.homotopy.values import known_values
-from symkin.position.multistart import batched, batched_rows
+from symkin.position.multistart import batched, batched_rows, turning
 from symkin.position.problem import Problem
 from symkin.position.roots import Sample, polished_roots, unite
 
@@ -58,7 +58,11 @@ def sampled_rows(problem: Problem, samples: Sequence[Sample], *notes: str) -> Gr
 
 def sampled_roots(problem: Problem, sample: Sample, *notes: str) -> GroupRoots:
     """What random starts have reached at one row of known values."""
-    more = (_continuum_note(problem),) if sample.continuum else ()
+    more = [_continuum_note(problem)] if sample.continuum else []
+    if names := ", ".join(turning(problem)):
+        more.append(
+            f"{names}: whole turns count; what they repeat beyond the limits is listed once"
+        )
     return GroupRoots.sampled(sample, (*notes, *more))
 
 

@@ -30,7 +30,7 @@ from symkin.files.csv_dialect import (
 )
 from symkin.files.outputs import write_output
 from symkin.model.arithmetic import plain_number
-from symkin.text import code_point, refused_character
+from symkin.text import code_point, counted, refused_character
 
 UNITS: dict[str, tuple[str, float]] = {
     "m": ("length", 1.0),
@@ -160,7 +160,7 @@ class Table:
             yield f"columns that mean nothing here were left out: {listed(left_out)}"
         if blanks:
             yield (
-                f"{blanks} cell{'s' * (blanks != 1)} with NaN or its like "
+                f"{counted(blanks, 'cell')} with NaN or its like "
                 f"{'were' if blanks != 1 else 'was'} read as blank"
             )
 

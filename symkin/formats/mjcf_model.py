@@ -23,7 +23,7 @@ from symkin.formats.xml_text import Element, read_xml
 from symkin.model.graph import Coupling
 from symkin.model.motor import Motor, motor_of
 from symkin.spatial.pose import Pose
-from symkin.text import first_of
+from symkin.text import counted, first_of
 
 _NO_NAME = "MuJoCo Model"
 """What the compiler calls a model without a name."""
@@ -254,9 +254,7 @@ def without_kinematics(compiled: CompiledModel) -> Iterator[str]:
     """Notes on what of the file moves no link by itself."""
     spatial = sum(tendon.joints is None for tendon in compiled.tendons)
     counts = {"spatial tendon": spatial, **compiled.idle}
-    named = [
-        f"{count} {what}{'' if count == 1 else 's'}" for what, count in counts.items() if count
-    ]
+    named = [counted(count, what) for what, count in counts.items() if count]
     if named:
         yield f"left out, since it moves no link by itself: {', '.join(named)}"
 

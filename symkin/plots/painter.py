@@ -402,25 +402,18 @@ class Painter:
             over = self.at(piece.over)
             back, ahead = (min(_REACH, float(np.linalg.norm(p - over))) for p in (start, end))
             width = line.looks[0][0] + _GAP
-            self._stroke(over - back * way, over + ahead * way, width, "white", "", order - 0.005)
+            ends = over - back * way, over + ahead * way
+            self._stroke(*ends, width, "white", "", order - 0.005, cap="butt")
         lap = [0.0 if free else _LAP * way for free in piece.free]
         for k, (width, colour) in enumerate(line.looks):
             cap = "round" if all(piece.free) and width < 5.0 else "butt"
             self._stroke(
-                start - lap[0], end + lap[1], width, colour, line.gid, order + 0.002 * k, cap
+                start - lap[0], end + lap[1], width, colour, line.gid, order + 0.002 * k, cap=cap
             )
 
-    def _flat(
-        self,
-        start: np.ndarray,
-        end: np.ndarray,
-        width: float,
-        colour: str,
-        gid: str,
-        order: float,
-        style: Any = "-",
-    ) -> None:
-        self._stroke(start, end, width, colour, gid, order, "round", style)
+    def _flat(self, start: np.ndarray, end: np.ndarray, *look: Any) -> None:
+        """A stroke that names keep away from."""
+        self._stroke(start, end, *look)
         self.strokes.append((start, end))
 
     def _stroke(
@@ -431,8 +424,8 @@ class Painter:
         colour: str,
         gid: str,
         order: float,
-        cap: str = "butt",
         style: Any = "-",
+        cap: str = "round",
     ) -> None:
         self.ax.plot(
             [start[0], end[0]],

@@ -12,7 +12,7 @@ from symkin.drawing.layout import layout_of
 from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
 from symkin.model.written_number import whole
-from symkin.text import not_among, shown
+from symkin.text import counted, not_among, shown
 
 Names = Literal["all", "joints", "links", "loops", "none"]
 """What is named: all that is drawn, joints, links with base and platform, only the joints that
@@ -89,7 +89,7 @@ def chosen_numbers(choice: str | Sequence[int], count: int) -> list[int]:
         if isinstance(choice, str)
         else check_numbers(",".join(map(str, choice)))
     )
-    there = f"there {'is' if count == 1 else 'are'} {count} mode{'' if count == 1 else 's'}"
+    there = f"there {'is' if count == 1 else 'are'} {counted(count, 'mode')}"
     alone = next((low for low, high in parts if high is None and low > count), None)
     if alone is not None:
         raise InputError(f"--modes: there is no mode {alone}; {there}")

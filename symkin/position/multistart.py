@@ -22,6 +22,7 @@ from symkin.position.problem import Problem
 from symkin.position.roots import Sample, distinct
 from symkin.position.solve import SOLVERS
 from symkin.position.starts import random_starts
+from symkin.spatial.rotation import wrapped
 from symkin.text import not_among
 
 DEFAULT_STARTS = 2000
@@ -29,6 +30,9 @@ _AT_ONCE = 4096
 """Starts of one batch, of several rows of known values together."""
 _REFINED = 16
 """Ends of a row without a root that are refined."""
+
+_END = 1e-6
+"""Largest error over the size of an end that may become a root."""
 
 LOG = logging.getLogger(__name__)
 
@@ -85,7 +89,7 @@ def _samples(
     return [
         Sample.of_none(system, least[k], starts)
         if k in least
-        else distinct(system, points[k][converged[k]], known[k], starts)
+        else distinct(system, _listed(problem, points[k][converged[k]], known[k]), known[k], starts)
         for k in range(n)
     ]
 
@@ -125,10 +129,35 @@ def one_by_one(
         z = system.wrap(system.unit(path[-1])) if np.all(np.isfinite(path[-1])) else path[-1]
         left = system.residual(z, known) if np.all(np.isfinite(z)) else np.inf
         smallest = min(smallest, left)
-        if left <= 1e-6 * system.characteristic_length:
+        if left <= _END * system.characteristic_length:
             ends.append(z)
         if progress is not None:
             progress(k, starts)
     if not ends:
         return Sample.of_none(system, smallest, starts)
-    return distinct(system, np.array(ends), known, starts)
+    return distinct(system, _listed(problem, np.array(ends), known), known, starts)
+
+
+# --- angles whose whole turns count ---------------------------------------------------------------
+
+
+def turning(problem: Problem) -> dict[str, tuple[float, float]]:
+    """Limits of unknown angles whose whole turns count, for a coupling."""
+    unknowns, advancing = problem.system.unknowns, problem.mechanism.advancing
+    return {c.name: c.limits for c in unknowns if c.limits is not None and c.name in advancing}
+
+
+def _listed(problem: Problem, points: np.ndarray, known: np.ndarray) -> np.ndarray:
+    """The points, angles of `turning` beyond their limits within half a turn of the middle of these
+    where that is a root as well: else it comes back turn by turn without end.
+    """
+    system, moved = problem.system, points.copy()
+    if not (limits := turning(problem)):
+        return points
+    for name, (low, high) in limits.items():
+        values, middle = moved[:, system.places[name]], 0.5 * (low + high)
+        outside = (values < low) | (values > high)
+        values[outside] = middle + wrapped(values[outside] - middle)
+    error = system.residuals(moved, np.broadcast_to(known, (len(moved), len(known))))
+    closed = error <= _END * system.characteristic_length
+    return np.where(closed[:, None], moved, points)

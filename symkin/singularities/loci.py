@@ -15,7 +15,7 @@ from symkin.position.varied_pose import angle_meaning, turn_text
 from symkin.result import Result, Summary, json_fields
 from symkin.singularities.locus import Locus
 from symkin.singularities.locus_system import Plane
-from symkin.text import plain
+from symkin.text import counted, plain
 
 MISSING = "some curves were met by one or two starts only: curves may be missing; raise --starts"
 """What is said where some curve was met by few starts, in the text and in the picture."""
@@ -164,10 +164,7 @@ class Loci(Result):
 def _curve_line(curve: Locus, ranges: Sequence[Sequence[float]]) -> str:
     head = curve.kind + (f" of {curve.limb}" if curve.limb else "")
     if len(ranges) == 1:
-        return (
-            f"{head} at {_place(curve.points[0])}, met by {curve.hits} "
-            f"start{'' if curve.hits == 1 else 's'}"
-        )
+        return f"{head} at {_place(curve.points[0])}, met by {counted(curve.hits, 'start')}"
     if curve.is_point:
         what = (
             "a motion with both coordinates held"
@@ -180,10 +177,9 @@ def _curve_line(curve: Locus, ranges: Sequence[Sequence[float]]) -> str:
         f", its tracing ends inside the window at {_place(point)}"
         for point in curve.loose_ends(ranges)
     )
-    starts = f"{curve.hits} start{'' if curve.hits == 1 else 's'}"
     return (
         f"{head}, {'closed' if curve.closed else 'open'}, {len(curve.points)} points, met by "
-        f"{starts}{cusps}{ends}"
+        f"{counted(curve.hits, 'start')}{cusps}{ends}"
     )
 
 

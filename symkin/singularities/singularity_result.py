@@ -16,7 +16,7 @@ from symkin.singularities.motion_ranks import Ranks
 from symkin.singularities.named_screw import NamedScrew
 from symkin.singularities.output import Output
 from symkin.singularities.singular_groups import SingularGroup
-from symkin.text import plain
+from symkin.text import counted, plain
 from symkin.velocity.limb_equations import LimbwiseEquations
 from symkin.velocity.roles import Roles
 
@@ -243,7 +243,7 @@ class Singularity(Result):
             regular = "no further singularity"
             lines.append(
                 f"singular everywhere: with all actuated joints held the {self._moving} keeps "
-                f"{count} freedom{'' if count == 1 else 's'} at every configuration"
+                f"{counted(count, 'freedom')} at every configuration"
             )
         head = ", ".join(self.kinds) + " singularity" if self.kinds else regular
         if self.given and self.rank_loss:

@@ -54,24 +54,17 @@ class Linkage:
         """The rows with every coordinate unknown."""
         return whole_system(self.problem.closure)
 
-    def system_of(self, names: Sequence[str]) -> System:
-        """The rows with the coordinates of these names known."""
-        closure, known = self.problem.closure, self.coordinates_of(names)
-        unknowns = tuple(c for c in closure.coordinates if c.name not in names)
-        return replace(
-            self.problem.system,
-            unknowns=unknowns,
-            unknown=closure.symbols(unknowns),
-            known=closure.symbols(known),
-        )
-
     @cached_property
-    def by_motors(self) -> System:
-        return self.system_of(self.motors)
-
-    @cached_property
-    def by_joints(self) -> System:
-        return self.system_of(self.joints)
+    def _systems(self) -> dict[tuple[str, ...], System]:
+        """The rows with the coordinates of the motors, or of the joints, known."""
+        closure, found = self.problem.closure, dict[tuple[str, ...], System]()
+        for names in (self.motors, self.joints):
+            unknowns = tuple(c for c in closure.coordinates if c.name not in names)
+            symbols = closure.symbols(unknowns), closure.symbols(self.coordinates_of(names))
+            found[names] = replace(
+                self.problem.system, unknowns=unknowns, unknown=symbols[0], known=symbols[1]
+            )
+        return found
 
     def coordinates_of(self, names: Sequence[str]) -> list[Coordinate]:
         known = {c.name: c for c in self.problem.closure.coordinates}
@@ -108,7 +101,7 @@ class Linkage:
         """Configurations w from some, or from one, along straight lines of the motors or the joints
         to goals (n, names).
         """
-        system = self.by_motors if names == self.motors else self.by_joints
+        system = self._systems[names]
         unknown, known = self.problem.places(system.unknowns), self.places_of(names)
         w = np.broadcast_to(starts, (len(goals), self.units.size)).copy()
         found = follow_lines(system, w[:, unknown], w[:, known], goals)

@@ -272,3 +272,28 @@ def test_random_starts_reach_as_far_as_a_screw_whatever_its_name(name):
     starts = random_starts(problem, problem.system, given.values, 400, np.random.default_rng(1))
     reach = 1.5 * problem.closure.characteristic_length
     assert np.abs(starts[:, problem.system.slices[place]]).max() > 0.9 * 2 * np.pi * reach / 0.01
+
+
+@pytest.mark.parametrize(("most", "count"), [(3.0, 2), (7.0, 5)])
+def test_whole_turns_of_a_polynomial_are_listed_within_the_limits(most, count):
+    """A four-bar turns a wheel by a polynomial of its rocker: two assemblies for each turn that the
+    rocker's limits allow, the same configurations of the links. 17 were listed, up to 9 turns away.
+    """
+    points = {"a": (0, 0, 0), "b": (100, 0, 0), "c": (20, 40, 0), "d": (120, 60, 0)}
+    ends = {"a": "base one", "b": "base two", "c": "one three", "d": "two three", "w": "base wheel"}
+    joints = [
+        symkin.LinkJoint(
+            symkin.Joint(name, "R", points.get(name, (0, 0, 50)), (0, 0, 1), limits=(-most, most)),
+            ends[name].split(),
+        )
+        for name in ends
+    ]
+    wheel = symkin.Coupling("w", "b", polynomial=[0.0, 1.0, 0.3])
+    machine = symkin.Mechanism("wheel", link_joints=joints, couplings=[wheel], angle_unit="rad")
+    found = symkin.modes(machine, given={"a": 0.2}, starts=300)
+    angles = np.array([mode.joints["b"] for mode in found])
+    assert len(found) == count
+    assert np.all(np.abs(angles) < most)
+    assert len(np.unique(np.round(np.cos(angles), 6))) == 2
+    two = symkin.modes(machine, given={"w": 0.2}, starts=300)
+    assert sorted({round(mode.joints["b"], 3) for mode in two}) == [-3.523, 0.189]

@@ -34,6 +34,7 @@ from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
 from symkin.position.transfer import many_elsewhere
 from symkin.spatial.rotation import multiply, quaternion_from_rotation_vector
+from symkin.text import counted
 
 READING_CHOICES = ("inclination", "position", "orientation", "pose")
 """What may be read of the platform beside the joints; a pose is position and orientation. Groups
@@ -124,9 +125,9 @@ def group_numbers(configurations: int, groups: int) -> np.ndarray:
         raise InputError(f"{groups} groups are asked for; allowed: 0 (none) or more")
     if groups > configurations // 2:
         raise InputError(
-            f"{groups} groups for {configurations} posture{'s' * (configurations != 1)}, and two "
+            f"{groups} groups for {counted(configurations, 'posture')}, and two "
             f"postures in each are needed: at least {2 * groups} "
-            f"postures for {groups} group{'s' * (groups != 1)}, or fewer --groups"
+            f"postures for {counted(groups, 'group')}, or fewer --groups"
         )
     if groups == 0:
         return np.full(configurations, NO_GROUP)
