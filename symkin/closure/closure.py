@@ -70,6 +70,11 @@ class Closure:
         return places
 
     @cached_property
+    def owners(self) -> tuple[Coordinate, ...]:
+        """The coordinate of each rate, in the order of the columns of Jacobians."""
+        return tuple(c for c in self.coordinates for _ in range(c.freedom))
+
+    @cached_property
     def reference(self) -> np.ndarray:
         """Values of `variables` at the reference configuration."""
         return np.concatenate([np.array(c.reference) for c in self.coordinates])

@@ -308,8 +308,7 @@ def locus_systems(plane: Plane, kinds: Sequence[LocusKind]) -> list[LocusSystem]
             if plane.by_name
             else {c.name for c in closure.role("actuated")}
         )
-        owners = [c.name for c in closure.coordinates for _ in range(c.freedom)]
-        kept = [k for k, name in enumerate(owners) if name not in family]
+        kept = [k for k, c in enumerate(closure.owners) if c.name not in family]
         systems.append(
             _system(plane, whole, "type 2", None, list(range(closure.rows.shape[0])), kept, generic)
         )
@@ -333,9 +332,8 @@ def _system(
 ) -> LocusSystem:
     """With a given pose limbs are apart: type 1 of a limb needs its own rows and joints only."""
     closure, size = plane.closure, plane.closure.characteristic_length
-    per_freedom = [c for c in closure.coordinates for _ in range(c.freedom)]
     alone = plane.of_pose and kind == "type 1"
-    names = {per_freedom[k].name for k in columns}
+    names = {closure.owners[k].name for k in columns}
     free = tuple(c for c in plane.free if c.name in names) if alone else plane.free
     used = rows if alone else list(range(closure.rows.shape[0]))
     closed_rows = _substituted(plane, whole.rows[used, 0])
@@ -348,7 +346,7 @@ def _system(
         [
             k
             for k, column in enumerate(columns)
-            if plane.by_name or per_freedom[column].role == role
+            if plane.by_name or closure.owners[column].role == role
         ],
     )
     closed = System((*free, *plane.coordinates), fixed, nothing, closed_rows, closed_rows, size)
