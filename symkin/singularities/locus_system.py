@@ -25,7 +25,7 @@ import numpy as np
 from symkin.assembly.as_written import machine_of
 from symkin.closure.closure import Closure
 from symkin.errors import InputError
-from symkin.machine.lower import Lowered, arm_or_limbs, lowered
+from symkin.machine.lower import Lowered, arm_or_limbs, posed
 from symkin.model.joint import Coordinate
 from symkin.model.joint_forms import Kind
 from symkin.model.mechanism import Mechanism
@@ -130,7 +130,7 @@ def pose_planes(mechanism: Mechanism) -> Lowered | None:
     """The machine over whose pose coordinates loci may be asked for, a platform on limbs, in the
     frame of its description; None of another one.
     """
-    turned = lowered(mechanism)
+    turned = posed(mechanism)
     low = turned if turned.frames is None else arm_or_limbs(mechanism)
     return None if low is None or low.machine.is_graph else low
 
