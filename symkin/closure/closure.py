@@ -18,6 +18,7 @@ from symkin.computed_once import cached_property, lru_cache
 from symkin.errors import MechanismError
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism
+from symkin.spatial.backend import stacked
 from symkin.spatial.pose import Pose
 
 _ZERO_ROW = 1e-11
@@ -86,7 +87,7 @@ class Closure:
     def symbols(self, coordinates: Iterable[Coordinate]) -> ca.SX:
         """The symbols of some coordinates, one below the other."""
         places = (self.slices[c.name] for c in coordinates)
-        return ca.vertcat(ca.SX(0, 1), *(self.variables[place] for place in places))
+        return stacked(self.variables[place] for place in places)
 
     def role(self, *roles: str) -> tuple[Coordinate, ...]:
         return tuple(c for c in self.coordinates if c.role in roles)
