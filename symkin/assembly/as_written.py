@@ -29,11 +29,9 @@ def machine_of(
     the joints `kept` as they are written; None where it is the mechanism itself.
     """
     if names == pose_names(mechanism) or plain_kind(mechanism, names) is not None:
-        low = lowered(mechanism, kept=kept)
-    else:
-        joints = frozenset(names) & {c.name for c in mechanism.coordinates}
-        low = lowered(mechanism, joints, pose=not mechanism.is_graph, kept=kept)
-    return None if low.is_written else low
+        return lowered(mechanism, kept=kept)
+    joints = frozenset(names) & {c.name for c in mechanism.coordinates}
+    return lowered(mechanism, joints, pose=not mechanism.is_graph, kept=kept)
 
 
 def is_complete(found: Modes) -> bool:

@@ -18,6 +18,7 @@ from symkin.computed_once import cached_property, lru_cache
 from symkin.errors import MechanismError
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism
+from symkin.spatial.backend import stacked
 from symkin.spatial.pose import Pose
 
 _ZERO_ROW = 1e-11
@@ -72,6 +73,11 @@ class Closure:
         return places
 
     @cached_property
+    def owners(self) -> tuple[Coordinate, ...]:
+        """The coordinate of each rate, in the order of the columns of Jacobians."""
+        return tuple(c for c in self.coordinates for _ in range(c.freedom))
+
+    @cached_property
     def reference(self) -> np.ndarray:
         """Values of `variables` at the reference configuration."""
         return np.concatenate([np.array(c.reference) for c in self.coordinates])
@@ -83,7 +89,7 @@ class Closure:
     def symbols(self, coordinates: Iterable[Coordinate]) -> ca.SX:
         """The symbols of some coordinates, one below the other."""
         places = (self.slices[c.name] for c in coordinates)
-        return ca.vertcat(ca.SX(0, 1), *(self.variables[place] for place in places))
+        return stacked(self.variables[place] for place in places)
 
     def role(self, *roles: str) -> tuple[Coordinate, ...]:
         return tuple(c for c in self.coordinates if c.role in roles)

@@ -19,6 +19,7 @@ from symkin.closure.closure import Closure, built_rows
 from symkin.closure.rows import RowBuilder
 from symkin.computed_once import lru_cache
 from symkin.model.joint import Joint
+from symkin.spatial.backend import stacked
 from symkin.spatial.rotation import multiply, rotate
 
 
@@ -57,7 +58,7 @@ class LinkFrames:
     def bound(self, expression: ca.SX, free: Collection[str] = ()) -> ca.SX:
         """The expression with the nominal geometry, but for numbers that stay `free`."""
         numbers = [pair for name, pair in self.geometry.items() if name not in free]
-        symbols = ca.vertcat(ca.SX(0, 1), *(symbol for symbol, _ in numbers))
+        symbols = stacked(symbol for symbol, _ in numbers)
         return ca.substitute(expression, symbols, ca.SX(ca.DM([value for _, value in numbers])))
 
 
@@ -98,8 +99,7 @@ def link_frames(closure: Closure) -> LinkFrames:
     geometry, theirs, ours = _geometry(builder, closure)
     theirs += [builder.coordinates[c.name][1] for c in closure.coordinates]
     ours.append(closure.symbols(closure.coordinates))
-    nothing = ca.SX(0, 1)
-    replaced = [ca.vertcat(nothing, *theirs)], [ca.vertcat(nothing, *ours)]
+    replaced = [stacked(theirs)], [stacked(ours)]
     frames = ca.substitute(side_frames(list(sides.values())), *replaced)
     joints = _joints_between(chains)
     return LinkFrames(

@@ -20,7 +20,18 @@ from symkin.closure.closure import Closure
 from symkin.closure.link_frames import Bridge, LinkFrames, link_frames
 from symkin.computed_once import lru_cache
 from symkin.model.joint import Joint
-from symkin.spatial.backend import Array, atan2, cross, dot, is_casadi, norm, scale, vector, where
+from symkin.spatial.backend import (
+    Array,
+    atan2,
+    cross,
+    dot,
+    is_casadi,
+    norm,
+    scale,
+    stacked,
+    vector,
+    where,
+)
 from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import conjugate, normalized, rotate
 
@@ -163,7 +174,7 @@ def _placed(closure: Closure) -> tuple[tuple[str, ...], ca.Function]:
 def _read_joints(closure: Closure) -> ca.Function:
     """The coordinates of all joints, one below the other."""
     read = joint_expressions(closure, link_expressions(closure))
-    return _function(closure, ca.vertcat(ca.SX(0, 1), *read.values()))
+    return _function(closure, stacked(read.values()))
 
 
 def _function(closure: Closure, numbers: ca.SX) -> ca.Function:

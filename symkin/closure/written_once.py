@@ -13,6 +13,7 @@ import casadi as ca
 import numpy as np
 
 from symkin.computed_once import lru_cache
+from symkin.spatial.backend import stacked
 
 Rows = list[tuple[str, list[ca.SX], list[ca.SX]]]
 """Rows and their checks, by the relation that they keep."""
@@ -54,7 +55,7 @@ def _written(
     symbols: list[ca.SX] = []
     found = write(*_made(described, symbols))
     every = [row for _, rows, errors in found for row in (*rows, *errors)]
-    function = ca.Function("rows", symbols, [ca.vertcat(ca.SX(0, 1), *every)])
+    function = ca.Function("rows", symbols, [stacked(every)])
     return [(relation, len(rows), len(errors)) for relation, rows, errors in found], function
 
 

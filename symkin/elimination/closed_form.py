@@ -30,6 +30,7 @@ from symkin.elimination.workspace import Workspace
 from symkin.model.joint import Coordinate, units_of
 from symkin.numeric.mapped import Mapped
 from symkin.numeric.system import System
+from symkin.spatial.backend import stacked
 
 _SAMPLES = 3
 _NEAR = 0.05
@@ -176,7 +177,7 @@ class ClosedForm:
             for before, root in enumerate(found):
                 part = ca.substitute(part, self.roots[before], root)
             found.append(sign * part)
-        return ca.vertcat(ca.SX(0, 1), *found)
+        return stacked(found)
 
     def signs_at(self, unknown: np.ndarray, known: np.ndarray) -> np.ndarray:
         """The signs (choices,) of a configuration."""
@@ -328,17 +329,17 @@ def _made(system: System, work: Workspace, sums: Sums, samples: np.ndarray) -> C
             whole[k] = z
         found.append((parts[0], parts[1]))
         own += [(ring.places[k][0], ca.cos(whole[k])), (ring.places[k][1], ca.sin(whole[k]))]
-    signs = ca.vertcat(ca.SX(0, 1), *(c.sign for c in work.choices))
+    signs = stacked(c.sign for c in work.choices)
     outputs = [
         *(ca.vertcat(*column) for column in zip(*found, strict=True)),
-        ca.vertcat(ca.SX(0, 1), *(c.discriminant for c in work.choices)),
-        ca.vertcat(ca.SX(0, 1), *work.divisors),
+        stacked(c.discriminant for c in work.choices),
+        stacked(work.divisors),
     ]
     symbols = [symbol for symbol, _ in work.definitions]
     first, second, discriminants, divisors = _inlined(
         symbols, [expression for _, expression in work.definitions], outputs
     )
-    roots = ca.vertcat(ca.SX(0, 1), *(c.root for c in work.choices))
+    roots = stacked(c.root for c in work.choices)
     return ClosedForm(
         system=system,
         signs=signs,
@@ -371,7 +372,7 @@ def _told(work: Workspace, own: dict[int, ca.SX]) -> ca.SX:
     solved = {_key(work.values[place]): expression for place, expression in own.items()}
     symbols = [symbol for symbol, _ in work.definitions]
     read = [solved.get(_key(symbol), expression) for symbol, expression in work.definitions]
-    told = ca.substitute(ca.vertcat(ca.SX(0, 1), *(c.tells for c in work.choices)), places, parts)
+    told = ca.substitute(stacked(c.tells for c in work.choices), places, parts)
     (told,) = _inlined(symbols, read, [told])
     return told
 

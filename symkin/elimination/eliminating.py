@@ -58,11 +58,7 @@ def combine_lengths(work: Workspace) -> bool:
             rest = Polynomial({})
             for factor, row in zip(factors, linear, strict=True):
                 rest = rest.plus(row, factor)
-            own = {place for k in unknowns for place in work.ring.places[k]}
-            rest = Polynomial(
-                {m: c for m, c in rest.terms.items() if not any(m[place] for place in own)}
-            )
-            _defer(work, unknowns, linear, [rest])
+            _defer(work, unknowns, linear, [work.ring.free_of(rest, unknowns)])
             work.steps.append(
                 f"{work.names(unknowns)} taken out of {count + 1} rows that are linear in them, by "
                 f"a combination"
@@ -194,10 +190,7 @@ def _one_way(work: Workspace, unknown: int, two: list[Polynomial]) -> list[Polyn
         return []
     monomials = sorted({*a1.terms, *b1.terms, *a2.terms, *b2.terms})
     vectors = np.concatenate(
-        [
-            work.numbers([part.terms.get(m, ca.SX(0)) for part in (a1, b1, a2, b2)])
-            for m in monomials
-        ]
+        [work.numbers([part[m] for part in (a1, b1, a2, b2)]) for m in monomials]
     )
     basis = constant_basis(vectors)
     if len(basis) != 1:
@@ -228,12 +221,7 @@ def _turned_basis(
         return None
     basis = constant_basis(np.concatenate([vectors, np.eye(len(rows))]))
     combined = [_combination(work, rows, factors) for factors in basis]
-    own = set(work.ring.places[unknown])
-    free = [
-        Polynomial({m: c for m, c in row.terms.items() if not any(m[place] for place in own)})
-        for row in combined[2:]
-    ]
-    return combined[:2], free
+    return combined[:2], [work.ring.free_of(row, [unknown]) for row in combined[2:]]
 
 
 def _coefficient_vectors(work: Workspace, unknown: int, rows: list[Polynomial]) -> np.ndarray:
@@ -242,7 +230,7 @@ def _coefficient_vectors(work: Workspace, unknown: int, rows: list[Polynomial]) 
     """
     own = work.ring.places[unknown]
     monomials = sorted({m for row in rows for m in row.terms if any(m[place] for place in own)})
-    columns = [work.numbers([row.terms.get(m, ca.SX(0)) for m in monomials]) for row in rows]
+    columns = [work.numbers([row[m] for m in monomials]) for row in rows]
     return np.stack(columns, axis=-1).reshape(-1, len(rows))
 
 
@@ -277,9 +265,7 @@ def subtract_quadratics(work: Workspace) -> bool:
             row = work.rows[j]
             factor = work.define(row.terms[quadratic[0]] / first.terms[quadratic[0]], "f")
             left = row.plus(first, -factor)
-            work.rows[j] = work.tidied(
-                Polynomial({m: c for m, c in left.terms.items() if sum(m) < 2})
-            )
+            work.rows[j] = work.tidied(left.those(lambda m: sum(m) < 2))
         work.steps.append(
             f"{len(alike) + 1} rows have one quadratic part: their differences are linear"
         )
@@ -309,7 +295,7 @@ def _line(
     origin, its direction d, d.d.
     """
     normals = [[work.define(_coefficient(work, row, k), "n") for k in unknowns] for row in rows]
-    offsets = [work.define(-row.terms.get(work.ring.one, ca.SX(0)), "e") for row in rows]
+    offsets = [work.define(-row[work.ring.one], "e") for row in rows]
     if len(unknowns) == 2:
         (a, b), (e,) = normals[0], offsets
         direction, feet = [-b, a], [a * e, b * e]
@@ -370,7 +356,7 @@ def _as_sphere(work: Workspace, places: Sequence[int], curved: Polynomial) -> Po
     it is constant; None where it is no multiple.
     """
     squares = [work.ring.power(place, place) for place in places]
-    factors = [curved.terms.get(m, ca.SX(0)) for m in squares]
+    factors = [curved[m] for m in squares]
     if {m for m in curved.terms if sum(m) == 2} != set(squares):
         return None
     if not work.is_parallel(factors, [ca.SX(1)] * len(factors)):
@@ -402,7 +388,7 @@ def _is_linear_in(work: Workspace, row: Polynomial, unknowns: Sequence[int]) -> 
 
 
 def _coefficient(work: Workspace, row: Polynomial, unknown: int) -> ca.SX:
-    return row.terms.get(work.ring.power(work.ring.places[unknown][0]), ca.SX(0))
+    return row[work.ring.power(work.ring.places[unknown][0])]
 
 
 def _knowns(work: Workspace, row: Polynomial, unknown: int) -> tuple[ca.SX, ca.SX, Polynomial]:

@@ -35,6 +35,7 @@ from symkin.elimination.workspace import Workspace
 from symkin.model.joint import Coordinate
 from symkin.numeric.rank import null_space
 from symkin.numeric.system import System
+from symkin.spatial.backend import stacked
 
 _VANISHED = 1e-10
 """Share of the largest term below which a sum of terms is zero."""
@@ -117,7 +118,7 @@ def implied_rows(
     follow from each other, and rows that say nothing, are among them.
     """
     vectors = _vectors(closure, branch)
-    every = ca.vertcat(ca.SX(0, 1), *vectors)
+    every = stacked(vectors)
     depends = ca.which_depends(every, closure.variables, 1, False)
     moved = [
         k
@@ -281,12 +282,9 @@ def _limb(system: System, poses: np.ndarray) -> _Limb | None:
     rows = work.all_tidied(rows)
     if any(not c.is_constant() for row in rows for m, c in row.terms.items() if m != ring.one):
         return None
-    point = ca.vertcat(*(row.terms.get(ring.one, ca.SX(0)) for row in rows))
+    point = ca.vertcat(*(row[ring.one] for row in rows))
     unit = unit_of(system.characteristic_length)
-    others = tuple(
-        _in_units(ring, Polynomial({m: c for m, c in row.terms.items() if m != ring.one}), unit, 1)
-        for row in rows
-    )
+    others = tuple(_in_units(ring, row.those(lambda m: m != ring.one), unit, 1) for row in rows)
     gone = frozenset(k for k, c in enumerate(system.unknowns) if c.role != "actuated")
     return _Limb(system, ring, others, point, gone)
 
@@ -340,9 +338,9 @@ class _Limb:
         terms = sorted({m for p in polynomials for m in p.terms if not self._is_free(m)})
         if not terms:
             return np.zeros((0, len(polynomials)))
-        matrix = np.array(
-            [[float(p.terms.get(m, ca.SX(0))) for p in polynomials] for m in terms]
-        ).reshape(len(terms), len(polynomials))
+        matrix = np.array([[float(p[m]) for p in polynomials] for m in terms]).reshape(
+            len(terms), len(polynomials)
+        )
         sizes = np.max(np.abs(matrix), axis=1, initial=0.0)
         kept = sizes > _CANCELLED * np.max(sizes, initial=0.0)
         return matrix[kept] / sizes[kept, None]
@@ -398,7 +396,7 @@ class _Limb:
         )
 
     def _free(self, polynomial: Polynomial) -> Polynomial:
-        return Polynomial({m: c for m, c in polynomial.terms.items() if self._is_free(m)})
+        return polynomial.those(self._is_free)
 
     def _vector(self, factors: np.ndarray, monomials: Sequence[Monomial], power: int) -> ca.SX:
         """One expression of the actuated joints for each row, of a power of lengths."""

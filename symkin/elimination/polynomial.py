@@ -7,7 +7,7 @@ are written by cosines, so that equal polynomials have equal terms.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from operator import add
 from typing import Literal
@@ -29,6 +29,14 @@ class Polynomial:
     """A sum of monomials with their coefficients."""
 
     terms: dict[Monomial, ca.SX]
+
+    def __getitem__(self, monomial: Monomial) -> ca.SX:
+        """The coefficient of a monomial, 0 where there is none."""
+        return self.terms.get(monomial, ca.SX(0))
+
+    def those(self, kept: Callable[[Monomial], bool]) -> Polynomial:
+        """The terms whose monomials are kept."""
+        return Polynomial({m: c for m, c in self.terms.items() if kept(m)})
 
     def plus(self, other: Polynomial, factor: float | ca.SX = 1.0) -> Polynomial:
         """This and `factor` times the other."""
@@ -145,6 +153,10 @@ class Ring:
             found.setdefault(inner, {})[outer] = coefficient
         return {inner: Polynomial(terms) for inner, terms in found.items()}
 
+    def free_of(self, polynomial: Polynomial, unknowns: Sequence[int]) -> Polynomial:
+        """The terms without some unknowns."""
+        return polynomial.those(lambda m: not self.held_by(m) & {*unknowns})
+
     def linear_in(self, polynomial: Polynomial, unknown: int) -> Iterator[Polynomial]:
         """The coefficients of an unknown's generators, and then what is free of it, of a polynomial
         that is linear in it.
@@ -157,7 +169,7 @@ class Ring:
         """The value of a polynomial without unknowns, None for others."""
         if any(monomial != self.one for monomial in polynomial.terms):
             return None
-        return polynomial.terms.get(self.one, ca.SX(0))
+        return polynomial[self.one]
 
 
 def times(first: float | ca.SX, second: float | ca.SX) -> float | ca.SX:

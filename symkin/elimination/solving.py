@@ -59,9 +59,7 @@ def _quadratic_length(work: Workspace, unknown: int, rows: list[Polynomial]) -> 
     if ring.unknowns[unknown].is_angular or row is None:
         return False
     (place,) = ring.places[unknown]
-    a, b, c = (
-        row.terms.get(m, ca.SX(0)) for m in (ring.power(place, place), ring.power(place), ring.one)
-    )
+    a, b, c = (row[m] for m in (ring.power(place, place), ring.power(place), ring.one))
     lead = work.divisor(a, "a")
     half = work.define(b / (2 * lead), "h")
     work.steps.append(f"{work.name(unknown)} stands alone and squared in a row: two values")
@@ -125,10 +123,8 @@ def _from_rows(work: Workspace, entry: Deferred, rows: list[Polynomial]) -> bool
             _cramer(work, unknowns[0], pair)
         return pair is not None
     count = len(unknowns)
-    matrix = [
-        [row.terms.get(ring.power(ring.places[k][0]), ca.SX(0)) for k in unknowns] for row in rows
-    ]
-    right = [-row.terms.get(ring.one, ca.SX(0)) for row in rows]
+    matrix = [[row[ring.power(ring.places[k][0])] for k in unknowns] for row in rows]
+    right = [-row[ring.one] for row in rows]
     if len(rows) > count:
         # normal equations
         matrix, right = (

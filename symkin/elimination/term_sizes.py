@@ -22,6 +22,7 @@ import casadi as ca
 import numpy as np
 
 from symkin.closure.expression_graph import walk
+from symkin.spatial.backend import stacked
 
 _LEAST = 1e-300
 """What keeps quotients of zeros finite."""
@@ -145,7 +146,7 @@ def term_sizes(expressions: ca.SX, symbols: ca.SX, sizes: ca.SX) -> ca.SX:
     sizes.
     """
     found = _walked(_function(expressions, symbols), symbols.elements(), sizes.elements())
-    return ca.vertcat(ca.SX(0, 1), *(size for _, size in found))
+    return stacked(size for _, size in found)
 
 
 def _function(expressions: ca.SX, symbols: ca.SX) -> ca.Function:

@@ -22,6 +22,7 @@ from symkin.numeric.system import System, split_blocks
 from symkin.numeric.tape import build_tape, raise_constants
 from symkin.numeric.tolerances import ROUNDED_STEP
 from symkin.position.problem import Problem
+from symkin.spatial.backend import stacked
 
 NEWTON_ARRIVED = 1e-7
 """A Newton step below this (over the size, or rad) is that of a root: the next one would be its
@@ -202,7 +203,7 @@ def _path_system(problem: Problem, system: System) -> PathSystem:
     y = ca.SX.sym("y", system.width + 1)
     scale = np.array(units_of(system.unknowns, size))
     c = ca.SX.sym("c", sum(9 if one.is_rotation else 2 for one in problem.known_coordinates))
-    known = ca.vertcat(ca.SX(0, 1), *between_samples(problem.known_coordinates, c, y[system.width]))
+    known = stacked(between_samples(problem.known_coordinates, c, y[system.width]))
     rows = ca.substitute(
         system.rows / size,
         ca.vertcat(system.unknown, system.known),

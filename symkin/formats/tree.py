@@ -28,6 +28,7 @@ from symkin.numeric.mapped import Mapped
 from symkin.numeric.nearest_root import NearestRoot
 from symkin.numeric.system import NOTHING, System
 from symkin.numeric.tolerances import CLOSED_CONFIGURATION, FILE_DIGITS
+from symkin.spatial.backend import stacked
 from symkin.spatial.pose import Pose
 
 _ONE_POINT = 1e-12
@@ -76,10 +77,10 @@ class Tree:
         own, nothing = self._rows, ca.SX(0, 1)
         return System(
             tuple(c for c, _ in own.coordinates.values()),
-            ca.vertcat(nothing, *(symbol for _, symbol in own.coordinates.values())),
+            stacked(symbol for _, symbol in own.coordinates.values()),
             nothing,
-            ca.vertcat(nothing, *own.rows),
-            ca.vertcat(nothing, *own.errors),
+            stacked(own.rows),
+            stacked(own.errors),
             self.size,
         )
 

@@ -22,6 +22,7 @@ from symkin.homotopy.six_distances import (
 from symkin.model.joint import Coordinate, units_of
 from symkin.position.groups import without_later
 from symkin.position.problem import Problem
+from symkin.spatial.backend import stacked
 
 _ALL_ROWS = 1e-6
 """Largest row, over the size, of a root of combined rows that is one of all: given values that were
@@ -47,8 +48,8 @@ def system_of(problem: Problem) -> AlgebraicSystem:
     }
     rows, symbols, eliminated = _written(problem, forms)
     affine = tuple(c for c in system.unknowns if c.body not in unknown and c not in eliminated)
-    stacked = {c.name: closure.variables[closure.slices[c.name]] for c in closure.coordinates}
-    z_parts, z_scale = [stacked[c.name] for c in affine], units_of(affine, size)
+    z_parts = [closure.variables[closure.slices[c.name]] for c in affine]
+    z_scale = units_of(affine, size)
     for body in unknown:
         z_parts.append(symbols[body])
         z_scale += [1.0] * 4
@@ -56,7 +57,7 @@ def system_of(problem: Problem) -> AlgebraicSystem:
             z_scale += [size] * 4
             rows = ca.vertcat(rows, ca.dot(symbols[body][:4], symbols[body][4:]))
     k_parts, k_scale, ray = _known_parts(problem, symbols)
-    z, k = ca.vertcat(*z_parts), ca.vertcat(ca.SX(0, 1), *k_parts)
+    z, k = ca.vertcat(*z_parts), stacked(k_parts)
     scaled = ca.vertcat(z * ca.DM(z_scale), k * ca.DM(k_scale))
     angles = ca.substitute(ca.vertcat(*eliminated.values()), ca.vertcat(z, k), scaled)
     return AlgebraicSystem(
@@ -110,7 +111,7 @@ def joint_rows(problem: Problem) -> ca.SX:
     """The rows of a problem without unknown bodies, whose known quaternions may have any length."""
     bodies = floating_bodies(problem.known_coordinates)
     rows, symbols, _ = _written(problem, dict.fromkeys(bodies, "homogeneous"))
-    known = ca.vertcat(ca.SX(0, 1), *_known_parts(problem, symbols)[0])
+    known = stacked(_known_parts(problem, symbols)[0])
     return ca.substitute(rows, known, problem.system.known)
 
 
@@ -124,7 +125,7 @@ def _implied(problem: Problem, symbols: Mapping[str, ca.SX]) -> ca.SX:
             e, dual = symbols[body][:4], symbols[body][4:]
             pose = StudyPose(e, dual) if dual.numel() else HomogeneousPose(ca.SX(3, 1), e)
             names = [f"{body}.{axis}" for axis in "xyz" if f"{body}.{axis}" in closure.slices]
-            place = ca.vertcat(ca.SX(0, 1), *(closure.variables[closure.slices[n]] for n in names))
+            place = stacked(closure.variables[closure.slices[n]] for n in names)
             turn = closure.variables[closure.slices[f"{body}.quaternion"]]
             value = row.weighted(place, turn, pose)
         found = ca.vertcat(found, value / (2 * size) if row.is_sphere else value)

@@ -60,10 +60,10 @@ def lowered(
     *,
     pose: bool = True,
     kept: frozenset[str] = frozenset(),
-) -> Lowered:
+) -> Lowered | None:
     """The machine of a description whose coordinates `given` stay, as those `kept`, and whose
-    platform's `pose` is a coordinate or not. A graph is the limbs that it is where all of its
-    driven joints, or the whole pose, are given.
+    platform's `pose` is a coordinate or not; None where it is the description itself. A graph is
+    the limbs that it is where all of its driven joints, or the whole pose, are given.
     """
     bare = _without_points(mechanism)
     whole = pose if not given else given == {c.name for c in mechanism.actuated}
@@ -75,7 +75,14 @@ def lowered(
     placed, frames = with_own_motion(plain, declare=pose or not plain.is_graph)
     alone, guides = without_guides(placed) if whole else (placed, ())
     machine, readings = with_universal_joints(alone, given | kept)
+    if machine is mechanism:
+        return None
     return Lowered(mechanism, machine, frames, readings, links, guides)
+
+
+def posed(mechanism: Mechanism) -> Lowered:
+    """The machine of a description whose pose is known, which may be the description itself."""
+    return lowered(mechanism) or Lowered(mechanism, mechanism)
 
 
 @lru_cache(maxsize=128)

@@ -5,7 +5,7 @@ between links.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -59,6 +59,18 @@ class Bar:
     def reference_length(self) -> float:
         """Distance of the ends at the reference."""
         return float(np.linalg.norm(np.subtract(*self.places)))
+
+    @property
+    def coordinates(self) -> tuple[Coordinate, ...]:
+        """Its coordinate, if it has one."""
+        return () if self.coordinate is None else (self.coordinate,)
+
+    def driven(self, limits: Sequence[float] | None) -> Bar:
+        """The same with a coordinate, whose range is within `limits`."""
+        bounds = None if limits is None else (limits[0], limits[1])
+        reference = self.reference_length - self.offset
+        c = Coordinate(self.name, "length", "actuated", (reference,), bounds, least=-self.offset)
+        return replace(self, coordinate=c)
 
     @property
     def freedom(self) -> int:

@@ -136,17 +136,13 @@ class Description:
     @cached_property
     def _as_described(self) -> tuple[Coordinate, ...]:
         """Every coordinate, couplings left aside."""
-        found: list[Coordinate] = []
+        parts: list[Joint | Bar] = []
         for limb in self.limbs:
-            found.extend(c for joint in limb.joints for c in joint.coordinates)
-            found.extend(
-                bar.coordinate
-                for bar in limb.bars(self.reference_pose)
-                if bar.coordinate is not None
-            )
-        found.extend(c for entry in self.link_joints for c in entry.joint.coordinates)
-        found.extend(rod.coordinate for rod in self.link_rods if rod.actuated)
-        return tuple(found)
+            parts += limb.joints
+            parts += limb.bars(self.reference_pose)
+        parts += [entry.joint for entry in self.link_joints]
+        parts += [rod.bar for rod in self.link_rods]
+        return tuple(c for part in parts for c in part.coordinates)
 
     @cached_property
     def advancing(self) -> Mapping[str, str]:

@@ -20,7 +20,7 @@ import numpy as np
 from symkin.computed_once import cached_property
 from symkin.errors import MechanismError
 from symkin.model.bar import Bar, RodEnd
-from symkin.model.joint import Coordinate, Joint, finite, interval, link_pair, vector3
+from symkin.model.joint import Joint, finite, interval, link_pair, vector3
 from symkin.model.limb import coincide
 
 MOST_POWERS = 4
@@ -119,24 +119,12 @@ class LinkRod:
         return float(np.linalg.norm(np.subtract(self.end, self.start)))
 
     @property
-    def coordinate(self) -> Coordinate:
-        """The coordinate of an actuated rod."""
-        limits = None if self.limits is None else (self.limits[0], self.limits[1])
-        reference = self.reference_length - self.offset
-        return Coordinate(self.name, "length", "actuated", (reference,), limits, least=-self.offset)
-
-    @property
     def bar(self) -> Bar:
         """The rod as the closure takes it."""
-        return Bar(
-            self.name,
-            start=RodEnd(f"{self.name}.from", tuple(self.start)),
-            end=RodEnd(f"{self.name}.to", tuple(self.end)),
-            path=self.name,
-            length=self.length,
-            offset=self.offset,
-            coordinate=self.coordinate if self.actuated else None,
-        )
+        start = RodEnd(f"{self.name}.from", tuple(self.start))
+        end = RodEnd(f"{self.name}.to", tuple(self.end))
+        bar = Bar(self.name, start, end, self.name, self.length, self.offset)
+        return bar.driven(self.limits) if self.actuated else bar
 
 
 @dataclass(frozen=True)

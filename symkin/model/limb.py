@@ -5,7 +5,7 @@ that end in rods.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
 import numpy as np
@@ -15,7 +15,6 @@ from symkin.model.bar import Bar, RodEnd
 from symkin.model.joint import (
     BASE,
     PLATFORM,
-    Coordinate,
     Joint,
     finite,
     interval,
@@ -80,18 +79,12 @@ class RodLimb:
         """The link that carries the rod."""
         return [self.links[0]]
 
-    def coordinate(self, reference: float) -> Coordinate:
-        """The rod's coordinate with its value at the reference configuration."""
-        limits = None if self.limits is None else (self.limits[0], self.limits[1])
-        return Coordinate(self.name, "length", "actuated", (reference,), limits, least=-self.offset)
-
     def bars(self, platform: Pose) -> tuple[Bar, ...]:
         """The rod, for a reference pose of the platform."""
         start = RodEnd(f"{self.name}.base", tuple(self.base))
         end = RodEnd.of_platform(f"{self.name}.platform", self.platform, platform)
         bar = Bar(self.name, start, end, self.name, offset=self.offset, spins=self.type == "SPS")
-        reference = bar.reference_length - self.offset
-        return (replace(bar, coordinate=self.coordinate(reference)),)
+        return (bar.driven(self.limits),)
 
 
 @dataclass(frozen=True)

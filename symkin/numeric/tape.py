@@ -19,6 +19,7 @@ import numpy as np
 
 from symkin.closure.expression_graph import instructions, rebuilt
 from symkin.computed_once import cached_property
+from symkin.spatial.backend import stacked
 
 Part = Literal["value", "slope"]
 """A column f, or its derivatives by z."""
@@ -167,7 +168,7 @@ def raise_constants(expression: ca.SX, *inputs: ca.SX) -> tuple[ca.SX, ca.SX, tu
         )
 
     result = rebuilt(function, inputs, raised, lambda value: value)
-    return result, ca.vertcat(ca.SX(0, 1), *places.values()), tuple(places)
+    return result, stacked(places.values()), tuple(places)
 
 
 def _pattern(function: ca.Function, i: int) -> tuple[np.ndarray, np.ndarray]:

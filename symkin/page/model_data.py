@@ -35,6 +35,7 @@ from symkin.position.readings import left_out
 from symkin.position.solution import Solution
 from symkin.position.solve import solve
 from symkin.position.solve_result import SolveResult
+from symkin.spatial.backend import stacked
 from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import conjugate, matrix_from_quaternion, multiply
 
@@ -354,7 +355,7 @@ def _functions(problem: Problem, links: Mapping[str, Pose]) -> tuple[str, dict[s
         for link in links.values()
     ]
     joints = joint_expressions(closure, links)
-    read = ca.vertcat(ca.SX(0, 1), *(joints[c.name] for c in left_out(closure)))
+    read = stacked(joints[c.name] for c in left_out(closure))
     pose = closure.bound(ca.densify(ca.vertcat(closure.pose.position, closure.pose.quaternion)))
     texts = [
         javascript("system", x, [rows, jacobian]),

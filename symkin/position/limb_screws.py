@@ -15,7 +15,6 @@ import casadi as ca
 import numpy as np
 
 from symkin.closure.closure import Closure, build_closure
-from symkin.model.joint import Coordinate
 from symkin.numeric.rank import null_space, row_space
 from symkin.numeric.system import System
 from symkin.numeric.tolerances import RANK_TOLERANCE
@@ -47,14 +46,14 @@ def limb_screws(closure: Closure, values: np.ndarray) -> tuple[LimbScrews, ...]:
     if closure.mechanism.is_graph:
         return ()
     spatial, z, jacobian = in_space(closure, values)
-    columns = per_freedom(spatial.coordinates)
-    joints = [k for k, c in enumerate(columns) if c.role != "pose"]
-    passive = [k for k, c in enumerate(columns) if c.role == "passive"]
+    roles = [c.role for c in spatial.owners]
+    joints = [k for k, role in enumerate(roles) if role != "pose"]
+    passive = [k for k, role in enumerate(roles) if role == "passive"]
     position = z[spatial.slices["pose.x"].start :][:3]
     screws = []
     for limb in closure.mechanism.limbs:
         rows = [k for k, row in enumerate(spatial.row_sources) if row.limb == limb.name]
-        twist_rows = jacobian[rows][:, [k for k, c in enumerate(columns) if c.role == "pose"]]
+        twist_rows = jacobian[rows][:, [k for k, role in enumerate(roles) if role == "pose"]]
         systems = []
         for kept in (joints, passive):
             wrenches = (
@@ -163,7 +162,3 @@ def readable_span(wrenches: np.ndarray, size: float) -> np.ndarray:
     rows = tidy_rows(basis) / weights
     forces, moments = np.linalg.norm(rows[:, :3], axis=1), np.linalg.norm(rows[:, 3:], axis=1)
     return rows / np.where(forces > 1e-9, forces, moments)[:, None]
-
-
-def per_freedom(coordinates: tuple[Coordinate, ...]) -> list[Coordinate]:
-    return [c for c in coordinates for _ in range(c.freedom)]

@@ -18,7 +18,7 @@ from symkin.position.closed_configurations import (
 from symkin.position.file_digits import LeastSquaresEnds
 from symkin.position.generic_rank import generic_rank
 from symkin.position.gruebler import gruebler_kutzbach
-from symkin.position.limb_screws import limb_screws, per_freedom, platform_screws
+from symkin.position.limb_screws import limb_screws, platform_screws
 from symkin.position.loops import loops_at
 from symkin.position.mobility_result import (
     Misfit,
@@ -69,7 +69,7 @@ def mobility(mechanism: Mechanism, *, seed: int = 0) -> Mobility:
     found = generic_rank(assembly_of(closure), seed)
     values, rank = found.values, found.rank
     generic = Rank(rank.value + found.above, float("inf")) if found.above else rank
-    unknown = [c.role != "actuated" for c in per_freedom(closure.coordinates)]
+    unknown = [c.role != "actuated" for c in closure.owners]
     direct = Rank.of(system.linearise_one(values)[1][:, unknown])
     limbs = limb_screws(closure, values)
     at_reference = reference_rank is not None and reference_rank.value == rank.value

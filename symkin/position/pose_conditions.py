@@ -14,7 +14,7 @@ import numpy as np
 
 from symkin.closure.closure import Closure, build_closure
 from symkin.computed_once import lru_cache
-from symkin.machine.lower import lowered
+from symkin.machine.lower import posed
 from symkin.model.joint import Coordinate
 from symkin.model.keys import ABOUT_Z
 from symkin.model.mechanism import Mechanism
@@ -104,7 +104,7 @@ def _of_turned(mechanism: Mechanism) -> str:
     """What else would let pose coordinates vary, of a platform whose motion is about another axis
     than z.
     """
-    low = lowered(mechanism)
+    low = posed(mechanism)
     if low.frames is None or low.machine.motion not in ABOUT_Z:
         return ""
     axis = np.asarray(low.frames.base.inverse().turn((0.0, 0.0, 1.0)))

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from symkin.machine.lower import Lowered, lowered
+from symkin.machine.lower import Lowered, posed
 from symkin.model.keys import ABOUT_Z
 from symkin.model.machine import untwisted
 from symkin.model.mechanism import Mechanism
@@ -121,7 +121,7 @@ def reader_of_poses(mechanism: Mechanism) -> Lowered:
     the platform, or tie of its pose: it declares no motion, or is a graph. The description where it
     does.
     """
-    low = lowered(mechanism)
+    low = posed(mechanism)
     tells_more = mechanism.is_graph and not low.machine.is_graph
     told = tells_more or low.machine.motion != mechanism.motion
     return low if told else Lowered(mechanism, mechanism)

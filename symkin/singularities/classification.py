@@ -221,7 +221,7 @@ def _groups(solution: Solution, roles: Roles, tolerance: float) -> tuple[Singula
     """The structure groups of the problem whose known coordinates drive that are singular at a
     solution.
     """
-    problem = build_problem(solution.mechanism, roles.inputs or (), ())
+    problem = build_problem(solution.mechanism, roles.inputs, ())
     return singular_groups(problem, variables_elsewhere(problem.closure, solution), tolerance)
 
 
@@ -236,7 +236,7 @@ def _of_limbs(solution: Solution, roles: Roles, tolerance: float) -> tuple[np.nd
     closure = build_closure(low.machine)
     equations = limbwise_equations(closure, variables_of(closure, solution), tolerance)
     ranks = Ranks.of(equations, tolerance)
-    generic = generic_ranks(Roles(low.machine)).at_other_assembly(ranks)
+    generic = generic_ranks(Roles.of_limbs(low.machine)).at_other_assembly(ranks)
     return equations.constraints, ranks.constraints, generic.constraints
 
 
@@ -361,9 +361,8 @@ def _notes(
     """Sentences on what is not looked for or counted, and where the freedoms differ from those
     elsewhere.
     """
-    mechanism = closure.mechanism
     notes = [] if roles.by_name else _notes_on_platform(closure, generic, output)
-    driven = len(roles.inputs or mechanism.actuated)
+    driven = len(roles.inputs)
     if generic.inputs < driven:
         what = "given coordinates" if roles.by_name else "actuated joints"
         notes.append(f"only {generic.inputs} of {driven} {what} are independent")

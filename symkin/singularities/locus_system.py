@@ -25,7 +25,7 @@ import numpy as np
 from symkin.assembly.as_written import machine_of
 from symkin.closure.closure import Closure
 from symkin.errors import InputError
-from symkin.machine.lower import Lowered, arm_or_limbs, lowered
+from symkin.machine.lower import Lowered, arm_or_limbs, posed
 from symkin.model.joint import Coordinate
 from symkin.model.joint_forms import Kind
 from symkin.model.mechanism import Mechanism
@@ -129,7 +129,7 @@ def pose_planes(mechanism: Mechanism) -> Lowered | None:
     """The machine over whose pose coordinates loci may be asked for, a platform on limbs, in the
     frame of its description; None of another one.
     """
-    turned = lowered(mechanism)
+    turned = posed(mechanism)
     low = turned if turned.frames is None else arm_or_limbs(mechanism)
     return None if low is None or low.machine.is_graph else low
 
@@ -307,8 +307,7 @@ def locus_systems(plane: Plane, kinds: Sequence[LocusKind]) -> list[LocusSystem]
             if plane.by_name
             else {c.name for c in closure.role("actuated")}
         )
-        owners = [c.name for c in closure.coordinates for _ in range(c.freedom)]
-        kept = [k for k, name in enumerate(owners) if name not in family]
+        kept = [k for k, c in enumerate(closure.owners) if c.name not in family]
         systems.append(
             _system(plane, whole, "type 2", None, list(range(closure.rows.shape[0])), kept, generic)
         )
@@ -332,9 +331,8 @@ def _system(
 ) -> LocusSystem:
     """With a given pose limbs are apart: type 1 of a limb needs its own rows and joints only."""
     closure, size = plane.closure, plane.closure.characteristic_length
-    per_freedom = [c for c in closure.coordinates for _ in range(c.freedom)]
     alone = plane.of_pose and kind == "type 1"
-    names = {per_freedom[k].name for k in columns}
+    names = {closure.owners[k].name for k in columns}
     free = tuple(c for c in plane.free if c.name in names) if alone else plane.free
     used = rows if alone else list(range(closure.rows.shape[0]))
     closed_rows = _substituted(plane, whole.rows[used, 0])
@@ -347,7 +345,7 @@ def _system(
         [
             k
             for k, column in enumerate(columns)
-            if plane.by_name or per_freedom[column].role == role
+            if plane.by_name or closure.owners[column].role == role
         ],
     )
     closed = System((*free, *plane.coordinates), fixed, nothing, closed_rows, closed_rows, size)

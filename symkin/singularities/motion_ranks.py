@@ -141,7 +141,7 @@ def held_motions(
     left = null_space(rows[:, free], tolerance)
     motions = np.zeros((len(left), jacobian.shape[1]))
     motions[:, free] = left
-    names = other_joints(closure, roles.inputs or ())
+    names = other_joints(closure, roles.inputs)
     joints = [c for name in names for c in closure.coordinates if c.name == name]
     told = row_space(motions[:, columns_by_name(closure, names)], tolerance)
     return tuple(joint_rates(closure.mechanism, joints, row) for row in tidy_rows(told))

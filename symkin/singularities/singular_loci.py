@@ -120,7 +120,7 @@ def _check(plane: Plane, kinds: Sequence[str], starts: int, seed: int) -> None:
 
 def check_poses_vary(machine: Mechanism, names: Sequence[str]) -> None:
     """Raise InputError unless every pose near a configuration is one that the machine takes."""
-    freedoms = generic_ranks(Roles(machine)).outputs
+    freedoms = generic_ranks(Roles.of_limbs(machine)).outputs
     wanted = sum(c.freedom for c in build_closure(machine).role("pose"))
     if freedoms < wanted:
         joints = f"one or two of the actuated joints {', '.join(actuated_names(machine))}"

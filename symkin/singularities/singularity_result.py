@@ -114,7 +114,7 @@ class Singularity(Result):
     @property
     def given(self) -> tuple[str, ...]:
         """The coordinates that drive, where they are told by name."""
-        return self.roles.inputs or ()
+        return self.roles.inputs if self.roles.by_name else ()
 
     @property
     def rank_loss(self) -> int:

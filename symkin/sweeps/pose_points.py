@@ -106,7 +106,7 @@ def _check_conditions(
     mechanism: Mechanism, base: Sequence[float], values: Mapping[str, np.ndarray]
 ) -> None:
     swept = [name for name, v in values.items() if v[-1] > v[0]]
-    freedoms = generic_ranks(Roles(mechanism)).outputs
+    freedoms = generic_ranks(Roles.of_limbs(mechanism)).outputs
     coordinates = sum(c.freedom for c in build_closure(mechanism).role("pose"))
     if not swept or freedoms >= coordinates:
         return

@@ -206,10 +206,7 @@ def _part(edge: Branch) -> Joint | Bar:
 
 
 def _coordinates(edge: Branch) -> tuple[Coordinate, ...]:
-    part = _part(edge)
-    if isinstance(part, Bar):
-        return () if part.coordinate is None else (part.coordinate,)
-    return part.coordinates
+    return _part(edge).coordinates
 
 
 def _welded(entry: LinkJoint) -> LinkJoint:

@@ -20,6 +20,7 @@ from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.position.solution import Solution
 from symkin.position.solve_result import SolveError
 from symkin.result import Result, Summary, json_fields
+from symkin.spatial.backend import stacked
 from symkin.text import not_among
 from symkin.velocity.differential import differentiate, variable_rates
 from symkin.velocity.equations import VelocityEquations, variables_of, velocity_equations
@@ -92,7 +93,7 @@ class Jacobian(Result):
         parts = [self.closure.variables[v.index] for v in self.inputs] + [
             self.closure.parameters[v.index] for v in self.parameters
         ]
-        return ca.vertcat(ca.SX(0, 1), *parts)
+        return stacked(parts)
 
     @cached_property
     def function(self) -> ca.Function:

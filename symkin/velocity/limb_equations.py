@@ -93,7 +93,7 @@ def limbwise_equations(
     """The normal form at a closed configuration (a full vector of variables). Singular values below
     `tolerance` count as zero.
     """
-    roles = Roles(closure.mechanism) if roles is None else roles
+    roles = roles or Roles.of_limbs(closure.mechanism)
     _, jacobian = whole_system(closure).linearise_one(values, np.zeros(0))
     outputs, inputs = roles.output_columns(closure), roles.input_columns(closure)
     # parts that loops share lose rank together at a configuration that is known to half of its
@@ -152,14 +152,14 @@ def limb_blocks(closure: Closure, roles: Roles | None = None) -> tuple[LimbBlock
     """The limbs' blocks, in the order of their rows; limbs that share passive coordinates are
     one.
     """
-    roles = Roles(closure.mechanism) if roles is None else roles
+    roles = roles or Roles.of_limbs(closure.mechanism)
     inputs = roles.input_columns(closure)
-    names = [c.name for c in closure.coordinates for _ in range(c.freedom)]
-    passive = [k for k in range(len(names)) if k not in {*inputs, *roles.output_columns(closure)}]
+    owners, others = closure.owners, {*inputs, *roles.output_columns(closure)}
+    passive = [k for k in range(len(owners)) if k not in others]
     pattern = np.asarray(ca.DM(ca.jacobian_sparsity(closure.rows, closure.variables), 1)) != 0
 
     def held(columns: list[int], rows: list[int]) -> list[int]:
-        return [k for k in columns if pattern[rows, closure.slices[names[k]]].any()]
+        return [k for k in columns if pattern[rows, closure.slices[owners[k].name]].any()]
 
     parts: list[tuple[str, list[int]]] = []
     for name in dict.fromkeys(row.limb for row in closure.row_sources):

@@ -14,7 +14,7 @@ from symkin.model.mechanism import Mechanism
 from symkin.numeric.tolerances import RANK_TOLERANCE
 from symkin.position.determination import determination
 from symkin.position.given import given_coordinates, unknown_name
-from symkin.position.problem import build_problem, plain_kind, pose_names
+from symkin.position.problem import actuated_names, build_problem, plain_kind, pose_names
 
 _OPEN_RANK, _MOST_OPEN = 1e3, 1e-2
 """Singular values below this many times the share of the size by which loops stay open are those of
@@ -24,30 +24,32 @@ redundant rows, up to a share of the largest.
 
 @dataclass(frozen=True)
 class Roles:
-    """The coordinates that are driven (`inputs`) and those that are wanted (`outputs`), by name.
-    Without names, they are the actuated joints and the platform's pose of limbs. `outputs` of None
-    are all other joints.
+    """The coordinates that are driven (`inputs`) and those that are wanted (`outputs`), by name;
+    `outputs` of None are all other joints. `by_name`: they are told, and not the actuated joints
+    and the platform's pose of limbs.
     """
 
     mechanism: Mechanism
-    inputs: tuple[str, ...] | None = None
-    outputs: tuple[str, ...] | None = None
+    inputs: tuple[str, ...]
+    outputs: tuple[str, ...] | None
+    by_name: bool = True
 
-    @property
-    def by_name(self) -> bool:
-        return self.inputs is not None
+    @staticmethod
+    def of_limbs(mechanism: Mechanism) -> Roles:
+        """The actuated joints drive, and the platform's pose is wanted."""
+        return Roles(mechanism, actuated_names(mechanism), pose_names(mechanism), by_name=False)
 
     @property
     def has_twist(self) -> bool:
         """Whether the output is the platform's twist."""
-        return not self.by_name or self.outputs == pose_names(self.mechanism)
+        return self.outputs == pose_names(self.mechanism)
 
     @property
     def closure(self) -> Closure:
         """The closure of what is asked; that of names holds every joint whose coordinates are
         numbers, so that where loops would be cut does not matter.
         """
-        if self.inputs is None:
+        if not self.by_name:
             return build_closure(self.mechanism)
         numbers = [c.name for c in self.mechanism.coordinates if not c.is_rotation]
         held = dict.fromkeys([*numbers, *(self.outputs or ())])
@@ -57,15 +59,13 @@ class Roles:
     @property
     def names_output(self) -> bool:
         """Whether the output is less than all that is not driven."""
-        return not self.by_name or self.outputs is not None
+        return self.outputs is not None
 
     @property
     def dependent_rows(self) -> float:
         """Singular value of rows, over the largest, below which rows of names follow from others:
         more than rounding where loops of redundant constraints close only to the digits of a file.
         """
-        if self.inputs is None:
-            return RANK_TOLERANCE
         misfit = determination(build_problem(self.mechanism, self.inputs, ())).misfit
         return max(
             RANK_TOLERANCE,
@@ -74,19 +74,14 @@ class Roles:
 
     def input_columns(self, closure: Closure) -> list[int]:
         """Columns of the closure's Jacobian by rates of what is driven."""
-        if self.inputs is None:
-            return columns_by_name(closure, [c.name for c in closure.role("actuated")])
         return columns_by_name(closure, self.inputs)
 
     def driven(self, closure: Closure) -> list[Coordinate]:
         """The coordinates that drive, one for each input column."""
-        owners = [c for c in closure.coordinates for _ in range(c.freedom)]
-        return [owners[k] for k in self.input_columns(closure)]
+        return [closure.owners[k] for k in self.input_columns(closure)]
 
     def output_columns(self, closure: Closure) -> list[int]:
         """Columns of the closure's Jacobian by rates of what is wanted."""
-        if self.inputs is None:
-            return columns_by_name(closure, [c.name for c in closure.role("pose")])
         return columns_by_name(
             closure, other_joints(closure, self.inputs) if self.outputs is None else self.outputs
         )
@@ -110,13 +105,10 @@ def roles_of(
     without `outputs` the platform, or all other joints where there is none or its own coordinates
     drive. Raises InputError for names that nothing has.
     """
-    driven = (
-        tuple(c.name for c in mechanism.actuated)
-        if inputs is None
-        else checked_names(mechanism, inputs, "given")
-    )
+    driven = actuated_names(mechanism)
+    driven = driven if inputs is None else checked_names(mechanism, inputs, "given")
     if outputs is None and plain_kind(mechanism, driven) is not None:
-        return Roles(mechanism)
+        return Roles.of_limbs(mechanism)
     if not driven:
         raise InputError(f"{mechanism.name}: no joint is actuated; name what drives it, by given")
     if outputs is not None:
@@ -165,5 +157,4 @@ def _joint_names(mechanism: Mechanism) -> set[str]:
 
 def columns_by_name(closure: Closure, names: Sequence[str]) -> list[int]:
     """Columns of the closure's Jacobian by rates of some coordinates, in the order of the names."""
-    owners = [c.name for c in closure.coordinates for _ in range(c.freedom)]
-    return [k for name in names for k, owner in enumerate(owners) if owner == name]
+    return [k for name in names for k, c in enumerate(closure.owners) if c.name == name]

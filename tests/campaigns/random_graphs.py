@@ -222,7 +222,7 @@ def compare(
     judge = configurations(g, given, starts)
     low = lowered(mechanism, frozenset(given))
     # of three revolutes that are a ball one triple of angles is told: the others tell the mode
-    balls = {n for r in low.readings if len(r.names) == 3 for n in r.names}
+    balls = {n for r in (low.readings if low else ()) if len(r.names) == 3 for n in r.names}
     missing, unpaired = (_missing(g, judge, one, balls) for one in (found, paths))
     about: dict[str, object] = {
         "modes": len(found),

@@ -11,6 +11,7 @@ import pytest
 import symkin
 from helpers.command_line import run, run_json
 from helpers.gate import in_gate
+from helpers.graph_twin import graph_twin
 from helpers.inside import MOST_PARTS, oddities, parse
 from helpers.shipped import TWELVE
 
@@ -53,6 +54,15 @@ def test_a_point_far_off(key: str) -> None:
         for limb in HEXAPOD.limbs
     ]  # type: ignore[type-var, union-attr]
     assert oddities(dataclasses.replace(HEXAPOD, limbs=scaled)) == ()
+
+
+def test_ends_of_rods_between_links_are_looked_at_too() -> None:
+    """The hexapod as a graph of links: the same end, a thousand times as far, is named."""
+    legs = list(graph_twin(HEXAPOD).link_rods)
+    legs[0] = dataclasses.replace(legs[0], start=tuple(1000.0 * np.array(legs[0].start)))
+    odd = oddities(dataclasses.replace(graph_twin(HEXAPOD), link_rods=legs))
+    assert "leg1.from lies" in odd[0]
+    assert oddities(graph_twin(HEXAPOD)) == ()
 
 
 def test_degrees_in_a_file_of_radians(capsys: pytest.CaptureFixture[str], tmp_path: object) -> None:

@@ -41,7 +41,8 @@ def test_a_rod_limb_has_one_actuated_length(kind):
     value = 0.
     """
     limb = RodLimb("leg", (0, 0, 0), (0, 0, 1), offset=3.0, limits=[1, 2], type=kind)
-    c = limb.coordinate(7.0)
+    (bar,) = limb.bars(Pose(np.array([0.0, 0.0, 9.0]), np.array([1.0, 0.0, 0.0, 0.0])))
+    c = bar.coordinate
     assert (c.name, c.kind, c.role, c.reference, c.limits) == (
         "leg",
         "length",

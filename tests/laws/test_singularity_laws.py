@@ -153,7 +153,7 @@ def test_generic_ranks_of_shipped_mechanisms() -> None:
     independent constraints.
     """
     ranks = {
-        name: generic_ranks(Roles(symkin.load(name)))
+        name: generic_ranks(Roles.of_limbs(symkin.load(name)))
         for name in ("zhang2009", "gluon_6l3", "zhao2000_links")
     }
     assert [r.motions for r in ranks.values()] == [6, 6, 4]
@@ -177,9 +177,9 @@ def test_a_singular_configuration_among_others_changes_no_generic_rank(
         "closed_configurations",
         lambda *_: [stretched, bent] if first else [bent, stretched],
     )
-    assert generic_ranks(Roles(arm)).rates == 6
+    assert generic_ranks(Roles.of_limbs(arm)).rates == 6
     monkeypatch.setattr(motion_ranks, "closed_configurations", lambda *_: [stretched])
-    assert generic_ranks(Roles(replace(arm, name=f"stretched_{first}"))).rates < 6
+    assert generic_ranks(Roles.of_limbs(replace(arm, name=f"stretched_{first}"))).rates < 6
 
 
 def assert_verdict_and_distances_agree(found: Singularity) -> None:

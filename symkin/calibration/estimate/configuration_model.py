@@ -28,7 +28,7 @@ from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.mapped import Mapped
 from symkin.numeric.system import NOTHING, System
-from symkin.spatial.backend import dot
+from symkin.spatial.backend import dot, stacked
 from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import conjugate, multiply, quaternion_from_rotation_vector, rotate
 from symkin.text import meant, shown
@@ -252,7 +252,7 @@ def model_of(
     slots |= {name: next(measured) for name in read if name.endswith(".orientation")}
     readings = [known.reading(o, slots.get(o.name)) for o in channels]
     exact = [known.reading(o) for o in channels]
-    parameters = ca.vertcat(ca.SX(0, 1), *(symbols[n] for n in names))
+    parameters = stacked(symbols[n] for n in names)
     unknowns = closure.role("passive", "body", "pose")
     types = tuple(table[n][1] for n in names)
     return ConfigurationModel(
@@ -273,8 +273,8 @@ def model_of(
         joints=known.joints,
         parameters=parameters,
         quaternion=quaternion,
-        readings=ca.vertcat(ca.SX(0, 1), *readings),
-        exact=ca.vertcat(ca.SX(0, 1), *exact),
+        readings=stacked(readings),
+        exact=stacked(exact),
         channels=channels,
         pose=known.pose,
     )
@@ -289,7 +289,7 @@ class _Known:
     def __init__(self, mechanism: Mechanism, symbols: Mapping[str, ca.SX], seen: Observed) -> None:
         self.mechanism, self.symbols, self.seen = mechanism, symbols, seen
         closure, actuated = seen.closure, seen.closure.role("actuated")
-        self.joints = ca.vertcat(ca.SX(0, 1), *(ca.SX.sym(f"{c.name}.reading") for c in actuated))
+        self.joints = stacked(ca.SX.sym(f"{c.name}.reading") for c in actuated)
         own = dict(zip(closure.parameter_names, closure.parameter_values, strict=True))
         values = own | {name: value for name, (_, value) in seen.geometry.items()}
         self._before = ca.vertcat(
