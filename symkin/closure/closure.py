@@ -22,8 +22,6 @@ from symkin.spatial.backend import stacked
 from symkin.spatial.pose import Pose
 
 _ZERO_ROW = 1e-11
-_MOST_ROWS = 6
-"""Rows of a joint at most."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -263,8 +261,7 @@ def _nonzero_rows(
     values: np.ndarray,
 ) -> tuple[int, ...]:
     """Numbers of the rows that a restricted motion leaves, or a loop that is planar or spherical:
-    those that vanish identically at the nominal geometry are dropped, and those that are sums of
-    others of their joint with constant factors, as where a loop's plane is oblique.
+    those that vanish identically at the nominal geometry are dropped.
     """
     if builder.mechanism.motion == "spatial" and all(
         branch.carries or set(branch.ends) & set(builder.layout.floating)
@@ -274,13 +271,7 @@ def _nonzero_rows(
         return tuple(range(len(builder.rows)))
     evaluate = ca.Function("rows", [variables, symbols], [ca.vertcat(*builder.rows)])
     size = builder.mechanism.characteristic_length
-    numbers = _at_random(lambda sample: evaluate(sample, values), coordinates, size)
-    places: dict[Any, list[int]] = {}
-    for k, source in enumerate(builder.sources):
-        # of rods that are parallel by their numbers each has its own length
-        places.setdefault(k if source.relation == "distance" else source, []).append(k)
-    kept = (own[k] for own in places.values() for k in _independent(numbers[:, own], size))
-    return tuple(sorted(kept))
+    return nonzero_rows(lambda sample: evaluate(sample, values), coordinates, size)
 
 
 def nonzero_rows(
@@ -289,31 +280,10 @@ def nonzero_rows(
     """Numbers of the rows that do not vanish at random points: those that do are zero everywhere,
     with probability one.
     """
-    largest = np.max(np.abs(_at_random(evaluate, coordinates, size)), axis=0)
-    return tuple(int(k) for k in np.flatnonzero(largest > _ZERO_ROW * size))
-
-
-def _at_random(
-    evaluate: Callable[[np.ndarray], Any], coordinates: Sequence[Coordinate], size: float
-) -> np.ndarray:
-    """Rows (points, n) at as many random points as the rows of a joint are at most."""
     rng = np.random.default_rng(0)
-    points = (random_values(coordinates, size, rng) for _ in range(_MOST_ROWS))
-    return np.array([np.asarray(evaluate(point)).ravel() for point in points])
-
-
-def _independent(left: np.ndarray, size: float) -> list[int]:
-    """Columns of values (points, n), the largest ones first, that those before do not make."""
-    kept: list[int] = []
-    while len(kept) < left.shape[1]:
-        lengths = np.linalg.norm(left, axis=0)
-        k = int(np.argmax(lengths))
-        if lengths[k] <= _ZERO_ROW * size:
-            break
-        kept.append(k)
-        way = left[:, k] / lengths[k]
-        left = left - np.outer(way, way @ left)
-    return kept
+    samples = [np.asarray(evaluate(random_values(coordinates, size, rng))) for _ in range(3)]
+    largest = np.max(np.abs(samples), axis=0).ravel()
+    return tuple(int(k) for k in np.flatnonzero(largest > _ZERO_ROW * size))
 
 
 def random_values(

@@ -44,6 +44,8 @@ from symkin.spatial.backend import cross, dot
 from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import conjugate, multiply, rotate
 
+_IN_PLANE = 1e-12
+"""Sine of the angle off parallel and off normal of axes that are it: rounding."""
 MOST_IN_LOOP = 250
 """Joints of a loop at most: derivatives of its rows have the square of that many operations."""
 
@@ -249,7 +251,8 @@ class RowBuilder(BodyBuilder):
         base, platform = relative_sides(
             self._from_first(branch, cut), self._from_last(branch, cut + 1)
         )
-        self._cut(branch.name, elements[cut], base, platform)
+        oblique = self._is_oblique_plane(elements, elements[cut])
+        self._cut(branch.name, elements[cut], base, platform, oblique=oblique)
         if eliminated:
             self.eliminated.append(_angle_of_cut(self.joints[elements[cut].name], base, platform))
             return
@@ -316,17 +319,37 @@ class RowBuilder(BodyBuilder):
         for relation, rows, errors in rows_of_joint(cut, base, platform, ca.SX(size)):
             self._add(branch.name, relation, rows, errors)
 
-    def _cut(self, name: str, element: Element, base: Side, platform: Side) -> None:
+    def _is_oblique_plane(self, elements: Sequence[Element], cut: Element) -> bool:
+        """Whether a revolute joint that is cut is normal to a plane of all joints of its branch,
+        which is none of the base frame's.
+        """
+        joints = [self.joints[e.name].joint for e in elements if e.name in self.joints]
+        if self.joints[cut.name].joint.type != "R" or len(joints) < len(elements):
+            return False
+        normal = np.array(self.joints[cut.name].joint.axis)
+        if np.count_nonzero(np.abs(normal) > _IN_PLANE) < 2:
+            return False
+        return all(
+            float(np.linalg.norm(np.cross(np.array(joint.axis), normal))) <= _IN_PLANE
+            if joint.type == "R"
+            else joint.type == "P" and abs(float(np.array(joint.axis) @ normal)) <= _IN_PLANE
+            for joint in joints
+        )
+
+    def _cut(
+        self, name: str, element: Element, base: Side, platform: Side, *, oblique: bool = False
+    ) -> None:
         symbols, size = self.joints[element.name], self.mechanism.characteristic_length
-        cut = Cut.of(symbols, along=element.along)
+        cut = Cut.of(symbols, along=element.along, oblique=oblique)
         for relation, rows, errors in written_once(rows_of_joint, cut, base, platform, ca.SX(size)):
             self._add(name, relation, rows, errors)
 
 
 @dataclass(frozen=True)
 class Cut:
-    """The joint at which a loop is closed, what it keeps, and the axis of the base frame that its
-    axis is furthest from (`helper`).
+    """The joint at which a loop is closed, what it keeps, the axis of the base frame that its axis
+    is furthest from (`helper`), and whether it is normal to an `oblique` plane of all joints of its
+    branch: rows of a gap along the axis vanish there, and the two others are as those at home.
     """
 
     kept: tuple[Relation, ...]
@@ -336,14 +359,15 @@ class Cut:
     pitch: ca.SX | None = None
     helper: int = 0
     along: bool = True
+    oblique: bool = False
 
     @staticmethod
-    def of(symbols: JointSymbols, *, along: bool = True) -> Cut:
+    def of(symbols: JointSymbols, *, along: bool = True, oblique: bool = False) -> Cut:
         """A joint, which the branch passes `along` its description or the other way."""
         joint = symbols.joint
         helper = 0 if joint.axis is None else int(np.argmin(np.abs(joint.axis)))
         own = (symbols.point, symbols.axis, symbols.axis2, symbols.pitch)
-        return Cut(joint.form.kept, *own, helper, along)
+        return Cut(joint.form.kept, *own, helper, along, oblique)
 
 
 def rows_of_joint(cut: Cut, base: Side, platform: Side, size: ca.SX) -> Rows:
@@ -354,7 +378,8 @@ def rows_of_joint(cut: Cut, base: Side, platform: Side, size: ca.SX) -> Rows:
     for relation in cut.kept:
         match relation:
             case "point":
-                rows = errors = ca.vertsplit(gap)
+                errors = ca.vertsplit(gap)
+                rows = [dot(n, gap) for n in (*normals, cut.axis)] if cut.oblique else errors
             case "line":
                 # the joint slides along its axis: only the gap across it is held
                 rows = errors = [dot(base.direction(n), gap) for n in normals]

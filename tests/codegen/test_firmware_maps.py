@@ -3,6 +3,7 @@ fine walks along lines.
 """
 
 import ctypes
+import math
 import subprocess
 from collections import Counter
 from functools import cache
@@ -244,6 +245,43 @@ def test_second_derivatives_are_differences_to_ten_digits(compiled):
             np.testing.assert_allclose(
                 reflected.reshape(2, 2), inverse.T @ np.diag(inertias) @ inverse, atol=1e-9
             )
+
+
+def test_a_jacobian_far_from_the_reference_is_that_of_its_values(tmp_path):
+    """A boom in an oblique plane: where its line from the reference turned it by more than half a
+    radian, cosine and sine of the line's middle were left in place of those of its end.
+    """
+    turn = symkin.Pose.from_rotation_vector([0, 0, 0], [0.5, 1.0, -0.4])
+    joints = [
+        ("boom", "R", (0, 0, 0), (0, 0, 1), ["base", "boom"]),
+        ("foot", "R", (0.3, -0.2, 0), (0, 0, 1), ["base", "cylinder"]),
+        ("stroke", "P", (0, 0, 0), (0.7, 0.9, 0), ["cylinder", "rod"]),
+        ("pin", "R", (1, 0.7, 0), (0, 0, 1), ["rod", "boom"]),
+    ]
+    mechanism = symkin.Mechanism(
+        "digger",
+        link_joints=[
+            symkin.LinkJoint(
+                symkin.Joint(
+                    name, kind, turn.apply(point), turn.turn(axis), actuated=name == "stroke"
+                ),
+                links,
+            )
+            for name, kind, point, axis, links in joints
+        ],
+    )
+    options = Options("double", given=("stroke",), find=("boom",))
+    tools.write_untested(mechanism, tmp_path, options)
+    tools.built("gcc", tmp_path, ["digger.c"], "code.so", "-O1", "-shared", "-fPIC")
+    code = _Map(tmp_path, JointMap(mechanism, options, Real("double")))
+    step = 1e-6
+    for angle in np.arange(-0.9, 0.91, 0.03):
+        status, stroke = code.solve("inverse", [angle], [0.0])
+        assert status == 0
+        _, beside = code.solve("inverse", [angle + step], stroke)
+        status, jacobian = code.apply("jacobian", stroke, [angle], count=1)
+        assert status == 0
+        assert math.isclose((beside[0] - stroke[0]) / step, 1.0 / jacobian[0], abs_tol=1e-5)
 
 
 @pytest.mark.slow

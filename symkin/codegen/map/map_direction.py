@@ -149,11 +149,12 @@ class DirectionSource(MapValues):
             *(self.made.numbers(self.direction, s) for s in self.made.samples), strict=True
         )
         matrices, kappa = sampled(self.kernel, states, known, np.zeros(0))
-        members = [] if self.closed is None else self.closed.members
+        members, numbers = [] if self.closed is None else self.closed.members, 0
         if self.closed is None and not self.iteration.is_plain:
+            numbers = self.iteration.numbers.numel()
             members = [
-                f"real numbers[{self.iteration.numbers.numel()}]; /* numbers of what "
-                "is aimed at: of angles cosine and sine */"
+                f"real numbers[{numbers}]; /* numbers of what is aimed at: of angles cosine and "
+                "sine */"
             ]
         return NewtonCode(
             kernel=self.kernel,
@@ -166,6 +167,7 @@ class DirectionSource(MapValues):
             known_count=self.n,
             first_turn=FIRST_TURN,
             keeps_known=self.closed is None,
+            numbers=numbers,
             members=members,
         )
 

@@ -110,6 +110,7 @@ class NewtonCode:
     matrix: Sequence[str] = ()
     retarget: str = ""
     keeps_known: bool = False
+    numbers: int = 0
     compact: bool = False
 
     @property
@@ -173,11 +174,12 @@ class NewtonCode:
             "to_end": copy_loop("w->x", "end", count),
             "aimed_at": list[str](),
         }
-        if self.keeps_known:
-            nk = self.kernel.known.numel()
-            copies["aimed_at"] += [f"real aimed[{nk}];"]
-            copies["to_begin"] += copy_loop("aimed", "w->k", nk)
-            copies["to_end"] += copy_loop("w->k", "aimed", nk)
+        known = self.kernel.known.numel() * self.keeps_known
+        for kept, array, size in (("aimed", "k", known), ("values", "numbers", self.numbers)):
+            if size:
+                copies["aimed_at"] += [f"real {kept}[{size}];"]
+                copies["to_begin"] += copy_loop(kept, f"w->{array}", size)
+                copies["to_end"] += copy_loop(f"w->{array}", kept, size)
         return fill("middle.c", self._values | copies) if self.bends else ""
 
     @property
