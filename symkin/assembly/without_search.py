@@ -16,7 +16,9 @@ from symkin.assembly.search import Search
 from symkin.errors import InputError
 from symkin.homotopy.systems import unsuitable
 from symkin.numeric.tolerances import CLOSURE_TOLERANCE
+from symkin.position.closed_configurations import assembly_of
 from symkin.position.determination import what_is_free
+from symkin.position.generic_rank import generic_rank
 from symkin.position.given import Given
 from symkin.position.groups import structure_groups
 from symkin.position.pose_coordinates import poses_coordinates
@@ -26,9 +28,13 @@ from symkin.position.solution_list import SolutionList, checked_solutions
 
 def free_unknowns(problem: Problem) -> str | None:
     """What to say where the rows leave unknowns free, so that no solution is isolated; coordinates
-    by name are refused where they do not determine the others.
+    by name are refused where they do not determine the others. Another assembly, where fewer are
+    free, is searched.
     """
     free = what_is_free(problem)
+    if free and problem.generic_rank == problem.system.freedom:
+        found = generic_rank(assembly_of(problem.closure), 0)
+        free = None if found.other_ranks or found.ranks_apart else free
     return free and (
         f"{free}, so that its solutions are no isolated modes; use solve with a start for one of "
         f"them"
