@@ -121,7 +121,8 @@ delta_status delta_inverse(const delta_pose *pose, delta_real joints[DELTA_JOINT
  * velocity). */
 delta_status delta_jacobian(const delta_pose *pose, delta_real jacobian[DELTA_JOINTS * 6]);
 
-/* Joint rates of a twist (velocity of the platform's origin, angular velocity) at a pose. Speeds
+/* Joint rates of a twist (velocity of the platform's origin, angular velocity) at a pose. The
+ * platform's motion is translation: what else a twist has it cannot take, and is left out. Speeds
  * above 4e+08 are DELTA_OUT_OF_RANGE. */
 delta_status delta_rates(const delta_pose *pose, const delta_real twist[6],
     delta_real rates[DELTA_JOINTS]);

@@ -126,7 +126,8 @@ zhao2000_status zhao2000_inverse(const zhao2000_pose *pose, zhao2000_real joints
 zhao2000_status zhao2000_jacobian(const zhao2000_pose *pose,
     zhao2000_real jacobian[ZHAO2000_JOINTS * 6]);
 
-/* Joint rates of a twist (velocity of the platform's origin, angular velocity) at a pose. Speeds
+/* Joint rates of a twist (velocity of the platform's origin, angular velocity) at a pose. The
+ * platform's motion is schoenflies: what else a twist has it cannot take, and is left out. Speeds
  * above 2e+08 are ZHAO2000_OUT_OF_RANGE. */
 zhao2000_status zhao2000_rates(const zhao2000_pose *pose, const zhao2000_real twist[6],
     zhao2000_real rates[ZHAO2000_JOINTS]);

@@ -168,7 +168,9 @@ def _missing(ends: Ends) -> str | None:
         if met
         else []
     )
-    parts += [f"{ends.at_infinity} are at infinity"] if ends.at_infinity else []
+    # rounding does not tell roots at infinity from those some 1e7 sizes away
+    away = f"{ends.at_infinity} are at infinity, or too far off to be told from it"
+    parts += [away] if ends.at_infinity else []
     parts += [f"{sets} end on sets that are not isolated"] if sets else []
     return (
         f"of {ends.paths} generic complex solutions {', '.join(parts)} at these values"

@@ -248,7 +248,7 @@ def _of_machine(problem: Problem, search: Search, certify: bool) -> ModeFinder |
 
 def _own(problem: Problem, search: Search) -> GroupFinder:
     """The finder of a description itself."""
-    if (free := what_is_free(problem, at_closed=problem.of_joints)) is not None:
+    if (free := what_is_free(problem)) is not None:
         other = "; sweep over its inputs" if problem.mechanism.serial else ""
         raise InputError(f"{free}, so that its solutions are no isolated modes{other}")
     return GroupFinder(problem, search)

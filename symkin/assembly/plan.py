@@ -12,7 +12,9 @@ from symkin.assembly.rod_lengths import rod_lengths
 from symkin.assembly.search import Search
 from symkin.computed_once import cached_property, lru_cache
 from symkin.homotopy.systems import unsuitable
+from symkin.position.closed_configurations import assembly_of
 from symkin.position.determination import what_is_free
+from symkin.position.generic_rank import generic_rank
 from symkin.position.groups import (
     independent_parts,
     is_linear,
@@ -67,8 +69,14 @@ class Plan:
 
     @cached_property
     def free(self) -> str | None:
-        """What to say where the rows leave unknowns free, so that no solution is isolated."""
-        free = what_is_free(self.problem)
+        """What to say where the rows leave unknowns free, so that no solution is isolated. Another
+        assembly, where fewer are free, is searched.
+        """
+        problem = self.problem
+        free = what_is_free(problem)
+        if free and problem.generic_rank == problem.system.freedom:
+            found = generic_rank(assembly_of(problem.closure), 0)
+            free = None if found.other_ranks or found.ranks_apart else free
         return free and (
             f"{free}, so that its solutions are no isolated modes; use solve with a start for one "
             f"of them"

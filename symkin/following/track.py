@@ -139,11 +139,11 @@ def branch_from(
 # --- the start ------------------------------------------------------------------------------------
 
 
-def _check_isolated(problem: Problem, *, at_closed: bool = False) -> None:
+def _check_isolated(problem: Problem) -> None:
     """Raise InputError where no mode is isolated; see `what_is_free`."""
     if problem.by_name:
         refuse_unless_determined(problem)
-    elif (free := what_is_free(problem, at_closed=at_closed)) is not None:
+    elif (free := what_is_free(problem)) is not None:
         raise InputError(f"{free}, so that there is no isolated mode to stay on")
 
 
@@ -220,8 +220,6 @@ def _result(path: MachinePath, branch: Branch, name_modes: bool) -> Track:
         way, before = branch.way(place.row, place.u), kept[-1] if kept else None
         kept.append(make_sample(path, place, before, way, values))
     stop = stop_of(path, branch, kept, name_modes)
-    if stop is not None and stop.kind == "singular start":
-        _check_isolated(path.trajectory.problem, at_closed=True)
     if stop is not None and stop.place is not None and stop.place.parameter > kept[-1].parameter:
         kept.append(stop.place)
     near = nearest_to_singularity(branch, path.trajectory)

@@ -91,20 +91,39 @@ def refuse_unless_determined(problem: Problem, *, rates: bool = False) -> None:
         )
 
 
-def what_is_free(problem: Problem, *, at_closed: bool = False) -> str | None:
+def what_is_free(problem: Problem) -> str | None:
     """What to say where an inverse or direct problem leaves unknowns free, so that no solution is
-    isolated. Where no motion is declared rows have more rank at random points than where loops
-    close: such places are asked `at_closed`, which takes longer.
+    isolated.
     """
-    free = 0 if problem.by_name else problem.system.freedom - problem.generic_rank
-    if at_closed and not (free or problem.by_name):
-        free = determination(problem).free
-    if free <= 0:
-        return None
+    free = 0 if problem.by_name else _free_unknowns(problem)
     return (
         f"{problem.mechanism.name}: the {problem.name} problem leaves {free} of "
         f"{problem.system.freedom} unknowns free"
+        if free
+        else None
     )
+
+
+def set_notes(problem: Problem) -> tuple[str, ...]:
+    """What is said of one solution where none is isolated."""
+    free = what_is_free(problem)
+    return () if free is None else (f"{free}: this is one of a set of solutions",)
+
+
+@lru_cache(maxsize=128)
+def _free_unknowns(problem: Problem) -> int:
+    """How many unknowns the known coordinates leave free where loops close: rows have more rank at
+    random points where no motion is declared. None where the reference closes and has full rank.
+    """
+    system, closure = problem.system, problem.closure
+    free = system.freedom - problem.generic_rank
+    if free or not system.freedom:
+        return free
+    z, known = (closure.reference[at] for at in (problem.unknown_places, problem.known_places))
+    closes = system.residual(z, known) <= CLOSURE_TOLERANCE * closure.characteristic_length
+    if closes and Rank.of(system.linearise_one(z, known)[1]).value == system.freedom:
+        return 0
+    return determination(problem).free
 
 
 def _pose_names(problem: Problem) -> tuple[str, ...]:

@@ -35,6 +35,10 @@ and a shorter one is tried.
 """
 _SHORTENED, _TRIES = 0.25, 4
 """Factor of the shorter steps, and how many lengths are tried."""
+_OBSTACLE = 1e-3
+"""What an obstacle of second order leaves the loops open by, over the step's square (of the size):
+where less is closed to the digits of a file, a shorter step shows no motion.
+"""
 _SPREAD = (0.7, 1.3)
 """Random factors of the lengths: walks along one freedom end at different places."""
 _STEPS = 24
@@ -219,21 +223,21 @@ class _Walker:
     ) -> tuple[np.ndarray, np.ndarray]:
         """One step from each point, as long as it can be, and which of them went."""
         ends, lengths, left = z.copy(), lengths.copy(), np.arange(len(z))
+        went, allowed = np.zeros(len(z), dtype=bool), self.allowed(_CLOSED_STEP)
         for _ in range(_TRIES):
             there = self.system.move(z[left], lengths[left, None] * ways[left])
             batch = levenberg_marquardt(
                 self.system, there, NOTHING, tolerance=_CLOSED_STEP, max_iterations=40
             )
             back = np.linalg.norm(self.system.difference(there, batch.points), axis=1)
-            good = (batch.largest_row <= self.allowed(_CLOSED_STEP)) & (
-                back <= _SIDEWAYS * lengths[left]
-            )
-            ends[left[good]] = batch.points[good]
+            good = (batch.largest_row <= allowed) & (back <= _SIDEWAYS * lengths[left])
+            ends[left[good]], went[left[good]] = batch.points[good], True
+            lengths[left] *= _SHORTENED
             left = left[~good]
+            left = left[_OBSTACLE * lengths[left] ** 2 > allowed * self.size]
             if not left.size:
                 break
-            lengths[left] *= _SHORTENED
-        return ends, ~np.isin(np.arange(len(z)), left)
+        return ends, went
 
     def closed(self, points: np.ndarray) -> np.ndarray:
         """The points to full precision, those that close."""

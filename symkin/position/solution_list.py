@@ -27,8 +27,9 @@ class SolutionList(Sequence[Solution]):
     """Solutions (m,) of one closure in their standard writing: `values` (m, variables), `position`
     (m, 3), `quaternion` (m, 4), `residual`, `condition`, `within_limits` and `certified` (1, 0, or
     -1 where there are no limits or nothing was tried), `radius` (m,), `ground` (m,) the partial
-    proofs of those that are not certified, `double` (m,) which of them two or more meet in, `hits`
-    (m,) of random starts (-1: none were counted); `notes` are those of all.
+    proofs of those that are not certified, `double` (m,) which of them two or more meet in (1, 0,
+    or -1 of points of a set), `hits` (m,) of random starts (-1: none were counted); `notes` are
+    those of all.
     """
 
     closure: Closure
@@ -139,7 +140,10 @@ class SolutionList(Sequence[Solution]):
 
     def _own_notes(self, i: int) -> tuple[str, ...]:
         """What is said of one solution alone."""
-        double = (DOUBLE_NOTE,) if self.double is not None and self.double[i] else ()
+        meet = 0 if self.double is None else self.double[i]
+        if meet < 0:
+            return ()
+        double = (DOUBLE_NOTE,) if meet else ()
         return double if self.condition[i] < SINGULAR_CONDITION else (*double, SINGULAR_NOTE)
 
 
@@ -182,15 +186,17 @@ def checked_solutions(
 
 
 def _double(problem: Problem, values: np.ndarray, extremes: np.ndarray) -> np.ndarray:
-    """Which solutions (m,) stand for two or more in some group."""
-    found = np.zeros(len(values), dtype=bool)
+    """Which solutions (m,) stand for two or more in some group: 1, or 0; -1 where unknowns are
+    free, so that all are points of a set.
+    """
+    found = np.zeros(len(values), dtype=int)
     suspect = (extremes[:, 1] < NEARLY_SINGULAR).nonzero()[0]
+    if suspect.size and what_is_free(problem) is not None:
+        return found - 1
     near = values[suspect]
     for part in structure_groups(problem) if suspect.size else ():
         unknown, known = near[:, part.unknown_places], near[:, part.known_places]
         found[suspect] |= are_double(part.system, unknown, known)
-    if found.any() and what_is_free(problem, at_closed=True) is not None:
-        found[:] = False  # all of them are points of a set
     return found
 
 

@@ -12,7 +12,7 @@ from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.numeric.levenberg import patiently
 from symkin.numeric.root_checks import POLISHING, is_root
-from symkin.numeric.tolerances import CLOSURE_TOLERANCE, SINGULAR_CONDITION
+from symkin.numeric.tolerances import CLOSURE_TOLERANCE
 from symkin.position.closed import ClosedForm
 from symkin.position.determination import (
     DIGITS,
@@ -20,7 +20,7 @@ from symkin.position.determination import (
     is_least,
     misfit_note,
     refuse_contradictions,
-    what_is_free,
+    set_notes,
 )
 from symkin.position.given import Given, read_given
 from symkin.position.least_squares import LeastSquares
@@ -146,9 +146,7 @@ def _more_notes(result: SolveResult, start: Start) -> list[str]:
     left = determination(problem).free if problem.by_name else 0
     if left:
         notes.append(_free_note(problem, left, start is None))
-    singular = found.condition >= SINGULAR_CONDITION
-    if (free := what_is_free(problem, at_closed=singular)) is not None:
-        notes.append(f"{free}: this is one of a set of solutions")
+    notes += set_notes(problem)
     return notes if start is None else [*notes, *start_notes(found, problem, start)]
 
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.tolerances import ROUNDED_STEP
+from symkin.position.determination import set_notes
 from symkin.position.given import Given, read_given
 from symkin.position.levenberg import Levenberg
 from symkin.position.moved_starts import StartRank, nearly_closes
@@ -49,12 +50,13 @@ def configuration(mechanism: Mechanism, **options: Unpack[Begun]) -> Solution:
         and StartRank.at(problem, begin, known).is_nearly_singular
     )
     found = solve_problem(problem, read, Levenberg(), begin).solution if is_meant else None
-    if found is not None:
-        return found
-    result = solve(mechanism, **options, check=False)
-    if damped and result.solution is None:
-        found = solve_problem(problem, read, Levenberg(), begin).solution
-    return _noted(result) if found is None else found
+    if found is None:
+        result = solve(mechanism, **options, check=False)
+        if damped and result.solution is None:
+            found = solve_problem(problem, read, Levenberg(), begin).solution
+        if found is None:
+            return _noted(result)
+    return replace(found, notes=(*found.notes, *set_notes(problem)))
 
 
 def _noted(result: SolveResult) -> Solution:

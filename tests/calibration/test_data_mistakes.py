@@ -118,6 +118,10 @@ MISTAKES = {
         positions_only(column_times(2, 1e-3)),
         "the readings of z look a factor of 1000 too small",
     ),
+    "one position column in millimetres": (
+        positions_only(column_times(0, 1e3)),
+        "the readings of x look a factor of 1000 too large",
+    ),
 }
 
 
@@ -231,10 +235,13 @@ def test_a_unit_is_named_whichever_sequence_was_found(poses: Measurements, hopel
 
 
 def test_what_shrinks_everything_explains_nothing(arm: Measurements) -> None:
-    """Millimetres under inches: divided by a thousand the positions would be nearer to the
-    machine's, and still nowhere.
+    """Millimetres under inches: divided by a thousand the positions, or one of their columns, would
+    be nearer to the machine's, and still nowhere; nor is an origin far off another unit.
     """
-    assert diagnose(Case(ARM, replace(arm, position=25.4 * arm.position))) == ()
+    for factors in (25.4, np.array([25.4, 1.0, 1.0])):
+        assert diagnose(Case(ARM, replace(arm, position=factors * arm.position))) == ()
+    far = np.array([1e3 * ARM.characteristic_length, 0.0, 0.0])
+    assert diagnose(Case(ARM, replace(arm, position=arm.position + far))) == ()
 
 
 def case_of_angles(m: Measurements, sequence: str, header: str, spoil) -> Case:

@@ -86,6 +86,20 @@ def test_the_page_on_generated_c_has_every_function():
         assert found == wanted, kind
 
 
+@pytest.mark.parametrize(
+    ("folder", "motion"), [("delta_double", "translation"), ("zhang2009_float", "")]
+)
+def test_the_header_says_what_of_a_twist_is_left_out(folder, motion):
+    """A platform that turns nowhere takes no angular velocity, and says so; one that moves freely
+    has nothing to say.
+    """
+    (header,) = tools.folder(folder).glob(f"{folder.split('_')[0]}.h")
+    told = " ".join(re.sub(r"\n \*", " ", header.read_text()).split())
+    words = f"platform's motion is {motion}: what else a twist has it cannot take, and is left out"
+    assert (words in told) == bool(motion)
+    assert ("what else a twist has" in told) == bool(motion)
+
+
 def test_narrow_text_is_the_same_program(tmp_path):
     """Long calls, conditions, strings, macros and comments: the compiler prints the same, the words
     stay in their order.

@@ -100,7 +100,13 @@ def test_motors_that_are_too_few_are_told_wherever_modes_are_followed_or_counted
     machine, free = replace(exechon(), limbs=limbs), "leaves 1 of 10 unknowns free"
     found = symkin.solve(machine, joints=[1.0, 0.0])
     assert any(free in note for note in found.notes)
-    assert not any("double" in note for note in found.solution.notes)
+    listed = symkin.modes(machine, joints=[1.0, 0.0])
+    assert (len(listed), listed.positive_dimensional, listed.starts) == (0, True, None)
+    assert any(free in note for note in listed.notes)
+    told = symkin.singularity(machine, joints=[1.0, 0.0])
+    assert any(free in note for note in told.solution.notes)
+    for solution in (found.solution, told.solution):
+        assert not any("double" in note or "multiple" in note for note in solution.notes)
     for ask in (
         lambda: symkin.track(machine, joints=[[0, 0], [5, 3]]),
         lambda: symkin.sweep(machine, {"p1": [0.0, 1.0]}, tmp_path / "swept", workers=0),

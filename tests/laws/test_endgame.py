@@ -36,7 +36,7 @@ from helpers.inside import (
 )
 from helpers.inside import track_paths as track
 from helpers.samples import delta, five_bar, hexapod, parallel_rrr, pieper, three_rrr
-from symkin import Mechanism, Pose
+from symkin import Joint, LinkJoint, LinkRod, Mechanism, Pose
 
 
 def ends_of(system: AlgebraicSystem, start: Fibre, target: np.ndarray) -> Ends:
@@ -424,6 +424,29 @@ def test_ends_satisfy_the_rows(name):
     for roots, tolerance in ((ends.z, 1e-12), (ends.singular.z, 1e-13)):
         rows, _ = system.linearise(roots, np.repeat(k[:, None] + 0j, roots.shape[1], axis=1))
         assert np.max(np.abs(rows), initial=0.0) < tolerance
+
+
+def test_far_solutions_are_not_said_to_be_at_infinity():
+    """Two circles whose centres are 1e-9 apart meet some 1e12 away: the count leaves these two
+    out, and says so.
+    """
+    joints = [
+        LinkJoint(Joint(name, "P", (at, 0.0, 0.0), along), links)
+        for name, at, along, links in (
+            ("x", 0.0, (1.0, 0.0, 0.0), ("base", "slide")),
+            ("y", 0.0, (0.0, 1.0, 0.0), ("slide", "tip")),
+            ("s", 60.0, (1.0, 0.0, 0.0), ("base", "foot")),
+        )
+    ]
+    rods = [
+        LinkRod(f"rod{at:g}", (link, "tip"), (at, 0.0, 0.0), (50.0, 30.0, 0.0))
+        for link, at in (("base", 10.0), ("foot", 60.0))
+    ]
+    found = symkin.modes(
+        Mechanism("circles", link_joints=joints, link_rods=rods), given={"s": 1e-9 - 50.0}
+    )
+    assert (len(found), found.complex_count) == (0, 0)
+    assert any("2 are at infinity, or too far off to be told" in note for note in found.notes)
 
 
 def test_singular_ends_do_not_depend_on_the_way():

@@ -306,10 +306,20 @@ def _odd_lengths(case: Case) -> Iterator[Block]:
     """Joints that are lengths whose readings spread, and are, far more or less than the others'."""
     (block,) = _joints(case)
     columns = [k for k, angular in enumerate(block.angular) if not angular]
+    yield from _odd(block, columns) if len(columns) > 2 else ()
+
+
+def _odd_positions(case: Case) -> Iterator[Block]:
+    """Columns of positions that do."""
+    for block in _positions(case):
+        yield from _odd(replace(block, called=""), block.columns)
+
+
+def _odd(block: Block, columns: Sequence[int]) -> Iterator[Block]:
     values = block.values[:, columns]
-    sizes = np.array([np.std(values, axis=0), np.sqrt(np.mean(values**2, axis=0))])
+    sizes = np.array([np.nanstd(values, axis=0), np.sqrt(np.nanmean(values**2, axis=0))])
     decades = np.log10(np.maximum(sizes, 1e-300))
-    for place, k in enumerate(columns if len(columns) > 2 else ()):
+    for place, k in enumerate(columns if len(columns) > 1 else ()):
         others = np.median(np.delete(decades, place, axis=1), axis=1)
         if np.all(np.abs(decades[:, place] - others) > _ODD_DECADES):
             yield replace(block, columns=[k])
@@ -630,6 +640,7 @@ RULES = (
             ("position columns in another order", "position", _positions, _turned_round),
             ("the sign of a position column reversed", "position", _positions, _reversed),
             ("one position column in metres", "position", _positions, _one_in_larger_unit),
+            ("one position column in millimetres", "position", _odd_positions, _in_another_unit),
         )
     ),
     Rule("Euler angles of another sequence", "correction", _other_sequences),

@@ -429,7 +429,7 @@ class LimbPlatform(Described):
             *(values[places] for places in (problem.unknown_places, problem.known_places))
         )
         if gap <= CLOSURE_TOLERANCE * self.size and self._is_singular(values):
-            if (free := what_is_free(problem, at_closed=True)) is not None:
+            if (free := what_is_free(problem)) is not None:
                 raise InputError(f"{free} wherever it is; nothing to generate")
             raise InputError(
                 f"{self.name}: the reference configuration is singular for the joints "

@@ -193,6 +193,7 @@ def _header_values(
         "pose_type": _pose_type(kind) if kind.of_poses else "",
         "track_words": _track_words(kind) if kind.of_poses else "",
         "fastest_text": f"{fastest(kind.size):g}",
+        "left_out": _left_out(kind) if kind.of_poses else "",
         "damped_below": DAMPED_BELOW,
         "most_turn": MOST_TURN,
         "pivot_words": _PIVOT_OF_FORMULAS if kind.is_closed else _PIVOT,
@@ -272,6 +273,17 @@ def _guess_precision(kind: Kind) -> str:
     return (
         f"{words}, "
         f"its pose off the platform's motion ({motion}) by {off} {unit} (angles times the size)."
+    )
+
+
+def _left_out(kind: Kind) -> str:
+    """What of a twist the platform cannot take, as words of a comment."""
+    motion = kind.mechanism.motion
+    return (
+        ""
+        if motion == "spatial"
+        else f" The platform's motion is {motion}: what else a twist has it cannot take, and is "
+        "left out."
     )
 
 

@@ -171,7 +171,7 @@ PLATFORM_SPEEDS = (
         "rates",
         "pose, twist -> rates",
         "Joint rates of a twist (velocity of the platform's origin, angular velocity) at a "
-        "pose. Speeds above @{fastest_text} are NAME_OUT_OF_RANGE.",
+        "pose.@{left_out} Speeds above @{fastest_text} are NAME_OUT_OF_RANGE.",
     ),
     Function(
         "twist",
