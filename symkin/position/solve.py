@@ -76,7 +76,9 @@ def solve(mechanism: Mechanism, **options: Unpack[SolveOptions]) -> SolveResult:
     `given` maps names of coordinates to values: joints, passive ones too, and x, y, z, azimuth,
     tilt and torsion of the platform, or its whole "pose". With it, and for a graph of links,
     `start` maps names to values as well, and "newton" means Levenberg-Marquardt on all rows; where
-    fewer are given than the mobility, the configuration is one near the start.
+    fewer are given than the mobility, the configuration is one near the start. Which of several
+    solutions values far from the start lead to depends on where loops are cut, and so on the order
+    of a graph's joints.
 
     Raises SolveError when no solution is reached, unless `check` is False; InputError for values
     that do not fit, and for a `start` where nothing is iterated.

@@ -108,6 +108,38 @@ def test_values_by_name_have_one_answer_in_all_spellings(tmp_path, name, given, 
         assert {statement for _, _, statement, _ in told} == {"proved"}
 
 
+FAR = (
+    ("five-bar", (0.9, 0.9), ("crank1", "elbow1")),
+    ("Agile Eye", (1.0, -1.2, 0.9), ("elbow1", "motor2", "elbow3")),
+)
+
+
+@pytest.mark.parametrize(
+    ("name", "turns", "names"),
+    in_gate([*FAR], FAR[:1]),
+)
+def test_a_far_start_leads_to_one_solution_in_all_frames(tmp_path, name, turns, names) -> None:
+    """Values by name of a mode whose motors have turned far (rad): of several solutions `solve`
+    finds the same one wherever the machine stands, in any unit, size and order of limbs.
+    """
+    machine, found = MACHINES[name](), []
+    home = machine.home
+    pairs = zip(home.actuated, turns, strict=True)
+    mode = symkin.modes(home, joints=[home.angle_out(c.reference[0] + q) for c, q in pairs])[-1]
+    given = {name: home.angle_in(mode.joints[name]) for name in names}
+    for one in spellings(machine, tmp_path):
+        if one.name in ("graph, m", "graph, mm"):
+            break
+        if any(word in one.name for word in ("axes", "reference")):
+            continue
+        values = {name: one.mechanism.angle_out(value) for name, value in given.items()}
+        solution = symkin.solve(one.mechanism, given=values).solution
+        assert solution is not None
+        found.append(one.configurations(machine, [solution]))
+    assert len(found) > 6
+    assert all(lacking(found[0], other, (1, 1)) == [] for other in found)
+
+
 def test_complex_solutions_are_those_of_all_rows(tmp_path) -> None:
     """Rows that the limbs imply of a tilted plane's platform would hold of one turned over, too,
     which closes no limb: 2 signs of each slide are 8, as where the plane is level.
