@@ -25,7 +25,7 @@ _MANY_NUMBERS = 4096
 """Numbers of a Jacobian from which on common parts are not looked for: in rows of so many loops
 these are a tenth of the operations, and finding them takes as long as 10^4 evaluations.
 """
-_AT_ONCE = 64_000
+_AT_ONCE = 256_000
 """Entries of Jacobians that are held at once: they stay in the processor's cache."""
 _UNITS = np.array([[1, 0, 3, 2], [2, 3, 0, 1], [3, 2, 1, 0]])
 _SIGNS = np.array([[-1.0, 1.0, -1.0, 1.0], [-1.0, 1.0, 1.0, -1.0], [-1.0, -1.0, 1.0, 1.0]])

@@ -27,7 +27,7 @@ from symkin.numeric.tolerances import (
     MULTIPLE_ROOT_SHARE,
 )
 
-Told = TypeVar("Told")
+Answer = TypeVar("Answer")
 
 MOST_MODES = 20_000
 _TO_A_SIDE = 1e-4
@@ -102,9 +102,9 @@ def binomial_bound(trials: int, seen: int, doubt: float) -> float:
     return high
 
 
-def of_each(function: Callable[[Sequence[float]], Told], rows: np.ndarray) -> list[Told]:
+def of_each(function: Callable[[Sequence[float]], Answer], rows: np.ndarray) -> list[Answer]:
     """What a function makes of each of some rows (n, any), asked once of equal ones."""
-    told: dict[tuple[float, ...], Told] = {}
+    told: dict[tuple[float, ...], Answer] = {}
     return [
         told[row] if row in told else told.setdefault(row, function(row))
         for row in map(tuple, rows.tolist())
