@@ -595,6 +595,7 @@ static ANKLE_COLD bool ankle_direct_reaches_middle(ankle_direct_work *w, const a
     ankle_real end[4];
     ankle_real size[3];
     ankle_real aimed[4];
+    ankle_real values[4];
     for (int i = 0; i < 4; ++i) {
         end[i] = w->x[i];
     }
@@ -603,6 +604,9 @@ static ANKLE_COLD bool ankle_direct_reaches_middle(ankle_direct_work *w, const a
     }
     for (int i = 0; i < 4; ++i) {
         aimed[i] = w->k[i];
+    }
+    for (int i = 0; i < 4; ++i) {
+        values[i] = w->numbers[i];
     }
     ankle_direct_set_target(w, to, middle);
     for (int i = 0; i < 3; ++i) {
@@ -615,6 +619,9 @@ static ANKLE_COLD bool ankle_direct_reaches_middle(ankle_direct_work *w, const a
     }
     for (int i = 0; i < 4; ++i) {
         w->k[i] = aimed[i];
+    }
+    for (int i = 0; i < 4; ++i) {
+        w->numbers[i] = values[i];
     }
     return (size[2] <= still2) || ((size[1] <= 0.0625f * size[0])
         && (size[2] <= 0.140625f * size[1]));
