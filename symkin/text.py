@@ -107,6 +107,8 @@ def _pieces(value: object) -> Iterator[str]:
         yield repr(value[: 2 * _LONGEST_VALUE])
     elif isinstance(value, int) and value.bit_length() > _LONGEST_NUMBER:
         yield f"a whole number of {value.bit_length()} bits"
+    elif isinstance(value, float):
+        yield float.__repr__(value)  # NumPy's own names its type
     elif isinstance(value, list | tuple):
         yield "[" if isinstance(value, list) else "("
         for k, item in enumerate(value):

@@ -76,6 +76,8 @@ def test_names_of_a_table_are_honoured(platform):
             np.array([[*JOINTS.values()]]) * (1 + 1j),
             "input 0: .* value 1 = .* is not a number",
         ),
+        (np.array([np.nan, 1, 2, 3]), "value 1 = nan is not finite"),
+        (np.array([[1e200, 1, 2, 3]]), "value 1 = 1e\\+200 is too large to compute with"),
         ([10**400, 1, 2, 3], "value 1 = a whole number of 1329 bits is too large to compute with"),
         ([[10**400, 1, 2, 3]], "input 0: joints: value 1 = .* is too large to compute with"),
     ],
