@@ -39,8 +39,11 @@ _OPERATIONS = {
 
 @dataclass(frozen=True, eq=False)
 class PointTape:
-    """Instructions (length, 4) of a function as points.c reads them, with their constants."""
+    """Instructions (length, 4) of a function of arguments of some `widths` as points.c reads them,
+    with their constants.
+    """
 
+    widths: tuple[int, ...]
     instructions: np.ndarray
     constants: np.ndarray
     places: int
@@ -65,7 +68,8 @@ class PointTape:
                 return None
         tape = np.array(lines, dtype=np.intc).reshape(-1, 4)
         places = 1 + int(tape[:, 1].max(initial=0))
-        return PointTape(tape, np.array(constants, dtype=float), places)
+        widths = tuple(function.numel_in(i) for i in range(function.n_in()))
+        return PointTape(widths, tape, np.array(constants, dtype=float), places)
 
 
 class PointLibrary:
@@ -82,7 +86,12 @@ class PointLibrary:
     def evaluate(
         self, tape: PointTape, arguments: Sequence[np.ndarray], results: Sequence[np.ndarray]
     ) -> None:
-        """Fill results (n, ...) by a tape at arguments (n, length), or (length,) of all points."""
+        """Fill results (n, ...) by a tape at arguments (n, length), or (length,) of all points.
+        Raises ValueError for others, of which C would read what is not theirs.
+        """
+        for a, width in zip(arguments, tape.widths, strict=True):
+            if a.shape not in ((width,), (len(results[0]), width)):
+                raise ValueError(f"an argument of shape {a.shape} for {width} numbers a point")
         own = [np.ascontiguousarray(a, dtype=float) for a in arguments]
         read, filled = _arrays(own), _arrays(results)
         if not self._evaluate(
@@ -100,6 +109,7 @@ class PointLibrary:
         """Squares (n, 2) of the largest and smallest singular values of matrices (n, rows,
         columns), which `suit`.
         """
+        matrices = np.asarray(matrices, dtype=float)
         if matrices.shape[1] < matrices.shape[2]:
             matrices = matrices.transpose(0, 2, 1)
         count, rows, columns = matrices.shape

@@ -108,8 +108,8 @@ def are_suspect(extremes: np.ndarray) -> np.ndarray:
 
 
 def suspects(jacobians: np.ndarray) -> np.ndarray:
-    """Which roots (n,) `are_suspect`, by their Jacobians (n, rows, freedom): Frobenius's norms of
-    these and of their inverses, of which singular values are no larger, clear most of few.
+    """Which roots (n,) `are_suspect`, by their Jacobians (n, rows, freedom). Of few roots most are
+    cleared by Frobenius's norms of these and of their inverses: singular values are no larger.
     """
     if suit(jacobians):
         return are_suspect(extreme_singular_values(jacobians))

@@ -113,7 +113,7 @@ def set_notes(problem: Problem) -> tuple[str, ...]:
 @lru_cache(maxsize=128)
 def _free_unknowns(problem: Problem) -> int:
     """How many unknowns the known coordinates leave free where loops close: rows have more rank at
-    random points where no motion is declared. None where the reference closes and has full rank.
+    random points where no motion is declared. 0 where the reference closes and has full rank.
     """
     system, closure = problem.system, problem.closure
     free = system.freedom - problem.generic_rank

@@ -45,6 +45,17 @@ def test_a_mapped_function_is_the_function(count):
             assert np.array_equal(np.asarray(b), second[i])
 
 
+@pytest.mark.parametrize("known", [(64, 1), (63, 2), (1, 2), (1,), (64, 3)])
+def test_compiled_code_reads_no_more_than_its_arguments(known):
+    """Arguments of another length, or of other points, are refused, not read beyond their end."""
+    x, k = ca.SX.sym("x", 3), ca.SX.sym("k", 2)
+    mapped = Mapped.of([x, k], [x * k[0] + k[1]])
+    if point_library() is None:
+        pytest.skip("there is no C compiler here")
+    with pytest.raises(ValueError, match="an argument of shape"):
+        mapped(np.ones((64, 3)), np.ones(known))
+
+
 def test_compiled_operations_are_those_of_casadi(monkeypatch):
     """Every operation at numbers of all kinds, digit for digit, with a compiler and without."""
     x, y = ca.SX.sym("x"), ca.SX.sym("y")

@@ -289,8 +289,8 @@ static void aim_ahead(lanes *l, mask who)
     predict(l, who);
 }
 
-/* Tracks n roots z and writes where each path came: z at the last point kept, rays of unit length, its s, predictions made.
- * begin and along are those of all paths, or of each if `each`. */
+/* Tracks n roots z and writes where each path came: z at the last point kept, rays of unit length, its s, predictions
+ * made. begin and along are those of all paths, or of each if `each`. */
 void symkin_track(int n, const double *z, const double *begin, const double *along, int each, const settings *set, double *end,
                   double *s, int *tries)
 {
@@ -322,8 +322,8 @@ void symkin_track(int n, const double *z, const double *begin, const double *alo
     }
 }
 
-/* Newton from n points z, to rays of unit length and angles within half a turn of zero, at the k of all of them, or of each if `each`; `last` are the sizes of the last
- * steps, infinite where rows stay. */
+/* Newton from n points z, to rays of unit length and angles within half a turn of zero, at the k of all of them, or of
+ * each if `each`; `last` are the sizes of the last steps, infinite where rows stay. */
 void symkin_newton(int n, const double *z, const double *k, int each, int iterations, double left, double *end, double *last)
 {
     lanes l;
