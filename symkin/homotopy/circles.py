@@ -92,11 +92,11 @@ def follow(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Paths tracked from begin to end, and which of them came there, whatever Newton says of their
     last digits: near an end at infinity few of them are determined. The compiled engine does not go
-    where it cannot polish; NumPy does.
+    where it cannot polish; NumPy does. It would not come further in as many steps.
     """
     tracked = track(system, z, begin, end, settings)
     came = (tracked.s >= 1.0) & np.isfinite(tracked.z).all(axis=0)
-    left = np.flatnonzero(~came)
+    left = np.flatnonzero(~came & (tracked.tries < settings.most_steps))
     if left.size and engine_of(system)[0] is not None:
         again = tracker.track(system, z[:, left], begin, end, settings)
         tracked.z[:, left] = again.z
