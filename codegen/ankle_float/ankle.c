@@ -1721,7 +1721,7 @@ static ANKLE_SHARED bool ankle_direct_closes(ankle_direct_work *w, const ankle_r
     ankle_direct_place(w, joints, found);
     ankle_direct_rows(w);
     *residual = ankle_direct_residual(w);
-    return *residual <= config->tolerance + 0.0039979774f;
+    return *residual <= config->tolerance + 0.0009994943f;
 }
 
 /* Whether an answer can be held: read as a guess it has the given values, or leads to itself. */
@@ -1767,9 +1767,7 @@ ankle_status ankle_direct(const ankle_config *config, const ankle_real joints[2]
         ankle_real residual;
         const bool still = ankle_direct_closes(&w, joints, guess, used, &residual);
         status = ankle_direct_line(&w, joints, y, at, guess, result, used, info);
-        /* of a guess that has the values the answer is near */
-        if ((status == ANKLE_OK) && !(ankle_direct_holds(&w, joints, result, used)
-            && (!still || (ankle_found_away2(result, guess) <= 0.004091859f)))) {
+        if ((status == ANKLE_OK) && !ankle_direct_holds(&w, joints, result, used)) {
             status = ANKLE_WRONG_BRANCH;
         }
         if (still && (status == ANKLE_WRONG_BRANCH)) {
@@ -1888,7 +1886,7 @@ static ANKLE_SHARED bool ankle_inverse_closes(ankle_inverse_work *w, const ankle
     ankle_inverse_place(w, found, joints);
     ankle_inverse_rows(w);
     *residual = ankle_inverse_residual(w);
-    return *residual <= config->tolerance + 0.0039979774f;
+    return *residual <= config->tolerance + 0.0009994943f;
 }
 
 /* Whether an answer can be held: read as a guess it has the given values, or leads to itself. */
@@ -1934,9 +1932,7 @@ ankle_status ankle_inverse(const ankle_config *config, const ankle_real found[2]
         ankle_real residual;
         const bool still = ankle_inverse_closes(&w, found, guess, used, &residual);
         status = ankle_inverse_line(&w, found, y, at, guess, result, used, info);
-        /* of a guess that has the values the answer is near */
-        if ((status == ANKLE_OK) && !(ankle_inverse_holds(&w, found, result, used)
-            && (!still || (ankle_joints_away2(result, guess) <= 0.004091859f)))) {
+        if ((status == ANKLE_OK) && !ankle_inverse_holds(&w, found, result, used)) {
             status = ANKLE_WRONG_BRANCH;
         }
         if (still && (status == ANKLE_WRONG_BRANCH)) {

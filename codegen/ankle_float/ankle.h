@@ -19,9 +19,9 @@
  *
  * Worst case of a call, with NULL as config (README.md says how it is known and has 255
  * iterations):
- *   direct: 400 iterations, 112356 add, 148013 mul, 6107 div, 3662 sqrt
+ *   direct: 400 iterations, 112346 add, 148005 mul, 6107 div, 3662 sqrt
  *   track: 166 add, 203 mul, 11 div, 4 sqrt
- *   inverse: 500 iterations, 81447 add, 103393 mul, 4310 div, 3064 sqrt
+ *   inverse: 500 iterations, 81437 add, 103385 mul, 4310 div, 3064 sqrt
  *   track_inverse: 275 add, 329 mul, 17 div, 12 sqrt
  *   jacobian: 152 add, 197 mul, 4 div, 1 sqrt
  *   inverse_jacobian: 183 add, 249 mul, 4 div, 1 sqrt

@@ -11,11 +11,10 @@
 #define MOST (6 * N + 13) /* numbers that any function takes or gives */
 
 /* A function of plain numbers, of which a pose has seven. kinds: of each number that is given, and
- * then guessed, c: a coordinate, s: a speed, l: what is never below 0, f: what only has to be
- * finite. step: one step of tracking; opposite: the problem by which answers are held where they
- * are not the only ones. The numbers of an answer, weighed, may be off by `share` times its bound
- * and by `within` more. Where nothing is solved there are no answers, where nothing is guessed no
- * guesses. */
+ * then guessed, c: a coordinate, s: a speed, l: what is never below 0. step: one step of tracking;
+ * opposite: the problem by which answers are held where they are not the only ones. The numbers of
+ * an answer, weighed, may be off by `share` times its bound and by `within` more. Where nothing is
+ * solved there are no answers, where nothing is guessed no guesses. */
 typedef struct function {
     const char *name;
     delta_status (*ask)(const delta_config *config, const delta_real *given,
@@ -259,7 +258,7 @@ static void refuse_values(const function *asked)
     for (int i = 0; i < count; ++i) {
         const delta_real out = (asked->kinds[i] == 'c')
             ? 4426396.904477143 : ((asked->kinds[i] == 's') ? (delta_real)1e30 : -1.0);
-        for (int k = 0; k < ((asked->kinds[i] == 'f') ? 3 : 5); ++k) {
+        for (int k = 0; k < 5; ++k) {
             const int place = (i < asked->given) ? i : (i - asked->given);
             const int joint = (asked->blamed == ((i < asked->given) ? 1 : 2)) ? place : -1;
             const delta_status status = (k < 3) ? DELTA_NONFINITE : DELTA_OUT_OF_RANGE;

@@ -866,7 +866,12 @@ gluon_6l3_status gluon_6l3_inverse_branch(const gluon_6l3_pose *pose, unsigned i
 gluon_6l3_status gluon_6l3_inverse_nearest(const gluon_6l3_pose *pose,
     const gluon_6l3_real guess[6], gluon_6l3_real joints[6])
 {
-    gluon_6l3_status status = gluon_6l3_check_finite(guess, 6, GLUON_6L3_OK);
+    gluon_6l3_status status = GLUON_6L3_OK;
+    for (int i = 0; i < 6; ++i) {
+        if (!(fabs(guess[i]) <= 539293.720712563)) {
+            status = GLUON_6L3_OUT_OF_RANGE;
+        }
+    }
     if (status == GLUON_6L3_OK) {
         gluon_6l3_real near[6] = { 0.0 };
         near[0] = gluon_6l3_sine(guess[0] + 1.5707963267948966);
@@ -874,6 +879,10 @@ gluon_6l3_status gluon_6l3_inverse_nearest(const gluon_6l3_pose *pose,
         near[3] = gluon_6l3_sine(guess[4]);
         near[5] = gluon_6l3_sine(guess[2]);
         status = gluon_6l3_one_branch(pose, near, 0U, guess, joints);
+    } else {
+        gluon_6l3_real x[7];
+        const gluon_6l3_status posed = gluon_6l3_normalise_pose(pose, x);
+        status = gluon_6l3_check_finite(guess, 6, (posed == GLUON_6L3_OK) ? status : posed);
     }
     return status;
 }

@@ -12,11 +12,10 @@
 #define MOST (6 * N + 13) /* numbers that any function takes or gives */
 
 /* A function of plain numbers, of which a pose has seven. kinds: of each number that is given, and
- * then guessed, c: a coordinate, s: a speed, l: what is never below 0, f: what only has to be
- * finite. step: one step of tracking; opposite: the problem by which answers are held where they
- * are not the only ones. The numbers of an answer, weighed, may be off by `share` times its bound
- * and by `within` more. Where nothing is solved there are no answers, where nothing is guessed no
- * guesses. */
+ * then guessed, c: a coordinate, s: a speed, l: what is never below 0. step: one step of tracking;
+ * opposite: the problem by which answers are held where they are not the only ones. The numbers of
+ * an answer, weighed, may be off by `share` times its bound and by `within` more. Where nothing is
+ * solved there are no answers, where nothing is guessed no guesses. */
 typedef struct function {
     const char *name;
     gluon_6l3_status (*ask)(const gluon_6l3_config *config, const gluon_6l3_real *given,
@@ -264,7 +263,7 @@ static void refuse_values(const function *asked)
     for (int i = 0; i < count; ++i) {
         const gluon_6l3_real out = (asked->kinds[i] == 'c')
             ? 5392937.207125631 : ((asked->kinds[i] == 's') ? (gluon_6l3_real)1e30 : -1.0);
-        for (int k = 0; k < ((asked->kinds[i] == 'f') ? 3 : 5); ++k) {
+        for (int k = 0; k < 5; ++k) {
             const int place = (i < asked->given) ? i : (i - asked->given);
             const int joint = (asked->blamed == ((i < asked->given) ? 1 : 2)) ? place : -1;
             const gluon_6l3_status status = (k < 3) ? GLUON_6L3_NONFINITE : GLUON_6L3_OUT_OF_RANGE;
@@ -430,7 +429,7 @@ int main(void)
         &gluon_6l3_vector_inverse[0][0], weights_of_inverse, ask_track, NULL, 1, 2, 0U, 1.0, 0.0 };
     static const double weights_of_inverse_nearest[] = { 269.64686035628154, 269.64686035628154,
         269.64686035628154, 269.64686035628154, 269.64686035628154, 269.64686035628154 };
-    const function of_inverse_nearest = { "inverse_nearest", ask_inverse_nearest, "cccccccffffff",
+    const function of_inverse_nearest = { "inverse_nearest", ask_inverse_nearest, "ccccccccccccc",
         7, 6, &gluon_6l3_vector_poses[0][0], &gluon_6l3_vector_guesses[0][0],
         &gluon_6l3_vector_inverse[0][0], weights_of_inverse_nearest, NULL, NULL, 0, 0, 0U, 8.0,
         0.0 };

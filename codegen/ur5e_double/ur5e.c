@@ -849,7 +849,12 @@ ur5e_status ur5e_inverse_branch(const ur5e_pose *pose, unsigned int branch, ur5e
 ur5e_status ur5e_inverse_nearest(const ur5e_pose *pose, const ur5e_real guess[6],
     ur5e_real joints[6])
 {
-    ur5e_status status = ur5e_check_finite(guess, 6, UR5E_OK);
+    ur5e_status status = UR5E_OK;
+    for (int i = 0; i < 6; ++i) {
+        if (!(fabs(guess[i]) <= 843795.5795096346)) {
+            status = UR5E_OUT_OF_RANGE;
+        }
+    }
     if (status == UR5E_OK) {
         ur5e_real near[6] = { 0.0 };
         near[0] = ur5e_sine(guess[0] + 1.5707963267948966);
@@ -857,6 +862,10 @@ ur5e_status ur5e_inverse_nearest(const ur5e_pose *pose, const ur5e_real guess[6]
         near[3] = ur5e_sine(guess[4]);
         near[5] = ur5e_sine(guess[2]);
         status = ur5e_one_branch(pose, near, 0U, guess, joints);
+    } else {
+        ur5e_real x[7];
+        const ur5e_status posed = ur5e_normalise_pose(pose, x);
+        status = ur5e_check_finite(guess, 6, (posed == UR5E_OK) ? status : posed);
     }
     return status;
 }

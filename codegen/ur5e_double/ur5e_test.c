@@ -11,11 +11,10 @@
 #define MOST (6 * N + 13) /* numbers that any function takes or gives */
 
 /* A function of plain numbers, of which a pose has seven. kinds: of each number that is given, and
- * then guessed, c: a coordinate, s: a speed, l: what is never below 0, f: what only has to be
- * finite. step: one step of tracking; opposite: the problem by which answers are held where they
- * are not the only ones. The numbers of an answer, weighed, may be off by `share` times its bound
- * and by `within` more. Where nothing is solved there are no answers, where nothing is guessed no
- * guesses. */
+ * then guessed, c: a coordinate, s: a speed, l: what is never below 0. step: one step of tracking;
+ * opposite: the problem by which answers are held where they are not the only ones. The numbers of
+ * an answer, weighed, may be off by `share` times its bound and by `within` more. Where nothing is
+ * solved there are no answers, where nothing is guessed no guesses. */
 typedef struct function {
     const char *name;
     ur5e_status (*ask)(const ur5e_config *config, const ur5e_real *given, const ur5e_real *guess,
@@ -260,7 +259,7 @@ static void refuse_values(const function *asked)
     for (int i = 0; i < count; ++i) {
         const ur5e_real out = (asked->kinds[i] == 'c')
             ? 8437955.795096347 : ((asked->kinds[i] == 's') ? (ur5e_real)1e30 : -1.0);
-        for (int k = 0; k < ((asked->kinds[i] == 'f') ? 3 : 5); ++k) {
+        for (int k = 0; k < 5; ++k) {
             const int place = (i < asked->given) ? i : (i - asked->given);
             const int joint = (asked->blamed == ((i < asked->given) ? 1 : 2)) ? place : -1;
             const ur5e_status status = (k < 3) ? UR5E_NONFINITE : UR5E_OUT_OF_RANGE;
@@ -418,7 +417,7 @@ int main(void)
         weights_of_inverse, ask_track, NULL, 1, 2, 0U, 1.0, 0.0 };
     static const double weights_of_inverse_nearest[] = { 421.8977897548173, 421.8977897548173,
         421.8977897548173, 421.8977897548173, 421.8977897548173, 421.8977897548173 };
-    const function of_inverse_nearest = { "inverse_nearest", ask_inverse_nearest, "cccccccffffff",
+    const function of_inverse_nearest = { "inverse_nearest", ask_inverse_nearest, "ccccccccccccc",
         7, 6, &ur5e_vector_poses[0][0], &ur5e_vector_guesses[0][0], &ur5e_vector_inverse[0][0],
         weights_of_inverse_nearest, NULL, NULL, 0, 0, 0U, 8.0, 0.0 };
     static const ur5e_real numbers_of_jacobian[] = { 0x1.6af3a14cec41ep-1, 0x1.28f190d173fb8p-6,

@@ -837,13 +837,22 @@ yao2020_status yao2020_inverse_branch(const yao2020_pose *pose, unsigned int bra
 yao2020_status yao2020_inverse_nearest(const yao2020_pose *pose, const yao2020_real guess[6],
     yao2020_real joints[6])
 {
-    yao2020_status status = yao2020_check_finite(guess, 6, YAO2020_OK);
+    yao2020_status status = YAO2020_OK;
+    for (int i = 0; i < 6; ++i) {
+        if (!(fabsf(guess[i]) <= 555022.5f)) {
+            status = YAO2020_OUT_OF_RANGE;
+        }
+    }
     if (status == YAO2020_OK) {
         yao2020_real near[6] = { 0.0f };
         near[0] = yao2020_sine(guess[3] + 1.5707964f);
         near[2] = yao2020_sine(guess[4] + 1.5707964f);
         near[4] = yao2020_sine(guess[1] + 1.5707964f);
         status = yao2020_one_branch(pose, near, 0U, guess, joints);
+    } else {
+        yao2020_real x[7];
+        const yao2020_status posed = yao2020_normalise_pose(pose, x);
+        status = yao2020_check_finite(guess, 6, (posed == YAO2020_OK) ? status : posed);
     }
     return status;
 }

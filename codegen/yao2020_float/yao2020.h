@@ -22,7 +22,7 @@
  * iterations):
  *   inverse_all: 6485 add, 8568 mul, 185 div, 47 sqrt
  *   inverse_branch: 1235 add, 1603 mul, 87 div, 33 sqrt
- *   inverse_nearest: 1262 add, 1624 mul, 87 div, 33 sqrt
+ *   inverse_nearest: 1256 add, 1624 mul, 87 div, 33 sqrt
  *   direct: 102 add, 144 mul, 1 div, 1 sqrt
  *   inverse: 100 iterations, 23734 add, 30627 mul, 2231 div, 1307 sqrt
  *   jacobian: 120 add, 178 mul
@@ -30,18 +30,6 @@
  *   feed: 522 add, 702 mul, 23 div, 5 sqrt
  *   rates: 516 add, 696 mul, 17 div, 5 sqrt
  *   track: 1030 add, 1443 mul, 19 div, 10 sqrt
- *   measured (Cortex-M4F, GCC 12.2.1 -O2, 13834 inputs, seed 1): instructions, bytes of stack with
- *     callees, bytes of code with callees but without those of libm:
- *   inverse_all: 60595 instructions, 880 stack, 6152 code
- *   inverse_branch: 8940 instructions, 904 stack, 6224 code
- *   inverse_nearest: 9470 instructions, 952 stack, 6420 code
- *   direct: 625 instructions, 112 stack, 1304 code
- *   inverse: 116675 instructions, 1248 stack, 10080 code
- *   jacobian: 685 instructions, 104 stack, 1548 code
- *   twist: 1085 instructions, 280 stack, 1708 code
- *   feed: 7665 instructions, 792 stack, 3376 code
- *   rates: 7550 instructions, 752 stack, 3272 code
- *   track: 9925 instructions, 832 stack, 4664 code
  *
  * Model SHA-256 98eb777f285bb0f01202bb6155b0345518c2eb31f42fdf259ae851aac40d2594
  */

@@ -12,11 +12,10 @@
 #define MOST (6 * N + 13) /* numbers that any function takes or gives */
 
 /* A function of plain numbers, of which a pose has seven. kinds: of each number that is given, and
- * then guessed, c: a coordinate, s: a speed, l: what is never below 0, f: what only has to be
- * finite. step: one step of tracking; opposite: the problem by which answers are held where they
- * are not the only ones. The numbers of an answer, weighed, may be off by `share` times its bound
- * and by `within` more. Where nothing is solved there are no answers, where nothing is guessed no
- * guesses. */
+ * then guessed, c: a coordinate, s: a speed, l: what is never below 0. step: one step of tracking;
+ * opposite: the problem by which answers are held where they are not the only ones. The numbers of
+ * an answer, weighed, may be off by `share` times its bound and by `within` more. Where nothing is
+ * solved there are no answers, where nothing is guessed no guesses. */
 typedef struct function {
     const char *name;
     yao2020_status (*ask)(const yao2020_config *config, const yao2020_real *given,
@@ -263,7 +262,7 @@ static void refuse_values(const function *asked)
     for (int i = 0; i < count; ++i) {
         const yao2020_real out = (asked->kinds[i] == 'c')
             ? 5.550225e+06f : ((asked->kinds[i] == 's') ? (yao2020_real)1e30 : -1.0f);
-        for (int k = 0; k < ((asked->kinds[i] == 'f') ? 3 : 5); ++k) {
+        for (int k = 0; k < 5; ++k) {
             const int place = (i < asked->given) ? i : (i - asked->given);
             const int joint = (asked->blamed == ((i < asked->given) ? 1 : 2)) ? place : -1;
             const yao2020_status status = (k < 3) ? YAO2020_NONFINITE : YAO2020_OUT_OF_RANGE;
@@ -429,7 +428,7 @@ int main(void)
         weights_of_inverse, ask_track, NULL, 1, 2, 0U, 1.0, 0.0 };
     static const double weights_of_inverse_nearest[] = { 277.51126103277323, 277.51126103277323,
         277.51126103277323, 277.51126103277323, 277.51126103277323, 1.0 };
-    const function of_inverse_nearest = { "inverse_nearest", ask_inverse_nearest, "cccccccffffff",
+    const function of_inverse_nearest = { "inverse_nearest", ask_inverse_nearest, "ccccccccccccc",
         7, 6, &yao2020_vector_poses[0][0], &yao2020_vector_guesses[0][0],
         &yao2020_vector_inverse[0][0], weights_of_inverse_nearest, NULL, NULL, 0, 0, 0U, 8.0, 0.0 };
     static const yao2020_real numbers_of_jacobian[] = { 0x1.6af3a20000000p-1f,

@@ -12,11 +12,10 @@
 #define MOST (6 * N + 13) /* numbers that any function takes or gives */
 
 /* A function of plain numbers, of which a pose has seven. kinds: of each number that is given, and
- * then guessed, c: a coordinate, s: a speed, l: what is never below 0, f: what only has to be
- * finite. step: one step of tracking; opposite: the problem by which answers are held where they
- * are not the only ones. The numbers of an answer, weighed, may be off by `share` times its bound
- * and by `within` more. Where nothing is solved there are no answers, where nothing is guessed no
- * guesses. */
+ * then guessed, c: a coordinate, s: a speed, l: what is never below 0. step: one step of tracking;
+ * opposite: the problem by which answers are held where they are not the only ones. The numbers of
+ * an answer, weighed, may be off by `share` times its bound and by `within` more. Where nothing is
+ * solved there are no answers, where nothing is guessed no guesses. */
 typedef struct function {
     const char *name;
     zhang2009_status (*ask)(const zhang2009_config *config, const zhang2009_real *given,
@@ -261,7 +260,7 @@ static void refuse_values(const function *asked)
     for (int i = 0; i < count; ++i) {
         const zhang2009_real out = (asked->kinds[i] == 'c')
             ? 5.312592e+06f : ((asked->kinds[i] == 's') ? (zhang2009_real)1e30 : -1.0f);
-        for (int k = 0; k < ((asked->kinds[i] == 'f') ? 3 : 5); ++k) {
+        for (int k = 0; k < 5; ++k) {
             const int place = (i < asked->given) ? i : (i - asked->given);
             const int joint = (asked->blamed == ((i < asked->given) ? 1 : 2)) ? place : -1;
             const zhang2009_status status = (k < 3) ? ZHANG2009_NONFINITE : ZHANG2009_OUT_OF_RANGE;

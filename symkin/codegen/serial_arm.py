@@ -276,7 +276,7 @@ class ArmSource(Source):
                 "nj": 6 * nq,
                 "meaning": _meaning(self.made),
                 "farthest": far,
-                "farthest_joint": FARTHEST * max(size, 1.0),
+                "farthest_joint": self._farthest_joint,
                 "largest": fastest(size),
                 "per_size": 1.0 / size,
                 "branches_told": "" if self.closed is None else self.closed.header,
@@ -285,6 +285,11 @@ class ArmSource(Source):
             | self._turns
             | self._frame_names
         )
+
+    @property
+    def _farthest_joint(self) -> float:
+        """Beyond which no joint value is a guess."""
+        return FARTHEST * max(self.made.size, 1.0)
 
     @property
     def _turns(self) -> dict[str, object]:
@@ -351,6 +356,7 @@ class ArmSource(Source):
         plan, nearly = arm.plan
         misfit = closed_misfit(self.real, arm.size)
         common = common_values(arm.name, self.real, struct=False) | self._frame_names
+        common["farthest_joint"] = self._farthest_joint
         return ClosedCode(
             replace(plan, arm=self._in_own(plan.arm)),
             arm.actuated,

@@ -19,6 +19,8 @@ from symkin.homotopy.tracker import TrackSettings
 
 VERTICES = 8
 """Samples a turn; the paths go along the chords between them."""
+_LONG = 1000
+"""Steps of a long way, which take NumPy half a second; a chord of a circle is given up before."""
 _CLOSED = 1e-6
 """Largest distance (of coordinates of order one) between a path's end and the start that it has
 come back to.
@@ -92,11 +94,12 @@ def follow(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Paths tracked from begin to end, and which of them came there, whatever Newton says of their
     last digits: near an end at infinity few of them are determined. The compiled engine does not go
-    where it cannot polish; NumPy does.
+    where it cannot polish; NumPy does. A way that is long for one is
+    long for both, and is not followed twice.
     """
     tracked = track(system, z, begin, end, settings)
     came = (tracked.s >= 1.0) & np.isfinite(tracked.z).all(axis=0)
-    left = np.flatnonzero(~came)
+    left = np.flatnonzero(~came & (tracked.tries < _LONG))
     if left.size and engine_of(system)[0] is not None:
         again = tracker.track(system, z[:, left], begin, end, settings)
         tracked.z[:, left] = again.z

@@ -367,6 +367,32 @@ def test_answers_of_one_unknown_are_judged_by_how_far_their_fold_is(tmp_path):
     run_own_test("rssr", folder_files(loaded(tmp_path, RSSR), options))
 
 
+@pytest.mark.skipif(not can_run(), reason="no C compiler")
+def test_small_steps_in_float_are_made(tmp_path):
+    """Beside a crank's fold a guess is open by what a small step of the arm asks, up to 256
+    roundings: it was given back unchanged, so that a servo stuck and then jumped.
+    """
+    code = library(loaded(tmp_path, RSSR), tmp_path, real="float", given=("in",), find=("out",))
+    number, taken = ctypes.c_float * 1, 0
+
+    def open_by(crank, arm):
+        """How far the rod's length is from the reference's (mm)."""
+        c, s, turned = math.cos(crank), math.sin(crank), (math.cos(arm), math.sin(arm))
+        end = 200 - 10 * turned[0] + 120 * turned[1], 50, 10 * turned[1] + 120 * turned[0]
+        gap = math.dist((60 * c - 10 * s, 60 * s + 10 * c, 0), end)
+        return abs(gap - math.dist((60, 10, 0), (190, 50, 120)))
+
+    for first in (2.2083666806338442e-07, -0.0007679685368202627, 0.054802749305963516):
+        arm = number()
+        assert code.rssr_direct(None, number(first), number(0.0), arm, None) == OK
+        for step in np.linspace(-2e-4, 2e-4, 41):
+            goal, crank = number(arm[0] + step), number()
+            if code.rssr_inverse(None, goal, number(first), crank, None) == OK:
+                taken += 1
+                assert open_by(crank[0], goal[0]) < 2e-3, (first, step)
+    assert taken > 100
+
+
 def three_limbs(axis: tuple[float, float], types: str) -> str:
     """A planar platform on three limbs of revolutes and a slide along an axis of its first limb's
     frame.

@@ -226,6 +226,7 @@ NAMES = {
     "bases_beside": "symkin.homotopy.best_start",
     "best_start": "symkin.homotopy.best_start",
     "distances": "symkin.homotopy.circles",
+    "follow_somehow": "symkin.homotopy.circles:follow",
     "distance_frames": "symkin.homotopy.coplanar",
     "plane_frame": "symkin.homotopy.coplanar",
     "reflection": "symkin.homotopy.coplanar",

@@ -23,6 +23,7 @@ from helpers.inside import (
     build_problem,
     compiled,
     find_compilers,
+    follow_somehow,
     start_of,
     structure_groups,
     system_of,
@@ -228,6 +229,18 @@ def test_steps_are_bounded():
     tracked = engine(system).track(start.z, start.k, start.k + 1.0, TrackSettings(most_steps=3))
     assert tracked.steps <= 3
     assert not tracked.arrived.any()
+
+
+def test_long_ways_that_are_given_up_are_not_followed_twice(monkeypatch):
+    """Where the compiled engine needs thousands of steps NumPy does too: of the PR2's gripper it
+    took twenty times as long to come as far.
+    """
+    system, start = machine("zhang2009", "direct")
+    monkeypatch.setattr(tracker, "track", lambda *_: pytest.fail("followed twice"))
+    end, settings = start.k + 1e4, TrackSettings(smallest_step=1e-14)
+    long = engine(system).track(start.z, start.k, end, settings).tries == settings.most_steps
+    assert long.any()
+    assert not follow_somehow(system, start.z[:, long], start.k, end, settings)[1].any()
 
 
 def test_rows_that_contradict_each_other_at_the_end_are_seen():

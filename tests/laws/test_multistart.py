@@ -779,7 +779,8 @@ def test_a_joint_that_only_rounding_makes_matter_is_not_listed_value_by_value(ti
         assert not found.modes
 
 
-def test_screws_are_sampled_over_many_turns() -> None:
+@pytest.mark.parametrize("method", in_gate(["multistart", "continuation"], ["multistart"]))
+def test_screws_are_sampled_over_many_turns(method: str) -> None:
     """The PR2's gripper: its screw of 2 mm a turn makes eleven turns for a finger of 0.3 rad, which
     `solve` follows to.
     """
@@ -788,7 +789,7 @@ def test_screws_are_sampled_over_many_turns() -> None:
     near = symkin.solve(gripper, given=given).solution
     assert near is not None
     assert abs(near.joints["r_gripper_l_screw_screw_joint"]) > 4 * np.pi
-    found = symkin.modes(gripper, given=given, starts=300)
+    found = symkin.modes(gripper, given=given, starts=300, method=method)
     assert any(
         np.allclose(list(mode.joints.values()), list(near.joints.values()), atol=1e-6)
         for mode in found

@@ -140,9 +140,8 @@ class _Asked:
         """A letter for each number that is given or guessed."""
         letters = []
         for value in self.function.takes:
-            kind = "c" if value.name in _COORDINATES else "l" if value.name in _LIMITS else "s"
-            if value.name == "guess":
-                kind = "c" if self.function.info else "f"
+            is_place = value.name in _COORDINATES or value.name == "guess"
+            kind = "c" if is_place else "l" if value.name in _LIMITS else "s"
             letters.append(kind * value.numbers(joints))
         return "".join(letters)
 

@@ -42,10 +42,6 @@ _GUESSED = 1e-5
 """Error of a guess's own configuration, in sizes: the line begins there."""
 _GUESS_ROUNDINGS = 2048.0
 """Roundings that such a configuration is off at most where it is regular."""
-_READING = 256.0
-"""Tolerances that rows leave at most where a guess is read with other known values than it was
-found by, which differ by the tolerance times the condition.
-"""
 _SAME = 16.0
 """Tolerances by which an answer whose guess is read elsewhere may differ from where that leads."""
 _NOT_DECIDED = 1e-4
@@ -363,7 +359,6 @@ class DirectionSource(MapValues):
         ]
         no_step = "name_write_info(info, 0U, HUGE_VAL, 0.0, 0.0);"
         stands = max(_GUESSED, _GUESS_ROUNDINGS * self.real.epsilon) * size
-        tolerance = tolerance_of(self.real, size)
         own = {
             "passive": self._passive_call,
             "about": (
@@ -384,9 +379,8 @@ class DirectionSource(MapValues):
             "stand_at": stand_at,
             # of the checks that a guess, or an answer, stands where the known values are
             "stands2": stands**2,
-            "held2": self.real.epsilon * size**2,
-            "reading": _READING * tolerance,
-            "same2": (_SAME * tolerance) ** 2,
+            "rounding": self.code.tuning.rounding,
+            "same2": (_SAME * tolerance_of(self.real, size)) ** 2,
             "guess_from": "y" if self.made.passive else "guess",
             "answer_from": "y" if self.made.passive else "answer",
             "track2": (size / _TRACKED) ** 2,

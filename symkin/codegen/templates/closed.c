@@ -98,11 +98,20 @@ name_status name_inverse_branch(const name_pose *pose, unsigned int branch, name
 /* The branch nearest to the guess, choice by choice. */
 name_status name_inverse_nearest(const name_pose *pose, const name_real guess[@nn], name_real joints[@nn])
 {
-    name_status status = name_check_finite(guess, @nn, NAME_OK);
+    name_status status = NAME_OK;
+    for (int i = 0; i < @nn; ++i) {
+        if (!(fabs(guess[i]) <= @farthest_joint)) {
+            status = NAME_OUT_OF_RANGE;
+        }
+    }
     if (status == NAME_OK) {
         name_real near[@nears] = { 0.0 };
         @near
         status = name_one_branch(pose, near, 0U, guess, joints);
+    } else {
+        name_real x[7];
+        const name_status posed = name_normalise_pose(pose, x);
+        status = name_check_finite(guess, @nn, (posed == NAME_OK) ? status : posed);
     }
     return status;
 }

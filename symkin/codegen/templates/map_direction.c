@@ -30,7 +30,7 @@ static NAME_SHARED bool @{f}_closes(solver_work *w, const name_real @values[@nto
     solver_place(w, @values, @from);
     solver_rows(w);
     *residual = solver_residual(w);
-    return *residual <= config->tolerance + @reading;
+    return *residual <= config->tolerance + @rounding;
 }
 
 /* Whether an answer can be held: read as a guess it has the given values, or leads to itself. */
@@ -74,9 +74,7 @@ name_status @f(const name_config *config, const name_real @values[@nto], const n
         name_real residual;
         const bool still = @{f}_closes(&w, @values, @guess_from, used, &residual);
         status = @{f}_line(&w, @values, y, at, guess, result, used, info);
-        /* of a guess that has the values the answer is near */
-        if ((status == NAME_OK) && !(@{f}_holds(&w, @values, result, used)
-            && (!still || (name_@{out}_away2(result, guess) <= @held2)))) {
+        if ((status == NAME_OK) && !@{f}_holds(&w, @values, result, used)) {
             status = NAME_WRONG_BRANCH;
         }
         if (still && (status == NAME_WRONG_BRANCH)) {
