@@ -86,7 +86,7 @@ def differentiate(closure: Closure, *, bound: bool = False) -> Differential:
     kept = _kept_rows(closure, rows)
     joints = (
         tangent_jacobian(rows, closure, closure.role("actuated")),
-        tangent_jacobian(rows, closure, closure.role("passive")),
+        tangent_jacobian(rows, closure, closure.role("passive", "body")),
     )
     return Differential(
         twist=twist[kept, :],

@@ -70,7 +70,7 @@ class VelocityEquations:
         """The equations with the ranks of a closed configuration."""
         found = limbwise_equations(self.closure, values, RANK_TOLERANCE)
         _, jacobian = whole_system(self.closure).linearise_one(values, np.zeros(0))
-        names = [c.name for c in self.closure.role("passive")]
+        names = [c.name for c in self.closure.role("passive", "body")]
         passive = jacobian[:, columns_by_name(self.closure, names)].T
         largest = float(np.max(np.linalg.norm(passive, axis=1), initial=0.0))
         return replace(

@@ -67,7 +67,7 @@ class Expressions:
         """Rates of each coordinate among all rates (q'; x'; t)."""
         twist = rates[-6:, :]
         poses = {c.name: twist[list(TWIST_COLUMNS[c.name]), :] for c in self.closure.role("pose")}
-        return by_name(self.closure.role("actuated", "passive"), rates) | poses
+        return by_name(self.closure.role("actuated", "passive", "body"), rates) | poses
 
     @cached_property
     def direct(self) -> ca.SX:

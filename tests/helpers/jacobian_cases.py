@@ -247,7 +247,7 @@ def step_of(c: Case, k: int) -> float:
 
 class Matrices(NamedTuple):
     """A (m, 6), P (m, p) and B (m, n) at a configuration, rows in lengths, and what makes lengths
-    of the rates of their columns.
+    of the rates of their columns; those of P are of passive joints and then of floating links.
     """
 
     twist: np.ndarray
@@ -269,8 +269,8 @@ def matrices(case: Case, geometry: np.ndarray | None = None) -> Matrices:
         for m in function(case.values, closure.parameter_values if geometry is None else geometry)
     ]
     joints = (
-        [c.lever(size) for c in closure.role(role) for _ in range(c.freedom)]
-        for role in ("passive", "actuated")
+        [c.lever(size) for c in closure.role(*roles) for _ in range(c.freedom)]
+        for roles in (("passive", "body"), ("actuated",))
     )
     scales = (np.repeat([1.0, size], 3), *(np.array(s) for s in joints))
     moves = np.isin(np.arange(6), equations.columns)

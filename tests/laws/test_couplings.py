@@ -93,12 +93,12 @@ def without_turns(degrees):
 @pytest.mark.parametrize(("p", "q"), in_gate_but(RATIOS, [(2, 1), (1, 2)]))
 def test_a_ratio_has_the_same_modes_however_it_is_written(p, q):
     """As many configurations as a scan of one angle finds, each with angles within a turn, told by
-    paths and not by samples.
+    paths or theorems and not by samples.
     """
     wanted = np.array(places_of_five_bar(p, q, -40.0))
     for coupling in spellings("j1", "j2", p, q):
         found = symkin.modes(five_bar(coupling), given={"j0": -40.0})
-        assert found.completeness == "probability one", coupling
+        assert found.completeness in ("probability one", "proved"), coupling
         angles = np.array([[mode.joints[name] for name in ("j1", "j2")] for mode in found])
         assert len(angles) == len(wanted)
         assert np.all((angles > -180.0) & (angles <= 180.0))
