@@ -352,6 +352,7 @@ class _Reader(GraphReader):
             e
             for e in self.root.children
             if e.tag not in known and plain_tag(e.tag) not in LOOP_TAGS
+            if e.tag != "gazebo" or {child.tag for child in e.children} != {"joint"}
         ]
         return self.left_out(others, _OF_NO_MEANING, names)
 

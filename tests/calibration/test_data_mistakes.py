@@ -235,13 +235,22 @@ def test_a_unit_is_named_whichever_sequence_was_found(poses: Measurements, hopel
 
 
 def test_what_shrinks_everything_explains_nothing(arm: Measurements) -> None:
-    """Millimetres under inches: divided by a thousand the positions, or one of their columns, would
-    be nearer to the machine's, and still nowhere; nor is an origin far off another unit.
+    """Millimetres under centimetres: divided by a thousand the positions, or one of their columns,
+    would be nearer to the machine's, and still nowhere; nor is an origin far off another unit.
     """
-    for factors in (25.4, np.array([25.4, 1.0, 1.0])):
+    for factors in (10.0, np.array([10.0, 1.0, 1.0])):
         assert diagnose(Case(ARM, replace(arm, position=factors * arm.position))) == ()
     far = np.array([1e3 * ARM.characteristic_length, 0.0, 0.0])
     assert diagnose(Case(ARM, replace(arm, position=arm.position + far))) == ()
+
+
+@pytest.mark.parametrize("factor", [25.4, 1 / 25.4, 1e3, 1e-3])
+def test_inches_are_told_from_other_units(arm: Measurements, factor: float) -> None:
+    """Of positions, or of one of their columns, the one unit is named that they stand in."""
+    words = f"a factor of {max(factor, 1 / factor):g} too {'large' if factor > 1 else 'small'}"
+    for factors in (factor, np.array([factor, 1.0, 1.0])):
+        (said,) = diagnose(Case(ARM, replace(arm, position=factors * arm.position)))
+        assert words in said
 
 
 def case_of_angles(m: Measurements, sequence: str, header: str, spoil) -> Case:

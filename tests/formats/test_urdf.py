@@ -98,8 +98,11 @@ def test_a_joint_of_sdf_within_gazebo_closes_a_loop(tmp_path: Path) -> None:
     """
     inside = """<gazebo><joint name="d" type="revolute"><parent>rod</parent><child>rocker</child>
 <pose>3 0 0 0 0 0</pose>
-      <axis><xyz>0 0 1</xyz></axis></joint></gazebo><gazebo reference="rod"><mu1>1</mu1></gazebo>"""
+      <axis><xyz>0 0 1</xyz></axis></joint></gazebo>"""
     robot = read(tmp_path, TREE + inside)
+    assert not [note for note in robot.notes if "simulator settings" in note]
+    robot = read(tmp_path, TREE + inside + '<gazebo reference="rod"><mu1>1</mu1></gazebo>')
+    assert [note for note in robot.notes if "simulator settings" in note]
     (closure,) = robot.closures
     assert closure.joint.type == "R"
     assert np.allclose(np.asarray(closure.frames[0].position), [0, 5, 0])

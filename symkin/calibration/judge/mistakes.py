@@ -47,7 +47,9 @@ _MAX_SENTENCES = 3
 """Mistakes that are named at most: further ones are likely to follow from these."""
 _LENGTH_UNITS = {
     1000.0: "a factor of 1000 too small (m taken for mm?)",
+    25.4: "a factor of 25.4 too small (inches taken for mm?)",
     0.001: "a factor of 1000 too large (mm taken for m?)",
+    1 / 25.4: "a factor of 25.4 too large (mm taken for inches?)",
 }
 _ANGLE_UNITS = {
     180 / math.pi: "radians taken for degrees",
@@ -62,9 +64,9 @@ _USUAL_SPREAD = (3e-3, 1.0)
 """Usual standard deviation of a joint's readings over the size (angles: radians), and the most that
 its mean may be: 5 times the upper one.
 """
-_ODD_DECADES = 1.5
+_ODD_DECADES = 1.2
 """Decades between a joint's readings and the others', from which another unit is tried for it
-alone.
+alone: inches and mm are 1.4 apart.
 """
 _MAX_ASSIGNED_JOINTS, _MIN_WHOLE_POSES = 7, 4
 """Joints whose orders are all tried (5040), with more only single exchanges are; and whole poses
@@ -263,18 +265,19 @@ def _all_reversed(block: Block) -> Changes:
         yield f"the signs of {block.listed(block.columns)} look reversed", -block.values
 
 
-def _in_another_unit(block: Block) -> Changes:
+def _in_another_unit(block: Block, least: float = 0.0) -> Changes:
     called = block.called or f"the readings of {block.listed(block.columns)}"
     units = _ANGLE_UNITS if block.angular[block.columns[0]] else _LENGTH_UNITS
     for factor, text in units.items():
-        yield f"{called} look {text}", block.times(factor, block.columns)
+        if factor > least:
+            yield f"{called} look {text}", block.times(factor, block.columns)
 
 
 def _in_larger_unit(block: Block) -> Changes:
-    """Radians, which spread as degrees may, or metres. Of other units the spread tells; and factors
-    below one make any misfit smaller.
+    """Radians, which spread as degrees may, metres or inches. Of other units the spread tells; and
+    factors below one make any misfit smaller.
     """
-    yield next(_in_another_unit(block))
+    yield from _in_another_unit(block, least=1.0)
 
 
 def _one_in_larger_unit(block: Block) -> Changes:
@@ -448,9 +451,13 @@ def _units_of_all_joints(case: Case) -> Iterator[Finding]:
         if block.angular[block.columns[0]]:
             one, of = 1.0, "rad"
         as_read, spread = _out_of_proportion(block.values[:, block.columns] / one)
-        for text, values in _in_another_unit(block):
-            if as_read - _out_of_proportion(values[:, block.columns] / one)[0] >= 1.0:
-                yield f"{text}: they spread by {spread:.2g} {of}", None
+        left = {
+            text: _out_of_proportion(values[:, block.columns] / one)[0]
+            for text, values in _in_another_unit(block)
+        }
+        best = min(left, key=left.__getitem__)
+        if as_read - left[best] >= 1.0:
+            yield f"{best}: they spread by {spread:.2g} {of}", None
 
 
 def _out_of_proportion(values: np.ndarray) -> tuple[float, float]:
