@@ -13,7 +13,6 @@ import pytest
 import symkin
 from campaigns.shipped_starts import prepared_groups
 from helpers import inside
-from helpers.gate import in_gate
 from helpers.inside import (
     BOUND,
     algebraic_point,
