@@ -29,9 +29,6 @@ MACHINES = {
     "yao2020": lambda: symkin.load("yao2020"),
 }
 
-MEETING = {"zhao2000_links"}
-"""As a graph some of its complex paths meet beside the symmetric reference: told as unresolved."""
-
 
 def same(a: symkin.Modes, b: symkin.Modes) -> None:
     """The same configurations, in any order, of actuated joints and poses."""
@@ -84,7 +81,7 @@ def test_a_graph_has_the_modes_of_its_limbs(name):
     a, b = symkin.modes(limbs, joints=joints), symkin.modes(twin, joints=joints)
     same(a, b)
     assert a.complex_count == b.complex_count
-    assert b.completeness in (("incomplete",) if name in MEETING else ("proved", "probability one"))
+    assert b.completeness in ("proved", "probability one")
 
 
 @pytest.mark.parametrize("name", in_gate(sorted(MACHINES), ["3-RPS", "five-bar", "four-bar"]))
