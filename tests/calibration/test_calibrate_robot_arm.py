@@ -61,6 +61,22 @@ def test_simulated_measurements_are_believable(
 
 
 @pytest.mark.slow
+def test_one_posture_tells_zeros_and_no_geometry(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A pose of an arm tells the six zeros of its joints; all 24 parameters leave it 18 to choose,
+    and its pose the one that was measured.
+    """
+    data, more = tmp_path / "data.csv", ["--readings", "pose", "--postures", "1"]
+    assert run(capsys, "calibrate", "simulate", "ur5e", "-o", data, *more)[0] == 0
+    fit = ("calibrate", "fit", "ur5e", data)
+    status, out, _ = run(capsys, *fit, "-o", tmp_path / "all")
+    assert status == 3
+    assert "do not determine the geometry" in out
+    assert run(capsys, *fit, "-o", tmp_path / "zeros", "--parameters", "dh.*.theta")[0] == 0
+
+
+@pytest.mark.slow
 def test_a_plan_about_a_level_tool(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Two inclinations have no slopes where the tool's axis lies level, as this arm's does at zero:
     a plan is made all the same.

@@ -129,6 +129,7 @@ def test_too_many_gross_errors_are_refused(logged):
     joints[np.arange(40), rng.integers(6, size=40)] += 5e-3 * rng.normal(size=40)
     fit = calibrate(nominal, replace(data, joints=joints))
     assert "gross errors" in fit.refused
+    assert "readings are off by more than chance allows" in fit.refused
     assert not fit.believable
 
 

@@ -361,9 +361,9 @@ def _by_majority(
     if share <= _MAX_GROSS_SHARE:
         return plain
     why = (
-        f"{len(bad)} readings, {100 * share:.0f} % of all, are off by more than {_GROSS_RATIO:g} "
-        f"times the scatter of the better half, and without "
-        "them the others do not fit either: gross errors, or readings of another machine"
+        f"{len(bad)} readings are off by more than chance allows, {100 * share:.0f} % of all by "
+        f"more than {_GROSS_RATIO:g} times the scatter of the better half, and without them the "
+        "others do not fit either: gross errors, rounded readings, or those of another machine"
     )
     refused = plain[0], replace(plain[1], refused=why)
     if not bad or share > _MAX_REJECTED_SHARE:

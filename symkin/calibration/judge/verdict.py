@@ -78,7 +78,9 @@ class Verdict:
             yield not_converged(fit)
         if fit.identifiability.opens:
             yield OPEN_LOOPS
-        if self.sigma.blind or fit.rank == 0:
+        # of one posture the poses are those measured, whatever the parameters are
+        alone = len(fit.used) == 1 and fit.rank < len(fit.identifiability.names)
+        if self.sigma.blind or fit.rank == 0 or alone:
             yield "the readings do not determine the geometry; see what is not observable"
         yield from filter(None, (self.refusal, fit.refused))
 
