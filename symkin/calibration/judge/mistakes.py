@@ -43,6 +43,10 @@ _EXPLAINED_SHARE = 0.2
 """Misfit, over the size, that readings put right have less of: factors below one make any misfit
 smaller, and explain nothing.
 """
+_CHANCE_SHARE = 0.25
+"""Misfit that readings put right have less of, over what is left where each row's joints are those
+of another: a cause that leaves much of that is none.
+"""
 _MAX_SENTENCES = 3
 """Mistakes that are named at most: further ones are likely to follow from these."""
 _LENGTH_UNITS = {
@@ -114,17 +118,26 @@ class Case:
         readings = data.with_sequence(sequence)
         return Case(mechanism, readings, tuple(frames), data.euler, named, sought)
 
-    def start(self, measurements: Measurements | None = None) -> Start:
-        """Begin a trial of other readings in place of these."""
-        m = self.measurements if measurements is None else measurements
-        return begin(self.mechanism, m, parameters=self.frames or None)
+    def start(self) -> Start:
+        """Begin a trial of the readings."""
+        return begin(self.mechanism, self.measurements, parameters=self.frames or None)
 
-    def trial(self, measurements: Measurements | None = None) -> Trial:
-        """Try readings at the nominal geometry."""
+    def trial(self) -> Trial:
+        """Try the readings at the nominal geometry."""
         try:
-            return self.start(measurements).trial
+            return self.start().trial
         except SymkinError:
             return NO_TRIAL
+
+    def reading(self, measurements: Measurements) -> Case:
+        """Take other readings in place of these."""
+        return replace(self, measurements=measurements)
+
+    @property
+    def unrelated(self) -> Case:
+        """The joints of other rows beside the rest, which nothing then explains."""
+        m = self.measurements
+        return self.reading(replace(m, joints=np.roll(m.joints, len(m) // 2, axis=0)))
 
     def subset(self, rows: np.ndarray) -> Case:
         euler = None if self.euler is None else self.euler[rows]
@@ -148,9 +161,9 @@ class Case:
         return written(self.mechanism, "angle", value, ".3g")
 
 
-Finding = tuple[str, Measurements | None]
-"""A sentence on a mistake, and the readings put right by which it is judged; None where the
-readings alone show it.
+Finding = tuple[str, Case | None]
+"""A sentence on a mistake, and the case put right by which it is judged; None where the readings
+alone show it.
 """
 
 
@@ -173,8 +186,10 @@ def diagnose(case: Case) -> tuple[str, ...]:
     some = case.examined
     found = _sentences(some, "readings")
     if not found:
-        found = _sentences(some, "correction") or _sentences(some, "order")
-        positions = replace(some, measurements=replace(some.measurements, orientation=None))
+        found = _sentences(some, "correction")
+        if not found and (whole := _sentences(some, "order")):
+            return tuple(whole[:_MAX_SENTENCES])
+        positions = some.reading(replace(some.measurements, orientation=None))
         found += _sentences(positions, "position")
     return tuple(found[:_MAX_SENTENCES])
 
@@ -197,14 +212,16 @@ def _sentences(case: Case, stage: str) -> list[str]:
         return []
     as_read, unit = case.trial(), case.mechanism.length_unit
     most = _EXPLAINED_SHARE * case.mechanism.characteristic_length
-    tried: dict[str, Trial] = {}
-    for trial, text in sorted(((case.trial(m), t) for t, m in judged), key=lambda t: t[0].score):
-        tried.setdefault(text, trial)
+    tried: dict[str, tuple[Trial, Case]] = {}
+    trials = ((right.trial(), text, right) for text, right in judged if right is not None)
+    for trial, text, right in sorted(trials, key=lambda t: t[0].score):
+        tried.setdefault(text, (trial, right))
     return [
         f"{text}: the misfit at the nominal geometry would fall from {as_read.score**0.5:.3g} to "
         f"{trial.score**0.5:.3g} {unit} (angles times the size)"
-        for text, trial in tried.items()
+        for text, (trial, right) in tried.items()
         if trial.better_than(as_read) and trial.score**0.5 < most
+        if trial.score < _CHANCE_SHARE**2 * right.unrelated.trial().score
     ]
 
 
@@ -392,7 +409,7 @@ def _find(
     for block in blocks(case):
         for text, values in change(block):
             if case.is_possible(put_right := block.put(values)):
-                yield text, put_right
+                yield text, case.reading(put_right)
 
 
 # --- orientations ---------------------------------------------------------------------------------
@@ -416,7 +433,27 @@ def _other_sequences(case: Case) -> Iterator[Finding]:
                     f"the Euler angles look to be of another sequence than {case.sequence}, in "
                     f"which they are read: {describe_sequence(names[0])} fits"
                 )
-                yield text, next(read).put(block.values)
+                yield text, case.reading(next(read).put(block.values))
+
+
+# --- frames ---------------------------------------------------------------------------------------
+
+
+def _left_handed(case: Case) -> Iterator[Finding]:
+    """Poses in a frame of which one axis is reversed, or two are exchanged."""
+    m = case.measurements
+    if m.position is None or m.orientation is None:
+        return
+    turns = [np.diag(1.0 - 2.0 * np.eye(3)[k]) for k in range(3)]
+    swaps = [np.eye(3)[[*order]] for order in ((1, 0, 2), (2, 1, 0), (0, 2, 1))]
+    said = [f"{k} reversed" for k in "xyz"] + ["x and y exchanged", "x and z exchanged"]
+    for mirror, how in zip([*turns, *swaps], [*said, "y and z exchanged"], strict=True):
+        axis = -m.orientation[:, 1:] @ mirror  # of a rotation: its sense is reversed, too
+        right = replace(
+            m, position=m.position @ mirror, orientation=np.hstack([m.orientation[:, :1], axis])
+        )
+        text = f"the poses look to stand in a left-handed frame ({how}, of orientations too)"
+        yield text, case.reading(right)
 
 
 # --- what the readings alone show -----------------------------------------------------------------
@@ -492,7 +529,7 @@ def _reordered_joints(case: Case) -> Iterator[Finding]:
     put_right = block.put(signs * m.joints[:, order])
     text = _describe_order(block.names, order, signs)
     if text and case.is_possible(put_right):
-        yield text, put_right
+        yield text, case.reading(put_right)
 
 
 def _assigned_columns(case: Case, block: Block) -> np.ndarray:
@@ -524,7 +561,7 @@ def _exchanged_in_turn(case: Case, block: Block) -> np.ndarray:
 
     def score(holds: np.ndarray) -> float:
         changed = few.put(np.sign(holds) * few.values[:, np.abs(holds).astype(int) - 1])
-        return some.trial(changed).score if case.is_possible(changed) else math.inf
+        return some.reading(changed).trial().score if case.is_possible(changed) else math.inf
 
     holds = np.arange(1.0, len(block.names) + 1)
     least = score(holds)
@@ -652,6 +689,7 @@ RULES = (
     ),
     Rule("Euler angles of another sequence", "correction", _other_sequences),
     Rule("joint columns in another order, with other signs", "order", _reordered_joints),
+    Rule("poses in a left-handed frame", "order", _left_handed),
     Rule("groups wrongly labelled", "labels", _wrong_labels),
 )
 """The mistakes that are looked for, in the order in which those that the readings alone show
