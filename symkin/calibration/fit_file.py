@@ -31,6 +31,7 @@ from symkin.calibration.judge.mistakes import Case, diagnose, diagnose_labels
 from symkin.calibration.judge.outliers import MAX_OUTLIER_SHARE
 from symkin.calibration.judge.result import Calibration
 from symkin.calibration.judge.trials import find_sequence
+from symkin.calibration.judge.verdict import noise_excess
 from symkin.calibration.options import LEAST_CHANGE, FileOptions, FitOptions
 from symkin.calibration.report import FitReport
 from symkin.errors import InputError
@@ -140,7 +141,8 @@ def _mistakes(case: Case, fit: Calibration) -> tuple[str, ...]:
     doubtful |= fit.identifiability.drowned.shape[1] > 0
     if fit.believable and not fit.is_noticeable and not doubtful:
         return ()
-    found = diagnose(case)
+    placed = fit.status == "ok" and noise_excess(fit) is None
+    found = diagnose(replace(case, placed=placed))
     return found if fit.sound and not doubtful else found or diagnose_labels(case)
 
 

@@ -24,7 +24,7 @@ from helpers.inside import (
     random_configurations,
     simulate_readings,
 )
-from symkin import Measurements, Reading
+from symkin import Measurements, Pose, Reading
 
 MACHINE = hexapod_log.TRUTH
 END, BASE = np.array([0.0, 0.0, 0.01]), np.array([0.0, 0.0, -0.02])
@@ -64,6 +64,23 @@ def inclinations_exchanged(m):
     r = matrices(m.orientation)
     alpha, beta = np.arctan2(r[:, 2, 1], r[:, 2, 2]), -np.arcsin(r[:, 2, 0])
     return replace(m, position=None, orientation=None, inclination=np.column_stack([beta, alpha]))
+
+
+WORLD = Pose([0.5, -0.3, 0.2], quaternion_from_euler(np.array([0.4, -0.7, 1.5]), "xyz"))
+TARGET = Pose([0.01, 0.02, 0.08], quaternion_from_euler(np.array([0.3, 0.2, 1.2]), "xyz"))
+
+
+HERE = Pose.identity()
+
+
+def seen_from(m, world=HERE, target=HERE):
+    """Poses of a target on the platform in a measuring frame."""
+    seen = [world @ Pose(p[:3], p[3:]) @ target for p in m.poses]
+    return replace(
+        m,
+        position=np.array([p.position for p in seen]),
+        orientation=np.array([p.quaternion for p in seen]),
+    )
 
 
 MISTAKES = {
@@ -107,6 +124,16 @@ MISTAKES = {
             m, position=m.position * [1, -1, 1], orientation=m.orientation * [1, -1, 1, -1]
         ),
         "left-handed frame (y reversed",
+    ),
+    "poses in another frame": (lambda m: seen_from(m, WORLD), "all,world.* would"),
+    "poses of another target": (lambda m: seen_from(m, target=TARGET), "all,target.* would"),
+    "poses of another target in another frame": (
+        lambda m: seen_from(m, WORLD, TARGET),
+        "all,world.*,target.* would",
+    ),
+    "joints a row off": (
+        with_joints(lambda q: np.roll(q, 1, axis=0)),
+        "the joint readings look one row late",
     ),
     "two position columns exchanged": (
         positions_only(lambda x: x[:, [2, 1, 0]]),
@@ -253,12 +280,14 @@ def test_a_unit_is_named_whichever_sequence_was_found(poses: Measurements, hopel
 
 def test_what_shrinks_everything_explains_nothing(arm: Measurements) -> None:
     """Millimetres under centimetres: divided by a thousand the positions, or one of their columns,
-    would be nearer to the machine's, and still nowhere; nor is an origin far off another unit.
+    would be nearer to the machine's, and still nowhere; nor is an origin far off another unit: it
+    is that of another frame.
     """
     for factors in (10.0, np.array([10.0, 1.0, 1.0])):
         assert diagnose(Case(ARM, replace(arm, position=factors * arm.position))) == ()
     far = np.array([1e3 * ARM.characteristic_length, 0.0, 0.0])
-    assert diagnose(Case(ARM, replace(arm, position=arm.position + far))) == ()
+    (said,) = diagnose(Case(ARM, replace(arm, position=arm.position + far)))
+    assert "all,world.* would find" in said
 
 
 @pytest.mark.parametrize("factor", [25.4, 1 / 25.4, 1e3, 1e-3])

@@ -18,6 +18,7 @@ import numpy as np
 from symkin.calibration.data.files import DataFile, euler_quaternions
 from symkin.calibration.data.measurements import Measurements, spread_rows
 from symkin.calibration.data.observables import PLATFORM, Observable, written
+from symkin.calibration.data.parameters import MEASURING_FRAMES
 from symkin.calibration.estimate.configurations import closed_at, closing_model
 from symkin.calibration.estimate.state import readings_at
 from symkin.calibration.judge.statistics import rms_of_better_part
@@ -99,7 +100,8 @@ many others of any label.
 class Case:
     """What the rules look at: readings of a mechanism, parameters that are unknown frames, and
     Euler angles (n, 3) as they stand with the sequence in which they are read, and whether this was
-    sought, so that any other may be meant.
+    sought, so that any other may be meant; and whether a fit took the poses where they stand, so
+    that no frame is left out.
     """
 
     mechanism: Mechanism
@@ -108,6 +110,7 @@ class Case:
     euler: np.ndarray | None = None
     sequence: str = ""
     sought: bool = False
+    placed: bool = False
 
     @staticmethod
     def of(
@@ -152,6 +155,11 @@ class Case:
             rows = np.flatnonzero(np.isin(m.groups, np.unique(m.groups[rows])))
         return self.subset(rows[: 4 * _EXAMINED_CONFIGURATIONS])
 
+    @property
+    def consecutive(self) -> Case:
+        """The first rows, so that each stands beside its neighbours."""
+        return self.subset(np.arange(min(len(self.measurements), _EXAMINED_CONFIGURATIONS)))
+
     def is_possible(self, measurements: Measurements) -> bool:
         """Tell whether no reading is below the least of its joint (rods of negative length)."""
         least = [-math.inf if c.least is None else c.least for c in self.mechanism.actuated]
@@ -171,7 +179,8 @@ alone show it.
 class Rule:
     """A mistake that is looked for: `find` yields its possible forms in a case. The stage says when
     it is asked: "readings", "correction" and "order" where those before them found nothing;
-    "position", whose orientations may be read wrongly besides, in any case; "labels" by themselves.
+    "position", whose orientations may be read wrongly besides, unless an order was found; "row or
+    frame" of consecutive rows, and "frames", where nothing was; "labels" by themselves.
     """
 
     mistake: str
@@ -191,6 +200,8 @@ def diagnose(case: Case) -> tuple[str, ...]:
             return tuple(whole[:_MAX_SENTENCES])
         positions = some.reading(replace(some.measurements, orientation=None))
         found += _sentences(positions, "position")
+    if not found:
+        found = _sentences(case.consecutive, "row or frame") or _sentences(some, "frames")
     return tuple(found[:_MAX_SENTENCES])
 
 
@@ -308,6 +319,15 @@ def _joints(case: Case) -> Iterator[Block]:
     names, angular = [c.name for c in read], [c.is_angular for c in read]
     put = lambda values: m.replaced("joint", values=values)  # noqa: E731
     yield Block(names, angular, m.joints, put, range(len(read)))
+
+
+def _a_row_off(block: Block) -> Changes:
+    """Joints that stand a row later or earlier than the rest: the row that has none counts as bad
+    in any case.
+    """
+    for rows, how in ((-1, "late"), (1, "early")):
+        text = f"the joint readings look one row {how} against the rest (a logger's lag?)"
+        yield text, np.roll(block.values, rows, axis=0)
 
 
 def _kinds_of_joints(case: Case) -> Iterator[Block]:
@@ -454,6 +474,26 @@ def _left_handed(case: Case) -> Iterator[Finding]:
         )
         text = f"the poses look to stand in a left-handed frame ({how}, of orientations too)"
         yield text, case.reading(right)
+
+
+_ELSEWHERE = {
+    "world": "measured in a frame that stands elsewhere than the mechanism's base",
+    "target": "those of a target that is mounted elsewhere than the platform's frame",
+}
+"""What is said of poses from which a measuring frame is left out."""
+
+
+def _frames_left_out(case: Case, left_out: Sequence[str]) -> Iterator[Finding]:
+    """Measuring frames that are not among the parameters, and no others, put where they fit."""
+    m, held = case.measurements, {name.partition(".")[0] for name in case.frames}
+    unseen = m.position is None or len(m) < _MIN_WHOLE_POSES
+    if unseen or case.placed or held & {*left_out}:
+        return
+    names = [name for name in MEASURING_FRAMES if name.partition(".")[0] in left_out]
+    what = " and ".join(_ELSEWHERE[frame] for frame in left_out)
+    patterns = ",".join(f"{frame}.*" for frame in left_out)
+    text = f"the poses look to be {what}, which --parameters all,{patterns} would find"
+    yield text, replace(case, frames=(*case.frames, *names))
 
 
 # --- what the readings alone show -----------------------------------------------------------------
@@ -690,6 +730,15 @@ RULES = (
     Rule("Euler angles of another sequence", "correction", _other_sequences),
     Rule("joint columns in another order, with other signs", "order", _reordered_joints),
     Rule("poses in a left-handed frame", "order", _left_handed),
+    Rule("joints a row off", "row or frame", partial(_find, _joints, _a_row_off)),
+    *(
+        Rule(mistake, stage, partial(_frames_left_out, left_out=frames))
+        for mistake, stage, frames in (
+            ("poses in another frame", "row or frame", ["world"]),
+            ("poses of another target", "row or frame", ["target"]),
+            ("poses of another target in another frame", "frames", ["world", "target"]),
+        )
+    ),
     Rule("groups wrongly labelled", "labels", _wrong_labels),
 )
 """The mistakes that are looked for, in the order in which those that the readings alone show
