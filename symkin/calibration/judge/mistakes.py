@@ -41,12 +41,9 @@ _EXAMINED_CONFIGURATIONS = 40
 rows.
 """
 _EXPLAINED_SHARE = 0.2
-"""Misfit, over the size, that readings put right have less of: factors below one make any misfit
-smaller, and explain nothing.
-"""
-_CHANCE_SHARE = 0.25
-"""Misfit that readings put right have less of, over what is left where each row's joints are those
-of another: a cause that leaves much of that is none.
+"""Misfit that readings put right have less of, over the size, and over what is left where joints
+are those of other rows: factors below one make any misfit smaller, and explain nothing, and a cause
+that leaves much is none.
 """
 _MAX_SENTENCES = 3
 """Mistakes that are named at most: further ones are likely to follow from these."""
@@ -137,10 +134,16 @@ class Case:
         return replace(self, measurements=measurements)
 
     @property
-    def unrelated(self) -> Case:
-        """The joints of other rows beside the rest, which nothing then explains."""
+    def left_by_chance(self) -> float:
+        """What is left, as a trial's score, where joints are those of other rows, which explain
+        nothing; few rows, or groups alone, whose rows are alike, say nothing of it.
+        """
         m = self.measurements
-        return self.reading(replace(m, joints=np.roll(m.joints, len(m) // 2, axis=0)))
+        grouped = all(o.kind == "group" for o, _ in m.channels(self.mechanism))
+        if grouped or len(m) < _MIN_WHOLE_POSES:
+            return math.inf
+        joints = np.random.default_rng(0).permutation(m.joints)
+        return self.reading(replace(m, joints=joints)).trial().score
 
     def subset(self, rows: np.ndarray) -> Case:
         euler = None if self.euler is None else self.euler[rows]
@@ -232,7 +235,7 @@ def _sentences(case: Case, stage: str) -> list[str]:
         f"{trial.score**0.5:.3g} {unit} (angles times the size)"
         for text, (trial, right) in tried.items()
         if trial.better_than(as_read) and trial.score**0.5 < most
-        if trial.score < _CHANCE_SHARE**2 * right.unrelated.trial().score
+        if trial.score < _EXPLAINED_SHARE**2 * right.left_by_chance
     ]
 
 
