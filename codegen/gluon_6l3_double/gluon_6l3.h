@@ -30,6 +30,18 @@
  *   feed: 496 add, 613 mul, 23 div, 5 sqrt, 6 sin, 6 cos
  *   rates: 490 add, 607 mul, 17 div, 5 sqrt, 6 sin, 6 cos
  *   track: 839 add, 1137 mul, 19 div, 10 sqrt, 30 sin, 30 cos
+ *   measured (Cortex-M7, GCC 12.2.1 -O2, 12979 inputs, seed 1): instructions, bytes of stack with
+ *     callees, bytes of code with callees but without those of libm:
+ *   inverse_all: 19690 instructions, 1660 stack, 6628 code
+ *   inverse_branch: 2875 instructions, 1716 stack, 6712 code
+ *   inverse_nearest: 3450 instructions, 1780 stack, 6976 code
+ *   direct: 1685 instructions, 944 stack, 1188 code
+ *   inverse: 125750 instructions, 2532 stack, 11600 code
+ *   jacobian: 1810 instructions, 880 stack, 1700 code
+ *   twist: 2245 instructions, 1224 stack, 1888 code
+ *   feed: 8280 instructions, 1492 stack, 3484 code
+ *   rates: 8155 instructions, 1428 stack, 3384 code
+ *   track: 11110 instructions, 1580 stack, 4820 code
  *
  * Model SHA-256 0a6a5e74c351eb572b3af256f5135e52918e945b40d14db040ccc931c6eb898c
  */

@@ -34,7 +34,7 @@
  *   track: 2550 instructions, 412 stack, 3936 code
  *   inverse: 470 instructions, 392 stack, 1260 code
  *   jacobian: 440 instructions, 200 stack, 1756 code
- *   line: 14810 instructions, 904 stack, 3088 code
+ *   line: 22180 instructions, 904 stack, 3088 code
  *   rates: 885 instructions, 392 stack, 1948 code
  *   feed: 1045 instructions, 432 stack, 2048 code
  *   twist: 2745 instructions, 568 stack, 2520 code

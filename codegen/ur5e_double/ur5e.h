@@ -30,6 +30,18 @@
  *   feed: 499 add, 617 mul, 23 div, 5 sqrt, 6 sin, 6 cos
  *   rates: 493 add, 611 mul, 17 div, 5 sqrt, 6 sin, 6 cos
  *   track: 847 add, 1131 mul, 19 div, 10 sqrt, 30 sin, 30 cos
+ *   measured (Cortex-M7, GCC 12.2.1 -O2, 14650 inputs, seed 1): instructions, bytes of stack with
+ *     callees, bytes of code with callees but without those of libm:
+ *   inverse_all: 19485 instructions, 1660 stack, 6636 code
+ *   inverse_branch: 2905 instructions, 1716 stack, 6720 code
+ *   inverse_nearest: 3450 instructions, 1780 stack, 6984 code
+ *   direct: 1685 instructions, 944 stack, 1212 code
+ *   inverse: 125095 instructions, 2540 stack, 11584 code
+ *   jacobian: 1810 instructions, 880 stack, 1708 code
+ *   twist: 2240 instructions, 1224 stack, 1896 code
+ *   feed: 8280 instructions, 1492 stack, 3492 code
+ *   rates: 8155 instructions, 1428 stack, 3392 code
+ *   track: 11175 instructions, 1580 stack, 4852 code
  *
  * Model SHA-256 a72b063b87bb3a08505b80421fdd2a78f08e451a852a353dab64180a7c23c55b
  */

@@ -203,10 +203,15 @@ def agreeing_searches(
         count = first.z.shape[1]
         LOG.info("%d generic solutions; they are searched again from other numbers", count)
         second = search(seed, None, count)
-        ends = first.z[:, :0] if second is None else _brought(system, second.z, second.k, first.k)
-        others = np.hstack([missing(first, seed), _others(system, first, ends)])
-        # a root that is lost on its way may be another one
+        ends, closed = first.z[:, :0], np.zeros(0, dtype=bool)
+        if second is not None:
+            ends, closed = _brought(system, second.z, second.k, first.k)
+        new = known_root(system, first.z, ends) < 0
+        others = np.hstack([missing(first, seed), ends[:, new & closed]])
+        # a root that is lost on its way may be another one; of one far off, where rounding alone
+        # moves Newton's method by more, it is enough to come to one that is known
         alike = second is not None and second.z.shape[1] == ends.shape[1] == count
+        alike = alike and not new.any()
         if alike and not others.shape[1]:
             return first, ""
         first = search(seed + 100, (np.hstack([first.z, others]), first.k), None)
@@ -217,18 +222,16 @@ def roots_beside(system: AlgebraicSystem, start: Fibre, z: np.ndarray, k: np.nda
     """Of roots z at k, (known,) or (known, n), those that lead to others at the start's base than
     it has.
     """
-    return _others(system, start, _brought(system, z, k, start.k))
+    ends, closed = _brought(system, z, k, start.k)
+    return ends[:, closed & (known_root(system, start.z, ends) < 0)]
 
 
-def _brought(system: AlgebraicSystem, z: np.ndarray, k: np.ndarray, base: np.ndarray) -> np.ndarray:
-    """Roots at a base that roots z at k, (known,) or (known, n), lead to."""
+def _brought(
+    system: AlgebraicSystem, z: np.ndarray, k: np.ndarray, base: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Roots at a base that roots z at k, (known,) or (known, n), lead to; which are closed."""
     ends, last = newton(system, carried(system, z, k, base), base)
-    return ends[:, last <= _CLOSED]
-
-
-def _others(system: AlgebraicSystem, start: Fibre, z: np.ndarray) -> np.ndarray:
-    """Of roots at the start's base those that it has not."""
-    return z[:, known_root(system, start.z, z) < 0]
+    return ends, last <= _CLOSED
 
 
 @dataclass

@@ -577,6 +577,7 @@ MODULES = {
     "engine": "symkin.homotopy.engine",
     "far_roots": "symkin.homotopy.far_roots",
     "file_digits": "symkin.position.file_digits",
+    "monodromy": "symkin.homotopy.monodromy",
     "start_files": "symkin.homotopy.start_files",
     "start_store": "symkin.homotopy.start_store",
     "structure": "symkin.homotopy.structure",

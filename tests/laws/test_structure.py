@@ -25,6 +25,7 @@ from helpers.inside import (
     known_values,
     link_poses,
     make_solution,
+    monodromy,
     parse,
     random_known,
     structure,
@@ -348,11 +349,19 @@ def test_distances_of_a_moving_base_are_those_between_the_points():
             assert size * row[0] == pytest.approx(length, abs=1e-9 * size)
 
 
-@pytest.mark.parametrize("found", ["nothing", "roots of which one is lost", "the same roots"])
-def test_a_second_search_must_come_to_all_roots_of_the_first(found):
+@pytest.mark.parametrize(
+    "found", ["nothing", "roots of which one is lost", "the same roots", "the same roots, far off"]
+)
+def test_a_second_search_must_come_to_all_roots_of_the_first(found, monkeypatch):
     """Of z^2 = k: one that finds nothing, or loses a root on the way to the first's base, agrees
-    with nothing.
+    with nothing. Far roots, whose last Newton step is rounding of 1e-9, are the same where they
+    come to those that are known: two of a free delta's 512 were called lost.
     """
+    if "far" in found:
+        settled = monodromy.newton
+        monkeypatch.setattr(
+            monodromy, "newton", lambda *asked: (settled(*asked)[0], np.full(2, 1.4e-9))
+        )
     z, k = ca.SX.sym("z"), ca.SX.sym("k")
     system = AlgebraicSystem(1.0, (Coordinate("x", "length", "passive"),), z, k, z**2 - k, ())
 
@@ -367,5 +376,5 @@ def test_a_second_search_must_come_to_all_roots_of_the_first(found):
         return None if found == "nothing" else fibre(2.0 - 1.0j, int("lost" in found))
 
     agreed, reason = agreeing_searches(system, search, lambda first, _: first.z[:, :0], 2)
-    assert (agreed is not None) == (found == "the same roots")
+    assert (agreed is not None) == ("the same roots" in found)
     assert bool(reason) == (agreed is None)
