@@ -142,6 +142,7 @@ def _mistakes(case: Case, fit: Calibration) -> tuple[str, ...]:
     if fit.believable and not fit.is_noticeable and not doubtful:
         return ()
     placed = fit.status == "ok" and noise_excess(fit) is None
+    placed &= fit.any_machine or not fit.is_other_machine
     found = diagnose(replace(case, placed=placed))
     return found if fit.sound and not doubtful else found or diagnose_labels(case)
 
