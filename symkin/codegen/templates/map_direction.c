@@ -72,9 +72,11 @@ name_status @f(const name_config *config, const name_real @values[@nto], const n
         @no_step
     } else {
         name_real residual;
-        const bool still = @{f}_closes(&w, @values, @guess_from, used, &residual);
+        bool still = @{f}_closes(&w, @values, @guess_from, used, &residual);
         status = @{f}_line(&w, @values, y, at, guess, result, used, info);
         if ((status == NAME_OK) && !@{f}_holds(&w, @values, result, used)) {
+            /* a guess that leads to itself is held, whatever its answer does */
+            still = still || (name_@{out}_away2(result, guess) <= @same2);
             status = NAME_WRONG_BRANCH;
         }
         if (still && (status == NAME_WRONG_BRANCH)) {
