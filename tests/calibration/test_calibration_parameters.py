@@ -271,4 +271,4 @@ def test_order_and_signs_of_columns_are_found_together(tmp_path):
         "slide1" in text
     )
     assert "the sign of slide2 looks reversed" in text
-    assert np.array_equal(put_right.joints, data.joints)
+    assert np.array_equal(put_right.measurements.joints, data.joints)
