@@ -150,6 +150,11 @@ class AlgebraicSystem:
         """Places of the unknowns that are angles."""
         return [i for i, c in enumerate(self.unknowns) if c.is_periodic]
 
+    @cached_property
+    def others(self) -> list[int]:
+        """Places of the unknowns that are none."""
+        return [i for i, c in enumerate(self.unknowns) if not c.is_periodic]
+
 
 def _within_reach(*values: np.ndarray) -> list[np.ndarray]:
     """Numbers over the largest of them, if that is above 1, and how large it is: differences of far

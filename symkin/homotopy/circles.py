@@ -58,9 +58,8 @@ def gaps(system: AlgebraicSystem, a: np.ndarray, b: np.ndarray) -> np.ndarray:
     gap = a[:count] - b[:count]
     if system.angles:
         gap[system.angles] -= 2 * np.pi * np.round(gap[system.angles].real / (2 * np.pi))
-    if len(system.angles) < count:
-        others = [i for i in range(count) if i not in system.angles]
-        gap[others] /= np.maximum(1.0, np.abs(b[others]))
+    if system.others:
+        gap[system.others] /= np.maximum(1.0, np.abs(b[system.others]))
     found = np.abs(gap).max(axis=0, initial=0.0)
     if ray:
         p, q = a[ray] / _length(a[ray]), b[ray] / _length(b[ray])
@@ -94,8 +93,8 @@ def follow(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Paths tracked from begin to end, and which of them came there, whatever Newton says of their
     last digits: near an end at infinity few of them are determined. The compiled engine does not go
-    where it cannot polish; NumPy does. A way that is long for one is
-    long for both, and is not followed twice.
+    where it cannot polish; NumPy does. A way that is long for one is long for both, and is not
+    followed twice.
     """
     tracked = track(system, z, begin, end, settings)
     came = (tracked.s >= 1.0) & np.isfinite(tracked.z).all(axis=0)

@@ -15,7 +15,7 @@ from math import prod
 import numpy as np
 
 from symkin.computed_once import lru_cache
-from symkin.numeric.point_library import point_library, suit
+from symkin.numeric.point_library import library_of_extremes
 from symkin.numeric.tolerances import GRAM_CONDITION, NO_MOTION, ROUNDED_STEP, WELL_CONDITIONED
 
 _LARGE = 64
@@ -163,7 +163,7 @@ def _squared_extremes(matrices: np.ndarray) -> np.ndarray:
     eigenvalues of the smaller of J^T J and J J^T take half the time of the decomposition. Zero
     where a matrix is not finite.
     """
-    library = point_library() if suit(matrices) else None
+    library = library_of_extremes(matrices)
     if library is not None:
         return library.squared_extremes(matrices)
     transposed = matrices.transpose(0, 2, 1)

@@ -7,7 +7,6 @@ Values have the digits that CasADi computes. SYMKIN_ENGINE = numpy turns it off.
 from __future__ import annotations
 
 import ctypes
-import functools
 import os
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -107,7 +106,7 @@ class PointLibrary:
 
     def squared_extremes(self, matrices: np.ndarray) -> np.ndarray:
         """Squares (n, 2) of the largest and smallest singular values of matrices (n, rows,
-        columns), which `suit`.
+        columns), for which it is a `library_of_extremes`.
         """
         matrices = np.asarray(matrices, dtype=float)
         if matrices.shape[1] < matrices.shape[2]:
@@ -127,19 +126,15 @@ def _arrays(arrays: Sequence[np.ndarray]) -> np.ndarray:
     )
 
 
-def suit(matrices: np.ndarray) -> bool:
-    """Whether the library finds the extreme singular values of matrices (n, rows, columns)."""
-    return len(matrices) >= MANY and min(matrices.shape[1:]) <= _MOST_COLUMNS
-
-
 def point_library() -> PointLibrary | None:
     """The library, from the cache or compiled now; None where there is none."""
-    return None if os.environ.get("SYMKIN_ENGINE") == OFF else _loaded()
+    return None if os.environ.get("SYMKIN_ENGINE") == OFF else _load()
 
 
-@functools.lru_cache(maxsize=1)
-def _loaded() -> PointLibrary | None:
-    return _load()
+def library_of_extremes(matrices: np.ndarray) -> PointLibrary | None:
+    """The library, where it finds the extreme singular values of matrices (n, rows, columns)."""
+    suit = len(matrices) >= MANY and min(matrices.shape[1:]) <= _MOST_COLUMNS
+    return point_library() if suit else None
 
 
 @lru_cache(maxsize=1)

@@ -13,7 +13,7 @@ import numpy as np
 
 from symkin.numeric.linear_algebra import condition_of, extreme_singular_values, squared_norms
 from symkin.numeric.newton import Polished
-from symkin.numeric.point_library import suit
+from symkin.numeric.point_library import library_of_extremes
 from symkin.numeric.rank import null_space
 from symkin.numeric.system import System
 from symkin.numeric.tolerances import (
@@ -108,10 +108,11 @@ def are_suspect(extremes: np.ndarray) -> np.ndarray:
 
 
 def suspects(jacobians: np.ndarray) -> np.ndarray:
-    """Which roots (n,) `are_suspect`, by their Jacobians (n, rows, freedom). Of few roots most are
-    cleared by Frobenius's norms of these and of their inverses: singular values are no larger.
+    """Which roots (n,) `are_suspect`, by their Jacobians (n, rows, freedom). Where singular values
+    are dear most are cleared by Frobenius's norms of these and of their inverses, which are no
+    smaller.
     """
-    if suit(jacobians):
+    if library_of_extremes(jacobians) is not None:
         return are_suspect(extreme_singular_values(jacobians))
     found = np.ones(len(jacobians), dtype=bool)
     if len(jacobians) and jacobians.shape[1] == jacobians.shape[2]:

@@ -200,9 +200,7 @@ def _determination(
     """What given coordinates decide of motions (orthonormal rows) at a configuration."""
     left = motions.T
     columns: dict[str, list[int]] = {}
-    for column, coordinate in enumerate(
-        held for held in closure.coordinates for _ in range(held.freedom)
-    ):
+    for column, coordinate in enumerate(closure.owners):
         columns.setdefault(coordinate.name, []).append(column)
     given = _given(problem)
     others = [

@@ -151,9 +151,9 @@ def _listed(problem: Problem, points: np.ndarray, known: np.ndarray) -> np.ndarr
     """The points, angles of `turning` beyond their limits within half a turn of the middle of these
     where that is a root as well: else it comes back turn by turn without end.
     """
-    system, moved = problem.system, points.copy()
     if not (limits := turning(problem)):
         return points
+    system, moved = problem.system, points.copy()
     for name, (low, high) in limits.items():
         values, middle = moved[:, system.places[name]], 0.5 * (low + high)
         outside = (values < low) | (values > high)
