@@ -274,7 +274,8 @@ def _owners_of_equal(block: System, points: np.ndarray, owner: np.ndarray) -> li
     for back in range(1, int(np.bincount(owner).max())):
         close = ~(np.abs(mixed[back:] - mixed[:-back]) > bound)
         near[back:] |= close & (owner[back:] == owner[:-back])
-    return [i for i in np.unique(owner[near]).tolist() if _has_equal(block, f[owner == i])]
+    found = np.bincount(owner[near]).nonzero()[0].tolist()
+    return [i for i in found if _has_equal(block, f[owner == i])]
 
 
 @lru_cache(maxsize=64)

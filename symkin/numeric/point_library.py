@@ -18,8 +18,10 @@ from symkin.closure.expression_graph import instructions
 from symkin.computed_once import lru_cache
 from symkin.numeric.c_library import LANES, OFF, begin_of, library_of_all
 
-MANY = 64
-"""Points from which on the library is asked: its block."""
+MANY = 256
+"""Points from which on a tape is evaluated: to write it takes as long as CasADi takes for these."""
+_MANY_MATRICES = 64
+"""Matrices from which on the library is asked for their extreme singular values."""
 _MOST_COLUMNS = 8
 """MOST of points.c."""
 _INPUT, _CONSTANT, _OUTPUT = range(3)
@@ -133,7 +135,7 @@ def point_library() -> PointLibrary | None:
 
 def library_of_extremes(matrices: np.ndarray) -> PointLibrary | None:
     """The library, where it finds the extreme singular values of matrices (n, rows, columns)."""
-    suit = len(matrices) >= MANY and min(matrices.shape[1:]) <= _MOST_COLUMNS
+    suit = len(matrices) >= _MANY_MATRICES and min(matrices.shape[1:]) <= _MOST_COLUMNS
     return point_library() if suit else None
 
 

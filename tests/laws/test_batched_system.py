@@ -29,7 +29,7 @@ from helpers.samples import five_bar, three_rrr
 RNG = np.random.default_rng(3)
 
 
-@pytest.mark.parametrize("count", [0, 1, 2, 63, 64, 65, 200])
+@pytest.mark.parametrize("count", [0, 1, 2, 63, 64, 65, 200, 255, 256, 257])
 def test_a_mapped_function_is_the_function(count):
     """At any number of points, arguments of each point or of all."""
     x, k = ca.SX.sym("x", 3), ca.SX.sym("k", 2)
@@ -45,7 +45,7 @@ def test_a_mapped_function_is_the_function(count):
             assert np.array_equal(np.asarray(b), second[i])
 
 
-@pytest.mark.parametrize("known", [(64, 1), (63, 2), (1, 2), (1,), (64, 3)])
+@pytest.mark.parametrize("known", [(256, 1), (255, 2), (1, 2), (1,), (256, 3)])
 def test_compiled_code_reads_no_more_than_its_arguments(known):
     """Arguments of another length, or of other points, are refused, not read beyond their end."""
     x, k = ca.SX.sym("x", 3), ca.SX.sym("k", 2)
@@ -53,7 +53,7 @@ def test_compiled_code_reads_no_more_than_its_arguments(known):
     if point_library() is None:
         pytest.skip("there is no C compiler here")
     with pytest.raises(ValueError, match="an argument of shape"):
-        mapped(np.ones((64, 3)), np.ones(known))
+        mapped(np.ones((256, 3)), np.ones(known))
 
 
 def test_compiled_operations_are_those_of_casadi(monkeypatch):
@@ -63,7 +63,7 @@ def test_compiled_operations_are_those_of_casadi(monkeypatch):
     one = [x**2, -x, 2 * x, 1 / x, ca.sin(x), ca.cos(x), ca.sqrt(x), ca.fabs(x)]
     mapped = Mapped.of([x, y], [ca.vertcat(*both, *one, 3.7)])
     special = [0.0, -0.0, 1e-310, 1e308, np.inf, -np.inf, np.nan]
-    points = np.concatenate([special, RNG.normal(size=93), 1e5 * RNG.normal(size=30)])
+    points = np.concatenate([special, RNG.normal(size=219), 1e5 * RNG.normal(size=30)])
     compiled = mapped(points[:, None], np.roll(points, 3)[:, None])[0]
     monkeypatch.setenv("SYMKIN_ENGINE", "numpy")
     assert point_library() is None
