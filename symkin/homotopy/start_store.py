@@ -54,7 +54,11 @@ TIED = "the given values must satisfy conditions of their own"
 """Why rows that are more than the unknowns have no generic roots; as many combinations of them have
 some.
 """
+SINGULAR = "some solutions are singular whatever the given values are"
+"""Why no loop of known values leads to all of them."""
 _INSTANCES = 5
+_SINGULAR = 1e7
+"""Condition from which a root is singular, to what its position is known to."""
 _CHECK_STARTS = 600
 _TARGETS, _BASES = 4, 19
 """Real instances on which bases of a start are compared, and how many bases."""
@@ -223,7 +227,17 @@ def _by_monodromy(problem: Problem, system: AlgebraicSystem) -> tuple[Fibre | No
 
     if bound is not None and (only := search(0, None, None)) is not None:
         return only, ""
-    return agreeing_searches(system, search, missing, runs)
+    found, why = agreeing_searches(system, search, missing, runs)
+    return (None, SINGULAR) if found is not None and _has_singular_roots(problem) else (found, why)
+
+
+def _has_singular_roots(problem: Problem) -> bool:
+    """Whether real instances have isolated roots that are singular whatever the known values are:
+    no loop leads to them, and a list of the others would lack them.
+    """
+    closed = closed_configurations(problem.closure, 0)[:_INSTANCES]
+    instances = (problem.select_values(values, problem.known_coordinates) for values in closed)
+    return all(_sampled(problem, known, 0)[1].any() for known in instances)
 
 
 def redundant_rows(problem: Problem) -> int:
@@ -273,10 +287,14 @@ def _real_points(
     """Regular real roots of an instance that random starts reach, as points of the algebraic
     system.
     """
-    rows = problem.system
-    found = batched(problem, known, _CHECK_STARTS, np.random.default_rng(seed))
-    regular = found.points[rows.conditions(found.points, known) < 1e7]
-    return algebraic_points(problem, system, rows, regular)
+    points, singular = _sampled(problem, known, seed)
+    return algebraic_points(problem, system, problem.system, points[~singular])
+
+
+def _sampled(problem: Problem, known: np.ndarray, seed: int) -> tuple[np.ndarray, np.ndarray]:
+    """Isolated real roots of an instance that random starts reach, and which are singular."""
+    found = batched(problem, known, _CHECK_STARTS, np.random.default_rng(seed)).points
+    return found, problem.system.conditions(found, known) >= _SINGULAR
 
 
 def _closed_points(problem: Problem, system: AlgebraicSystem) -> Points:

@@ -425,3 +425,25 @@ def test_angles_that_no_given_value_moves_are_all_found() -> None:
     assert all(mode.certified for mode in found)
     assert min(abs(mode.joints["r"]) for mode in found) < 1e-12
     assert len(symkin.modes(loop, given={"p2": 0.4}, method="multistart")) == 2
+
+
+def test_a_mode_that_is_singular_whatever_is_given_is_listed() -> None:
+    """A spherical platform on three legs of two revolutes whose planes meet in a line at the
+    reference: a double mode there, beside two others, wherever a spindle on one leg's axis is. No
+    loop of known values leads to it, and a list of the two alone claimed to be complete.
+    """
+    legs = [
+        ([-2, 1, 0], [2, -1, 1], "one", "platform"),
+        ([-1, 1, -1], [1, -1, -2], "two", "platform"),
+        ([0, 2, 1], [0, 1, 1], "three", "spindle"),
+    ]
+    joints = [LinkJoint(Joint("spin", "R", (0, 0, 0), (0, -1, -1)), ("spindle", "platform"))]
+    for first, second, link, end in legs:
+        joints.append(LinkJoint(Joint(f"{link}.1", "R", (0, 0, 0), first), ("base", link)))
+        joints.append(LinkJoint(Joint(f"{link}.2", "R", (0, 0, 0), second), (link, end)))
+    platform = Mechanism("three_legs", (), link_joints=joints)
+    found = symkin.modes(platform, given={"spin": 0.3}, starts=300)
+    assert [any("double" in note for note in mode.notes) for mode in found] == [True, False, False]
+    assert found[0].joints["one.1"] == pytest.approx(0.0, abs=1e-7)
+    assert found.completeness == "sampled"
+    assert "singular whatever the given values are" in str(found)
