@@ -171,7 +171,6 @@ def fit(
     nominal: symkin.Mechanism,
     measured: Measurements,
     residual: str = "means",
-    method: str = "nested",
 ) -> Calibration:
     """symkin's fit in the paper's frames; `residual`: "differences" of neighbours, the paper's (4),
     or "means" of groups.
@@ -181,7 +180,6 @@ def fit(
         measured,
         fixed=held_names(nominal),
         residual=residual,
-        method=method,
         outliers="ignore",
     )
 

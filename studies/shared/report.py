@@ -326,7 +326,7 @@ def _text(value: Any) -> str:
     if value is None:
         return "-"
     if isinstance(value, float | np.floating):
-        return f"{value:.6g}"
+        return f"{value + 0.0:.6g}"  # no zero has a sign
     if isinstance(value, list | tuple | np.ndarray):
         return ", ".join(_text(v) for v in value)
     return str(value)

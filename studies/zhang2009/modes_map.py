@@ -208,6 +208,7 @@ def report_right_angle(report: Report, platform: symkin.Mechanism) -> None:
                 pitch,
                 twist.pitch,
                 "mm",
+                tolerance=1e-9,
             )
     rng = np.random.default_rng(SEED)
     worst = 0.0

@@ -9,6 +9,7 @@ generic: other mechanisms against 20,000 random starts. closed: random arms of e
 has a closed form, against continuation; closed_platforms: the same of platforms. Each line says how
 many inputs had an unresolved path, a wrong count of complex roots, a lost pose (the one that made
 the input), a duplicate or an odd number of real modes, and the largest closure error over the size.
+Exit status 1 where any of this, or a lost mode, was found.
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ import tempfile
 from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from itertools import combinations
 from os import environ
 from pathlib import Path
 from typing import Any
@@ -32,7 +34,7 @@ from symkin import Modes, Solution
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 
-def main() -> None:
+def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
     parser.add_argument("--count", type=int, default=1000)
     parser.add_argument("--seed", type=int, default=0)
@@ -43,13 +45,16 @@ def main() -> None:
     )
     with tempfile.TemporaryDirectory() as folder:
         environ["SYMKIN_CACHE"] = folder
-        for name in options.cases.split(","):
+        wrong = [
             CASES[name](options.count, np.random.default_rng(options.seed))
+            for name in options.cases.split(",")
+        ]
+    return int(any(wrong))
 
 
-def report(name: str, found: Iterator[tuple[Modes, int, symkin.Pose | None]]) -> None:
-    """Count what is wrong with results, each with its expected complex count and a pose that must
-    be among the modes.
+def report(name: str, found: Iterator[tuple[Modes, int, symkin.Pose | None]]) -> bool:
+    """Whether anything is wrong with results, counted in a line; each comes with its expected
+    complex count and a pose that must be among the modes.
     """
     wrong: Counter[str] = Counter()
     real: Counter[int] = Counter()
@@ -73,6 +78,7 @@ def report(name: str, found: Iterator[tuple[Modes, int, symkin.Pose | None]]) ->
         f"{dict(sorted(real.items()))}",
         flush=True,
     )
+    return wrong.total() > 0
 
 
 def distance(mode: Solution, pose: symkin.Pose, size: float) -> float:
@@ -83,18 +89,12 @@ def distance(mode: Solution, pose: symkin.Pose, size: float) -> float:
 
 
 def has_duplicate(modes: Modes) -> bool:
-    keys = [
-        np.concatenate(
-            [m.position / modes.problem.closure.characteristic_length, m.rotation.ravel()]
-        )
-        for m in modes.representatives
-    ]
-    apart = (
-        np.max(np.abs(np.array(keys)[:, None] - np.array(keys)[None]), axis=2)
-        if keys
-        else np.zeros((0, 0))
+    """Whether two modes have one pose and the same values of all joints."""
+    size = modes.problem.closure.characteristic_length
+    return any(
+        np.abs(flat(one, size) - flat(other, size)).max() < 1e-9
+        for one, other in combinations(modes, 2)
     )
-    return bool(np.any(apart + np.eye(len(keys)) < 1e-9))
 
 
 def random_pose(rng: np.random.Generator, spread: float, height: float, turn: float) -> symkin.Pose:
@@ -102,7 +102,7 @@ def random_pose(rng: np.random.Generator, spread: float, height: float, turn: fl
     return symkin.Pose(spread * rng.normal(size=3) + [0, 0, height], q / np.linalg.norm(q))
 
 
-def platforms(count: int, rng: np.random.Generator) -> None:
+def platforms(count: int, rng: np.random.Generator) -> bool:
     def found() -> Iterator[tuple[Modes, int, symkin.Pose]]:
         for _ in range(count):
             rods = [
@@ -119,10 +119,10 @@ def platforms(count: int, rng: np.random.Generator) -> None:
                 pose,
             )
 
-    report("random 6-6", found())
+    return report("random 6-6", found())
 
 
-def legs(count: int, rng: np.random.Generator) -> None:
+def legs(count: int, rng: np.random.Generator) -> bool:
     platform = symkin.load("zhang2009")
 
     def found() -> Iterator[tuple[Modes, int, symkin.Pose]]:
@@ -136,10 +136,10 @@ def legs(count: int, rng: np.random.Generator) -> None:
                 pose,
             )
 
-    report("zhang2009, random legs", found())
+    return report("zhang2009, random legs", found())
 
 
-def arm(count: int, rng: np.random.Generator) -> None:
+def arm(count: int, rng: np.random.Generator) -> bool:
     """Every solution of continuation is one of EAIK's and the reverse, to 1e-9 rad times the
     condition; by their residual where two lie closer than 1e-3.
     """
@@ -152,12 +152,12 @@ def arm(count: int, rng: np.random.Generator) -> None:
     poses = [
         symkin.modes(mechanism, joints=rng.uniform(-180, 180, 6))[0].pose for _ in range(count)
     ]
-    report("gluon_6l3, random poses", found())
+    bad = report("gluon_6l3, random poses", found())
     try:
         from eaik.IK_DH import DhRobot
     except ImportError:
         print("gluon_6l3 against EAIK: EAIK is not installed (pip install eaik)")
-        return
+        return bad
     rows = mechanism.dh.rows
     robot = DhRobot(
         np.array([r.alpha for r in rows]),
@@ -192,9 +192,10 @@ def arm(count: int, rng: np.random.Generator) -> None:
         f"gluon_6l3 against EAIK: {compared} solutions at {count} poses, {wrong} poses differ; "
         f"largest difference / condition {worst:.1e} rad"
     )
+    return bad or wrong > 0
 
 
-def generic(count: int, rng: np.random.Generator) -> None:
+def generic(count: int, rng: np.random.Generator) -> bool:
     """At `count` / 200 inputs each, no root of 20,000 random starts is missing."""
     from helpers.samples import delta, five_bar, three_rrr
 
@@ -202,6 +203,7 @@ def generic(count: int, rng: np.random.Generator) -> None:
     machines += [
         symkin.load(name) for name in ("zhao2000", "zhao2000_links", "ren2008_true", "zhang2009")
     ]
+    bad = False
     for mechanism in machines:
         lost = more = unresolved = 0
         inputs = max(1, count // 200)
@@ -223,6 +225,8 @@ def generic(count: int, rng: np.random.Generator) -> None:
             f"starts lost, {more} found beyond them, {unresolved} unresolved",
             flush=True,
         )
+        bad |= lost + unresolved > 0
+    return bad
 
 
 def missing(some: Modes, others: Modes) -> int:
@@ -244,7 +248,7 @@ def flat(mode: Solution, size: float) -> np.ndarray:
     return np.concatenate([mode.position / size, mode.rotation.ravel(), angles])
 
 
-def closed(count: int, rng: np.random.Generator) -> None:
+def closed(count: int, rng: np.random.Generator) -> bool:
     """Of random arms of each structure that has a closed form: the modes of formulas are those of
     continuation.
     """
@@ -253,6 +257,7 @@ def closed(count: int, rng: np.random.Generator) -> None:
     arms = structures(rng) | {
         name: symkin.load(name) for name in ("gluon_6l3", "yao2020", "ur5e", "scara")
     }
+    bad = False
     for name, mechanism in arms.items():
         values = [
             [
@@ -262,10 +267,11 @@ def closed(count: int, rng: np.random.Generator) -> None:
             for _ in range(count)
         ]
         poses = [symkin.solve(mechanism, joints=v).solution.pose for v in values]
-        _beside_paths(name, mechanism, pose=poses)
+        bad |= _beside_paths(name, mechanism, pose=poses)
+    return bad
 
 
-def closed_platforms(count: int, rng: np.random.Generator) -> None:
+def closed_platforms(count: int, rng: np.random.Generator) -> bool:
     """The same of platforms: direct problems at joint values of whole turns, inverse ones at poses
     that these give.
     """
@@ -277,6 +283,7 @@ def closed_platforms(count: int, rng: np.random.Generator) -> None:
         symkin.load("zhao2000"),
         three_rrr("planar"),
     )
+    bad = False
     for mechanism in platforms:
         size, joints = mechanism.characteristic_length, mechanism.actuated
         spread = np.array([math.pi if c.is_angular else 0.4 * size for c in joints])
@@ -284,15 +291,17 @@ def closed_platforms(count: int, rng: np.random.Generator) -> None:
         values = middle + spread * rng.uniform(-1.0, 1.0, (count, len(joints)))
         values *= [mechanism.angle_out(1.0) if c.is_angular else 1.0 for c in joints]
         if mechanism.name != "three_rrr":
-            _beside_paths(f"{mechanism.name}, direct", mechanism, joints=values)
+            bad |= _beside_paths(f"{mechanism.name}, direct", mechanism, joints=values)
         poses = [mode.pose for modes in symkin.modes(mechanism, joints=values) for mode in modes][
             :count
         ]
-        _beside_paths(f"{mechanism.name}, inverse", mechanism, pose=poses)
+        if poses:
+            bad |= _beside_paths(f"{mechanism.name}, inverse", mechanism, pose=poses)
+    return bad
 
 
-def _beside_paths(name: str, mechanism: symkin.Mechanism, **inputs: Any) -> None:
-    """Counts the modes by formulas that paths do not find, and the other way round."""
+def _beside_paths(name: str, mechanism: symkin.Mechanism, **inputs: Any) -> bool:
+    """Whether formulas find modes that paths do not, or the other way round, counted in a line."""
     ours = symkin.modes(mechanism, **inputs)
     theirs = symkin.modes(mechanism, **inputs, method="continuation")
     lost = sum(missing(b, a) for a, b in zip(ours, theirs, strict=True))
@@ -303,9 +312,10 @@ def _beside_paths(name: str, mechanism: symkin.Mechanism, **inputs: Any) -> None
         f"paths lost, {more} found beyond them",
         flush=True,
     )
+    return lost + more > 0
 
 
-CASES: dict[str, Callable[[int, np.random.Generator], None]] = {
+CASES: dict[str, Callable[[int, np.random.Generator], bool]] = {
     "platforms": platforms,
     "legs": legs,
     "arm": arm,
@@ -315,4 +325,4 @@ CASES: dict[str, Callable[[int, np.random.Generator], None]] = {
 }
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

@@ -353,3 +353,12 @@ def test_each_fault_of_the_mutations_stands_in_the_code() -> None:
     faults = tomllib.loads((TESTS / "campaigns" / "mutations.toml").read_text())["fault"]
     for fault in faults:
         assert (ROOT / fault["file"]).read_text().count(fault["old"]) == 1, fault["name"]
+
+
+def test_campaigns_end_with_a_status_of_what_they_found() -> None:
+    """CONTRIBUTING.md promises it of its table: one that printed duplicates ended with 0."""
+    table = (ROOT / "CONTRIBUTING.md").read_text().split("\n## Campaigns\n")[1].split("\n## ")[0]
+    names = re.findall(r"^\| `(\w+)` \|", table, re.M)
+    assert len(names) > 10
+    for name in names:
+        assert "    sys.exit(" in (TESTS / "campaigns" / f"{name}.py").read_text(), name

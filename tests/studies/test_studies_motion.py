@@ -37,8 +37,9 @@ def values(rows: list[dict], part: str) -> np.ndarray:
 
 
 def assert_equal_to_paper(rows: list[dict], part: str, tolerance: float = 0.0) -> None:
-    """Rows whose closed form and computed value agree."""
+    """Rows whose closed form and computed value agree, and whose verdict says so."""
     for row in rows_of(rows, part):
+        assert row["verdict"] == "reproduced", row
         if isinstance(row["paper"], str | bool):
             assert row["computed"] == row["paper"]
         else:
