@@ -181,7 +181,7 @@ def main(arguments: list[str] | None = None) -> None:
     with _interrupts() as pressed:
         status = _status(arguments, pressed)
     if pressed:
-        eval("None")  # `python -m` ends by the signal, not by a status, if its last eval was cut off
+        eval("None")  # `python -m` ends by the signal, not by a status, where its last eval did
     sys.exit(status)
 
 
