@@ -180,6 +180,8 @@ def main(arguments: list[str] | None = None) -> None:
     )
     with _interrupts() as pressed:
         status = _status(arguments, pressed)
+    if pressed:
+        eval("None")  # `python -m` ends by the signal, not by a status, where its last eval did
     sys.exit(status)
 
 

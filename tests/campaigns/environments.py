@@ -4,7 +4,7 @@
 
 Each part runs commands or scripts in processes of their own and says what went otherwise than
 docs/reference/python.md promises; exit status 1 where anything did. `interrupts` takes `--count`
-presses; what a press in the first 60 ms meets is Python's own start.
+presses; what a press meets before a line of symkin has run is Python's own start.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from tempfile import TemporaryDirectory
 
 TESTS = Path(__file__).resolve().parents[1]
 START_S = 0.06
-"""Seconds that Python takes to start, before it runs anything of symkin's."""
+"""Seconds that Python takes to start on an idle machine, before it runs anything of symkin's."""
 COMMANDS = (
     ("modes", "ren2008"),
     ("sweep", "four_bar", "--grid", "crank=0:350:2000", "--workers", "2", "-o", "map"),
@@ -97,6 +97,8 @@ def interrupts(count: int, seed: int) -> Iterator[str]:
             process.send_signal(signal.SIGINT)
             _, said = process.communicate(timeout=60)
             ends_well = process.returncode == 130 and "symkin: interrupted" in said
+            if "Traceback" in said and "symkin" not in said:
+                continue  # a loaded machine: Python had not yet begun with symkin
             if "Traceback" in said or not (ends_well or process.returncode == 0):
                 met[f"status {process.returncode}: {said.strip()[-200:]}"] += 1
     yield from (f"{number} of {count} presses: {what}" for what, number in met.items())

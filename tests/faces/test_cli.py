@@ -317,6 +317,25 @@ def test_ctrl_c_that_another_package_makes_an_error_of_is_one_line(
 
 
 @pytest.mark.usefixtures("heard_interrupts")
+def test_ctrl_c_in_text_that_python_runs_has_its_status(tmp_path: Path) -> None:
+    """Classes of data and named tuples are text when they are loaded: pressed within it the process
+    ended by the signal, not with 130.
+    """
+    (tmp_path / "press.py").write_text(
+        """
+import signal
+from symkin.cli import app
+app._run = lambda *_: exec("signal.raise_signal(signal.SIGINT)")
+app.main(["list"])
+"""
+    )
+    done = subprocess.run(
+        [sys.executable, "-m", "press"], cwd=tmp_path, capture_output=True, text=True, check=False
+    )
+    assert (done.returncode, done.stdout, done.stderr) == (130, "", "symkin: interrupted\n")
+
+
+@pytest.mark.usefixtures("heard_interrupts")
 def test_ctrl_c_while_modules_are_loaded_is_one_line() -> None:
     """Pressed when the first module of the command line is looked for."""
     code = """
