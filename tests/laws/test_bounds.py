@@ -389,18 +389,18 @@ def test_what_a_rod_about_oblique_axes_cancels_is_no_square() -> None:
 
 
 def test_no_solution_is_proved_of_graphs_too() -> None:
-    """A crank longer than its rod stands square to the slide: both solutions are complex."""
-    z = (0.0, 0.0, 1.0)
+    """Cranks of a five-bar that hold their forearms too far apart: both solutions are complex."""
     rows = [
-        ("crank", "R", ("base", "a"), (0.0, 0.0, 0.0), z),
-        ("pin", "R", ("a", "b"), (0.4, 0.3, 0.0), z),
-        ("end", "R", ("b", "c"), (0.7, 0.0, 0.0), z),
-        ("piston", "P", ("base", "c"), (0.0, 0.0, 0.0), (1.0, 0.0, 0.0)),
+        ("left", ("base", "a"), (0.0, 0.0)),
+        ("right", ("base", "b"), (1.0, 0.0)),
+        ("elbow", ("a", "c"), (0.0, 1.0)),
+        ("knee", ("b", "d"), (1.0, 1.0)),
+        ("pin", ("c", "d"), (0.5, 1.7)),
     ]
     joints = [
-        LinkJoint(Joint(n, kind, p, axis, actuated=n == "crank"), links)
-        for n, kind, links, p, axis in rows
+        LinkJoint(Joint(n, "R", (*p, 0.0), (0, 0, 1), actuated=n in ("left", "right")), links)
+        for n, links, p in rows
     ]
-    mechanism = Mechanism("slider", link_joints=joints, angle_unit="deg", platform_link=None)
-    found = symkin.modes(mechanism, given={"crank": 53.0})
+    mechanism = Mechanism("five", link_joints=joints, platform_link=None, angle_unit="deg")
+    found = symkin.modes(mechanism, given={"left": 80.0, "right": -80.0})
     assert (len(found), found.complex_count, found.completeness) == (0, 2, "proved")
