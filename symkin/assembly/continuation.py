@@ -21,7 +21,8 @@ from symkin.homotopy.many_instances import instance
 from symkin.homotopy.six_distances import meet_all_distances, redundant_distances
 from symkin.homotopy.systems import meets_all_rows
 from symkin.homotopy.values import known_values
-from symkin.position.multistart import batched, batched_rows, turning
+from symkin.model.joint import Coordinate
+from symkin.position.multistart import batched, batched_rows, screws_of, turning
 from symkin.position.problem import Problem
 from symkin.position.roots import Sample, polished_roots, unite
 
@@ -63,7 +64,18 @@ def sampled_roots(problem: Problem, sample: Sample, *notes: str) -> GroupRoots:
         more.append(
             f"{names}: whole turns count; what they repeat beyond the limits is listed once"
         )
+    more += [_screw_note(problem, sample, c) for c in screws_of(problem) if len(sample.points)]
     return GroupRoots.sampled(sample, (*notes, *more))
+
+
+def _screw_note(problem: Problem, sample: Sample, screw: Coordinate) -> str:
+    """Which turns of a screw the solutions of random starts have, and how these were looked for."""
+    turns = sample.points[:, problem.system.places[screw.name]] / (2.0 * np.pi)
+    beside = "each" if sample.turned else "some alone, for want of starts"
+    return (
+        f"{screw.name}: solutions from {turns.min():.3g} to {turns.max():.3g} turns; the next turn "
+        f"on and back was looked for beside {beside}"
+    )
 
 
 def _continuum_note(problem: Problem) -> str:

@@ -28,9 +28,9 @@ def searched_alone(group: Problem, known: np.ndarray, search: Search) -> GroupRo
     """
     found = _searched(group, known, search)
     paths = group_paths(group) if search.method == "continuation" else None
-    if paths is not None and paths.shared is None:
+    if paths is not None and (paths.shared is None or not paths.algebraic.projective):
         return found
-    # no complex roots of the system in which the group is proved
+    # no complex roots of the system in which the group is proved: rods are those of all rods
     return replace(found, ends=NO_ENDS, ends_of=found.ends_of[:0])
 
 

@@ -26,9 +26,9 @@ _MOST_OF_KNOWN = 500
 """Products of terms of known values at most: a longer one is a known value of its own, of which a
 place about general axes in space has many.
 """
-_ROUNDING = fmpq(1, 10**13)
-"""Share of two numbers that their sum must leave to be one: some hundreds of roundings. Axes that
-stand anywhere are unit vectors, at right angles to others, to rounding alone.
+_ROUNDING = 1e-13
+"""How far a number of the rows may be off, of itself: some hundreds of roundings. Axes that stand
+anywhere are unit vectors, at right angles to others, to rounding alone.
 """
 _HALF, _ONE = fmpq(1, 2), fmpq(1)
 
@@ -47,8 +47,10 @@ Term = tuple[tuple[Factor, fmpq], ...]
 """Factors, each once and in order, with their exponents."""
 Terms = dict[Term, fmpq]
 """A sum: terms with their coefficients, none of which is zero."""
-_Sum = dict[Term, tuple[fmpq, fmpq]]
-"""A sum to which more is added: terms with their coefficients, and the largest part of each."""
+_Sum = dict[Term, tuple[fmpq, float]]
+"""A sum that is being made: terms with their coefficients, and how far each may be off by the
+rounding of geometry.
+"""
 _I = Factor("i")
 
 
@@ -89,7 +91,7 @@ def _add(terms: Terms, term: Term, number: fmpq) -> None:
     """Add a term; what a sum leaves of both beyond the rounding of geometry is nothing."""
     before = terms.get(term, fmpq(0))
     total = before + number
-    if abs(total) <= _ROUNDING * abs(number):
+    if abs(float(total)) <= _ROUNDING * abs(float(number)):
         terms.pop(term, None)
     else:
         terms[term] = total
@@ -108,8 +110,8 @@ def product_of_terms(first: Term, second: Term) -> tuple[Term, int]:
 
 @dataclass
 class _Reader:
-    """Evaluator that makes sums of terms, by so many `products` of two terms at most. What three
-    squares leave in all is judged by the largest of them, not by the one that is added last.
+    """Evaluator that makes sums of terms, by so many `products` of two terms at most. What cancels
+    is judged by how far the numbers that are left may be off, whatever the way to them.
     """
 
     products: int
@@ -117,68 +119,92 @@ class _Reader:
     functions: int = 0
 
     def input(self, number: int, nonzero: int) -> _Sum:
-        return _as_sum({((Factor("zk"[number], nonzero), _ONE),): _ONE})
+        return {((Factor("zk"[number], nonzero), _ONE),): (_ONE, 0.0)}
 
     def constant(self, number: float) -> _Sum:
         return _as_sum({(): fmpq(*number.as_integer_ratio())} if number else {})
 
     def output(self, number: int, nonzero: int, value: _Sum) -> None:  # noqa: ARG002 - there is one output
-        self.found[nonzero] = _summed(value)
+        self.found[nonzero] = _numbers(_summed(value))
 
     def operation(self, op: int, operands: list[_Sum]) -> _Sum:
         if op in (ca.OP_ADD, ca.OP_SUB):
             return _added(operands[0], operands[1], 1 if op == ca.OP_ADD else -1)
         if op in (ca.OP_NEG, ca.OP_TWICE, ca.OP_ASSIGN):
             return _added({}, operands[0], {ca.OP_NEG: -1, ca.OP_TWICE: 2}.get(op, 1))
-        return _as_sum(self._other(op, [_summed(operand) for operand in operands]))
+        return self._other(op, [_summed(operand) for operand in operands])
 
-    def _other(self, op: int, operands: list[Terms]) -> Terms:
+    def _other(self, op: int, operands: list[_Sum]) -> _Sum:
         first, last = operands[0], operands[-1]
         if op in (ca.OP_MUL, ca.OP_SQ):
             return self._product(first, last)
-        if op in (ca.OP_SIN, ca.OP_COS) and (turn := _turn(first)) is not None:
-            return _sine(turn) if op == ca.OP_SIN else _cosine(turn)
+        if op in (ca.OP_SIN, ca.OP_COS) and (turn := _turn(_numbers(first))) is not None:
+            return _as_sum(_sine(turn) if op == ca.OP_SIN else _cosine(turn))
         if op == ca.OP_DIV and not _is_unknown(last):
-            inverse: Terms = {(): 1 / last[()]} if last.keys() == {()} else self._function()
-            return self._product(first, inverse)
+            return self._product(first, _inverse(last) or self._function())
         if any(map(_is_unknown, operands)):
             raise NotTermsError
         return self._function()
 
-    def _function(self) -> Terms:
+    def _function(self) -> _Sum:
         """A function of known values, of which nothing else is said."""
         self.functions += 1
-        return {((Factor("known", self.functions), _ONE),): _ONE}
+        return {((Factor("known", self.functions), _ONE),): (_ONE, 0.0)}
 
-    def _product(self, first: Terms, second: Terms) -> Terms:
+    def _product(self, first: _Sum, second: _Sum) -> _Sum:
         count, of_unknowns = len(first) * len(second), _is_unknown(first) or _is_unknown(second)
         if not of_unknowns and count > _MOST_OF_KNOWN:
             return self._function()
         self.products -= count
         if self.products < 0:
             raise NotTermsError
-        return times(first, second)
+        return _multiplied(first, second)
 
 
 def _as_sum(terms: Terms) -> _Sum:
-    return {term: (number, abs(number)) for term, number in terms.items()}
+    return {term: (number, _ROUNDING * abs(float(number))) for term, number in terms.items()}
 
 
 def _added(first: _Sum, second: _Sum, factor: int) -> _Sum:
     """A sum and `factor` times another."""
-    found, nothing = dict(first), (fmpq(0), fmpq(0))
-    for term, (number, part) in second.items():
-        before, largest = found.get(term, nothing)
-        found[term] = (before + factor * number, max(largest, abs(factor) * part))
+    found, nothing = dict(first), (fmpq(0), 0.0)
+    for term, (number, off) in second.items():
+        before, other = found.get(term, nothing)
+        found[term] = (before + factor * number, other + abs(factor) * off)
     return found
 
 
-def _summed(whole: _Sum) -> Terms:
+def _multiplied(first: _Sum, second: _Sum) -> _Sum:
+    """The product of two sums."""
+    found, nothing = _Sum(), (fmpq(0), 0.0)
+    second_sizes = [abs(float(number)) for number, _ in second.values()]
+    for a, (x, off) in first.items():
+        size = abs(float(x))
+        for (b, (y, other)), of_second in zip(second.items(), second_sizes, strict=True):
+            term, sign = product_of_terms(a, b)
+            before, least = found.get(term, nothing)
+            found[term] = (before + sign * x * y, least + size * other + of_second * off)
+    return found
+
+
+def _inverse(whole: _Sum) -> _Sum | None:
+    """One over a number; None of anything else."""
+    if whole.keys() != {()}:
+        return None
+    number, off = whole[()]
+    return {(): (1 / number, off / float(number) / float(number))}
+
+
+def _summed(whole: _Sum) -> _Sum:
     """A sum without what the rounding of geometry leaves."""
-    return {t: number for t, (number, part) in whole.items() if abs(number) > _ROUNDING * part}
+    return {t: (number, off) for t, (number, off) in whole.items() if abs(float(number)) > off}
 
 
-def _is_unknown(terms: Terms) -> bool:
+def _numbers(whole: _Sum) -> Terms:
+    return {term: number for term, (number, _) in whole.items()}
+
+
+def _is_unknown(terms: Terms | _Sum) -> bool:
     return any(factor.kind.startswith("z") for term in terms for factor, _ in term)
 
 
@@ -208,14 +234,14 @@ def _constant_turn(angle: fmpq) -> tuple[Factor, fmpq]:
     return Factor("turn", (top, bottom)), exponent if angle > 0 else -exponent
 
 
-def _inverse(turn: Term) -> Term:
+def _turned_back(turn: Term) -> Term:
     return tuple((factor, -exponent) for factor, exponent in turn)
 
 
 def _cosine(turn: Term) -> Terms:
-    return plus({turn: _HALF}, {_inverse(turn): _HALF})
+    return plus({turn: _HALF}, {_turned_back(turn): _HALF})
 
 
 def _sine(turn: Term) -> Terms:
     """(t - 1/t) / (2 i) = (1/t - t) i / 2."""
-    return times(plus({_inverse(turn): _HALF}, {turn: _HALF}, -1), {((_I, _ONE),): _ONE})
+    return times(plus({_turned_back(turn): _HALF}, {turn: _HALF}, -1), {((_I, _ONE),): _ONE})

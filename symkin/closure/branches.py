@@ -17,8 +17,11 @@ from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
+import numpy as np
+
 from symkin.model.bar import Bar
 from symkin.model.joint import BASE, Joint
+from symkin.model.limb import turns_about
 from symkin.model.machine import gaps_of
 from symkin.model.mechanism import Mechanism
 
@@ -211,28 +214,31 @@ def _bridged(chain: Branch) -> tuple[str, ...]:
 def _spanned(
     chains: Sequence[Branch], mechanism: Mechanism, kept: frozenset[str], pose: bool
 ) -> Layout:
-    """Which branches carry bodies: from the base outward, the one of fewest unknown freedoms first;
-    a body that only balls and rods reach floats, as the platform does whose pose is a coordinate.
+    """Which branches carry bodies: from the base outward, the one of fewest unknown freedoms first,
+    of equal ones that which ends at a pin; a body that only balls and rods reach floats, as the
+    platform does whose pose is a coordinate.
     """
     floating = [mechanism.platform_link] if pose and mechanism.platform_link else []
     bodies = dict.fromkeys(link for chain in chains for link in chain.ends)
     placed = {BASE, *floating}
     carrying: dict[int, Branch] = {}
-    queue: list[tuple[int, int, bool]] = []
+    queue: list[tuple[int, bool, int, bool]] = []
 
     weights = [_unknown_freedom(chain, kept) for chain in chains]
+    pins = _pins(chains, weights)
 
     def offer(link: str) -> None:
         for number, (chain, weight) in enumerate(zip(chains, weights, strict=True)):
             if weight is None or number in carrying or link not in chain.ends:
                 continue
-            heapq.heappush(queue, (weight, number, chain.ends[0] == link))
+            along = chain.ends[0] == link
+            heapq.heappush(queue, (weight, (number, along) not in pins, number, along))
 
     for link in list(placed):
         offer(link)
     while True:
         while queue:
-            weight, number, along = heapq.heappop(queue)
+            weight, _, number, along = heapq.heappop(queue)
             branch = chains[number] if along else chains[number].reversed
             if branch.ends[1] in placed or number in carrying or weight > _POSE_FREEDOM:
                 continue
@@ -254,6 +260,28 @@ def _spanned(
     order = _outward([carrying[n] for n in sorted(carrying)], {BASE, *floating})
     closing = [chain for number, chain in enumerate(chains) if number not in carrying]
     return Layout((*order, *(_from_base(chain, floating) for chain in closing)), tuple(floating))
+
+
+def _pins(chains: Sequence[Branch], weights: Sequence[int | None]) -> set[tuple[int, bool]]:
+    """Branches of several unknown freedoms, by number and whether along, that end at a body by a
+    revolute joint about whose axis another one of them turns: carried by one, the body keeps its
+    own turn out of the rows of the other, so that both are solved before it.
+    """
+    ends: dict[str, list[tuple[Joint, tuple[int, bool]]]] = {}
+    for number, (chain, weight) in enumerate(zip(chains, weights, strict=True)):
+        for along, link, element in zip((False, True), chain.ends, (0, -1), strict=True):
+            part = chain.elements[element].part
+            if (weight or 0) > 1 and isinstance(part, Joint) and part.type == "R":
+                ends.setdefault(link, []).append((part, (number, along)))
+    return {
+        place
+        for held in ends.values()
+        for joint, place in held
+        for other, another in held
+        if another != place
+        and turns_about(joint, other.point)
+        and turns_about(joint, np.add(other.point, other.axis or ()).tolist())
+    }
 
 
 def _unknown_freedom(chain: Branch, kept: frozenset[str]) -> int | None:

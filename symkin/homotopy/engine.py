@@ -8,6 +8,7 @@ NumPy.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -18,6 +19,10 @@ from symkin.homotopy.tracker import Tracked, TrackSettings
 
 Line = tuple[np.ndarray, np.ndarray]
 """Known values (known,) at which paths begin and end."""
+_FAR, _MOST_TIMES = 20.0, 100.0
+"""Known values (rad, sizes) as far away as this take as many steps as paths may have, those further
+away as many times more, at most so many.
+"""
 _WORTH_COMPILING = 50
 """Instructions of one evaluation below which NumPy answers sooner than a compiler builds."""
 
@@ -33,10 +38,22 @@ def track(
     n).
     """
     end = aligned(system, begin, end)
+    settings = _as_long(settings or TrackSettings(), begin, end)
     compiled, _ = engine_of(system)
     if compiled is not None:
         return compiled.track(z, begin, end, settings)
     return tracker.track(system, z, begin, end, settings)
+
+
+def _as_long(settings: TrackSettings, begin: np.ndarray, end: np.ndarray) -> TrackSettings:
+    """The settings with more steps where known values are far away, as screws of many turns are:
+    rows turn as often on the way.
+    """
+    far = float(np.abs((end.T - begin.T).T).max(initial=0.0))
+    if not far > _FAR:
+        return settings
+    times = min(far / _FAR, _MOST_TIMES)
+    return replace(settings, most_steps=int(times * settings.most_steps))
 
 
 def track_lines(

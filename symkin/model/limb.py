@@ -168,7 +168,7 @@ class Limb:
             return
         first, last = self.joints[balls[0]], self.joints[balls[-1]]
         between = self.joints[balls[0] + 1 : balls[-1]]
-        if all(_turns_about(joint, first.point) for joint in (*between, last)):
+        if all(turns_about(joint, first.point) for joint in (*between, last)):
             raise MechanismError(
                 f"limb {self.name!r}: the spherical joints {first.name!r} and {last.name!r} lie at "
                 f"one point and nothing between "
@@ -210,7 +210,7 @@ limb no joint and one bar.
 """
 
 
-def _turns_about(joint: Joint, centre: Sequence[float]) -> bool:
+def turns_about(joint: Joint, centre: Sequence[float]) -> bool:
     """Whether a joint leaves a point at rest that lies on its axes."""
     if joint.type == "R":
         away = np.cross(np.subtract(joint.point, centre), np.array(joint.axis))

@@ -10,18 +10,20 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from symkin.errors import InputError
+from symkin.model.joint import Coordinate
 from symkin.numeric.levenberg import Progress, levenberg_marquardt, patiently
 from symkin.numeric.system import System
 from symkin.position.least_squares import LeastSquares
 from symkin.position.newton import Newton
 from symkin.position.problem import Problem
-from symkin.position.roots import Sample, distinct
+from symkin.position.roots import Sample, distinct, unite
 from symkin.position.solve import SOLVERS
-from symkin.position.starts import random_starts
+from symkin.position.starts import random_starts, reach_at, turns_within
 from symkin.spatial.rotation import wrapped
 from symkin.text import not_among
 
@@ -89,7 +91,7 @@ def _samples(
     return [
         Sample.of_none(system, least[k], starts)
         if k in least
-        else distinct(system, _listed(problem, points[k][converged[k]], known[k]), known[k], starts)
+        else _reached(problem, points[k][converged[k]], known[k], starts)
         for k in range(n)
     ]
 
@@ -135,7 +137,13 @@ def one_by_one(
             progress(k, starts)
     if not ends:
         return Sample.of_none(system, smallest, starts)
-    return distinct(system, _listed(problem, np.array(ends), known), known, starts)
+    return _reached(problem, np.array(ends), known, starts)
+
+
+def _reached(problem: Problem, ends: np.ndarray, known: np.ndarray, starts: int) -> Sample:
+    """The roots that random starts have reached, and those to which screws lead from these."""
+    found = distinct(problem.system, _listed(problem, ends, known), known, starts)
+    return _with_next_turns(problem, found, known)
 
 
 # --- angles whose whole turns count ---------------------------------------------------------------
@@ -161,3 +169,56 @@ def _listed(problem: Problem, points: np.ndarray, known: np.ndarray) -> np.ndarr
     error = system.residuals(moved, np.broadcast_to(known, (len(moved), len(known))))
     closed = error <= _END * system.characteristic_length
     return np.where(closed[:, None], moved, points)
+
+
+# --- screws ---------------------------------------------------------------------------------------
+
+
+def screws_of(problem: Problem) -> list[Coordinate]:
+    """Unknown angles of screws: each turn on is another configuration, a pitch away."""
+    pitches = problem.mechanism.pitches
+    return [c for c in problem.system.unknowns if c.is_advancing and pitches.get(c.name)]
+
+
+def _with_next_turns(problem: Problem, sample: Sample, known: np.ndarray) -> Sample:
+    """The same with the roots to which a screw leads that is turned once on or back from one that
+    is known, and so on from one end of the reach to the other, by as many starts as there were
+    random ones: of these, few begin at each turn.
+    """
+    system, points, left = problem.system, sample.points, sample.starts
+    last, turned = points, True
+    while len(last) and (beside := _next_turns(problem, last, known)).size:
+        left -= len(beside)
+        if left < 0:
+            turned = False
+            break
+        batch = levenberg_marquardt(system, beside, known)
+        last = _others(system, points, batch.points[batch.converged], known, sample.continuum)
+        points = np.concatenate([points, last])
+    hits = np.append(sample.hits, np.zeros(len(points) - len(sample.points), dtype=int))
+    return replace(sample, points=points, hits=hits, turned=turned)
+
+
+def _next_turns(problem: Problem, points: np.ndarray, known: np.ndarray) -> np.ndarray:
+    """Points with one screw each a turn on or back."""
+    closure, reach, found = problem.closure, reach_at(problem, known), []
+    for c in screws_of(problem):
+        place, span = problem.system.places[c.name], turns_within(problem.mechanism, c, reach)
+        middle = closure.reference[closure.slices[c.name]]
+        for turn in (-2.0 * np.pi, 2.0 * np.pi):
+            moved = points.copy()
+            moved[:, place] += turn
+            found.append(moved[(np.abs(moved[:, place] - middle) <= span).all(axis=1)])
+    return np.concatenate([points[:0], *found])
+
+
+def _others(
+    system: System, points: np.ndarray, ends: np.ndarray, known: np.ndarray, continuum: bool
+) -> np.ndarray:
+    """Roots among some ends that are none of the `points` (n, width)."""
+    if not len(ends):
+        return ends
+    n, found = len(points), distinct(system, ends, known, 0)
+    both = np.concatenate([points, found.points])
+    first, labels = unite(system, both, known, continuum_met=continuum or found.continuum)
+    return both[first[~np.isin(labels[first], labels[:n])]]

@@ -50,7 +50,8 @@ class Sample:
     """Distinct real roots of one block that random `starts` have reached: points (n, width) and the
     `hits` (n,) of each; the least error reached, and whether members of a `continuum` were met;
     `late`: hits of the second half of the starts, and how many of them are at roots that the first
-    half has not hit.
+    half has not hit. Roots with no hits were found beside others, a turn of a screw away; `turned`:
+    whether that was looked for beside all roots.
     """
 
     points: np.ndarray
@@ -59,6 +60,7 @@ class Sample:
     starts: int
     continuum: bool = False
     late: tuple[int, int] = (0, 0)
+    turned: bool = True
 
     @staticmethod
     def of_none(system: System, smallest: float, starts: int) -> Sample:
@@ -67,9 +69,11 @@ class Sample:
 
     @property
     def unseen(self) -> float:
-        """Chao's lower bound f1^2 / (2 f2) of the roots not yet hit, with f2 at least 1."""
-        once, twice = int(np.sum(self.hits == 1)), int(np.sum(self.hits == 2))
-        return once * once / (2 * max(twice, 1))
+        """Chao's lower bound f1^2 / (2 f2) of the roots not yet hit, with f2 at least 1, without
+        those that were found beside others.
+        """
+        beside, once, twice = (int(np.sum(self.hits == k)) for k in range(3))
+        return max(0.0, once * once / (2 * max(twice, 1)) - beside)
 
     @property
     def next_new(self) -> float:

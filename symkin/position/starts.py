@@ -117,12 +117,10 @@ def random_starts(
     problem: Problem, system: System, known: np.ndarray, count: int, rng: np.random.Generator
 ) -> np.ndarray:
     """Starts (count, width): lengths about the reference within 1.5 times the mechanism's reach,
-    angles and rotations uniform, screws by two turns and, every second time, as far as the reach;
+    angles and rotations uniform, screws by two turns and, every second time, across the reach;
     the first start at the reference; within `limits` where there are some.
     """
-    closure = problem.closure
-    lengths = [c.is_length for c in problem.known_coordinates for _ in range(c.width)]
-    reach = 1.5 * np.max(np.abs(known[lengths]), initial=closure.characteristic_length)
+    closure, reach = problem.closure, reach_at(problem, known)
     points = np.empty((count, system.width))
     for c, place in zip(system.unknowns, system.slices, strict=True):
         reference = closure.reference[closure.slices[c.name]]
@@ -135,7 +133,7 @@ def random_starts(
             points[:, place] = rng.uniform(-np.pi, np.pi, (count, 1))
         elif c.is_advancing:
             spans = np.where(
-                np.arange(count) % 2, 2 * np.pi, _turns_within(problem.mechanism, c, reach)
+                np.arange(count) % 2, 2 * np.pi, turns_within(problem.mechanism, c, reach)
             )
             points[:, place] = reference + (spans * rng.uniform(-1, 1, count))[:, None]
         else:
@@ -144,12 +142,19 @@ def random_starts(
     return system.fold(points)
 
 
-def _turns_within(mechanism: Mechanism, c: Coordinate, reach: float) -> float:
-    """The angle by which a screw advances by the reach; one turn to both sides where that is less,
-    and for what is no screw.
+def reach_at(problem: Problem, known: np.ndarray) -> float:
+    """How far from the reference lengths are looked for."""
+    lengths = [c.is_length for c in problem.known_coordinates for _ in range(c.width)]
+    size = problem.closure.characteristic_length
+    return 1.5 * float(np.max(np.abs(known[lengths]), initial=size))
+
+
+def turns_within(mechanism: Mechanism, c: Coordinate, reach: float) -> float:
+    """The angle by which a screw advances from one end of the reach to the other; one turn to both
+    sides where that is less, and for what is no screw.
     """
     pitch = mechanism.pitches.get(c.name, 0.0)
-    return max(2 * np.pi, 2 * np.pi * reach / abs(pitch)) if pitch else 2 * np.pi
+    return max(2 * np.pi, 4 * np.pi * reach / abs(pitch)) if pitch else 2 * np.pi
 
 
 # --- what a start has led to ----------------------------------------------------------------------

@@ -29,7 +29,7 @@ from helpers.inside import (
 from helpers.known_roots import DIETMAIER, case, complex_roots, dietmaier
 from helpers.samples import five_bar, unit
 from helpers.spellings import MACHINES, spellings
-from symkin import Joint, Limb, Mechanism, Pose
+from symkin import Joint, Limb, LinkJoint, LinkRod, Mechanism, Pose
 
 
 def is_complete(certificates, bound) -> bool:
@@ -355,3 +355,52 @@ def test_lengths_of_rods_are_halved_where_both_signs_are_roots():
     tied = ca.vertcat(square - (3.0 * z[1] - 0.2) ** 2, z[1] - 2 * z[0])
     assert root_counts(AlgebraicSystem(3.0, rods, z, k, alone, ())) == {"a": 1, "b": 1}
     assert root_counts(AlgebraicSystem(3.0, rods, z, k, tied, ())) == {"a": 1, "b": 2}
+
+
+def test_what_a_rod_about_oblique_axes_cancels_is_no_square() -> None:
+    """The end of a rod on a circle: of its squared distance the second harmonic cancels, in squares
+    that leave less of it each than they begin with.
+    """
+    first = Joint(
+        "w1",
+        "R",
+        (0.27471940715274057, -0.1798513445773745, 0.2),
+        (-0.15265190358099895, -0.9834498394983283, 0.09759000729485333),
+        actuated=True,
+    )
+    second = Joint(
+        "w2",
+        "R",
+        (0.5653340684946191, -0.28832524473617316, 0.2614534913368172),
+        (0.3876124168518045, -0.12156557044055975, 0.9137715394921011),
+    )
+    ends = (
+        (-0.03199883512764634, 0.1456082072142879, 0.1),
+        (0.7170116543981215, -0.46318561341541575, 0.341564423174145),
+    )
+    mechanism = Mechanism(
+        "wrist",
+        link_joints=[LinkJoint(first, ["base", "w"]), LinkJoint(second, ["w", "h"])],
+        link_rods=[LinkRod("push", ["base", "h"], *ends)],
+        platform_link=None,
+    )
+    (group,) = structure_groups(build_problem(mechanism, "given", ("w1",)))
+    assert root_counts(system_of(group)) == {"w2": 2}
+
+
+def test_no_solution_is_proved_of_graphs_too() -> None:
+    """Cranks of a five-bar that hold their forearms too far apart: both solutions are complex."""
+    rows = [
+        ("left", ("base", "a"), (0.0, 0.0)),
+        ("right", ("base", "b"), (1.0, 0.0)),
+        ("elbow", ("a", "c"), (0.0, 1.0)),
+        ("knee", ("b", "d"), (1.0, 1.0)),
+        ("pin", ("c", "d"), (0.5, 1.7)),
+    ]
+    joints = [
+        LinkJoint(Joint(n, "R", (*p, 0.0), (0, 0, 1), actuated=n in ("left", "right")), links)
+        for n, links, p in rows
+    ]
+    mechanism = Mechanism("five", link_joints=joints, platform_link=None, angle_unit="deg")
+    found = symkin.modes(mechanism, given={"left": 80.0, "right": -80.0})
+    assert (len(found), found.complex_count, found.completeness) == (0, 2, "proved")

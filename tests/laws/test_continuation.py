@@ -412,6 +412,24 @@ def test_whole_turns_change_nothing():
         )
 
 
+def test_screws_of_many_turns_are_followed_to_the_end() -> None:
+    """Six screws of 0.005 a turn that lift a platform by legs: 60 turns are 0.3, and the paths to
+    them turn as often.
+    """
+    limbs = []
+    for i in range(6):
+        a = i * math.pi / 3 + (0.2 if i % 2 else -0.2)
+        b = (i // 2) * 2 * math.pi / 3 + (0.5 if i % 2 else -0.4)
+        x, y = math.cos(a), math.sin(a)
+        screw = Joint(f"h{i}", "H", (x, y, 0.0), (0.0, 0.0, 1.0), actuated=True, pitch=0.005)
+        foot = Joint(f"u{i}", "S", (x + 0.1, y + 0.05, 0.2))
+        head = Joint(f"s{i}", "S", (0.5 * math.cos(b), 0.5 * math.sin(b), 1.0))
+        limbs.append(Limb(f"leg{i}", [screw, foot, head]))
+    mechanism = Mechanism("lifts", limbs, platform_position=(0.0, 0.0, 1.0), angle_unit="deg")
+    found = symkin.modes(mechanism, joints=[360.0 * 60 + 40.0 * i * i for i in range(6)])
+    assert (len(found), found.complex_count, found.completeness) == (4, 40, "probability one")
+
+
 def test_an_unknown_engine_is_refused(monkeypatch):
     """SYMKIN_ENGINE is numpy, compiled or nothing."""
     monkeypatch.setenv("SYMKIN_ENGINE", "bogus")

@@ -56,7 +56,7 @@ from helpers.samples import (
     three_rrr,
 )
 from helpers.shipped import LIMBS
-from symkin import InputError, Joint, Limb, Mechanism, Pose
+from symkin import InputError, Joint, Limb, LinkJoint, Mechanism, Pose
 
 sampled = partial(symkin.modes, method="multistart")
 
@@ -794,3 +794,33 @@ def test_screws_are_sampled_over_many_turns(method: str) -> None:
         np.allclose(list(mode.joints.values()), list(near.joints.values()), atol=1e-6)
         for mode in found
     )
+
+
+def test_every_turn_of_a_screw_is_listed() -> None:
+    """A crank of 0.2 on a slider 0.6 away by a screw of 0.05 a turn: at a given place of both ends
+    its length is 0.6 + 0.05 k, measured along the rod to either side, each with two cranks. Few
+    starts hit few turns; the others follow from these one by one.
+    """
+    z, x = (0.0, 0.0, 1.0), (1.0, 0.0, 0.0)
+    rows = [
+        ("crank", "R", ("base", "arm"), (0.0, 0.0, 0.0), z),
+        ("pin", "R", ("arm", "nut"), (0.0, 0.2, 0.0), z),
+        ("turn", "R", ("nut", "screw"), (0.0, 0.2, 0.0), x),
+        ("thread", "H", ("screw", "end"), (0.6, 0.2, 0.0), x),
+        ("heel", "R", ("end", "slider"), (0.6, 0.2, 0.0), z),
+        ("slide", "P", ("base", "slider"), (0.0, 0.0, 0.0), x),
+    ]
+    joints = [
+        LinkJoint(
+            Joint(n, kind, p, axis, actuated=n in ("turn", "slide"), pitch=0.05 * (kind == "H")),
+            links,
+        )
+        for n, kind, links, p, axis in rows
+    ]
+    mechanism = Mechanism("jack", link_joints=joints, length_unit="m", platform_link=None)
+    found = symkin.modes(mechanism, given={"turn": 0.3, "slide": 0.01}, starts=200)
+    away = math.hypot(0.61, 0.2)
+    lengths = (0.6 + 0.05 * k for k in range(-60, 60))
+    count = 2 * sum(away - 0.2 < abs(length) < away + 0.2 for length in lengths)
+    assert (len(found), found.completeness) == (count, "sampled")
+    assert any("turns" in note for note in found.notes)

@@ -28,6 +28,7 @@ from helpers.inside import (
     problem_of,
     structure_groups,
 )
+from helpers.moved_mechanisms import reordered
 from helpers.shipped import TWELVE
 from symkin import InputError
 
@@ -352,3 +353,13 @@ def test_something_is_proved_of_every_mode_of_the_gallery(name, k):
         assert mode.ground is not None
         assert mode.ground.independent < mode.ground.rows
         assert mode.ground.remaining < 1e-10 * mechanism.characteristic_length
+
+
+@pytest.mark.parametrize("order", range(4))
+def test_dyads_that_meet_at_a_pin_are_solved_before_what_turns_about_it(order: int) -> None:
+    """Two forearms of a five-bar hold a tool at one pin: in whatever order they are written, the
+    forearms are a group without the linkage that turns the tool.
+    """
+    mechanism = reordered(symkin.load("pantograph_five_bar"), order)
+    groups = structure_groups(build_problem(mechanism, "given", ("arm1", "arm2")))
+    assert [len(group.system.unknowns) for group in groups] == [2, 2, 2]
