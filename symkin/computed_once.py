@@ -76,6 +76,21 @@ class cached_property(Generic[Value]):  # noqa: N801  # the name of what it stan
             return kept[self.name]
 
 
+class unshared_property(cached_property[Value]):  # noqa: N801  # as the one above
+    """The same of a value that two threads may compute: none waits, which would take 5 us."""
+
+    @overload
+    def __get__(self, instance: None, owner: type | None = None) -> cached_property[Value]: ...
+    @overload
+    def __get__(self, instance: object, owner: type | None = None) -> Value: ...
+    def __get__(
+        self, instance: object | None, owner: type | None = None
+    ) -> cached_property[Value] | Value:
+        if instance is None:
+            return self
+        return vars(instance).setdefault(self.name, self.function(instance))
+
+
 @contextmanager
 def not_waiting() -> Iterator[None]:
     """In this block the thread waits for no value that another thread computes: for blocks that

@@ -106,7 +106,7 @@ class Account:
     @property
     def whole(self) -> np.ndarray:
         """Inputs (n,) that have reached all groups."""
-        return np.all(self.seen, axis=1)
+        return np.asarray(self.seen.all(axis=1))
 
     def factors(self, parts: Sequence[Part]) -> np.ndarray:
         """Numbers (n, groups) whose product is the count of an input's complex solutions, of groups

@@ -26,7 +26,7 @@ from symkin.assembly.prover import PartProofs
 from symkin.assembly.search import Search
 from symkin.assembly.tree import Solving, Step, Tree, grown_together
 from symkin.assembly.without_search import known_without_search
-from symkin.computed_once import cached_property
+from symkin.computed_once import unshared_property
 from symkin.errors import InputError, TooManyModesError
 from symkin.position.given import Given
 from symkin.position.platform_motion import motion_notes
@@ -55,15 +55,15 @@ class GroupedModes:
     statement: np.ndarray
     account: Account
 
-    @cached_property
+    @unshared_property
     def counts(self) -> np.ndarray:
         """How many modes of each input (n,) are listed."""
         return np.bincount(self.owner, minlength=len(self.total))
 
-    @cached_property
+    @unshared_property
     def ends(self) -> list[int]:
         """Where the modes of each input end, behind a zero."""
-        return [0, *np.cumsum(self.counts).tolist()]
+        return [0, *self.counts.cumsum().tolist()]
 
     @property
     def asked(self) -> Problem:
@@ -133,7 +133,7 @@ class GroupedModes:
         """The places of an input's modes."""
         return slice(*self.ends[number : number + 2])
 
-    @cached_property
+    @unshared_property
     def _has_grounds(self) -> bool:
         """Whether anything is proved of modes that are not certified."""
         ground = self.listed.ground
@@ -360,7 +360,7 @@ def _checked(
     proved = tree.proofs.of(order).told() if certify and order.size else {}
     hits = np.where(np.isfinite(hits), hits, -1).astype(int)
     listed = found.chosen(order, hits=hits, **proved)
-    statement = np.max(account.statement, axis=1, initial=0)
+    statement = account.statement.max(axis=1, initial=0)
     statement = np.where(left_out, np.maximum(statement, STATEMENTS.index("incomplete")), statement)
     counts = np.bincount(owner, minlength=n)
     total = np.where(left_out, counts, np.where(account.whole, every, 0))

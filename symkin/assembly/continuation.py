@@ -39,7 +39,7 @@ def by_continuation(
     `starts` random starts, with a note why. These are of use too where paths left something in
     doubt.
     """
-    from symkin.certificate.disc_library import begin_loading
+    from symkin.numeric.shared_library import begin_loading
 
     begin_loading()
     paths, why = own_paths(problem)
@@ -100,7 +100,7 @@ def _block_roots(
     count = ends.z.shape[1]
     proved = prover.ends(ends.z, knowns, np.zeros(count, dtype=int)) if prover.proves_ends else None
     # however near to being real
-    unreal = np.zeros(count, dtype=bool) if proved is None else proved.real == "not real"
+    unreal = np.zeros(count, dtype=bool) if proved is None else proved.proved_unreal
     possible = np.concatenate([ends.z[:, ~unreal], ends.singular.z], axis=1)
     possible = possible[:, imaginary_part(algebraic, possible) < _REAL]
     near = paths.points(possible, np.zeros(possible.shape[1], dtype=int), k[:, None])

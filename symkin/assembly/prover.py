@@ -200,7 +200,7 @@ class Prover:
         """
         if self.bound is None:
             return np.zeros(len(listed), dtype=bool)
-        real = np.bincount(found.instance[found.real == "real"], minlength=len(listed))
+        real = np.bincount(found.instance[found.proved_real], minlength=len(listed))
         return self.tells_all(found) & (real == listed)
 
     def tells_all(self, found: CertificateBatch) -> np.ndarray:

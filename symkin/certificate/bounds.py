@@ -157,6 +157,6 @@ def proves(found: CertificateBatch, bound: Bound) -> np.ndarray:
     every = np.bincount(found.instance, minlength=n) == count
     if found.system is not bound.system or not every.any():
         return np.zeros(n, dtype=bool)
-    whole = found.certified & found.pose & (found.real != "unknown")
+    whole = found.certified & found.pose & (found.proved_real | found.proved_unreal)
     sure = np.bincount(found.instance[whole], minlength=n)
     return every & (sure == count) & (found.distinct == count)

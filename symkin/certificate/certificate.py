@@ -32,7 +32,7 @@ from symkin.certificate.separation import (
     is_pose,
     not_real,
 )
-from symkin.computed_once import cached_property
+from symkin.computed_once import unshared_property
 from symkin.homotopy.algebraic import AlgebraicSystem
 from symkin.numeric.balls import COMPLEX, REAL, UP, precision
 
@@ -55,8 +55,8 @@ class CertificateBatch:
     `certified` (n,): one regular root lies in the box |Re (z_j - centre_j)|, |Im (z_j -
     centre_j)| <= ball about `centre` (width, n); of a ray, the representative x with conj(g).(x -
     c) = 0, g the given unit ray and c the centre. Where the root `is_real` the box is one of real
-    points. `real` (n,): "real", "not real" or "unknown"; `reasons`: why a root is not certified.
-    Boxes that balls have proved are kept in `boxes`.
+    points; which roots are proved to be real, and which not to be: `proved_real`, `proved_unreal`
+    (n,); `reasons`: why a root is not certified. Boxes that balls have proved are kept in `boxes`.
     """
 
     system: AlgebraicSystem
@@ -70,7 +70,13 @@ class CertificateBatch:
     reasons: dict[int, str] = field(default_factory=dict)
     boxes: dict[int, Box] = field(default_factory=dict)
     certified: np.ndarray = field(default_factory=lambda: np.zeros(0))
-    real: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    proved_real: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=bool))
+    proved_unreal: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=bool))
+
+    @property
+    def real(self) -> np.ndarray:
+        """Whether each root (n,) is "real", "not real" or "unknown"."""
+        return _REALITY[self.proved_real + 2 * self.proved_unreal]
 
     @property
     def radius(self) -> np.ndarray:
@@ -78,8 +84,9 @@ class CertificateBatch:
         position, and angles and unit quaternion times the size; for a root that is not proved real,
         in z times the size.
         """
-        real = self.real == "real"
-        away = _away(self.centre, self.ball, np.where(real, self.given.real, self.given))
+        real = self.proved_real
+        given = self.given.real if real.all() else np.where(real, self.given.real, self.given)
+        away = _away(self.centre, self.ball, given)
         away[real] = spread(
             self.system, self.given[:, real].real, away[real], self.knowns, self.instance[real]
         )
@@ -92,7 +99,7 @@ class CertificateBatch:
     @property
     def _marks(self) -> tuple[np.ndarray, np.ndarray]:
         """Certified real roots, and a number for each in which equal roots are about equal."""
-        proved = np.flatnonzero(self.real == "real")
+        proved = np.flatnonzero(self.proved_real)
         return proved, features(self.system, Discs.exact(self.centre[:, proved].T)).mixed.middle[
             :, 0
         ]
@@ -114,7 +121,7 @@ class CertificateBatch:
         nearest = (
             self._nearest(points, instance)
             if expected is None
-            else np.where(self.real[expected] == "real", expected, -1)
+            else np.where(self.proved_real[expected], expected, -1)
         )
         some = (nearest >= 0).nonzero()[0]
         if not some.size:
@@ -192,12 +199,12 @@ class CertificateBatch:
     def tell(self) -> None:
         """Which roots are certified in the end, and which of them are real."""
         self.certified = found = np.isfinite(self.ball)
-        real = self.is_real & found
-        self.real = _REALITY[real + 2 * self._not_real(found & ~real)]
+        self.proved_real = self.is_real & found
+        self.proved_unreal = self._not_real(found & ~self.proved_real)
         if not found.all():
             self.centre = np.where(found, self.centre, self.given)
 
-    @cached_property
+    @unshared_property
     def _features(self) -> Features:
         """Of the numbers within discs that hold the boxes."""
         radius = np.where(self.is_real & self.certified, self.ball, self.ball * _DIAGONAL)
@@ -214,7 +221,7 @@ class CertificateBatch:
             shown[i] = not_real(self.system, self._box(i))
         return shown
 
-    @cached_property
+    @unshared_property
     def pose(self) -> np.ndarray:
         """Which certified roots (n,) are proved to be poses."""
         found = self.certified
@@ -232,7 +239,7 @@ class CertificateBatch:
             point = self.centre[:, i].real if is_real else self.centre[:, i]
             return prove_pose(balls, point, float(self.ball[i]), is_real=is_real)
 
-    @cached_property
+    @unshared_property
     def distinct(self) -> np.ndarray:
         """So many certified roots of each instance (m,) are proved to differ."""
         found, mixed = self.certified, self._features.mixed

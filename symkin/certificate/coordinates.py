@@ -31,13 +31,14 @@ def spread(
     result = np.full(points.shape[1], np.inf)
     function = _disc_coordinates(system)
     if function is not None and knowns.discs.is_real:
-        values = Discs(points.T, np.repeat(distance[:, None], system.width, axis=1))
+        middle, radius = points.T, distance[:, None]
         if system.eliminated or system.projective:
+            values = Discs(middle, np.repeat(radius, system.width, axis=1))
             values = function.evaluate(0, values, function.prepare(knowns.discs), instance)
+            middle, radius = values.middle, values.radius
         # 2 r + _ROUNDING (1 + |m| + r)
-        result = ((2.0 + _ROUNDING) * values.radius + _ROUNDING * np.abs(values.middle)).max(
-            axis=1, initial=0.0
-        ) + _ROUNDING
+        every = (2.0 + _ROUNDING) * radius + _ROUNDING * np.abs(middle)
+        result = every.max(axis=1, initial=0.0) + _ROUNDING
     if np.isfinite(result).all():
         return result
     for i in np.flatnonzero(~np.isfinite(result)).tolist():

@@ -15,10 +15,10 @@ import numpy as np
 from flint import acb, arb
 
 from symkin.certificate.disc_arithmetic import UP, balls_about, disc_about
-from symkin.certificate.disc_library import disc_library
 from symkin.computed_once import cached_property
 from symkin.numeric import balls
 from symkin.numeric.balls import COMPLEX, REAL, Number, precision
+from symkin.numeric.shared_library import shared_library
 from symkin.numeric.tape import Code, Tape
 
 
@@ -95,7 +95,7 @@ def run(code: Code, z: Discs, known: Discs, instance: np.ndarray) -> Discs:
     """A code over points z (n, width), each with the row of `known` (m, kept) that `instance` (n,)
     names.
     """
-    library = disc_library()
+    library = shared_library()
     chosen = np.ascontiguousarray(instance, dtype=np.intc)
     if library is not None:
         middle, radius, *own = [

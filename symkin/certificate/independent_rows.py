@@ -45,7 +45,7 @@ def prove_independent_rows(
             instance[here],
             size,
         )
-        sure = np.flatnonzero(batch.certified & (batch.real == "real") & batch.pose)
+        sure = np.flatnonzero(batch.certified & batch.proved_real & batch.pose)
         found[here[sure], 2] = batch.radius[sure]
         found[here[sure], 3] = _largest_other(system, ~chosen, batch, sure) * size * UP
     return found

@@ -7,8 +7,8 @@ Y, with e_i >= sum_j |1 - Y F'(X)|_ij on the numbers X within `wide` of the firs
     s_i + 1.5 e_i r < r for all i
 
 shows one root, regular, within r of c, and no other in the box |Re|, |Im| <= r (see `krawczyk`, and
-`data/krawczyk.h` for the bounds). Where the known values and c are real, so is the root. What fails
-here, and all where no compiler is found, may be proved by balls.
+`numeric/data/krawczyk.h` for the bounds). Where the known values and c are real, so is the root.
+What fails here, and all where no compiler is found, may be proved by balls.
 """
 
 from __future__ import annotations
@@ -17,11 +17,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from symkin.certificate.disc_library import DiscLibrary, disc_library
 from symkin.certificate.discs import DiscFunction, Knowns
 from symkin.computed_once import lru_cache
 from symkin.homotopy.algebraic import AlgebraicSystem
 from symkin.homotopy.far_roots import rows_over_balls
+from symkin.numeric.shared_library import SharedLibrary, shared_library
 from symkin.numeric.tape import Tape
 
 _WIDE = (2.0**-30, 2.0**-34, 2.0**-40)
@@ -54,19 +54,16 @@ def enclose_all(
     `real` (n,).
     """
     n, is_real = z.shape[1], real & knowns.discs.is_real
-    function, library = disc_function(system), disc_library()
+    function, library = disc_function(system), shared_library()
     square = system.count + bool(system.projective) == system.width <= _MOST_UNKNOWNS
     if function is None or library is None or not square:
         return Enclosures(z.copy(), np.full(n, np.inf), is_real)
-    points, prepared = z.T, function.prepare(knowns.discs)
     centre, half = np.empty((n, len(z)), dtype=complex), np.empty(n)
-    for among, of_real in ((is_real, True), (~is_real, False)):
+    known = np.ascontiguousarray(knowns.discs.middle), np.ascontiguousarray(knowns.discs.radius)
+    for among, points in ((is_real, z.real.T), (~is_real, z.T)):
         if among.any():
-            chosen = points[among].real if of_real else points[among]
-            ready = prepared if of_real else prepared.as_complex()
-            known = ready.middle, ready.radius
             centre[among], half[among] = _enclose(
-                library, function.tape, system.projective, chosen, known, instance[among]
+                library, function.tape, system.projective, points[among], known, instance[among]
             )
     return Enclosures(centre.T, half, is_real)
 
@@ -83,7 +80,7 @@ def disc_function(system: AlgebraicSystem) -> DiscFunction | None:
 
 
 def _enclose(
-    library: DiscLibrary,
+    library: SharedLibrary,
     tape: Tape,
     ray: tuple[int, ...],
     points: np.ndarray,

@@ -201,7 +201,7 @@ class ClosedForm:
                 & (np.abs(discriminants) > _DOUBLE * sizes[:, :, :choices]).all(axis=(1, 2))
                 & (np.abs(divisors) > _VANISHING * sizes[:, :, choices:]).all(axis=(1, 2))
             )
-        return Solutions(values, np.all(discriminants >= 0.0, axis=2), clear)
+        return Solutions(values, np.asarray((discriminants >= 0.0).all(axis=2)), clear)
 
     def _evaluated(self, known: np.ndarray) -> list[np.ndarray]:
         """Values (n, count, width), discriminants, divisors, and the sizes of the terms of these

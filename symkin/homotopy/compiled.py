@@ -25,16 +25,16 @@ from symkin.numeric.c_library import (
     OFF,
     CompilerError,
     NotBuiltError,
-    begin_of,
     find_compilers,
     load_library,
 )
 from symkin.numeric.cache_folder import cache_folder
+from symkin.numeric.shared_library import begin_of
 from symkin.numeric.tolerances import ROOT_POLISHED, ROWS_CONTRADICT
 
 DATA = Path(__file__).resolve().parent / "data"
 SOURCES = (DATA / "tracker.c", DATA / "elimination.h", LANES)
-"""Files of the engine that are the same for every closure, the one to compile first."""
+"""Files of the engine that are the same for every closure."""
 SYMBOLS = ("symkin_track", "symkin_newton")
 
 
@@ -156,7 +156,6 @@ def _load(
         library = load_library(
             find_compilers(named, path),
             dict(_sources(system)),
-            SOURCES[0].name,
             SYMBOLS,
             folder,
             build=build,

@@ -24,9 +24,6 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
-
-import numpy as np
 
 from symkin.computed_once import lru_cache
 from symkin.numeric.cache_folder import cache_folder, discard, folder_fault, keep, read_kept
@@ -69,14 +66,13 @@ class Compiler:
 def load_library(
     compilers: Iterable[Compiler],
     sources: Mapping[str, str],
-    main: str,
     symbols: Sequence[str],
     folder: Path,
     *,
     build: bool,
 ) -> ctypes.CDLL:
-    """The library of the source file `main` among `sources` (names and texts), which has the
-    functions `symbols`, from the cache `folder` or, if `build`, made and put there, by the first of
+    """The library of the source files among `sources` (names and texts), which has the functions
+    `symbols`, from the cache `folder` or, if `build`, made and put there, by the first of
     the compilers that can. Raises CompilerError, where others may write in the folder too, and
     NotBuiltError where `build` was needed.
     """
@@ -85,7 +81,7 @@ def load_library(
         raise CompilerError(fault)
     tried = []
     for compiler in compilers:
-        key = _key(compiler, sources, main)
+        key = _key(compiler, sources)
         kept = _kept(folder, key, symbols)
         if kept is not None:
             return kept
@@ -95,7 +91,7 @@ def load_library(
     error = CompilerError("no C compiler was found")
     for compiler, key in tried:
         try:
-            content = _compiled(compiler, sources, main)
+            content = _compiled(compiler, sources)
             keep(folder, key, ".so", content)
             return _loaded(content, symbols)
         except CompilerError as reason:
@@ -104,14 +100,13 @@ def load_library(
 
 
 def library_of_all(paths: Sequence[Path], symbols: Sequence[str]) -> ctypes.CDLL | None:
-    """The library of the first of some sources, which includes the others: one for all mechanisms,
-    from the cache or compiled now; None where there is none.
+    """The library of some sources and what they include: one for all mechanisms, from the cache or
+    compiled now; None where there is none.
     """
     try:
         return load_library(
             find_compilers(os.environ.get("CC", ""), os.environ.get("PATH", "")),
             {path.name: path.read_text() for path in paths},
-            paths[0].name,
             symbols,
             cache_folder(),
             build=True,
@@ -187,15 +182,15 @@ def _run(command: Sequence[str], longest_s: float = _LONGEST_S) -> str:
     return done.stdout.decode(errors="replace")
 
 
-def _key(compiler: Compiler, sources: Mapping[str, str], main: str) -> str:
+def _key(compiler: Compiler, sources: Mapping[str, str]) -> str:
     digest = hashlib.sha256()
     parts = (part for item in sorted(sources.items()) for part in item)
-    for text in (*compiler.command[1:], *compiler.flags, compiler.macros, main, *parts):
+    for text in (*compiler.command[1:], *compiler.flags, compiler.macros, *parts):
         digest.update(f"{len(text)} {text}".encode())
     return digest.hexdigest()[:32]
 
 
-def _compiled(compiler: Compiler, sources: Mapping[str, str], main: str) -> bytes:
+def _compiled(compiler: Compiler, sources: Mapping[str, str]) -> bytes:
     """The bytes of the library, compiled in a folder of its own."""
     try:
         _refuse_open_folder(tempfile.gettempdir())
@@ -207,7 +202,7 @@ def _compiled(compiler: Compiler, sources: Mapping[str, str], main: str) -> byte
                 [
                     *compiler.command,
                     *compiler.flags,
-                    str(Path(work) / main),
+                    *(str(Path(work) / name) for name in sources if name.endswith(".c")),
                     "-o",
                     str(library),
                     "-lm",
@@ -291,17 +286,3 @@ def _in_a_file(content: bytes) -> Iterator[str]:
         yield path
     finally:
         discard(Path(path))
-
-
-def begin_of(array: np.ndarray) -> Any:
-    """Where an array begins, None for an empty one: three times as fast as its own `ctypes.data`,
-    where it may be written to.
-    """
-    if not array.size:
-        return None
-    try:
-        return ctypes.byref(ctypes.c_char.from_buffer(array))  # type: ignore[arg-type]
-    except (TypeError, ValueError):
-        if array.flags.writeable:
-            raise  # it is not in one piece
-        return array.ctypes.data

@@ -15,7 +15,7 @@ from math import prod
 import numpy as np
 
 from symkin.computed_once import lru_cache
-from symkin.numeric.point_library import library_of_extremes
+from symkin.numeric.shared_library import library_of_extremes
 from symkin.numeric.tolerances import GRAM_CONDITION, NO_MOTION, ROUNDED_STEP, WELL_CONDITIONED
 
 _LARGE = 64
@@ -140,7 +140,7 @@ def condition_of(extremes: np.ndarray) -> np.ndarray:
     """Conditions (n,) from the largest and smallest singular values (n, 2)."""
     largest, smallest = extremes.T
     regular = smallest > np.maximum(1e-15 * largest, NO_MOTION)
-    return np.where(regular, largest / np.where(regular, smallest, 1.0), np.inf)
+    return np.divide(largest, smallest, out=np.full(len(extremes), np.inf), where=regular)
 
 
 def extreme_singular_values(matrices: np.ndarray) -> np.ndarray:

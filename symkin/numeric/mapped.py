@@ -15,8 +15,7 @@ import casadi as ca
 import numpy as np
 
 from symkin.computed_once import cached_property
-from symkin.locks import Pool
-from symkin.numeric.point_library import MANY, PointTape, point_library
+from symkin.numeric.shared_library import MANY, PointTape, shared_library
 
 _LARGEST_BLOCK = 256
 """Points of the largest block; its inputs and outputs stay in the second level of the cache."""
@@ -59,8 +58,8 @@ class Mapped:
         points.
         """
         count = max([a.shape[0] for a in arguments if a.ndim == 2], default=1)
-        told = [np.empty((count, *shape[::-1])) for shape in self._shapes]
-        begin, library = 0, point_library() if count >= MANY else None
+        told = [np.empty((count, *shape)) for shape in self._shapes]
+        begin, library = 0, shared_library() if count >= MANY else None
         if library is not None and self._tape is not None:
             library.evaluate(self._tape, arguments, told)
             begin = count
@@ -76,7 +75,7 @@ class Mapped:
 
     @cached_property
     def _shapes(self) -> list[tuple[int, int]]:
-        return [self.function.size_out(i) for i in range(self.function.n_out())]
+        return [self.function.size_out(i)[::-1] for i in range(self.function.n_out())]
 
     @cached_property
     def _tape(self) -> PointTape | None:
@@ -107,19 +106,23 @@ class _Block:
 
     def __init__(self, function: ca.Function, size: int) -> None:
         self.function, self.size = function, size
-        self._pool: Pool[_Buffers] = Pool(self._make)
+        self._idle: list[_Buffers] = []
 
     def evaluate(
         self, arguments: Sequence[np.ndarray], results: Sequence[np.ndarray], begin: int
     ) -> None:
         """Fill results[i][begin : begin + size]."""
-        end, buffers = begin + self.size, self._pool.take()
+        end = begin + self.size
+        try:
+            buffers = self._idle.pop()
+        except IndexError:
+            buffers = self._make()
         for inside, argument in zip(buffers.inside, arguments, strict=True):
             inside[:] = argument[begin:end] if argument.ndim == 2 else argument
         buffers.call()
         for outside, result in zip(buffers.outside, results, strict=True):
             result[begin:end] = outside
-        self._pool.give(buffers)
+        self._idle.append(buffers)
 
     @cached_property
     def _mapped(self) -> ca.Function:

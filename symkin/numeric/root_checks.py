@@ -11,10 +11,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from symkin.numeric.linear_algebra import condition_of, extreme_singular_values, squared_norms
+from symkin.numeric.linear_algebra import extreme_singular_values, squared_norms
 from symkin.numeric.newton import Polished
-from symkin.numeric.point_library import library_of_extremes
 from symkin.numeric.rank import null_space
+from symkin.numeric.shared_library import library_of_extremes
 from symkin.numeric.system import System
 from symkin.numeric.tolerances import (
     CLOSURE_ROUNDING,
@@ -104,7 +104,8 @@ def are_suspect(extremes: np.ndarray) -> np.ndarray:
     singular values (n, 2) there: by their ratio, and by the smallest alone, since a block of one
     unknown has no other.
     """
-    return ~(condition_of(extremes) < SUSPECT_CONDITION) | (extremes[:, 1] < SINGULAR_VALUE)
+    largest, smallest = extremes.T
+    return ~((largest < SUSPECT_CONDITION * smallest) & (smallest >= SINGULAR_VALUE))
 
 
 def suspects(jacobians: np.ndarray) -> np.ndarray:

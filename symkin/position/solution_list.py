@@ -71,10 +71,10 @@ class SolutionList(Sequence[Solution]):
         """Some of the solutions, in the order of their places (any,), a part of them, or where a
         mask (m,) holds; with what else is `told` of them.
         """
-        cut: dict[str, Any] = {
-            k: v[places] for k, v in self.columns.items() if isinstance(v, np.ndarray)
-        }
-        return replace(self, **cut | told, _made={})
+        some = object.__new__(SolutionList)
+        cut = {k: v[places] if isinstance(v, np.ndarray) else v for k, v in self.columns.items()}
+        vars(some).update(cut | told, _made={})
+        return some
 
     def part(self, places: slice, notes: tuple[str, ...]) -> SolutionList:
         """Those of one of many inputs, whose arrays are cut when they are asked for."""
@@ -93,7 +93,7 @@ class SolutionList(Sequence[Solution]):
     @property
     def columns(self) -> dict[str, Any]:
         """All fields by their names."""
-        return {f.name: getattr(self, f.name) for f in fields(self)}
+        return {name: getattr(self, name) for name in self.__dataclass_fields__}
 
     def __getstate__(self) -> dict[str, Any]:
         """What a copy holds: of a part nothing of other inputs."""

@@ -15,6 +15,7 @@ import uuid
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -252,12 +253,15 @@ def locked(folder: Path) -> Iterator[None]:
 
 
 def require_zarr() -> None:
-    """Raises InputError where what reads and writes the arrays is not installed."""
+    """Raises InputError where what reads and writes the arrays is not installed. Only what
+    writes them is loaded: a sweep has no need of xarray, which takes a second.
+    """
     try:
-        import xarray  # noqa: F401
         import zarr  # noqa: F401
     except ImportError:
         raise InputError(MISSING) from None
+    if find_spec("xarray") is None:
+        raise InputError(MISSING)
 
 
 def _group(folder: Path) -> Any:

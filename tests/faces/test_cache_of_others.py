@@ -48,9 +48,7 @@ OPEN = [0o777, 0o1777, 0o775, 0o757]
 def load(
     folder: Path, *, build: bool = True, symbols: tuple[str, ...] = ("number",)
 ) -> ctypes.CDLL:
-    return load_library(
-        find_compilers("", os.environ["PATH"]), GOOD, "number.c", symbols, folder, build=build
-    )
+    return load_library(find_compilers("", os.environ["PATH"]), GOOD, symbols, folder, build=build)
 
 
 @pytest.fixture(scope="module")
@@ -271,9 +269,7 @@ def test_many_libraries_are_told_apart(kept: Path, tmp_path: Path) -> None:
         sources = {"number.c": f"int number(void) {{ return {number}; }}"}
         compilers = find_compilers("", os.environ["PATH"])
         assert (
-            load_library(
-                compilers, sources, "number.c", ("number",), tmp_path / "many", build=True
-            ).number()
+            load_library(compilers, sources, ("number",), tmp_path / "many", build=True).number()
             == number
         )
     assert load(kept).number() == 1

@@ -20,8 +20,8 @@ from helpers.inside import (
     levenberg_marquardt,
     most_independent,
     null_space,
-    point_library,
     row_space,
+    shared_library,
     singular_values,
 )
 from helpers.samples import five_bar, three_rrr
@@ -50,7 +50,7 @@ def test_compiled_code_reads_no_more_than_its_arguments(known):
     """Arguments of another length, or of other points, are refused, not read beyond their end."""
     x, k = ca.SX.sym("x", 3), ca.SX.sym("k", 2)
     mapped = Mapped.of([x, k], [x * k[0] + k[1]])
-    if point_library() is None:
+    if shared_library() is None:
         pytest.skip("there is no C compiler here")
     with pytest.raises(ValueError, match="an argument of shape"):
         mapped(np.ones((256, 3)), np.ones(known))
@@ -66,7 +66,7 @@ def test_compiled_operations_are_those_of_casadi(monkeypatch):
     points = np.concatenate([special, RNG.normal(size=219), 1e5 * RNG.normal(size=30)])
     compiled = mapped(points[:, None], np.roll(points, 3)[:, None])[0]
     monkeypatch.setenv("SYMKIN_ENGINE", "numpy")
-    assert point_library() is None
+    assert shared_library() is None
     plain = mapped(points[:, None], np.roll(points, 3)[:, None])[0]
     assert np.array_equal(compiled, plain, equal_nan=True)
 

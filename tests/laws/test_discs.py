@@ -19,8 +19,8 @@ from helpers.inside import (
     DiscFunction,
     Discs,
     build_tape,
-    disc_library,
     precision,
+    shared_library,
 )
 from helpers.samples import seeds
 
@@ -57,7 +57,7 @@ def chosen_engine(request, monkeypatch):
         monkeypatch.setenv("SYMKIN_ENGINE", "numpy")
     else:
         monkeypatch.delenv("SYMKIN_ENGINE", raising=False)
-        if engine == "compiled" and disc_library() is None:
+        if engine == "compiled" and shared_library() is None:
             pytest.skip("no C compiler")
 
 
@@ -250,7 +250,7 @@ def test_c_and_balls_agree(rng, real):
     """Discs of both engines meet, and those of balls are as narrow, but for a square about a disc
     in each of several steps.
     """
-    if disc_library() is None:
+    if shared_library() is None:
         pytest.skip("no C compiler")
     z, k = ca.SX.sym("z", 3), ca.SX.sym("k", 2)
     function = DiscFunction(build_tape(z, k, random_graph(rng, z, k), ("value", "slope")))

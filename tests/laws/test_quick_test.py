@@ -23,9 +23,9 @@ from helpers.inside import (
     Enclosures,
     Knowns,
     certify_batch,
-    disc_library,
     enclose_all,
     in_phase,
+    shared_library,
 )
 from helpers.known_roots import case
 from helpers.samples import seeds
@@ -57,7 +57,7 @@ def tried(
 @pytest.fixture
 def engine():
     """The test is one of compiled code."""
-    if disc_library() is None:
+    if shared_library() is None:
         pytest.skip("no C compiler")
 
 
@@ -122,7 +122,7 @@ def test_each_box_holds_one_of_the_known_roots(rng, width, gap, curved):
             np.max(np.abs(found.centre[:, i] - root)) <= found.half_width[i] + 1e-15
             for root in roots.T
         )
-    assert found.found[::6].any() or gap < 1e-2 or disc_library() is None
+    assert found.found[::6].any() or gap < 1e-2 or shared_library() is None
 
 
 def test_a_box_holds_for_all_known_values_in_their_discs(engine):
@@ -273,7 +273,7 @@ def test_roots_are_found_within_their_instance():
 
 def test_engines_agree():
     """The same points are certified, with boxes that meet; those of balls are no wider."""
-    if disc_library() is None:
+    if shared_library() is None:
         pytest.skip("no C compiler")
     for name in KNOWN_CASES:
         _, system, k, z = case(name)

@@ -215,7 +215,7 @@ APART static int NAME(enclose_all)(const struct problem *p, int n, const double 
                                                        const double *known, const double *spread, const int *instance,
                                                        double wide, double *centre, double *half_width)
 {
-    int width = p->width, kept = p->kept, rows = p->value.outputs, square = width * width * NUMBER;
+    int width = p->width, kept = p->before.outputs, rows = p->value.outputs, square = width * width * NUMBER;
     int places = p->value.places > p->slope.places ? p->value.places : p->slope.places;
     size_t discs = (size_t)VECTORS * (width + kept + places + rows + p->slope.outputs);
     size_t own = 2 * square + width * (NUMBER + 1), shared = square + 2 * width;

@@ -49,11 +49,13 @@ struct code {
     int length, places, outputs;
 };
 
-/* F(z) and the nonzeros of dF/dz, at rows and columns. */
+/* F(z) and the nonzeros of dF/dz, at rows and columns; `before` takes known values, followed by `count` others, to what
+ * both read behind z. */
 struct problem {
-    struct code value, slope;
+    struct code value, slope, before;
     const int *row, *column;
-    int width, kept;
+    const double *values;
+    int width, count;
 };
 
 static inline v absolute(v x) { return (v)((mask)x & 0x7fffffffffffffffLL); }
@@ -90,13 +92,45 @@ int symkin_run(int complex_numbers, int n, int width, int kept, const struct cod
     return done;
 }
 
-int symkin_enclose(int complex_numbers, const struct problem *p, int n, const double *z, const double *patch, const double *known,
-                   const double *spread, const int *instance, double wide, double *centre, double *half_width)
+/* What the known discs (m, given) of m instances determine alone: `middle`, of as many parts as `known` has, and `radius`. */
+static int prepare(int parts, const struct problem *p, int m, int given, const double *known, const double *spread,
+                   double *middle, double *radius)
 {
+    size_t width = given + p->count;
+    double *z = reserve((width * (parts + 1) + 1) * m * sizeof *z), *radii = z + width * parts * m;
+    if (!z)
+        return 0;
+    int *instance = (int *)(radii + width * m);
+    memset(z, 0, (width * (parts + 1) + 1) * m * sizeof *z);
+    for (int j = 0; j < m; j++) {
+        for (int i = 0; i < given * parts; i++)
+            z[j * width * parts + i] = known[(size_t)j * given * parts + i];
+        for (int i = 0; i < given; i++)
+            radii[j * width + i] = spread[(size_t)j * given + i];
+        for (int i = 0; i < p->count; i++)
+            z[(j * width + given + i) * parts] = p->values[i];
+    }
+    int done = (parts == 2 ? complex_run_all : real_run_all)(m, width, 0, &p->before, z, radii, 0, 0, instance, middle, radius);
+    free(z);
+    return done;
+}
+
+/* Of points with one or two `parts`, at known discs (m, given) with `known_parts`, no more. */
+int symkin_enclose(int parts, int known_parts, const struct problem *p, int n, int m, int given, const double *z, const double *patch,
+                   const double *known, const double *spread, const int *instance, double wide, double *centre, double *half_width)
+{
+    size_t size = (size_t)m * p->before.outputs;
+    double *middle = reserve((size * (parts + 1) + 1) * sizeof *middle), *radius = middle + size * parts;
+    if (!middle)
+        return 0;
     fenv_t own;
     fegetenv(&own);
     fesetenv(FE_DFL_ENV);
-    int done = (complex_numbers ? complex_enclose_all : real_enclose_all)(p, n, z, patch, known, spread, instance, wide, centre, half_width);
+    int done = prepare(known_parts, p, m, given, known, spread, middle, radius);
+    for (size_t i = parts > known_parts ? size : 0; i-- > 0;)
+        middle[2 * i] = middle[i], middle[2 * i + 1] = 0.0;
+    done = done && (parts == 2 ? complex_enclose_all : real_enclose_all)(p, n, z, patch, middle, radius, instance, wide, centre, half_width);
     fesetenv(&own);
+    free(middle);
     return done;
 }
