@@ -230,25 +230,22 @@ class Direction:
         return Outcome(begun, ends_at, answers, walked, ends, self._right(ends, ends_at, answers))
 
     def line(self, known: np.ndarray, goals: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Begins and ends of lines: angles the nearer way round and within limits, quaternions of
-        the same sign and of length one, which those of float goals are not quite; a map's goals
-        are where they are.
+        """Begins and ends of lines: angles begin whole turns away where that is the nearer way
+        round and within limits; quaternions are of the same sign and of length one, which those of
+        float goals are not quite.
         """
         begin, end, place = known.copy(), goals.copy(), 0
-        for c in self.problem.known_coordinates if self.asked.kind != "map" else ():
+        for c in self.problem.known_coordinates:
             at = slice(place, place + c.width)
             if c.kind == "quaternion":
                 opposite = np.sum(begin[:, at] * end[:, at], axis=1, keepdims=True) < 0
                 end[:, at] *= np.where(opposite, -1.0, 1.0)
                 end[:, at] /= np.linalg.norm(end[:, at], axis=1, keepdims=True)
             elif c.kind == "angle" and not self.asked.mechanism.serial:
-                turns = 2 * np.pi * np.round((end[:, at] - begin[:, at]) / (2 * np.pi))
-                if c.limits is None:
-                    end[:, at] -= turns
-                else:
-                    moved = begin[:, at] + turns
-                    within = (moved >= c.limits[0]) & (moved <= c.limits[1])
-                    begin[:, at] = np.where(within, moved, begin[:, at])
+                low, high = c.limits or (-np.inf, np.inf)
+                turns = np.round((end[:, at] - begin[:, at]) / (2 * np.pi))
+                moved = begin[:, at] + 2 * np.pi * turns
+                begin[:, at] = np.where((moved >= low) & (moved <= high), moved, begin[:, at])
             place += c.width
         return begin, end
 

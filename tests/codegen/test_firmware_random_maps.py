@@ -3,6 +3,7 @@ groups, hard stretches of a line, any size, standing still.
 """
 
 import ctypes
+from dataclasses import replace
 from functools import cache
 from itertools import product
 from pathlib import Path
@@ -22,6 +23,7 @@ from helpers.inside import (
     Options,
     Real,
     can_run,
+    displaced,
     folder_files,
     free_divisors,
     map_configurations,
@@ -55,6 +57,8 @@ OBLIQUE = ("leg", "motor,m1,m2", "knee,au.1,au.2")
 """A four-bar in an oblique plane that carries an ankle on two rods: two of three oblique rows cost
 float its digits.
 """
+GEARED = "geared_five_bar", Options("float", given=("left",), find=("le",))
+"""A five-bar whose cranks are geared 2 to -1, and a map that Newton's method solves backwards."""
 
 
 def _inner(name, given, find, factor=1.0):
@@ -291,3 +295,26 @@ def test_sampled_configurations_are_where_fine_steps_lead():
         for part in np.linspace(0.0, 1.0, 241)[1:]:
             z = system.polish(z, start + part * (case.known - start), 3)
         np.testing.assert_allclose(z, case.unknown, atol=1e-6)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("limited", ["left", "re"])
+def test_an_answer_at_a_limit_is_held(limited):
+    """An answer just within the limits of a found joint, or of a passive one, is OK from itself,
+    though a step of rounding leads over the limit.
+    """
+    tools.compiler("gcc")
+    (name, options), oblique = GEARED, symkin.Pose.from_euler([0, 0, 0], [0.83, -0.41, 1.9])
+    machine = symkin.load(MAPS / f"{name}.toml")
+    low, high = np.radians({"left": (30.0, 190.0), "re": (-100.0, 100.0)}[limited])
+    limits = {"left": None, "re": None, limited: (low, high)}
+    links = [
+        replace(link, joint=replace(link.joint, limits=limits.get(link.joint.name)))
+        for link in machine.link_joints
+    ]
+    machine = displaced(replace(machine, link_joints=links), oblique)
+    asked = tools.bench_module("asked").Asked(machine, options)
+    lines = tools.bench_module("directions").directions(asked)[1]
+    row = tools.bench_module("grazes").grazed(lines, 30, np.random.default_rng(5))
+    assert row.ok > 200
+    assert row.said == []

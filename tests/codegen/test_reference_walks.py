@@ -18,6 +18,7 @@ from helpers.wide_five_bar import COUPLER, HOME, slack_of, tip_of, wide_five_bar
 from symkin import load
 
 MACHINES = Path(__file__).parents[2] / "codegen" / "bench" / "machines"
+MAPS = Path(__file__).parents[1] / "data" / "maps"
 
 
 @pytest.fixture(scope="module")
@@ -213,6 +214,22 @@ def test_quick_campaign(name, real):
     assert found.said == []
     assert found.ok > 100
     assert found.ok_of_regular > 80
+
+
+@pytest.mark.slow
+def test_given_angles_go_the_nearer_way_round():
+    """A guess of a map does not tell whole turns of what is given. Where gears count the turns of
+    what is found, the two ways round end at different places.
+    """
+    tools.compiler("gcc")
+    branches, asked = tools.bench_module("branches"), tools.bench_module("asked")
+    machine = load(MAPS / "geared_five_bar.toml")
+    options = Options("double", given=("left",), find=("le",))
+    lines = tools.bench_module("directions").directions(asked.Asked(machine, options))[1]
+    ranges, rng = tools.bench_module("ranges"), np.random.default_rng(11)
+    found = branches.judged(lines, ranges.by_legs(lines, 40, rng, ranges.WIDEST))
+    assert found.said == []
+    assert found.ok > 30
 
 
 @pytest.mark.slow

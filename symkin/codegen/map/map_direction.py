@@ -361,6 +361,7 @@ class DirectionSource(MapValues):
         stands = max(_GUESSED, _GUESS_ROUNDINGS * self.real.epsilon) * size
         own = {
             "passive": self._passive_call,
+            "drifted": self._drifted,
             "about": (
                 f"The {self.direction.name} problem: {c_comment(', '.join(c.name for c in wanted))}"
                 f" from {c_comment(', '.join(c.name for c in known))}."
@@ -414,6 +415,22 @@ class DirectionSource(MapValues):
             return []
         call = f"status = {self.k}_check_passive(&w, {self.words[0]});"
         return ["if (status == NAME_OK) {", f"    {call}", "}"]
+
+    @property
+    def _drifted(self) -> list[str]:
+        """Statements that give up an answer that rounding has taken beyond a limit, in favour of a
+        guess that has the given values.
+        """
+        values, out = self.words
+        kept = []
+        if any(c.limits is not None for c in self.wanted):
+            kept.append(f"(name_limit_{out}(NAME_OK, result) == NAME_OK)")
+        if self.made.passive_limits:
+            kept.append(f"({self.k}_check_passive(&w, {values}) == NAME_OK)")
+        if not kept:
+            return []
+        beyond = f"still && (status == NAME_OK) && !({' && '.join(kept)})"
+        return [f"if ({beyond}) {{", "    status = NAME_WRONG_BRANCH;", "}"]
 
     @property
     def _passive_text(self) -> str:

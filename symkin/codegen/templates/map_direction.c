@@ -79,6 +79,7 @@ name_status @f(const name_config *config, const name_real @values[@nto], const n
             still = still || (name_@{out}_away2(result, guess) <= @same2);
             status = NAME_WRONG_BRANCH;
         }
+        @drifted
         if (still && (status == NAME_WRONG_BRANCH)) {
             /* the guess itself is an answer */
             status = NAME_OK;
