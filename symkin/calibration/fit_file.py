@@ -27,7 +27,8 @@ from symkin.calibration.judge.accuracy import (
     predict_held_out,
     predict_pose_sigma,
 )
-from symkin.calibration.judge.mistakes import Case, diagnose, diagnose_labels
+from symkin.calibration.judge.mistaken_columns import Case
+from symkin.calibration.judge.mistakes import diagnose, diagnose_labels
 from symkin.calibration.judge.outliers import MAX_OUTLIER_SHARE
 from symkin.calibration.judge.result import Calibration
 from symkin.calibration.judge.trials import find_sequence

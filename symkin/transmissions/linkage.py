@@ -74,6 +74,10 @@ class Linkage:
         """Places of single coordinates in w."""
         return self.problem.places(tuple(self.coordinates_of(names)))
 
+    def radians(self, names: Sequence[str]) -> np.ndarray:
+        """What turns values of coordinates in the mechanism's units into radians and lengths."""
+        return np.array([self.mechanism.value_in(c, 1.0) for c in self.coordinates_of(names)])
+
     @cached_property
     def motor_places(self) -> np.ndarray:
         return self.places_of(self.motors)
