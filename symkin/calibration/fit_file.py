@@ -157,7 +157,9 @@ def with_sigmas(
         read = [(o, r) for o, r in m.channels(mechanism) if _OPTION_OF.get(o.kind, o.kind) == key]
         alone = key == "joint" or (key == "orientation" and data.open_euler is not None)
         if not (alone or read):
-            refuse_ignored({f"--sigma-{key}": value}, f"{data.path} holds no {key}s")
+            left_out = [note for note in data.notes if "left out" in note]
+            why = "; ".join([f"{data.path} holds no {key}s", *left_out])
+            refuse_ignored({f"--sigma-{key}": value}, why)
         stated = [o.key if o.by_name else f"{key} readings" for o, r in read if r.sigma is not None]
         if stated or (alone and m.sigma(key) is not None):
             raise InputError(

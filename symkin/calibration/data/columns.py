@@ -30,6 +30,10 @@ from symkin.model.mechanism import Mechanism
 from symkin.text import first_of, meant, nearest
 
 _EULER_COLUMN = re.compile(r"(?:platform\.)?euler_(?:([A-Za-z]{3})_)?([123])")
+_ROUNDED_NORM = 1e-4
+"""Norms of quaternions further than this from 1 tell of rounded components: as many radians are
+lost.
+"""
 _MAX_LISTED_JOINTS = 12
 """Most joint names that a message lists."""
 
@@ -212,6 +216,11 @@ class ColumnReader:
                 text = "the quaternion has norm {:.6g}; allowed: 1 to within 0.01"
             for row in np.flatnonzero(bad):
                 raise self._error(row, o.columns[0], text.format(norms[row]))
+            if oriented and (off := np.nanmax(np.abs(norms - 1.0))) > _ROUNDED_NORM:
+                self.notes.append(
+                    f"{', '.join(o.columns)} are rounded, norms are 1 to within {off:.1g}: they "
+                    f"tell the orientation to some {np.degrees(off):.1g} deg only"
+                )
         return Reading(o.key, values, sigma, o.ends)
 
     def euler(self) -> tuple[str | None, np.ndarray | None]:

@@ -46,7 +46,13 @@ _ANGLE_UNITS = {
     180 / math.pi: "radians taken for degrees",
     math.pi / 180: "degrees taken for radians",
 }
-"""Factors that put lengths and angles in another unit right, with what is said of them."""
+_SLIPS = {
+    1000.0: "a factor of 1000 too small",
+    0.001: "a factor of 1000 too large (mrad taken for rad?)",
+}
+"""Factors that put lengths and angles in another unit right, with what is said of them; and an
+angle alone, whose readings spread otherwise than the others'.
+"""
 _REST_SPREAD = 1e-4
 """Joints that spread by less than this share of the size (angles: radians), and of ten times their
 value, are at rest.
@@ -169,6 +175,7 @@ class Block:
     put: Callable[[np.ndarray], Measurements]
     columns: Sequence[int]
     called: str = ""
+    is_odd: bool = False
 
     @property
     def turns(self) -> bool:
@@ -208,21 +215,21 @@ def _joints(case: Case) -> Iterator[Block]:
     yield Block(names, angular, m.joints, lambda values: put(values=values), range(len(read)))
 
 
-def _kinds_of_joints(case: Case, *kinds: bool) -> Iterator[Block]:
+def _kinds_of_joints(case: Case) -> Iterator[Block]:
     """The joints that are lengths, and those that are angles."""
     (block,) = _joints(case)
-    for angular in kinds or (False, True):
+    for angular in (False, True):
         if columns := [k for k, its in enumerate(block.angular) if its == angular]:
             yield replace(block, columns=columns)
 
 
 def _angles_of_joints(case: Case) -> Iterator[Block]:
-    return _kinds_of_joints(case, True)
+    return (block for block in _kinds_of_joints(case) if block.turns)
 
 
-def _odd_lengths(case: Case) -> Iterator[Block]:
-    """Joints that are lengths whose readings spread, and are, far more or less than the others'."""
-    for block in _kinds_of_joints(case, False):
+def _odd_joints(case: Case) -> Iterator[Block]:
+    """Joints whose readings spread, and are, far more or less than the others' of their kind."""
+    for block in _kinds_of_joints(case):
         yield from _odd(block) if len(block.columns) > 2 else ()
 
 
@@ -238,7 +245,7 @@ def _odd(block: Block) -> Iterator[Block]:
     for place, k in enumerate(block.columns if len(block.columns) > 1 else ()):
         others = np.median(np.delete(decades, place, axis=1), axis=1)
         if np.all(np.abs(decades[:, place] - others) > _ODD_DECADES):
-            yield replace(block, columns=[k])
+            yield replace(block, columns=[k], is_odd=True)
 
 
 def _taken(case: Case, is_meant: Callable[[Observable], bool], called: str = "") -> Iterator[Block]:
@@ -266,7 +273,11 @@ _orientations = partial(_taken, is_meant=PLATFORM["orientation"].__eq__)
 _inclinations = partial(_taken, is_meant=PLATFORM["inclination"].__eq__)
 _distances = partial(_taken, is_meant=lambda o: bool(o.ends), called="the distances")
 _encoders = partial(_taken, is_meant=lambda o: o.kind == "joint")
-"""Of the platform, between it and the base, and of passive joints, together."""
+_SIGNED = ("joint", "point", "inclination", "position")
+_signed = partial(_taken, is_meant=lambda o: o.kind in _SIGNED and o is not PLATFORM["position"])
+"""Of the platform, between it and the base, of passive joints, and what has signs but the place of
+the platform, together.
+"""
 
 
 def _others(case: Case) -> Iterator[Block]:
@@ -333,7 +344,10 @@ def _all_reversed(block: Block) -> Changes:
 
 def _in_another_unit(block: Block, least: float = 0.0) -> Changes:
     called = block.called or f"the readings of {block.listed(block.columns)}"
-    for factor, text in (_ANGLE_UNITS if block.turns else _LENGTH_UNITS).items():
+    units = _ANGLE_UNITS if block.turns else _LENGTH_UNITS
+    if block.turns and block.is_odd:
+        units = units | _SLIPS
+    for factor, text in units.items():
         if factor > least:
             yield f"{called} look {text}", block.times(factor, block.columns)
 
@@ -523,7 +537,7 @@ def _describe_order(block: Block, holds: np.ndarray) -> str:
 
 
 _CORRECTIONS: dict[str, tuple[Blocks, Callable[[Block], Changes]]] = {
-    "one joint in another unit": (_odd_lengths, _in_another_unit),
+    "one joint in another unit": (_odd_joints, _in_another_unit),
     "two joint columns exchanged": (_joints, _exchanged),
     "the sign of a joint reversed": (_joints, _reversed_one),
     "the signs of all joints reversed": (_joints, _all_reversed),
@@ -532,7 +546,7 @@ _CORRECTIONS: dict[str, tuple[Blocks, Callable[[Block], Changes]]] = {
     "positions in another unit": (_positions, _in_another_unit),
     "distances in another unit": (_distances, _in_another_unit),
     "Euler angles in another unit": (_euler_of_any_sequence, _in_another_unit),
-    "the sign of an encoder reversed": (_encoders, _reversed_one),
+    "the sign of a reading reversed": (_signed, _reversed_one),
     "two encoders exchanged": (_encoders, _exchanged),
     "a reading in another unit": (_others, _in_another_unit),
     "alpha and beta exchanged": (_inclinations, _exchanged),
