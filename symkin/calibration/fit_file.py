@@ -99,7 +99,7 @@ def fit_file(
     data = replace(data, measurements=with_sigmas(mechanism, data, sigmas or {}))
     kept_back = None
     if options["hold_out"] is not None:
-        most = int(np.sum(data.measurements.is_read))
+        most = int(data.measurements.is_read.sum())
         drawn = draw_held_out(data.measurements, held_out_count(options["hold_out"], most), seed)
         data, kept_back = (data.subset(np.flatnonzero(some)) for some in (~drawn, drawn))
     placed = [n for n in names if n in MEASURING_FRAMES and n not in fixed]

@@ -19,6 +19,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import casadi as ca
 import numpy as np
@@ -222,8 +223,7 @@ are singular but for rounding: directions of singular values below 1e-7 count as
 _MOST_STEPS = 2000
 
 
-@dataclass(frozen=True, eq=False)
-class Followed:
+class Followed(NamedTuple):
     """Points (n, width), and the share of its line (n,) that each has come: 1 at the goal."""
 
     points: np.ndarray

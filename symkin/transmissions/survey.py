@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -32,8 +32,7 @@ _SAME = 1e-6
 """Radians, and sizes, by which one configuration is found again."""
 
 
-@dataclass(frozen=True)
-class Extreme:
+class Extreme(NamedTuple):
     """A value over the range, the joints (radians, lengths) at which it stands, and whose limit
     binds there.
     """
@@ -43,8 +42,7 @@ class Extreme:
     by: str
 
 
-@dataclass(frozen=True)
-class End:
+class End(NamedTuple):
     """Where the range of a joint ends, and what stops it there."""
 
     value: float

@@ -108,36 +108,21 @@ class Transmission(Result):
         return np.einsum("...ij,...i->...j", inverse, self._numbers(of_motors, self.motors))
 
     def inertia(
-        self,
-        motors: Any = None,
-        *,
-        joints: Any = None,
-        of_motors: Any = None,
-        check: bool = True,
+        self, motors: Any = None, *, joints: Any = None, of_motors: Any = None, check: bool = True
     ) -> np.ndarray:
         """The motors' inertias at the joints, G^T I G (..., n, n); `of_motors` are those told."""
         own = self._told(inertia=of_motors).inertias
         return self._of(lambda s: s.inertia(own), motors, joints, check)
 
     def bias(
-        self,
-        motors: Any = None,
-        *,
-        joints: Any = None,
-        of_motors: Any = None,
-        check: bool = True,
+        self, motors: Any = None, *, joints: Any = None, of_motors: Any = None, check: bool = True
     ) -> np.ndarray:
         """b (..., n, n, n) of the torques b_ijk j'_j j'_k that the motors' inertias take."""
         own = self._told(inertia=of_motors).inertias
         return self._of(lambda s: s.bias(own), motors, joints, check)
 
     def polytope(
-        self,
-        motors: Any = None,
-        *,
-        joints: Any = None,
-        kind: str = "torque",
-        limits: Any = None,
+        self, motors: Any = None, *, joints: Any = None, kind: str = "torque", limits: Any = None
     ) -> np.ndarray:
         """The vertices (k, n) of all joint torques ("torque") or rates ("speed") that the motors'
         limits allow at one configuration: a number for each motor, or (low, high).

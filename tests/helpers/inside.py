@@ -381,7 +381,7 @@ NAMES = {
     "ExchangeSearch": "symkin.calibration.design.exchange_algorithm",
     "Plan": "symkin.calibration.design.planning",
     "less_inclinations": "symkin.calibration.design.planning",
-    "reading_slopes": "symkin.calibration.design.simulation",
+    "PlannedReadings": "symkin.calibration.design.simulation",
     "Noise": "symkin.calibration.design.simulation",
     "group_numbers": "symkin.calibration.design.simulation",
     "random_configurations": "symkin.calibration.design.simulation",

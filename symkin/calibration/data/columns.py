@@ -155,7 +155,7 @@ class ColumnReader:
         low, high = c.limits or (-np.inf, np.inf)
         unit = self.mechanism.value_out(c, 1.0)
         outside = (values < low) | (values > high)
-        if np.any(outside):
+        if outside.any():
             self.notes.append(
                 f"{c.name}: {outside.sum()} of {len(values)} readings lie outside its limits "
                 f"{low * unit:g} to {high * unit:g} "
@@ -193,7 +193,7 @@ class ColumnReader:
         if partly.size:
             raise self._error(
                 partly[0],
-                names[int(np.argmax(empty[partly[0]]))],
+                names[int(empty[partly[0]].argmax())],
                 f"the cell has no number, the others of {', '.join(names)} have; give all or none",
             )
         return None if empty.all() else values
@@ -206,7 +206,7 @@ class ColumnReader:
         else:
             values = self._numbers([self._column(c, own=own) for c in o.columns], o.measure)
         sigma = self.sigmas(o)
-        if values is None or np.all(np.isnan(values)):
+        if values is None or np.isnan(values).all():
             return None
         if oriented or o.kind == "distance":
             norms = np.linalg.norm(values, axis=1) if oriented else values[:, 0]

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import casadi as ca
 import numpy as np
@@ -34,8 +34,7 @@ from symkin.spatial.rotation import conjugate, multiply, quaternion_from_rotatio
 from symkin.text import meant, shown
 
 
-@dataclass(frozen=True, eq=False)
-class Evaluation:
+class Evaluation(NamedTuple):
     """Values at n configurations: rows F (n, m), F_z (n, m, f), F_p (n, m, P); readings h (n, K),
     h_z (n, K, f), h_p (n, K, P).
     """
@@ -85,7 +84,7 @@ def solve_systems(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
             return np.linalg.solve(matrix, right)
         except np.linalg.LinAlgError:
             pass
-    if not np.all(np.isfinite(matrix)):
+    if not np.isfinite(matrix).all():
         matrix = np.nan_to_num(matrix)
     return np.linalg.pinv(matrix, rcond=1e-12) @ right
 

@@ -264,7 +264,7 @@ def _taken(case: Case, is_meant: Callable[[Observable], bool], called: str = "")
         return made
 
     names, angular = zip(*((name, o.angular) for o, _ in read for name in o.columns), strict=True)
-    held = np.flatnonzero(np.any(np.isfinite(values), axis=0)).tolist()
+    held = np.flatnonzero(np.isfinite(values).any(axis=0)).tolist()
     yield Block(names, angular, values, put, held, called)
 
 
@@ -325,7 +325,7 @@ def _exchanged(block: Block) -> Changes:
 def _turned_round(block: Block) -> Changes:
     """Three columns and more in another order."""
     for order in permutations(block.columns):
-        if np.sum(np.not_equal(order, block.columns)) > 2:
+        if np.not_equal(order, block.columns).sum() > 2:
             values, names = np.array(block.values), block.listed(block.columns)
             values[:, block.columns] = values[:, order]
             seem = f"{names} seem to stand in {block.listed(order)}"
@@ -403,11 +403,11 @@ def _joints_at_rest(case: Case) -> Iterator[Finding]:
     """
     m, said = case.mechanism, []
     for block in _kinds_of_joints(case):
-        spread, mean = np.std(block.own, axis=0), np.abs(np.mean(block.own, axis=0))
+        spread, mean = block.own.std(axis=0), np.abs(block.own.mean(axis=0))
         most = 1.0 if block.turns else np.minimum(m.characteristic_length, 10.0 * mean)
         if len(block.own) < 2 or not np.all(spread <= _REST_SPREAD * most):
             return
-        said.append(written(m, "angle" if block.turns else "length", np.max(spread), ".3g"))
+        said.append(written(m, "angle" if block.turns else "length", spread.max(), ".3g"))
     yield (
         f"the posture never changes: the joint readings spread by {' and '.join(said)} only; one "
         f"posture determines no geometry, measure many that differ",
@@ -437,8 +437,8 @@ def _out_of_proportion(values: np.ndarray) -> tuple[float, float]:
     """Decades by which the spread lies outside its usual range, or the mean above it, none where a
     joint does not move; and the spread.
     """
-    spread = np.median(np.std(values, axis=0))
-    mean = np.median(np.abs(np.mean(values, axis=0)))
+    spread = np.median(values.std(axis=0))
+    mean = np.median(np.abs(values.mean(axis=0)))
     low, high = _USUAL_SPREAD
     if np.any(np.ptp(values, axis=0) == 0.0):
         return 0.0, spread
@@ -486,8 +486,8 @@ def _assigned_columns(case: Case, block: Block) -> np.ndarray:
     off = np.apply_along_axis(rms_of_better_part, -1, gap**2)
     cost = np.where(angular[:, None] == angular, off**2, np.inf)
     each, orders = np.arange(len(angular)), np.array([*permutations(range(len(angular)))])
-    order = orders[np.argmin(np.sum(np.min(cost, axis=0)[each, orders], axis=1))]
-    signs = 1 - 2 * np.argmin(cost, axis=0)[each, order]
+    order = orders[np.argmin(cost.min(axis=0)[each, orders].sum(axis=1))]
+    signs = 1 - 2 * cost.argmin(axis=0)[each, order]
     return signs * (order + 1)
 
 

@@ -92,7 +92,7 @@ def _wrong_labels(case: Case) -> Iterator[Finding]:
     out = np.flatnonzero(off > _OUTSTANDING_RATIO * usual)
     rest = np.setdiff1d(np.flatnonzero(np.isin(group, group[out])), out)
     named, others = (first_of(m.named(members[rows])) for rows in (out, rest))
-    most, half = case.angle(np.max(off, initial=0.0)), "at the nominal geometry half of the"
+    most, half = case.angle(off.max(initial=0.0)), "at the nominal geometry half of the"
     within = f"postures are within {case.angle(usual)}"
     tail = f"from the others of the group; {half} {within}"
     if usual > _SCATTER_RATIO * near:
@@ -106,7 +106,7 @@ def _wrong_labels(case: Case) -> Iterator[Finding]:
     elif not len(out):
         return
     elif np.all(
-        (group[out] == group[out[0]]) & (_apart(at[out], at[out[0]]) < 0.5 * np.min(off[out]))
+        (group[out] == group[out[0]]) & (_apart(at[out], at[out[0]]) < 0.5 * off[out].min())
     ):
         said = (
             f"the group of posture {named} looks to be two groups under one label, inclined by "

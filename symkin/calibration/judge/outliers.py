@@ -21,10 +21,7 @@ import numpy as np
 
 from symkin.calibration.data.measurements import NO_GROUP, Measurements
 from symkin.calibration.data.observables import measure_of, written
-from symkin.calibration.estimate.configurations import (
-    first_points,
-    newton_configurations,
-)
+from symkin.calibration.estimate.configurations import first_points, newton_configurations
 from symkin.calibration.estimate.estimator import Estimate
 from symkin.calibration.estimate.problem import CalibrationProblem
 from symkin.calibration.estimate.residuals import only_rounding
@@ -204,7 +201,7 @@ def _test_readings(
     part = (vectors.transpose(0, 2, 1) @ model.residuals[rows][:, :, None])[:, :, 0]
     scaled = np.where(seen, part, 0.0) / np.where(seen, values, 1.0)
     shift = (vectors @ scaled[:, :, None])[:, :, 0]
-    return np.sum(part * scaled, axis=1), np.sum(seen, axis=1), shift
+    return np.sum(part * scaled, axis=1), seen.sum(axis=1), shift
 
 
 def _least_likely(
@@ -220,7 +217,7 @@ def _least_likely(
     best = (1.0, 0.0, 0, 0, 0)
     for k, (statistics, degrees, _) in enumerate(tests):
         for d in map(int, np.unique(degrees[degrees > 0])):
-            m = int(np.argmax(np.where(degrees == d, statistics, -1.0)))
+            m = int(np.where(degrees == d, statistics, -1.0).argmax())
             statistic, left = statistics[m], None
             if not problem.readings.known:
                 left = model.degrees - d
@@ -381,8 +378,8 @@ def _far_off(found: Fit, scale: float, level: float) -> tuple[list[Outlier], flo
     squares = (normalised_residuals(problem, problem, found.state) / scale) ** 2
     bad, gross, total = list[Outlier](), 0, max(_count(kinds), 1)
     for kind, configurations, rows in kinds:
-        statistics = np.sum(squares.reshape(-1)[rows], axis=1)
-        degrees = np.sum(problem.readings.taken.reshape(-1)[rows], axis=1)
+        statistics = squares.reshape(-1)[rows].sum(axis=1)
+        degrees = problem.readings.taken.reshape(-1)[rows].sum(axis=1)
         gross += np.sum(statistics > _GROSS_RATIO**2 * degrees)
         bad += [
             Outlier(int(found.used[i]), kind, float(statistic), int(d))

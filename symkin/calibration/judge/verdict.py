@@ -211,14 +211,14 @@ class Verdict:
     def _beyond(self) -> Iterator[str]:
         """Say what is known of poses outside the measured configurations, where they are many."""
         sigma, unit = self.sigma.about_home, self.fit.mechanism.length_unit
-        if sigma is None or not self.usable or np.mean(sigma.outside) <= _MAX_OUTSIDE_SHARE:
+        if sigma is None or not self.usable or sigma.outside.mean() <= _MAX_OUTSIDE_SHARE:
             return
         there, inside = (
-            np.max(sigma.position[part], initial=0.0) for part in (sigma.outside, ~sigma.outside)
+            sigma.position[part].max(initial=0.0) for part in (sigma.outside, ~sigma.outside)
         )
-        elsewhere = "" if np.all(sigma.outside) else f" and {inside:.3g} {unit} elsewhere"
+        elsewhere = "" if sigma.outside.all() else f" and {inside:.3g} {unit} elsewhere"
         yield (
-            f"{np.sum(sigma.outside)} of {len(sigma.outside)} poses of the workspace about "
+            f"{sigma.outside.sum()} of {len(sigma.outside)} poses of the workspace about "
             f"home need joint values beyond those measured: the largest standard deviation of the "
             f"position is {there:.3g} {unit} there{elsewhere}; no reading has tested the model "
             f"there; measure as far as the mechanism is used"
