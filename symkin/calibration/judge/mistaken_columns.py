@@ -536,42 +536,39 @@ def _describe_order(block: Block, holds: np.ndarray) -> str:
 # --- the table ------------------------------------------------------------------------------------
 
 
-_CORRECTIONS: dict[str, tuple[Blocks, Callable[[Block], Changes]]] = {
-    "one joint in another unit": (_odd_joints, _in_another_unit),
-    "two joint columns exchanged": (_joints, _exchanged),
-    "the sign of a joint reversed": (_joints, _reversed_one),
-    "the signs of all joints reversed": (_joints, _all_reversed),
-    "angles of joints in radians": (_angles_of_joints, _in_larger_unit),
-    "one joint in radians": (_angles_of_joints, _one_in_larger_unit),
-    "positions in another unit": (_positions, _in_another_unit),
-    "distances in another unit": (_distances, _in_another_unit),
-    "Euler angles in another unit": (_euler_of_any_sequence, _in_another_unit),
-    "the sign of a reading reversed": (_signed, _reversed_one),
-    "two encoders exchanged": (_encoders, _exchanged),
-    "a reading in another unit": (_others, _in_another_unit),
-    "alpha and beta exchanged": (_inclinations, _exchanged),
-    "orientations of the base in the platform": (_orientations, _inverted),
-    "quaternions with their scalar last": (_quaternions, _scalar_last),
-}
-_OF_POSITIONS: dict[str, tuple[Blocks, Callable[[Block], Changes]]] = {
-    "two position columns exchanged": (_positions, _exchanged),
-    "position columns in another order": (_positions, _turned_round),
-    "the sign of a position column reversed": (_positions, _reversed_one),
-    "one position column in metres": (_positions, _one_in_larger_unit),
-    "one position column in millimetres": (_odd_positions, _in_another_unit),
-}
-"""Mistakes: which columns, and what puts them right."""
+_rule = partial(partial, _put_right)
+"""Which columns, and what puts them right."""
 COLUMN_MISTAKES: Mistakes = {
     "readings": {
         "the joints never move": _joints_at_rest,
         "all joints of a kind in another unit": _units_of_all_joints,
     },
     "correction": {
-        **{mistake: partial(_put_right, *made) for mistake, made in _CORRECTIONS.items()},
+        "one joint in another unit": _rule(_odd_joints, _in_another_unit),
+        "two joint columns exchanged": _rule(_joints, _exchanged),
+        "the sign of a joint reversed": _rule(_joints, _reversed_one),
+        "the signs of all joints reversed": _rule(_joints, _all_reversed),
+        "angles of joints in radians": _rule(_angles_of_joints, _in_larger_unit),
+        "one joint in radians": _rule(_angles_of_joints, _one_in_larger_unit),
+        "positions in another unit": _rule(_positions, _in_another_unit),
+        "distances in another unit": _rule(_distances, _in_another_unit),
+        "Euler angles in another unit": _rule(_euler_of_any_sequence, _in_another_unit),
+        "the sign of a reading reversed": _rule(_signed, _reversed_one),
+        "two encoders exchanged": _rule(_encoders, _exchanged),
+        "a reading in another unit": _rule(_others, _in_another_unit),
+        "alpha and beta exchanged": _rule(_inclinations, _exchanged),
+        "orientations of the base in the platform": _rule(_orientations, _inverted),
+        "quaternions with their scalar last": _rule(_quaternions, _scalar_last),
         "Euler angles of another sequence": _other_sequences,
     },
     "order": {"joint columns in another order, with other signs": _reordered_joints},
-    "position": {mistake: partial(_put_right, *made) for mistake, made in _OF_POSITIONS.items()},
-    "row or frame": {"joints a row off": partial(_put_right, _joints, _a_row_off)},
+    "position": {
+        "two position columns exchanged": _rule(_positions, _exchanged),
+        "position columns in another order": _rule(_positions, _turned_round),
+        "the sign of a position column reversed": _rule(_positions, _reversed_one),
+        "one position column in metres": _rule(_positions, _one_in_larger_unit),
+        "one position column in millimetres": _rule(_odd_positions, _in_another_unit),
+    },
+    "row or frame": {"joints a row off": _rule(_joints, _a_row_off)},
 }
 """What is looked for at each stage (see `mistakes`)."""
