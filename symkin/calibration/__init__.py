@@ -8,8 +8,9 @@ The way of the data, by modules:
              where to begin; `configuration_model`, `residuals` and `state` evaluate, and set
              readings beside the prior; `estimator`, `joint_lines` and `robust` minimise
   judge      `assessment` builds the `result`: `statistics`, `identifiability`;
-             `outliers` finds bad readings, `mistakes` and `trials` wrong files, `accuracy` judges
-             by what these predict; `verdict` notes doubts and says what all of it means
+             `outliers` finds bad readings, `mistakes` (of columns, of frames) and `trials` wrong
+             files, `accuracy` judges by what these predict; `verdict` notes doubts and says what
+             all of it means
   design     `simulation` makes readings, `planning` chooses configurations worth measuring
 `calibrate` runs this for measurements, `fit_file` for a file, by the `options` of both, and
 `report` says what came of it.

@@ -37,12 +37,7 @@ from symkin.calibration.estimate.starting import (
     with_starts,
 )
 from symkin.calibration.judge.assessment import build_result
-from symkin.calibration.judge.outliers import (
-    OUTLIER_LEVEL,
-    Fit,
-    Screening,
-    fit_without_outliers,
-)
+from symkin.calibration.judge.outliers import OUTLIER_LEVEL, Fit, Screening, fit_without_outliers
 from symkin.calibration.judge.result import Calibration
 from symkin.calibration.judge.statistics import SIGNIFICANCE, chi_square_tail
 from symkin.calibration.options import CalibrateOptions
@@ -147,16 +142,13 @@ def _calibrate(
 
 
 def _fit_measurements(
-    mechanism: Mechanism,
-    options: CalibrateOptions,
-    measurements: Measurements,
-    near: Fit | None,
+    mechanism: Mechanism, options: CalibrateOptions, measurements: Measurements, near: Fit | None
 ) -> Fit:
     """Fit the configurations that hold a reading beside the joints, from where another fit has
     ended, if given.
     """
     read = measurements.is_read
-    numbers = np.flatnonzero(read | ~np.any(read))
+    numbers = np.flatnonzero(read | ~read.any())
     chosen: dict[str, Any] = {
         key: options[key] for key in ("parameters", "fixed", "residual", "tolerance")
     }

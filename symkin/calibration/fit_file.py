@@ -27,7 +27,8 @@ from symkin.calibration.judge.accuracy import (
     predict_held_out,
     predict_pose_sigma,
 )
-from symkin.calibration.judge.mistakes import Case, diagnose, diagnose_labels
+from symkin.calibration.judge.mistaken_columns import Case
+from symkin.calibration.judge.mistakes import diagnose, diagnose_labels
 from symkin.calibration.judge.outliers import MAX_OUTLIER_SHARE
 from symkin.calibration.judge.result import Calibration
 from symkin.calibration.judge.trials import find_sequence
@@ -98,7 +99,7 @@ def fit_file(
     data = replace(data, measurements=with_sigmas(mechanism, data, sigmas or {}))
     kept_back = None
     if options["hold_out"] is not None:
-        most = int(np.sum(data.measurements.is_read))
+        most = int(data.measurements.is_read.sum())
         drawn = draw_held_out(data.measurements, held_out_count(options["hold_out"], most), seed)
         data, kept_back = (data.subset(np.flatnonzero(some)) for some in (~drawn, drawn))
     placed = [n for n in names if n in MEASURING_FRAMES and n not in fixed]
@@ -156,7 +157,9 @@ def with_sigmas(
         read = [(o, r) for o, r in m.channels(mechanism) if _OPTION_OF.get(o.kind, o.kind) == key]
         alone = key == "joint" or (key == "orientation" and data.open_euler is not None)
         if not (alone or read):
-            refuse_ignored({f"--sigma-{key}": value}, f"{data.path} holds no {key}s")
+            left_out = [note for note in data.notes if "left out" in note]
+            why = "; ".join([f"{data.path} holds no {key}s", *left_out])
+            refuse_ignored({f"--sigma-{key}": value}, why)
         stated = [o.key if o.by_name else f"{key} readings" for o, r in read if r.sigma is not None]
         if stated or (alone and m.sigma(key) is not None):
             raise InputError(

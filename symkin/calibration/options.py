@@ -30,8 +30,7 @@ class FitOptions(TypedDict, total=False):
     method: Annotated[Method, Option("Names of before: all mean nested now.", default="nested")]
     residual: Annotated[Form, Option("How groups and joint noise enter.", default="means")]
     outliers: Annotated[
-        OutlierRule,
-        Option("What to do with readings that do not belong.", default="remove"),
+        OutlierRule, Option("What to do with readings that do not belong.", default="remove")
     ]
     loss: Annotated[
         Loss,

@@ -33,8 +33,16 @@ class Group:
     @cached_property
     def coordinates(self) -> tuple[Coordinate, ...]:
         """The single coordinates of its joints and rods, in file order."""
-        held = {c.name for k in self.edges for c in _coordinates(_edges(self.mechanism)[k])}
+        held = {c.name for edge in self.own for c in _part(edge).coordinates}
         return tuple(c for c in self.mechanism.coordinates if c.name in held and not c.is_rotation)
+
+    @cached_property
+    def own(self) -> list[Branch]:
+        return [_edges(self.mechanism)[k] for k in self.edges]
+
+    @cached_property
+    def _links(self) -> set[str]:
+        return {link for edge in self.own for link in edge.ends}
 
     @cached_property
     def actuated(self) -> tuple[Coordinate, ...]:
@@ -45,12 +53,12 @@ class Group:
         """The linkage as a machine of its own: joints between the base and its first link are
         welded, all others left out. Limbs between a base and a platform stay as they are.
         """
-        mechanism, edges = self.mechanism, _edges(self.mechanism)
+        mechanism = self.mechanism
         if mechanism.limbs:
             return mechanism
-        kept = {edges[k].elements[0].part.name for k in self.edges}
-        before = {edges[k].elements[0].part.name for k in _way(mechanism, self._root)}
-        names = {c.name for k in self.edges for c in _coordinates(edges[k])}
+        kept = {_part(edge).name for edge in self.own}
+        before = {_part(_edges(mechanism)[k]).name for k in _way(mechanism, self._root)}
+        names = {c.name for edge in self.own for c in _part(edge).coordinates}
         return replace(
             mechanism,
             link_joints=[
@@ -72,8 +80,7 @@ class Group:
     @property
     def _root(self) -> str:
         """Its link that is nearest to the base."""
-        links = {link for k in self.edges for link in _edges(self.mechanism)[k].ends}
-        return min(sorted(links), key=lambda link: len(_way(self.mechanism, link)))
+        return min(sorted(self._links), key=lambda link: len(_way(self.mechanism, link)))
 
     def serial_ways(self, count: int) -> list[tuple[str, ...]]:
         """Ways of `count` single coordinates from the first link on, not all of motors: first those
@@ -83,7 +90,7 @@ class Group:
         order = [c.name for c in self.coordinates]
         motors, carriers = {c.name for c in self.actuated}, self.carriers
         found: list[tuple[int, int, list[int], tuple[str, ...]]] = []
-        for names, end in self._ways(self._root, (self._root,), (), count):
+        for names, end in self._ways(count):
             passed = len(motors & set(names))
             if passed < len(names):
                 places = sorted(order.index(name) for name in names)
@@ -97,39 +104,41 @@ class Group:
         """Its links that carry more of the robot."""
         others = [e for k, e in enumerate(_edges(self.mechanism)) if k not in self.edges]
         beyond = {link for edge in others for link in edge.ends}
-        own = {link for k in self.edges for link in _edges(self.mechanism)[k].ends}
-        return sorted(own & beyond - {self._root})
+        return sorted(self._links & beyond - {self._root})
 
     def way_to(self, link: str, most: int) -> tuple[str, ...] | None:
         """The fewest single coordinates, up to so many, that lead from the first link to one."""
         for count in range(most + 1):
-            for names, end in self._ways(self._root, (self._root,), (), count):
+            for names, end in self._ways(count):
                 if end == link:
                     return names
         return None
 
     def _ways(
-        self, link: str, visited: tuple[str, ...], names: tuple[str, ...], count: int
+        self, count: int, visited: tuple[str, ...] = (), names: tuple[str, ...] = ()
     ) -> Iterator[tuple[tuple[str, ...], str]]:
+        """Names of `count` coordinates on ways that go on from the last link visited, and the link
+        to which they lead.
+        """
+        visited = visited or (self._root,)
         if len(names) == count:
-            yield names, link
+            yield names, visited[-1]
             return
-        edges = _edges(self.mechanism)
-        for k in self.edges:
-            first, last = edges[k].ends
-            other = last if first == link else first
-            own = _coordinates(edges[k])
-            if link not in (first, last) or other in visited or isinstance(_part(edges[k]), Bar):
+        for edge in self.own:
+            (first, last), part = edge.ends, _part(edge)
+            other = last if first == visited[-1] else first
+            if visited[-1] not in edge.ends or other in visited or isinstance(part, Bar):
                 continue
+            own = part.coordinates
             if all(not c.is_rotation for c in own) and len(names) + len(own) <= count:
                 more = (*names, *(c.name for c in own))
-                yield from self._ways(other, (*visited, other), more, count)
+                yield from self._ways(count, (*visited, other), more)
 
 
 def groups_of(mechanism: Mechanism) -> list[Group]:
     """The groups of edges that share loops or couplings, in file order."""
     edges = _edges(mechanism)
-    owner = {c.name: k for k, edge in enumerate(edges) for c in _coordinates(edge)}
+    owner = {c.name: k for k, edge in enumerate(edges) for c in _part(edge).coordinates}
     tied = [set(cycle) for cycle in independent_cycles(mechanism)]
     tied += [{owner[n] for n in (c.joint, *c.names)} for c in mechanism.couplings]
     held = set().union(*tied)
@@ -203,10 +212,6 @@ def _edges(mechanism: Mechanism) -> tuple[Branch, ...]:
 
 def _part(edge: Branch) -> Joint | Bar:
     return edge.elements[0].part
-
-
-def _coordinates(edge: Branch) -> tuple[Coordinate, ...]:
-    return _part(edge).coordinates
 
 
 def _welded(entry: LinkJoint) -> LinkJoint:

@@ -19,6 +19,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import casadi as ca
 import numpy as np
@@ -73,6 +74,10 @@ class Linkage:
     def places_of(self, names: Sequence[str]) -> np.ndarray:
         """Places of single coordinates in w."""
         return self.problem.places(tuple(self.coordinates_of(names)))
+
+    def radians(self, names: Sequence[str]) -> np.ndarray:
+        """What turns values of coordinates in the mechanism's units into radians and lengths."""
+        return np.array([self.mechanism.value_in(c, 1.0) for c in self.coordinates_of(names)])
 
     @cached_property
     def motor_places(self) -> np.ndarray:
@@ -218,8 +223,7 @@ are singular but for rounding: directions of singular values below 1e-7 count as
 _MOST_STEPS = 2000
 
 
-@dataclass(frozen=True, eq=False)
-class Followed:
+class Followed(NamedTuple):
     """Points (n, width), and the share of its line (n,) that each has come: 1 at the goal."""
 
     points: np.ndarray

@@ -10,7 +10,6 @@ from pathlib import Path
 import casadi as ca
 import numpy as np
 
-from symkin.closure.branches import edges_of
 from symkin.errors import InputError
 from symkin.files.outputs import check_output, write_output
 from symkin.formats.graph_form import METRES
@@ -43,15 +42,14 @@ def write_serial(
     output = Path(path)
     check_output(output, tuple(_WRITERS), "serial", "")
     drives, notes, inside = dict[str, Drive](), list[str](), set[str]()
-    edges = list(edges_of(mechanism))
     for transmission in transmissions:
         found, of_it = drives_of(transmission)
         drives |= found
         notes += of_it
         group = group_with(mechanism, [*transmission.motors, *transmission.joints])
         _refuse_too_long(transmission, group)
-        inside |= {element.path for k in group.edges for element in edges[k].elements}
-        inside |= {element.name for k in group.edges for element in edges[k].elements}
+        for element in (element for edge in group.own for element in edge.elements):
+            inside |= {element.path, element.name}
     serial, told = serial_form(mechanism, inside, drives), "".join(f"; {note}" for note in notes)
     write_output(output, _WRITERS[output.suffix.lower()](serial, told))
     return tuple(notes)

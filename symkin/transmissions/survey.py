@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -32,8 +32,7 @@ _SAME = 1e-6
 """Radians, and sizes, by which one configuration is found again."""
 
 
-@dataclass(frozen=True)
-class Extreme:
+class Extreme(NamedTuple):
     """A value over the range, the joints (radians, lengths) at which it stands, and whose limit
     binds there.
     """
@@ -43,8 +42,7 @@ class Extreme:
     by: str
 
 
-@dataclass(frozen=True)
-class End:
+class End(NamedTuple):
     """Where the range of a joint ends, and what stops it there."""
 
     value: float
@@ -134,21 +132,20 @@ class Survey:
         found = np.minimum(high, -low) / lengths
         row, k = np.unravel_index(np.nanargmin(found), found.shape)
         way = normals[row, k] / np.abs(normals[row, k]).max()
-        at = tuple(self.states.joints[row].tolist())
-        return Extreme(float(found[row, k]), at, names[k]), direction(self.linkage.joints, way)
+        least = Extreme(float(found[row, k]), self._at(row), names[k])
+        return least, direction(self.linkage.joints, way)
 
-    def smallest(self, joint: int) -> Extreme:
-        """The smallest torque of a joint alone over the range."""
-        return self._extreme(joint, self.alone[:, joint].argmin())
+    def extremes(self, joint: int) -> tuple[Extreme, Extreme]:
+        """The smallest and the largest torque of a joint alone over the range."""
+        values, which = (table[:, joint] for table in self._alone)
+        least, most = (
+            Extreme(float(values[row]), self._at(row), self._planes[3][which[row]])
+            for row in (values.argmin(), values.argmax())
+        )
+        return least, most
 
-    def largest(self, joint: int) -> Extreme:
-        """The largest torque of a joint alone over the range."""
-        return self._extreme(joint, self.alone[:, joint].argmax())
-
-    def _extreme(self, joint: int, row: np.intp) -> Extreme:
-        value, which = self._alone[0][row, joint], self._alone[1][row, joint]
-        at = tuple(self.states.joints[row].tolist())
-        return Extreme(float(value), at, self._planes[3][which])
+    def _at(self, row: np.intp) -> tuple[float, ...]:
+        return tuple(self.states.joints[row].tolist())
 
     @property
     def _joints(self) -> list[Coordinate]:
@@ -162,17 +159,11 @@ class Survey:
         header = ["joint", "from", "to", "torque", "least", "most", "with others", "rate", "to"]
         rows, below = [], []
         for joint, own in told["joints"].items():
-            low, high = own["from"], own["to"]
-            small, large = own["smallest_torque"], own["largest_torque"]
-            numbers = [
-                low["value"],
-                high["value"],
-                own["torque_at_reference"],
-                small["value"],
-                large["value"],
-                own["largest_torque_with_others"],
-                *own["rate"],
-            ]
+            low, high, at_reference, small, large, together, rate, _ = own.values()
+            ends, torques = (
+                [one["value"] for one in pair] for pair in ((low, high), (small, large))
+            )
+            numbers = [*ends, at_reference, *torques, together, *rate]
             rows.append([joint, *(f"{number:.4g}" for number in numbers)])
             below.append(
                 f"{joint}: ends at {low['by']} and at {high['by']}; weakest at {_place(small)}, "
@@ -208,13 +199,14 @@ class Survey:
         linkage, ratios = self.linkage, _without_rounding(self.states.inverse_jacobian)
         joints = {}
         for i, name in enumerate(linkage.joints):
-            ends = [{"value": self.out(i, e.value), "by": e.by} for e in self.ends[i]]
+            begin, end = ({"value": self.out(i, e.value), "by": e.by} for e in self.ends[i])
+            least, most = map(self._told, self.extremes(i))
             joints[name] = {
-                "from": ends[0],
-                "to": ends[1],
+                "from": begin,
+                "to": end,
                 "torque_at_reference": float(self.alone[0, i]),
-                "smallest_torque": self._told(self.smallest(i)),
-                "largest_torque": self._told(self.largest(i)),
+                "smallest_torque": least,
+                "largest_torque": most,
                 "largest_torque_with_others": float(self.together[:, i].max()),
                 "rate": [float(self.rates[:, i].min()), float(self.rates[:, i].max())],
                 "backlash": None if self.backlash is None else self.out(i, self.backlash[i]),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,7 +11,6 @@ import numpy as np
 from symkin.computed_once import cached_property
 from symkin.errors import InputError
 from symkin.following.track import track
-from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism
 from symkin.position.solve_result import SolveError
 from symkin.result import Result, Summary, json_value
@@ -109,44 +108,28 @@ class Transmission(Result):
         return np.einsum("...ij,...i->...j", inverse, self._numbers(of_motors, self.motors))
 
     def inertia(
-        self,
-        motors: Any = None,
-        *,
-        joints: Any = None,
-        of_motors: Any = None,
-        check: bool = True,
+        self, motors: Any = None, *, joints: Any = None, of_motors: Any = None, check: bool = True
     ) -> np.ndarray:
         """The motors' inertias at the joints, G^T I G (..., n, n); `of_motors` are those told."""
-        own = self._inertias(of_motors)
+        own = self._told(inertia=of_motors).inertias
         return self._of(lambda s: s.inertia(own), motors, joints, check)
 
     def bias(
-        self,
-        motors: Any = None,
-        *,
-        joints: Any = None,
-        of_motors: Any = None,
-        check: bool = True,
+        self, motors: Any = None, *, joints: Any = None, of_motors: Any = None, check: bool = True
     ) -> np.ndarray:
         """b (..., n, n, n) of the torques b_ijk j'_j j'_k that the motors' inertias take."""
-        own = self._inertias(of_motors)
+        own = self._told(inertia=of_motors).inertias
         return self._of(lambda s: s.bias(own), motors, joints, check)
 
     def polytope(
-        self,
-        motors: Any = None,
-        *,
-        joints: Any = None,
-        kind: str = "torque",
-        limits: Any = None,
+        self, motors: Any = None, *, joints: Any = None, kind: str = "torque", limits: Any = None
     ) -> np.ndarray:
         """The vertices (k, n) of all joint torques ("torque") or rates ("speed") that the motors'
         limits allow at one configuration: a number for each motor, or (low, high).
         """
         if kind not in ("torque", "speed"):
             raise InputError(f"kind = {shown(kind)}; torque or speed is needed")
-        told = read_motors(self.motors, {f"{kind}_limits": limits}) if limits is not None else None
-        own = getattr(told or self.data, f"{kind}_limits")
+        own = getattr(self._told(**{f"{kind}_limits": limits}), f"{kind}_limits")
         states, lead = self._at(motors, joints, check=True)
         if lead:
             raise InputError("polytope: one configuration is needed, not an array of them")
@@ -171,31 +154,24 @@ class Transmission(Result):
     def to_dict(self, motors: Any = None, joints: Any = None) -> dict[str, Any]:
         """The JSON of `symkin transmission` at a configuration, the reference's without one."""
         states, _ = self._at(motors, joints, check=True)
-        own, given = self.data, {"motors": self.motors, "joints": self.joints}
-        values = {
-            key: dict(
-                zip(names, self._out(getattr(states, key), names, ())[...].tolist(), strict=True)
-            )
-            for key, names in given.items()
+        own = self.data
+        told = self._out(states.motors, self.motors, ()), self._out(states.joints, self.joints, ())
+        certified, why = self.certified(told[0])
+        arrays = {
+            **{key: getattr(states, key)[0] for key in ("jacobian", "second", "inverse_jacobian")},
+            "reflected_inertia": states.inertia(own.inertias)[0],
+            "bias": states.bias(own.inertias)[0],
+            "torque_polytope": self.polytope(motors, joints=joints),
+            "speed_polytope": self.polytope(motors, joints=joints, kind="speed"),
         }
-        at = states.motors[0]
-        told = self._out(at[None], self.motors, ())
-        certified, why = self.certified(told)
+        within = bool(np.all(self.linkage.beyond_limits(states.w) <= 0.0))
         return {
             "transmission": self.name,
-            **values,
-            **{
-                name: _listed(getattr(states, name)[0])
-                for name in ("jacobian", "second", "inverse_jacobian")
-            },
-            "reflected_inertia": _listed(states.inertia(own.inertias)[0]),
-            "bias": _listed(states.bias(own.inertias)[0]),
-            "torque_polytope": _listed(self.polytope(motors, joints=joints)),
-            "speed_polytope": _listed(self.polytope(motors, joints=joints, kind="speed")),
+            "motors": dict(zip(self.motors, told[0].tolist(), strict=True)),
+            "joints": dict(zip(self.joints, told[1].tolist(), strict=True)),
+            **{key: _listed(array) for key, array in arrays.items()},
             "certified": certified,
-            "within_limits": bool(np.all(self.linkage.beyond_limits(states.w) <= 0.0))
-            if self.linkage.limited
-            else None,
+            "within_limits": within if self.linkage.limited else None,
             "range": self.survey.to_dict(),
             "notes": [*self.notes, *own.notes, *why],
         }
@@ -224,7 +200,7 @@ class Transmission(Result):
             return States(linkage, start[None]), ()
         names = self.motors if joints is None else self.joints
         values = self._numbers(motors if joints is None else joints, names)
-        goals = values.reshape(-1, len(names)) * _radians(linkage.coordinates_of(names), linkage)
+        goals = values.reshape(-1, len(names)) * linkage.radians(names)
         found = linkage.moved(names, start, goals)
         w = found.points
         if check and not found.reached.all():
@@ -237,7 +213,7 @@ class Transmission(Result):
     ) -> str:
         """Why the first goal that is not reached is not."""
         row = int(np.flatnonzero(shares < 1.0)[0])
-        values = goals[row] / _radians(self.linkage.coordinates_of(names), self.linkage)
+        values = goals[row] / self.linkage.radians(names)
         told = ", ".join(f"{n} = {v:.6g}" for n, v in zip(names, values, strict=True))
         if not np.isfinite(values).all():
             return f"{self.name}: {told}: a value is not finite"
@@ -287,16 +263,13 @@ class Transmission(Result):
             )
         return found
 
-    def _inertias(self, told: Any) -> np.ndarray:
-        return (
-            self.data.inertias
-            if told is None
-            else read_motors(self.motors, {"inertia": told}).inertias
-        )
+    def _told(self, **option: Any) -> Motors:
+        """The motors' data, or those with an option if it is told."""
+        (value,) = option.values()
+        return self.data if value is None else read_motors(self.motors, option)
 
     def _out(self, values: np.ndarray, names: tuple[str, ...], lead: tuple[int, ...]) -> np.ndarray:
-        units = _radians(self.linkage.coordinates_of(names), self.linkage)
-        return (values / units).reshape(*lead, len(names))
+        return (values / self.linkage.radians(names)).reshape(*lead, len(names))
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -334,11 +307,6 @@ class Transmissions(Result, Mapping[str, Transmission]):
         """The tables of all transmissions, one below the other."""
         texts = [t.summary(most_rows).text() for t in self.found]
         return Summary(["\n\n".join(texts)] if texts else [], below=list(self.notes))
-
-
-def _radians(coordinates: Sequence[Coordinate], linkage: Linkage) -> np.ndarray:
-    """What turns values in the mechanism's units into radians and lengths."""
-    return np.array([linkage.mechanism.value_in(c, 1.0) for c in coordinates])
 
 
 def _listed(values: np.ndarray) -> Any:

@@ -43,6 +43,28 @@ def measured():
     return simulate_readings(TRUE, made, groups, ("inclination", "pose"), QUIET, rng)
 
 
+def test_rounded_quaternions_and_columns_of_another_name_are_told(tmp_path, measured):
+    """Quaternions of three digits tell orientations to some hundredths of a degree, and exact ones
+    are not suspected; a standard deviation of orientations names the columns that are not read.
+    """
+    path = tmp_path / "data.csv"
+    for digits, told in ((9, 0), (3, 1)):
+        write_measurements(path, NOMINAL, measured)
+        header, *rows = (line.split(",") for line in path.read_text().splitlines())
+        turns = [header.index(name) for name in ("qw", "qx", "qy", "qz")]
+        for row in rows:
+            row[turns[0] : turns[3] + 1] = [f"{float(row[k]):.{digits}f}" for k in turns]
+        path.write_text("\n".join(map(",".join, [header, *rows])) + "\n")
+        notes = read_measurements(path, NOMINAL).notes
+        assert sum("qw, qx, qy, qz are rounded" in note for note in notes) == told
+    write_measurements(path, NOMINAL, replace(measured, orientation=None, orientation_sigma=None))
+    lines = path.read_text().split("\n")
+    more = ["rx[deg],ry[deg],rz[deg]", *["1.0,2.0,3.0"] * (len(lines) - 2), ""]
+    path.write_text("\n".join(f"{a},{b}" if b else a for a, b in zip(lines, more, strict=True)))
+    with pytest.raises(InputError, match=r"left out: 'rx.*rz"):
+        fit_file(NOMINAL, read_measurements(path, NOMINAL), sigmas={"orientation": 1e-4})
+
+
 @pytest.mark.parametrize("sequence", [None, "ZYX", "xyz", "YZY"])
 def test_files_hold_what_is_written(tmp_path, measured, sequence):
     """Reading back gives the same numbers to rounding: joints, groups, readings, standard

@@ -263,8 +263,7 @@ def test_order_and_signs_of_columns_are_found_together(tmp_path):
     ).measurements
     joints = np.column_stack([data.joints[:, 1], -data.joints[:, 2], data.joints[:, 0]])
     case = Case(mechanism, replace(data, joints=joints))
-    rule = next(rule for rule in RULES if rule.mistake.startswith("joint columns in another order"))
-    ((text, put_right),) = rule.find(case)
+    ((text, put_right),) = RULES["order"]["joint columns in another order, with other signs"](case)
     assert text in diagnose(case)[0]
     assert (
         "the columns slide1, slide2, slide3 look exchanged: they seem to hold slide2, slide3, "

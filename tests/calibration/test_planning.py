@@ -22,13 +22,13 @@ from helpers.inside import (
     Criterion,
     ExchangeSearch,
     Noise,
+    PlannedReadings,
     System,
     Workspace,
     build_closure,
     group_numbers,
     pose_slopes,
     random_configurations,
-    reading_slopes,
     simulate_readings,
 )
 from helpers.samples import delta, five_bar, three_rps
@@ -214,7 +214,7 @@ def test_predicted_deviations_are_those_of_a_fit():
         outliers="ignore",
     )
     names = fit.problem.names
-    slopes = reading_slopes(NOMINAL, made, (), NOISE, names, grouped=True)
+    slopes = PlannedReadings(NOMINAL, (), NOISE, names).slopes(made, grouped=True)
     rows = less_inclinations(Candidates(*slopes, groups), 10)
     covariance = np.linalg.inv(rows.T @ rows)
     sigmas = np.array([p.sigma for p in fit.parameters if not p.held])

@@ -30,6 +30,10 @@ from symkin.model.mechanism import Mechanism
 from symkin.text import first_of, meant, nearest
 
 _EULER_COLUMN = re.compile(r"(?:platform\.)?euler_(?:([A-Za-z]{3})_)?([123])")
+_ROUNDED_NORM = 1e-4
+"""Norms of quaternions further than this from 1 tell of rounded components: as many radians are
+lost.
+"""
 _MAX_LISTED_JOINTS = 12
 """Most joint names that a message lists."""
 
@@ -151,7 +155,7 @@ class ColumnReader:
         low, high = c.limits or (-np.inf, np.inf)
         unit = self.mechanism.value_out(c, 1.0)
         outside = (values < low) | (values > high)
-        if np.any(outside):
+        if outside.any():
             self.notes.append(
                 f"{c.name}: {outside.sum()} of {len(values)} readings lie outside its limits "
                 f"{low * unit:g} to {high * unit:g} "
@@ -189,7 +193,7 @@ class ColumnReader:
         if partly.size:
             raise self._error(
                 partly[0],
-                names[int(np.argmax(empty[partly[0]]))],
+                names[int(empty[partly[0]].argmax())],
                 f"the cell has no number, the others of {', '.join(names)} have; give all or none",
             )
         return None if empty.all() else values
@@ -202,7 +206,7 @@ class ColumnReader:
         else:
             values = self._numbers([self._column(c, own=own) for c in o.columns], o.measure)
         sigma = self.sigmas(o)
-        if values is None or np.all(np.isnan(values)):
+        if values is None or np.isnan(values).all():
             return None
         if oriented or o.kind == "distance":
             norms = np.linalg.norm(values, axis=1) if oriented else values[:, 0]
@@ -212,6 +216,11 @@ class ColumnReader:
                 text = "the quaternion has norm {:.6g}; allowed: 1 to within 0.01"
             for row in np.flatnonzero(bad):
                 raise self._error(row, o.columns[0], text.format(norms[row]))
+            if oriented and (off := np.nanmax(np.abs(norms - 1.0))) > _ROUNDED_NORM:
+                self.notes.append(
+                    f"{', '.join(o.columns)} are rounded, norms are 1 to within {off:.1g}: they "
+                    f"tell the orientation to some {np.degrees(off):.1g} deg only"
+                )
         return Reading(o.key, values, sigma, o.ends)
 
     def euler(self) -> tuple[str | None, np.ndarray | None]:

@@ -33,12 +33,7 @@ from typing import Any
 
 import numpy as np
 
-from symkin.calibration.data.columns import (
-    WEDGE,
-    ColumnReader,
-    DistancePoints,
-    reading_name,
-)
+from symkin.calibration.data.columns import WEDGE, ColumnReader, DistancePoints, reading_name
 from symkin.calibration.data.measurements import NO_GROUP, Measurements
 from symkin.calibration.data.observables import (
     PLATFORM,

@@ -130,7 +130,7 @@ class Measurements:
 
     def __post_init__(self) -> None:
         joints = _matrix(self.joints, "joints")
-        if not np.all(np.isfinite(joints)):
+        if not np.isfinite(joints).all():
             row, column = np.argwhere(~np.isfinite(joints))[0]
             raise InputError(
                 f"joints: posture {row + 1}, joint {column + 1} is {joints[row, column]}; a number "
@@ -188,7 +188,7 @@ class Measurements:
         if self.position is None or self.orientation is None:
             return np.full((len(self), 7), np.nan)
         poses = np.hstack([self.position, self.orientation])
-        return np.where(np.all(np.isfinite(poses), axis=1, keepdims=True), poses, np.nan)
+        return np.where(np.isfinite(poses).all(axis=1, keepdims=True), poses, np.nan)
 
     @property
     def quaternions(self) -> np.ndarray:
@@ -214,7 +214,7 @@ class Measurements:
             groups, return_index=True, return_inverse=True, return_counts=True
         )
         kept = (counts > 1) & (groups[first] >= 0)
-        places = np.where(kept, np.cumsum(kept) - 1, -1)
+        places = np.where(kept, kept.cumsum() - 1, -1)
         return places[number], first[kept]
 
     @property
@@ -241,7 +241,7 @@ class Measurements:
         """
         tables = [r.values for r in (*self._of_platform, *self.readings)]
         whole = np.hstack([np.zeros((len(self), 0)), *tables])
-        return np.any(np.isfinite(whole), axis=1)
+        return np.isfinite(whole).any(axis=1)
 
     def named(self, configurations: Sequence[int] | np.ndarray) -> tuple[str, ...]:
         """The labels of some configurations, by number from 0 or by mask."""
@@ -369,7 +369,7 @@ def _sigma(value: Any, what: str, shape: tuple[int, ...]) -> np.ndarray | None:
         ) from None
     least = 0.0 if what == "joint_sigma" else np.finfo(float).tiny
     given = array[~np.isnan(array)]
-    if np.any(given < least) or not np.all(np.isfinite(given)):
+    if np.any(given < least) or not np.isfinite(given).all():
         raise InputError(
             f"{what} = {float(given.min()):g}: a standard deviation must be finite and positive"
         )

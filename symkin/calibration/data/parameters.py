@@ -136,10 +136,10 @@ def bound_by_motion(mechanism: Mechanism, read: tuple[str, ...] = ()) -> frozens
     points = random_points(closure.coordinates, size, 3)
     drawn = [both(point, builder.table.values) for point in points]
     largest, slopes = (
-        np.max(np.abs([np.asarray(values) for values in found]), axis=0)
+        np.abs([np.asarray(values) for values in found]).max(axis=0)
         for found in zip(*drawn, strict=True)
     )
-    reach = np.max(slopes[largest[:, 0] <= 1e-11 * size], axis=0, initial=0.0)
+    reach = slopes[largest[:, 0] <= 1e-11 * size].max(axis=0, initial=0.0)
     return frozenset(n for n, r in zip(builder.table.names, reach, strict=True) if r > 1e-9)
 
 

@@ -17,8 +17,7 @@ Source: Fedorov, Theory of optimal experiments, 1972; Atkinson, Donev, Optimum e
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 
@@ -31,8 +30,7 @@ be a difference.
 """
 
 
-@dataclass(frozen=True, eq=False)
-class Candidates:
+class Candidates(NamedTuple):
     """Rows (n, K, P) of parameters, (n, K, 2) of the group's inclination, and the wedge (n,) of
     each configuration, -1: none.
     """
@@ -131,7 +129,7 @@ class ExchangeSearch:
         for _ in range(count - len(chosen)):
             gains = self.gains(c, index)
             gains[np.isin(index, chosen)] = -np.inf
-            chosen.append(int(index[np.argmax(gains)]))
+            chosen.append(int(index[gains.argmax()]))
             c = self.updated(c, chosen[-1])
         return chosen
 
@@ -147,7 +145,7 @@ class ExchangeSearch:
                 without = self.without(c, chosen, place)
                 gains = self.gains(without, index)
                 gains[np.isin(index, chosen[:place] + chosen[place + 1 :])] = -np.inf
-                best = int(index[np.argmax(gains)])
+                best = int(index[gains.argmax()])
                 if best != old and gains.max() > (1 + 1e-6) * self.gains(without, np.array([old])):
                     chosen[place], changed = best, True
                     c = self.updated(without, best)

@@ -19,25 +19,17 @@ import numpy as np
 from symkin.calibration.data.columns import WEDGE
 from symkin.calibration.data.files import CsvColumns
 from symkin.calibration.data.observables import of_joint
-from symkin.calibration.design.exchange_algorithm import (
-    Candidates,
-    Criterion,
-    ExchangeSearch,
-)
+from symkin.calibration.design.exchange_algorithm import Candidates, Criterion, ExchangeSearch
 from symkin.calibration.design.simulation import (
     Noise,
+    PlannedReadings,
     group_numbers,
     names_beside,
     random_configurations,
-    reading_slopes,
-    readings_problem,
     taken_readings,
 )
 from symkin.calibration.estimate.configurations import ClosedConfigurations
-from symkin.calibration.estimate.problem import (
-    PRIOR_SHARE,
-    default_parameters,
-)
+from symkin.calibration.estimate.problem import PRIOR_SHARE, default_parameters
 from symkin.calibration.estimate.state import evaluate, unbound
 from symkin.calibration.estimate.workspace import Workspace, lever
 from symkin.calibration.judge.accuracy import pose_slopes
@@ -271,7 +263,7 @@ class _Task:
     def __init__(
         self, workspace: Workspace, count: int, noise: Noise, options: PlanOptions
     ) -> None:
-        self.workspace, self.count, self.noise, self.options = workspace, count, noise, options
+        self.workspace, self.count, self.options = workspace, count, options
         self.mechanism, self.rng = workspace.mechanism, np.random.default_rng(options["seed"])
         read = names_beside(self.mechanism, options["readings"])
         self.names = (
@@ -279,6 +271,7 @@ class _Task:
             if options["parameters"] is None
             else tuple(options["parameters"])
         )
+        self.planned = PlannedReadings(self.mechanism, options["readings"], noise, self.names)
         told = options["wedges"]
         wedges = corner_wedges(workspace.lean) if told is None else np.asarray(told, dtype=float)
         self.offered = wedges if options["groups"] else None
@@ -346,16 +339,12 @@ class _Task:
         return 0 if self.offered is None else len(self.offered)
 
     def candidates(self, pool: ClosedConfigurations, wedge: np.ndarray) -> Candidates:
-        what = self.options["readings"], self.noise, self.names
-        grouped = bool(np.all(wedge >= 0))
-        rows, group = reading_slopes(self.mechanism, pool, *what, grouped=grouped)
+        rows, group = self.planned.slopes(pool, grouped=bool(np.all(wedge >= 0)))
         return Candidates(rows @ self.allowed, group, wedge)
 
     def rank(self, made: ClosedConfigurations, groups: np.ndarray) -> int:
         """Count the combinations of parameters that a fit of readings there determines."""
-        problem, z = readings_problem(
-            self.mechanism, made, groups, self.options["readings"], self.noise, self.names
-        )
+        problem, z = self.planned.problem(made, groups)
         return told_rank(problem, evaluate(problem, problem.model.nominal, z))
 
     def reduced(self, slopes: Candidates) -> Candidates:
@@ -398,7 +387,7 @@ def less_inclinations(slopes: Candidates, wedges: int) -> np.ndarray:
     rows = np.array(slopes.rows)
     for w in range(wedges):
         inside = slopes.wedge == w
-        if np.any(inside):
+        if inside.any():
             basis, _ = np.linalg.qr(slopes.group[inside].reshape(-1, slopes.group.shape[2]))
             flat = rows[inside].reshape(-1, rows.shape[2])
             rows[inside] = (flat - basis @ (basis.T @ flat)).reshape(-1, *rows.shape[1:])

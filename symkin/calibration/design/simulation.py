@@ -211,7 +211,7 @@ def simulate_readings(
     joint_sigma = noise.joints(mechanism)
     made = Measurements(
         true.joints + noise.draw(joint_sigma, true.joints.shape, rng),
-        joint_sigma=joint_sigma if np.any(joint_sigma) else None,
+        joint_sigma=joint_sigma if joint_sigma.any() else None,
         groups=groups if grouped else None,
         group_sigma=(noise.group or None) if grouped else None,
     )
@@ -235,53 +235,49 @@ def simulate_readings(
 # --- slopes ---------------------------------------------------------------------------------------
 
 
-def readings_problem(
-    mechanism: Mechanism,
-    made: ClosedConfigurations,
-    groups: np.ndarray,
-    readings: Sequence[str],
-    noise: Noise,
-    names: Sequence[str],
-) -> tuple[CalibrationProblem, np.ndarray]:
-    """State the problem of readings that would be taken at closed configurations, with the unknown
-    coordinates there. Raises InputError where a reading is without a standard deviation.
+@dataclass(frozen=True, eq=False)
+class PlannedReadings:
+    """What would be read of a mechanism, with which noise, and the parameters that it should
+    tell.
     """
-    quiet = np.random.default_rng(0)
-    taken = simulate_readings(mechanism, made, groups, readings, noise, quiet)
-    for o, r in taken.channels(mechanism):
-        if r.sigma is None:
-            raise InputError(
-                f"the standard deviation of {o.name if o.of else f'{o.name} readings'} is zero or "
-                f"not given; a plan needs it"
-            )
-    # readings at the configurations themselves
-    read = None if taken.orientation is None else made.poses[:, 3:]
-    taken = replace(taken, joints=made.joints, orientation=read)
-    problem = build_calibration(mechanism, taken, parameters=names)
-    values = many_elsewhere(problem.model.closure, build_closure(mechanism), made.values)
-    return problem, np.ascontiguousarray(values[:, made.joints.shape[1] :])
 
+    mechanism: Mechanism
+    readings: Sequence[str]
+    noise: Noise
+    names: Sequence[str]
 
-def reading_slopes(
-    mechanism: Mechanism,
-    made: ClosedConfigurations,
-    readings: Sequence[str],
-    noise: Noise,
-    names: Sequence[str],
-    *,
-    grouped: bool,
-) -> tuple[np.ndarray, np.ndarray]:
-    """Differentiate the readings that would be taken at closed configurations, over their standard
-    deviations, joint noise included: (n, K, P) by scaled parameters, and (n, K, 2) by the unknown
-    inclination of the configuration's group, none where it has none.
-    """
-    groups = np.zeros(len(made), dtype=int) if grouped else np.full(len(made), NO_GROUP)
-    problem, z = readings_problem(mechanism, made, groups, readings, noise, names)
-    p = problem.model.nominal
-    found = evaluate_at(problem, p, z).slopes, joint_covariance(problem, p, z)
-    # two inclinations have no slopes where the platform's z axis lies level: such a configuration
-    # is offered as one that tells nothing
-    told = np.all([np.all(np.isfinite(v), axis=(1, 2)) for v in found], axis=0)
-    slopes, of_joints = (np.where(told[:, None, None], v, 0.0) for v in found)
-    whiten = whitening(problem.readings, noise_of(problem.readings, of_joints))
-    return whiten @ slopes, whiten[:, :, problem.readings.grouped if grouped else []]
+    def problem(
+        self, made: ClosedConfigurations, groups: np.ndarray
+    ) -> tuple[CalibrationProblem, np.ndarray]:
+        """State the problem of readings at closed configurations, with the unknown coordinates
+        there. Raises InputError where a reading is without a standard deviation.
+        """
+        m, quiet = self.mechanism, np.random.default_rng(0)
+        taken = simulate_readings(m, made, groups, self.readings, self.noise, quiet)
+        for o, r in taken.channels(m):
+            if r.sigma is None:
+                raise InputError(
+                    f"the standard deviation of {o.name if o.of else f'{o.name} readings'} is zero "
+                    f"or not given; a plan needs it"
+                )
+        # readings at the configurations themselves
+        read = None if taken.orientation is None else made.poses[:, 3:]
+        taken = replace(taken, joints=made.joints, orientation=read)
+        problem = build_calibration(m, taken, parameters=self.names)
+        values = many_elsewhere(problem.model.closure, build_closure(m), made.values)
+        return problem, np.ascontiguousarray(values[:, made.joints.shape[1] :])
+
+    def slopes(self, made: ClosedConfigurations, *, grouped: bool) -> tuple[np.ndarray, np.ndarray]:
+        """Differentiate the readings at closed configurations, over their standard deviations,
+        joint noise included: (n, K, P) by scaled parameters, and (n, K, 2) by the unknown
+        inclination of the configuration's group, none where it has none.
+        """
+        problem, z = self.problem(made, np.full(len(made), 0 if grouped else NO_GROUP))
+        p = problem.model.nominal
+        found = evaluate_at(problem, p, z).slopes, joint_covariance(problem, p, z)
+        # two inclinations have no slopes where the platform's z axis lies level: such a
+        # configuration is offered as one that tells nothing
+        told = np.all([np.isfinite(v).all(axis=(1, 2)) for v in found], axis=0)
+        slopes, of_joints = (np.where(told[:, None, None], v, 0.0) for v in found)
+        whiten = whitening(problem.readings, noise_of(problem.readings, of_joints))
+        return whiten @ slopes, whiten[:, :, problem.readings.grouped if grouped else []]

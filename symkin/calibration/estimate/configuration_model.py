@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import casadi as ca
 import numpy as np
@@ -33,12 +33,8 @@ from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import conjugate, multiply, quaternion_from_rotation_vector, rotate
 from symkin.text import meant, shown
 
-_VECTOR_OUTPUTS = {"whole": (0, 3), "rows": (0,), "tangent": (0, 3), "pose": (0,), "exact": (0,)}
-"""Outputs that are columns, for each function of a configuration."""
 
-
-@dataclass(frozen=True, eq=False)
-class Evaluation:
+class Evaluation(NamedTuple):
     """Values at n configurations: rows F (n, m), F_z (n, m, f), F_p (n, m, P); readings h (n, K),
     h_z (n, K, f), h_p (n, K, P).
     """
@@ -88,7 +84,7 @@ def solve_systems(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
             return np.linalg.solve(matrix, right)
         except np.linalg.LinAlgError:
             pass
-    if not np.all(np.isfinite(matrix)):
+    if not np.isfinite(matrix).all():
         matrix = np.nan_to_num(matrix)
     return np.linalg.pinv(matrix, rcond=1e-12) @ right
 
@@ -208,8 +204,8 @@ class ConfigurationModel:
         if quaternions is None:
             quaternions = np.zeros((len(z), self.quaternion.shape[0]))
         results = self._mapped[what](z, joints, p, quaternions)
-        vectors = _VECTOR_OUTPUTS[what]
-        return [a[:, :, 0] if k in vectors else a for k, a in enumerate(results)]
+        # rows and readings, each with two derivatives, are columns
+        return [a if k % 3 else a[:, :, 0] for k, a in enumerate(results)]
 
 
 # --- building -------------------------------------------------------------------------------------
@@ -246,12 +242,10 @@ def model_of(
     }
     known = _Known(mechanism, symbols, observed(mechanism, read))
     closure, size = known.seen.closure, known.seen.closure.characteristic_length
-    quaternion = ca.SX.sym("measured", 4 + 4 * sum(name.endswith(".orientation") for name in read))
-    measured = iter(ca.vertsplit(quaternion, 4))
-    slots = {"orientation": next(measured)}  # the platform's, read or not
-    slots |= {name: next(measured) for name in read if name.endswith(".orientation")}
-    readings = [known.reading(o, slots.get(o.name)) for o in channels]
-    exact = [known.reading(o) for o in channels]
+    # the platform's, read or not
+    turning = ["orientation", *(name for name in read if name.endswith(".orientation"))]
+    quaternion = ca.SX.sym("measured", 4 * len(turning))
+    measured = dict(zip(turning, ca.vertsplit(quaternion, 4), strict=True))
     parameters = stacked(symbols[n] for n in names)
     unknowns = closure.role("passive", "body", "pose")
     types = tuple(table[n][1] for n in names)
@@ -273,8 +267,8 @@ def model_of(
         joints=known.joints,
         parameters=parameters,
         quaternion=quaternion,
-        readings=stacked(readings),
-        exact=stacked(exact),
+        readings=stacked(known.reading(o, measured.get(o.name)) for o in channels),
+        exact=stacked(known.reading(o) for o in channels),
         channels=channels,
         pose=known.pose,
     )

@@ -156,7 +156,7 @@ class Closing:
         with np.errstate(all="ignore"):
             for _ in range(count):
                 rows, by = self.linearise(points)
-                largest = np.max(np.abs(rows), axis=1, initial=0.0) / size
+                largest = np.abs(rows).max(axis=1, initial=0.0) / size
                 if not np.any(largest > tolerance):
                     break
                 step = -solve_systems(by, rows[:, :, None])[:, :, 0]
@@ -213,7 +213,7 @@ def solve_configurations(
         z, solved = newton_configurations(model, z, joints, p, tolerance=tolerance)
         if carried:
             signs = determinant_signs(model.values("rows", z, joints, p)[1])
-            solved &= signs * np.sum(signs[solved]) >= 0.0
+            solved &= signs * signs[solved].sum() >= 0.0
         return z, solved
 
     with np.errstate(all="ignore"):
@@ -287,7 +287,7 @@ def start_points(
         measurements = replace(measurements, position=None, orientation=None)
     poses, starts = measurements.poses, measurements.starts
     if starts is not None and not measured:
-        poses = np.where(np.all(np.isfinite(starts), axis=1, keepdims=True), starts, poses)
+        poses = np.where(np.isfinite(starts).all(axis=1, keepdims=True), starts, poses)
     return Closing(model).split(with_poses(model.closure, poses))[0]
 
 
@@ -345,7 +345,7 @@ def nearest_rows(joints: np.ndarray, wanted: np.ndarray, count: int) -> np.ndarr
     columns count by their spread, and of many rows only some are looked at.
     """
     chosen = spread_rows(len(joints), _MAX_COMPARED_ROWS)
-    spread = np.std(np.vstack([joints, wanted]), axis=0)
+    spread = np.vstack([joints, wanted]).std(axis=0)
     weight = 1.0 / np.where(spread > 0.0, spread, 1.0)
     scaled = joints[chosen] * weight
     found = [
@@ -400,7 +400,7 @@ def with_poses(closure: Closure, poses: np.ndarray, around: np.ndarray | None = 
     width), by default those of the reference; they stay where a pose is not a number, or the
     closure has none.
     """
-    given = np.all(np.isfinite(poses), axis=1)
+    given = np.isfinite(poses).all(axis=1)
     values = np.tile(closure.reference, (len(poses), 1)) if around is None else around.copy()
     if closure.role("pose") and given.any():
         position, quaternion = poses[given, :3].T, poses[given, 3:].T

@@ -27,11 +27,7 @@ from functools import partial
 import numpy as np
 
 from symkin.calibration.data.measurements import spread_rows
-from symkin.calibration.estimate.configurations import (
-    Closing,
-    is_carried,
-    start_points,
-)
+from symkin.calibration.estimate.configurations import Closing, is_carried, start_points
 from symkin.calibration.estimate.problem import CalibrationProblem
 from symkin.calibration.estimate.residuals import Linearised
 from symkin.calibration.estimate.state import (
@@ -138,7 +134,7 @@ def parameters_at_poses(problem: CalibrationProblem) -> np.ndarray | None:
     """
     model, m = problem.model, problem.measurements
     given = np.isfinite(m.poses[:, 0])
-    rows = np.sum(given) * model.system.rows.shape[0]
+    rows = given.sum() * model.system.rows.shape[0]
     if is_carried(model.closure) or model.observes_through_frames or rows < len(model.names):
         return None
     chosen = np.flatnonzero(given)
@@ -358,7 +354,7 @@ class _Damped:
         self._linear = linear
         self.matrix = np.vstack([linear.jacobian, linear.weight * linear.tight])
         self.right = -np.concatenate([linear.residuals, linear.weight * linear.change])
-        self.is_finite = bool(np.all(np.isfinite(self.matrix)) and np.all(np.isfinite(self.right)))
+        self.is_finite = bool(np.isfinite(self.matrix).all() and np.isfinite(self.right).all())
         self._lengths = np.maximum(np.linalg.norm(self.matrix, axis=0), 1e-300)
         if self.is_finite:
             self._free = self._solved(0.0, self.right)

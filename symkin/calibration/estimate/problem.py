@@ -263,6 +263,6 @@ def default_parameters(mechanism: Mechanism, read: tuple[str, ...] = ()) -> tupl
         left = np.abs(row) > bound_below
         if left.any():
             chosen = [free[name] for name in first if name in free and left[free[name]]]
-            dropped.append(chosen[0] if chosen else int(np.argmax(np.abs(row))))
+            dropped.append(chosen[0] if chosen else int(np.abs(row).argmax()))
             rows = np.vstack([rows, row])
     return tuple(name for name, k in free.items() if k not in dropped)

@@ -14,6 +14,7 @@ In a group only equality is known. Three forms of it:
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -102,7 +103,7 @@ class Readings:
     @property
     def count(self) -> int:
         """Independent readings: those taken less the unknown inclination of each group."""
-        return int(np.sum(self.taken)) - 2 * self.groups
+        return int(self.taken.sum()) - 2 * self.groups
 
 
 def build_readings(model: ConfigurationModel, measurements: Measurements) -> Readings:
@@ -131,8 +132,7 @@ def build_readings(model: ConfigurationModel, measurements: Measurements) -> Rea
     )
 
 
-@dataclass(frozen=True, eq=False)
-class Linearised:
+class Linearised(NamedTuple):
     """Residuals r (n, K) over their standard deviations, 0 where nothing was read; dr/dp (m, P) and
     r (m,) of all configurations, or, of many, the triangle of their QR factorisation, so that |r +
     J d|^2 is the same for all d.

@@ -174,7 +174,7 @@ def reading_gaps(
     model, readings = problem.model, problem.readings
     h = readings_at(problem, p, np.nan_to_num(configurations.z))
     used, gap = readings.taken & ~readings.grouped, model.lengths * deviations(readings, h)
-    mean = np.sum(np.where(used, gap**2, 0.0), axis=1) / np.maximum(np.sum(used, axis=1), 1)
+    mean = np.where(used, gap**2, 0.0).sum(axis=1) / np.maximum(used.sum(axis=1), 1)
     return np.where(configurations.solved & np.isfinite(mean), np.sqrt(mean), np.inf)
 
 
@@ -280,7 +280,7 @@ def _choose_branch(
     (mirror images) the one whose platform is highest.
     """
     m = problem.measurements
-    middle = nearest_rows(m.joints, np.mean(m.joints, axis=0)[None], 1)[0, 0]
+    middle = nearest_rows(m.joints, m.joints.mean(axis=0)[None], 1)[0, 0]
     begin = np.tile(m.joints[middle], (len(m), 1))
 
     def branch(z: np.ndarray) -> SolvedConfigurations:
@@ -311,7 +311,7 @@ def _choose_branch(
     equal = [b for b, w in zip(whole, worth, strict=True) if w <= _INDISTINCT_RATIO * min(worth)]
 
     def height(b: SolvedConfigurations) -> float:
-        return float(np.mean(problem.model.poses(b.z[b.solved], m.joints[b.solved], p)[:, 2]))
+        return float(problem.model.poses(b.z[b.solved], m.joints[b.solved], p)[:, 2].mean())
 
     return max(equal, key=height)
 

@@ -21,6 +21,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -173,7 +174,7 @@ def state_after(problem: CalibrationProblem, state: State, step: np.ndarray) -> 
     p = state.p + model.scales * step
     z = model.system.move(state.z, state.follow(step))
     trial = evaluate(problem, p, z)
-    if not np.all(np.isfinite(trial.pending)):
+    if not np.isfinite(trial.pending).all():
         return None
     furthest = largest_of(trial.pending)
     if furthest > PREDICTION_TOLERANCE * model.size:
@@ -250,9 +251,9 @@ def admissible_steps(state: State, units: np.ndarray) -> tuple[np.ndarray | None
     rows = state.leftover[1].reshape(-1, count) * units
     below = np.column_stack([rows, -state.leftover[0].reshape(-1)])
     both = np.asarray(np.linalg.qr(below, mode="r"))
-    if not np.all(np.isfinite(both)):
+    if not np.isfinite(both).all():
         return None, np.full(count, np.nan)
-    left, singular, across, kept = _split(both[:, :count], np.max(units))
+    left, singular, across, kept = _split(both[:, :count], units.max())
     particular = across[:kept].T @ ((left[:, :kept].T @ both[:, count]) / singular[:kept])
     return across[kept:].T, units * particular
 
@@ -262,7 +263,7 @@ def _split(rows: np.ndarray, unit: float = 1.0) -> tuple[np.ndarray, np.ndarray,
     count those that bind: beyond rounding of the largest, and of a step of one `unit`.
     """
     left, values, right = np.linalg.svd(rows, full_matrices=rows.shape[0] < rows.shape[1])
-    bound = max(RANK_TOLERANCE * np.max(values, initial=0.0), CONSTRAINT_ROUNDING * unit)
+    bound = max(RANK_TOLERANCE * values.max(initial=0.0), CONSTRAINT_ROUNDING * unit)
     return left, values, right, np.sum(values > bound)
 
 
@@ -291,7 +292,7 @@ def spectrum(state: State) -> tuple[np.ndarray, np.ndarray]:
     values = np.zeros(matrix.shape[1])
     values[: min(matrix.shape)] = np.linalg.svd(matrix, compute_uv=False)
     _, even, across = np.linalg.svd(matrix / lengths)
-    rank = np.sum(even > RANK_TOLERANCE * np.max(even, initial=1e-300))
+    rank = np.sum(even > RANK_TOLERANCE * even.max(initial=1e-300))
     return values, np.linalg.qr(across[rank:].T / lengths[:, None])[0]
 
 
@@ -300,7 +301,7 @@ def spectrum(state: State) -> tuple[np.ndarray, np.ndarray]:
 
 def rounding_residual(problem: CalibrationProblem) -> float:
     """A residual that arithmetic leaves."""
-    return _ROUNDING_RESIDUAL * problem.size * float(np.max(problem.readings.weight, initial=0.0))
+    return _ROUNDING_RESIDUAL * problem.size * float(problem.readings.weight.max(initial=0.0))
 
 
 @dataclass(frozen=True, eq=False)
@@ -329,7 +330,7 @@ class Linear:
         basis = units[:, None] * (np.eye(len(units)) if allowed is None else allowed)
         width = basis.shape[1]
         both = np.column_stack([matrix @ basis, state.linearised.vector + matrix @ particular])
-        if np.all(np.isfinite(both)):
+        if np.isfinite(both).all():
             both = np.vstack([both, np.zeros((width, width + 1))])
             both = np.asarray(np.linalg.qr(both, mode="r"))
         weights = np.where(known, 1.0, _FREE_WEIGHT) / units
@@ -360,8 +361,7 @@ class Linear:
         return Told(self.basis @ inner, inner, ratios, shares, gains, weight)
 
 
-@dataclass(frozen=True, eq=False)
-class Told:
+class Told(NamedTuple):
     """What the readings tell: directions of the scaled parameters as `columns` (P, k), one prior
     standard deviation long, and as `inner` (k, k) over the basis; `ratios` (k,) of the prior's
     standard deviation to that by the readings, largest first, what `shares` (k,) of each the

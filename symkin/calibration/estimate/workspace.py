@@ -187,7 +187,7 @@ class Workspace:
         that close at their reference alone.
         """
         size = self.mechanism.characteristic_length
-        apart = max(np.max(np.ptp(v, axis=0), initial=0.0) for v in (made.joints, made.poses))
+        apart = max(np.ptp(v, axis=0).max(initial=0.0) for v in (made.joints, made.poses))
         if len(made) > 1 and np.any(self.half > 0.0) and apart <= _SAME_PLACE * min(size, 1.0):
             raise InputError(
                 f"{self.mechanism.name}: it does not move; {len(made)} random postures are one: "
@@ -311,7 +311,7 @@ class Workspace:
             made = ClosedConfigurations(values, joints, self._model.poses(z, joints))
             good = closed & self._regular(self._model.values("rows", z, joints)[1])
             if limits:
-                good &= np.all(np.isfinite(values), axis=1)
+                good &= np.isfinite(values).all(axis=1)
                 for c in self.closure.coordinates:
                     low, high = c.limits or (0.0, 0.0)
                     column = values[:, self.closure.slices[c.name].start]
@@ -331,8 +331,8 @@ class Workspace:
         start = follow(start, begin, begin)
         z = follow(start, begin, joints)
         rows, back = self._model.values("rows", z, joints)[0], follow(z, joints, begin)
-        lost = ~(np.max(np.abs(rows), axis=1, initial=0.0) <= ROUGHLY_SOLVED_TOLERANCE * size)
-        lost |= ~(np.max(np.abs(back - start), axis=1, initial=0.0) <= _SAME_PLACE * max(size, 1.0))
+        lost = ~(np.abs(rows).max(axis=1, initial=0.0) <= ROUGHLY_SOLVED_TOLERANCE * size)
+        lost |= ~(np.abs(back - start).max(axis=1, initial=0.0) <= _SAME_PLACE * max(size, 1.0))
         return np.hstack([joints, np.where(lost[:, None], np.nan, z)])
 
     @cached_property
@@ -409,6 +409,6 @@ def lever(mechanism: Mechanism) -> float:
     the platform's joint points from their middle; where they coincide, a quarter of the size.
     """
     points = platform_points(mechanism)
-    spread = float(np.sqrt(np.sum(np.var(points, axis=0))))
+    spread = float(np.sqrt(np.sum(points.var(axis=0))))
     size = mechanism.characteristic_length
     return spread if spread > 1e-9 * size else 0.25 * size

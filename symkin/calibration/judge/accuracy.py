@@ -282,19 +282,19 @@ def predict_held_out(fit: Calibration, measurements: Measurements, seed: int) ->
     level = 1.0 - (1.0 - OUTLIER_LEVEL) ** (1.0 / len(z))
     chances = [
         probability(made.chi_square(np.array([k])), int(count))
-        for k, count in enumerate(np.sum(taken, axis=1))
+        for k, count in enumerate(taken.sum(axis=1))
     ]
     off = np.array([chance is not None and chance < level for chance in chances])
-    if 0 < np.sum(off) <= MAX_OUTLIER_SHARE * len(z):
+    if 0 < off.sum() <= MAX_OUTLIER_SHARE * len(z):
         kept = ~off
         clean = predict(kept)
-    degrees = int(np.sum(taken[kept])) - 2 * len(set(group[kept].tolist()) - {-1})
+    degrees = int(taken[kept].sum()) - 2 * len(set(group[kept].tolist()) - {-1})
     chi_square = clean.chi_square(kept)
     squares, expected = made.errors**2, np.diagonal(made.covariance, axis1=1, axis2=2)
     kinds = np.array([kind for kind, _ in problem.model.columns])
     inside = {kind: taken & (kinds == kind) for kind in dict.fromkeys(kinds.tolist())}
     rms, expectation = (
-        {kind: float(np.sqrt(np.mean(v[some]))) for kind, some in inside.items() if some.any()}
+        {kind: float(np.sqrt(v[some].mean())) for kind, some in inside.items() if some.any()}
         for v in (squares, expected)
     )
     return replace(

@@ -129,7 +129,7 @@ def _parameters(
     sigmas = np.sqrt(np.maximum(np.diag(free), 0.0))
     # what no reading sees has no variance, which is not to know it exactly
     scaled = sigmas / model.scales
-    known = has_sigma & (scaled >= _UNSEEN * np.max(scaled, initial=0.0))
+    known = has_sigma & (scaled >= _UNSEEN * scaled.max(initial=0.0))
     found = [
         Parameter(name, kind, float(nominal), float(value), float(sigma) if told else None)
         for name, kind, nominal, value, sigma, told in zip(
@@ -225,7 +225,7 @@ def _faults(
         if np.any(beyond < 0.0):
             yield (
                 f"the rod of {c.name} would have a negative length at {_row_names(m, beyond < 0)}, "
-                f"down to {np.min(beyond):.4g} {found.length_unit}"
+                f"down to {beyond.min():.4g} {found.length_unit}"
             )
     model, p = build_model(found, m, tuple(beside)), np.array(list(beside.values()))
     z, solved = newton_configurations(model, state.z, m.joints, p)

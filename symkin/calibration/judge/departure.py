@@ -18,7 +18,7 @@ share that can be seen.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -42,8 +42,7 @@ _COMPARED_CONFIGURATIONS = 80
 """Configurations that are compared, spread evenly over those used."""
 
 
-@dataclass(frozen=True)
-class Departure:
+class Departure(NamedTuple):
     """`share` is the departure, `position` (length unit) and `angle` (radians) the root mean
     squares of its parts, `unclosed` the number of configurations, of `configurations`, that the
     file's geometry cannot take near the fitted pose; these count as one spread.
@@ -71,8 +70,8 @@ def measure_departure(problem: CalibrationProblem, state: State) -> Departure:
         return np.hstack([moved_point(poses, centre), poses[:, 3:]])
 
     here, there = middles(state.p, state.z[rows]), middles(nominal, z)
-    whole = np.all(np.isfinite(here), axis=1)
-    unclosed, count = int(np.sum(whole & ~closed)), int(np.sum(whole))
+    whole = np.isfinite(here).all(axis=1)
+    unclosed, count = int(np.sum(whole & ~closed)), int(whole.sum())
     closed &= whole
     spread = _spread(here[whole], length) if whole.any() else 0.0
     if not closed.any() or not spread > 0.0:
@@ -84,7 +83,7 @@ def measure_departure(problem: CalibrationProblem, state: State) -> Departure:
     off = less_frames(_difference(here, there)[:, :, None], between, length)[:, :, 0]
     parts = np.sum(off.reshape(-1, 2, 3) ** 2, axis=2)
     squares = np.append(parts @ [1.0, length**2], np.full(unclosed, spread**2))
-    position, angle = map(float, np.sqrt(np.mean(parts, axis=0)))
+    position, angle = map(float, np.sqrt(parts.mean(axis=0)))
     return Departure(rms_of_better_part(squares) / spread, position, angle, unclosed, count)
 
 
@@ -131,6 +130,6 @@ def _difference(poses: np.ndarray, others: np.ndarray) -> np.ndarray:
 
 def _spread(poses: np.ndarray, length: float) -> float:
     """Root mean square distance from the middle, orientations from the one nearest to all."""
-    middle = np.append(np.mean(poses[:, :3], axis=0), poses[most_central(poses[:, 3:]), 3:])
+    middle = np.append(poses[:, :3].mean(axis=0), poses[most_central(poses[:, 3:]), 3:])
     away = _difference(poses, np.tile(middle, (len(poses), 1)))
     return float(np.sqrt(np.mean(np.sum((away * np.repeat([1.0, length], 3)) ** 2, axis=1))))

@@ -29,10 +29,7 @@ from symkin.calibration.data.parameters import (
 )
 from symkin.calibration.data.reference_motions import IN_FRAME, moved, reference_motions
 from symkin.calibration.estimate.configuration_model import ConfigurationModel
-from symkin.calibration.estimate.configurations import (
-    newton_configurations,
-    solve_configurations,
-)
+from symkin.calibration.estimate.configurations import newton_configurations, solve_configurations
 from symkin.calibration.estimate.joint_lines import NEARLY_PARALLEL, parallel_axes
 from symkin.calibration.estimate.problem import CalibrationProblem, build_calibration
 from symkin.calibration.estimate.state import (
@@ -194,7 +191,7 @@ def _told(
     told = replace(Linear.of(problem, state), weight=weight).told()
     ratios, directions = told.ratios, told.columns
     untold = ratios < UNTOLD
-    if np.sum(untold) > null_space.shape[1]:
+    if untold.sum() > null_space.shape[1]:
         null_space = np.linalg.qr(directions[:, untold])[0]
     little = np.flatnonzero(~untold & (ratios < WELL_TOLD))
     weak = [(_combination(problem.names, directions[:, k]), 1.0 / ratios[k]) for k in little]
@@ -248,9 +245,7 @@ def name_null_space(
 
 
 def _mixed_frames(
-    problem: CalibrationProblem,
-    known: Sequence[tuple[str, np.ndarray]],
-    null_space: np.ndarray,
+    problem: CalibrationProblem, known: Sequence[tuple[str, np.ndarray]], null_space: np.ndarray
 ) -> Iterator[tuple[str, np.ndarray]]:
     """Yield motions of base and platform frame, or numbers of an arm's first and last row, each
     with what of the frame between the mechanism and what is measured there makes up for it: as far

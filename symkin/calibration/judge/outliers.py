@@ -21,10 +21,7 @@ import numpy as np
 
 from symkin.calibration.data.measurements import NO_GROUP, Measurements
 from symkin.calibration.data.observables import measure_of, written
-from symkin.calibration.estimate.configurations import (
-    first_points,
-    newton_configurations,
-)
+from symkin.calibration.estimate.configurations import first_points, newton_configurations
 from symkin.calibration.estimate.estimator import Estimate
 from symkin.calibration.estimate.problem import CalibrationProblem
 from symkin.calibration.estimate.residuals import only_rounding
@@ -204,7 +201,7 @@ def _test_readings(
     part = (vectors.transpose(0, 2, 1) @ model.residuals[rows][:, :, None])[:, :, 0]
     scaled = np.where(seen, part, 0.0) / np.where(seen, values, 1.0)
     shift = (vectors @ scaled[:, :, None])[:, :, 0]
-    return np.sum(part * scaled, axis=1), np.sum(seen, axis=1), shift
+    return np.sum(part * scaled, axis=1), seen.sum(axis=1), shift
 
 
 def _least_likely(
@@ -220,7 +217,7 @@ def _least_likely(
     best = (1.0, 0.0, 0, 0, 0)
     for k, (statistics, degrees, _) in enumerate(tests):
         for d in map(int, np.unique(degrees[degrees > 0])):
-            m = int(np.argmax(np.where(degrees == d, statistics, -1.0)))
+            m = int(np.where(degrees == d, statistics, -1.0).argmax())
             statistic, left = statistics[m], None
             if not problem.readings.known:
                 left = model.degrees - d
@@ -267,54 +264,99 @@ def fit_without_outliers(
     spoil the first fit, the majority of the readings decides; where that decides nothing either and
     errors are gross, the fit is refused.
     """
-    plain = found, Screening()
+    search, plain = _Search(fit, measurements, level), (found, Screening())
     if found.status == "ok":
-        plain = _one_by_one(fit, measurements, found, level)
+        plain = search.one_by_one(found)
         if not plain[1].given_up:
             return plain
-    return _by_majority(fit, measurements, found, level, plain)
+    return search.by_majority(found, plain)
 
 
-def _one_by_one(
-    fit: FitFunction,
-    measurements: Measurements,
-    first: Fit,
-    level: float,
-    before: Sequence[Outlier] = (),
-) -> tuple[Fit, Screening]:
-    """Take outliers out one by one. A gross error bends the fit beyond its linear range, so that
-    good readings look bad: in each round only those go whose statistic is `_GROSS_SHARE` of the
-    largest or more, and the rest is judged at a new fit.
-    """
-    found, taken_out = first, list(before)
-    allowed, unchecked = max_outliers(first.problem) + len(before), None
-    while True:
-        model = linear_model(found.problem, found.state)
-        made = screen_readings(found.problem, model, level=level, share=_GROSS_SHARE)
-        if unchecked is None:
-            unchecked = tuple((int(found.used[k]), kind) for k, kind in made.unchecked)
-        fresh = [
-            replace(o, configuration=int(found.used[o.configuration]))
-            for o in (*made.outliers, *made.given_up)
-        ]
-        more = [*taken_out, *fresh]
-        if made.given_up or len(more) > allowed:
-            return first, Screening(unchecked=unchecked, given_up=tuple(more))
-        if not fresh:
-            break
-        again = fit(_without(measurements, more), found)
-        if _is_worse(again, found):
-            break
-        found, taken_out = again, more
-    # what was taken out and agrees with the last fit is put back
-    outliers = _retest(measurements, found, taken_out)
-    total = _count(reading_kinds(found.problem)) + len(outliers)
-    kept = [o for o in outliers if o.probability < level / total]
-    if len(kept) < len(outliers):
-        again = fit(_without(measurements, kept), found)
-        if not _is_worse(again, found):
-            found, outliers = again, _retest(measurements, again, kept)
-    return found, Screening(tuple(outliers), unchecked)
+@dataclass(frozen=True)
+class _Search:
+    """How readings are fitted, which, and the share of clean data sets with an outlier."""
+
+    fit: FitFunction
+    measurements: Measurements
+    level: float
+
+    def without(self, outliers: Sequence[Outlier], near: Fit) -> Fit:
+        """Fit the readings that are left, from where another fit has ended."""
+        left = self.measurements
+        for o in outliers:
+            left = left.without(o.configuration, o.kind)
+        return self.fit(left, near)
+
+    def one_by_one(self, first: Fit, before: Sequence[Outlier] = ()) -> tuple[Fit, Screening]:
+        """Take outliers out one by one. A gross error bends the fit beyond its linear range, so
+        that good readings look bad: in each round only those go whose statistic is `_GROSS_SHARE`
+        of the largest or more, and the rest is judged at a new fit.
+        """
+        found, taken_out = first, list(before)
+        allowed, unchecked = max_outliers(first.problem) + len(before), None
+        while True:
+            model = linear_model(found.problem, found.state)
+            made = screen_readings(found.problem, model, level=self.level, share=_GROSS_SHARE)
+            if unchecked is None:
+                unchecked = tuple((int(found.used[k]), kind) for k, kind in made.unchecked)
+            fresh = [
+                replace(o, configuration=int(found.used[o.configuration]))
+                for o in (*made.outliers, *made.given_up)
+            ]
+            more = [*taken_out, *fresh]
+            if made.given_up or len(more) > allowed:
+                return first, Screening(unchecked=unchecked, given_up=tuple(more))
+            if not fresh:
+                break
+            again = self.without(more, found)
+            if _is_worse(again, found):
+                break
+            found, taken_out = again, more
+        # what was taken out and agrees with the last fit is put back
+        outliers = _retest(self.measurements, found, taken_out)
+        total = _count(reading_kinds(found.problem)) + len(outliers)
+        kept = [o for o in outliers if o.probability < self.level / total]
+        if len(kept) < len(outliers):
+            again = self.without(kept, found)
+            if not _is_worse(again, found):
+                found, outliers = again, _retest(self.measurements, again, kept)
+        return found, Screening(tuple(outliers), unchecked)
+
+    def by_majority(self, found: Fit, plain: tuple[Fit, Screening]) -> tuple[Fit, Screening]:
+        """Fit without all that a robust fit leaves far off; keep the plain fit where the errors are
+        not gross, refuse it where they are and the rest does not fit either.
+        """
+        # gross errors bend a fit far: its prior is none of the good readings'
+        problem = replace(found.problem, widened=1.0)
+        trials = [robust_estimate(problem, found.state.p, found.state.z, "cauchy")]
+        if not trials[0][1] < _GOOD_SCALE:
+            model, rows = found.problem.model, found.problem.measurements
+            begin, closed = newton_configurations(
+                model, first_points(model, rows, model.nominal), rows.joints, model.nominal
+            )
+            if closed.all():
+                trials.append(robust_estimate(problem, model.nominal, begin, "cauchy"))
+        result, scale = min(trials, key=lambda t: np.nan_to_num(t[1], nan=np.inf))
+        if not np.isfinite(scale):
+            return plain
+        robust = replace(found, **vars(result))
+        bad, share = _far_off(robust, scale, self.level)
+        if share <= _MAX_GROSS_SHARE:
+            return plain
+        why = (
+            f"{len(bad)} readings are off by more than chance allows, {100 * share:.0f} % of all "
+            f"by more than {_GROSS_RATIO:g} times the scatter of the better half, and without them "
+            "the others do not fit either: gross errors, rounded readings, or those of another "
+            "machine"
+        )
+        refused = plain[0], replace(plain[1], refused=why)
+        if not bad or share > _MAX_REJECTED_SHARE:
+            return refused
+        again = self.without(bad, robust)
+        if again.status != "ok" or not _is_explained(again):
+            return refused
+        final = self.one_by_one(again, bad)
+        return refused if final[1].given_up else final
 
 
 def _is_worse(again: Fit, found: Fit) -> bool:
@@ -328,53 +370,6 @@ def _per_reading(found: Fit) -> float:
     return found.state.cost / max(found.problem.readings.count, 1)
 
 
-def _without(measurements: Measurements, outliers: Sequence[Outlier]) -> Measurements:
-    for o in outliers:
-        measurements = measurements.without(o.configuration, o.kind)
-    return measurements
-
-
-def _by_majority(
-    fit: FitFunction,
-    measurements: Measurements,
-    found: Fit,
-    level: float,
-    plain: tuple[Fit, Screening],
-) -> tuple[Fit, Screening]:
-    """Fit without all that a robust fit leaves far off; keep the plain fit where the errors are not
-    gross, refuse it where they are and the rest does not fit either.
-    """
-    # gross errors bend a fit far: its prior is none of the good readings'
-    problem = replace(found.problem, widened=1.0)
-    trials = [robust_estimate(problem, found.state.p, found.state.z, "cauchy")]
-    if not trials[0][1] < _GOOD_SCALE:
-        model, rows = found.problem.model, found.problem.measurements
-        begin, closed = newton_configurations(
-            model, first_points(model, rows, model.nominal), rows.joints, model.nominal
-        )
-        trials += [robust_estimate(problem, model.nominal, begin, "cauchy")] if closed.all() else []
-    result, scale = min(trials, key=lambda t: np.nan_to_num(t[1], nan=np.inf))
-    if not np.isfinite(scale):
-        return plain
-    robust = replace(found, **vars(result))
-    bad, share = _far_off(robust, scale, level)
-    if share <= _MAX_GROSS_SHARE:
-        return plain
-    why = (
-        f"{len(bad)} readings are off by more than chance allows, {100 * share:.0f} % of all by "
-        f"more than {_GROSS_RATIO:g} times the scatter of the better half, and without them the "
-        "others do not fit either: gross errors, rounded readings, or those of another machine"
-    )
-    refused = plain[0], replace(plain[1], refused=why)
-    if not bad or share > _MAX_REJECTED_SHARE:
-        return refused
-    again = fit(_without(measurements, bad), robust)
-    if again.status != "ok" or not _is_explained(again):
-        return refused
-    final = _one_by_one(fit, measurements, again, level, bad)
-    return refused if final[1].given_up else final
-
-
 def _far_off(found: Fit, scale: float, level: float) -> tuple[list[Outlier], float]:
     """Find readings that a robust fit leaves off by more than chance allows, and the share of all
     that are grossly so.
@@ -383,8 +378,8 @@ def _far_off(found: Fit, scale: float, level: float) -> tuple[list[Outlier], flo
     squares = (normalised_residuals(problem, problem, found.state) / scale) ** 2
     bad, gross, total = list[Outlier](), 0, max(_count(kinds), 1)
     for kind, configurations, rows in kinds:
-        statistics = np.sum(squares.reshape(-1)[rows], axis=1)
-        degrees = np.sum(problem.readings.taken.reshape(-1)[rows], axis=1)
+        statistics = squares.reshape(-1)[rows].sum(axis=1)
+        degrees = problem.readings.taken.reshape(-1)[rows].sum(axis=1)
         gross += np.sum(statistics > _GROSS_RATIO**2 * degrees)
         bad += [
             Outlier(int(found.used[i]), kind, float(statistic), int(d))

@@ -25,6 +25,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -100,8 +101,8 @@ class LinearModel:
 
     @cached_property
     def degrees(self) -> int:
-        groups = int(np.max(self.group, initial=-1)) + 1
-        return round(int(np.sum(self.taken)) - 2 * groups - self.fitted)
+        groups = int(self.group.max(initial=-1)) + 1
+        return round(int(self.taken.sum()) - 2 * groups - self.fitted)
 
     @property
     def chi_square(self) -> float:
@@ -168,7 +169,7 @@ def linear_model(
         group_columns=own,
         group=np.concatenate([np.repeat(readings.group, shape[1]), np.full(len(known), -1)]),
         parameter_columns=columns,
-        fitted=float(columns.shape[1] if problem.is_stated else np.sum(told.shares)),
+        fitted=float(columns.shape[1] if problem.is_stated else told.shares.sum()),
         taken=np.concatenate([readings.taken.reshape(-1), np.ones(len(known), dtype=bool)]),
         whiten=whiten,
         within_reach=float(along @ along),
@@ -183,8 +184,8 @@ def _basis_in_place(columns: np.ndarray) -> np.ndarray:
     columns /= np.maximum(np.linalg.norm(columns, axis=0), 1e-300)
     for _ in range(2):
         values, vectors = np.linalg.eigh(columns.T @ columns)
-        kept = values > _LEAST_FREEDOM * np.max(values, initial=0.0)
-        factor, width = vectors[:, kept] / np.sqrt(values[kept]), np.sum(kept)
+        kept = values > _LEAST_FREEDOM * values.max(initial=0.0)
+        factor, width = vectors[:, kept] / np.sqrt(values[kept]), kept.sum()
         for block in (columns[k : k + _BLOCK_ROWS] for k in range(0, len(columns), _BLOCK_ROWS)):
             block[:, :width] = block @ factor
         columns = columns[:, :width]
@@ -238,8 +239,7 @@ def covariance_root(covariance: np.ndarray, problem: CalibrationProblem) -> np.n
     return vectors * np.sqrt(np.maximum(values, 0.0))
 
 
-@dataclass(frozen=True, eq=False)
-class Prediction:
+class Prediction(NamedTuple):
     """The model less the readings at n configurations (n, K), 0 where nothing was read, with the
     noise S (n, K, K) of each, 1 there, how what the fit does not know spreads them, J L (n, K, k),
     and how the noise of the mean inclination of its group does, G (n, K, 2); which members tell
@@ -373,11 +373,11 @@ def curvature(
             after = np.full_like(here.vector, np.nan) if there is None else there.linearised.vector
             pulls[:, k] += here.matrix.T @ (after - here.vector - here.matrix @ step)
     sigma, change = np.linalg.norm(units, axis=1), np.abs(units @ (units.T @ pulls)) / spread
-    largest = np.max(np.where(np.isfinite(change), change, np.inf), axis=1, initial=0.0)
+    largest = np.where(np.isfinite(change), change, np.inf).max(axis=1, initial=0.0)
     return np.divide(largest, sigma, out=np.zeros_like(sigma), where=sigma > 0)
 
 
 def rms_of_better_part(squares: np.ndarray) -> float:
     """Return the root of the mean of the smaller four fifths of some squares (n,)."""
     kept = np.sort(squares)[: max(1, math.ceil(_BETTER_SHARE * len(squares)))]
-    return float(np.sqrt(np.mean(kept))) if len(kept) else 0.0
+    return float(np.sqrt(kept.mean())) if len(kept) else 0.0

@@ -23,11 +23,7 @@ from symkin.calibration.estimate.problem import CalibrationProblem, build_calibr
 from symkin.calibration.estimate.residuals import linearise
 from symkin.calibration.estimate.starting import fit_measuring_frames, has_home, with_starts
 from symkin.calibration.estimate.state import readings_at, spectrum
-from symkin.calibration.judge.statistics import (
-    SIGNIFICANCE,
-    chi_square_tail,
-    rms_of_better_part,
-)
+from symkin.calibration.judge.statistics import SIGNIFICANCE, chi_square_tail, rms_of_better_part
 from symkin.errors import InputError
 from symkin.files.euler_columns import SEQUENCES
 from symkin.model.mechanism import Mechanism
@@ -116,7 +112,7 @@ class Start:
         some = problem.of(np.flatnonzero(solved))
         state = estimate(some, self.z[solved], p=self.p, max_iterations=20).state
         degrees = problem.readings.count
-        if not np.all(np.isfinite(state.linearised.vector)):
+        if not np.isfinite(state.linearised.vector).all():
             return None
         degrees -= len(problem.names) - spectrum(state)[1].shape[1]
         if degrees <= 0:
@@ -124,7 +120,7 @@ class Start:
         units = problem.size / problem.model.lengths
         most = np.sum((_UNCLOSED_MISFIT * problem.readings.weight * units) ** 2, axis=1)
         squares = np.minimum(np.sum(state.linearised.residuals**2, axis=1), most[solved])
-        chi_square = float(np.sum(squares) + np.sum(most[~solved]))
+        chi_square = float(squares.sum() + most[~solved].sum())
         return Trial(chi_square, degrees, problem.readings.known)
 
 
@@ -265,7 +261,7 @@ def find_sequence(mechanism: Mechanism, data: DataFile, **options: Any) -> Seque
 def equal_sequences(angles: np.ndarray) -> list[tuple[str, ...]]:
     """Gather sequences that read the same rotations from all rows."""
     found: list[tuple[np.ndarray, list[str]]] = []
-    given = angles[np.all(np.isfinite(angles), axis=1)]
+    given = angles[np.isfinite(angles).all(axis=1)]
     for sequence in SEQUENCES:
         q = euler_quaternions(given, sequence)
         same = (n for known, n in found if np.all(np.abs(np.sum(known * q, axis=1)) > 1 - 1e-12))

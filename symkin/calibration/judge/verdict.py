@@ -9,7 +9,8 @@ noise, and move the geometry by a large share of its size to reach even these: n
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections import defaultdict
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -21,7 +22,6 @@ from symkin.calibration.judge.result import (
     EXPECTED_TOLERANCES,
     Calibration,
     Parameter,
-    Residual,
     length_and_angle,
 )
 from symkin.calibration.judge.statistics import SIGNIFICANCE, rms_of_better_part
@@ -133,7 +133,7 @@ class Verdict:
                 f"{100 * fit.relative_change(largest):.0f} % {how}: no geometry near the nominal "
                 f"one fits these readings"
             )
-        misfit = residual_misfit(fit.residuals, fit.mechanism.characteristic_length)
+        misfit = residual_misfit(fit)
         if misfit > _UNEXPLAINED_SHARE * self.at_nominal:
             unit = fit.mechanism.length_unit
             return (
@@ -211,14 +211,14 @@ class Verdict:
     def _beyond(self) -> Iterator[str]:
         """Say what is known of poses outside the measured configurations, where they are many."""
         sigma, unit = self.sigma.about_home, self.fit.mechanism.length_unit
-        if sigma is None or not self.usable or np.mean(sigma.outside) <= _MAX_OUTSIDE_SHARE:
+        if sigma is None or not self.usable or sigma.outside.mean() <= _MAX_OUTSIDE_SHARE:
             return
         there, inside = (
-            np.max(sigma.position[part], initial=0.0) for part in (sigma.outside, ~sigma.outside)
+            sigma.position[part].max(initial=0.0) for part in (sigma.outside, ~sigma.outside)
         )
-        elsewhere = "" if np.all(sigma.outside) else f" and {inside:.3g} {unit} elsewhere"
+        elsewhere = "" if sigma.outside.all() else f" and {inside:.3g} {unit} elsewhere"
         yield (
-            f"{np.sum(sigma.outside)} of {len(sigma.outside)} poses of the workspace about "
+            f"{sigma.outside.sum()} of {len(sigma.outside)} poses of the workspace about "
             f"home need joint values beyond those measured: the largest standard deviation of the "
             f"position is {there:.3g} {unit} there{elsewhere}; no reading has tested the model "
             f"there; measure as far as the mechanism is used"
@@ -234,20 +234,18 @@ def noise_excess(fit: Calibration) -> str | None:
         times = math.sqrt(fit.chi_square / fit.degrees)
         said = f"the residuals are {times:.3g} times as large as the noise stated"
         return said if times > _MAX_NOISE_RATIO else None
-    size = fit.mechanism.characteristic_length
-    share = residual_misfit(fit.residuals, size) / size
+    share = residual_misfit(fit) / fit.mechanism.characteristic_length
     said = f"the residuals are {100 * share:.2g} % of the size"
     return said if share > _MAX_RESIDUAL_SHARE else None
 
 
-def residual_misfit(residuals: Iterable[Residual], size: float) -> float:
+def residual_misfit(fit: Calibration) -> float:
     """Return the root mean square of a configuration's residuals, angles times the size (length
     unit), over the better four fifths.
     """
-    squares: dict[int, float] = {}
-    for r in residuals:
-        square = (r.value * (size if r.angular else 1.0)) ** 2
-        squares[r.configuration] = squares.get(r.configuration, 0.0) + square
+    size, squares = fit.mechanism.characteristic_length, defaultdict[int, float](float)
+    for r in fit.residuals:
+        squares[r.configuration] += (r.value * (size if r.angular else 1.0)) ** 2
     return rms_of_better_part(np.array(list(squares.values())))
 
 
