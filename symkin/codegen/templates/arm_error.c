@@ -2,7 +2,7 @@
 static name_real name_length_of(const name_real e[6])
 {
     name_real sum = 0.0;
-    for (int i = 0; i < 6; ++i) {
+    EACH(i, 6) {
         sum += e[i] * e[i];
     }
     return sqrt(sum) * NAME_SIZE;
@@ -16,7 +16,7 @@ static name_real name_error_at(GEOMETRY_GIVEN const name_real @u[@n_u], const na
     name_@pose_at(GEOMETRY @u, x);
     const name_real w = to[3] * x[3] + to[4] * x[4] + to[5] * x[5] + to[6] * x[6];
     const name_real twice = (w < 0.0) ? -2.0 : 2.0;
-    for (int i = 0; i < 3; ++i) {
+    EACH(i, 3) {
         e[i] = (to[i] - x[i]) * @per_size;
     }
     e[3] = twice * (to[4] * x[3] - to[3] * x[4] - to[5] * x[6] + to[6] * x[5]);
@@ -39,18 +39,18 @@ static name_real name_damped(const name_real jacobian[@nj], const name_real e[6]
     name_real smallest = 0.0;
     name_real mean = 0.0;
     name_real raised = 0.0;
-    for (int i = 0; i < 6; ++i) {
-        for (int j = 0; j < @nq; ++j) {
+    EACH(i, 6) {
+        EACH(j, @nq) {
             a[i][j] = jacobian[@nq * i + j] * row_scale[i]@times_column;
         }
     }
     /* the normal equations, which are symmetric */
-    for (int i = 0; i < @nm; ++i) {
+    EACH(i, @nm) {
         right[i] = @right_start;
         @right
-        for (int j = i; j < @nm; ++j) {
+        EACH_FROM(j, i, @nm) {
             name_real sum = 0.0;
-            for (int k = 0; k < @inner; ++k) {
+            EACH(k, @inner) {
                 sum += @product;
             }
             g[j][i] = sum;
@@ -63,19 +63,19 @@ static name_real name_damped(const name_real jacobian[@nj], const name_real e[6]
         uint8_t order[@nm];
         name_real r[@nm];
         name_real over[@nm];
-        for (int i = 0; i < @nm; ++i) {
+        EACH(i, @nm) {
             order[i] = (uint8_t)i;
             r[i] = right[i];
             g[i][i] = diagonal[i] + raised;
-            for (int j = i + 1; j < @nm; ++j) {
+            EACH_FROM(j, i + 1, @nm) {
                 g[i][j] = g[j][i];
             }
         }
         /* factors, the largest diagonal entry first, with the right side beside them */
         bool whole = true;
-        for (int c = 0; (c < @nm) && whole; ++c) {
+        EACH_WHILE(c, @nm, whole) {
             int best = c;
-            for (int i = c + 1; i < @nm; ++i) {
+            EACH_FROM(i, c + 1, @nm) {
                 best = (g[i][i] > g[best][best]) ? i : best;
             }
             if (best != c) {
@@ -85,7 +85,7 @@ static name_real name_damped(const name_real jacobian[@nj], const name_real e[6]
                 order[best] = name;
                 r[c] = r[best];
                 r[best] = side;
-                for (int k = 0; k < @nm; ++k) {
+                EACH(k, @nm) {
                     if ((k != c) && (k != best)) {
                         name_real *const one = (k < c) ? &g[k][c] : &g[c][k];
                         name_real *const other = (k < best) ? &g[k][best] : &g[best][k];
@@ -102,7 +102,7 @@ static name_real name_damped(const name_real jacobian[@nj], const name_real e[6]
             over[c] = whole ? (1.0 / g[c][c]) : 0.0;
             for (int i = c + 1; (i < @nm) && whole; ++i) {
                 const name_real factor = g[c][i] * over[c];
-                for (int j = i; j < @nm; ++j) {
+                EACH_FROM(j, i, @nm) {
                     g[i][j] -= factor * g[c][j];
                 }
                 r[i] -= factor * r[c];
@@ -114,15 +114,15 @@ static name_real name_damped(const name_real jacobian[@nj], const name_real e[6]
         }
         /* back substitution; without a whole set of factors the next round follows */
         for (int i = @last; (i >= 0) && whole; --i) {
-            for (int j = i + 1; j < @nm; ++j) {
+            EACH_FROM(j, i + 1, @nm) {
                 r[i] -= g[i][j] * r[j];
             }
             r[i] *= over[i];
         }
-        for (int i = 0; i < @nq; ++i) {
+        EACH(i, @nq) {
             y[i] = 0.0;
         }
-        for (int i = 0; (i < @nm) && whole; ++i) {
+        EACH_WHILE(i, @nm, whole) {
             @back
         }
     }

@@ -2,14 +2,14 @@
 name_status name_jacobian(const name_real joints[@nq], name_real jacobian[@nj])
 {
     const name_status status = @own_jacobian(joints, jacobian);
-    for (int j = 0; (j < @nq) && (status == NAME_OK); ++j) {
+    EACH_WHILE(j, @nq, (status == NAME_OK)) {
         name_real a[6];
         name_real b[6];
-        for (int i = 0; i < 6; ++i) {
+        EACH(i, 6) {
             a[i] = jacobian[@nq * i + j];
         }
         @turn
-        for (int i = 0; i < 6; ++i) {
+        EACH(i, 6) {
             jacobian[@nq * i + j] = b[i];
         }
     }

@@ -25,7 +25,7 @@
 static NAME_COLD name_status name_check_finite(const name_real values[], int count, name_status otherwise)
 {
     name_status status = otherwise;
-    for (int i = 0; i < count; ++i) {
+    EACH(i, count) {
         const name_real none = values[i] - values[i]; /* 0, but NaN for NaN and infinities */
         if (!(none <= 0.0)) {
             status = NAME_NONFINITE;

@@ -6,10 +6,10 @@ static name_status name_check_answer(const name_pose *pose)
     name_real q[@nq] = { 0.0 };
     name_real passive[@np] = { 0.0 };
     name_status status = name_pose_coordinates(pose, c);
-    if (status == NAME_OK) {
+    IF_OK {
         status = name_solve_limbs(c, q, passive@of_answer);
     }
-    if (status == NAME_OK) {
+    IF_OK {
         status = name_check_passive(c, q, passive);
     }
     return status;

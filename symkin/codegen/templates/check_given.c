@@ -12,13 +12,13 @@ static NAME_COLD name_status name_check_given(GEOMETRY_GIVEN const name_real x[@
     name_status status;
     name_pose_from_coordinates(GEOMETRY x, &pose);
     status = name_pose_coordinates(GEOMETRY &pose, c);
-    if (status == NAME_OK) {
+    IF_OK {
         status = name_solve_limbs(GEOMETRY c, q, passive@feasible);
     }
-    if (status == NAME_OK) {
+    IF_OK {
         @within_given
         @turned_given
-        for (int i = 0; i < @nq; ++i) {
+        EACH(i, @nq) {
             if (!(fabs(turned[i] - q[i]) <= near[i])) {
                 status = NAME_WRONG_BRANCH;
             }

@@ -2,7 +2,7 @@
 static name_status name_check_sizes(const name_real values[], int count, name_real least, name_status before)
 {
     name_status status = name_check_finite(values, count, before);
-    for (int i = 0; (i < count) && (status == NAME_OK); ++i) {
+    EACH_WHILE(i, count, (status == NAME_OK)) {
         status = ((values[i] < least) || (values[i] > @largest)) ? NAME_OUT_OF_RANGE : NAME_OK;
     }
     return status;

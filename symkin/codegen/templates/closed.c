@@ -19,12 +19,12 @@ static name_status name_turn_near(const name_real about[@nn], name_real joints[@
     static const bool angular[@nn] = { @angular };
     static const name_real middle[@nn] = { @middles };
     name_status status = NAME_OUT_OF_RANGE;
-    for (int round = 0; (round < 2) && (status == NAME_OUT_OF_RANGE); ++round) {
+    EACH_WHILE(round, 2, (status == NAME_OUT_OF_RANGE)) {
         const name_real *const goal = (round == 0) ? about : middle;
-        for (int i = 0; i < @nn; ++i) {
+        EACH(i, @nn) {
             const name_real number = (goal[i] - joints[i]) * 0.15915494309189535;
             if (angular[i] && (fabs(number) > 0.5) && (fabs(number) < @many)) {
-                const int whole = (int)(number + ((number < 0.0) ? -0.5 : 0.5));
+                const int whole = NEAREST_WHOLE(number);
                 joints[i] += 6.283185307179586 * (name_real)whole;
             }
         }
@@ -42,17 +42,15 @@ static name_status name_one_branch(const name_pose *pose, const name_real near[@
     name_real margin[@margins];
     bool undecided = false;
     name_status status = name_normalise_pose(pose, x);
-    if (status == NAME_OK) {
+    IF_OK {
         if (name_branches(x, near, wanted, found, &undecided, margin) == 1) {
             status = name_settle(x, about, found[0]);
         } else {
             status = undecided ? NAME_SINGULAR : NAME_OUT_OF_RANGE;
         }
     }
-    if (status == NAME_OK) {
-        for (int i = 0; i < @nn; ++i) {
-            joints[i] = found[0][i];
-        }
+    IF_OK {
+        COPY(joints, found[0], @nn)
     }
     return status;
 }
@@ -67,13 +65,11 @@ int name_inverse_all(const name_pose *pose, name_real joints[@branches][@nn])
     name_real margin[@margins];
     bool undecided = false;
     name_status status = name_normalise_pose(pose, x);
-    if (status == NAME_OK) {
+    IF_OK {
         const int all = name_branches(x, near, @both, joints, &undecided, margin);
-        for (int k = 0; k < all; ++k) {
+        EACH(k, all) {
             if (name_settle(x, middle, joints[k]) == NAME_OK) {
-                for (int i = 0; i < @nn; ++i) {
-                    joints[count][i] = joints[k][i];
-                }
+                COPY(joints[count], joints[k], @nn)
                 ++count;
             }
         }
@@ -99,12 +95,12 @@ name_status name_inverse_branch(const name_pose *pose, unsigned int branch, name
 name_status name_inverse_nearest(const name_pose *pose, const name_real guess[@nn], name_real joints[@nn])
 {
     name_status status = NAME_OK;
-    for (int i = 0; i < @nn; ++i) {
+    EACH(i, @nn) {
         if (!(fabs(guess[i]) <= @farthest_joint)) {
             status = NAME_OUT_OF_RANGE;
         }
     }
-    if (status == NAME_OK) {
+    IF_OK {
         name_real near[@nears] = { 0.0 };
         @near
         status = name_one_branch(pose, near, 0U, guess, joints);

@@ -9,7 +9,7 @@ static void solver_bounds(solver_work *w, int joint, name_real curved, name_real
         const name_real stays = 2.0 * rest / left;
         speed = (stays < speed) ? stays : speed;
     }
-    for (int i = 0; i < 2; ++i) {
+    EACH(i, 2) {
         const name_real nearer = w->way[joint] + 0.5 * (own + speed * (twice + curved * speed));
         speed = (nearer < speed) ? nearer : speed;
     }

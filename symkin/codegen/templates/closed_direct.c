@@ -15,7 +15,7 @@ static name_status name_read_guess(name_direct_work *w, const name_pose *guess)
 {
     name_real x[7];
     name_status status = name_normalise_pose(guess, x);
-    if (status == NAME_OK) {
+    IF_OK {
         @guess_lines
     }
     return status;
@@ -39,7 +39,7 @@ static NAME_SHARED name_status name_direct_line(name_direct_work *w, const name_
     name_status status = NAME_OK;
     w->share = 0.0;
     @span_lines
-    if (status == NAME_OK) {
+    IF_OK {
         name_real change[@nq];
         bool kept = false;
         if (most > 0U) {
@@ -68,7 +68,7 @@ static NAME_COLD name_status name_direct_stays(const name_direct_work *w, const 
     name_direct_work again;
     unsigned int count = 0U;
     name_status status = name_read_guess(&again, answer);
-    if (status == NAME_OK) {
+    IF_OK {
         status = name_direct_line(&again, joints, 2U, &count);
     }
     @same_signs
@@ -88,7 +88,7 @@ static name_status name_direct_answer(const name_direct_work *w, name_real toler
     @firm_lines
     @side_lines
     *is_firm = firm;
-    if (status == NAME_OK) {
+    IF_OK {
         @pose_lines
     }
     return status;
@@ -97,7 +97,7 @@ static name_status name_direct_answer(const name_direct_work *w, name_real toler
 /* The answer at joint values. */
 static name_status name_direct_reach(const name_real joints[@nq], const name_pose *guess, name_pose *pose, const name_config *config, name_info *info)
 {
-    static const name_config usual = { NAME_TOLERANCE, NAME_MAX_STEPS, NAME_MAX_STEP };
+    USUAL_CONFIG
     name_direct_work w;
     unsigned int count = 0U;
     name_real residual = HUGE_VAL;
@@ -108,11 +108,11 @@ static name_status name_direct_reach(const name_real joints[@nq], const name_pos
     } else {
         status = name_check_config(config, status);
     }
-    if (status == NAME_OK) {
+    IF_OK {
         const unsigned int most = config->max_iterations;
         status = name_direct_line(&w, joints, most, &count);
     }
-    if (status == NAME_OK) {
+    IF_OK {
         name_pose answer;
         bool firm = true;
         status = name_direct_answer(&w, config->tolerance, &answer, &residual, &firm);
@@ -120,7 +120,7 @@ static name_status name_direct_reach(const name_real joints[@nq], const name_pos
             status = name_direct_stays(&w, joints, &answer);
         }
         @check_answer
-        if (status == NAME_OK) {
+        IF_OK {
             *pose = answer;
         }
     }

@@ -7,15 +7,13 @@ static name_status name_finish(const name_real x[7], name_real joints[@nn])
     name_real residual;
     name_real size = 0.0;
     int turn = 1;
-    for (int i = 0; i < @nn; ++i) {
-        w->x[i] = joints[i];
-    }
+    COPY(w->x, joints, @nn)
     w->spread = 0.0;
     name_forward(w->x, w->at);
     solver_set_target(w, x, 1.0);
     solver_rows(w);
     residual = solver_residual(w);
-    for (int step = 0; (step < @most_steps) && (turn != 0) && (size <= @longest2) && (residual > NAME_TOLERANCE + @rounding); ++step) {
+    EACH_WHILE(step, @most_steps, (turn != 0) && (size <= @longest2) && (residual > NAME_TOLERANCE + @rounding)) {
         @factor
         if (turn != 0) {
             solver_solve(w);
@@ -24,9 +22,7 @@ static name_status name_finish(const name_real x[7], name_real joints[@nn])
             residual = solver_residual(w);
         }
     }
-    for (int i = 0; i < @nn; ++i) {
-        joints[i] = w->x[i];
-    }
+    COPY(joints, w->x, @nn)
     return (residual <= NAME_TOLERANCE + @rounding) ? NAME_OK : ((turn == 0) ? NAME_SINGULAR : NAME_OUT_OF_RANGE);
 }
 
@@ -34,7 +30,7 @@ static name_status name_finish(const name_real x[7], name_real joints[@nn])
 static name_status name_settle(const name_real x[7], const name_real about[@nn], name_real joints[@nn])
 {
     name_status status = name_finish(x, joints);
-    if (status == NAME_OK) {
+    IF_OK {
         status = name_turn_near(about, joints);
     }
     return status;

@@ -10,9 +10,9 @@ static name_status name_hold(const name_real x[7], name_real joints[@nn], name_r
         name_real jacobian[6 * @nn];
         name_real step[@nn];
         status = @own_jacobian(joints, jacobian);
-        if (status == NAME_OK) {
+        IF_OK {
             (void)name_damped(jacobian, e, step);
-            for (int i = 0; i < @nn; ++i) {
+            EACH(i, @nn) {
                 joints[i] += step[i];
             }
             name_half_turns(joints, u);
@@ -28,7 +28,7 @@ static name_status name_settle(const name_real x[7], const name_real about[@nn],
 {
     name_real residual;
     name_status status = name_turn_near(about, joints);
-    if (status == NAME_OK) {
+    IF_OK {
         status = name_hold(x, joints, &residual);
     }
     return status;

@@ -8,7 +8,7 @@ static name_real solver_joint(int i, const name_real pair[2], name_real about)
         value = zeros[i] + atan2(pair[1], pair[0]);
         const name_real number = (about - value) * 0.15915494309189535;
         if (fabs(number) > 0.5) {
-            value += 6.283185307179586 * (name_real)(int)(number + ((number < 0.0) ? -0.5 : 0.5));
+            value += 6.283185307179586 * (name_real)NEAREST_WHOLE(number);
         }
     }
     return value;

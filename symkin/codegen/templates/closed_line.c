@@ -23,9 +23,7 @@ static void solver_begin(solver_work *w, const name_real joints[@nn], name_real 
     name_real u[@turns];
     name_half_turns(joints, u);
     name_pose_of_turns(u, x);
-    for (int i = 0; i < @nn; ++i) {
-        w->joints[i] = joints[i];
-    }
+    COPY(w->joints, joints, @nn)
     w->way2 = 0.0;
     w->left[0] = 1.0;
     w->guard[0] = 1.0;
@@ -45,7 +43,7 @@ static name_status solver_reach(solver_work *w, const name_real x[7])
 static name_status solver_aim(solver_work *w, const name_real x[7])
 {
     const name_status status = solver_reach(w, x);
-    if (status == NAME_OK) {
+    IF_OK {
         @way_lines
     }
     return status;
@@ -74,21 +72,21 @@ static name_status solver_along(const name_real to[7], const name_config *config
     unsigned int count = 0U;
     name_status status = NAME_OK;
     solver_begin(w, joints, at);
-    for (int k = 0; k < @margins; ++k) {
+    EACH(k, @margins) {
         if (!(w->left[k] > @least)) {
             status = NAME_SINGULAR;
         }
     }
     @guess_beyond
-    if (status == NAME_OK) {
+    IF_OK {
         const name_real most2 = config->max_step * config->max_step * @per_size2;
         status = solver_walk(w, at, to, most2, (unsigned int)config->max_iterations, &count);
     }
-    for (int k = 0; k < @margins; ++k) {
+    EACH(k, @margins) {
         least = (w->left[k] < least) ? w->left[k] : least;
     }
-    if (status == NAME_OK) {
-        for (int i = 0; i < @nn; ++i) {
+    IF_OK {
+        EACH(i, @nn) {
             joints[i] = solver_joint(i, w->turned[i], w->joints[i]);
         }
         status = name_hold(to, joints, &residual);

@@ -3,7 +3,7 @@ static int same_joints(const name_real *a, const name_real *b, double bound)
 {
     static const int angular[N] = { @angular };
     int same = 1;
-    for (int i = 0; i < N; ++i) {
+    EACH(i, N) {
         const double gap = (double)a[i] - (double)b[i];
         const double off = angular[i] ? 0.5 * (double)NAME_SIZE * fabs(remainder(gap, 6.283185307179586)) : fabs(gap);
         same = same && (off <= bound);
@@ -23,7 +23,7 @@ static void branches_of(const function *direct, int k)
     int found = 0;
     int named = 0;
     expect((count > 0) && (count <= NAME_BRANCHES), "inverse_all", "count", k);
-    for (int row = 0; row < count; ++row) {
+    EACH(row, count) {
         expect(direct->ask(NULL, all[row], NULL, one, NULL) == NAME_OK, "inverse_all", "direct of a branch", k);
         expect(away(direct, one, given) <= @reached, "inverse_all", "a branch's pose", k);
         found += same_joints(all[row], name_vector_inverse[k], most);
@@ -45,7 +45,7 @@ static void refuse_branches(void)
     name_pose infinite = pose;
     name_real all[NAME_BRANCHES][N];
     name_real joints[N];
-    for (int i = 0; i < N; ++i) {
+    EACH(i, N) {
         joints[i] = @four;
     }
     infinite.position[2] = wrong[1];

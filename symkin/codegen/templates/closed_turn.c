@@ -5,7 +5,7 @@ static void name_cosine_and_sine(name_real angle, name_real u[2])
     name_real x = angle;
     if (fabs(angle) > @eighth) {
         const name_real number = angle * @per_quarter;
-        quarter = (int)(number + ((number < 0.0) ? -0.5 : 0.5));
+        quarter = NEAREST_WHOLE(number);
         /* the quarter turn in three parts, the first of which have few digits, so that their products are exact */
         const name_real k = (name_real)quarter;
         x = ((angle - k * @quarter1) - k * @quarter2) - k * @quarter3;

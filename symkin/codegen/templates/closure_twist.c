@@ -6,11 +6,11 @@
     name_real c[@nc];
     name_real passive[@np] = { 0.0 };
     name_status status = name_pose_coordinates(GEOMETRY pose, c);
-    if (status == NAME_OK) {
+    IF_OK {
         status = (name_solve_limbs(GEOMETRY c, @into, passive@feasible) == NAME_OK) ? NAME_OK : NAME_OUT_OF_RANGE;
     }
     status = name_check_sizes(rates, @nq, -@largest, status);
-    if (status == NAME_OK) {
+    IF_OK {
         @state
         if (@singular_there) {
             status = NAME_SINGULAR;
@@ -20,7 +20,7 @@
             status = name_check_finite(w->f, @nf, NAME_OK);
         }
     }
-    if (status == NAME_OK) {
+    IF_OK {
         @store
     }
     return status;

@@ -1,7 +1,7 @@
 name_real c[@nc];
 name_real passive[@np] = { 0.0 };
 status = name_pose_coordinates(GEOMETRY guess, c);
-if (status == NAME_OK) {
+IF_OK {
     status = name_solve_limbs(GEOMETRY c, w->at, passive@of_answer);
     @copied
     @turned

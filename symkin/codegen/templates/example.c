@@ -47,7 +47,7 @@ int main(void)
     for (int k = 1; k <= CYCLES; ++k) {
         const name_real part = (name_real)k / (name_real)CYCLES;
         name_real values[NAME_JOINTS];
-        for (int i = 0; i < NAME_JOINTS; ++i) {
+        EACH(i, NAME_JOINTS) {
             values[i] = begin[i] + part * (@goal[0][i] - begin[i]);
         }
         if (k == 80) {

@@ -24,7 +24,7 @@ static @walks name_status solver_walk(solver_work *w, const name_real at[@nat], 
         const name_real share = end - done;
         const name_real share2 = share * share;
         bool above = true;
-        for (int i = 0; i < @nways; ++i) {
+        EACH(i, @nways) {
             change[i] = share2 * way2[i];
         }
         @aim
@@ -36,7 +36,7 @@ static @walks name_status solver_walk(solver_work *w, const name_real at[@nat], 
             status = @unreached;
         } else if (solver_keeps(w, change)@and_follows) {
             @take
-            for (int j = 0; j < @ng; ++j) {
+            EACH(j, @ng) {
                 w->left[j] = w->guard[j];
             }
             done = end;

@@ -43,7 +43,7 @@ int kinematicsForward(const double *joint, EmcPose *world, const KINEMATICS_FORW
 @geometry
     (void)fflags;
     (void)iflags;
-    for (int i = 0; i < @nq; ++i) {
+    EACH(i, @nq) {
         joints[i] = joint[i] / unit[i];
     }
 @forward
@@ -67,13 +67,13 @@ int kinematicsInverse(const EmcPose *world, double *joint, const KINEMATICS_INVE
 @geometry
     (void)iflags;
     (void)fflags;
-    for (int i = 0; i < @nq; ++i) {
+    EACH(i, @nq) {
         joints[i] = joint[i] / unit[i];
     }
     if (name_inverse(@ga@inverse) != NAME_OK) {
         return -1;
     }
-    for (int i = 0; i < @nq; ++i) {
+    EACH(i, @nq) {
         joint[i] = joints[i] * unit[i];
     }
 @remembered

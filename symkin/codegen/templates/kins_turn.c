@@ -16,7 +16,7 @@ static void name_world_of(const name_pose *pose, EmcPose *world)
 {
     const double *const q = pose->quaternion;
     const double *const home = name_home.quaternion;
-    const double cosine = q[0] * home[0] + q[1] * home[1] + q[2] * home[2] + q[3] * home[3];
+    const double cosine = DOT3(q, home) + q[3] * home[3];
     const double sine = q[3] * home[0] - q[0] * home[3] + q[2] * home[1] - q[1] * home[2];
     world->a = 0.0;
     world->b = 0.0;

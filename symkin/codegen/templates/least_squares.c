@@ -3,12 +3,12 @@ static NAME_ALONE void solver_solve(solver_work *w)
 {
     name_real y[@n];
     /* y = Q^T f, and f less its part along each column */
-    for (int c = 0; c < @n; ++c) {
+    EACH(c, @n) {
         y[c] = 0.0;
-        for (int i = 0; i < @m; ++i) {
+        EACH(i, @m) {
             y[c] += w->a[@n * i + c] * w->f[i];
         }
-        for (int i = 0; i < @m; ++i) {
+        EACH(i, @m) {
             w->f[i] -= y[c] * w->a[@n * i + c];
         }
     }

@@ -5,7 +5,7 @@ name_status name_inverse(GEOMETRY_GIVEN const name_pose *pose, name_real joints[
     name_real q[@nq] = { 0.0 };
     name_real passive[@np] = { 0.0 };
     name_status status = name_pose_coordinates(GEOMETRY pose, c);
-    if (status == NAME_OK) {
+    IF_OK {
         status = name_solve_limbs(GEOMETRY c, q, passive@feasible);
         if (status != NAME_OK) {
             status = NAME_OUT_OF_RANGE;
@@ -14,7 +14,7 @@ name_status name_inverse(GEOMETRY_GIVEN const name_pose *pose, name_real joints[
             status = name_limit_joints(GEOMETRY status, q);
         }
         @inverse_passive
-        if (status == NAME_OK) {
+        IF_OK {
             @copy_joints
         }
     }
@@ -27,15 +27,13 @@ name_status name_inverse(GEOMETRY_GIVEN const name_pose *pose, name_real joints[
     name_real c[@nc];
     name_real jacobian[@nq * 6] = { 0.0 };
     name_status status = name_pose_coordinates(GEOMETRY pose, c);
-    if (status == NAME_OK) {
+    IF_OK {
         @rates
         if ((status == NAME_OK) && (name_check_finite(jacobian, @nq * 6, NAME_OK) != NAME_OK)) {
             status = NAME_SINGULAR;
         }
-        if (status == NAME_OK) {
-            for (int i = 0; i < @nq * 6; ++i) {
-                rates[i] = jacobian[i];
-            }
+        IF_OK {
+            COPY(rates, jacobian, @nq * 6)
         } else if (status != NAME_SINGULAR) {
             status = NAME_OUT_OF_RANGE;
         } else {

@@ -4,7 +4,7 @@
     name_real move[7];
     way2[0] = 0.0;
     way2[1] = @turn_noise;
-    for (int i = 0; i < 7; ++i) {
+    EACH(i, 7) {
         move[i] = ((i < 3) ? to[i] : (side * to[i])) - at[i];
         way2[(i < 3) ? 0 : 1] += move[i] * move[i];
     }

@@ -3,11 +3,11 @@
 static NAME_COLD int name_lu(name_real *a, uint8_t *order, const name_real *least, int n)
 {
     int sign = 1;
-    for (int c = 0; c < n; ++c) {
+    EACH(c, n) {
         /* the largest entry of the column becomes the pivot */
         int best = c;
         name_real largest = 0.0;
-        for (int r = c; r < n; ++r) {
+        EACH_FROM(r, c, n) {
             const name_real size = fabs(a[n * r + c]);
             if (size > largest) {
                 largest = size;
@@ -20,7 +20,7 @@ static NAME_COLD int name_lu(name_real *a, uint8_t *order, const name_real *leas
         order[c] = (uint8_t)best;
         if (best != c) {
             sign = -sign;
-            for (int j = c; j < n; ++j) {
+            EACH_FROM(j, c, n) {
                 const name_real t = a[n * c + j];
                 a[n * c + j] = a[n * best + j];
                 a[n * best + j] = t;
@@ -32,10 +32,10 @@ static NAME_COLD int name_lu(name_real *a, uint8_t *order, const name_real *leas
         /* reduce the rows below */
         const name_real inverse = 1.0 / a[n * c + c];
         a[n * c + c] = inverse;
-        for (int r = c + 1; r < n; ++r) {
+        EACH_FROM(r, c + 1, n) {
             const name_real factor = a[n * r + c] * inverse;
             a[n * r + c] = factor;
-            for (int j = c + 1; j < n; ++j) {
+            EACH_FROM(j, c + 1, n) {
                 a[n * r + j] -= factor * a[n * c + j];
             }
         }
@@ -47,12 +47,12 @@ static NAME_COLD int name_lu(name_real *a, uint8_t *order, const name_real *leas
 static NAME_COLD void name_lu_solve(const name_real *a, const uint8_t *order, name_real *f, int n)
 {
     /* forward substitution with the exchanges of rows */
-    for (int c = 0; c < n; ++c) {
+    EACH(c, n) {
         const int best = (int)order[c];
         const name_real t = f[best];
         f[best] = f[c];
         f[c] = t;
-        for (int r = c + 1; r < n; ++r) {
+        EACH_FROM(r, c + 1, n) {
             f[r] -= a[n * r + c] * t;
         }
     }
@@ -60,7 +60,7 @@ static NAME_COLD void name_lu_solve(const name_real *a, const uint8_t *order, na
     for (int c = n - 1; c >= 0; --c) {
         const name_real t = f[c] * a[n * c + c];
         f[c] = t;
-        for (int r = 0; r < c; ++r) {
+        EACH(r, c) {
             f[r] -= a[n * r + c] * t;
         }
     }

@@ -3,12 +3,12 @@ name_status name_@function(const name_real joints[@nq], const name_real found[@n
 {
     name_real @matrix[@nj];
     name_status status = name_check_sizes(@given, @nq, @least, NAME_OK);
-    if (status == NAME_OK) {
+    IF_OK {
         status = name_@matrix(joints, found, @matrix);
     }
-    if (status == NAME_OK) {
+    IF_OK {
         name_real result[@count];
-        for (int i = 0; i < @count; ++i) {
+        EACH(i, @count) {
             @body
         }
         status = name_give(result, @asked, @count);

@@ -25,8 +25,8 @@ static name_status solver_follow(solver_work *w, const name_real to[@nto], const
     @reach
     solver_signs(w->k, w->x, w->sign, w->left);
     name_status status = solver_walk(w, w->at, to, (unsigned int)config->max_iterations, &count);
-    if (status == NAME_OK) {
-        for (int i = 0; i < @conditions; ++i) {
+    IF_OK {
+        EACH(i, @conditions) {
             least = (w->guard[i] < least) ? w->guard[i] : least;
         }
         status = solver_finish(w, count, least, config, info);

@@ -4,7 +4,7 @@ name_real x[@ns];
 name_real d[@conditions];
 @circles
 solver_formulas(k, sign, x, d);
-for (int i = 0; i < @conditions; ++i) {
+EACH(i, @conditions) {
     if (!(d[i] > @resolved)) {
         status = NAME_OUT_OF_RANGE;
     }

@@ -3,7 +3,7 @@ static double product(const name_real *a, int apart, const name_real *b, int fro
 {
     double sum = 0.0;
     *size = 1.0;
-    for (int i = 0; i < N; ++i) {
+    EACH(i, N) {
         sum += (double)a[apart * i] * (double)b[from * i];
         *size += fabs((double)a[apart * i] * (double)b[from * i]);
     }
@@ -20,7 +20,7 @@ static void power_of(int k)
     name_real of_joints[N];
     double size;
     double other;
-    for (int i = 0; i < N; ++i) {
+    EACH(i, N) {
         torques[i] = (name_real)(1 + i);
         rates[i] = (name_real)(2 - i);
     }
@@ -45,7 +45,7 @@ static void derivatives_of(int k)
     name_real rates[N];
     double most = 1.0;
     double size;
-    for (int i = 0; i < N; ++i) {
+    EACH(i, N) {
         own[i] = (name_real)(1 + i);
     }
     expect(name_jacobian(@configuration, jacobian) == NAME_OK, "jacobian", "OK", k);
@@ -55,18 +55,18 @@ static void derivatives_of(int k)
     expect(name_inertia(@configuration, own, inertia) == NAME_OK, "inertia", "OK", k);
     expect(name_torque_limits(@configuration, own, torques) == NAME_OK, "torque_limits", "OK", k);
     expect(name_rate_limits(@configuration, own, rates) == NAME_OK, "rate_limits", "OK", k);
-    for (int i = 0; i < N * N * N; ++i) {
+    EACH(i, N * N * N) {
         most = fmax(most, fabs((double)name_vector_seconds[k][i]));
     }
-    for (int i = 0; i < N * N * N; ++i) {
+    EACH(i, N * N * N) {
         const double off = (double)second[i] - (double)name_vector_seconds[k][i];
         expect(fabs(off) <= 10.0 * @jacobian_bound * most, "second", "entry", i);
     }
-    for (int i = 0; i < N; ++i) {
+    EACH(i, N) {
         const name_real *const row = &jacobian[N * i];
         double torque = 0.0;
         double rate = 0.0;
-        for (int j = 0; j < N; ++j) {
+        EACH(j, N) {
             const double wanted = (i == j) ? 1.0 : 0.0;
             const double one = product(row, 1, &inverse[j], N, &size);
             expect(fabs(one - wanted) <= 10.0 * @jacobian_bound * size, "inverse_jacobian", "entry", k);

@@ -17,7 +17,7 @@ static NAME_SHARED name_status @{f}_line(solver_work *w, const name_real @values
     name_status status;
     @begin
     @follow
-    if (status == NAME_OK) {
+    IF_OK {
         @line_results
     }
     return status;
@@ -52,7 +52,7 @@ static NAME_SHARED bool @{f}_holds(solver_work *w, const name_real @values[@nto]
 name_status @f(const name_config *config, const name_real @values[@nto], const name_real guess[@nout], name_real @out[@nout],
     name_info *info)
 {
-    static const name_config usual = { NAME_TOLERANCE, NAME_MAX_STEPS, NAME_MAX_STEP };
+    USUAL_CONFIG
     const name_config *const used = (config != NULL) ? config : &usual;
     solver_work w;
     name_real y[@ny];
@@ -61,9 +61,7 @@ name_status @f(const name_config *config, const name_real @values[@nto], const n
     name_real other[@nout];
     name_status status = name_limit_@values(NAME_OK, @values);
     status = name_bound_@out(status, guess);
-    if (config != NULL) {
-        status = name_check_config(config, status);
-    }
+    CHECK_CONFIG
     const bool asked = (status == NAME_OK);
     if (asked) {
         status = name_state_of_@out(guess, y, at);
@@ -84,9 +82,7 @@ name_status @f(const name_config *config, const name_real @values[@nto], const n
             /* the guess itself is an answer */
             status = NAME_OK;
             solver_place(&w, @values, @guess_from);
-            for (int i = 0; i < @nout; ++i) {
-                result[i] = guess[i];
-            }
+            COPY(result, guess, @nout)
             name_write_info(info, 0U, residual, 0.0, 0.0);
         }
     }
@@ -96,10 +92,10 @@ name_status @f(const name_config *config, const name_real @values[@nto], const n
             status = NAME_WRONG_BRANCH;
         }
     }
-    if (status == NAME_OK) {
+    IF_OK {
         status = name_limit_@out(status, result);
         @passive
-        if (status == NAME_OK) {
+        IF_OK {
             @store
         }
         @blame_result
@@ -115,12 +111,12 @@ name_status @track(const name_real @values[@nto], name_real @out[@nout], name_in
     name_status status = name_limit_@values(NAME_OK, @values);
     status = name_bound_@out(status, @out);
     @last
-    if (status == NAME_OK) {
+    IF_OK {
         @step
     } else {
         @no_step
     }
-    if (status == NAME_OK) {
+    IF_OK {
         @track_results
         name_real change2 = 0.0;
         @change
@@ -128,7 +124,7 @@ name_status @track(const name_real @values[@nto], name_real @out[@nout], name_in
         status = (change2 <= @track2) ? NAME_OK : NAME_WRONG_BRANCH;
         status = name_limit_@out(status, result);
         @passive
-        if (status == NAME_OK) {
+        IF_OK {
             @store
         }
         @blame_result

@@ -2,10 +2,8 @@
 static NAME_SHARED name_status name_give(const name_real *result, name_real *given, int count)
 {
     const name_status status = (name_check_finite(result, count, NAME_OK) == NAME_OK) ? NAME_OK : NAME_OUT_OF_RANGE;
-    if (status == NAME_OK) {
-        for (int i = 0; i < count; ++i) {
-            given[i] = result[i];
-        }
+    IF_OK {
+        COPY(given, result, count)
     }
     return status;
 }

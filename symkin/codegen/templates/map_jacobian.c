@@ -9,7 +9,7 @@ name_status name_@function(const name_real joints[@nq], const name_real found[@n
     name_status status = name_limit_joints(NAME_OK, joints);
     status = name_limit_found(status, found);
     @state
-    if (status == NAME_OK) {
+    IF_OK {
         @set
         solver_rows(&w);
         if (!(solver_residual(&w) <= @near)) {
@@ -22,7 +22,7 @@ name_status name_@function(const name_real joints[@nq], const name_real found[@n
             status = (name_check_finite(rates, @nrates, NAME_OK) == NAME_OK) ? NAME_OK : NAME_SINGULAR;
         }
     }
-    if (status == NAME_OK) {
+    IF_OK {
         @store
     }
     return status;

@@ -2,7 +2,7 @@
 static name_real name_alone(const name_real *effects, int apart, const name_real limits[@nq])
 {
     name_real most = @largest;
-    for (int j = 0; j < @nq; ++j) {
+    EACH(j, @nq) {
         const name_real effect = fabs(effects[apart * j]);
         most = (effect * most > limits[j]) ? (limits[j] / effect) : most;
     }

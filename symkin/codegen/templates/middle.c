@@ -8,7 +8,7 @@ static NAME_COLD bool solver_reaches_middle(GEOMETRY_GIVEN solver_work *w, const
     @aimed_at
     @to_begin
     solver_set_target(GEOMETRY w, to, middle);
-    for (int i = 0; i < 3; ++i) {
+    EACH(i, 3) {
         solver_rows(GEOMETRY w);
         solver_solve(w);
         size[i] = solver_apply_step(GEOMETRY w);

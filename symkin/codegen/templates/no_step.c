@@ -2,9 +2,7 @@
  * finite. */
 static NAME_COLD void name_write_no_step(GEOMETRY_GIVEN name_info *info, const name_real joints[@nq])
 {
-    name_write_info(info, 0U, HUGE_VAL, 0.0, 0.0);
-    if (info != NULL) {
-        info->joint = name_first_beyond(GEOMETRY joints);
-    }
+    NO_INFO
+    BLAME(name_first_beyond(GEOMETRY joints))
 }
 

@@ -16,19 +16,17 @@ static NAME_SHARED void name_write_pose(GEOMETRY_GIVEN const name_direct_work *w
 
 name_status name_direct(GEOMETRY_GIVEN const name_config *config, const name_real joints[@nq], const name_pose *guess, name_pose *pose, name_info *info)
 {
-    static const name_config usual = { NAME_TOLERANCE, NAME_MAX_STEPS, NAME_MAX_STEP };
+    USUAL_CONFIG
     name_direct_work w;
     name_status status = name_read_guess(GEOMETRY &w, joints, guess);
-    if (config != NULL) {
-        status = name_check_config(config, status);
-    }
-    if (status == NAME_OK) {
+    CHECK_CONFIG
+    IF_OK {
         @unwrap
         status = name_direct_newton(GEOMETRY &w, @to, (config != NULL) ? config : &usual, info);
         @check_branch
         @stand
         @direct_passive
-        if (status == NAME_OK) {
+        IF_OK {
             name_write_pose(GEOMETRY &w, pose);
         }
     } else {
@@ -42,7 +40,7 @@ name_status name_track(GEOMETRY_GIVEN const name_real joints[@nq], name_pose *po
     name_direct_work w;
     name_status status = name_read_guess(GEOMETRY &w, joints, pose);
     bool stepped = false;
-    if (status == NAME_OK) {
+    IF_OK {
         @unwrap
         /* one step of Newton's method from the last pose */
         name_direct_set_target(GEOMETRY &w, @to@whole);

@@ -15,7 +15,7 @@ static NAME_COLD int solver_pivoted(GEOMETRY_GIVEN solver_work *w)
     w->pivoted = true;
     w->spread = 0.0;
     const int sign = name_lu(w->a, w->order, least, @n);
-    for (int c = 0; (c < @n) && (sign != 0); ++c) {
+    EACH_WHILE(c, @n, (sign != 0)) {
         const name_real inverse = w->a[@n1 * c] * scale[c];
         w->spread += inverse * inverse;
     }

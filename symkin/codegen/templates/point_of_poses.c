@@ -1,14 +1,14 @@
 name_real x[7];
-for (int i = 0; i < 7; ++i) {
+EACH(i, 7) {
     x[i] = at[i] + (end * move[i]);
 }
 if (end < 1.0) {
     const name_real inverse = 1.0 / sqrt((x[3] * x[3]) + (x[4] * x[4]) + (x[5] * x[5]) + (x[6] * x[6]));
-    for (int i = 3; i < 7; ++i) {
+    EACH_FROM(i, 3, 7) {
         x[i] *= inverse;
     }
 } else {
-    for (int i = 0; i < 7; ++i) {
+    EACH(i, 7) {
         x[i] = (i < 3) ? to[i] : (side * to[i]);
     }
 }

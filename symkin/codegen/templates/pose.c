@@ -10,7 +10,7 @@ static name_status name_normalise_pose(GEOMETRY_GIVEN const name_pose *pose, nam
     x[1] = pose->position[1];
     x[2] = pose->position[2];
     if (@bounded) {
-        squared = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
+        squared = DOT3(q, q) + q[3] * q[3];
     }
     if ((squared >= 0.98) && (squared <= 1.0201)) {
         inverse = 1.0 / sqrt(squared);

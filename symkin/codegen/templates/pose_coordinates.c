@@ -3,7 +3,7 @@ static name_status name_pose_coordinates(GEOMETRY_GIVEN const name_pose *pose, n
 {
     name_real x[7];
     name_status status = name_normalise_pose(GEOMETRY pose, x);
-    if (status == NAME_OK) {
+    IF_OK {
         @body
     }
     return status;

@@ -11,10 +11,10 @@ static int solver_factor(GEOMETRY_GIVEN solver_work *w)
 {
     solver_matrix(GEOMETRY w);
     w->spread = 0.0;
-    for (int c = 0; c < @n; ++c) {
+    EACH(c, @n) {
         /* the length of the column, its reciprocal on R's diagonal */
         name_real squared = 0.0;
-        for (int i = 0; i < @m; ++i) {
+        EACH(i, @m) {
             squared += w->a[@n * i + c] * w->a[@n * i + c];
         }
         if (!(squared > @singular * @singular)) {
@@ -24,7 +24,7 @@ static int solver_factor(GEOMETRY_GIVEN solver_work *w)
         const name_real inverse = 1.0 / sqrt(squared);
         w->r[@n * c + c] = inverse;
         w->spread += inverse * inverse;
-        for (int i = 0; i < @m; ++i) {
+        EACH(i, @m) {
             w->a[@n * i + c] *= inverse;
         }
         @others

@@ -7,16 +7,14 @@ static NAME_COLD void name_direct_retarget(GEOMETRY_GIVEN name_direct_work *w, c
     if (part < 1.0) {
         /* joint values at the guess into w->k, the part of the line into w->f */
         name_rod_values(GEOMETRY w);
-        for (int i = 0; i < 6; ++i) {
+        EACH(i, 6) {
             w->f[i] = w->k[i] + part * (to[i] - w->k[i]);
         }
         goal = w->f;
     }
     name_direct_set_target(GEOMETRY w, goal);
     if (done > 0.0) {
-        for (int i = 0; i < 7; ++i) {
-            w->x[i] = w->x0[i];
-        }
+        COPY(w->x, w->x0, 7)
     }
 }
 

@@ -3,10 +3,10 @@ name_status name_inverse(GEOMETRY_GIVEN const name_pose *pose, name_real joints[
 {
     name_direct_work w;
     name_status status = name_normalise_pose(GEOMETRY pose, w.x);
-    if (status == NAME_OK) {
+    IF_OK {
         name_rod_values(GEOMETRY &w);
         status = name_limit_joints(GEOMETRY status, w.k);
-        if (status == NAME_OK) {
+        IF_OK {
             @copy_joints
         }
     }
@@ -18,7 +18,7 @@ name_status name_jacobian(GEOMETRY_GIVEN const name_pose *pose, name_real jacobi
 {
     name_real x[7];
     name_status status = name_normalise_pose(GEOMETRY pose, x);
-    if (status == NAME_OK) {
+    IF_OK {
         @jacobian
         /* where a rod has no length there is no direction */
         if (!(shortest > 0.0)) {

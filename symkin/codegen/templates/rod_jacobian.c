@@ -4,11 +4,11 @@ name_real rows[36];
 name_real shortest = HUGE_VAL;
 @state
 name_direct_rows(GEOMETRY &w);
-for (int i = 0; i < 6; ++i) {
+EACH(i, 6) {
     const name_real *const d = &w.d[3 * i];
     name_real *const row = &rows[6 * i];
     @towards
-    const name_real squared = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
+    const name_real squared = DOT3(d, d);
     const name_real inverse = 1.0 / sqrt((squared > 0.0) ? squared : 1.0);
     shortest = (squared < shortest) ? squared : shortest;
     row[0] = d[0] * inverse;

@@ -3,7 +3,7 @@
 static bool name_all_above(const name_real c[7])
 {
     bool above = true;
-    for (int i = 0; i < 7; ++i) {
+    EACH(i, 7) {
         above = above && (c[i] >= 0.0);
     }
     return above;
@@ -20,22 +20,18 @@ static name_status name_stays_above(name_real c[7], unsigned int most, unsigned 
         name_real left[7];
         name_real right[7];
         ++*count;
-        for (int i = 0; i < 7; ++i) {
-            right[i] = c[i];
-        }
+        COPY(right, c, 7)
         /* de Casteljau */
-        for (int k = 0; k < 7; ++k) {
+        EACH(k, 7) {
             left[k] = right[0];
-            for (int i = 0; i < 6 - k; ++i) {
+            EACH(i, 6 - k) {
                 right[i] += part * (right[i + 1] - right[i]);
             }
         }
         if (right[0] < 0.0) {
             status = NAME_OUT_OF_RANGE;
         } else if (name_all_above(left)) {
-            for (int i = 0; i < 7; ++i) {
-                c[i] = right[i];
-            }
+            COPY(c, right, 7)
             part = 0.5;
             above = name_all_above(c);
         } else {
@@ -69,7 +65,7 @@ name_status name_line(GEOMETRY_GIVEN const name_config *config, const name_pose 
 {
     static const name_real low[6] = { @lows };
     static const name_real high[6] = { @highs };
-    static const name_config usual = { NAME_TOLERANCE, NAME_MAX_STEPS, NAME_MAX_STEP };
+    USUAL_CONFIG
     const name_config *const used = (config == NULL) ? &usual : config;
     const unsigned int most = (unsigned int)used->max_iterations;
     const name_real third = @third;
@@ -82,54 +78,46 @@ name_status name_line(GEOMETRY_GIVEN const name_config *config, const name_pose 
     const name_status last = name_normalise_pose(GEOMETRY to, ends[1]);
     name_status status = name_normalise_pose(GEOMETRY from, ends[0]);
     status = ((status == NAME_OK) || (last == NAME_NONFINITE)) ? last : status;
-    if (config != NULL) {
-        status = name_check_config(config, status);
-    }
+    CHECK_CONFIG
     if ((status == NAME_OK) && (most == 0U)) {
         status = NAME_MAX_ITERATIONS;
         count = 0U;
     }
-    for (int e = 0; (e < 2) && (status == NAME_OK); ++e) {
-        for (int i = 0; i < 7; ++i) {
-            w.x[i] = ends[e][i];
-        }
+    EACH_WHILE(e, 2, (status == NAME_OK)) {
+        COPY(w.x, ends[e], 7)
         name_rod_values(GEOMETRY &w);
         status = name_limit_joints(GEOMETRY status, w.k);
         joint = name_first_beyond(GEOMETRY w.k);
-        for (int i = 0; i < 18; ++i) {
-            rods[2 * e][i] = w.d[i];
-        }
-        for (int i = 0; i < 6; ++i) {
+        COPY(rods[2 * e], w.d, 18)
+        EACH(i, 6) {
             const name_real *const d = &w.d[3 * i];
-            offset[i] = sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]) - w.k[i];
+            offset[i] = sqrt(DOT3(d, d)) - w.k[i];
         }
     }
-    if (status == NAME_OK) {
+    IF_OK {
         const name_real *const a = &ends[0][3];
         const name_real *const b = &ends[1][3];
-        const name_real product = a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3];
+        const name_real product = DOT3(a, b) + a[3] * b[3];
         /* of q and -q, one rotation, the one that is nearer */
         const name_real side = (product < 0.0) ? -1.0 : 1.0;
         const name_real cosine = (side * product < 1.0) ? (side * product) : 1.0;
         const name_real both = 2.0 * (1.0 + cosine);
         const name_real inverse = 1.0 / sqrt(both);
         const name_real square[4] = { 1.0, third * (1.0 + 2.0 * cosine), third * (1.0 + 2.0 * cosine), 1.0 };
-        for (int i = 0; i < 3; ++i) {
+        EACH(i, 3) {
             w.x[i] = 0.5 * (ends[0][i] + ends[1][i]);
         }
-        for (int i = 0; i < 4; ++i) {
+        EACH(i, 4) {
             w.x[3 + i] = inverse * (a[i] + side * b[i]);
         }
         name_direct_rows(GEOMETRY &w);
-        for (int i = 0; i < 18; ++i) {
-            rods[1][i] = w.d[i];
-        }
-        for (int i = 0; (i < 6) && (status == NAME_OK); ++i) {
+        COPY(rods[1], w.d, 18)
+        EACH_WHILE(i, 6, (status == NAME_OK)) {
             const name_real least = low[i] + offset[i];
             const name_real longest = high[i] + offset[i];
             name_real above[7] = { 0.0 };
             name_real below[7] = { 0.0 };
-            for (int k = 0; k < 3; ++k) {
+            EACH(k, 3) {
                 const name_real first = rods[0][3 * i + k];
                 const name_real middle = both * rods[1][3 * i + k];
                 const name_real end = rods[2][3 * i + k];
@@ -137,21 +125,19 @@ name_status name_line(GEOMETRY_GIVEN const name_config *config, const name_pose 
                 const name_real cubic[4] = { first, third * (middle - end + way), third * (middle - first - way), end };
                 name_add_square(cubic, 1.0, above);
             }
-            for (int k = 0; k < 7; ++k) {
+            EACH(k, 7) {
                 below[k] = -above[k];
             }
             name_add_square(square, -(least * fabs(least)), above);
             name_add_square(square, longest * fabs(longest), below);
             status = name_stays_above(above, most, &count);
-            if (status == NAME_OK) {
+            IF_OK {
                 status = name_stays_above(below, most, &count);
             }
             joint = (status == NAME_OUT_OF_RANGE) ? (uint8_t)i : joint;
         }
     }
     name_write_info(info, count, (status == NAME_OK) ? 0.0 : HUGE_VAL, 0.0, 0.0);
-    if (info != NULL) {
-        info->joint = joint;
-    }
+    BLAME(joint)
     return status;
 }

@@ -2,7 +2,7 @@
 name_status name_direct(GEOMETRY_GIVEN const name_real joints[@nq], name_pose *pose)
 {
     name_status status = name_limit_joints(GEOMETRY NAME_OK, joints);
-    if (status == NAME_OK) {
+    IF_OK {
         name_real x[7];
         name_forward(GEOMETRY joints, x);
         @told
@@ -22,32 +22,26 @@ name_status name_direct(GEOMETRY_GIVEN const name_real joints[@nq], name_pose *p
 /* @how along the line of tool poses from the guess's to the given one. */
 name_status name_inverse(GEOMETRY_GIVEN const name_config *config, const name_pose *pose, const name_real guess[@nq], name_real joints[@nq], name_info *info)
 {
-    static const name_config usual = { NAME_TOLERANCE, NAME_MAX_STEPS, NAME_MAX_STEP };
+    USUAL_CONFIG
     @work
     name_real to[7];
     name_status status = name_check_finite(guess, @nq, name_normalise_pose(GEOMETRY pose, to));
-    name_write_info(info, 0U, HUGE_VAL, 0.0, 0.0);
+    NO_INFO
     for (int i = @last_joint; i >= 0; --i) {
         if (!(fabs(guess[i]) <= @farthest_joint)) {
             status = (status == NAME_OK) ? NAME_OUT_OF_RANGE : status;
-            if (info != NULL) {
-                info->joint = (uint8_t)i;
-            }
+            BLAME((uint8_t)i)
         }
     }
-    if (config != NULL) {
-        status = name_check_config(config, status);
-    }
-    if (status == NAME_OK) {
+    CHECK_CONFIG
+    IF_OK {
         @to_x
         @solve
-        if (status == NAME_OK) {
+        IF_OK {
             status = name_limit_joints(GEOMETRY status, @at);
-            if (info != NULL) {
-                info->joint = name_first_beyond(GEOMETRY @at);
-            }
+            BLAME(name_first_beyond(GEOMETRY @at))
         }
-        if (status == NAME_OK) {
+        IF_OK {
             @out
         }
     }
@@ -65,7 +59,7 @@ static NAME_SHARED void name_jacobian_at(GEOMETRY_GIVEN const name_real @u[@n_u]
 {
     @work_u
     name_status status = name_limit_joints(GEOMETRY NAME_OK, joints);
-    if (status == NAME_OK) {
+    IF_OK {
         @set_u
         name_jacobian_at(GEOMETRY @u, jacobian);
     }

@@ -8,10 +8,10 @@ static int solver_side(solver_work *w, bool keep)
     uint8_t order[@n];
     int side = 1;
     if (w->side != 0) {
-        for (int i = 0; i < @n; ++i) {
-            for (int j = 0; j < @n; ++j) {
+        EACH(i, @n) {
+            EACH(j, @n) {
                 d[@n * i + j] = 0.0;
-                for (int row = 0; row < @m; ++row) {
+                EACH(row, @m) {
                     d[@n * i + j] += w->q[@n * row + i] * w->a[@n * row + j];
                 }
             }
@@ -20,9 +20,7 @@ static int solver_side(solver_work *w, bool keep)
         side = (w->side < 0) ? -turned : turned;
     }
     if (keep) {
-        for (int i = 0; i < @na; ++i) {
-            w->q[i] = w->a[i];
-        }
+        COPY(w->q, w->a, @na)
         w->side = (int8_t)side;
     }
     return side;

@@ -4,18 +4,16 @@ name_status name_@function(GEOMETRY_GIVEN @at, const name_real @given[@columns],
     name_real jacobian[@nq * 6];
     name_real found[@rows];
     const name_status status = name_check_sizes(@given, @columns, -@largest, name_jacobian(GEOMETRY @at_name, jacobian));
-    if (status == NAME_OK) {
-        for (int i = 0; i < @rows; ++i) {
+    IF_OK {
+        EACH(i, @rows) {
             name_real sum = 0.0;
-            for (int j = 0; j < @columns; ++j) {
+            EACH(j, @columns) {
                 sum += jacobian[@columns * i + j] * @given[j];
             }
             found[i] = sum;
         }
         /* twist and rates may be the same array */
-        for (int i = 0; i < @rows; ++i) {
-            @function[i] = found[i];
-        }
+        COPY(@function, found, @rows)
     }
     return status;
 }
@@ -26,7 +24,7 @@ name_status name_feed(GEOMETRY_GIVEN @at, const name_real twist[6], const name_r
     name_real rates[@nq];
     name_status status = name_check_finite(rate_limits, @nq, name_rates(GEOMETRY @at_name, twist, rates@no_info));
     name_real most = 1.0;
-    for (int i = 0; (i < @nq) && (status == NAME_OK); ++i) {
+    EACH_WHILE(i, @nq, (status == NAME_OK)) {
         const name_real rate = fabs(rates[i]);
         if (rate_limits[i] < 0.0) {
             status = NAME_OUT_OF_RANGE;
@@ -36,7 +34,7 @@ name_status name_feed(GEOMETRY_GIVEN @at, const name_real twist[6], const name_r
             /* within its limit */
         }
     }
-    if (status == NAME_OK) {
+    IF_OK {
         *feed = most;
     }
     return status;

@@ -8,20 +8,20 @@ static void speeds_of(int k)
     name_real twist[6] = { @zero };
     name_real limits[N];
     name_real feed = @zero;
-    for (int i = 0; i < N; ++i) {
+    EACH(i, N) {
         rates[i] = (name_real)(((i % 3 == 0) ? 1.0 : (i % 3 == 1) ? -0.5 : 0.25) * (@speed_unit));
     }
     expect(name_twist(@ga@configuration, rates, twist) == NAME_OK, "twist", "OK", k);
     expect(name_rates(@ga@configuration, twist, again@no_info) == NAME_OK, "rates", "OK", k);
     @speeds_compared
-    for (int part = 0; part < 2; ++part) {
+    EACH(part, 2) {
         const double limit = (part == 0) ? 0.125 : 4.0;
         double largest = 0.0;
-        for (int i = 0; i < N; ++i) {
+        EACH(i, N) {
             limits[i] = (name_real)(limit * (@speed_unit));
         }
         expect(name_feed(@ga@configuration, twist, limits, &feed) == NAME_OK, "feed", "OK", k);
-        for (int i = 0; i < N; ++i) {
+        EACH(i, N) {
             largest = fmax(largest, fabs((double)feed * (double)again[i]) / (@speed_unit));
         }
         expect(largest <= limit * (1.0 + 1e-5), "feed", "keeps limits", k);

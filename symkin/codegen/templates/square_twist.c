@@ -10,9 +10,9 @@
     name_real f[@nq];
     uint8_t order[@nq];
     name_status status = name_check_sizes(rates, @nq, -@largest, @jacobian(GEOMETRY pose, jacobian));
-    if (status == NAME_OK) {
-        for (int i = 0; i < @nq; ++i) {
-            for (int j = 0; j < @nq; ++j) {
+    IF_OK {
+        EACH(i, @nq) {
+            EACH(j, @nq) {
                 a[@nq * i + j] = jacobian[6 * i + (int)column[j]] * row_scale[i] * column_scale[j];
             }
             f[i] = rates[i] * row_scale[i];
@@ -21,10 +21,10 @@
             status = NAME_SINGULAR;
         }
     }
-    if (status == NAME_OK) {
+    IF_OK {
         name_lu_solve(a, order, f, @nq);
         @others
-        for (int i = 0; i < @nq; ++i) {
+        EACH(i, @nq) {
             twist[column[i]] = f[i] * column_scale[i];
         }
     }

@@ -46,15 +46,13 @@ static void expect(int right, const char *of, const char *what, int number)
 
 static void copy(const name_real *from, name_real *to, int count)
 {
-    for (int i = 0; i < count; ++i) {
-        to[i] = from[i];
-    }
+    COPY(to, from, count)
 }
 
 static int all_are(const name_real *values, int count, name_real value)
 {
     int same = 1;
-    for (int i = 0; i < count; ++i) {
+    EACH(i, count) {
         same = same && (values[i] == value);
     }
     return same;
@@ -70,7 +68,7 @@ static double away(const function *asked, const name_real *a, const name_real *b
     for (int i = 3; (i < 7) && (asked->found == 7); ++i) {
         cosine += (double)a[i] * (double)b[i];
     }
-    for (int i = 0; i < asked->found; ++i) {
+    EACH(i, asked->found) {
         const double side = ((i >= 3) && (cosine < 0.0)) ? -1.0 : 1.0;
         const double off = asked->weights[i] * fabs((double)a[i] - side * (double)b[i]);
         largest = (off <= largest) ? largest : off;
@@ -82,7 +80,7 @@ static double away(const function *asked, const name_real *a, const name_real *b
 static void solve_all(const function *asked)
 {
     const char *const name = asked->name;
-    for (int k = 0; k < NAME_VECTORS; ++k) {
+    EACH(k, NAME_VECTORS) {
         const double bound = name_vector_bounds[k];
         const double most = asked->share * bound + asked->within;
         const name_real *const given = &asked->values[asked->given * k];
@@ -91,7 +89,7 @@ static void solve_all(const function *asked)
         name_real result[MOST];
         name_real again[MOST];
         name_info info;
-        for (int i = 0; i < asked->found; ++i) {
+        EACH(i, asked->found) {
             result[i] = (guess != NULL) ? guess[i] : @four;
         }
         expect(asked->ask(NULL, given, asked->informs ? result : guess, result, &info) == NAME_OK, name, "OK", k);
@@ -122,7 +120,7 @@ static void refuse(const function *asked, const name_real *given, const name_rea
 {
     name_real result[MOST];
     name_info info;
-    for (int i = 0; i < MOST; ++i) {
+    EACH(i, MOST) {
         result[i] = @four;
     }
     info.iterations = 255U;
@@ -152,9 +150,9 @@ static void refuse_values(const function *asked)
     const int count = (int)strlen(asked->kinds);
     name_real given[MOST];
     name_real guess[MOST];
-    for (int i = 0; i < count; ++i) {
+    EACH(i, count) {
         const name_real out = (asked->kinds[i] == 'c') ? @far : ((asked->kinds[i] == 's') ? (name_real)1e30 : -@one);
-        for (int k = 0; k < 5; ++k) {
+        EACH(k, 5) {
             const int place = (i < asked->given) ? i : (i - asked->given);
             const int joint = (asked->blamed == ((i < asked->given) ? 1 : 2)) ? place : -1;
             const name_status status = (k < 3) ? NAME_NONFINITE : NAME_OUT_OF_RANGE;
@@ -169,7 +167,7 @@ static void refuse_values(const function *asked)
             }
         }
     }
-    for (int i = 0; (i < 8) && asked->informs; ++i) {
+    EACH_WHILE(i, 8, asked->informs) {
         const name_config config = { (i < 4) ? bad[i] : NAME_TOLERANCE, NAME_MAX_STEPS, (i < 4) ? NAME_MAX_STEP : bad[i - 4] };
         const name_status status = asked->ask(&config, asked->values, asked->guesses, guess, NULL);
         expect(status == ((i % 4 < 2) ? NAME_OUT_OF_RANGE : NAME_NONFINITE), asked->name, "status of a wrong config", i);
@@ -191,7 +189,7 @@ static void jacobian_of(int k)
     @configuration_of_k
     expect(name_jacobian(@ga@configuration, jacobian) == NAME_OK, "jacobian", "OK", k);
     @feasible
-    for (int i = 0; i < @entries; ++i) {
+    EACH(i, @entries) {
         const double wanted = (double)name_vector_jacobians[k][i];
         expect(fabs((double)jacobian[i] - wanted) <= most * (1.0 + fabs(wanted)), "jacobian", "entry", i);
     }

@@ -10,7 +10,7 @@ static NAME_COLD name_status name_check_branch(GEOMETRY_GIVEN const name_real x[
     bool told = true;
     (void)x;
     @told
-    for (int i = 0; (i < @nq) && !told; ++i) {
+    EACH_WHILE(i, @nq, !told) {
         if (!(fabs(given[i] - at[i]) <= near[i])) {
             status = NAME_WRONG_BRANCH;
         }

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
+from functools import partial
 from importlib import resources
 
 import numpy as np
@@ -24,6 +25,8 @@ _NAMES = re.compile(r"@(?:\{(\w+)\}|(\w+)( ?)|@)?|\b(?:name|NAME|solver)(?=_)")
 machine name_ and NAME_, of one of its iterations solver_.
 """
 _ALONE = re.compile(r"( *)@\{?(\w+)\}?")
+_MACRO = re.compile(r"#define (\w+)(?:\((.*?)\))? ((?:.*\\\n)*.*)")
+_ARGUMENTS = r"\(((?:[^()\n]|\([^()\n]*\))*)\)"
 _PREFIXES = {"name": "p", "NAME": "P", "solver": "k"}
 
 
@@ -54,13 +57,37 @@ def rendered(template: str, **values: object) -> str:
     return _environment().get_template(template).render(values)
 
 
+@lru_cache(maxsize=None)
 def template_text(template: str) -> str:
-    """Read a file of `templates/`."""
-    return (
-        resources.files("symkin.codegen")
-        .joinpath("templates", template)
-        .read_text(encoding="utf-8")
-    )
+    """Read a file of `templates/`, the macros of macros.h put in."""
+    text = _read(template)
+    for name, (parameters, body) in _macros().items() if template.endswith((".c", ".h")) else ():
+        text = re.sub(
+            rf"^( *)(.*?)\b{name}\b" + (_ARGUMENTS if parameters else "()"),
+            partial(_put_in, parameters, body),
+            text,
+            flags=re.M,
+        )
+    return text
+
+
+def _read(template: str) -> str:
+    place = resources.files("symkin.codegen").joinpath("templates", template)
+    return place.read_text(encoding="utf-8")
+
+
+@lru_cache(maxsize=1)
+def _macros() -> dict[str, tuple[list[str], str]]:
+    """Parameters and body of each macro, those that read others first."""
+    found = _MACRO.findall(_read("macros.h"))[::-1]
+    return {n: (p.split(", ") if p else [], b.replace(" \\\n", "\n")) for n, p, b in found}
+
+
+def _put_in(parameters: Sequence[str], body: str, found: re.Match[str]) -> str:
+    """The text of a macro in the place of its name, lines below the first as deep as its own."""
+    given = dict(zip(parameters, re.split(r", (?![^(]*\))", found[3]), strict=bool(parameters)))
+    told = re.sub(r"\b\w+\b", lambda word: given.get(word[0], word[0]), body)
+    return found[1] + found[2] + told.replace("\n", f"\n{found[1]}")
 
 
 def substitute(text: str, values: Mapping[str, object]) -> str:

@@ -1,0 +1,18 @@
+/* What several templates say: macros, which are put in as templates are read. Lines of one alone on a line stand as deep as it. */
+#define EACH_FROM(i, first, n) for (int i = first; i < n; ++i)
+#define EACH(i, n) EACH_FROM(i, 0, n)
+#define EACH_WHILE(i, n, going) for (int i = 0; (i < n) && going; ++i)
+#define COPY(to, from, n) EACH(i, n) { \
+    to[i] = from[i]; \
+}
+#define IF_OK if (status == NAME_OK)
+#define NO_INFO name_write_info(info, 0U, HUGE_VAL, 0.0, 0.0);
+#define CHECK_CONFIG if (config != NULL) { \
+    status = name_check_config(config, status); \
+}
+#define BLAME(number) if (info != NULL) { \
+    info->joint = number; \
+}
+#define USUAL_CONFIG static const name_config usual = { NAME_TOLERANCE, NAME_MAX_STEPS, NAME_MAX_STEP };
+#define NEAREST_WHOLE(number) (int)(number + ((number < 0.0) ? -0.5 : 0.5))
+#define DOT3(a, b) a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
