@@ -17,8 +17,8 @@ rates are damped: a 50th of the usual speed for a joint's rate.
 """
 MOST_TURN = 0.2
 """Longest step of a joint in one call of NAME_track (rad, or of the size)."""
-_SHORTER, _ROUNDS = 0.25, 4
-"""By which a step that does not come nearer is shortened, and how often it is tried."""
+_ROUNDS = 4
+"""How often a step that does not come nearer is tried, each time a quarter of it."""
 
 
 def arm_error(
@@ -38,22 +38,22 @@ def arm_error(
         "row_scales": (values["per_size"],) * 3 + (1.0,) * 3,
         "column_scale": slides * [scale],
         "times_column": slides * " * column_scale[j]",
-        "scaled": slides
-        * [f"for (int i = 0; i < {count}; ++i) {{", "    y[i] *= column_scale[i];", "}"],
         "damped_pivot": real.literal(DAMPED_BELOW**2),
         "least_pivot": 16.0 * real.epsilon,
         # of six joints or more J J^T z = e and y = J^T z, of fewer J^T J y = J^T e
-        "right_start": "e[i]" if wide else "0.0",
-        "right": []
+        "right": "e[i]" if wide else _sum("a[{0}][i] * e[{0}]", 6),
+        "product": _sum("a[i][{0}] * a[j][{0}]", count)
         if wide
-        else ["for (int j = 0; j < 6; ++j) {", "    right[i] += a[j][i] * e[j];", "}"],
-        "inner": count if wide else 6,
-        "product": "a[i][k] * a[j][k]" if wide else "a[k][i] * a[k][j]",
-        "back": [f"for (int j = 0; j < {count}; ++j) {{", "    y[j] += a[order[i]][j] * r[i];", "}"]
-        if wide
-        else ["y[order[i]] = r[i];"],
+        else _sum("a[{0}][i] * a[{0}][j]", 6),
+        "back": ("column_scale[i] * " if slides else "")
+        + (f"({_sum('a[{0}][i] * z[{0}]', 6)})" if wide else "z[i]"),
     }
     return fill("arm_error.c", {**values, **own})
+
+
+def _sum(product: str, count: int) -> str:
+    """C text of a sum of products."""
+    return " + ".join(f"({product.format(k)})" for k in range(count))
 
 
 def arm_speeds(
@@ -67,7 +67,6 @@ def arm_speeds(
     own = {
         "per_turns": tuple(1.0 if c.is_angular else values["per_size"] for c in coordinates),
         "most_turn_literal": MOST_TURN,
-        "quarter_part": _SHORTER,
         "rounds": _ROUNDS,
         "rounding": rounding,
     }

@@ -33,9 +33,10 @@ static name_real name_damped(const name_real jacobian[@nj], const name_real e[6]
     static const name_real row_scale[6] = { @row_scales };
     @column_scale
     name_real a[6][@nq];
-    name_real g[@nm][@nm]; /* upper triangle: factors; below: the normal equations */
-    name_real diagonal[@nm];
+    name_real g[@nm][@nm];
     name_real right[@nm];
+    name_real z[@nm];
+    bool whole = true;
     name_real smallest = 0.0;
     name_real mean = 0.0;
     name_real raised = 0.0;
@@ -46,87 +47,65 @@ static name_real name_damped(const name_real jacobian[@nj], const name_real e[6]
     }
     /* the normal equations, which are symmetric */
     EACH(i, @nm) {
-        right[i] = @right_start;
-        @right
+        right[i] = @right;
         EACH_FROM(j, i, @nm) {
-            name_real sum = 0.0;
-            EACH(k, @inner) {
-                sum += @product;
-            }
-            g[j][i] = sum;
+            g[i][j] = @product;
+            g[j][i] = g[i][j];
         }
-        diagonal[i] = g[i][i];
-        mean += diagonal[i];
+        mean += g[i][i];
     }
     mean *= @per_count;
     for (int round = 0; (round < 2) && ((round == 0) || (smallest < @damped_pivot)); ++round) {
         uint8_t order[@nm];
-        name_real r[@nm];
+        name_real left[@nm]; /* of the diagonal */
         name_real over[@nm];
+        name_real row[@nm][@nm]; /* of each step, and its factors; a column each */
+        name_real factor[@nm][@nm];
         EACH(i, @nm) {
             order[i] = (uint8_t)i;
-            r[i] = right[i];
-            g[i][i] = diagonal[i] + raised;
-            EACH_FROM(j, i + 1, @nm) {
-                g[i][j] = g[j][i];
-            }
+            z[i] = right[i];
+            left[i] = g[i][i] + raised;
         }
         /* factors, the largest diagonal entry first, with the right side beside them */
-        bool whole = true;
+        whole = true;
         EACH_WHILE(c, @nm, whole) {
             int best = c;
             EACH_FROM(i, c + 1, @nm) {
-                best = (g[i][i] > g[best][best]) ? i : best;
+                best = (left[order[i]] > left[order[best]]) ? i : best;
             }
-            if (best != c) {
-                const uint8_t name = order[c];
-                const name_real side = r[c];
-                order[c] = order[best];
-                order[best] = name;
-                r[c] = r[best];
-                r[best] = side;
-                EACH(k, @nm) {
-                    if ((k != c) && (k != best)) {
-                        name_real *const one = (k < c) ? &g[k][c] : &g[c][k];
-                        name_real *const other = (k < best) ? &g[k][best] : &g[best][k];
-                        const name_real t = *one;
-                        *one = *other;
-                        *other = t;
-                    }
-                }
-                const name_real first = g[c][c];
-                g[c][c] = g[best][best];
-                g[best][best] = first;
-            }
-            whole = g[c][c] > @least_pivot * mean;
-            over[c] = whole ? (1.0 / g[c][c]) : 0.0;
+            const uint8_t p = order[best];
+            order[best] = order[c];
+            order[c] = p;
+            whole = left[p] > @least_pivot * mean;
+            over[c] = whole ? (1.0 / left[p]) : 0.0;
             for (int i = c + 1; (i < @nm) && whole; ++i) {
-                const name_real factor = g[c][i] * over[c];
-                EACH_FROM(j, i, @nm) {
-                    g[i][j] -= factor * g[c][j];
+                const uint8_t j = order[i];
+                name_real sum = g[p][j];
+                EACH(k, c) {
+                    sum -= factor[p][k] * row[j][k];
                 }
-                r[i] -= factor * r[c];
+                row[j][c] = sum;
+                factor[j][c] = sum * over[c];
+                left[j] -= factor[j][c] * sum;
+                z[j] -= factor[j][c] * z[p];
             }
         }
         if (round == 0) {
-            smallest = whole ? (g[@last][@last] / mean) : 0.0;
+            smallest = whole ? (left[order[@last]] / mean) : 0.0;
             raised = mean * (@damped_pivot - smallest);
         }
         /* back substitution; without a whole set of factors the next round follows */
-        for (int i = @last; (i >= 0) && whole; --i) {
-            EACH_FROM(j, i + 1, @nm) {
-                r[i] -= g[i][j] * r[j];
+        for (int c = @last; (c >= 0) && whole; --c) {
+            const uint8_t p = order[c];
+            z[p] *= over[c];
+            EACH_FROM(i, c + 1, @nm) {
+                z[p] -= factor[order[i]][c] * z[order[i]];
             }
-            r[i] *= over[i];
-        }
-        EACH(i, @nq) {
-            y[i] = 0.0;
-        }
-        EACH_WHILE(i, @nm, whole) {
-            @back
         }
     }
-    @scaled
+    EACH(i, @nq) {
+        y[i] = whole ? @back : 0.0;
+    }
     return smallest;
 }
 

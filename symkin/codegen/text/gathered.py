@@ -39,7 +39,10 @@ def gathered(
     whole, every = ca.densify(ca.vertcat(*expressions)), ca.vertcat(*symbols)
     graph = _Values(every, turns)
     walk(ca.Function("f", [every], [whole], {"cse": True}), graph)
-    best = min((whole, graph.whole(whole.numel())), key=lambda e: _operations(e, every))
+    best = min((whole, graph.whole(whole.numel(), 0)), key=lambda e: _operations(e, every))
+    # what is gathered for no gain may tear apart what others share
+    strict = graph.whole(whole.numel(), 1)
+    best = min((best, strict), key=lambda e: _operations(e, every)[0])
     return ca.vertsplit(best, np.cumsum([0, *(e.numel() for e in expressions)]).tolist())
 
 
@@ -48,7 +51,8 @@ class _Values(Graph):
 
     def __init__(self, symbols: ca.SX, turns: Sequence[tuple[ca.SX, ca.SX]]) -> None:
         super().__init__()
-        self.symbols, self.written = symbols, dict[int, ca.SX]()
+        self.symbols = symbols
+        self.chosen, self.written = set[int](), dict[int, ca.SX]()
         hashes = [symbols[k].element_hash() for k in range(symbols.numel())]
         self.cosine_of = {
             hashes.index(s.element_hash()): hashes.index(c.element_hash()) for c, s in turns
@@ -109,10 +113,9 @@ class _Values(Graph):
 
     # --- writing ----------------------------------------------------------------------------------
 
-    @cached_property
-    def chosen(self) -> set[int]:
-        """The values to write as polynomials: those that take no more operations than the part of
-        the graph that nothing else reads, the last values first.
+    def _choose(self, gain: int) -> set[int]:
+        """The values to write as polynomials: those that take fewer operations by `gain` than the
+        part of the graph that nothing else reads, the last values first.
         """
         chosen, uses = set[int](), Counter(self.uses)
         for place in reversed(range(len(self.nodes))):
@@ -120,7 +123,7 @@ class _Values(Graph):
             if not uses[place] or not self.nodes[place].reads or (place,) in terms:
                 continue
             before = uses.copy()
-            if _cost(terms) <= self._released(uses, place):
+            if _cost(terms) + gain <= self._released(uses, place):
                 chosen.add(place)
                 uses.update({atom for m in terms for atom in m})
             else:
@@ -138,8 +141,9 @@ class _Values(Graph):
                     stack.append(read)
         return count
 
-    def whole(self, count: int) -> ca.SX:
+    def whole(self, count: int, gain: int) -> ca.SX:
         """The output, written anew."""
+        self.chosen, self.written = self._choose(gain), {}
         places = (self.outputs.get((0, k)) for k in range(count))
         return ca.vertcat(*(ca.SX(0) if k is None else self._value(k) for k in places))
 
