@@ -55,6 +55,8 @@ class cached_property(Generic[Value]):  # noqa: N801  # the name of what it stan
     threads. The instance holds the value alone and no lock, so that it can be pickled.
     """
 
+    waits = True
+
     def __init__(self, function: Callable[[Any], Value]) -> None:
         self.function = function
         self.name = function.__name__
@@ -70,6 +72,8 @@ class cached_property(Generic[Value]):  # noqa: N801  # the name of what it stan
         if instance is None:
             return self
         kept = vars(instance)
+        if not self.waits:
+            return kept.setdefault(self.name, self.function(instance))
         with computing((id(instance), self.name)):
             if self.name not in kept:
                 kept.setdefault(self.name, self.function(instance))
@@ -79,16 +83,7 @@ class cached_property(Generic[Value]):  # noqa: N801  # the name of what it stan
 class unshared_property(cached_property[Value]):  # noqa: N801  # as the one above
     """The same of a value that two threads may compute: none waits, which would take 5 us."""
 
-    @overload
-    def __get__(self, instance: None, owner: type | None = None) -> cached_property[Value]: ...
-    @overload
-    def __get__(self, instance: object, owner: type | None = None) -> Value: ...
-    def __get__(
-        self, instance: object | None, owner: type | None = None
-    ) -> cached_property[Value] | Value:
-        if instance is None:
-            return self
-        return vars(instance).setdefault(self.name, self.function(instance))
+    waits = False
 
 
 @contextmanager

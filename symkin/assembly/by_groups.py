@@ -106,7 +106,7 @@ class GroupedModes:
 
     def _modes_of(self, number: int, given: Given, told: dict[str, Any]) -> Modes:
         account, found = self.account, self.listed.part(self._places_of(number), given.notes)
-        grounds = self._grounds_of(number)
+        grounds = [one for one in self._grounds[self._places_of(number)] if one is not None]
         # for each of many inputs: a frozen record would be given its fields one by one
         one = object.__new__(Modes)
         vars(one).update(
@@ -134,17 +134,10 @@ class GroupedModes:
         return slice(*self.ends[number : number + 2])
 
     @unshared_property
-    def _has_grounds(self) -> bool:
-        """Whether anything is proved of modes that are not certified."""
-        ground = self.listed.ground
-        return ground is not None and any(one is not None for one in ground.tolist())
-
-    def _grounds_of(self, number: int) -> list[PartialProof]:
-        """What is proved of the modes of an input that are not certified."""
-        if self.listed.ground is None or not self._has_grounds:
-            return []
-        own = self.listed.ground[self._places_of(number)].tolist()
-        return [ground for ground in own if ground is not None]
+    def _grounds(self) -> list[PartialProof | None]:
+        """What is proved of each mode that is not certified; nothing where of none anything is."""
+        every = [] if self.listed.ground is None else self.listed.ground.tolist()
+        return every if any(every) else []
 
     def _groups_of(self, number: int) -> tuple[Group, ...]:
         """What is known of the groups that an input has reached."""

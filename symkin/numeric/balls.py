@@ -125,17 +125,18 @@ def run(code: Code, inputs: Sequence[Number], ring: Ring) -> list[Number]:
     """The outputs of a code at balls of a ring."""
     places = [ring.number("nan")] * code.places
     outputs = [ring.number("nan")] * code.outputs
+    binary, unary = _BINARY, _UNARY
     for op, a, b, out in code.lines:
-        if op == Op.INPUT:
+        if op in binary:
+            places[out] = binary[op](places[a], places[b])
+        elif op in unary:
+            places[out] = unary[op](places[a])
+        elif op == _INPUT:
             places[out] = inputs[a]
-        elif op == Op.OUTPUT:
+        elif op == _OUTPUT:
             outputs[out] = places[a]
-        elif op == Op.CONSTANT:
-            places[out] = ring.number(code.constants[a])
-        elif op in _BINARY:
-            places[out] = _BINARY[op](places[a], places[b])
         else:
-            places[out] = _UNARY[op](places[a])
+            places[out] = ring.number(code.constants[a])
     return outputs
 
 
@@ -151,19 +152,21 @@ def angle_of(y: Number, x: Number) -> Number:
     return arb.pi() + arb.atan2(-y, -x) if x < 0 else arb.atan2(y, x)
 
 
+# plain integers: each operation of a tape is looked up here
+_INPUT, _OUTPUT = Op.INPUT.value, Op.OUTPUT.value
 _BINARY: dict[int, Callable[[Number, Number], Number]] = {
-    Op.ADD: operator.add,
-    Op.SUBTRACT: operator.sub,
-    Op.MULTIPLY: operator.mul,
-    Op.ANGLE: angle_of,
+    Op.ADD.value: operator.add,
+    Op.SUBTRACT.value: operator.sub,
+    Op.MULTIPLY.value: operator.mul,
+    Op.ANGLE.value: angle_of,
 }
 _UNARY: dict[int, Callable[[Number], Number]] = {
-    Op.SQUARE: lambda x: x * x,
-    Op.NEGATE: operator.neg,
-    Op.TWICE: lambda x: x + x,
-    Op.INVERT: lambda x: 1 / x,
-    Op.SINE: lambda x: x.sin(),
-    Op.COSINE: lambda x: x.cos(),
-    Op.ROOT: root_of,
-    Op.EXPONENTIAL: lambda x: x.exp(),
+    Op.SQUARE.value: lambda x: x * x,
+    Op.NEGATE.value: operator.neg,
+    Op.TWICE.value: lambda x: x + x,
+    Op.INVERT.value: lambda x: 1 / x,
+    Op.SINE.value: lambda x: x.sin(),
+    Op.COSINE.value: lambda x: x.cos(),
+    Op.ROOT.value: root_of,
+    Op.EXPONENTIAL.value: lambda x: x.exp(),
 }

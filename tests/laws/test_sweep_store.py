@@ -6,6 +6,7 @@ import errno
 import math
 import os
 import shutil
+import sys
 import threading
 import warnings
 from concurrent.futures import Future, ThreadPoolExecutor
@@ -423,10 +424,16 @@ def test_options_that_are_refused(tmp_path, options, said):
     assert not (tmp_path / "s").exists()
 
 
-def test_missing_extra_is_named(tmp_path, monkeypatch):
-    """Without zarr the sentence says what to install."""
-    import sys
-
-    monkeypatch.setitem(sys.modules, "zarr", None)
+@pytest.mark.parametrize("missing", ["zarr", "xarray"])
+def test_missing_extra_is_named(tmp_path, monkeypatch, missing):
+    """Without zarr or xarray the sentence says what to install."""
+    monkeypatch.setitem(sys.modules, missing, None)
     with pytest.raises(InputError, match=r"pip install 'symkin\[sweep\]'"):
         sweep(PLATFORM, ONE, tmp_path / "s", workers=0)
+
+
+def test_writing_needs_no_xarray(tmp_path, monkeypatch):
+    """A sweep that writes does not load what reads: a second of a small one's two."""
+    monkeypatch.delitem(sys.modules, "xarray", raising=False)
+    sweep(PLATFORM, ONE, tmp_path / "s", workers=0)
+    assert "xarray" not in sys.modules
