@@ -120,6 +120,7 @@ class GroupedModes:
             **sampling(account.samples.get(number, [])),
             notes=(
                 *given.notes,
+                *self.plan.notes,
                 *account.notes_of(number),
                 *account.theorem_notes_of(number),
                 *_ground_notes(self.plan.problem, grounds, int(self.counts[number])),

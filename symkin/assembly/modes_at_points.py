@@ -33,7 +33,7 @@ from symkin.assembly.without_search import errors_of_given, nothing
 from symkin.computed_once import cached_property
 from symkin.errors import InputError, TooManyModesError
 from symkin.machine.lower import Lowered
-from symkin.position.determination import determination, refuse_unless_determined, what_is_free
+from symkin.position.determination import determination, refuse_unless_determined
 from symkin.position.given import Given, in_order
 from symkin.position.problem import Problem, build_problem
 from symkin.position.roots import NOT_KNOWN
@@ -248,7 +248,7 @@ def _of_machine(problem: Problem, search: Search, certify: bool) -> ModeFinder |
 
 def _own(problem: Problem, search: Search) -> GroupFinder:
     """The finder of a description itself."""
-    if (free := what_is_free(problem)) is not None:
+    if (free := plan_of(problem, search).free) is not None:
         other = "; sweep over its inputs" if problem.mechanism.serial else ""
         raise InputError(f"{free}, so that its solutions are no isolated modes{other}")
     return GroupFinder(problem, search)

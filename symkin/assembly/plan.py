@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from symkin.assembly.account import Part
 from symkin.assembly.closed_roots import ClosedBlock
 from symkin.assembly.families import Member, members_of
@@ -12,9 +14,9 @@ from symkin.assembly.rod_lengths import rod_lengths
 from symkin.assembly.search import Search
 from symkin.computed_once import cached_property, lru_cache
 from symkin.homotopy.systems import unsuitable
-from symkin.position.closed_configurations import assembly_of
+from symkin.homotopy.values import coordinate_scale
+from symkin.numeric.rank import Rank
 from symkin.position.determination import what_is_free
-from symkin.position.generic_rank import generic_rank
 from symkin.position.groups import (
     independent_parts,
     is_linear,
@@ -22,7 +24,13 @@ from symkin.position.groups import (
     joined_groups,
     structure_groups,
 )
+from symkin.position.multistart import batched_rows
 from symkin.position.problem import Problem
+
+_ROWS, _STARTS, _AWAY = 3, 64, 0.3
+"""Known values at which regular solutions are looked for, random starts at each, and how far the
+values are from the reference: in radians, and in sizes.
+"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,18 +77,31 @@ class Plan:
 
     @cached_property
     def free(self) -> str | None:
-        """What to say where the rows leave unknowns free, so that no solution is isolated. Another
-        assembly, where fewer are free, is searched.
+        """What to say where the rows leave unknowns free, so that no solution is isolated. Where
+        others than those about the reference are, as of a kite that lies folded on itself, all are
+        searched.
         """
-        problem = self.problem
-        free = what_is_free(problem)
-        if free and problem.generic_rank == problem.system.freedom:
-            found = generic_rank(assembly_of(problem.closure), 0)
-            free = None if found.other_ranks or found.ranks_apart else free
-        return free and (
-            f"{free}, so that its solutions are no isolated modes; use solve with a start for one "
-            f"of them"
+        return None if self._elsewhere else what_is_free(self.problem)
+
+    @cached_property
+    def notes(self) -> tuple[str, ...]:
+        """What is said at all given values: of an assembly that leaves unknowns free where others,
+        which are searched, do not.
+        """
+        free = what_is_free(self.problem) if self._elsewhere else None
+        return (
+            ()
+            if free is None
+            else (
+                f"{free} about the reference: what solutions of that assembly there are at these "
+                f"values are not isolated",
+            )
         )
+
+    @cached_property
+    def _elsewhere(self) -> bool:
+        """Whether what is free about the reference is not free elsewhere."""
+        return what_is_free(self.problem) is not None and _has_regular_solutions(self.problem)
 
     @cached_property
     def has_conditions(self) -> bool:
@@ -94,6 +115,23 @@ class Plan:
     def is_searched(self) -> bool:
         """Whether solutions are searched at all given values, but those off a motion."""
         return not (self.free or self.problem.is_explicit or self.has_conditions)
+
+
+def _has_regular_solutions(problem: Problem) -> bool:
+    """Whether random starts meet a regular solution at random known values about the reference."""
+    rng, system, coordinates = np.random.default_rng(0), problem.system, problem.known_coordinates
+    away = rng.uniform(-_AWAY, _AWAY, (_ROWS, len(coordinate_scale(problem, coordinates))))
+    given = system.exchanged(coordinates)
+    known = given.move(
+        problem.reference_known + coordinate_scale(problem, coordinates) * away,
+        np.zeros((_ROWS, given.freedom)),
+    )
+    samples = batched_rows(problem, known, _STARTS, [rng] * _ROWS)
+    return any(
+        Rank.of(jacobian).value == system.freedom
+        for sample, row in zip(samples, known, strict=True)
+        for jacobian in system.linearise(sample.points, np.tile(row, (len(sample.points), 1)))[1]
+    )
 
 
 def plan_of(problem: Problem, search: Search) -> Plan:

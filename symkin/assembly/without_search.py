@@ -59,10 +59,14 @@ def known_without_search(
     the direct problem of a serial arm, given values that contradict rows without unknowns. The
     modes of a machine are `told` in the coordinates of a description.
     """
-    problem, free = plan.problem, plan.free
-    if free is not None and problem.mechanism.serial:
-        raise InputError(free)
-    if free is not None:
+    problem = plan.problem
+    if plan.free is not None:
+        free = (
+            f"{plan.free}, so that its solutions are no isolated modes; use solve with a start for "
+            f"one of them"
+        )
+        if problem.mechanism.serial:
+            raise InputError(free)
         search.refuse_unless_multistart(free)
         empty = [
             nothing(problem, given, search, note=f"positive-dimensional set: {free}")

@@ -235,15 +235,17 @@ class Singularity(Result):
         lines = [] if self.output is None else [f"output: velocity {self.output}"]
         meanings, output = KINDS if self.output is None else OUTPUT_KINDS, "the output"
         regular, count = "regular", self.uncontrolled_freedoms
+        everywhere = f"with all actuated joints held the {self._moving} keeps"
         if self.given:
             meanings = GIVEN_KINDS
             output = self.roles.output_text if self.output is None else output
             lines.append(f"driven by: {', '.join(self.given)}; wanted: {output}")
-        elif count:
+            everywhere = "the given coordinates leave"
+        if count:
             regular = "no further singularity"
             lines.append(
-                f"singular everywhere: with all actuated joints held the {self._moving} keeps "
-                f"{counted(count, 'freedom')} at every configuration"
+                f"singular everywhere: {everywhere} {counted(count, 'freedom')} at every "
+                f"configuration"
             )
         head = ", ".join(self.kinds) + " singularity" if self.kinds else regular
         if self.given and self.rank_loss:

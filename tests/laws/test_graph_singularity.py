@@ -319,7 +319,7 @@ def test_a_pose_that_drives_a_platform_on_rods_alone() -> None:
 
 
 def test_fewer_given_than_the_mobility_are_said() -> None:
-    """A motor of two: one freedom is left everywhere, and that is a note and no kind."""
+    """A motor of two: one freedom is left everywhere, and that is said first and no kind."""
     found = symkin.singularity(
         at("ankle", upper_motor=5.0, lower_motor=3.0),
         given=["upper_motor"],
@@ -328,6 +328,9 @@ def test_fewer_given_than_the_mobility_are_said() -> None:
     assert found.kinds == ()
     assert found.uncontrolled_freedoms == 1
     assert any("given coordinates do not decide" in note for note in found.notes)
+    text = str(found)
+    assert "the given coordinates leave 1 freedom at every configuration" in text
+    assert "\nregular\n" not in text
 
 
 # --- what is said ---------------------------------------------------------------------------------

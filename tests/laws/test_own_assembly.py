@@ -5,6 +5,7 @@ meet, and steps that lead away.
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -241,3 +242,32 @@ def test_a_rigid_machine_of_first_order_freedoms_is_listed() -> None:
     for given in ({}, {"crank": 0.0}):
         (mode,) = symkin.modes(machine, given=given, starts=60, method="multistart")
         assert mode.joints["pin"] == pytest.approx(0.0, abs=1e-6)
+
+
+@pytest.mark.parametrize("motion", in_gate(["planar", "spatial"], ["planar"]))
+def test_what_is_free_about_the_reference_alone_is_searched(motion: str, tmp_path: Path) -> None:
+    """A kite whose crank and base lie on each other: rocker and coupler turn about both their ends
+    and the crank stands. At other angles of the crank they meet at two points, by `modes` as in a
+    sweep.
+    """
+    joints = [
+        Joint("crank", "R", (0.0, 0.0, 0.0), Z, actuated=True),
+        Joint("pin", "R", (1.0, 0.0, 0.0), Z),
+        Joint("rocker", "R", (1.0, 0.0, 0.0), Z),
+        Joint("top", "R", (1.0, 0.6, 0.0), Z),
+    ]
+    kite = Mechanism(
+        "kite",
+        [Limb("left", joints[:2]), Limb("right", joints[2:])],
+        platform_position=(1.0, 0.6, 0.0),
+        angle_unit="deg",
+        motion=motion,
+    )
+    found = symkin.modes(kite, joints=[20.0], starts=200)
+    assert (len(found), found.completeness) == (2, "proved")
+    half = np.array([np.cos(np.radians(20.0)) + 1.0, np.sin(np.radians(20.0))]) / 2.0
+    places = np.array([mode.pose.position[:2] for mode in found])
+    assert np.mean(places, axis=0) == pytest.approx(half)
+    assert any("about the reference" in note for note in found.notes)
+    swept = symkin.sweep(kite, {"crank": [20.0]}, tmp_path, workers=0, starts=200)
+    assert swept.points_by_count == {2: 1}
