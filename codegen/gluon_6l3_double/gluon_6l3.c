@@ -325,9 +325,10 @@ static gluon_6l3_real gluon_6l3_damped(const gluon_6l3_real jacobian[36],
     static const gluon_6l3_real row_scale[6] = { 0.0018542771065064704, 0.0018542771065064704,
         0.0018542771065064704, 1.0, 1.0, 1.0 };
     gluon_6l3_real a[6][6];
-    gluon_6l3_real g[6][6]; /* upper triangle: factors; below: the normal equations */
-    gluon_6l3_real diagonal[6];
+    gluon_6l3_real g[6][6];
     gluon_6l3_real right[6];
+    gluon_6l3_real z[6];
+    bool whole = true;
     gluon_6l3_real smallest = 0.0;
     gluon_6l3_real mean = 0.0;
     gluon_6l3_real raised = 0.0;
@@ -340,84 +341,64 @@ static gluon_6l3_real gluon_6l3_damped(const gluon_6l3_real jacobian[36],
     for (int i = 0; i < 6; ++i) {
         right[i] = e[i];
         for (int j = i; j < 6; ++j) {
-            gluon_6l3_real sum = 0.0;
-            for (int k = 0; k < 6; ++k) {
-                sum += a[i][k] * a[j][k];
-            }
-            g[j][i] = sum;
+            g[i][j] = (a[i][0] * a[j][0]) + (a[i][1] * a[j][1]) + (a[i][2] * a[j][2])
+                + (a[i][3] * a[j][3]) + (a[i][4] * a[j][4]) + (a[i][5] * a[j][5]);
+            g[j][i] = g[i][j];
         }
-        diagonal[i] = g[i][i];
-        mean += diagonal[i];
+        mean += g[i][i];
     }
     mean *= 0.16666666666666666;
     for (int round = 0; (round < 2) && ((round == 0) || (smallest < 0.0004)); ++round) {
         uint8_t order[6];
-        gluon_6l3_real r[6];
+        gluon_6l3_real left[6]; /* of the diagonal */
         gluon_6l3_real over[6];
+        gluon_6l3_real row[6][6]; /* of each step, and its factors; a column each */
+        gluon_6l3_real factor[6][6];
         for (int i = 0; i < 6; ++i) {
             order[i] = (uint8_t)i;
-            r[i] = right[i];
-            g[i][i] = diagonal[i] + raised;
-            for (int j = i + 1; j < 6; ++j) {
-                g[i][j] = g[j][i];
-            }
+            z[i] = right[i];
+            left[i] = g[i][i] + raised;
         }
         /* factors, the largest diagonal entry first, with the right side beside them */
-        bool whole = true;
+        whole = true;
         for (int c = 0; (c < 6) && whole; ++c) {
             int best = c;
             for (int i = c + 1; i < 6; ++i) {
-                best = (g[i][i] > g[best][best]) ? i : best;
+                best = (left[order[i]] > left[order[best]]) ? i : best;
             }
-            if (best != c) {
-                const uint8_t name = order[c];
-                const gluon_6l3_real side = r[c];
-                order[c] = order[best];
-                order[best] = name;
-                r[c] = r[best];
-                r[best] = side;
-                for (int k = 0; k < 6; ++k) {
-                    if ((k != c) && (k != best)) {
-                        gluon_6l3_real *const one = (k < c) ? &g[k][c] : &g[c][k];
-                        gluon_6l3_real *const other = (k < best) ? &g[k][best] : &g[best][k];
-                        const gluon_6l3_real t = *one;
-                        *one = *other;
-                        *other = t;
-                    }
-                }
-                const gluon_6l3_real first = g[c][c];
-                g[c][c] = g[best][best];
-                g[best][best] = first;
-            }
-            whole = g[c][c] > 1.7763568394002505e-15 * mean;
-            over[c] = whole ? (1.0 / g[c][c]) : 0.0;
+            const uint8_t p = order[best];
+            order[best] = order[c];
+            order[c] = p;
+            whole = left[p] > 1.7763568394002505e-15 * mean;
+            over[c] = whole ? (1.0 / left[p]) : 0.0;
             for (int i = c + 1; (i < 6) && whole; ++i) {
-                const gluon_6l3_real factor = g[c][i] * over[c];
-                for (int j = i; j < 6; ++j) {
-                    g[i][j] -= factor * g[c][j];
+                const uint8_t j = order[i];
+                gluon_6l3_real sum = g[p][j];
+                for (int k = 0; k < c; ++k) {
+                    sum -= factor[p][k] * row[j][k];
                 }
-                r[i] -= factor * r[c];
+                row[j][c] = sum;
+                factor[j][c] = sum * over[c];
+                left[j] -= factor[j][c] * sum;
+                z[j] -= factor[j][c] * z[p];
             }
         }
         if (round == 0) {
-            smallest = whole ? (g[5][5] / mean) : 0.0;
+            smallest = whole ? (left[order[5]] / mean) : 0.0;
             raised = mean * (0.0004 - smallest);
         }
         /* back substitution; without a whole set of factors the next round follows */
-        for (int i = 5; (i >= 0) && whole; --i) {
-            for (int j = i + 1; j < 6; ++j) {
-                r[i] -= g[i][j] * r[j];
-            }
-            r[i] *= over[i];
-        }
-        for (int i = 0; i < 6; ++i) {
-            y[i] = 0.0;
-        }
-        for (int i = 0; (i < 6) && whole; ++i) {
-            for (int j = 0; j < 6; ++j) {
-                y[j] += a[order[i]][j] * r[i];
+        for (int c = 5; (c >= 0) && whole; --c) {
+            const uint8_t p = order[c];
+            z[p] *= over[c];
+            for (int i = c + 1; i < 6; ++i) {
+                z[p] -= factor[order[i]][c] * z[order[i]];
             }
         }
+    }
+    for (int i = 0; i < 6; ++i) {
+        y[i] = whole ? ((a[0][i] * z[0]) + (a[1][i] * z[1]) + (a[2][i] * z[2]) + (a[3][i] * z[3])
+            + (a[4][i] * z[4]) + (a[5][i] * z[5])) : 0.0;
     }
     return smallest;
 }

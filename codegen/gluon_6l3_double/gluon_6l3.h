@@ -20,28 +20,16 @@
  *
  * Worst case of a call, with NULL as config (README.md says how it is known and has 255
  * iterations):
- *   inverse_all: 5403 add, 6854 mul, 127 div, 51 sqrt, 144 sin, 144 cos, 34 atan2
- *   inverse_branch: 965 add, 1296 mul, 29 div, 37 sqrt, 18 sin, 18 cos, 34 atan2
- *   inverse_nearest: 990 add, 1324 mul, 29 div, 37 sqrt, 18 sin, 18 cos, 34 atan2
+ *   inverse_all: 4899 add, 6566 mul, 127 div, 51 sqrt, 144 sin, 144 cos, 34 atan2
+ *   inverse_branch: 902 add, 1260 mul, 29 div, 37 sqrt, 18 sin, 18 cos, 34 atan2
+ *   inverse_nearest: 927 add, 1288 mul, 29 div, 37 sqrt, 18 sin, 18 cos, 34 atan2
  *   direct: 57 add, 88 mul, 1 div, 1 sqrt, 6 sin, 6 cos
- *   inverse: 100 iterations, 22660 add, 33254 mul, 1819 div, 1608 sqrt, 24 sin, 24 cos, 606 atan2
+ *   inverse: 100 iterations, 22597 add, 33218 mul, 1819 div, 1608 sqrt, 24 sin, 24 cos, 606 atan2
  *   jacobian: 94 add, 131 mul, 6 sin, 6 cos
  *   twist: 136 add, 167 mul, 6 sin, 6 cos
- *   feed: 496 add, 613 mul, 23 div, 5 sqrt, 6 sin, 6 cos
- *   rates: 490 add, 607 mul, 17 div, 5 sqrt, 6 sin, 6 cos
- *   track: 839 add, 1137 mul, 19 div, 10 sqrt, 30 sin, 30 cos
- *   measured (Cortex-M7, GCC 12.2.1 -O2, 12979 inputs, seed 1): instructions, bytes of stack with
- *     callees, bytes of code with callees but without those of libm:
- *   inverse_all: 19690 instructions, 1660 stack, 6628 code
- *   inverse_branch: 2875 instructions, 1716 stack, 6712 code
- *   inverse_nearest: 3450 instructions, 1780 stack, 6976 code
- *   direct: 1685 instructions, 944 stack, 1188 code
- *   inverse: 125750 instructions, 2532 stack, 11600 code
- *   jacobian: 1810 instructions, 880 stack, 1700 code
- *   twist: 2245 instructions, 1224 stack, 1888 code
- *   feed: 8280 instructions, 1492 stack, 3484 code
- *   rates: 8155 instructions, 1428 stack, 3384 code
- *   track: 11110 instructions, 1580 stack, 4820 code
+ *   feed: 433 add, 577 mul, 23 div, 5 sqrt, 6 sin, 6 cos
+ *   rates: 427 add, 571 mul, 17 div, 5 sqrt, 6 sin, 6 cos
+ *   track: 776 add, 1101 mul, 19 div, 10 sqrt, 30 sin, 30 cos
  *
  * Model SHA-256 0a6a5e74c351eb572b3af256f5135e52918e945b40d14db040ccc931c6eb898c
  */

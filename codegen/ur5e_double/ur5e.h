@@ -20,28 +20,16 @@
  *
  * Worst case of a call, with NULL as config (README.md says how it is known and has 255
  * iterations):
- *   inverse_all: 5443 add, 6854 mul, 127 div, 51 sqrt, 144 sin, 144 cos, 34 atan2
- *   inverse_branch: 970 add, 1296 mul, 29 div, 37 sqrt, 18 sin, 18 cos, 34 atan2
- *   inverse_nearest: 995 add, 1324 mul, 29 div, 37 sqrt, 18 sin, 18 cos, 34 atan2
+ *   inverse_all: 4939 add, 6566 mul, 127 div, 51 sqrt, 144 sin, 144 cos, 34 atan2
+ *   inverse_branch: 907 add, 1260 mul, 29 div, 37 sqrt, 18 sin, 18 cos, 34 atan2
+ *   inverse_nearest: 932 add, 1288 mul, 29 div, 37 sqrt, 18 sin, 18 cos, 34 atan2
  *   direct: 58 add, 86 mul, 1 div, 1 sqrt, 6 sin, 6 cos
- *   inverse: 100 iterations, 22668 add, 33252 mul, 1819 div, 1608 sqrt, 24 sin, 24 cos, 606 atan2
+ *   inverse: 100 iterations, 22605 add, 33216 mul, 1819 div, 1608 sqrt, 24 sin, 24 cos, 606 atan2
  *   jacobian: 97 add, 135 mul, 6 sin, 6 cos
  *   twist: 139 add, 171 mul, 6 sin, 6 cos
- *   feed: 499 add, 617 mul, 23 div, 5 sqrt, 6 sin, 6 cos
- *   rates: 493 add, 611 mul, 17 div, 5 sqrt, 6 sin, 6 cos
- *   track: 847 add, 1131 mul, 19 div, 10 sqrt, 30 sin, 30 cos
- *   measured (Cortex-M7, GCC 12.2.1 -O2, 14650 inputs, seed 1): instructions, bytes of stack with
- *     callees, bytes of code with callees but without those of libm:
- *   inverse_all: 19485 instructions, 1660 stack, 6636 code
- *   inverse_branch: 2905 instructions, 1716 stack, 6720 code
- *   inverse_nearest: 3450 instructions, 1780 stack, 6984 code
- *   direct: 1685 instructions, 944 stack, 1212 code
- *   inverse: 125095 instructions, 2540 stack, 11584 code
- *   jacobian: 1810 instructions, 880 stack, 1708 code
- *   twist: 2240 instructions, 1224 stack, 1896 code
- *   feed: 8280 instructions, 1492 stack, 3492 code
- *   rates: 8155 instructions, 1428 stack, 3392 code
- *   track: 11175 instructions, 1580 stack, 4852 code
+ *   feed: 436 add, 581 mul, 23 div, 5 sqrt, 6 sin, 6 cos
+ *   rates: 430 add, 575 mul, 17 div, 5 sqrt, 6 sin, 6 cos
+ *   track: 784 add, 1095 mul, 19 div, 10 sqrt, 30 sin, 30 cos
  *
  * Model SHA-256 a72b063b87bb3a08505b80421fdd2a78f08e451a852a353dab64180a7c23c55b
  */

@@ -327,9 +327,10 @@ static yao2020_real yao2020_damped(const yao2020_real jacobian[36], const yao202
         1.0f, 1.0f };
     static const yao2020_real column_scale[6] = { 1.0f, 1.0f, 1.0f, 1.0f, 1.0f, 555.0225f };
     yao2020_real a[6][6];
-    yao2020_real g[6][6]; /* upper triangle: factors; below: the normal equations */
-    yao2020_real diagonal[6];
+    yao2020_real g[6][6];
     yao2020_real right[6];
+    yao2020_real z[6];
+    bool whole = true;
     yao2020_real smallest = 0.0f;
     yao2020_real mean = 0.0f;
     yao2020_real raised = 0.0f;
@@ -342,87 +343,64 @@ static yao2020_real yao2020_damped(const yao2020_real jacobian[36], const yao202
     for (int i = 0; i < 6; ++i) {
         right[i] = e[i];
         for (int j = i; j < 6; ++j) {
-            yao2020_real sum = 0.0f;
-            for (int k = 0; k < 6; ++k) {
-                sum += a[i][k] * a[j][k];
-            }
-            g[j][i] = sum;
+            g[i][j] = (a[i][0] * a[j][0]) + (a[i][1] * a[j][1]) + (a[i][2] * a[j][2])
+                + (a[i][3] * a[j][3]) + (a[i][4] * a[j][4]) + (a[i][5] * a[j][5]);
+            g[j][i] = g[i][j];
         }
-        diagonal[i] = g[i][i];
-        mean += diagonal[i];
+        mean += g[i][i];
     }
     mean *= 0.16666667f;
     for (int round = 0; (round < 2) && ((round == 0) || (smallest < 0.0004f)); ++round) {
         uint8_t order[6];
-        yao2020_real r[6];
+        yao2020_real left[6]; /* of the diagonal */
         yao2020_real over[6];
+        yao2020_real row[6][6]; /* of each step, and its factors; a column each */
+        yao2020_real factor[6][6];
         for (int i = 0; i < 6; ++i) {
             order[i] = (uint8_t)i;
-            r[i] = right[i];
-            g[i][i] = diagonal[i] + raised;
-            for (int j = i + 1; j < 6; ++j) {
-                g[i][j] = g[j][i];
-            }
+            z[i] = right[i];
+            left[i] = g[i][i] + raised;
         }
         /* factors, the largest diagonal entry first, with the right side beside them */
-        bool whole = true;
+        whole = true;
         for (int c = 0; (c < 6) && whole; ++c) {
             int best = c;
             for (int i = c + 1; i < 6; ++i) {
-                best = (g[i][i] > g[best][best]) ? i : best;
+                best = (left[order[i]] > left[order[best]]) ? i : best;
             }
-            if (best != c) {
-                const uint8_t name = order[c];
-                const yao2020_real side = r[c];
-                order[c] = order[best];
-                order[best] = name;
-                r[c] = r[best];
-                r[best] = side;
-                for (int k = 0; k < 6; ++k) {
-                    if ((k != c) && (k != best)) {
-                        yao2020_real *const one = (k < c) ? &g[k][c] : &g[c][k];
-                        yao2020_real *const other = (k < best) ? &g[k][best] : &g[best][k];
-                        const yao2020_real t = *one;
-                        *one = *other;
-                        *other = t;
-                    }
-                }
-                const yao2020_real first = g[c][c];
-                g[c][c] = g[best][best];
-                g[best][best] = first;
-            }
-            whole = g[c][c] > 9.536743e-07f * mean;
-            over[c] = whole ? (1.0f / g[c][c]) : 0.0f;
+            const uint8_t p = order[best];
+            order[best] = order[c];
+            order[c] = p;
+            whole = left[p] > 9.536743e-07f * mean;
+            over[c] = whole ? (1.0f / left[p]) : 0.0f;
             for (int i = c + 1; (i < 6) && whole; ++i) {
-                const yao2020_real factor = g[c][i] * over[c];
-                for (int j = i; j < 6; ++j) {
-                    g[i][j] -= factor * g[c][j];
+                const uint8_t j = order[i];
+                yao2020_real sum = g[p][j];
+                for (int k = 0; k < c; ++k) {
+                    sum -= factor[p][k] * row[j][k];
                 }
-                r[i] -= factor * r[c];
+                row[j][c] = sum;
+                factor[j][c] = sum * over[c];
+                left[j] -= factor[j][c] * sum;
+                z[j] -= factor[j][c] * z[p];
             }
         }
         if (round == 0) {
-            smallest = whole ? (g[5][5] / mean) : 0.0f;
+            smallest = whole ? (left[order[5]] / mean) : 0.0f;
             raised = mean * (0.0004f - smallest);
         }
         /* back substitution; without a whole set of factors the next round follows */
-        for (int i = 5; (i >= 0) && whole; --i) {
-            for (int j = i + 1; j < 6; ++j) {
-                r[i] -= g[i][j] * r[j];
-            }
-            r[i] *= over[i];
-        }
-        for (int i = 0; i < 6; ++i) {
-            y[i] = 0.0f;
-        }
-        for (int i = 0; (i < 6) && whole; ++i) {
-            for (int j = 0; j < 6; ++j) {
-                y[j] += a[order[i]][j] * r[i];
+        for (int c = 5; (c >= 0) && whole; --c) {
+            const uint8_t p = order[c];
+            z[p] *= over[c];
+            for (int i = c + 1; i < 6; ++i) {
+                z[p] -= factor[order[i]][c] * z[order[i]];
             }
         }
     }
     for (int i = 0; i < 6; ++i) {
-        y[i] *= column_scale[i];
+        y[i] = whole ? column_scale[i] * ((a[0][i] * z[0]) + (a[1][i] * z[1]) + (a[2][i] * z[2])
+            + (a[3][i] * z[3]) + (a[4][i] * z[4]) + (a[5][i] * z[5])) : 0.0f;
     }
     return smallest;
 }

@@ -20,28 +20,16 @@
  *
  * Worst case of a call, with NULL as config (README.md says how it is known and has 255
  * iterations):
- *   inverse_all: 6485 add, 8568 mul, 185 div, 47 sqrt
- *   inverse_branch: 1235 add, 1603 mul, 87 div, 33 sqrt
- *   inverse_nearest: 1256 add, 1624 mul, 87 div, 33 sqrt
+ *   inverse_all: 5981 add, 8280 mul, 185 div, 47 sqrt
+ *   inverse_branch: 1172 add, 1567 mul, 87 div, 33 sqrt
+ *   inverse_nearest: 1193 add, 1588 mul, 87 div, 33 sqrt
  *   direct: 102 add, 144 mul, 1 div, 1 sqrt
- *   inverse: 100 iterations, 23734 add, 30627 mul, 2231 div, 1307 sqrt
+ *   inverse: 100 iterations, 23671 add, 30591 mul, 2231 div, 1307 sqrt
  *   jacobian: 120 add, 178 mul
  *   twist: 162 add, 214 mul
- *   feed: 522 add, 702 mul, 23 div, 5 sqrt
- *   rates: 516 add, 696 mul, 17 div, 5 sqrt
- *   track: 1030 add, 1443 mul, 19 div, 10 sqrt
- *   measured (Cortex-M4F, GCC 12.2.1 -O2, 13654 inputs, seed 1): instructions, bytes of stack with
- *     callees, bytes of code with callees but without those of libm:
- *   inverse_all: 60625 instructions, 880 stack, 6152 code
- *   inverse_branch: 9045 instructions, 904 stack, 6224 code
- *   inverse_nearest: 9220 instructions, 944 stack, 6472 code
- *   direct: 625 instructions, 112 stack, 1304 code
- *   inverse: 118095 instructions, 1248 stack, 10080 code
- *   jacobian: 685 instructions, 104 stack, 1548 code
- *   twist: 1085 instructions, 280 stack, 1708 code
- *   feed: 7665 instructions, 792 stack, 3376 code
- *   rates: 7550 instructions, 752 stack, 3272 code
- *   track: 9585 instructions, 832 stack, 4664 code
+ *   feed: 459 add, 666 mul, 23 div, 5 sqrt
+ *   rates: 453 add, 660 mul, 17 div, 5 sqrt
+ *   track: 967 add, 1407 mul, 19 div, 10 sqrt
  *
  * Model SHA-256 98eb777f285bb0f01202bb6155b0345518c2eb31f42fdf259ae851aac40d2594
  */
