@@ -26,7 +26,7 @@ from symkin.codegen.steps.limbwise import Held
 from symkin.codegen.steps.linear_solver import is_unrolled
 from symkin.codegen.steps.newton_kernel import Kernel, sampled, system_kernel
 from symkin.codegen.steps.passive_limits import PassiveCheck, PassiveLimit, passive_limits
-from symkin.codegen.steps.passive_reach import PassiveReach, passive_reaches
+from symkin.codegen.steps.passive_reach import passive_reaches
 from symkin.codegen.steps.pose_coordinates import restricted
 from symkin.codegen.steps.pose_core import PoseCore, pose_core
 from symkin.codegen.steps.samples import Configuration, configurations
@@ -169,13 +169,13 @@ class LimbPlatform(Described):
         )
 
     @cached_property
-    def _reaches(self) -> list[PassiveReach] | None:
+    def _reaches(self) -> list[PassiveCheck] | None:
         """Where the limbs' passive joints exist, once they are taken out; None where that is not
         known.
         """
-        found = list[PassiveReach]()
+        found = list[PassiveCheck]()
         for limb in split_blocks(self.geometry.system(self.inverse)):
-            reaches = passive_reaches(self.direct, limb, self.samples, self.home_values)
+            reaches = passive_reaches(self.direct, limb, self.samples, self.home_values, self.real)
             if reaches is None:
                 return None
             found += reaches

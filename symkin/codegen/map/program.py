@@ -101,7 +101,7 @@ def build_program(
     begin = fill("begin.c", source.values | _header_values(kind, source.code, [], described.digest))
     body = source.text.rstrip() + "\n"
     lu = fill("lu.c", source.values) if f"{kind.name}_lu(" in body else ""
-    checks = finite_check(kind.name, kind.geometry.names, kind.real)
+    checks = finite_check(kind.geometry.names)
     text = kind.real.typed(begin + checks + lu + body, kind.name, struct=bool(kind.geometry.names))
     worst = WorstCase.of(kind.name, text, measured)
     values = source.values | _header_values(

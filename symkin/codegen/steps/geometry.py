@@ -138,7 +138,7 @@ def exact_turn(numbers: np.ndarray) -> np.ndarray:
     return np.where(np.abs(numbers - np.round(numbers)) <= _ROUNDING, np.round(numbers), numbers)
 
 
-def finite_check(name: str, numbers: Sequence[str], real: Real) -> str:
+def finite_check(numbers: Sequence[str]) -> str:
     """Write NAME_check_geometry, which keeps a status where all numbers of the struct are finite;
     nothing without a struct.
     """
@@ -146,5 +146,4 @@ def finite_check(name: str, numbers: Sequence[str], real: Real) -> str:
         return ""
     last = len(numbers) - 1
     members = [f"{text}{',' if k < last else ''}" for k, text in enumerate(numbers)]
-    shown = {"p": name, "P": name.upper(), "real": real.type, "count": len(members)}
-    return fill("check_geometry.c", shown | {"members": members})
+    return fill("check_geometry.c", {"count": len(members), "members": members})

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Protocol
 
 import casadi as ca
 import numpy as np
@@ -24,63 +23,47 @@ from symkin.model.joint import Coordinate, places_of
 from symkin.text import c_comment
 
 
-class PassiveCheck(Protocol):
+@dataclass(frozen=True, eq=False)
+class PassiveCheck:
     """What C asks of a joint that is neither given nor found: expressions over the closure's
     variables that are compared, and the condition on their C texts.
     """
 
-    @property
-    def name(self) -> str: ...
-
-    def compared(self, real: Real, size: float) -> list[ca.SX]: ...
-
-    def test(self, texts: Sequence[str], real: Real, size: float) -> str: ...
+    name: str
+    compared: tuple[ca.SX, ...]
+    condition: str
 
 
 @dataclass(frozen=True, eq=False)
-class PassiveLimit:
-    """A coordinate with limits, and what it reads over the closure's variables: a length, or cosine
-    and sine of an angle.
+class PassiveLimit(PassiveCheck):
+    """Of limits: what the coordinate reads over the closure's variables, a length, or cosine and
+    sine of an angle.
     """
 
-    coordinate: Coordinate
+    limits: tuple[float, float]
     parts: tuple[ca.SX, ...]
 
-    @property
-    def name(self) -> str:
-        return self.coordinate.name
 
-    def _half(self, real: Real, size: float) -> float:
-        low, high = range_of(self.coordinate, real, size)
-        return 0.5 * (high - low)
-
-    def compared(self, real: Real, size: float) -> list[ca.SX]:
-        """What C compares: the length, or cosine and, if it is needed, sine of the way from the
-        middle.
-        """
-        if len(self.parts) == 1:
-            return list(self.parts)
-        middle, (c, s) = 0.5 * sum(range_of(self.coordinate, real, size)), self.parts
-        cosine, sine = (
-            c * np.cos(middle) + s * np.sin(middle),
-            s * np.cos(middle) - c * np.sin(middle),
-        )
-        return (
-            [cosine]
-            if abs(self._half(real, size) - 0.5 * np.pi) <= 0.25 * np.pi
-            else [cosine, sine]
-        )
-
-    def test(self, texts: Sequence[str], real: Real, size: float) -> str:
-        """C condition that the coordinate is within its limits."""
-        (low, high), half = range_of(self.coordinate, real, size), self._half(real, size)
-        if len(self.parts) == 1:
-            return f"({texts[0]} >= {low}) && ({texts[0]} <= {high})"
-        if len(texts) == 1:
-            return f"{texts[0]} >= {np.cos(half)}"
-        cosine, sine = texts
-        beyond, join = ("<=", "&&") if half < 0.5 * np.pi else (">=", "||")
-        return f"({cosine} > 0.0) {join} (fabs({sine}) {beyond} {np.sin(half)})"
+def _limit(c: Coordinate, parts: tuple[ca.SX, ...], real: Real, size: float) -> PassiveLimit:
+    """What is compared is the length, or cosine and, if it is needed, sine of the way from the
+    middle.
+    """
+    assert c.limits is not None  # noqa: S101 - that is why it is here
+    low, high = range_of(c, real, size)
+    half, middle = 0.5 * (high - low), 0.5 * (low + high)
+    if len(parts) == 1:
+        within = f"({{0}} >= {low}) && ({{0}} <= {high})"
+        return PassiveLimit(c.name, parts, within, c.limits, parts)
+    cosine, sine = parts
+    way = (
+        cosine * np.cos(middle) + sine * np.sin(middle),
+        sine * np.cos(middle) - cosine * np.sin(middle),
+    )
+    if abs(half - 0.5 * np.pi) <= 0.25 * np.pi:
+        return PassiveLimit(c.name, way[:1], f"{{0}} >= {np.cos(half)}", c.limits, parts)
+    beyond, join = ("<=", "&&") if half < 0.5 * np.pi else (">=", "||")
+    within = f"({{0}} > 0.0) {join} (fabs({{1}}) {beyond} {np.sin(half)})"
+    return PassiveLimit(c.name, way, within, c.limits, parts)
 
 
 def passive_limits(
@@ -109,9 +92,10 @@ def passive_limits(
     for c in wanted:
         if c.name in held:
             own = held[c.name]
-            found.append(PassiveLimit(c, (ca.cos(own), ca.sin(own)) if c.is_periodic else (own,)))
+            parts = (ca.cos(own), ca.sin(own)) if c.is_periodic else (own,)
+            found.append(_limit(c, parts, real, size))
         elif c.name in read:
-            found.append(PassiveLimit(c, read[c.name]))
+            found.append(_limit(c, read[c.name], real, size))
     return [limit for limit in found if _follows(limit, closure, known)]
 
 
@@ -141,8 +125,7 @@ def keeps_limits(
     whether it is not clearly beyond.
     """
     for limit in limits:
-        assert limit.coordinate.limits is not None  # noqa: S101 - that is why it is here
-        low, high = limit.coordinate.limits
+        low, high = limit.limits
         read = ca.Function("read", [closure.variables], [closure.bound(ca.vertcat(*limit.parts))])
         parts = np.asarray(read(values)).ravel()
         middle, half = 0.5 * (low + high), (0.5 - side * _ASIDE) * (high - low)
@@ -174,18 +157,15 @@ def limit_lines(
     """Statements that set the status to `status` where a limit is not kept, or a joint does not
     exist; `variables` are C text of the closure's variables.
     """
-    closure = geometry.closure
-    size = closure.characteristic_length
-    compared = [limit.compared(real, size) for limit in limits]
-    outputs = ca.vertcat(*(part for parts in compared for part in parts))
-    inputs = [(closure.variables, variables), (geometry.symbols, geometry.names)]
+    outputs = ca.vertcat(*(part for limit in limits for part in limit.compared))
+    inputs = [(geometry.closure.variables, variables), (geometry.symbols, geometry.names)]
     emitter = Emitter.of(real, inputs, outputs, prefix="l")
     place, tests = 0, list[str]()
-    for limit, parts in zip(limits, compared, strict=True):
-        texts = [emitter.value(0, place + i) for i in range(len(parts))]
-        place += len(parts)
+    for limit in limits:
+        texts = [emitter.value(0, place + i) for i in range(len(limit.compared))]
+        place += len(texts)
         tests += [
-            f"if (!({limit.test(texts, real, size)})) {{ /* {c_comment(limit.name)} */",
+            f"if (!({limit.condition.format(*texts)})) {{ /* {c_comment(limit.name)} */",
             f"    status = {status};",
             "}",
         ]

@@ -9,7 +9,7 @@ of a U joint whose axes are perpendicular; nothing is asked of such a joint.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import casadi as ca
 import numpy as np
@@ -17,6 +17,7 @@ import numpy as np
 from symkin.codegen.steps.formula_guards import RESOLVED
 from symkin.codegen.steps.limbwise import given_coordinates, passive_system
 from symkin.codegen.steps.newton_kernel import rounded
+from symkin.codegen.steps.passive_limits import PassiveCheck
 from symkin.codegen.steps.samples import Configuration
 from symkin.codegen.text.c import Real
 from symkin.elimination.closed_form import ClosedForm, closed_form
@@ -33,28 +34,13 @@ then below 1e-6 of A and B.
 """
 
 
-@dataclass(frozen=True, eq=False)
-class PassiveReach:
-    """What is above zero where a passive joint, `name`, exists: `value` by all variables of the
-    closure. `usual` is the usual size of its root.
-    """
-
-    name: str
-    value: ca.SX
-    usual: float
-
-    def compared(self, real: Real, size: float) -> list[ca.SX]:  # noqa: ARG002 - of all checks
-        return [self.value]
-
-    def test(self, texts: Sequence[str], real: Real, size: float) -> str:  # noqa: ARG002 - of all checks
-        """C condition that the joint exists."""
-        least = rounded((RESOLVED * real.epsilon * self.usual) ** 2)
-        return f"{texts[0]} > {least}"
-
-
 def passive_reaches(
-    problem: Problem, limb: System, samples: Sequence[Configuration], home: np.ndarray
-) -> list[PassiveReach] | None:
+    problem: Problem,
+    limb: System,
+    samples: Sequence[Configuration],
+    home: np.ndarray,
+    real: Real,
+) -> list[PassiveCheck] | None:
     """Where a limb's passive joints exist, on the reference's branch of them, by the pose of a
     direct problem and its known values: nothing where they exist everywhere, None where no formulas
     tell.
@@ -75,10 +61,11 @@ def passive_reaches(
     if not np.all(np.isfinite(values)):
         return None
     usual = np.sqrt(np.median(np.abs(values), axis=0))
+    least = [rounded(v) for v in (RESOLVED * real.epsilon * usual) ** 2]
     texts = form.at_roots(form.discriminants, ca.sqrt)
     texts = ca.substitute(texts, form.signs, ca.SX(ca.DM(signs)))
     return [
-        PassiveReach(name, texts[k], float(usual[k]))
+        PassiveCheck(name, (texts[k],), f"{{0}} > {least[k]}")
         for k, name in enumerate(form.names)
         if not _is_never_below_zero(values[:, k], squares)
     ]
