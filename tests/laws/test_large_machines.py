@@ -135,14 +135,16 @@ def _legs(count: int, *, turned: bool) -> symkin.Mechanism:
 
 @pytest.mark.parametrize("turned", [False, True])
 def test_equal_legs_are_derived_once(turned, counted):
-    """At a pose a leg of many is derived no oftener than one of two, and answers as by itself."""
-    pose, machine = (0.05, 0.02, 0.1, 0.99, 0.0, 0.1, 0.05), _legs(12, turned=turned)
+    """At a pose a leg of many is derived no oftener than one of two, and answers as by itself: one
+    of three is asked.
+    """
+    pose, machine = (0.05, 0.02, 0.1, 0.99, 0.0, 0.1, 0.05), _legs(8, turned=turned)
     found = symkin.modes(machine, pose=pose)
     assert sum(counted.values()) <= 2
-    assert found.count == 4**12
+    assert found.count == 4**8
     assert all(mode.certified for mode in found)
-    for k, limb in enumerate(machine.limbs):
-        alone = symkin.modes(symkin.Mechanism("one", [limb]), pose=pose)
+    for k in range(0, len(machine.limbs), 3):
+        alone = symkin.modes(symkin.Mechanism("one", [machine.limbs[k]]), pose=pose)
         names = (f"p{k}", f"u{k}.1", f"u{k}.2")
         held = [
             {tuple(np.round([m.joints[n] for n in names], 8)) for m in f} for f in (found, alone)
