@@ -151,13 +151,9 @@ def _too_many(ctx: Any, words: Sequence[str]) -> InputError:
     places = [p.metavar for p in ctx.command.params if p.param_type_name == "argument"]
     extra = alone[len(places)] if len(alone) > len(places) else ""
     taken = f"{' and '.join(places)}, and options" if places else "options only"
-    joints = any("--joints" in p.opts for p in ctx.command.params) and _VALUE.fullmatch(extra)
-    ends = any("--from" in p.opts for p in ctx.command.params) and _VALUE.fullmatch(extra)
-    hint = (
-        f"; joint values are given by --joints {extra}"
-        if joints
-        else f"; a path is --from {extra} --to ..."
-        if ends
-        else ""
-    )
+    hint = ""
+    if _VALUE.fullmatch(extra) and "--joints" in options:
+        hint = f"; joint values are given by --joints {extra}"
+    elif _VALUE.fullmatch(extra) and "--from" in options:
+        hint = f"; a path is --from {extra} --to ..."
     return InputError(f"{shown(extra)} stands alone: `{ctx.command_path}` takes {taken}{hint}")

@@ -35,7 +35,6 @@ from symkin.following.tube import Interval, Tubes
 from symkin.following.whole_turns import ClosedBranch, closed_branch, whole_turns
 from symkin.numeric.tolerances import CLOSURE_TOLERANCE
 from symkin.position.determination import DIGITS
-from symkin.position.problem import Problem
 
 Ending = Literal["reached", "singular", "limit", "open", "unproved"]
 
@@ -130,17 +129,10 @@ class BlockFollower:
         system: PathSystem, trajectory: Trajectory, watch: LimitWatch, unknown: np.ndarray
     ) -> BlockFollower:
         """Stand at the first sample, whose unknowns (in radians and the length unit) are given."""
-        interval, size = (
-            interval_of(system, trajectory, 0),
-            system.problem.closure.characteristic_length,
-        )
-        follower = BlockFollower(
-            system,
-            trajectory,
-            watch,
-            interval,
-            station_near(interval, 0, unknown[system.places] / system.scale, 0.0),
-        )
+        interval = interval_of(system, trajectory, 0)
+        size = system.problem.closure.characteristic_length
+        station = station_near(interval, 0, unknown[system.places] / system.scale, 0.0)
+        follower = BlockFollower(system, trajectory, watch, interval, station)
         left, follower.closed = follower._closure_error(follower.station), CLOSURE_TOLERANCE * size
         if follower.closed < left <= DIGITS * size:
             follower.closed = min(_MORE_MISFIT * left, DIGITS * size)
@@ -356,9 +348,8 @@ class BlockFollower:
         self.curves.append((curve, step.tubes))
         met = self.watch.unknown(self.interval, curve)
         if met is not None:
-            self.station = station_near(
-                self.interval, before.row, curve.at(met[0])[:-1], float(curve.at(met[0])[-1])
-            )
+            *z, u = curve.at(met[0])
+            self.station = station_near(self.interval, before.row, np.array(z), float(u))
             self.stop = BlockStop("limit", self.station.u, limit=met[1])
         left = self._closure_error(self.station)
         if left > self.closed:
@@ -377,7 +368,10 @@ class BlockFollower:
         """
         known = self.trajectory.at(station.row, station.u)
         own = self.system.system.residual(self.system.unknown(station.z), known)
-        return max(own, given_error(self.system.problem, known))
+        conditions = self.system.problem.conditions
+        if not conditions.errors.numel():
+            return own
+        return max(own, conditions.residual(np.zeros(0), known))
 
     def _opening(self, closed: Station, opened: Station) -> Station:
         """The last station between the two at which the loops close, by halving."""
@@ -397,21 +391,11 @@ class BlockFollower:
         if found is None or found.u > until + SAME_PLACE:
             return False
         fold = prove_fold(self.interval, a, found) if found.kind == "turning point" else None
-        away = found.u - a.u
-        moves = away * min(1.0, float(np.max(np.abs(a.slope), initial=0.0)))
-        near = (
-            moves <= _AT_BIFURCATION if found.kind == "bifurcation" else away <= _AT_TURNING_POINT
-        )
-        if fold is None and not near:
+        away, near = found.u - a.u, _AT_TURNING_POINT
+        if found.kind == "bifurcation":
+            away *= min(1.0, float(np.max(np.abs(a.slope), initial=0.0)))
+            near = _AT_BIFURCATION
+        if fold is None and not away <= near:
             return False
         self.stop = BlockStop("singular", found.u, singular=found, fold=fold)
         return True
-
-
-def given_error(problem: Problem, known: np.ndarray) -> float:
-    """The largest error (length unit) of the conditions on given values alone."""
-    return (
-        problem.conditions.residual(np.zeros(0), known)
-        if problem.conditions.errors.numel()
-        else 0.0
-    )

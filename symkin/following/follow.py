@@ -12,6 +12,7 @@ import math
 from bisect import bisect_left, bisect_right
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
+from operator import attrgetter
 
 import numpy as np
 
@@ -24,6 +25,7 @@ from symkin.following.trajectory import Trajectory, coefficients
 from symkin.following.tube import Interval
 from symkin.numeric.tolerances import CLOSURE_TOLERANCE
 from symkin.position.problem import Problem
+from symkin.text import counted
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,14 +94,12 @@ class Branch:
         """The configurations (u, unknowns) at the ends of all blocks' steps on an interval: between
         its own ends a block is where it goes straight, near enough to tell turns.
         """
-        passed = [
-            block.passed[
-                bisect_left(block.passed, row, key=lambda s: s.row) : bisect_right(
-                    block.passed, row, key=lambda s: s.row
-                )
-            ]
-            for block in self.blocks
-        ]
+        passed = []
+        for ends in (block.passed for block in self.blocks):
+            first, last = (
+                side(ends, row, key=attrgetter("row")) for side in (bisect_left, bisect_right)
+            )
+            passed.append(ends[first:last])
         if not all(passed):
             return []
         shares = sorted({station.u for stations in passed for station in stations})
@@ -124,18 +124,10 @@ class Branch:
     @property
     def proved(self) -> bool:
         """Whether rows are as many as unknowns, and proofs lead to the end."""
-        if self.formula:
-            return True
-        if (
-            not self.is_square
-            or self.places[0].radius is None
-            or self.ending in ("open", "unproved")
-        ):
-            return False
-        return (
-            all(w.stop is not None and w.stop.fold is not None for w in self.stopped)
-            or self.ending == "limit"
-        )
+        if self.formula or not self.is_square or self.places[0].radius is None:
+            return self.formula
+        folds = all(w.stop is not None and w.stop.fold is not None for w in self.stopped)
+        return self.ending not in ("open", "unproved") and (folds or self.ending == "limit")
 
 
 def follow(
@@ -160,9 +152,9 @@ def follow(
         moved = not np.array_equal(trajectory.samples[row], trajectory.samples[row + 1])
         if moved and not _interval(branch, problem, trajectory, row, watch):
             return branch
-        end = PathPoint(row, 1.0, branch.last.unknown, branch.last.radius)
-        branch.places.append(end)
-        branch.last, branch.followed = end, trajectory.parameter(row, 1.0)
+        branch.last = PathPoint(row, 1.0, branch.last.unknown, branch.last.radius)
+        branch.places.append(branch.last)
+        branch.followed = trajectory.parameter(row, 1.0)
         if progress is not None:
             progress(row + 1, len(trajectory) - 1)
     return branch
@@ -201,18 +193,11 @@ def path_point(
     blocks: tuple[BlockFollower, ...], problem: Problem, row: int, u: float
 ) -> PathPoint:
     """The configuration of all blocks at a u that they have passed or at which they stop."""
-    radius: float | None = 0.0
-    for block in blocks:
-        half = block.station.half if block.station.u == u else None
-        radius = (
-            None
-            if half is None or radius is None
-            else max(radius, float(np.max(half[:-1], initial=0.0)))
-        )
-    unknown = joined(problem, blocks, (block.at(u) for block in blocks))
-    return PathPoint(
-        row, u, unknown, None if radius is None else radius * problem.closure.characteristic_length
-    )
+    halves = [block.station.half if block.station.u == u else None for block in blocks]
+    radius, size = None, problem.closure.characteristic_length
+    if all(half is not None for half in halves):
+        radius = size * max((float(np.max(h[:-1], initial=0.0)) for h in halves), default=0.0)  # type: ignore[index]
+    return PathPoint(row, u, joined(problem, blocks, (block.at(u) for block in blocks)), radius)
 
 
 def joined(
@@ -266,8 +251,12 @@ def carried(
 
 def ground(branch: Branch, certified: bool, residual: float, length_unit: str) -> str:
     """On what ground the samples of a branch are said to be one mode."""
-    steps = f"{branch.steps} step{'s' if branch.steps != 1 else ''}"
-    turns = _later_turns(branch)
+    steps, turns = counted(branch.steps, "step"), ""
+    if any(block.closed_branches for block in branch.blocks):
+        turns = (
+            "; after whole turns of the given angles the branch is where it began, and later turns "
+            "are the same"
+        )
     if branch.formula:
         return (
             "proved: the pose is a formula of the joints, one for every input; no steps are needed"
@@ -298,16 +287,6 @@ def ground(branch: Branch, certified: bool, residual: float, length_unit: str) -
         f"{_existence(branch, residual, length_unit)}"
         + _redundant_rows(branch, length_unit)
         + turns
-    )
-
-
-def _later_turns(branch: Branch) -> str:
-    """On what ground later turns are not followed."""
-    if not any(block.closed_branches for block in branch.blocks):
-        return ""
-    return (
-        "; after whole turns of the given angles the branch is where it began, and later turns are "
-        "the same"
     )
 
 

@@ -19,6 +19,7 @@ from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.tolerances import LIMIT_SLACK
 from symkin.position.problem import Problem
+from symkin.text import counted
 
 _NEAR_LIMIT = 1e-4
 """Values of the cubic nearer to their limits than this (of the size, or rad) are looked at on the
@@ -45,15 +46,11 @@ class Limit:
         c = next(c for c in mechanism.coordinates if c.name == self.name)
         value = mechanism.value_out(c, self.value)
         unit = mechanism.unit_of(c)
-        how, where = (
-            ("lies beyond its limit", " at the start")
-            if self.is_passed
-            else ("meets its limit", "")
-        )
+        text = f"{self.name} meets its limit {value:g} {unit}"
+        if self.is_passed:
+            text = f"{self.name} lies beyond its limit {value:g} {unit} at the start"
         turns = abs(round(self.turns / (2 * math.pi)))
-        return f"{self.name} {how} {value:g} {unit}{where}" + (
-            f", {turns} whole turn{'s' * (turns > 1)} apart" if turns else ""
-        )
+        return f"{text}, {counted(turns, 'whole turn')} apart" if turns else text
 
 
 @dataclass(frozen=True, eq=False)
@@ -140,11 +137,9 @@ class LimitWatch:
 
     def _limit(self, c: Coordinate, value: float) -> Limit:
         """The limit that is nearest to a value."""
-        low, high = c.limits or (-np.inf, np.inf)
         turns = self.turns.get(c.name, 0.0)
-        return Limit(
-            c.name, low if abs(value - turns - low) < abs(value - turns - high) else high, turns
-        )
+        ends = reversed(c.limits or (-np.inf, np.inf))
+        return Limit(c.name, min(ends, key=lambda end: abs(value - turns - end)), turns)
 
     def _unit(self, c: Coordinate) -> float:
         return c.unit(self.problem.closure.characteristic_length)

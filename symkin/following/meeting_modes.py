@@ -159,8 +159,7 @@ def user_values(trajectory: Trajectory, known: np.ndarray) -> dict[str, Any]:
     name.
     """
     mechanism, problem = trajectory.mechanism, trajectory.problem
-    values: dict[str, Any] = {}
-    place = 0
+    values, place = dict[str, Any](), 0
     for c in trajectory.coordinates:
         if c.role != "pose":
             number = float(known[place])
@@ -171,10 +170,7 @@ def user_values(trajectory: Trajectory, known: np.ndarray) -> dict[str, Any]:
     if any(c.role == "pose" for c in trajectory.coordinates):
         reference = problem.select_values(problem.closure.reference, problem.system.unknowns)
         pose = pose_of(problem.closure, problem.join_values(reference, known))
-        values["pose"] = [
-            *np.asarray(pose.position).tolist(),
-            *np.asarray(pose.quaternion).tolist(),
-        ]
+        values["pose"] = [*map(float, pose.position), *map(float, pose.quaternion)]
     return {"pose": values["pose"]} if trajectory.kind == "inverse" else {"given": values}
 
 
@@ -214,15 +210,10 @@ def _sides(block: BlockFollower, u: float) -> tuple[np.ndarray, np.ndarray]:
     # u = u* + u'' t^2 / 2 about the turning point (see `singular_point`): t = +-sqrt(2 (u* - u) /
     # |u''|) on its two sides
     reach = math.sqrt(2.0 * (point.u - u) / abs(point.curvature))
-    v = point.null[:, 0] * (
-        1.0 if point.null[:, 0] @ (block.station.z - point.y[:-1]) > 0 else -1.0
-    )
-    own, mate = (
-        block.system.correct(np.append(point.y[:-1] + s * reach * v, u)[None], block.interval.c)[0][
-            0, :-1
-        ]
-        for s in (1.0, -1.0)
-    )
+    null, z = point.null[:, 0], point.y[:-1]
+    v = reach * (null if null @ (block.station.z - z) > 0 else -null)
+    sides = (np.append(z + away, u)[None] for away in (v, -v))
+    own, mate = (block.system.correct(y, block.interval.c)[0][0, :-1] for y in sides)
     return own, mate
 
 

@@ -99,19 +99,14 @@ class ModeGraph(Result):
         """The modes at the chosen input."""
         return self.found[-1]
 
-    def sheet_of(self, node: Node) -> int:
-        return next(k for k, sheet in enumerate(self.sheets) if node in sheet)
-
     @property
     def groups(self) -> list[list[int]]:
         """The numbers (from 0) of the chosen input's modes, those that connect without a
         singularity together.
         """
         last = len(self.found) - 1
-        groups: dict[int, list[int]] = {}
-        for k in range(len(self.chosen)):
-            groups.setdefault(self.sheet_of((last, k)), []).append(k)
-        return list(groups.values())
+        here = (sorted(k for point, k in sheet if point == last) for sheet in self.sheets)
+        return sorted(filter(None, here))
 
     def path(self, begin: int, end: int) -> np.ndarray | None:
         """Known values (m, names) along edges from mode `begin` of the chosen input back to it on

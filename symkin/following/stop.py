@@ -93,13 +93,9 @@ def stop_of(path: MachinePath, branch: Branch, kept: list[Sample], name_modes: b
         return _singular_stop(path, branch, kept, name_modes)
     last = branch.places[0] if singular else last
     place = make_sample(path, last, kept[-1], branch.way(last.row, last.u))
-    reasons = {
-        "singular": "singular start",
-        "limit": "limit",
-        "open": "open loops",
-        "unproved": "unproved",
-    }
-    kind, text = reasons[branch.ending], _why(branch, path.written.mechanism)
+    reasons = {"singular": "singular start", "open": "open loops"}
+    kind = reasons.get(branch.ending, branch.ending)
+    text = _why(branch, path.written.mechanism)
     if branch.ending == "unproved" and branch.steps == 0 and place.condition > SUSPECT_CONDITION:
         kind, text = "singular start", _SINGULAR_TEXT
     return Stop(kind, last.row, last.u, place, text, limit=branch.limit)
@@ -139,10 +135,8 @@ def _singular_stop(path: MachinePath, branch: Branch, kept: list[Sample], name_m
     found = classify(place.solution, roles=roles_followed(problem))
     errors = [None if s.fold is None else s.fold.error for s in stops]
     return Stop(
-        kind=next(
-            (k for k in ("bifurcation", "degenerate") if any(p.kind == k for p in points)),
-            "turning point",
-        ),
+        # the first of them in the alphabet, too
+        kind=min((p.kind for p in points), default="turning point"),
         row=last.row,
         u=last.u,
         place=place,
@@ -169,8 +163,8 @@ def _groups(problem: Problem, place: Sample) -> tuple[SingularGroup, ...]:
 
 def roles_followed(problem: Problem) -> Roles:
     """What drives along a path: the coordinates that it tells by name, or the actuated joints."""
-    names = [c.name for c in problem.known_coordinates]
-    return roles_of(problem.mechanism, names if problem.name == "given" else None)
+    names = [c.name for c in problem.known_coordinates] if problem.name == "given" else None
+    return roles_of(problem.mechanism, names)
 
 
 def _type(branch: Branch) -> str:

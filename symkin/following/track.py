@@ -8,6 +8,7 @@ import math
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from operator import itemgetter
 from typing import Unpack
 
 import numpy as np
@@ -155,15 +156,12 @@ def _start_mode(trajectory: Trajectory, start: Start) -> tuple[Solution | None, 
         _check_start(trajectory, start)
         return start, ()
     result = solve(trajectory.mechanism, start=start, check=False, **trajectory.given[0])
-    if result.solution is None:
-        return None, (result.message, *(result.notes if trajectory.problem.by_name else ()))
-    if trajectory.problem.by_name:
-        return result.solution, tuple(n for n in result.notes if n not in result.solution.notes)
-    return result.solution, () if start is None else start_notes(
-        result.solution,
-        trajectory.problem,
-        start,
-    )
+    found, by_name = result.solution, trajectory.problem.by_name
+    if found is None:
+        return None, (result.message, *(result.notes if by_name else ()))
+    if by_name:
+        return found, tuple(n for n in result.notes if n not in found.notes)
+    return found, () if start is None else start_notes(found, trajectory.problem, start)
 
 
 def _check_start(trajectory: Trajectory, mode: Solution) -> None:
@@ -263,9 +261,7 @@ def nearest_to_singularity(branch: Branch, trajectory: Trajectory) -> PathPoint 
     least = min(p.sigma for p in block.passed)
     # where a branch comes back to itself its first place is its last one too, with other neighbours
     equal = [k for k, p in enumerate(block.passed) if p.sigma <= least * (1.0 + _SAME)][:2]
-    there, u = min((_least_near(block, trajectory, k) for k in equal), key=lambda found: found[0])[
-        1:
-    ]
+    _, there, u = min((_least_near(block, trajectory, k) for k in equal), key=itemgetter(0))
     parts = (_between(each, trajectory, there.row, u) for each in branch.blocks)
     unknown = joined(trajectory.problem, branch.blocks, parts)
     return PathPoint(there.row, u, unknown, None)
@@ -277,24 +273,8 @@ def _least_near(
     """The least singular value between the neighbours of the end of a step, this end, and where
     (u) it is."""
     there = block.passed[k]
-    low, high = (
-        p if p is not None and p.row == there.row else there
-        for p in (_at(block, k - 1), _at(block, k + 1))
-    )
-    value, u = _least(block, trajectory, (low, there, high))
-    return value, there, u
-
-
-def _at(block: BlockFollower, k: int) -> Station | None:
-    return block.passed[k] if 0 <= k < len(block.passed) else None
-
-
-def _least(
-    block: BlockFollower, trajectory: Trajectory, around: tuple[Station, Station, Station]
-) -> tuple[float, float]:
-    """The least singular value between two ends of steps, not above that of the end between
-    them, and its u."""
-    before, there, after = around
+    around = (block.passed[max(k - 1, 0)], *block.passed[k + 1 : k + 2], there)
+    before, after = (p if p.row == there.row else there for p in around[:2])
     interval = interval_of(block.system, trajectory, there.row)
     low, high, best = before.u, after.u, (there.sigma, there.u)
     for _ in range(_ROUNDS if high > low else 0):
@@ -307,7 +287,7 @@ def _least(
         k = int(np.argmin(sigma))
         best = min(best, (float(sigma[k]), float(u[k])))
         low, high = float(u[max(k - 1, 0)]), float(u[min(k + 1, _PLACES - 1)])
-    return best
+    return best[0], there, best[1]
 
 
 def _between(block: BlockFollower, trajectory: Trajectory, row: int, u: float) -> np.ndarray:
@@ -319,10 +299,9 @@ def _between(block: BlockFollower, trajectory: Trajectory, row: int, u: float) -
     own = [p for p in block.passed if p.row == row] or block.passed[-1:]
     before = max((p for p in own if p.u <= u), key=lambda p: p.u, default=own[0])
     after = min((p for p in own if p.u >= u), key=lambda p: p.u, default=own[-1])
-    station = station_near(
-        interval_of(block.system, trajectory, row), row, _interpolated(before, after, u), u
-    )
-    return station.z if station.is_regular else _interpolated(before, after, u)
+    guess = _interpolated(before, after, u)
+    station = station_near(interval_of(block.system, trajectory, row), row, guess, u)
+    return station.z if station.is_regular else guess
 
 
 def _interpolated(one: Station, two: Station, u: float) -> np.ndarray:

@@ -85,11 +85,9 @@ class Track(Result):
     @property
     def statement(self) -> str:
         """How the track ended, in one sentence."""
-        return (
-            "reached the end of the path on one mode"
-            if self.stop is None
-            else f"stopped: {self.stop}"
-        )
+        if self.stop is None:
+            return "reached the end of the path on one mode"
+        return f"stopped: {self.stop}"
 
     def to_dict(self) -> dict[str, Any]:
         """The JSON of `symkin track`, with all samples."""
@@ -122,20 +120,16 @@ class Track(Result):
         """
         mechanism = self.trajectory.mechanism
         unit, size = mechanism.length_unit, mechanism.characteristic_length
-        told = ", ".join(c.name for c in self.problem.known_coordinates)
-        what = (
-            f"given {told}"
-            if self.trajectory.kind == "given"
-            else f"{self.trajectory.kind} problem"
-        )
+        what = f"{self.trajectory.kind} problem"
+        if self.trajectory.kind == "given":
+            what = f"given {', '.join(c.name for c in self.problem.known_coordinates)}"
         above = [f"{mechanism.name}, {what}, {len(self.samples)} samples"]
         below = [self.statement, f"ground: {self.ground}", *self.trajectory.notes]
         if self.nearest is not None:
             below[:0] = [self._nearest_line(self.nearest), *self._motors_lines]
         if not self.samples:
             return Summary(above, below=below)
-        most = _MOST_ROWS if most_rows is None else min(most_rows, _MOST_ROWS)
-        chosen = np.unique(np.linspace(0, len(self.samples) - 1, most).round().astype(int)).tolist()
+        chosen = self._spread(_MOST_ROWS if most_rows is None else min(most_rows, _MOST_ROWS))
         header = ["path", *self._header, "sigma", "residual"]
         legend = (
             "path: share of the path, 0 to 1; sigma: smallest singular value of the unknowns' "
@@ -144,6 +138,11 @@ class Track(Result):
             f"{unit}"
         )
         return Summary(above, header, [*self._rows(chosen)], [legend, *below])
+
+    def _spread(self, most: int) -> list[int]:
+        """Numbers of samples that stand evenly along the path."""
+        numbers = np.linspace(0, len(self.samples) - 1, most).round().astype(int)
+        return np.unique(numbers).tolist()
 
     @property
     def _shows_pose(self) -> bool:
@@ -209,9 +208,7 @@ class Track(Result):
         """
         if self.trajectory.kind != "inverse" or "type 2" not in self.distances:
             return []
-        chosen = np.unique(
-            np.linspace(0, len(self.samples) - 1, _MOST_JUDGED).round().astype(int)
-        ).tolist()
+        chosen = self._spread(_MOST_JUDGED)
         roles = roles_followed(self.problem)
         values = [
             classify(self.samples[k].solution, roles=roles).distances.get("type 2", np.inf)

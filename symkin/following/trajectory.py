@@ -117,19 +117,20 @@ def make_trajectory(mechanism: Mechanism, **options: Unpack[PathOptions]) -> Tra
     read = [_READ[form](mechanism, row, k) for k, row in enumerate(rows, start=1)]
     limited = _limited(mechanism, read[0].names) if options["limits"] else ()
     problem = path_problem(mechanism, read[0].names, limited)
-    samples: list[np.ndarray] = []
+    samples, size = list[np.ndarray](), mechanism.characteristic_length
+    motion, unit = f"the platform's {mechanism.motion} motion", mechanism.length_unit
     for k, one in enumerate(read, start=1):
-        if one.off_motion > ON_MOTION * mechanism.characteristic_length:
-            raise InputError(_off_motion(mechanism, k, one.off_motion))
+        if one.off_motion > ON_MOTION * size:
+            raise InputError(
+                f"pose of sample {k} lies off {motion} by {one.off_motion:.3g} {unit}; allowed: "
+                f"{ON_MOTION * size:.3g}"
+            )
         samples.append(
             continued(problem.known_coordinates, samples[-1], one.values) if samples else one.values
         )
     furthest = max(one.off_motion for one in read)
-    projected = furthest > _ROUNDED * mechanism.characteristic_length
-    note = (
-        f"poses were projected onto the platform's {mechanism.motion} motion, by {furthest:.3g} "
-        f"{mechanism.length_unit}"
-    )
+    projected = furthest > _ROUNDED * size
+    note = f"poses were projected onto {motion}, by {furthest:.3g} {unit}"
     trajectory = Trajectory(
         problem,
         np.array(samples),
@@ -168,8 +169,8 @@ def _rows(
 
 def _limited(mechanism: Mechanism, names: tuple[str, ...]) -> tuple[str, ...]:
     """The joints that have limits, but for known ones."""
-    limited = (c.name for c in mechanism.coordinates if c.limits is not None)
-    return tuple(name for name in limited if name not in names)
+    own = mechanism.coordinates
+    return tuple(c.name for c in own if c.limits is not None and c.name not in names)
 
 
 def path_problem(mechanism: Mechanism, names: tuple[str, ...], limited: tuple[str, ...]) -> Problem:
@@ -274,13 +275,6 @@ _READ: dict[str, Callable[[Mechanism, Any, int], Given]] = {
 """How a row of a path is read."""
 
 
-def _off_motion(mechanism: Mechanism, number: int, off: float) -> str:
-    return (
-        f"pose of sample {number} lies off the platform's {mechanism.motion} motion by {off:.3g} "
-        f"{mechanism.length_unit}; allowed: {ON_MOTION * mechanism.characteristic_length:.3g}"
-    )
-
-
 def continued(
     coordinates: tuple[Coordinate, ...], before: np.ndarray, values: np.ndarray
 ) -> np.ndarray:
@@ -290,12 +284,11 @@ def continued(
     out, start = values.copy(), 0
     for c in coordinates:
         place = slice(start, start + c.width)
-        if c.is_rotation:
-            out[place] = values[place] if values[place] @ before[place] >= 0.0 else -values[place]
+        if c.is_rotation and values[place] @ before[place] < 0.0:
+            out[place] = -values[place]
         elif c.is_periodic and c.role == "pose":
-            out[place] = before[place] + np.array(
-                [math.remainder(values[start] - before[start], 2 * math.pi)]
-            )
+            turned = math.remainder(values[start] - before[start], 2 * math.pi)
+            out[start] = before[start] + turned
         start += c.width
     return out
 
@@ -331,13 +324,9 @@ def _refined(trajectory: Trajectory, count: int) -> Trajectory:
     if count == len(trajectory):
         return trajectory
     parts = math.ceil((count - 1) / intervals)
-    places = [(row, j / parts) for row in range(intervals) for j in range(parts)] + [
-        (intervals - 1, 1.0)
-    ]
-    samples = np.array([trajectory.at(row, u) for row, u in places])
-    times = (
-        None
-        if trajectory.times is None
-        else np.array([trajectory.time(row, u) for row, u in places], dtype=float)
-    )
+    places = [(row, j / parts) for row in range(intervals) for j in range(parts)]
+    places.append((intervals - 1, 1.0))
+    samples, times = np.array([trajectory.at(*place) for place in places]), trajectory.times
+    if times is not None:
+        times = np.array([trajectory.time(*place) for place in places], dtype=float)
     return replace(trajectory, samples=samples, times=times)

@@ -44,20 +44,13 @@ def require_closed(robot: Robot) -> Closed:
 
 def open_sentence(closed: Closed) -> str:
     """What is said of loops that no configuration found closes."""
+    places = {c.joint.name: f" ({c.where})" for c in closed.tree.robot.closures if c.where}
     return (
         f"no configuration was found that closes the loops: the best one leaves "
         f"{closed.residual:.3g} m, most of it in the loop of "
-        f"{_with_place(closed)}; check its frames and the types of the joints along it"
+        f"{closed.resists}{places.get(closed.resists, '')}; check its frames and the types of the "
+        f"joints along it"
     )
-
-
-def _with_place(closed: Closed) -> str:
-    """The closure that resists, with its place in the file."""
-    where = next(
-        (c.where for c in closed.tree.robot.closures if c.joint.name == closed.resists and c.where),
-        "",
-    )
-    return f"{closed.resists} ({where})" if where else closed.resists
 
 
 def assembled(robot: Robot, closed: Closed) -> Mechanism:
@@ -68,17 +61,11 @@ def assembled(robot: Robot, closed: Closed) -> Mechanism:
         raise MechanismError(
             f"{robot.source or robot.name}: no joint moves; a mechanism needs one at least"
         )
-    joints = (LinkJoint(_moved(entry, closed), entry.links) for entry in robot.joints)
     several = [entry.joint for entry in robot.tree if entry.joint.type in ("C", "U")]
     away = {c.name: closed.values[c.name][0] for joint in several for c in joint.coordinates}
     found = Mechanism(
         identifier(robot.name),
-        link_joints=[
-            joint.turned()
-            if isinstance(entry, ClosingJoint) and entry.joint.name in robot.parts.turned
-            else joint
-            for entry, joint in zip(robot.joints, joints, strict=True)
-        ],
+        link_joints=[_moved(entry, closed) for entry in robot.joints],
         couplings=[coupling.counted_from(away) for coupling in robot.couplings],
         length_unit="m",
         angle_unit="rad",
@@ -99,14 +86,14 @@ def _link_meshes(robot: Robot, closed: Closed) -> Iterator[LinkMesh]:
             )
 
 
-def _moved(entry: LinkJoint, closed: Closed) -> Joint:
+def _moved(entry: LinkJoint, closed: Closed) -> LinkJoint:
     """A joint where its links are, a closure half of what is left open away from its first frame;
     `zero` is its value there, for joints of one coordinate.
     """
     joint = entry.joint
     first, second = (closed.displacements[link] for link in entry.links)
     point = first.apply(np.array(joint.point))
-    if isinstance(entry, ClosingJoint):
+    if closes := isinstance(entry, ClosingJoint):
         second = second @ entry.gap
         point = 0.5 * (point + second.apply(np.array(joint.point)))
     changes: dict[str, Any] = {"point": tuple(point)}
@@ -116,15 +103,16 @@ def _moved(entry: LinkJoint, closed: Closed) -> Joint:
     if joint.freedom == 1:
         changes["zero"] = (
             _reading(replace(joint, zero=0.0), first.inverse() @ second)
-            if isinstance(entry, ClosingJoint)
+            if closes
             else closed.values[joint.name][0]
         )
-    return replace(joint, **changes)
+    made = LinkJoint(replace(joint, **changes), entry.links)
+    return made.turned() if closes and joint.name in closed.tree.robot.parts.turned else made
 
 
 def _reading(joint: Joint, between: Pose) -> float:
     """The coordinate of a joint where its second link is displaced in its first."""
-    columns = Pose(*(np.asarray(part)[:, None] for part in (between.position, between.quaternion)))
+    columns = Pose(between.position[:, None], between.quaternion[:, None])
     (value,) = joint_coordinates(joint, columns)
     return float(value[0])
 
@@ -156,12 +144,10 @@ class _Made:
         """Add to values what the file leaves out."""
         for name, value in zeros.items():
             entry = self._known(name)
-            limits = (
-                None if entry.joint.limits is None else [end + value for end in entry.joint.limits]
-            )
-            self.joints[name] = replace(
-                entry, joint=replace(entry.joint, zero=entry.joint.zero + value, limits=limits)
-            )
+            joint = entry.joint
+            limits = joint.limits and [end + value for end in joint.limits]
+            moved = replace(joint, zero=joint.zero + value, limits=limits)
+            self.joints[name] = replace(entry, joint=moved)
         before = {name: -value for name, value in zeros.items()}
         for name, coupling in self.couplings.items():
             self.couplings[name] = coupling.counted_from(before)
@@ -192,25 +178,32 @@ class _Made:
         driven = self.parts.actuated
         self.check_known(name for name in driven or () if name not in self.rods)
         places = {name: k for k, name in enumerate(self.parts.order)}
-        joints = sorted(
-            self.joints.values(), key=lambda entry: places.get(entry.joint.name, len(places))
-        )
-        rods = sorted(self.rods.values(), key=lambda rod: places.get(rod.name, len(places)))
+
+        def place(name: str) -> int:
+            return places.get(name, len(places))
+
+        joints = [self.joints[name] for name in sorted(self.joints, key=place)]
+        rods = [self.rods[name] for name in sorted(self.rods, key=place)]
         if driven is not None:
             joints = [
                 replace(entry, joint=replace(entry.joint, actuated=entry.joint.name in driven))
                 for entry in joints
             ]
-        couplings = tuple(self.couplings.values())
+        changes: dict[str, Any] = {}
+        if self.parts.platform is not None:
+            link, pose = self.parts.platform
+            frame = {"platform_position": pose.position, "platform_quaternion": pose.quaternion}
+            changes = {key: tuple(map(float, values)) for key, values in frame.items()}
+            changes["platform_link"] = link
         try:
-            made = replace(
+            return replace(
                 self.given,
                 link_joints=joints,
                 link_rods=rods,
-                couplings=couplings,
+                couplings=tuple(self.couplings.values()),
                 link_points=self.parts.points,
+                **changes,
             )
-            return made if self.parts.platform is None else _with_frame(made, *self.parts.platform)
         except MechanismError as error:
             raise self._error(str(error)) from None
 
@@ -275,29 +268,12 @@ class _Made:
         drives = [joint for joint in moving if joint.type == "P"]
         if not balls or len(drives) > 1 or set(types) > {"S", "R", "P"}:
             raise self._unfit(whole)
-        start, end = moving[0].point, moving[-1].point
-        if not drives:
-            return LinkRod(whole.name, links, start, end, length=whole.number or None)
-        return LinkRod(
-            whole.name,
-            links,
-            start,
-            end,
-            actuated=True,
-            offset=whole.number,
-            limits=drives[0].limits,
-        )
+        told: dict[str, Any] = {"length": whole.number or None}
+        if drives:
+            told = {"actuated": True, "offset": whole.number, "limits": drives[0].limits}
+        return LinkRod(whole.name, links, moving[0].point, moving[-1].point, **told)
 
     def _unfit(self, whole: Whole) -> MechanismError:
         return self._error(
             f"the parts of {whole.name!r}, {', '.join(whole.parts)}, make no {whole.kind}"
         )
-
-
-def _with_frame(mechanism: Mechanism, link: str, pose: Pose) -> Mechanism:
-    position, quaternion = (
-        tuple(float(v) for v in values) for values in (pose.position, pose.quaternion)
-    )
-    return replace(
-        mechanism, platform_link=link, platform_position=position, platform_quaternion=quaternion
-    )

@@ -7,6 +7,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from itertools import pairwise
 
+from symkin.formats.robot import AXES, Z
 from symkin.model.changed import scaled
 from symkin.model.graph import LinkJoint, LinkRod
 from symkin.model.joint import BASE, PLATFORM, Joint
@@ -23,7 +24,6 @@ _MOTIONS: dict[str, tuple[str, ...]] = {
     "spherical": ("turn",),
 }
 """The joints that carry a platform of restricted motion from the base, in order."""
-_AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0), "gamma": (0.0, 0.0, 1.0)}
 
 
 def as_graph(mechanism: Mechanism) -> Mechanism:
@@ -33,15 +33,16 @@ def as_graph(mechanism: Mechanism) -> Mechanism:
     restricted motion is carried from the base by passive joints (platform.x, platform.gamma, ...)
     that leave it this motion.
     """
-    carriers = list(_carriers(mechanism))
-    joints = [entry for limb in mechanism.limbs for entry in _chain(limb)]
+    joints = [
+        LinkJoint(joint, links)
+        for limb in mechanism.limbs
+        for joint, links in zip(limb.joints, pairwise(limb.links_along), strict=True)
+    ]
+    rods = [rod for limb in mechanism.limbs for rod in _rods(mechanism, limb)]
     graph = Mechanism(
         mechanism.name,
-        link_joints=[*joints, *carriers, *mechanism.link_joints],
-        link_rods=[
-            *(rod for limb in mechanism.limbs for rod in _rods(mechanism, limb)),
-            *mechanism.link_rods,
-        ],
+        link_joints=[*joints, *_carriers(mechanism), *mechanism.link_joints],
+        link_rods=[*rods, *mechanism.link_rods],
         couplings=mechanism.couplings,
         link_points=mechanism.link_points,
         platform_position=mechanism.platform_position,
@@ -55,26 +56,19 @@ def as_graph(mechanism: Mechanism) -> Mechanism:
     return scaled(graph, METRES[mechanism.length_unit])
 
 
-def _chain(limb: AnyLimb) -> Iterator[LinkJoint]:
-    """The joints of a limb, each between two of its links."""
-    for joint, links in zip(limb.joints, pairwise(limb.links_along), strict=True):
-        yield LinkJoint(joint, links)
-
-
 def _rods(mechanism: Mechanism, limb: AnyLimb) -> Iterator[LinkRod]:
     """The rods at the end of a limb, between its last link and the platform."""
     start = limb.links_along[-1]
     for bar in limb.bars(mechanism.reference_pose):
-        driven = bar.coordinate is not None
         yield LinkRod(
             bar.path,
             (start, limb.links[1]),
             bar.start.point,
             bar.places[1].tolist(),
             length=bar.length,
-            actuated=driven,
+            actuated=bar.coordinate is not None,
             offset=bar.offset,
-            limits=bar.coordinate.limits if bar.coordinate is not None else None,
+            limits=None if bar.coordinate is None else bar.coordinate.limits,
         )
 
 
@@ -83,17 +77,17 @@ def _carriers(mechanism: Mechanism) -> Iterator[LinkJoint]:
     taken = {c.name for c in mechanism.coordinates}
     position, link = tuple(mechanism.platform_position), BASE
     names = _MOTIONS[mechanism.motion]
-    for k, key in enumerate(names, start=1):
+    for key in names:
         name = f"{PLATFORM}.{key}"
         while name in taken:
             name += "_"
-        to = mechanism.platform_link or PLATFORM if k == len(names) else f"{name}.link"
+        to = mechanism.platform_link or PLATFORM if key == names[-1] else f"{name}.link"
         if key == "turn":
             joint = Joint(name, "S", position)
         elif key == "gamma":
-            joint = Joint(name, "R", position, _AXES[key])
+            joint = Joint(name, "R", position, Z)
         else:
-            joint = Joint(name, "P", position, _AXES[key], zero=position["xyz".index(key)])
+            joint = Joint(name, "P", position, AXES[key], zero=position["xyz".index(key)])
         yield LinkJoint(joint, (link, to))
         link = to
 

@@ -12,7 +12,7 @@ from symkin.formats.packages import Packages
 from symkin.formats.parts import Parts
 from symkin.formats.read_options import ReadOptions
 from symkin.formats.robot import Mesh, RobotJoint
-from symkin.formats.sdf_joint import is_bounded, is_range
+from symkin.formats.sdf_joint import UNLIMITED
 from symkin.formats.urdf_parts import names_any
 from symkin.formats.xml_text import Element
 from symkin.spatial.pose import Pose
@@ -37,10 +37,12 @@ class GraphReader:
         self, limits: tuple[float, float] | None, element: Element, line: int
     ) -> tuple[float, float] | None:
         """Bounds that are a range; None for others, with a note where they bound anything."""
-        if limits is None or is_range(*limits):
-            return limits
+        if limits is None:
+            return None
         low, high = limits
-        if is_bounded(low, high):
+        if -UNLIMITED < low < high < UNLIMITED:
+            return limits
+        if low > -UNLIMITED or high < UNLIMITED:
             why = (
                 "its upper end is not above its lower one" if low >= high else "it has no two ends"
             )

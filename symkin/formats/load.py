@@ -49,12 +49,12 @@ def load(
     """
     text, path = str(name_or_path), Path(name_or_path)
     read = read if set is None else replace(read, set=set)
-    if text in shipped_names():
-        _refuse_for_files_of_ours(read, text)
-        return read_file(SHIPPED / f"{text}.toml", read.set) if read.set else shipped(text)
-    if path.suffix.lower() == ".toml":
-        _refuse_for_files_of_ours(read, text)
-        return read_file(path, read.set)
+    is_shipped = text in shipped_names()
+    if is_shipped or path.suffix.lower() == ".toml":
+        read.refuse_but(("set",), text, _OF_ROBOTS)
+        if is_shipped and not read.set:
+            return shipped(text)
+        return read_file(SHIPPED / f"{text}.toml" if is_shipped else path, read.set)
     if is_robot(path):
         from symkin.formats.assembled import mechanism_of
 
@@ -73,21 +73,13 @@ def _no_mechanism(text: str, path: Path) -> str:
         )
     if path.is_dir():
         return f"{path}: is a folder; the path of a file in it is needed ({suffixes})"
-    if path.suffix.lower() in _OTHER_SUFFIXES and path.exists():
-        return f"{path}: {_OTHER_SUFFIXES[path.suffix.lower()]}; allowed: {suffixes}"
     if path.exists():
         ending = f"the suffix {path.suffix!r}" if path.suffix else "no suffix"
-        return (
-            f"{path}: the file has {ending}, which tells no format of a mechanism; allowed: "
-            f"{suffixes}"
-        )
-    beside = [
-        name
-        for name in (f"{text}{suffix}" for suffix in (".toml", *_READERS))
-        if Path(name).exists()
-    ]
-    if beside:
-        return f"mechanism {shown(text)} is unknown; the file is named {beside[0]}"
+        untold = f"the file has {ending}, which tells no format of a mechanism"
+        return f"{path}: {_OTHER_SUFFIXES.get(path.suffix.lower(), untold)}; allowed: {suffixes}"
+    for suffix in (".toml", *_READERS):
+        if Path(text + suffix).exists():
+            return f"mechanism {shown(text)} is unknown; the file is named {text}{suffix}"
     if path.suffix or len(path.parts) > 1:
         return (
             f"{path}: there is no such file; allowed: a name from `symkin list`, or a path to a "
@@ -123,17 +115,13 @@ def _naming(path: Path) -> Iterator[None]:
         yield
     except MechanismError as error:
         text = str(error)
-        raise (
-            error if str(path) in text or path.name in text else MechanismError(f"{path}: {text}")
-        ) from None
+        # a path ends with its name
+        raise (error if path.name in text else MechanismError(f"{path}: {text}")) from None
 
 
-def _refuse_for_files_of_ours(read: ReadOptions, text: str) -> None:
-    read.refuse_but(
-        ("set",),
-        text,
-        "it is told of robots in MJCF, URDF and SDF, and a mechanism file says everything itself",
-    )
+_OF_ROBOTS = (
+    "it is told of robots in MJCF, URDF and SDF, and a mechanism file says everything itself"
+)
 
 
 _YAML = "a YAML file tells the loops of a URDF file beside it, and that file is the one to name"

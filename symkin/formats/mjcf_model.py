@@ -119,19 +119,13 @@ def _place(compiled: CompiledModel, written: list[Element], tags: list[str], num
     if len(same) == tags.count(kind):
         return same[tags[:number].count(kind)].where
     name = compiled.equalities[number].flex
-    maker = next(
-        (
-            e
-            for e in compiled.root.walk()
-            if name and e.tag.startswith("flex") and e.attributes.get("name") == name
-        ),
-        None,
+    makers = (
+        e.where
+        for e in compiled.root.walk()
+        if name and e.tag.startswith("flex") and e.attributes.get("name") == name
     )
-    return (
-        f"{compiled.path}: <{kind}> number {number + 1} of the equality constraints"
-        if maker is None
-        else maker.where
-    )
+    unknown = f"{compiled.path}: <{kind}> number {number + 1} of the equality constraints"
+    return next(makers, unknown)
 
 
 def held_values(
@@ -186,9 +180,8 @@ def couplings_of(
     """
     found = CouplingSet()
     for equality in equalities:
-        if equality.kind == "joint" and equality.objects[1] < 0:
-            continue
-        if equality.kind not in ("joint", "tendon"):
+        holds = equality.kind == "joint" and equality.objects[1] < 0
+        if holds or equality.kind not in ("joint", "tendon"):
             continue
         first, second = (_terms(compiled, equality, number) for number in equality.objects)
         start, other = (
@@ -233,7 +226,7 @@ def _terms(compiled: CompiledModel, equality: Record, number: int) -> Terms:
             f"{equality.where}: its tendon {tendon.name!r} is a spatial one; only fixed tendons "
             f"are read"
         )
-    return [(joint, factor) for joint, factor in tendon.joints]
+    return list(map(tuple, tendon.joints))
 
 
 def motor_at(compiled: CompiledModel, joint: int) -> Motor | None:
@@ -261,11 +254,8 @@ def without_kinematics(compiled: CompiledModel) -> Iterator[str]:
 
 def idle_actuators(compiled: CompiledModel) -> Iterator[str]:
     """Notes on actuators that drive no joint, and on a file without any."""
-    idle = [
-        actuator.name or f"number {k}"
-        for k, actuator in enumerate(compiled.actuators, start=1)
-        if not actuator.joints
-    ]
+    named = enumerate(compiled.actuators, start=1)
+    idle = [a.name or f"number {k}" for k, a in named if not a.joints]
     if idle:
         yield (
             f"actuators that drive no hinge or slide, directly or by a fixed tendon, are left out: "

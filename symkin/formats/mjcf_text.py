@@ -9,6 +9,7 @@ are plain: they have no meaning for the kinematics.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import chain
 
 import numpy as np
 
@@ -21,6 +22,7 @@ from symkin.model.graph import Coupling, LinkJoint
 from symkin.model.graph_checks import links_of
 from symkin.model.joint import BASE, Joint
 from symkin.model.mechanism import Mechanism
+from symkin.model.motor import Motor
 
 FORM = Form("MJCF", carry=frozenset({"R", "P", "S"}), close=frozenset({"S", "weld"}))
 _TYPES = {"R": "hinge", "P": "slide", "S": "ball"}
@@ -61,8 +63,7 @@ class _Text:
         for key, value in _BAR.items():
             bars.set(key, value)
         bars.set("size", number(_THICKNESS * graph.characteristic_length))
-        custom = inside(root, "custom")
-        inside(custom, "text", name=KEY, data=parts_text(self.tree.parts))
+        inside(inside(root, "custom"), "text", name=KEY, data=parts_text(self.tree.parts))
         self.bodies[BASE] = inside(root, "worldbody")
         for entry in self.tree.carried:
             self._body(entry)
@@ -70,31 +71,27 @@ class _Text:
         self._sites()
         self._equality(root)
         self._actuator(root)
-        frame = inside(root, "keyframe")
-        positions = [value for joint in self._joints_in_order() for value in _position(joint)]
-        inside(frame, "key", name="reference", qpos=positions)
-        return document(
-            root,
-            graph.name,
-            told,
+        balls = [1.0, 0.0, 0.0, 0.0]
+        values = (balls if j.type == "S" else [j.zero] for j in self._joints_in_order())
+        inside(
+            inside(root, "keyframe"), "key", name="reference", qpos=[*chain.from_iterable(values)]
         )
+        return document(root, graph.name, told)
 
     # --- bodies -----------------------------------------------------------------------------------
 
     def _body(self, entry: Carried) -> None:
         """A body with its joints, at the first of them."""
-        place = np.array(entry.joints[0].point)
-        self.places[entry.link] = place
-        body = inside(
+        place = self.places[entry.link] = np.array(entry.joints[0].point)
+        body = self.bodies[entry.link] = inside(
             self.bodies[entry.carrier],
             "body",
             name=entry.link,
             pos=place - self.places[entry.carrier],
         )
-        self.bodies[entry.link] = body
         inside(body, "inertial", pos=[0, 0, 0], mass=MASS, diaginertia=[INERTIA] * 3)
         for joint in entry.joints:
-            away = np.array(joint.point) - place
+            away, motor = np.array(joint.point) - place, joint.motor or Motor()
             inside(
                 body,
                 "joint",
@@ -104,8 +101,8 @@ class _Text:
                 axis=joint.axis,
                 ref=joint.zero or None,
                 range_=joint.limits,
-                armature=None if joint.motor is None else joint.motor.armature,
-                actuatorfrcrange=None if joint.motor is None else joint.motor.effort,
+                armature=motor.armature,
+                actuatorfrcrange=motor.effort,
             )
 
     def _bars(self) -> None:
@@ -116,7 +113,7 @@ class _Text:
             if link != BASE
         }
         for entry in self.tree.closures:
-            for link in set(entry.links) - {BASE}:
+            for link in {*entry.links} - {BASE}:
                 ends[link].append(np.array(entry.joint.point))
         size = self.tree.graph.characteristic_length
         for link, points in ends.items():
@@ -199,9 +196,5 @@ class _Text:
         if driven:
             section = inside(root, "actuator")
             for joint in driven:
-                efforts = None if joint.motor is None else joint.motor.effort
+                efforts = joint.motor and joint.motor.effort
                 inside(section, "motor", name=joint.name, joint=joint.name, ctrlrange=efforts)
-
-
-def _position(joint: Joint) -> list[float]:
-    return [1.0, 0.0, 0.0, 0.0] if joint.type == "S" else [joint.zero]

@@ -25,6 +25,18 @@ _FINITE = (
     "wrap_prm",
 )
 """Arrays of a model whose numbers move links."""
+_NOT_MOVING = (
+    "keys",
+    "skins",
+    "meshes",
+    "hfields",
+    "materials",
+    "textures",
+    "pairs",
+    "excludes",
+    "sensors",
+)
+"""Lists of a description whose entries move no link."""
 _STILL = [1.0, 0.0, 0.0, 0.0]
 _NO_NAME = (
     "Caught an unknown exception!",
@@ -62,12 +74,8 @@ def work(task: dict[str, Any]) -> dict[str, Any]:
         meshes, of_geoms = _plain(mujoco, spec)
         model = spec.compile()
         if max(model.nbody, model.njnt, model.neq, model.nu) > MOST_BODIES:
-            return {
-                "error": (
-                    f"the model has more than {MOST_BODIES} bodies, joints, constraints or "
-                    f"actuators"
-                )
-            }
+            what = f"{MOST_BODIES} bodies, joints, constraints or actuators"
+            return {"error": f"the model has more than {what}"}
         told = _Told(mujoco, model).all()
     except UnicodeDecodeError as error:
         return {"error": f"the name {error.object!r} is not UTF-8; write the file in UTF-8"}
@@ -111,18 +119,8 @@ def _plain(mujoco: Any, spec: Any) -> tuple[list[dict[str, Any]], list[tuple[Any
         geom.fromto = [math.nan] * 6
     for shown in (*spec.sites, *spec.tendons):
         shown.material = ""
-    for entries in (
-        spec.keys,
-        spec.skins,
-        spec.meshes,
-        spec.hfields,
-        spec.materials,
-        spec.textures,
-        spec.pairs,
-        spec.excludes,
-        spec.sensors,
-    ):
-        for entry in list(entries):
+    for kind in _NOT_MOVING:
+        for entry in list(getattr(spec, kind)):
             spec.delete(entry)
     for body in spec.bodies:
         body.explicitinertial, body.mass, body.inertia = True, 1.0, [1.0] * 3
@@ -205,32 +203,31 @@ class _Told:
     def equality(self, k: int) -> dict[str, Any]:
         """Connects and welds have two bodies, and the frames on them that are one."""
         model, kind = self.model, self.word("mjtEq", self.model.eq_type[k])
-        numbers = model.eq_data[k]
+        numbers, ends = model.eq_data[k], [int(model.eq_obj1id[k]), int(model.eq_obj2id[k])]
         found = {
             "name": self.name("EQUALITY", k),
             "kind": kind,
             "active": bool(model.eq_active0[k]),
-            "objects": [int(model.eq_obj1id[k]), int(model.eq_obj2id[k])],
+            "objects": ends,
             "coefficients": numbers[:5].tolist(),
-            "flex": self.name("FLEX", int(model.eq_obj1id[k])) if kind.startswith("flex") else "",
+            "flex": self.name("FLEX", ends[0]) if kind.startswith("flex") else "",
             "closes": kind in ("connect", "weld"),
             "rigid": kind == "weld" and bool(numbers[10] != 0.0),
         }
-        if found["closes"]:
-            ends = found["objects"]
-            if int(model.eq_objtype[k]) == int(self.mujoco.mjtObj.mjOBJ_SITE):
-                found["bodies"] = [int(model.site_bodyid[end]) for end in ends]
-                found["frames"] = [
-                    [model.site_pos[end].tolist(), model.site_quat[end].tolist()] for end in ends
-                ]
-            else:
-                # of a weld the anchor is on the second body
-                points = [[numbers[0:3].tolist(), _STILL], [numbers[3:6].tolist(), _STILL]]
-                found["bodies"] = [max(end, 0) for end in ends]
-                found["frames"] = points
-                if kind == "weld":
-                    turn = numbers[6:10] / np.linalg.norm(numbers[6:10])
-                    found["frames"] = [[points[1][0], turn.tolist()], points[0]]
+        if not found["closes"]:
+            return found
+        if int(model.eq_objtype[k]) == int(self.mujoco.mjtObj.mjOBJ_SITE):
+            found["bodies"] = model.site_bodyid[ends].tolist()
+            found["frames"] = [
+                [model.site_pos[e].tolist(), model.site_quat[e].tolist()] for e in ends
+            ]
+            return found
+        first, second = numbers[:3].tolist(), numbers[3:6].tolist()
+        found["bodies"] = [max(end, 0) for end in ends]
+        found["frames"] = [[first, _STILL], [second, _STILL]]
+        if kind == "weld":  # its anchor is on the second body
+            turn = numbers[6:10] / np.linalg.norm(numbers[6:10])
+            found["frames"] = [[second, turn.tolist()], [first, _STILL]]
         return found
 
     def tendon(self, k: int) -> dict[str, Any]:
@@ -263,9 +260,7 @@ class _Told:
         return {
             "name": self.name("ACTUATOR", k),
             "joints": [
-                joint
-                for joint in joints
-                if self.word("mjtJoint", model.jnt_type[joint]) in ("hinge", "slide")
+                j for j in joints if self.word("mjtJoint", model.jnt_type[j]) in ("hinge", "slide")
             ],
             "direct": direct,
             "gear": float(model.actuator_gear[k][0]),

@@ -4,7 +4,7 @@ $(find NAME).
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -32,21 +32,17 @@ class Packages:
         """The file that a robot's file names, by a package or beside itself; None where there is
         none.
         """
-        scheme = next((scheme for scheme in _SCHEMES if uri.startswith(scheme)), None)
-        if scheme is None:
-            path = self.file.parent / uri.removeprefix("file://")
-            return path if _is_file(path) else None
-        name, _, rest = uri.removeprefix(scheme).partition("/")
-        return next(
-            (path for folder in self._candidates(name) if _is_file(path := folder / rest)), None
-        )
+        tries: Iterable[Path] = [self.file.parent / uri.removeprefix("file://")]
+        if uri.startswith(_SCHEMES):
+            name, _, rest = uri.partition("://")[2].partition("/")
+            tries = (folder / rest for folder in self._candidates(name))
+        return next(filter(_is_file, tries), None)
 
     def written(self, uri: str) -> str:
         """The path of the file that is named, or the name as it is written where no file is
         found.
         """
-        found = self.find(uri)
-        return uri if found is None else str(found)
+        return str(self.find(uri) or uri)
 
     def _candidates(self, name: str) -> Iterator[Path]:
         for folder in (*self.folders, *list(self.file.resolve().parents)[:_LEVELS_ABOVE]):

@@ -72,16 +72,11 @@ class Parts:
         a screw the turn.
         """
         driven = self.actuated or ()
-        whole = next((w for w in self.wholes if joint in w.parts and w.name in driven), None)
-        if whole is None:
-            return joint in driven
-        return (
-            kind == "P"
-            if whole.kind == "rod"
-            else joint == whole.parts[0]
-            if whole.kind == "H"
-            else kind != "weld"
-        )
+        for whole in self.wholes:
+            if joint in whole.parts and whole.name in driven:
+                is_slide, is_turn = kind == "P", joint == whole.parts[0]
+                return {"rod": is_slide, "H": is_turn}.get(whole.kind, kind != "weld")
+        return joint in driven
 
     def hold(self, joint: str) -> bool:
         """Whether a joint is written in parts, or is one."""
@@ -154,30 +149,28 @@ def _entry(*values: object) -> str:
     return " | ".join(texts)
 
 
+def _split(entry: str, form: str, names: int, where: str) -> tuple[list[str], list[float]]:
+    """The names and the numbers of an entry that is written as `form`."""
+    words = [word.strip() for word in entry.split("|")]
+    if len(words) != form.count("|") + 1:
+        raise MechanismError(f"{where}: {shown(entry)} is no {form}")
+    return words[:names], [_number(word, entry, where) for word in words[names:]]
+
+
 def _points(entries: Sequence[str], where: str) -> tuple[LinkPoint, ...]:
     found = []
     for entry in entries:
-        words = [word.strip() for word in entry.split("|")]
-        if len(words) != 5:
-            raise MechanismError(f"{where}: points: {shown(entry)} is no NAME | LINK | X | Y | Z")
-        numbers = [_number(word, entry, where) for word in words[2:]]
-        found.append(LinkPoint(words[1], words[0], numbers))
+        (name, link), point = _split(entry, "NAME | LINK | X | Y | Z", 2, f"{where}: points")
+        found.append(LinkPoint(link, name, point))
     return tuple(found)
 
 
 def _platform(entries: Sequence[str], where: str) -> tuple[str, Pose] | None:
     if not entries:
         return None
-    words = [word.strip() for word in entries[0].split("|")]
-    if len(entries) > 1 or len(words) != 8:
-        raise MechanismError(
-            f"{where}: platform: {shown(', '.join(entries))} is no LINK | X | Y | Z | QW | QX | QY "
-            f"| QZ"
-        )
-    numbers = [_number(word, entries[0], where) for word in words[1:]]
-    return words[0], Pose(
-        np.array(numbers[:3]), np.array(unit_quaternion(numbers[3:], f"{where}: platform"))
-    )
+    form, place = "LINK | X | Y | Z | QW | QX | QY | QZ", f"{where}: platform"
+    (link,), numbers = _split(", ".join(entries), form, 1, place)
+    return link, Pose(np.array(numbers[:3]), np.array(unit_quaternion(numbers[3:], place)))
 
 
 def _values(entries: Sequence[str], where: str) -> dict[str, float]:

@@ -157,9 +157,8 @@ class Robot:
                 f"and it closes a loop of such joints; "
                 "write it as two revolute joints with a link between them"
             )
-        turn = Pose.identity() if joint.axis is None else frame_along(joint.axis, joint.axis2)
         ends = zip(joint.links, joint.frames, strict=True)
-        first, second = (self.placed[link] @ frame @ turn for link, frame in ends)
+        first, second = (self.placed[link] @ frame @ joint.turn for link, frame in ends)
         return first, second
 
     def _own(self, joint: RobotJoint) -> dict[str, Any]:
@@ -231,6 +230,11 @@ class RobotJoint:
     closing: bool = False
     where: str = ""
     value: float = 0.0
+
+    @property
+    def turn(self) -> Pose:
+        """From its first frame to one with its axis as z, and its second axis as x."""
+        return _STILL if self.axis is None else frame_along(self.axis, self.axis2)
 
 
 def joint_at(frame: Pose, name: str, kind: JointType, **told: Any) -> Joint:

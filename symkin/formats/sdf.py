@@ -197,10 +197,7 @@ class _Reader(GraphReader):
         return unit_from(xyz, at.inverse() @ told_in)
 
     def _second(self, element: Element, scope: Scope, at: Pose) -> Direction:
-        first, second = (
-            self._axis(element, "axis", scope, at),
-            self._axis(element, "axis2", scope, at),
-        )
+        first, second = (self._axis(element, tag, scope, at) for tag in ("axis", "axis2"))
         if np.linalg.norm(np.cross(first, second)) < _PARALLEL:
             raise element.error("axis and axis2 are parallel; two directions are needed")
         if any(sdf_limits(element, tag) is not None for tag in ("axis", "axis2")):
@@ -218,12 +215,10 @@ class _Reader(GraphReader):
                 mimic = None if axis is None else axis.one("mimic")
                 if mimic is None:
                     continue
-                follower = self._coordinate(
-                    made, scope.prefix + element.attribute("name"), own, mimic
-                )
                 number = 2 if mimic.attributes.get("axis", "axis").strip() == "axis2" else 1
-                leader = self._coordinate(
-                    made, scope.prefix + mimic.attribute("joint"), number, mimic
+                ends = ((element.attribute("name"), own), (mimic.attribute("joint"), number))
+                follower, leader = (
+                    self._coordinate(made, scope.prefix + name, k, mimic) for name, k in ends
                 )
                 if leader == follower:
                     raise mimic.error("the joint mimics itself; name another joint")
@@ -330,19 +325,15 @@ class _Reader(GraphReader):
             for child in scope.element.children
             if child.tag not in _KNOWN
         ]
-        run_time = [
-            e
-            for e in others
-            if e.tag == "plugin" and "DetachableJoint" in e.attributes.get("name", "")
-        ]
-        for plugin in run_time:
-            ends = [
-                e.text.strip() for tag in ("parent_link", "child_link") for e in plugin.all(tag)
-            ]
-            self.notes.append(
-                f"line {plugin.line}: a plugin joins {' and '.join(ends)} when the simulation "
-                f"runs; write a joint to have the loop"
-            )
+        for e in others:
+            if e.tag == "plugin" and "DetachableJoint" in e.attributes.get("name", ""):
+                ends = [
+                    end.text.strip() for tag in ("parent_link", "child_link") for end in e.all(tag)
+                ]
+                self.notes.append(
+                    f"line {e.line}: a plugin joins {' and '.join(ends)} when the simulation runs; "
+                    f"write a joint to have the loop"
+                )
         return self.left_out(others, _OF_NO_MEANING, names, " in a model")
 
 

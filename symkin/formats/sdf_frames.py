@@ -100,9 +100,9 @@ class SdfFrames:
         else:
             pose, name = sdf_pose(element, scope.version)
             name = name if placed is None else None
-        told_in = WORLD if outer is None else outer.model
-        if name is not None:
-            told_in = name if outer is None else self._written(name, outer)
+        told_in = name or WORLD
+        if outer is not None:
+            told_in = outer.model if name is None else self._written(name, outer)
         canonical = element.attributes.get("canonical_link") or next(
             (name for e in (*links, *nested) if (name := e.attribute("name")) != WORLD), _MODEL
         )
@@ -293,13 +293,8 @@ class SdfFrames:
 def sdf_version(root: Element) -> Version:
     """The version of a file, of those that are known."""
     text = root.attribute("version")
-    parts = text.split(".")
-    version = (
-        tuple(int(part) for part in parts[:2])
-        if len(parts) >= 2 and all(re.fullmatch("[0-9]{1,3}", p) for p in parts)
-        else (0, 0)
-    )
-    found = (version[0], version[1])
+    match = re.fullmatch(r"([0-9]{1,3})\.([0-9]{1,3})(\.[0-9]{1,3})*", text)
+    found = (int(match[1]), int(match[2])) if match else (0, 0)
     if not OLDEST <= found <= NEWEST:
         raise root.error(
             f"version = {text!r} is unknown; allowed: {OLDEST[0]}.{OLDEST[1]} to "
@@ -340,9 +335,8 @@ def is_static(model: Element) -> bool:
 def _held(link: Element) -> Element:
     """A fixed joint from the world to a link, at the link's place in the file."""
     name, place = link.attribute("name"), (link.file, link.line)
-    ends = [
-        Element(tag, {}, *place, text=text) for tag, text in (("parent", WORLD), ("child", name))
-    ]
+    told = {"parent": WORLD, "child": name}
+    ends = [Element(tag, {}, *place, text=text) for tag, text in told.items()]
     return Element("joint", {"name": f"static {name}", "type": "fixed"}, *place, children=ends)
 
 
@@ -352,20 +346,10 @@ def _included(element: Element, files: Sequence[Path], packages: Packages) -> Pa
     """
     uri = element.needed("uri").text.strip()
     name = uri.removeprefix("model://").removeprefix("package://").removeprefix("file://")
-    here = files[-1].parent
-    own = (
-        [
-            folder.parent
-            for folder in packages.folders
-            if folder.resolve().name == Path(name).parts[0]
-        ]
-        if name
-        else []
-    )
+    here, first = files[-1].parent, Path(name).parts[:1]
+    own = [folder.parent for folder in packages.folders if (folder.resolve().name,) == first]
     folders = [*packages.folders, *own, here, *list(here.parents)[:2]]
-    tries = [folder / name for folder in folders] + [
-        folder / name / "model.sdf" for folder in folders
-    ]
+    tries = [folder / name / end for end in ("", "model.sdf") for folder in folders]
     found = next((path.resolve() for path in tries if path.is_file()), None)
     if found is None:
         raise InputError(

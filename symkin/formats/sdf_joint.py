@@ -59,8 +59,7 @@ def sdf_axis(
 
 def unit_from(xyz: Element, frame: Pose) -> Direction:
     """The direction that an element tells in a frame, in what the frame is told in."""
-    turned = np.asarray(frame.turn(np.asarray(xyz.text_numbers(3))))
-    return unit(xyz, tuple(float(c) for c in turned))
+    return unit(xyz, tuple(map(float, frame.turn(np.asarray(xyz.text_numbers(3))))))
 
 
 def refuse_model_frame(axis: Element, vector: tuple[float, ...], joint_pose: Pose) -> None:
@@ -68,10 +67,8 @@ def refuse_model_frame(axis: Element, vector: tuple[float, ...], joint_pose: Pos
     use_parent_model_frame of versions before.
     """
     flag = _model_frame(axis)
-    turned = joint_pose.inverse().turn(np.asarray(vector))
-    if flag is not None and np.linalg.norm(
-        turned - np.asarray(vector)
-    ) > _ONE_AXIS * np.linalg.norm(vector):
+    away = joint_pose.inverse().turn(np.asarray(vector)) - vector
+    if flag is not None and np.linalg.norm(away) > _ONE_AXIS * np.linalg.norm(vector):
         raise flag.error(
             "is of versions before 1.7, and would turn the axis; write <xyz "
             'expressed_in="__model__">'
@@ -105,16 +102,6 @@ def _limit(element: Element, tag: str, **defaults: float) -> list[float]:
     if limit is None:
         return [*defaults.values()]
     return [limit.child_number(word, v, infinite=True) for word, v in defaults.items()]
-
-
-def is_bounded(low: float, high: float) -> bool:
-    """Whether bounds exclude anything."""
-    return low > -UNLIMITED or high < UNLIMITED
-
-
-def is_range(low: float, high: float) -> bool:
-    """Whether bounds are two ends, the second above the first."""
-    return -UNLIMITED < low < high < UNLIMITED
 
 
 def sdf_pitch(element: Element) -> float:

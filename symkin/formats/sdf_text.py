@@ -62,17 +62,10 @@ class _Text:
         inside_tree = tree.one_by_one()
         self.places |= {entry.links[1]: np.array(entry.joint.point) for entry in inside_tree}
         # the base is no child
-        closures = [e.turned() if e.links[1] == BASE else e for e in tree.closures]
+        backward = [e.joint.name for e in tree.closures if e.links[1] == BASE]
+        closures = [e.turned() if e.joint.name in backward else e for e in tree.closures]
         self.joints = [*inside_tree, *closures]
-        backward = [
-            made.joint.name
-            for made, entry in zip(closures, tree.closures, strict=True)
-            if made is not entry
-        ]
-        self.turned = {
-            *tree.parts.turned,
-            *(name for name in backward if not tree.parts.hold(name)),
-        }
+        self.turned = {*tree.parts.turned, *(n for n in backward if not tree.parts.hold(n))}
         self._refuse_names()
         self.names = self._joint_names()
         self.zeros = {
@@ -116,14 +109,9 @@ class _Text:
 
     def _joint_names(self) -> dict[str, str]:
         """Names of joints in the file, where links and joints have none in common."""
-        taken = {*self.places, *(e.joint.name for e in self.joints)}
-        found = {}
-        for entry in self.joints:
-            name = entry.joint.name
-            if name in self.places:
-                name = fresh_name(f"{name}.joint", taken)
-            found[entry.joint.name] = name
-        return found
+        names = [e.joint.name for e in self.joints]
+        taken = {*self.places, *names}
+        return {n: fresh_name(f"{n}.joint", taken) if n in self.places else n for n in names}
 
     def _parts(self) -> str:
         """The text, in the file's names of joints."""
@@ -135,9 +123,7 @@ class _Text:
             elif old != new:
                 parts = parts.with_whole(Whole(old, kinds[old].type, (new,), kinds[old].pitch))
         welds = tuple(self.names[name] for name in parts.welds)
-        other_way = tuple(
-            self.names[e.joint.name] for e in self.joints if e.joint.name in self.turned
-        )
+        other_way = tuple(new for old, new in self.names.items() if old in self.turned)
         zeros = {self.names[name]: zero for name, zero in self.zeros.items()}
         return parts_text(replace(parts, zeros=zeros, welds=welds, turned=other_way))
 

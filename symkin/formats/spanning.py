@@ -50,12 +50,12 @@ def spanned(robot: Robot) -> Robot:
         root=BASE,
         told=[
             replace(
-                joint,
-                name=joints[joint.name],
-                links=(bodies[joint.links[0]], bodies[joint.links[1]]),
-                closing=joint.name not in placing,
+                j,
+                name=joints[j.name],
+                links=(bodies[j.links[0]], bodies[j.links[1]]),
+                closing=j.name not in placing,
             )
-            for joint in (*inside, *rest)
+            for j in (*inside, *rest)
         ],
         couplings=[c.renamed(_coordinates(c, joints, robot.parts.turned)) for c in coupled],
         meshes={bodies[b]: own for b, own in robot.meshes.items() if own and b in reached},
@@ -65,8 +65,9 @@ def spanned(robot: Robot) -> Robot:
     below = {body: bodies[body] for body in reached if body != robot.root}
     named = {old: joints[old] for old in joints if old in moving | {j.name for j in rest}}
     lost = [body for body in robot.bodies if body not in reached]
+    held = f"the root link {robot.root!r} is held, as the link {BASE!r}"
     notes = (
-        *_root_note(robot.root),
+        *([held] if robot.root not in ("", BASE) else []),
         *renamed("links", below),
         *renamed("joints", named),
         *robot.notes,
@@ -80,11 +81,6 @@ def spanned(robot: Robot) -> Robot:
         ),
     )
     return replace(found, told=[j for j in found.told if j.name not in within], notes=notes)
-
-
-def _root_note(root: str) -> list[str]:
-    told = f"the root link {root!r} is held, as the link {BASE!r}"
-    return [] if root in ("", BASE) else [told]
 
 
 def names_of(robot: Robot) -> tuple[dict[str, str], dict[str, str]]:

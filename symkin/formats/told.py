@@ -10,7 +10,6 @@ from symkin.formats.read_options import ReadOptions, closure_kind
 from symkin.formats.robot import AXES, Robot, RobotJoint, axes_of, frame_along
 from symkin.model.joint import BASE
 from symkin.model.joint_forms import JointType
-from symkin.spatial.pose import Pose
 from symkin.text import first_of, meant, shown
 
 _DRIVEN = ("R", "P", "H", "C", "U")
@@ -58,7 +57,7 @@ def _of_kind(joint: RobotJoint, kind: JointType, axis: str) -> RobotJoint:
     """The closure as one of another kind, about or along an axis of its frames; ranges and motors
     were those of the other kind.
     """
-    turn = Pose.identity() if joint.axis is None else frame_along(joint.axis, joint.axis2)
+    turn = joint.turn
     if kind != joint.type:
         joint = replace(joint, pitch=0.0, limits=None, actuated=False, motor=None)
     return replace(joint, type=kind, **axes_of(kind, turn @ frame_along(AXES[axis])))

@@ -47,7 +47,7 @@ class Tree:
     def coordinates(self) -> tuple[Coordinate, ...]:
         return self.system.unknowns
 
-    @cached_property
+    @property
     def own(self) -> np.ndarray:
         """The file's own configuration."""
         return np.array([value for c in self.coordinates for value in c.reference])
@@ -63,9 +63,9 @@ class Tree:
         (metres), by which angles become lengths; 1 where all of them are one point.
         """
         joints = (entry.joint for entry in self.robot.tree)
-        frames = [frame for entry in self.robot.closures for frame in entry.frames]
         points = [joint.point for joint in joints if joint.type not in ("P", "weld")]
-        box = np.array([*points, *(frame.position for frame in frames)]).reshape(-1, 3)
+        points += [frame.position for entry in self.robot.closures for frame in entry.frames]
+        box = np.array(points).reshape(-1, 3)
         if not len(box):
             return 1.0
         spread = float(np.linalg.norm(np.ptp(box, axis=0)))

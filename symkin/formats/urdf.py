@@ -8,6 +8,8 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
+
 from symkin.computed_once import cached_property
 from symkin.errors import MechanismError
 from symkin.formats.couplings import CouplingSet
@@ -18,6 +20,7 @@ from symkin.formats.packages import Packages
 from symkin.formats.parts import JOINTS_TAG
 from symkin.formats.read_options import AS_IT_IS, ReadOptions
 from symkin.formats.robot import (
+    AXES,
     Direction,
     Mesh,
     Robot,
@@ -57,7 +60,7 @@ _TYPES: dict[str, JointType] = {
 """Joints of URDF, and those that Drake adds; floating and planar ones are chains of these."""
 _WORLD = "world"
 """The link that Drake and MuJoCo know without a <link>."""
-_X, _Y, _W = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
+
 _OF_NO_MEANING = {
     "material": "materials",
     "transmission": "transmissions (but which joints they drive)",
@@ -255,20 +258,15 @@ class _Reader(GraphReader):
         )
         if name in self.beside.retyped:
             word, axes = self.beside.retyped[name]
-            return [
-                replace(
-                    made, type=word, axis=axes[0] if axes else None, axis2=axes[1] if axes else None
-                )
-            ]
+            axis, axis2 = axes or (None, None)
+            return [replace(made, type=word, axis=axis, axis2=axis2)]
         if element is self._held:
             self.notes.append(
                 f"the floating joint {name!r} of the root is held, the link {links[1]!r} with it"
             )
             return [made]
         if kind == "floating":
-            return _chain(
-                made, [("x", "P", _X), ("y", "P", _Y), ("z", "P", _W), ("turn", "S", None)]
-            )
+            return _chain(made, [*((word, "P", axis) for word, axis in AXES.items()), _BALL])
         if kind == "planar":
             return _chain(made, _planar(direction(element)))
         if kind not in _TYPES:
@@ -280,7 +278,7 @@ class _Reader(GraphReader):
         if made.type == "weld" or made.type == "S":
             return made
         if made.type == "U":
-            return replace(made, axis=_X, axis2=_Y)
+            return replace(made, axis=AXES["x"], axis2=AXES["y"])
         pitch = 0.0
         if made.type == "H":
             pitch = element.needed("drake:screw_thread_pitch").number("value")
@@ -334,9 +332,11 @@ class _Reader(GraphReader):
         if self.motors_told:
             return joints, []
         named, source = driven_names(self.root, self.beside)
-        unknown = [name for name in named if name not in {joint.name for joint in joints}]
+        unknown = named - {joint.name for joint in joints}
         notes = (
-            [f"{source} name joints that the file has not: {first_of(unknown)}"] if unknown else []
+            [f"{source} name joints that the file has not: {first_of([*unknown])}"]
+            if unknown
+            else []
         )
         followers = {e.attribute("name") for e in self.elements if e.one("mimic") is not None}
         tree = {joint.name for joint in joints if not joint.closing}
@@ -357,20 +357,18 @@ class _Reader(GraphReader):
         return self.left_out(others, _OF_NO_MEANING, names)
 
 
-def _planar(normal: Direction) -> list[tuple[str, JointType, Direction | None]]:
+_Part = tuple[str, JointType, Direction | None]
+"""What is added to a joint's name, type and axis of one of several joints in its place."""
+_BALL: _Part = ("turn", "S", None)
+
+
+def _planar(normal: Direction) -> list[_Part]:
     """Two slides in the plane and a turn about its normal."""
-    turn = frame_along(normal).rotation
-    first, second = (tuple(float(c) for c in turn[:, k]) for k in (0, 1))
-    return [
-        ("1", "P", (first[0], first[1], first[2])),
-        ("2", "P", (second[0], second[1], second[2])),
-        ("angle", "R", normal),
-    ]
+    first, second = np.asarray(frame_along(normal).rotation).T.tolist()[:2]
+    return [("1", "P", tuple(first)), ("2", "P", tuple(second)), ("angle", "R", normal)]
 
 
-def _chain(
-    joint: RobotJoint, parts: Sequence[tuple[str, JointType, Direction | None]]
-) -> list[RobotJoint]:
+def _chain(joint: RobotJoint, parts: Sequence[_Part]) -> list[RobotJoint]:
     """A joint of many freedoms as joints of one type each, with links of their own between them."""
     middle = [f"{joint.name}.{word}.link" for word, _, _ in parts[:-1]]
     links = [joint.links[0], *middle, joint.links[1]]

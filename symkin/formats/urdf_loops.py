@@ -56,15 +56,11 @@ def loops_within(
     pairs = reader.closing_pairs(taken)
     joints = [*pairs, *(reader.joint(element) for element in reader.elements)]
     points = [joint.name for joint in pairs if joint.name not in told]
-    notes = (
-        [
-            f"the kind of the mates is not written in the file: {', '.join(points)} hold a point, "
-            f"as ball joints; `loop` (--loop "
-            f"{points[0]}=R) tells another"
-        ]
-        if points
-        else []
-    )
+    notes = [
+        f"the kind of the mates is not written in the file: {', '.join(points)} hold a point, as "
+        f"ball joints; `loop` (--loop {first}=R) tells another"
+        for first in points[:1]
+    ]
     return joints, notes
 
 
@@ -106,11 +102,9 @@ class _Reader:
         for mate, links in found.items():
             if len(links) != 2:
                 ((end, name),) = links.items()
-                other = "2" if end == "1" else "1"
                 link = next(e for e in self.root.all("link") if e.attribute("name") == name)
-                raise link.error(
-                    f"the loop's other frame, the link 'closing_{mate}_{other}', is missing"
-                )
+                other = f"closing_{mate}_{3 - int(end)}"
+                raise link.error(f"the loop's other frame, the link {other!r}, is missing")
         return [
             RobotJoint(
                 f"closing_{mate}",
@@ -135,15 +129,15 @@ class _Reader:
             )
         at = self.zero[child] @ frame
         kind = sdf_type(element, ("revolute", "prismatic", "ball", "fixed"))
-        axis = sdf_axis(element, "axis", at) if JOINT_FORMS[kind].axes else None
-        turn = Pose.identity() if axis is None else frame_along(axis)
+        has_axis = JOINT_FORMS[kind].axes > 0
+        turn = frame_along(sdf_axis(element, "axis", at)) if has_axis else Pose.identity()
         frames = (self.zero[parent].inverse() @ at @ turn, frame @ turn)
         return RobotJoint(
             element.attribute("name"),
             kind,
             (parent, child),
             frames,
-            None if axis is None else Z,
+            Z if has_axis else None,
             closing=True,
             where=element.where,
         )

@@ -42,7 +42,7 @@ _FORMS = {
 }
 _CLOSURES = {"S": "ball", "R": "revolute", "P": "prismatic", "C": "cylindrical", "weld": "fixed"}
 _YAML_CLOSURES = {"S": "3d", "weld": "6d"}
-_UNBOUNDED = (-1e16, 1e16)
+_UNBOUNDED = 1e16
 """What a joint has without a range, efforts or speeds, for the format wants them."""
 
 
@@ -67,16 +67,15 @@ class _Text:
     def __init__(self, tree: WrittenTree, *, beside: bool = False) -> None:
         self.tree, self.beside = tree, beside
         self.joints = tree.one_by_one()
-        moved = zero_displacements(self.joints)
-        places = {BASE: np.zeros(3)}
+        self.moved = zero_displacements(self.joints)
+        self.zero = {BASE: Pose.identity()}
         for entry in self.joints:
             carrier, link = entry.links
-            places[link] = moved[carrier].apply(np.array(entry.joint.point))
-        self.zero = {
-            link: Pose(place, Pose.identity().quaternion) for link, place in places.items()
+            place = self.moved[carrier].apply(np.array(entry.joint.point))
+            self.zero[link] = Pose(place, Pose.identity().quaternion)
+        self.reference = {
+            link: self.moved[link].inverse() @ frame for link, frame in self.zero.items()
         }
-        self.moved = moved
-        self.reference = {link: moved[link].inverse() @ frame for link, frame in self.zero.items()}
         self.closing: list[tuple[str, str, str]] = []
 
     def document(self, told: str = "") -> str:
@@ -98,19 +97,14 @@ class _Text:
                 self._transmission(root, joint)
         reference = {joint.name: joint.zero for joint in self.tree.joints if joint.zero}
         inside(root, JOINTS_TAG, parts_text(replace(parts, reference=reference)))
-        return document(
-            root,
-            graph.name,
-            told,
-        )
+        return document(root, graph.name, told)
 
     def yaml(self) -> str:
         """The loops, once the document is made."""
-        motors = [joint.name for joint in self.tree.joints if joint.actuated]
         lines = {
-            "closed_loop": [[first, second] for _, first, second in self.closing],
-            "type": [kind for kind, _, _ in self.closing],
-            "name_mot": motors,
+            "closed_loop": [ends for _, *ends in self.closing],
+            "type": [kind for kind, *_ in self.closing],
+            "name_mot": [joint.name for joint in self.tree.joints if joint.actuated],
         }
         return "".join(
             f"{key}: {json.dumps(value, ensure_ascii=False)}\n" for key, value in lines.items()
@@ -127,13 +121,8 @@ class _Text:
 
     def _joint(self, root: Element, entry: LinkJoint, coupling: Coupling | None) -> None:
         joint, (carrier, link) = entry.joint, entry.links
-        kind = (
-            "prismatic"
-            if joint.type == "P"
-            else "continuous"
-            if joint.limits is None
-            else "revolute"
-        )
+        turns = "continuous" if joint.limits is None else "revolute"
+        kind = "prismatic" if joint.type == "P" else turns
         made = inside(root, "joint", name=joint.name, type_=kind)
         inside(made, "parent", link=carrier)
         inside(made, "child", link=link)
@@ -141,15 +130,16 @@ class _Text:
         inside(made, "origin", xyz=at.position, rpy=[0, 0, 0])
         inside(made, "axis", xyz=self.moved[carrier].turn(np.array(joint.axis)))
         motor = joint.motor or Motor()
-        low, high = joint.limits or _UNBOUNDED
-        if kind != "continuous" or motor.effort or motor.speed:
+        ends = dict(zip(("lower", "upper"), joint.limits or (-_UNBOUNDED, _UNBOUNDED), strict=True))
+        if kind == "continuous":
+            ends = {}
+        if ends or motor.effort or motor.speed:
             inside(
                 made,
                 "limit",
-                lower=None if kind == "continuous" else low,
-                upper=None if kind == "continuous" else high,
-                effort=least_effort(motor) if motor.effort else _UNBOUNDED[1],
-                velocity=motor.speed or _UNBOUNDED[1],
+                **ends,
+                effort=least_effort(motor) if motor.effort else _UNBOUNDED,
+                velocity=motor.speed or _UNBOUNDED,
             )
         if coupling is not None:
             self._mimic(made, coupling)
@@ -171,17 +161,11 @@ class _Text:
     # --- loops ------------------------------------------------------------------------------------
 
     def _frames_on_links(self, closure: LinkJoint) -> list[Pose]:
-        frames = closing_frames(closure.joint)
-        found = [
-            self.reference[link].inverse() @ frame
-            for link, frame in zip(closure.links, frames, strict=True)
-        ]
-        # a ball joint has no direction
-        return (
-            [Pose(f.position, Pose.identity().quaternion) for f in found]
-            if closure.joint.type == "S"
-            else found
-        )
+        ends = zip(closure.links, closing_frames(closure.joint), strict=True)
+        found = [self.reference[link].inverse() @ frame for link, frame in ends]
+        if closure.joint.type == "S":  # it has no direction
+            return [Pose(f.position, Pose.identity().quaternion) for f in found]
+        return found
 
     def _loop(self, root: Element, closure: LinkJoint) -> None:
         """A closing joint of URDF+, about or along the z axis of both frames."""

@@ -20,6 +20,7 @@ from symkin.errors import MechanismError
 from symkin.formats.graph_form import as_graph, is_closed_at_reference
 from symkin.formats.naming import fresh_name
 from symkin.formats.parts import Parts, Whole, in_two
+from symkin.formats.robot import Z
 from symkin.model.graph import Coupling, LinkJoint, LinkRod
 from symkin.model.graph_checks import links_of
 from symkin.model.joined import outward, spanning
@@ -161,11 +162,7 @@ class _Writer:
         ends = [fresh_name(end.path, self.names) for end in (rod.bar.start, rod.bar.end)]
         joints, names, number = [Joint(ends[0], "S", rod.start)], [rod.name], rod.length or 0.0
         if rod.actuated:
-            along = (
-                np.subtract(rod.end, rod.start)
-                if rod.reference_length
-                else np.array([0.0, 0.0, 1.0])
-            )
+            along = np.subtract(rod.end, rod.start) if rod.reference_length else Z
             look: dict[str, Any] = {"zero": rod.reference_length - rod.offset, "limits": rod.limits}
             joints.append(Joint(rod.name, "P", rod.end, tuple(along), actuated=True, **look))
             names = [f"{rod.name}.{word}" for word in ("cylinder", "piston")]
@@ -199,12 +196,8 @@ class _Writer:
             or {c.name for c in joint.coordinates} & self.coupled
         ):
             return False
-        free = (
-            not joint.actuated
-            and joint.limits is None
-            and (joint.type == "P" or abs(joint.zero) < _TURNED)
-        )
-        return free or not self.form.free_only
+        free = joint.limits is None and (joint.type == "P" or abs(joint.zero) < _TURNED)
+        return (free and not joint.actuated) or not self.form.free_only
 
     def _carries(self, joint: Joint) -> bool:
         """Whether a joint may be one of the tree as it is."""
@@ -228,14 +221,12 @@ class _Writer:
         if self._closes(joint):
             return entry
         if joint.type in ("U", "C") and not self._carries(joint):
-            made, number = self._parts_of(joint)
-            if self._closes(made[1]) and not {part.name for part in made} & self.coupled:
-                middle = fresh_name(f"{made[0].name}.link", self.links)
-                inside.append(LinkJoint(made[0], (first, middle)))
-                self.wholes.append(
-                    Whole(joint.name, joint.type, (made[0].name, made[1].name), number)
-                )
-                return LinkJoint(made[1], (middle, second))
+            one, other = in_two(joint)
+            if self._closes(other) and not {one.name, other.name} & self.coupled:
+                middle = fresh_name(f"{one.name}.link", self.links)
+                inside.append(LinkJoint(one, (first, middle)))
+                self.wholes.append(Whole(joint.name, joint.type, (one.name, other.name)))
+                return LinkJoint(other, (middle, second))
         leaf = fresh_name(f"{joint.name}.leaf", self.links)
         weld = fresh_name(f"{joint.name}.weld", self.names)
         inside.append(LinkJoint(joint, (first, leaf)))
@@ -310,8 +301,6 @@ def _is_plain(joint: Joint) -> bool:
     """Whether formats that have its type have it so: axes of universal joints are square to each
     other there.
     """
-    return (
-        joint.axis is None
-        or joint.axis2 is None
-        or abs(float(np.dot(joint.axis, joint.axis2))) <= _SQUARE
-    )
+    if joint.axis is None or joint.axis2 is None:
+        return True
+    return abs(float(np.dot(joint.axis, joint.axis2))) <= _SQUARE

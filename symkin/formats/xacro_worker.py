@@ -92,9 +92,5 @@ def _sentence(error: Exception) -> str:
             f"(--arguments {name}=VALUE)"
         )
     text = one_line(str(error)) or type(error).__name__
-    names = [macro for macro in getattr(error, "macros", []) if macro]
-    return text + (
-        f" (in macros {', '.join(str(m.body.getAttribute('name')) for m in names)})"
-        if names
-        else ""
-    )
+    names = [str(m.body.getAttribute("name")) for m in getattr(error, "macros", []) if m]
+    return f"{text} (in macros {', '.join(names)})" if names else text

@@ -56,12 +56,10 @@ class Element:
     @property
     def label(self) -> str:
         """The element as a person finds it: <joint name='knee'>."""
-        name = next((key for key in ("name", "link", "joint") if key in self.attributes), None)
-        return (
-            f"<{self.tag}>"
-            if name is None
-            else f"<{self.tag} {name}={shown(self.attributes[name][:_NAMED])}>"
-        )
+        for name in ("name", "link", "joint"):
+            if name in self.attributes:
+                return f"<{self.tag} {name}={shown(self.attributes[name][:_NAMED])}>"
+        return f"<{self.tag}>"
 
     def error(self, message: str) -> MechanismError:
         """An error whose sentence begins with file, line and element."""
@@ -192,12 +190,10 @@ def parse_xml(content: bytes, file: str, *roots: str) -> Element:
         )
     root = _Builder(file).root(content)
     if roots and root.tag not in roots:
-        known = _FORMATS.get(root.tag)
-        remedy = (
-            ""
-            if known is None
-            else f"; the file is {known[0]}, and its name should end in {known[1]}"
-        )
+        remedy = ""
+        if root.tag in _FORMATS:
+            form, suffix = _FORMATS[root.tag]
+            remedy = f"; the file is {form}, and its name should end in {suffix}"
         raise root.error(
             f"the file's first element is <{root.tag}>; {_choice(roots)} is needed{remedy}"
         )
@@ -228,12 +224,9 @@ class _Builder:
 
     def root(self, content: bytes) -> Element:
         try:
-            self.parser.Parse(
-                _LATE_DECLARATION.sub(
-                    lambda found: re.sub(rb"[^\n]", b" ", found[0]), content, count=1
-                ),
-                True,
-            )
+            late = _LATE_DECLARATION.match(content)
+            blank = re.sub(rb"[^\n]", b" ", late[0]) if late else b""
+            self.parser.Parse(blank + content[len(blank) :], True)
         except expat.ExpatError as error:
             reason = expat.ErrorString(error.code)
             raise MechanismError(

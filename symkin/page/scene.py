@@ -115,9 +115,11 @@ def _symbol(items: Sequence[Item], size: float) -> float:
 
 
 def _grid(items: Sequence[Item], view: Item, size: float, symbol: float) -> list[list[float]]:
-    """Ends of lines a round length apart, below the base or behind a planar mechanism."""
-    bases = (i["points"] for i in items if i["kind"] == "body" and i["role"] == "base")
-    points = np.array(next(bases, [[0.0, 0.0, 0.0]]))
+    """Ends of lines a round length apart, below the base or behind all of a planar mechanism, whose
+    base may stand at one end.
+    """
+    bodies = [i for i in items if i["kind"] == "body" and (view["planar"] or i["role"] == "base")]
+    points = np.array([p for i in bodies for p in i["points"]] or [[0.0, 0.0, 0.0]])
     normal = np.array(view["towards"] if view["planar"] else [0.0, 0.0, 1.0])
     along = np.array([view["right"], view["up"]]) if view["planar"] else np.eye(3)[:2]
     level = np.min(points @ normal) - (1.2 if view["planar"] else 0.4) * symbol

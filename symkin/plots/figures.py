@@ -200,15 +200,11 @@ class _Side:
 
     def reach_above(self, layout: Layout, scale: float) -> float:
         """Pixels by which frames and symbols of joints reach above the bounds, in panels."""
-        places = [
-            scale * self.camera.flat(mark.centre)[1] + _SHARE * _PANEL_SYMBOL
-            for mark in self.spread(layout, scale, _PANEL_SYMBOL).joints
-        ]
-        places += [
-            scale * self.camera.flat(origin)[1] + FRAME * _PANEL_SYMBOL * max(0.0, *up)
-            for origin, rotation in frames_of(layout, base=self.origin)
-            for up in [self.camera.flat(rotation.T)[:, 1]]
-        ]
+        marks = self.spread(layout, scale, _PANEL_SYMBOL).joints
+        tops = [(mark.centre, _SHARE) for mark in marks]
+        for origin, rotation in frames_of(layout, base=self.origin):
+            tops.append((origin, FRAME * max(0.0, *self.camera.flat(rotation.T)[:, 1])))
+        places = (scale * self.camera.flat(p)[1] + up * _PANEL_SYMBOL for p, up in tops)
         return max([0.0, *(float(place - scale * self.high[1]) for place in places)])
 
     def spread(self, layout: Layout, scale: float, symbol: float) -> Layout:
@@ -380,13 +376,10 @@ def heading(
 ) -> None:
     """Write the mechanism's title, then `part`, at the top of a sheet, and facts below it."""
     title = mechanism.name + (f": {mechanism.title}" if mechanism.title else "")
-    room = int(width / _LETTER)
-    shortened = (
-        title
-        if len(title) + len(part) <= room
-        else title[: room - len(part) - 1].rstrip() + "\N{HORIZONTAL ELLIPSIS}"
-    )
-    text, bold = shortened + part, {"fontweight": "bold"}
+    room = int(width / _LETTER) - len(part)
+    if len(title) > room:
+        title = title[: room - 1].rstrip() + "\N{HORIZONTAL ELLIPSIS}"
+    text, bold = title + part, {"fontweight": "bold"}
     with warnings_ignored("Glyph .* missing"):
         wide = text_extent(ax, text, _TITLE, **bold)[0]
     font = _TITLE * min(1.0, 0.94 * width / wide)

@@ -78,12 +78,11 @@ def shown_numbers(
 def left_out(modes: Modes, shown: Sequence[int]) -> str:
     """What a picture of some modes leaves out, in a sentence; empty where it shows all."""
     others = [k for k in range(1, len(modes) + 1) if k not in set(shown)]
-    unlisted = (
-        f"; {modes.total - len(modes)} more are not listed" if modes.total > len(modes) else ""
-    )
-    if not others and not unlisted:
+    hidden = modes.total - len(modes)
+    if not others and not hidden > 0:
         return ""
     numbers = f": {ranges_text(others)}" if others else ""
+    unlisted = f"; {hidden} more are not listed" if hidden > 0 else ""
     return (
         f"shows {len(shown)} of {modes.total} modes, leaves out "
         f"{modes.total - len(shown)}{numbers}{unlisted}; --modes chooses"
@@ -122,11 +121,9 @@ def _facts(modes: Modes) -> list[str]:
 
 
 def _given_text(key: str, values: Any) -> str:
-    return (
-        f"{key} = {values:.5g}"
-        if np.ndim(values) == 0
-        else f"{key} {listed(without_rounding(values))}"
-    )
+    if np.ndim(values) == 0:
+        return f"{key} = {values:.5g}"
+    return f"{key} {listed(without_rounding(values))}"
 
 
 def panel_of(title: str, solution: Solution, given: Sequence[str], text: str = "") -> Panel:
@@ -181,21 +178,17 @@ def _pose_text(solution: Solution) -> str:
     """Position and orientation: the angle of a motion with one, else roll, pitch and yaw, where the
     motion turns at all.
     """
-    mechanism = solution.mechanism
-    text = (
-        f"position {_listed(solution.position, mechanism.characteristic_length)} "
-        f"{mechanism.length_unit}"
-    )
-    leaves = leaves_motion(mechanism, solution.position[None], solution.quaternion[None])
-    if mechanism.motion in ABOUT_Z and not leaves:
-        angle = mechanism.angle_out(plain(solution.gamma, least=_NOISE))
-        return f"{text.removeprefix('position ')}, gamma {angle:.5g} {mechanism.angle_unit}"
+    m = solution.mechanism
+    place = f"{_listed(solution.position, m.characteristic_length)} {m.length_unit}"
+    leaves = leaves_motion(m, solution.position[None], solution.quaternion[None])
+    if m.motion in ABOUT_Z and not leaves:
+        angle = m.angle_out(plain(solution.gamma, least=_NOISE))
+        return f"{place}, gamma {angle:.5g} {m.angle_unit}"
     turn = euler_from_quaternion(np.asarray(solution.quaternion), "xyz")
-    turned = _listed([mechanism.angle_out(angle) for angle in turn], mechanism.angle_out(1.0))
-    angles = f"roll, pitch, yaw {turned} {mechanism.angle_unit}"
-    return {"spherical": angles, "translation": text}.get(
-        "" if leaves else mechanism.motion, f"{text}\n{angles}"
-    )
+    turned = _listed(map(m.angle_out, turn), m.angle_out(1.0))
+    text, angles = f"position {place}", f"roll, pitch, yaw {turned} {m.angle_unit}"
+    shown = {"spherical": angles, "translation": text}
+    return shown.get("" if leaves else m.motion, f"{text}\n{angles}")
 
 
 def _listed(values: Iterable[float], size: float) -> str:

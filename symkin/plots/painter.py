@@ -286,7 +286,7 @@ class Painter:
 
         radius = RING * self.symbol
         ring = Circle(
-            (float(place[0]), float(place[1])),
+            place.tolist(),
             radius,
             facecolor="none",
             edgecolor=COLOURS["loop"],
@@ -308,16 +308,8 @@ class Painter:
 
     def _dot(self, point: np.ndarray, name: str) -> None:
         x, y = self.at(point)
-        self.ax.plot(
-            [x],
-            [y],
-            marker="D",
-            markersize=5.0 * self.width,
-            color=COLOURS["text"],
-            linestyle="none",
-            zorder=15.0,
-            gid=f"point {name}",
-        )
+        look = {"color": COLOURS["text"], "zorder": 15.0, "gid": f"point {name}"}
+        self.ax.plot([x], [y], "D", markersize=5.0 * self.width, **look)
         self.symbols.append(np.array([x, y, 0.12 * self.symbol, 0.12 * self.symbol]))
 
     @property

@@ -54,10 +54,7 @@ def views_from(views: str | Sequence[str]) -> tuple[ViewName, ...]:
 
 def looks_of(mechanism: Mechanism, names: str, views: str | Sequence[str]) -> dict[str, Any]:
     """Names and views as figures of configurations take them, checked."""
-    return {
-        "names": names_from(names, mechanism),
-        "views": views_from(views),
-    }
+    return {"names": names_from(names, mechanism), "views": views_from(views)}
 
 
 def check_numbers(text: str) -> list[tuple[int, int | None]]:
@@ -84,11 +81,7 @@ def chosen_numbers(choice: str | Sequence[int], count: int) -> list[int]:
     """
     if isinstance(choice, str) and choice.strip() == "all":
         choice = f"1-{count}"
-    parts = (
-        check_numbers(choice)
-        if isinstance(choice, str)
-        else check_numbers(",".join(map(str, choice)))
-    )
+    parts = check_numbers(choice if isinstance(choice, str) else ",".join(map(str, choice)))
     there = f"there {'is' if count == 1 else 'are'} {counted(count, 'mode')}"
     alone = next((low for low, high in parts if high is None and low > count), None)
     if alone is not None:

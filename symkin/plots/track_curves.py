@@ -123,21 +123,15 @@ def _joint_panels(track: Track) -> Iterator[CurvePanel]:
     found = (
         mechanism.actuated if track.trajectory.kind == "inverse" else listed_joints(track.problem)
     )
+    stills = _STILL * mechanism.characteristic_length, mechanism.angle_out(_STILL)
     for angular, unit in ((False, mechanism.length_unit), (True, mechanism.angle_unit)):
-        chosen = [
-            c
+        values = {
+            c.name: np.array([s.joints[c.name] for s in track.samples], dtype=float)
             for c in found
             if c.is_angular == angular and not c.is_rotation and c.name not in known
-        ]
-        if chosen:
-            still = (
-                mechanism.angle_out(_STILL) if angular else _STILL * mechanism.characteristic_length
-            )
-            values = {
-                c.name: np.array([s.joints[c.name] for s in track.samples], dtype=float)
-                for c in chosen
-            }
-            yield _from_start("joints, from their", unit, values, still)
+        }
+        if values:
+            yield _from_start("joints, from their", unit, values, stills[angular])
 
 
 def _from_start(label: str, unit: str, values: dict[str, np.ndarray], still: float) -> CurvePanel:
@@ -184,11 +178,9 @@ def _rotation_vector(q: np.ndarray) -> np.ndarray:
     quaternions of a path do.
     """
     sine = float(np.linalg.norm(q[1:]))
-    return (
-        np.zeros(3)
-        if sine == 0.0
-        else 2.0 * math.atan2(sine, float(q[0])) / sine * np.asarray(q[1:], dtype=float)
-    )
+    if sine == 0.0:
+        return np.zeros(3)
+    return 2.0 * math.atan2(sine, float(q[0])) / sine * np.asarray(q[1:], dtype=float)
 
 
 # --- distances ------------------------------------------------------------------------------------
@@ -204,18 +196,12 @@ def _singular(track: Track) -> CurvePanel:
     kinds = [
         kind for kind in rows[0] if all(math.isfinite(row.get(kind, math.inf)) for row in rows)
     ]
-    sigma = Curve(
-        "smallest singular value",
-        np.array([s.smallest_singular_value for s in samples]),
-        np.arange(len(samples)),
-    )
+    curves = [Curve(f"from {kind}", np.array([row[kind] for row in rows]), at) for kind in kinds]
     # without unknowns nothing can be lost and the smallest singular value is 1
-    first = () if track.nearest is None else (sigma,)
-    curves = (
-        *first,
-        *(Curve(f"from {kind}", np.array([row[kind] for row in rows]), at) for kind in kinds),
-    )
-    return CurvePanel("distance to\nsingularity", curves, floor=0.0)
+    if track.nearest is not None:
+        sigma = np.array([s.smallest_singular_value for s in samples])
+        curves.insert(0, Curve("smallest singular value", sigma, np.arange(len(sigma))))
+    return CurvePanel("distance to\nsingularity", tuple(curves), floor=0.0)
 
 
 def _limits(track: Track) -> Iterator[CurvePanel]:
@@ -266,9 +252,7 @@ def _joined(names: list[str]) -> str:
 
 
 def _out(track: Track, c: Coordinate, values: np.ndarray) -> np.ndarray:
-    return (
-        np.asarray(values * track.trajectory.mechanism.angle_out(1.0)) if c.is_angular else values
-    )
+    return values * (track.trajectory.mechanism.angle_out(1.0) if c.is_angular else 1.0)
 
 
 def _moves(track: Track, c: Coordinate, values: np.ndarray) -> bool:
@@ -277,9 +261,7 @@ def _moves(track: Track, c: Coordinate, values: np.ndarray) -> bool:
 
 def _turns(track: Track, quaternions: np.ndarray) -> list[tuple[str, np.ndarray]]:
     """Roll, pitch and yaw of a told orientation, those that move."""
-    angles = np.array(
-        [np.asarray(euler_from_quaternion(q, "xyz"), dtype=float) for q in quaternions]
-    )
+    angles = [np.asarray(euler_from_quaternion(q, "xyz"), dtype=float) for q in quaternions]
     shown = np.unwrap(angles, axis=0)
     out = track.trajectory.mechanism.angle_out(1.0)
     return [

@@ -208,14 +208,11 @@ def _ticks(ax: Any, path: _Path) -> None:
 
 def _draw_curves(ax: Any, panel: CurvePanel, x: np.ndarray) -> None:
     """Curves, of which earlier ones are wider where later ones cover them, so that each is seen."""
-    span = max((float(np.ptp(curve.values)) for curve in panel.curves), default=0.0)
-    if panel.curves:
-        whole = np.concatenate([curve.values for curve in panel.curves])
-        span = max(
-            span,
-            float(np.ptp(whole)),
-            float(np.abs(whole).max()) if panel.floor is not None else 0.0,
-        )
+    whole = np.concatenate([[], *(curve.values for curve in panel.curves)])
+    low, high = (float(end(whole)) if len(whole) else 0.0 for end in (np.min, np.max))
+    span = high - low
+    if panel.floor is not None:
+        span = max(span, high, -low)
     for k, curve in enumerate(panel.curves):
         look: dict[str, Any] = {"color": SERIES[k % len(SERIES)], "zorder": 2.0 + 0.01 * k}
         marker = "." if len(curve.at) < 2 else None
@@ -234,11 +231,9 @@ def _draw_curves(ax: Any, panel: CurvePanel, x: np.ndarray) -> None:
                 **look,
             )
     if panel.floor is not None and panel.curves:
-        least = min(panel.floor, *(float(curve.values.min()) for curve in panel.curves))
-        top = max(float(curve.values.max()) for curve in panel.curves)
-        ax.set_ylim(
-            least - 0.04 * (top - least), top + 0.08 * (top - least) if top > least else 1.0
-        )
+        least = min(panel.floor, low)
+        ends = least - 0.04 * (high - least), high + 0.08 * (high - least) if high > least else 1.0
+        ax.set_ylim(*ends)
         if least < panel.floor:
             ax.axhline(panel.floor, color=COLOURS["text"], lw=0.8)
 
@@ -268,23 +263,12 @@ def _legend(ax: Any, panel: CurvePanel) -> None:
     from matplotlib.lines import Line2D
 
     handles = list(labelled(ax).values())[:_MOST_NAMED]
-    looks = [
-        {
-            "color": h.get_color(),
-            "marker": h.get_marker(),
-            "linewidth": min(2.0, len(h.get_xdata()) - 1),
-        }
-        for h in handles
-    ]
-    thin = [Line2D([], [], **look) for look in looks]
+    thin = []
+    for h in handles:
+        line = {"color": h.get_color(), "marker": h.get_marker()}
+        thin.append(Line2D([], [], linewidth=min(2.0, len(h.get_xdata()) - 1), **line))
     texts = _entries(panel)
     blank = [Line2D([], [], linewidth=0.0) for _ in texts[len(thin) :]]
-    own_legend(
-        ax,
-        dict(zip(texts, [*thin, *blank], strict=True)),
-        loc="center left",
-        bbox_to_anchor=(1.0, 0.5),
-        fontsize=8,
-        labelspacing=0.3,
-        handlelength=1.4,
-    )
+    look = {"fontsize": 8, "labelspacing": 0.3, "handlelength": 1.4}
+    place = {"loc": "center left", "bbox_to_anchor": (1.0, 0.5)}
+    own_legend(ax, dict(zip(texts, [*thin, *blank], strict=True)), **look, **place)

@@ -17,7 +17,7 @@ from symkin.position.given import Values, unknown_name
 from symkin.position.moved_reference import with_reference_at
 from symkin.position.solution import Solution
 from symkin.position.solve import solve
-from symkin.text import first_of
+from symkin.text import counted, first_of
 from symkin.transmissions.found import Group, group_with, groups_of, with_ranges
 from symkin.transmissions.linkage import Linkage
 from symkin.transmissions.motors import motors_of_file, read_motors
@@ -152,8 +152,9 @@ def _named(
     if len(motors) > free:
         deciding = _deciding(whole, motors)
         notes.append(
-            f"{len(motors)} coordinates are marked as actuated, and the linkage has {free} "
-            f"freedom(s): taken as motors are {', '.join(deciding)}; --motors names others"
+            f"{len(motors)} coordinates are marked as actuated, and the linkage has "
+            f"{counted(free, 'freedom')}: taken as motors are {', '.join(deciding)}; "
+            f"--motors names others"
         )
         motors = deciding
     _refuse_too_few(robot, whole, motors)
@@ -212,9 +213,11 @@ def _checked(robot: str, linkage: Linkage, options: MotorOptions) -> Transmissio
     _refuse_still(robot, linkage)
     _refuse_too_few(robot, linkage, motors)
     if len(joints) != free:
+        several = "are" if len(joints) > 1 else "is"
         raise InputError(
-            f"{robot}: {', '.join(joints)} are {len(joints)} joint(s), and the linkage of "
-            f"{', '.join(motors)} has {free} freedom(s); name as many joints as freedoms"
+            f"{robot}: {', '.join(joints)} {several} {counted(len(joints), 'joint')}, and the "
+            f"linkage of {', '.join(motors)} has {counted(free, 'freedom')}; name as many joints "
+            f"as freedoms"
         )
     if _rank(linkage, joints) < free:
         raise InputError(
@@ -238,8 +241,8 @@ def _checked(robot: str, linkage: Linkage, options: MotorOptions) -> Transmissio
     notes = list[str]()
     if len(motors) > free:
         notes.append(
-            f"{len(motors)} motors drive {free} joint(s): of all torques of motors that hold a "
-            f"joint torque the least are told, and rates of motors must agree"
+            f"{len(motors)} motors drive {counted(free, 'joint')}: of all torques of motors that "
+            f"hold a joint torque the least are told, and rates of motors must agree"
         )
     over = linkage.beyond_limits(linkage.reference[None])[0] > 0.0
     beyond = [c.name for c, out in zip(linkage.limited, over, strict=True) if out]
@@ -290,7 +293,8 @@ def _refuse_too_few(robot: str, linkage: Linkage, motors: tuple[str, ...]) -> No
         )
         raise InputError(
             f"{robot}: the motors {', '.join(motors)} do not decide the joints: their linkage has "
-            f"{free} freedom(s), and {left} stay free; {remedy}"
+            f"{counted(free, 'freedom')}, and {left} {'stay' if left > 1 else 'stays'} free; "
+            f"{remedy}"
         )
 
 

@@ -221,7 +221,8 @@ class Transmission(Result):
         if len(self.motors) > self.linkage.mobility and names == self.motors and not shares[row]:
             return (
                 f"{self.name}: {told}{where}: {len(self.motors)} motors move "
-                f"{self.linkage.mobility} freedom(s), and these values do not agree with each other"
+                f"{counted(self.linkage.mobility, 'freedom')}, and these values do not agree with "
+                f"each other"
             )
         lost = States(self.linkage, w[row : row + 1]).lost(0)
         return (
