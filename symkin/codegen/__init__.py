@@ -1,13 +1,13 @@
 """Write code from the closure: C99 folders for controllers, and Jacobians in C, NumPy, SymPy and
 LaTeX. Each of these packages reads those before it:
 
-`text`: `graph` makes nodes of a CasADi function, `printer` prints them by a language's table of
-operations: `c` (which has the type of numbers and the emitter of statements), `languages` and
-`javascript`; `latex` writes a closure's equations, `jacobians` Jacobians in each format.
-Expressions are made shorter by `gathered` (Horner), `simplification` (for readers) and `angles`
-(cosines and sines in place of angles). `templates` fills `templates/`, which holds the C that is
-the same for every mechanism, `c` gives all of it its names and the type of its numbers, `width`
-breaks its lines.
+`text`: `graph` makes nodes of a CasADi function, constants folded and signs drawn out, `printer`
+prints them by a language's table of operations: `c` (which has the type of numbers and the emitter
+of statements), `languages` and `javascript`; `latex` writes a closure's equations, `jacobians`
+Jacobians in each format. Expressions are made shorter by `gathered` (Horner) and `angles` (cosines
+and sines in place of angles). `templates` fills `templates/`, which holds the C that is the same
+for every mechanism (what several say are the macros of `macros.h`), `c` gives all of it its names
+and the type of its numbers, `width` breaks its lines.
 
 `steps`: how a part of a problem is solved. `newton_kernel` states what an iteration computes
 (`circle_kernel`: angles by cosine and sine; `pose_kernel`, `rod_kernel`: over a pose alone),

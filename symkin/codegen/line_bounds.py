@@ -31,10 +31,6 @@ angles are special.
 _MISFIT = 1e-9
 """Share of the largest value by which the sum may be off at points that it was not made from."""
 _CHECKED = 64
-_ASKED, _FAR_OFF = 8, 1e-4
-"""Points of a line that are asked beside its samples, and the share of the largest value from which
-on a misfit there is no rounding.
-"""
 
 
 @dataclass(frozen=True)
@@ -53,14 +49,12 @@ class Span:
 class Bend:
     """Bounds of a function: `size` of itself, `slopes` (given values) of first derivatives,
     `weights` (given values) of the second one along a line as above, for changes in units of the
-    spans; `least` and `most` are values among its samples.
+    spans.
     """
 
     size: float
     slopes: np.ndarray
     weights: np.ndarray
-    least: float
-    most: float
 
 
 def bend_of(values: Callable[[np.ndarray], np.ndarray], spans: Sequence[Span]) -> Bend | None:
@@ -68,27 +62,8 @@ def bend_of(values: Callable[[np.ndarray], np.ndarray], spans: Sequence[Span]) -
     found = (
         _bend_of(values, spans, degree)
         for degree in (_DEGREE, _HIGHEST)[: 2 if len(spans) <= _FEW else 1]
-        if _may_be_waves(values, spans, degree)
     )
     return next((bend for bend in found if bend is not None), None)
-
-
-def _may_be_waves(
-    values: Callable[[np.ndarray], np.ndarray], spans: Sequence[Span], degree: int
-) -> bool:
-    """Whether a function comes near a sum of waves up to a degree along one line of each given
-    value: few samples leave out most of what is no such sum.
-    """
-    rng, count, points = np.random.default_rng(6), len(spans), 2 * degree + 2
-    turns, asked = 2 * np.pi * np.arange(points) / points, rng.uniform(-np.pi, np.pi, _ASKED)
-    lines = np.tile(rng.uniform(-np.pi, np.pi, count), (count, points + _ASKED, 1))
-    for i in range(count):
-        lines[i, :, i] = np.concatenate([turns, asked])
-    samples = values(_placed(lines.reshape(-1, count), spans)).reshape(count, -1)
-    waves = np.fft.fft(samples[:, :points]) / points
-    orders = np.fft.fftfreq(points, 1.0 / points)
-    gaps = (waves @ np.exp(1j * np.outer(orders, asked))).real - samples[:, points:]
-    return bool(np.all(np.abs(gaps) <= _FAR_OFF * np.max(np.abs(samples))))
 
 
 def _bend_of(
@@ -123,8 +98,6 @@ def _bend_of(
         size=float(np.sum(amplitudes)),
         slopes=np.sum(amplitudes * once, axis=1),
         weights=np.sum(hessian, axis=1),
-        least=float(np.min(samples)),
-        most=float(np.max(samples)),
     )
 
 

@@ -493,7 +493,6 @@ NAMES = {
     "configurations": "symkin.codegen.steps.samples",
     "all_followed": "symkin.codegen.steps.samples",
     "SerialArm": "symkin.codegen.serial_arm",
-    "tidied": "symkin.codegen.text.simplification",
     "build_vectors": "symkin.codegen.folder.vectors",
     "WorstCase": "symkin.codegen.worst_case",
     # pictures

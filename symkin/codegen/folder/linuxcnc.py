@@ -18,21 +18,13 @@ from symkin.errors import InputError
 
 _LONGEST_PIN = 47
 """Characters of a HAL name (HAL_NAME_LEN)."""
-_CONVERSIONS = {
-    "spatial": "spatial",
-    "spherical": "spatial",
-    "schoenflies": "turn",
-    "planar": "turn",
-    "translation": "translation",
-}
-"""How world coordinates are made of a pose, by the platform's motion."""
-_RPY = "A, B, C are turns about the base's x, y, z in this order (R = Rz(C) Ry(B) Rx(A))."
-_TURN = "C is the turn from home about z; A and B are 0."
+_CONVERSIONS = {"spherical": "spatial", "schoenflies": "turn", "planar": "turn"}
+"""How world coordinates are made of a pose, by the platform's motion where they are not those of
+its name.
+"""
 _TURNS = {
-    "spatial": _RPY,
-    "spherical": _RPY,
-    "schoenflies": _TURN,
-    "planar": _TURN,
+    "spatial": "A, B, C are turns about the base's x, y, z in this order (R = Rz(C) Ry(B) Rx(A)).",
+    "turn": "C is the turn from home about z; A and B are 0.",
     "translation": "A, B, C are 0.",
 }
 _DEGREES = 180.0 / np.pi
@@ -50,6 +42,7 @@ def linuxcnc_text(program: Program, home: np.ndarray | None) -> str:
     kind = program.kind
     is_turned = isinstance(kind, LimbPlatform) and kind.frames is not None
     motion = "spatial" if serial or is_turned else program.mechanism.motion
+    conversion = _CONVERSIONS.get(motion, motion)
     moved = {"planar": (0, 1), "spherical": ()}.get(motion, (0, 1, 2))
     shown = program.values | {
         "mm": repr(mm),
@@ -57,7 +50,7 @@ def linuxcnc_text(program: Program, home: np.ndarray | None) -> str:
             repr(float(_DEGREES)) if angular else repr(mm) for angular in units
         ),
         "units": "degrees" if all(units) else "mm" if not any(units) else "mm and degrees",
-        "turns_told": _TURNS[motion],
+        "turns_told": _TURNS[conversion],
         "memory": "" if home is None else _memory(program, home),
         "pins": _pins_text(name, pins),
         "new_pins": _new_pins(name, pins),
@@ -77,7 +70,7 @@ def linuxcnc_text(program: Program, home: np.ndarray | None) -> str:
             f"pose.position[{i}] = {name}_home.position[{i}];" for i in range(3) if i not in moved
         ],
     }
-    conversions = fill(f"kins_{_CONVERSIONS[motion]}.c", shown).rstrip()
+    conversions = fill(f"kins_{conversion}.c", shown).rstrip()
     return fill(
         "kins.c", shown | {"conversions": conversions + "\n"} | _calls(name, shown, serial=serial)
     )

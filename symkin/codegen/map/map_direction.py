@@ -15,7 +15,6 @@ from symkin.codegen.map.home_sheet import HomeSheet, home_sheet
 from symkin.codegen.map.joint_map import Direction
 from symkin.codegen.map.joint_map_values import MapValues, places_among
 from symkin.codegen.map.rates import step_columns, step_text
-from symkin.codegen.steps.circle_kernel import CircleKernel
 from symkin.codegen.steps.geometry import Geometry
 from symkin.codegen.steps.guard_text import Watched
 from symkin.codegen.steps.guards import DETERMINANT
@@ -87,17 +86,13 @@ class DirectionSource(MapValues):
         return len(self.known)
 
     @property
-    def iteration(self) -> CircleKernel:
-        return self.direction.circles
-
-    @property
     def kernel(self) -> Kernel:
         return self.direction.kernel
 
     @property
     def numbers_of_known(self) -> str:
         """The array of the numbers of what is aimed at: the matrix reads them, or coefficients."""
-        return "w->k" if self.iteration.is_plain else "w->numbers"
+        return "w->k" if self.direction.circles.is_plain else "w->numbers"
 
     @cached_property
     def names(self) -> dict[str, object]:
@@ -146,8 +141,8 @@ class DirectionSource(MapValues):
         )
         matrices, kappa = sampled(self.kernel, states, known, np.zeros(0))
         members, numbers = [] if self.closed is None else self.closed.members, 0
-        if self.closed is None and not self.iteration.is_plain:
-            numbers = self.iteration.numbers.numel()
+        if self.closed is None and not self.direction.circles.is_plain:
+            numbers = self.direction.circles.numbers.numel()
             members = [
                 f"real numbers[{numbers}]; /* numbers of what is aimed at: of angles cosine and "
                 "sine */"
@@ -187,12 +182,16 @@ class DirectionSource(MapValues):
         """The statement that sets the kernel's known values by numbers of the known coordinates,
         where these are others.
         """
-        return [] if self.iteration.is_plain else [f"{self.k}_coefficients({source}, {target});"]
+        return (
+            []
+            if self.direction.circles.is_plain
+            else [f"{self.k}_coefficients({source}, {target});"]
+        )
 
     @property
     def _coefficients_text(self) -> str:
         """The function of the rows' coefficients, where known values are these."""
-        circles = self.iteration
+        circles = self.direction.circles
         if circles.is_plain:
             return ""
         inputs = [(circles.numbers, "numbers")]
@@ -264,7 +263,7 @@ class DirectionSource(MapValues):
         starts = {
             "at": at,
             "x": numbers_at(self.unknown, made.reference_of(self.unknown)),
-            "k0": self.iteration.known_at(numbers_at(self.known, at)),
+            "k0": self.direction.circles.known_at(numbers_at(self.known, at)),
         }
         # passive joints go on from a guess's own configuration, which is then as an answer's
         near = _GUESSED * made.size
@@ -337,7 +336,7 @@ class DirectionSource(MapValues):
                 f"real there[{n}];",
                 f"(void)name_state_of_{values}(home, y, there);",
             ]
-        elif not self.iteration.is_plain:
+        elif not self.direction.circles.is_plain:
             of_known = self._coefficients(f"&y[{self.places(known)[0]}]", "w->k0")
         stand_at[1:1] = [f"for (int i = 0; i < {n}; ++i) {{", f"    at[i] = {begun}[i];", "}"]
         follow = [

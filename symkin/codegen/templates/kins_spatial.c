@@ -1,5 +1,5 @@
 /* The pose of world coordinates. */
-static name_pose name_pose_of(const EmcPose *world)
+POSE_OF_WORLD
 {
     const double a = 0.5 * world->a / NAME_DEGREES;
     const double b = 0.5 * world->b / NAME_DEGREES;
@@ -15,7 +15,7 @@ static name_pose name_pose_of(const EmcPose *world)
 }
 
 /* World angles of a pose; where B is a right angle, C is 0. */
-static void name_world_of(const name_pose *pose, EmcPose *world)
+WORLD_OF_POSE
 {
     const double *const q = pose->quaternion;
     const double zx = 2.0 * (q[1] * q[3] - q[0] * q[2]);

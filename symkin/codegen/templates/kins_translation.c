@@ -1,5 +1,5 @@
 /* The pose of world coordinates: the orientation is that of home. */
-static name_pose name_pose_of(const EmcPose *world)
+POSE_OF_WORLD
 {
     name_pose pose = name_home;
     @positions
@@ -7,7 +7,7 @@ static name_pose name_pose_of(const EmcPose *world)
 }
 
 /* World angles of a pose. */
-static void name_world_of(const name_pose *pose, EmcPose *world)
+WORLD_OF_POSE
 {
     (void)pose;
     world->a = 0.0;

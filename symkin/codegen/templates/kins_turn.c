@@ -1,5 +1,5 @@
 /* The pose of world coordinates: what the platform cannot do is as at home. */
-static name_pose name_pose_of(const EmcPose *world)
+POSE_OF_WORLD
 {
     const double half = 0.5 * world->c / NAME_DEGREES;
     name_pose pose = name_home;
@@ -12,7 +12,7 @@ static name_pose name_pose_of(const EmcPose *world)
 }
 
 /* World angles of a pose, C its turn from home about z. */
-static void name_world_of(const name_pose *pose, EmcPose *world)
+WORLD_OF_POSE
 {
     const double *const q = pose->quaternion;
     const double *const home = name_home.quaternion;

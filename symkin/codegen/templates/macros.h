@@ -16,3 +16,5 @@
 #define USUAL_CONFIG static const name_config usual = { NAME_TOLERANCE, NAME_MAX_STEPS, NAME_MAX_STEP };
 #define NEAREST_WHOLE(number) (int)(number + ((number < 0.0) ? -0.5 : 0.5))
 #define DOT3(a, b) a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+#define POSE_OF_WORLD static name_pose name_pose_of(const EmcPose *world)
+#define WORLD_OF_POSE static void name_world_of(const name_pose *pose, EmcPose *world)

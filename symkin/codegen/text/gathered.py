@@ -182,7 +182,7 @@ class _Values(Graph):
 def _operations(expression: ca.SX, symbols: ca.SX) -> tuple[int, int]:
     """How many operations are printed, and how many there are before signs are drawn out."""
     function = ca.Function("f", [symbols], [expression], {"cse": True})
-    graph = Graph.of(function, shares_signs=True)
+    graph = Graph.of(function)
     printed = sum(kind_of(graph.nodes[k].op) is not None for k, n in graph.uses.items() if n)
     return printed, function.n_instructions()
 

@@ -7,6 +7,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Container
 from dataclasses import dataclass, field
+from math import prod
 
 import casadi as ca
 import numpy as np
@@ -84,16 +85,17 @@ class Graph:
     nodes: list[Node] = field(default_factory=list)
     outputs: dict[tuple[int, int], int] = field(default_factory=dict)
     divisors: Counter[int] = field(default_factory=Counter)
-    shares_signs: bool = False
+    is_read: bool = False
     _constants: dict[str, int] = field(default_factory=dict)
     _made: dict[tuple[int, tuple[int, ...]], int] = field(default_factory=dict)
 
     @staticmethod
-    def of(function: ca.Function, *, shares_signs: bool = False) -> Graph:
-        """The graph of a function of SX; with `shares_signs` a value and its negative are found
-        once: signs are drawn out of what reads them, as far as that goes.
+    def of(function: ca.Function, *, is_read: bool = False) -> Graph:
+        """The graph of a function of SX; a value and its negative are found once: signs are drawn
+        out of what reads them, as far as that goes. Where it `is_read` by people, nested sums have
+        one constant, at their end, and b - a stands for -(a - b).
         """
-        graph = Graph(shares_signs=shares_signs)
+        graph = Graph(is_read=is_read)
         walk(function, graph)
         return graph
 
@@ -133,7 +135,7 @@ class Graph:
         found = self._folded(op, operands)
         if found is not None:
             return found
-        return self._made_of(op, operands)
+        return self._signed(op, operands)
 
     def output(self, number: int, nonzero: int, value: int) -> None:
         self.outputs[number, nonzero] = value
@@ -157,10 +159,20 @@ class Graph:
             return self._with_constant(operands[0], last if op == ca.OP_ADD else -last)
         if op == ca.OP_ADD and first is not None:
             return self._with_constant(operands[1], first)
-        return None
+        return self._as_read(op, operands) if self.is_read else None
 
-    def _made_of(self, op: int, operands: list[int]) -> int:
-        return self._signed(op, operands) if self.shares_signs else self._once(op, operands)
+    def _as_read(self, op: int, operands: list[int]) -> int | None:
+        """What people would write: one constant of nested sums and of nested products."""
+        if op == ca.OP_SUB and (first := self._number(operands[0])) is not None:
+            return self._with_constant(self._negated(operands[1], is_negative=True), first)
+        if op in _SUMS:
+            (a, one), (b, two) = map(self._without_constant, operands)
+            if [a, b] != operands:
+                two = two if op == ca.OP_ADD else -two
+                return self._with_constant(self.operation(op, [a, b]), one + two)
+        if op == ca.OP_TWICE:
+            return self.operation(ca.OP_MUL, [self.constant(2.0), operands[0]])
+        return None
 
     # --- signs ------------------------------------------------------------------------------------
 
@@ -171,11 +183,28 @@ class Graph:
         if op in _SUMS:
             return self._sum(bare, signs[0], signs[1] != (op == ca.OP_SUB))
         if op in (ca.OP_MUL, ca.OP_DIV):
-            return self._negated(self._once(op, bare), signs[0] != signs[1])
+            is_read = self.is_read and op == ca.OP_MUL
+            value = self._factored(bare) if is_read else self._once(op, bare)
+            return self._negated(value, signs[0] != signs[1])
         if op in _ODD or op == ca.OP_NEG:
             value = bare[0] if op == ca.OP_NEG else self._once(op, bare)
             return self._negated(value, signs[0] != (op == ca.OP_NEG))
         return self._once(op, bare if op in _EVEN else operands)
+
+    def _factored(self, bare: list[int]) -> int:
+        """A product with one constant, at its front."""
+        factors, rest = list[float](), list[int]()
+        for k in bare:
+            node = self.nodes[k]
+            first, *others = node.reads if node.op == ca.OP_MUL else (k,)
+            number = self._number(first)
+            factors += [] if number is None else [number]
+            rest += [k] if number is None else others
+        value = rest[0]
+        if len(rest) > 1:
+            is_square = rest[0] == rest[1]
+            value = self._once(ca.OP_SQ, rest[:1]) if is_square else self._once(ca.OP_MUL, rest)
+        return self._once(ca.OP_MUL, [self.constant(prod(factors)), value]) if factors else value
 
     def _sum(self, bare: list[int], first: bool, last: bool) -> int:
         """A sum of two values, of which those that are told are subtracted."""
@@ -195,6 +224,8 @@ class Graph:
         return k, False
 
     def _negated(self, k: int, is_negative: bool) -> int:
+        if is_negative and self.is_read and self.nodes[k].op == ca.OP_SUB:
+            return self._once(ca.OP_SUB, [*self.nodes[k].reads[::-1]])
         return self._once(ca.OP_NEG, [k]) if is_negative else k
 
     def _once(self, op: int, operands: list[int]) -> int:
@@ -212,20 +243,29 @@ class Graph:
         node = self.nodes[k]
         return node.constant if node.op == ca.OP_CONST else None
 
+    def _without_constant(self, k: int) -> tuple[int, float]:
+        """x and the constant in which it ends, or from which it is taken."""
+        node = self.nodes[k]
+        if node.op in _SUMS and (last := self._number(node.reads[1])) is not None:
+            return node.reads[0], last if node.op == ca.OP_ADD else -last
+        if self.is_read and node.op == ca.OP_SUB and (first := self._number(node.reads[0])):
+            return self._negated(node.reads[1], is_negative=True), first
+        if self.is_read and node.op == ca.OP_NEG:
+            rest, number = self._without_constant(node.reads[0])
+            return self._negated(rest, is_negative=True) if number else k, -number
+        return k, 0.0
+
     def _with_constant(self, k: int, number: float) -> int:
         """x + number, where x may end in a constant."""
         node = self.nodes[k]
-        if self.shares_signs and node.op == ca.OP_NEG:
+        if node.op == ca.OP_NEG:
             return self._signed(ca.OP_NEG, [self._with_constant(node.reads[0], -number)])
-        scale = 0.0
-        if node.op in _SUMS and (last := self._number(node.reads[1])) is not None:
-            k, scale = node.reads[0], max(abs(number), abs(last))
-            number += last if node.op == ca.OP_ADD else -last
-        number = snap(number, scale)
+        k, own = self._without_constant(k)
+        number = snap(number + own, max(abs(number), abs(own)) if own else 0.0)
         if number == 0.0:
             return k
         op = ca.OP_SUB if number < 0.0 else ca.OP_ADD
-        return self._made_of(op, [k, self.constant(abs(number))])
+        return self._signed(op, [k, self.constant(abs(number))])
 
     def _add(self, node: Node) -> int:
         self.nodes.append(node)

@@ -9,9 +9,9 @@ import casadi as ca
 
 from symkin.closure.closure import Closure, algebraic_rows, build_closure
 from symkin.closure.snapping import snapped_expression
+from symkin.codegen.text.gathered import gathered
 from symkin.codegen.text.languages import latex_language
 from symkin.codegen.text.printer import Printer
-from symkin.codegen.text.simplification import tidied
 from symkin.model.mechanism import Mechanism
 from symkin.text import ascii_letters, latex_text, printable
 
@@ -25,9 +25,8 @@ def equations(mechanism: Mechanism) -> str:
     closure = build_closure(mechanism)
     # a sum of lengths leaves the rounding of lengths
     scale = max(1.0, closure.characteristic_length)
-    rows = tidied(
-        snapped_expression(_in_user_scale(closure), [closure.variables], scale), [closure.variables]
-    )
+    snapped = snapped_expression(_in_user_scale(closure), [closure.variables], scale)
+    (rows,) = gathered([snapped], [closure.variables], [])
     names = coordinate_symbols(closure)
     definitions, results = write(rows, closure.variables, names)
     norms = [closure.slices[c.name] for c in closure.coordinates if c.is_rotation]

@@ -104,7 +104,7 @@ class Printer:
 
     @cached_property
     def _graph(self) -> Graph:
-        return Graph.of(self.function, shares_signs=not self.language.nested)
+        return Graph.of(self.function, is_read=self.language.nested)
 
     def value(self, output: int, nonzero: int) -> str:
         """Make the statements up to one output nonzero; its text, 0 where the function has no such

@@ -57,17 +57,16 @@ def rendered(template: str, **values: object) -> str:
     return _environment().get_template(template).render(values)
 
 
-@lru_cache(maxsize=None)
+@lru_cache(maxsize=256)
 def template_text(template: str) -> str:
-    """Read a file of `templates/`, the macros of macros.h put in."""
+    """Read a file of `templates/`; into C the macros of macros.h are put, which read those that
+    stand before them.
+    """
     text = _read(template)
-    for name, (parameters, body) in _macros().items() if template.endswith((".c", ".h")) else ():
-        text = re.sub(
-            rf"^( *)(.*?)\b{name}\b" + (_ARGUMENTS if parameters else "()"),
-            partial(_put_in, parameters, body),
-            text,
-            flags=re.M,
-        )
+    if template.endswith((".c", ".h")):
+        for name, parameters, body in _MACRO.findall(_read("macros.h"))[::-1]:
+            called = rf"^( *)(.*?)\b{name}\b" + (_ARGUMENTS if parameters else "()")
+            text = re.sub(called, partial(_put_in, parameters, body), text, flags=re.M)
     return text
 
 
@@ -76,18 +75,12 @@ def _read(template: str) -> str:
     return place.read_text(encoding="utf-8")
 
 
-@lru_cache(maxsize=1)
-def _macros() -> dict[str, tuple[list[str], str]]:
-    """Parameters and body of each macro, those that read others first."""
-    found = _MACRO.findall(_read("macros.h"))[::-1]
-    return {n: (p.split(", ") if p else [], b.replace(" \\\n", "\n")) for n, p, b in found}
-
-
-def _put_in(parameters: Sequence[str], body: str, found: re.Match[str]) -> str:
+def _put_in(parameters: str, body: str, found: re.Match[str]) -> str:
     """The text of a macro in the place of its name, lines below the first as deep as its own."""
-    given = dict(zip(parameters, re.split(r", (?![^(]*\))", found[3]), strict=bool(parameters)))
-    told = re.sub(r"\b\w+\b", lambda word: given.get(word[0], word[0]), body)
-    return found[1] + found[2] + told.replace("\n", f"\n{found[1]}")
+    given = re.split(r", (?![^(]*\))", found[3])
+    names = dict(zip(parameters.split(", "), given, strict=True))
+    told = re.sub(r"\w+", lambda word: names.get(word[0], word[0]), body)
+    return found[1] + found[2] + told.replace(" \\\n", f"\n{found[1]}")
 
 
 def substitute(text: str, values: Mapping[str, object]) -> str:
