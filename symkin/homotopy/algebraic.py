@@ -173,7 +173,9 @@ def known_root(system: AlgebraicSystem, known: np.ndarray, z: np.ndarray) -> np.
     """Index of the known root (width, m) that each column of z repeats; -1 where it is new."""
     apart = np.abs(system.features(z)[:, None] - system.features(known)[None])
     same = np.max(apart, axis=2, initial=0.0) < SAME_ROOT
-    return np.where(same.any(axis=1), np.argmax(same, axis=1), -1)
+    # a last column that none is, of which there may be no other
+    first = np.argmax(np.pad(same, ((0, 0), (0, 1)), constant_values=True), axis=1)
+    return np.where(first < same.shape[1], first, -1)
 
 
 def first_of_each(system: AlgebraicSystem, z: np.ndarray) -> np.ndarray:

@@ -447,3 +447,25 @@ def test_a_mode_that_is_singular_whatever_is_given_is_listed() -> None:
     assert found[0].joints["one.1"] == pytest.approx(0.0, abs=1e-7)
     assert found.completeness == "sampled"
     assert "singular whatever the given values are" in str(found)
+
+
+def test_joints_that_meet_no_root_but_double_ones_are_answered() -> None:
+    """Spherical loops of small whole directions whose j1, j4 meet in double solutions alone: a
+    search that found no root of their structure ended in an error of NumPy's.
+    """
+    axes = {
+        ("base", "one"): (0, -1, 0),
+        ("one", "two"): (1, 1, 0),
+        ("two", "three"): (1, 1, 0),
+        ("three", "base"): (1, 0, 0),
+        ("base", "four"): (-1, -1, -1),
+        ("four", "five"): (1, 0, 1),
+        ("five", "two"): (0, -1, -1),
+    }
+    joints = [
+        LinkJoint(Joint(f"j{k}", "R", 100.0 * np.array(axis), axis), links)
+        for k, (links, axis) in enumerate(axes.items(), start=1)
+    ]
+    found = symkin.modes(Mechanism("loops", (), link_joints=joints), given={"j3": -0.04}, starts=64)
+    assert [any("double" in note for note in mode.notes) for mode in found] == [True, True]
+    assert found.completeness == "sampled"
