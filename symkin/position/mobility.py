@@ -26,18 +26,21 @@ from symkin.position.mobility_result import (
     count_rows,
     redundant_constraints,
 )
+from symkin.text import counted
 from symkin.verb import verb
 from symkin.verb_options import check_seed
 
 
 def must_agree(mechanism: Mechanism) -> str | None:
-    """What is said of more actuated joints than freedoms; None where they are free."""
+    """What is said of actuated joints that do not move independently; None where they do."""
     found = mobility(mechanism)
     if not found.closed or found.direct_rank.value >= found.rank.value:
         return None
+    if found.actuated <= found.mobility:
+        return "about the reference the actuated joints cannot all move on their own"
     return (
         f"the values of the actuated joints must agree with each other: {found.actuated} of them "
-        f"for {found.mobility} freedoms"
+        f"for {counted(found.mobility, 'freedom')}"
     )
 
 

@@ -186,6 +186,7 @@ NAMES = {
     "reciprocal_system": "symkin.position.limb_screws",
     "independent_cycles": "symkin.position.loops",
     "loops_at": "symkin.position.loops",
+    "must_agree": "symkin.position.mobility",
     "with_reference_at": "symkin.position.moved_reference",
     "moved_starts": "symkin.position.moved_starts",
     "fit_passive": "symkin.position.starts",

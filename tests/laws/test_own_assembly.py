@@ -22,6 +22,7 @@ from helpers.inside import (
     describe,
     file_digits,
     least_squares_from,
+    must_agree,
     own_component,
     parse,
     rank_to_digits,
@@ -269,5 +270,9 @@ def test_what_is_free_about_the_reference_alone_is_searched(motion: str, tmp_pat
     places = np.array([mode.pose.position[:2] for mode in found])
     assert np.mean(places, axis=0) == pytest.approx(half)
     assert any("about the reference" in note for note in found.notes)
+    # one value has no other to agree with
+    assert (
+        must_agree(kite) == "about the reference the actuated joints cannot all move on their own"
+    )
     swept = symkin.sweep(kite, {"crank": [20.0]}, tmp_path, workers=0, starts=200)
     assert swept.points_by_count == {2: 1}
