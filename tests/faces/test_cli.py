@@ -322,9 +322,9 @@ def test_ctrl_c_in_text_that_python_runs_has_its_status(tmp_path: Path) -> None:
     ended by the signal, not with 130.
     """
     (tmp_path / "press.py").write_text(
-        """
+        f"""
 import signal
-from symkin.cli import app
+import {inside.where("cli_app")} as app
 app._run = lambda *_: exec("signal.raise_signal(signal.SIGINT)")
 app.main(["list"])
 """
