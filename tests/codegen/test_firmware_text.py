@@ -206,6 +206,6 @@ def test_a_root_that_nothing_reads_is_only_asked_for():
     above = [emitter.root(k + 1, emitter.value(k, 0), "0.1", "1.0") for k in range(2)]
     written = "\n".join(emitter.stored(["found"], 2))
     assert above == ["(d1 > 0.1)", "(d2 > 0.1)"]
-    assert "const double d2 = " in written
+    assert "const real d2 = " in written
     assert "r1 = (d1 > 0.1) ? sqrt(d1) : 1.0" in written
     assert "r2" not in written
