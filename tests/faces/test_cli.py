@@ -322,9 +322,9 @@ def test_ctrl_c_in_text_that_python_runs_has_its_status(tmp_path: Path) -> None:
     ended by the signal, not with 130.
     """
     (tmp_path / "press.py").write_text(
-        """
-import signal
-from symkin.cli import app
+        f"""
+import importlib, signal
+app = importlib.import_module("{inside.cli_app.__name__}")
 app._run = lambda *_: exec("signal.raise_signal(signal.SIGINT)")
 app.main(["list"])
 """
