@@ -12,6 +12,7 @@ import logging
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
+from itertools import islice
 
 import numpy as np
 
@@ -232,12 +233,14 @@ def _by_monodromy(problem: Problem, system: AlgebraicSystem) -> tuple[Fibre | No
 
 
 def _has_singular_roots(problem: Problem) -> bool:
-    """Whether real instances have isolated roots that are singular whatever the known values are:
-    no loop leads to them, and a list of the others would lack them.
+    """Whether real instances have isolated roots that are singular whatever the known values are,
+    be it complex ones elsewhere: no loop leads to them, and a list of the others would lack them.
+    One instance alone may be near a value at which roots meet.
     """
     closed = closed_configurations(problem.closure, 0)[:_INSTANCES]
     instances = (problem.select_values(values, problem.known_coordinates) for values in closed)
-    return all(_sampled(problem, known, 0)[1].any() for known in instances)
+    singular = (known for known in instances if _sampled(problem, known, 0)[1].any())
+    return len([*islice(singular, 2)]) == min(2, len(closed))
 
 
 def redundant_rows(problem: Problem) -> int:

@@ -344,6 +344,12 @@ def test_what_a_reader_would_leave_out_is_left_out(untidy: ca.SX, tidy: str) -> 
     assert _read(untidy) == ([], tidy)
 
 
+def test_factors_that_make_one_are_left_out() -> None:
+    """Of Jacobians, which are printed as they are found, too: 0.5 a times 2 b was 1 a b."""
+    for product, sign in ((0.5 * _A) * (2 * _B), ""), ((-0.5 * _A) * (2 * _B), "-"):
+        assert write(product, _X, ["a", "b", "c"]) == ([], [rf"{sign}a \, b"])
+
+
 @pytest.mark.long
 @pytest.mark.slow
 def test_equations_stay_the_same_when_many_closures_were_built_since():

@@ -15,7 +15,7 @@ import symkin
 from helpers import samples
 from helpers.command_line import run, run_json
 from helpers.gate import in_gate
-from helpers.inside import build_closure
+from helpers.inside import build_closure, build_problem, start_store
 from helpers.shipped import TWELVE
 from oracle.plain_check import MECHANISMS, plain_gap
 from symkin import Joint, LinkJoint, Mechanism, Modes
@@ -447,6 +447,19 @@ def test_a_mode_that_is_singular_whatever_is_given_is_listed() -> None:
     assert found[0].joints["one.1"] == pytest.approx(0.0, abs=1e-7)
     assert found.completeness == "sampled"
     assert "singular whatever the given values are" in str(found)
+
+
+@pytest.mark.parametrize("count", [0, 1, 2, 5])
+def test_modes_are_singular_whatever_is_given_where_two_instances_say_so(
+    count: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Such modes may be complex at some values, and one instance alone be near a fold."""
+    flags = iter([k < count for k in range(5)][::-1])
+    monkeypatch.setattr(
+        start_store, "_sampled", lambda *_: (np.zeros((1, 1)), np.array([next(flags)]))
+    )
+    problem = build_problem(symkin.load("zhao2000"), "direct")
+    assert start_store._has_singular_roots(problem) == (count > 1)
 
 
 def test_joints_that_meet_no_root_but_double_ones_are_answered() -> None:

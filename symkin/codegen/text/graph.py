@@ -204,7 +204,11 @@ class Graph:
         if len(rest) > 1:
             is_square = rest[0] == rest[1]
             value = self._once(ca.OP_SQ, rest[:1]) if is_square else self._once(ca.OP_MUL, rest)
-        return self._once(ca.OP_MUL, [self.constant(prod(factors)), value]) if factors else value
+        if not factors:
+            return value
+        pair = [self.constant(prod(factors)), value]
+        folded = self._folded(ca.OP_MUL, pair)
+        return self._once(ca.OP_MUL, pair) if folded is None else folded
 
     def _sum(self, bare: list[int], first: bool, last: bool) -> int:
         """A sum of two values, of which those that are told are subtracted."""
