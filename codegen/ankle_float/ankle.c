@@ -1737,7 +1737,7 @@ static ANKLE_SHARED bool ankle_direct_holds(ankle_direct_work *w, const ankle_re
     }
     return ankle_direct_closes(w, joints, answer, config, &residual)
         || ((ankle_direct_line(w, joints, y, at, answer, again, config, NULL) == ANKLE_OK)
-            && (ankle_found_away2(again, answer) <= 6.243681e-08f));
+            && (ankle_found_away2(again, answer) <= 9.98989e-07f));
 }
 
 /* The direct problem: ankle.1, ankle.2 from upper_motor, lower_motor. */
@@ -1769,7 +1769,7 @@ ankle_status ankle_direct(const ankle_config *config, const ankle_real joints[2]
         status = ankle_direct_line(&w, joints, y, at, guess, result, used, info);
         if ((status == ANKLE_OK) && !ankle_direct_holds(&w, joints, result, used)) {
             /* a guess that leads to itself is held, whatever its answer does */
-            still = still || (ankle_found_away2(result, guess) <= 6.243681e-08f);
+            still = still || (ankle_found_away2(result, guess) <= 9.98989e-07f);
             status = ANKLE_WRONG_BRANCH;
         }
         if (still && (status == ANKLE_WRONG_BRANCH)) {
@@ -1904,7 +1904,7 @@ static ANKLE_SHARED bool ankle_inverse_holds(ankle_inverse_work *w, const ankle_
     }
     return ankle_inverse_closes(w, found, answer, config, &residual)
         || ((ankle_inverse_line(w, found, y, at, answer, again, config, NULL) == ANKLE_OK)
-            && (ankle_joints_away2(again, answer) <= 6.243681e-08f));
+            && (ankle_joints_away2(again, answer) <= 9.98989e-07f));
 }
 
 /* The inverse problem: upper_motor, lower_motor from ankle.1, ankle.2. */
@@ -1936,7 +1936,7 @@ ankle_status ankle_inverse(const ankle_config *config, const ankle_real found[2]
         status = ankle_inverse_line(&w, found, y, at, guess, result, used, info);
         if ((status == ANKLE_OK) && !ankle_inverse_holds(&w, found, result, used)) {
             /* a guess that leads to itself is held, whatever its answer does */
-            still = still || (ankle_joints_away2(result, guess) <= 6.243681e-08f);
+            still = still || (ankle_joints_away2(result, guess) <= 9.98989e-07f);
             status = ANKLE_WRONG_BRANCH;
         }
         if (still && (status == ANKLE_WRONG_BRANCH)) {

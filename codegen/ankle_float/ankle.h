@@ -31,7 +31,7 @@
  *   inertia: 197 add, 265 mul, 4 div, 1 sqrt
  *   torque_limits: 156 add, 201 mul, 8 div, 1 sqrt
  *   rate_limits: 187 add, 253 mul, 8 div, 1 sqrt
- *   measured (Cortex-M4F, GCC 12.2.1 -O2, 19239 inputs, seed 1): instructions, bytes of stack with
+ *   measured (Cortex-M4F, GCC 12.2.1 -O2, 19228 inputs, seed 1): instructions, bytes of stack with
  *     callees, bytes of code with callees but without those of libm:
  *   direct: 104910 instructions, 664 stack, 7860 code
  *   track: 1075 instructions, 196 stack, 3388 code

@@ -20,7 +20,7 @@ from processors import BENCH
 sys.path.append(str(BENCH.parents[1] / "tests"))
 
 from asked import Asked
-from campaigns.twin_oracle import Oracle, numbers_only, oracle_of
+from campaigns.twin_oracle import Limbs, Oracle, numbers_only, oracle_of
 from directions import Direction, directions
 from rows import Row
 from symkin.model.writer import mechanism_to_toml
@@ -142,7 +142,11 @@ class Plain:
         return np.column_stack([on[:, :3] + self.oracle.size * step[:, :3], q])
 
     def _of_motion(self, poses: np.ndarray) -> np.ndarray:
-        """Poses with the numbers that the declared motion has."""
+        """Poses with the numbers that the declared motion has; none of a graph, whose joints alone
+        decide how the platform moves.
+        """
+        if not isinstance(self.oracle, Limbs):
+            return poses[:0]
         m = self.oracle.m
         placed = (m.with_pose(m.reference[None], pose[:3], pose[3:])[0] for pose in poses)
         return np.array([self.oracle.pose(x) for x in placed])

@@ -263,9 +263,11 @@ class Direction:
         return right
 
     def after(self, outcome: Outcome, other: Starts) -> Starts:
-        """Right answers, else other ones."""
-        reached = Starts(outcome.ends.unknowns, outcome.goals, outcome.answers.found)
-        return reached.where(outcome.right, other)
+        """Right answers, home where these do not tell where they stand, else other ones."""
+        found, goals = outcome.answers.found, outcome.goals
+        home = self.home.repeated(len(goals))
+        reached = Starts(outcome.ends.unknowns, goals, found).where(outcome.right, other)
+        return home.where(outcome.right & ~self.tells(found, goals), reached)
 
 
 def directions(asked: Asked, longest: float = LONGEST) -> list[Direction]:

@@ -124,7 +124,8 @@ def _beside_folds(
         parts = lines.walker.reached(*at)
         z[stopped], good[stopped] = parts.unknowns, parts.shortest > 0.0
     starts = Starts(z, known, lines.stated(z, known))
-    return starts.where(good & lines.gives_back(starts.guesses, known), home)
+    told = lines.gives_back(starts.guesses, known) & lines.tells(starts.guesses, known)
+    return starts.where(good & told, home)
 
 
 # --- arms -----------------------------------------------------------------------------------------
@@ -193,8 +194,7 @@ def paths(
     for goal in lines.asked.rounded(paths_of(lines, count, steps, rng)):
         outcome = lines.run(at, goal, rng, share=1.0)
         yield outcome
-        told = lines.tells(outcome.answers.found, outcome.goals)
-        at = lines.home.where(outcome.right & ~told, lines.after(outcome, at))
+        at = lines.after(outcome, at)
 
 
 def paths_of(lines: Direction, count: int, steps: int, rng: np.random.Generator) -> np.ndarray:

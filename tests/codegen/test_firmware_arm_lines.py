@@ -371,3 +371,22 @@ def test_a_guess_outside_its_limits_begins_no_line(tmp_path):
     (tmp_path / "main.c").write_text(GUESS)
     program = tools.built("gcc", tmp_path, ["scara.c", "main.c"], "main")
     assert tools.passed(program).split() == ["4", "1", "0", "4", "0"]
+
+
+@pytest.mark.slow
+def test_an_answer_at_a_limit_stands_still():
+    """A joint at its limit, or beyond by less than the room for rounding: what is OK is OK from
+    itself.
+    """
+    tools.compiler("gcc")
+    asked = tools.bench_module("asked").Asked(symkin.load("scara"))
+    low, high = np.array([c.limits or (-3.0, 3.0) for c in asked.mechanism.actuated]).T
+    rng, count = np.random.default_rng(3), 400
+    joints = rng.uniform(low, high, (count, len(low)))
+    rows, at = np.arange(count), rng.integers(len(low), size=count)
+    joints[rows, at] = high[at] + rng.choice([0.0, 1e-10, 9e-10, 1e-9], count)
+    poses = np.array([asked.program.kind.forward_at(row) for row in joints])
+    found = asked.answers(poses, joints - 0.02 * rng.uniform(0.0, 1.0, joints.shape))
+    ok = found.status == 0
+    assert np.sum(ok) > 100
+    assert not asked.answers(poses[ok], found.found[ok]).status.any()

@@ -194,3 +194,18 @@ def test_constants_are_folded():
         function(at).full().ravel(),
         atol=1e-12,
     )
+
+
+def test_a_root_that_nothing_reads_is_only_asked_for():
+    """The rates of zhao2000_links declared one that they did not read: C with warnings as errors
+    was refused.
+    """
+    x, roots = ca.SX.sym("x"), ca.SX.sym("r", 2)
+    inputs = [(x, ["x"]), (roots, ["r1", "r2"])]
+    emitter = Emitter.of(Real("double"), inputs, x * x, roots[0] - x, roots[0] * x)
+    above = [emitter.root(k + 1, emitter.value(k, 0), "0.1", "1.0") for k in range(2)]
+    written = "\n".join(emitter.stored(["found"], 2))
+    assert above == ["(d1 > 0.1)", "(d2 > 0.1)"]
+    assert "const real d2 = " in written
+    assert "r1 = (d1 > 0.1) ? sqrt(d1) : 1.0" in written
+    assert "r2" not in written

@@ -13,6 +13,7 @@ import pytest
 from helpers import firmware_tools as tools
 from helpers import samples
 from helpers.gate import in_gate
+from helpers.graph_twin import graph_twin
 from helpers.inside import Options, build_problem
 from helpers.wide_five_bar import COUPLER, HOME, slack_of, tip_of, wide_five_bar
 from symkin import load
@@ -219,17 +220,20 @@ def test_quick_campaign(name, real):
 @pytest.mark.slow
 def test_given_angles_go_the_nearer_way_round():
     """A guess of a map does not tell whole turns of what is given. Where gears count the turns of
-    what is found, the two ways round end at different places.
+    what is found, the two ways round end at different places. No line begins where its guess does
+    not tell where the machine stands.
     """
     tools.compiler("gcc")
     branches, asked = tools.bench_module("branches"), tools.bench_module("asked")
     machine = load(MAPS / "geared_five_bar.toml")
     options = Options("double", given=("left",), find=("le",))
-    lines = tools.bench_module("directions").directions(asked.Asked(machine, options))[1]
     ranges, rng = tools.bench_module("ranges"), np.random.default_rng(11)
+    direct, lines = tools.bench_module("directions").directions(asked.Asked(machine, options))
     found = branches.judged(lines, ranges.by_legs(lines, 40, rng, ranges.WIDEST))
     assert found.said == []
     assert found.ok > 30
+    for outcome in ranges.by_legs(direct, 40, rng, ranges.WIDEST):
+        assert direct.tells(outcome.starts.guesses, outcome.starts.known).all()
 
 
 @pytest.mark.slow
@@ -251,3 +255,14 @@ def test_a_wrong_ok_is_found(monkeypatch):
     assert found.wrong == len(found.said) > 10
     assert "goal [" in found.said[0]
     assert "guess [" in found.said[0]
+
+
+@pytest.mark.slow
+def test_answers_of_a_graph_with_a_platform_are_held_against_its_rows():
+    """As those of limbs: poses it can take are taken, joints of them are found."""
+    tools.compiler("gcc")
+    closes, asked = tools.bench_module("closes"), tools.bench_module("asked")
+    machine = asked.Asked(graph_twin(samples.readme_five_bar("planar")))
+    found = closes.closes(machine, 6, np.random.default_rng(3))
+    assert found.taken == found.feasible > 0
+    assert found.said == []

@@ -323,8 +323,8 @@ def test_ctrl_c_in_text_that_python_runs_has_its_status(tmp_path: Path) -> None:
     """
     (tmp_path / "press.py").write_text(
         f"""
-import signal
-import {inside.where("cli_app")} as app
+import importlib, signal
+app = importlib.import_module("{inside.cli_app.__name__}")
 app._run = lambda *_: exec("signal.raise_signal(signal.SIGINT)")
 app.main(["list"])
 """

@@ -42,7 +42,9 @@ _GUESSED = 1e-5
 _GUESS_ROUNDINGS = 2048.0
 """Roundings that such a configuration is off at most where it is regular."""
 _SAME = 16.0
-"""Tolerances by which an answer whose guess is read elsewhere may differ from where that leads."""
+"""Tolerances by which an answer whose guess is read elsewhere may differ from where that leads, or
+the rounding to which rows close, where that is more: in float.
+"""
 _NOT_DECIDED = 1e-4
 """Share of a condition's usual size below which one step decides nothing."""
 
@@ -380,7 +382,7 @@ class DirectionSource(MapValues):
             # of the checks that a guess, or an answer, stands where the known values are
             "stands2": stands**2,
             "rounding": self.code.tuning.rounding,
-            "same2": (_SAME * tolerance_of(self.real, size)) ** 2,
+            "same2": max(_SAME * tolerance_of(self.real, size), self.code.tuning.rounding) ** 2,
             "guess_from": "y" if self.made.passive else "guess",
             "answer_from": "y" if self.made.passive else "answer",
             "track2": (size / _TRACKED) ** 2,

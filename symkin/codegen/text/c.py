@@ -167,15 +167,14 @@ class Emitter(Printer):
     ) -> str:
         """Add statements of the root r1, ... of a square d1, ..., times a `sign`; `other` in place
         of it where the square is not above `least`: that condition. `about`: the coordinate that
-        has two values.
+        has two values. A root that no output reads is asked for alone.
         """
         told = f" /* above 0 where {c_comment(about)} has two values */" if about else ""
         kind, d, above = self.real.type, f"d{number}", f"(d{number} > {least})"
         root = f"{above} ? {self.real.call('sqrt')}({d}) : {other}"
-        self.lines += [
-            f"const {kind} {d} = {square};{told}",
-            f"const {kind} r{number} = {f'{sign} * ({root})' if sign else root};",
-        ]
+        self.lines.append(f"const {kind} {d} = {square};{told}")
+        if self.reads(f"r{number}"):
+            self.lines.append(f"const {kind} r{number} = {f'{sign} * ({root})' if sign else root};")
         return above
 
     def comment(self, text: str) -> None:

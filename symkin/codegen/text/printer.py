@@ -142,6 +142,14 @@ class Printer:
         found = {place: self.value(0, k) for place, k in sorted(self._places.items())}
         return {place: text for place, text in found.items() if text != self.language.constant(0.0)}
 
+    def reads(self, text: str) -> bool:
+        """Whether an output needs the input of this text."""
+        graph = self._graph
+        return any(
+            graph.uses[k] and node.op == ca.OP_INPUT and self._written(k, node).text == text
+            for k, node in enumerate(graph.nodes)
+        )
+
     def take(self) -> list[str]:
         """The statements that were made since the last time."""
         new, self._taken = self.lines[self._taken :], len(self.lines)
