@@ -208,7 +208,7 @@ def figure_of_singularity(
     """
     solution, mechanism = found.solution, found.solution.mechanism
     count = found.uncontrolled_freedoms
-    usual = "regular" if found.given or not count else "singular everywhere"
+    usual = "singular everywhere" if count else "regular"
     kinds = ", ".join(found.kinds) + " singularity" if found.kinds else usual
     distances = ", ".join(f"{kind} {plain(value):.3g}" for kind, value in found.distances.items())
     facts = [f"distance from singularities (0 singular): {distances}"]

@@ -135,14 +135,17 @@ class Survey:
         least = Extreme(float(found[row, k]), self._at(row), names[k])
         return least, direction(self.linkage.joints, way)
 
-    def extremes(self, joint: int) -> tuple[Extreme, Extreme]:
-        """The smallest and the largest torque of a joint alone over the range."""
-        values, which = (table[:, joint] for table in self._alone)
-        least, most = (
-            Extreme(float(values[row]), self._at(row), self._planes[3][which[row]])
-            for row in (values.argmin(), values.argmax())
-        )
-        return least, most
+    def smallest(self, joint: int) -> Extreme:
+        """The smallest torque of a joint alone over the range."""
+        return self._extreme(joint, self._alone[0][:, joint].argmin())
+
+    def largest(self, joint: int) -> Extreme:
+        """The largest torque of a joint alone over the range."""
+        return self._extreme(joint, self._alone[0][:, joint].argmax())
+
+    def _extreme(self, joint: int, row: np.intp) -> Extreme:
+        value, which = (table[row, joint] for table in self._alone)
+        return Extreme(float(value), self._at(row), self._planes[3][which])
 
     def _at(self, row: np.intp) -> tuple[float, ...]:
         return tuple(self.states.joints[row].tolist())
@@ -200,7 +203,7 @@ class Survey:
         joints = {}
         for i, name in enumerate(linkage.joints):
             begin, end = ({"value": self.out(i, e.value), "by": e.by} for e in self.ends[i])
-            least, most = map(self._told, self.extremes(i))
+            least, most = self._told(self.smallest(i)), self._told(self.largest(i))
             joints[name] = {
                 "from": begin,
                 "to": end,

@@ -325,7 +325,7 @@ def test_the_range_ends_at_limits_and_torques_on_polygons() -> None:
     assert abs(low.value + 0.87267) < 1e-9
     assert abs(high.value - 0.5236) < 1e-9
     assert low.by == "the limit of pitch_joint"
-    small, _ = survey.extremes(0)
+    small = survey.smallest(0)
     vertices = found.polytope(joints=list(small.at))
     edges = zip(vertices, np.roll(vertices, -1, axis=0), strict=True)
     crossings = [a[0] - a[1] * (b[0] - a[0]) / (b[1] - a[1]) for a, b in edges if a[1] * b[1] < 0.0]
