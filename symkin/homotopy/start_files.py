@@ -25,8 +25,10 @@ from symkin.numeric.cache_folder import cache_folder, discard, keep, read_kept
 
 SHIPPED = Path(__file__).resolve().parent / "data" / "starts"
 _VERSION = 6
-_SEARCHES = 4
-"""Version of the searches: why one of another version found nothing is not believed."""
+_SEARCHES = 5
+"""Version of the searches: what one of another version found in the cache folder, or why it found
+nothing, is not believed.
+"""
 _SATISFIED = 1e-8
 """Largest row, over the size, that a kept root may leave, and least difference of two roots. Rows
 of a root far from real ones have derivatives of 1e4 and more; theirs are divided by these.
@@ -79,19 +81,25 @@ def read_start_file(key: str, system: AlgebraicSystem) -> tuple[Fibre | None, st
         if shipped is not None:
             return shipped
     for place, content in read_kept(cache_folder(), key, ".npz"):
-        kept = _start_in(content, system)
+        kept = _start_in(content, system, searched=True)
         if kept is not None:
             return kept
         discard(place)
     return None
 
 
-def _start_in(content: bytes, system: AlgebraicSystem) -> tuple[Fibre | None, str] | None:
-    """What a file says, or None where it holds no start of this system."""
+def _start_in(
+    content: bytes, system: AlgebraicSystem, *, searched: bool = False
+) -> tuple[Fibre | None, str] | None:
+    """What a file says, or None where it holds no start of this system; or, of a reason and of one
+    that was `searched` here, where another version did.
+    """
     try:
         with np.load(io.BytesIO(content)) as data:
+            if (searched or str(data["reason"])) and data["searches"] != _SEARCHES:
+                return None
             if str(data["reason"]):
-                return (None, str(data["reason"])) if data["searches"] == _SEARCHES else None
+                return None, str(data["reason"])
             kept = Fibre(
                 z=data["z"],
                 k=data["k"],
