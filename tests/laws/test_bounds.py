@@ -81,9 +81,13 @@ def test_what_is_short_of_the_bound_is_not_proved():
         certify(system, np.concatenate([z[:, 1:], -1j * z[:, 5:6]], axis=1), k), bound
     )
     assert not is_complete(certify(system, z + np.where(np.arange(40) == 7, 1e-3, 0), k), bound)
-    undecided = whole.real.copy()
-    undecided[3] = "unknown"
-    assert not proves(replace(whole.batch, real=undecided), bound)[0]
+    decided = np.arange(len(whole.real)) != 3
+    undecided = {
+        "proved_real": whole.batch.proved_real & decided,
+        "proved_unreal": whole.batch.proved_unreal & decided,
+    }
+    assert replace(whole.batch, **undecided).real[3] == "unknown"
+    assert not proves(replace(whole.batch, **undecided), bound)[0]
     other = AlgebraicSystem(1.0, (), system.z, system.k, system.rows, system.projective)
     assert not is_complete(certify(other, z, k), bound)
 

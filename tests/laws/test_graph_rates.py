@@ -282,7 +282,7 @@ REFUSED = [
         ["jacobian", "four_bar", "--format", "numpy", "--kind", "inverse"],
         "whose rates the inverse Jacobian relates to those of",
     ),
-    (["transmission", "five_link_suspension"], "1 stay free; no other joint moves with them"),
+    (["transmission", "five_link_suspension"], "1 stays free; no other joint moves with them"),
     (["jacobian", "four_bar", "--format", "numpy", "--of", "follower"], "give both"),
     (
         ["jacobian", "four_bar", "--format", "numpy", "--of", "folower", "--by", "crank"],
