@@ -84,7 +84,9 @@ class HeldPart:
             told["rounding", i] = _NOISE * self.code.real.epsilon * self.bounds.at_ends(step.size)
             told["change", i] = step.bend if step.speed is None else step.speed
         if not step.less.is_zero():
-            told["whole root", i], told["less", i] = self._whole(i), step.less
+            told["less", i] = step.less
+            if not square.own:
+                told["whole root", i] = self._whole(i)
         for decided in step.joints:
             if not self.code.plan.arm.screws[decided.joint].slides:
                 told["whole", decided.joint] = decided.whole

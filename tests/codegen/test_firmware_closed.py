@@ -4,6 +4,7 @@ among them, the rest is refused.
 
 from __future__ import annotations
 
+import re
 import subprocess
 from dataclasses import replace
 
@@ -143,6 +144,17 @@ def test_all_branches_are_the_modes_of_python(name, tmp_path):
             < np.pi + 1e-9
         )
     assert compared > POSES // 2
+
+
+def test_a_part_of_a_line_declares_what_it_reads():
+    """The last step of a gantry declared the root that its slides leave, which nothing read: C with
+    warnings as errors was refused.
+    """
+    source = build_program(ARMS["gantry_without_wrist"], Options("double")).source
+    (body,) = re.findall(r"_inverse_keeps\([^)]*\)\n\{\n(.*?)\n\}\n", source, re.DOTALL)
+    declared = re.findall(r"const \S+ (\w+) = ", body)
+    assert "whole3" in declared
+    assert [name for name in declared if len(re.findall(rf"\b{name}\b", body)) < 2] == []
 
 
 @pytest.mark.long
