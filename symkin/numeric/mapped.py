@@ -15,6 +15,7 @@ import casadi as ca
 import numpy as np
 
 from symkin.computed_once import cached_property
+from symkin.locks import Pool
 from symkin.numeric.shared_library import MANY, PointTape, shared_library
 
 _LARGEST_BLOCK = 256
@@ -106,23 +107,19 @@ class _Block:
 
     def __init__(self, function: ca.Function, size: int) -> None:
         self.function, self.size = function, size
-        self._idle: list[_Buffers] = []
+        self._pool: Pool[_Buffers] = Pool(self._make)
 
     def evaluate(
         self, arguments: Sequence[np.ndarray], results: Sequence[np.ndarray], begin: int
     ) -> None:
         """Fill results[i][begin : begin + size]."""
-        end = begin + self.size
-        try:
-            buffers = self._idle.pop()
-        except IndexError:
-            buffers = self._make()
+        end, buffers = begin + self.size, self._pool.take()
         for inside, argument in zip(buffers.inside, arguments, strict=True):
             inside[:] = argument[begin:end] if argument.ndim == 2 else argument
         buffers.call()
         for outside, result in zip(buffers.outside, results, strict=True):
             result[begin:end] = outside
-        self._idle.append(buffers)
+        self._pool.give(buffers)
 
     @cached_property
     def _mapped(self) -> ca.Function:
