@@ -124,8 +124,10 @@ class Branch:
     @property
     def proved(self) -> bool:
         """Whether rows are as many as unknowns, and proofs lead to the end."""
-        if self.formula or not self.is_square or self.places[0].radius is None:
-            return self.formula
+        if self.formula:
+            return True
+        if not self.is_square or self.places[0].radius is None:
+            return False
         folds = all(w.stop is not None and w.stop.fold is not None for w in self.stopped)
         return self.ending not in ("open", "unproved") and (folds or self.ending == "limit")
 

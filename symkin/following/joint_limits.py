@@ -137,9 +137,10 @@ class LimitWatch:
 
     def _limit(self, c: Coordinate, value: float) -> Limit:
         """The limit that is nearest to a value."""
+        low, high = c.limits or (-np.inf, np.inf)
         turns = self.turns.get(c.name, 0.0)
-        ends = reversed(c.limits or (-np.inf, np.inf))
-        return Limit(c.name, min(ends, key=lambda end: abs(value - turns - end)), turns)
+        own = value - turns
+        return Limit(c.name, low if abs(own - low) < abs(own - high) else high, turns)
 
     def _unit(self, c: Coordinate) -> float:
         return c.unit(self.problem.closure.characteristic_length)

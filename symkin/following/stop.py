@@ -135,8 +135,10 @@ def _singular_stop(path: MachinePath, branch: Branch, kept: list[Sample], name_m
     found = classify(place.solution, roles=roles_followed(problem))
     errors = [None if s.fold is None else s.fold.error for s in stops]
     return Stop(
-        # the first of them in the alphabet, too
-        kind=min((p.kind for p in points), default="turning point"),
+        kind=next(
+            (k for k in ("bifurcation", "degenerate") if any(p.kind == k for p in points)),
+            "turning point",
+        ),
         row=last.row,
         u=last.u,
         place=place,

@@ -273,8 +273,9 @@ def _least_near(
     """The least singular value between the neighbours of the end of a step, this end, and where
     (u) it is."""
     there = block.passed[k]
-    around = (block.passed[max(k - 1, 0)], *block.passed[k + 1 : k + 2], there)
-    before, after = (p if p.row == there.row else there for p in around[:2])
+    last = len(block.passed) - 1
+    around = block.passed[max(k - 1, 0)], block.passed[min(k + 1, last)]
+    before, after = (p if p.row == there.row else there for p in around)
     interval = interval_of(block.system, trajectory, there.row)
     low, high, best = before.u, after.u, (there.sigma, there.u)
     for _ in range(_ROUNDS if high > low else 0):

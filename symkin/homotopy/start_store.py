@@ -233,9 +233,9 @@ def _by_monodromy(problem: Problem, system: AlgebraicSystem) -> tuple[Fibre | No
 
 
 def _has_singular_roots(problem: Problem) -> bool:
-    """Whether real instances have isolated roots that are singular whatever the known values are,
-    be it complex ones elsewhere: no loop leads to them, and a list of the others would lack them.
-    One instance alone may be near a value at which roots meet.
+    """Whether two real instances have isolated roots that are singular: such roots, which may be
+    complex at other values, are singular whatever the known values are. No loop leads to them, and
+    a list of the others would lack them. One instance alone may be near values at which roots meet.
     """
     closed = closed_configurations(problem.closure, 0)[:_INSTANCES]
     instances = (problem.select_values(values, problem.known_coordinates) for values in closed)

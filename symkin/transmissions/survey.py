@@ -162,11 +162,17 @@ class Survey:
         header = ["joint", "from", "to", "torque", "least", "most", "with others", "rate", "to"]
         rows, below = [], []
         for joint, own in told["joints"].items():
-            low, high, at_reference, small, large, together, rate, _ = own.values()
-            ends, torques = (
-                [one["value"] for one in pair] for pair in ((low, high), (small, large))
-            )
-            numbers = [*ends, at_reference, *torques, together, *rate]
+            low, high = own["from"], own["to"]
+            small, large = own["smallest_torque"], own["largest_torque"]
+            numbers = [
+                low["value"],
+                high["value"],
+                own["torque_at_reference"],
+                small["value"],
+                large["value"],
+                own["largest_torque_with_others"],
+                *own["rate"],
+            ]
             rows.append([joint, *(f"{number:.4g}" for number in numbers)])
             below.append(
                 f"{joint}: ends at {low['by']} and at {high['by']}; weakest at {_place(small)}, "
