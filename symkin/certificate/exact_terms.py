@@ -91,10 +91,15 @@ def _add(terms: Terms, term: Term, number: fmpq) -> None:
     """Add a term; what a sum leaves of both beyond the rounding of geometry is nothing."""
     before = terms.get(term, fmpq(0))
     total = before + number
-    if abs(float(total)) <= _ROUNDING * abs(float(number)):
+    if _size(total) <= _ROUNDING * _size(number):
         terms.pop(term, None)
     else:
         terms[term] = total
+
+
+def _size(number: fmpq) -> float:
+    """The size of a number; python-flint 0.6 makes no float of a fraction."""
+    return abs(int(number.p) / int(number.q))
 
 
 def product_of_terms(first: Term, second: Term) -> tuple[Term, int]:
@@ -162,7 +167,7 @@ class _Reader:
 
 
 def _as_sum(terms: Terms) -> _Sum:
-    return {term: (number, _ROUNDING * abs(float(number))) for term, number in terms.items()}
+    return {term: (number, _ROUNDING * _size(number)) for term, number in terms.items()}
 
 
 def _added(first: _Sum, second: _Sum, factor: int) -> _Sum:
@@ -177,9 +182,9 @@ def _added(first: _Sum, second: _Sum, factor: int) -> _Sum:
 def _multiplied(first: _Sum, second: _Sum) -> _Sum:
     """The product of two sums."""
     found, nothing = _Sum(), (fmpq(0), 0.0)
-    second_sizes = [abs(float(number)) for number, _ in second.values()]
+    second_sizes = [_size(number) for number, _ in second.values()]
     for a, (x, off) in first.items():
-        size = abs(float(x))
+        size = _size(x)
         for (b, (y, other)), of_second in zip(second.items(), second_sizes, strict=True):
             term, sign = product_of_terms(a, b)
             before, least = found.get(term, nothing)
@@ -192,12 +197,12 @@ def _inverse(whole: _Sum) -> _Sum | None:
     if whole.keys() != {()}:
         return None
     number, off = whole[()]
-    return {(): (1 / number, off / float(number) / float(number))}
+    return {(): (1 / number, off / _size(number) / _size(number))}
 
 
 def _summed(whole: _Sum) -> _Sum:
     """A sum without what the rounding of geometry leaves."""
-    return {t: (number, off) for t, (number, off) in whole.items() if abs(float(number)) > off}
+    return {t: (number, off) for t, (number, off) in whole.items() if _size(number) > off}
 
 
 def _numbers(whole: _Sum) -> Terms:
