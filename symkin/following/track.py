@@ -98,13 +98,17 @@ def track(mechanism: Mechanism, **options: Unpack[TrackOptions]) -> Track:
 
 
 def _track(trajectory: Trajectory, options: TrackOptions) -> Track:
-    _check_isolated(trajectory.problem)
+    _check_determined(trajectory.problem)
     mode, notes = _start_mode(trajectory, options["start"])
     if mode is None:
+        _refuse_free(trajectory.problem)
         return _not_begun(trajectory, "; ".join(notes))
     path = machine_path(replace(trajectory, notes=(*trajectory.notes, *notes)))
-    _check_isolated(path.trajectory.problem)
+    problem = path.trajectory.problem
+    _check_determined(problem)
     begin = path.unknowns(own_closure(mode), mode.variables[None])[0]
+    if _is_singular(problem, begin, path.trajectory.samples[0]):
+        _refuse_free(problem)
     limits, progress = options["limits"], options["progress"]
     branch = branch_from(begin, path.trajectory, limits=limits, progress=progress)
     return _result(path, branch, options["name_modes"])
@@ -124,10 +128,7 @@ def branch_from(
     problem = trajectory.problem
     watch = LimitWatch(problem, trajectory, off=not limits)
     limit = watch.start(problem.join_values(unknown, trajectory.samples[0]))
-    if (
-        problem.system.condition(unknown, trajectory.samples[0]) >= SINGULAR_CONDITION
-        or limit is not None
-    ):
+    if limit is not None or _is_singular(problem, unknown, trajectory.samples[0]):
         first = PathPoint(0, 0.0, unknown, radius=None)
         return Branch(
             [first], first, (), ending="singular" if limit is None else "limit", limit=limit
@@ -140,11 +141,20 @@ def branch_from(
 # --- the start ------------------------------------------------------------------------------------
 
 
-def _check_isolated(problem: Problem) -> None:
-    """Raise InputError where no mode is isolated; see `what_is_free`."""
+def _check_determined(problem: Problem) -> None:
     if problem.by_name:
         refuse_unless_determined(problem)
-    elif (free := what_is_free(problem)) is not None:
+
+
+def _is_singular(problem: Problem, unknown: np.ndarray, known: np.ndarray) -> bool:
+    return problem.system.condition(unknown, known) >= SINGULAR_CONDITION
+
+
+def _refuse_free(problem: Problem) -> None:
+    """Raise InputError where no mode is isolated; see `what_is_free`. A regular one is, whatever is
+    free about the reference.
+    """
+    if (free := what_is_free(problem)) is not None:
         raise InputError(f"{free}, so that there is no isolated mode to stay on")
 
 

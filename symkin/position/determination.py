@@ -13,7 +13,7 @@ from symkin.computed_once import lru_cache
 from symkin.errors import InputError
 from symkin.model.joint import POSE_CONDITIONS, Coordinate
 from symkin.numeric.rank import Rank, generic, independent_rows, null_space
-from symkin.numeric.tolerances import CLOSURE_TOLERANCE, RANK_TOLERANCE
+from symkin.numeric.tolerances import CLOSURE_TOLERANCE, RANK_TOLERANCE, SINGULAR_CONDITION
 from symkin.position.closed_configurations import (
     assembly_of,
     closed_configurations,
@@ -104,9 +104,9 @@ def what_is_free(problem: Problem) -> str | None:
     )
 
 
-def set_notes(problem: Problem) -> tuple[str, ...]:
-    """What is said of one solution where none is isolated."""
-    free = what_is_free(problem)
+def set_notes(problem: Problem, condition: float) -> tuple[str, ...]:
+    """What is said of one solution where none is isolated; one of regular `condition` is."""
+    free = None if condition < SINGULAR_CONDITION else what_is_free(problem)
     return () if free is None else (f"{free}: this is one of a set of solutions",)
 
 

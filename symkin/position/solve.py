@@ -148,7 +148,7 @@ def _more_notes(result: SolveResult, start: Start) -> list[str]:
     left = determination(problem).free if problem.by_name else 0
     if left:
         notes.append(_free_note(problem, left, start is None))
-    notes += set_notes(problem)
+    notes += set_notes(problem, found.condition)
     return notes if start is None else [*notes, *start_notes(found, problem, start)]
 
 

@@ -56,7 +56,7 @@ def configuration(mechanism: Mechanism, **options: Unpack[Begun]) -> Solution:
             found = solve_problem(problem, read, Levenberg(), begin).solution
         if found is None:
             return _noted(result)
-    return replace(found, notes=(*found.notes, *set_notes(problem)))
+    return replace(found, notes=(*found.notes, *set_notes(problem, found.condition)))
 
 
 def _noted(result: SolveResult) -> Solution:

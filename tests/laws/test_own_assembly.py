@@ -245,11 +245,9 @@ def test_a_rigid_machine_of_first_order_freedoms_is_listed() -> None:
         assert mode.joints["pin"] == pytest.approx(0.0, abs=1e-6)
 
 
-@pytest.mark.parametrize("motion", in_gate(["planar", "spatial"], ["planar"]))
-def test_what_is_free_about_the_reference_alone_is_searched(motion: str, tmp_path: Path) -> None:
-    """A kite whose crank and base lie on each other: rocker and coupler turn about both their ends
-    and the crank stands. At other angles of the crank they meet at two points, by `modes` as in a
-    sweep.
+def kite(motion: str = "planar") -> Mechanism:
+    """Crank and base lie on each other: rocker and coupler turn about both their ends and the crank
+    stands.
     """
     joints = [
         Joint("crank", "R", (0.0, 0.0, 0.0), Z, actuated=True),
@@ -257,14 +255,22 @@ def test_what_is_free_about_the_reference_alone_is_searched(motion: str, tmp_pat
         Joint("rocker", "R", (1.0, 0.0, 0.0), Z),
         Joint("top", "R", (1.0, 0.6, 0.0), Z),
     ]
-    kite = Mechanism(
+    return Mechanism(
         "kite",
         [Limb("left", joints[:2]), Limb("right", joints[2:])],
         platform_position=(1.0, 0.6, 0.0),
         angle_unit="deg",
         motion=motion,
     )
-    found = symkin.modes(kite, joints=[20.0], starts=200)
+
+
+@pytest.mark.parametrize("motion", in_gate(["planar", "spatial"], ["planar"]))
+def test_what_is_free_about_the_reference_alone_is_searched(motion: str, tmp_path: Path) -> None:
+    """Rocker and coupler of a kite meet at two points at other angles of the crank than the
+    reference's, by `modes` as in a sweep.
+    """
+    folded = kite(motion)
+    found = symkin.modes(folded, joints=[20.0], starts=200)
     assert (len(found), found.completeness) == (2, "proved")
     half = np.array([np.cos(np.radians(20.0)) + 1.0, np.sin(np.radians(20.0))]) / 2.0
     places = np.array([mode.pose.position[:2] for mode in found])
@@ -272,7 +278,24 @@ def test_what_is_free_about_the_reference_alone_is_searched(motion: str, tmp_pat
     assert any("about the reference" in note for note in found.notes)
     # one value has no other to agree with
     assert (
-        must_agree(kite) == "about the reference the actuated joints cannot all move on their own"
+        must_agree(folded) == "about the reference the actuated joints cannot all move on their own"
     )
-    swept = symkin.sweep(kite, {"crank": [20.0]}, tmp_path, workers=0, starts=200)
+    swept = symkin.sweep(folded, {"crank": [20.0]}, tmp_path, workers=0, starts=200)
     assert swept.points_by_count == {2: 1}
+
+
+def test_a_regular_start_is_followed_whatever_is_free_about_the_reference() -> None:
+    """A kite's modes at other angles of the crank are followed to where it is folded; there no
+    mode is isolated.
+    """
+    folded = kite()
+    there = symkin.track(folded, joints=[[20.0], [40.0]], samples=3)
+    assert (there.reached, there.certified) == (True, True)
+    back = symkin.track(folded, joints=[[20.0], [0.0]], samples=3)
+    assert back.stop is not None
+    assert (back.stop.kind, back.stop.row, back.stop.u) == ("bifurcation", 1, 1.0)
+    # of one that is isolated it is not said that it is one of a set
+    assert not any("one of a set" in n for n in symkin.solve(folded, joints=[20.0]).notes)
+    assert any("one of a set" in n for n in symkin.solve(folded, joints=[0.0]).notes)
+    with pytest.raises(InputError, match="no isolated mode to stay on"):
+        symkin.track(folded, joints=[[0.0], [20.0]])
