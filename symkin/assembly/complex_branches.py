@@ -46,6 +46,20 @@ def complex_errors(problem: Problem, form: ClosedForm, known: np.ndarray) -> np.
     return np.where(np.isfinite(found), found, np.inf).reshape(len(known), form.count)
 
 
+def complex_ends(problem: Problem, form: ClosedForm, known: np.ndarray) -> np.ndarray:
+    """The branches of a closed form as complex roots (width, n count) of a problem's algebraic
+    system for known values (n, known), far ones by more bits. Raises NotImplementedError as above.
+    """
+    from symkin.homotopy.far_roots import are_far, settled
+
+    system = system_of(problem)
+    with np.errstate(all="ignore"):
+        z, k, _ = _branches(problem, form, known)
+    for place in are_far(system, z).nonzero()[0].tolist():
+        z[:, [place]] = settled(system, z[:, [place]], k[:, place])[1]
+    return z
+
+
 def misses_none(problem: Problem, form: ClosedForm, known: np.ndarray) -> bool:
     """Whether all solutions at which Newton's method ends from random complex starts are branches
     for known values (known,), and are enough to tell.
@@ -75,7 +89,12 @@ def _branches(
     _over_complex(form)(*(v.T.astype(complex) for v in inputs), found)
     first, second = found[:, :, 0].T.reshape(2, form.system.width, -1)
     angular = np.array([c.is_angular for c in form.system.unknowns])[:, None]
-    points = np.where(angular, -1j * np.log(first + 1j * second), first)
+    # of exp(i z) and exp(-i z) the larger one is no small difference
+    turns = first + 1j * second, first - 1j * second
+    larger = np.where(
+        np.abs(turns[0]) < np.abs(turns[1]), 1j * np.log(turns[1]), -1j * np.log(turns[0])
+    )
+    points = np.where(angular, larger, first)
     z = algebraic_points(problem, system_of(problem), form.system, points.T)
     off = np.max(np.abs(np.where(angular, first**2 + second**2 - 1.0, 0.0)), axis=0)
     return z, known_values(problem, every.T).astype(complex), off

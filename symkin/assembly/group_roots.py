@@ -159,6 +159,19 @@ class GroupRoots:
             return self
         return self._but(statement=np.where(complete, 0, self.statement), theorem=theorem)
 
+    def counted(self, rows: np.ndarray, count: int) -> GroupRoots:
+        """The same where formulas tell all complex solutions of the rows (n,), `count` of each,
+        whatever paths have left of them.
+        """
+        rows = rows & ((self.complex_count != count) | (self.unresolved != 0.0))
+        if not rows.any():
+            return self
+        return self._but(
+            complex_count=np.where(rows, count, self.complex_count),
+            unresolved=np.where(rows, 0.0, self.unresolved),
+            notes={row: told for row, told in self.notes.items() if not rows[row]},
+        )
+
     def with_notes(self, more: Mapping[int, str]) -> GroupRoots:
         """The same with another note of some rows."""
         notes = {row: (*self.notes.get(row, ()), text) for row, text in more.items()}

@@ -5,14 +5,15 @@ of them: each one by a certificate, their number where a theorem bounds it.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from symkin.assembly.block_paths import BlockPaths, own_paths, paths_of_rows
 from symkin.assembly.closed_roots import ClosedBlock, closed_block, closing
-from symkin.assembly.complex_branches import misses_none
+from symkin.assembly.complex_branches import complex_ends, misses_none
 from symkin.assembly.group_roots import GroupRoots
-from symkin.assembly.prover import PartProofs, prover_of
+from symkin.assembly.prover import PartProofs, Prover, prover_of
 from symkin.computed_once import lru_cache
 from symkin.elimination.closed_form import ClosedForm
 from symkin.homotopy.six_distances import redundant_distances
@@ -23,6 +24,10 @@ from symkin.position.gear_train import gear_train
 from symkin.position.groups import implied_parts, is_linear
 from symkin.position.problem import Problem
 from symkin.position.roots import NOT_KNOWN, product_of_counts
+
+if TYPE_CHECKING:
+    from symkin.certificate.certificate import CertificateBatch
+    from symkin.certificate.discs import Knowns
 
 _FEW_ROOTS = 32
 """Complex solutions of a group that are as soon followed together as part by part."""
@@ -176,11 +181,35 @@ def proofs_of_group(
             if np.isinf(proofs.radius[place])
         }
     )
+    listed = np.bincount(owner, minlength=knowns.count)
+    whole = np.bincount(owner[proofs.certified], minlength=knowns.count) == listed
     if ends is not None and not complete.all():
-        listed = np.bincount(owner, minlength=knowns.count)
-        whole = np.bincount(owner[proofs.certified], minlength=knowns.count) == listed
         complete = complete | (whole & of_paths.completes(ends, listed))
+    if paths is None and not complete.all():
+        branches = _ends_of_formulas(group, prover, known, knowns)
+        if branches is not None:
+            by_formulas = whole & prover.completes(branches, listed)
+            roots = roots.counted(by_formulas, len(branches.instance) // knowns.count)
+            complete = complete | by_formulas
     return proofs, roots.proved(complete, of_paths.theorem)
+
+
+def _ends_of_formulas(
+    group: Problem, prover: Prover, known: np.ndarray, knowns: Knowns
+) -> CertificateBatch | None:
+    """Certificates of all branches of a group's formulas, complex ones included, where so many may
+    be all solutions.
+    """
+    closed = closed_block(group)
+    if closed is None or not prover.may_complete(closed.most_roots):
+        return None
+    if not isinstance(closed.formulas, ClosedForm):
+        return None
+    try:
+        z = complex_ends(group, closed.formulas, known)
+    except NotImplementedError:
+        return None
+    return prover.ends(z, knowns, np.arange(len(known)).repeat(closed.most_roots))
 
 
 def _proofs_of_near(

@@ -40,7 +40,8 @@ _DOUBLE = 53
 """Bits of what is computed with balls around the proofs."""
 _FARTHEST = 1e-7
 """A root farther than this from the given point (unit ray, angles, lengths over size) is not what
-was given; a point with a smaller imaginary part is tried as a real one.
+was given, and so many of its reach where it is complex, as rounding is of lengths far off; a point
+with a smaller imaginary part is tried as a real one.
 """
 _REALITY = np.array(["unknown", "real", "not real"])
 _DIAGONAL = 1.4143
@@ -188,7 +189,9 @@ class CertificateBatch:
 
     def leave_out_far_ones(self) -> None:
         """Roots that are too far from their points to be what was given."""
-        far = ~(_away(self.centre, self.ball, self.given) <= _FARTHEST)
+        reach = np.maximum(1.0, np.abs(self.given).max(axis=0, initial=0.0))
+        farthest = _FARTHEST * np.where(self.is_real, 1.0, reach)
+        far = ~(_away(self.centre, self.ball, self.given) <= farthest)
         for i in far.nonzero()[0].tolist():
             self.ball[i] = np.inf
             self.reasons[i] = (

@@ -34,7 +34,7 @@ the largest there: half of the digits.
 _LAST_DIGITS = 1e-14
 """The same below which a root found by more bits, then rounded, is at infinity."""
 _NEAREST = 1e-3
-"""Largest distance of a root from the point that stands for it."""
+"""Largest distance of a root from the point that stands for it, of lengths beyond 1 as a share."""
 _TOLERANCE = 1e-5
 """Largest first Newton step of a step along a path."""
 _FIRST, _SMALLEST, _MOST_STEPS = 0.01, 1e-9, 1000
@@ -80,7 +80,7 @@ def settled(system: AlgebraicSystem, z: np.ndarray, k: np.ndarray) -> tuple[np.n
             points[:, i], found[i] = mates[:, 0], True
             continue
         root = _settle(system, z[:, i], k)
-        if root is not None and np.max(np.abs(root - z[:, i])) < _NEAREST:
+        if root is not None and np.max(np.abs(root - z[:, i]) / _reach(system, z[:, i])) < _NEAREST:
             points[:, i], found[i] = root, True
     return found, points
 
@@ -95,19 +95,26 @@ def is_square(system: AlgebraicSystem) -> bool:
     return system.count + bool(system.projective) == system.width
 
 
+def _reach(system: AlgebraicSystem, z: np.ndarray) -> np.ndarray:
+    """What steps of the coordinates (width,) of a point are measured by: 1, or a larger length."""
+    reach = np.maximum(1.0, np.abs(z))
+    reach[[i for i, c in enumerate(system.unknowns) if c.is_periodic]] = 1.0
+    return reach
+
+
 def _settle(system: AlgebraicSystem, z: np.ndarray, k: np.ndarray) -> np.ndarray | None:
     """The root to which Newton's method comes from a point; None where its steps do not become as
     small as 0.6 of the digits.
     """
     with precision(_BITS):
         rows, known = _at(system, k)
-        point = [COMPLEX.number(v) for v in z.tolist()]
+        point, reach = [COMPLEX.number(v) for v in z.tolist()], _reach(system, z).tolist()
         for _ in range(_REFINEMENTS):
             try:
                 (step,) = _solved(system, rows, known, point, rows.evaluate(0, point, known))
             except ZeroDivisionError:
                 return None
-            size = max(upper(d) for d in step)
+            size = max(upper(d) / r for d, r in zip(step, reach, strict=True))
             if not size < 1.0:
                 return None
             point = [(p - d).mid() for p, d in zip(point, step, strict=True)]

@@ -408,3 +408,52 @@ def test_no_solution_is_proved_of_graphs_too() -> None:
     mechanism = Mechanism("five", link_joints=joints, platform_link=None, angle_unit="deg")
     found = symkin.modes(mechanism, given={"left": 80.0, "right": -80.0})
     assert (len(found), found.complex_count, found.completeness) == (0, 2, "proved")
+
+
+@pytest.mark.parametrize("spelling", ["limbs", "graph"])
+@pytest.mark.parametrize("apart", in_gate([1e-2, 1e-4, 1e-6], [1e-4]))
+def test_circles_about_nearly_one_point_have_no_real_solution(apart: float, spelling: str) -> None:
+    """Ends of a five-bar's cranks some 1e-6 apart, and forearms of two lengths: both solutions are
+    complex and 1e4 sizes off, where paths do not lead, in either description.
+    """
+    joints = {
+        "left": (("base", "a"), (0.0, 0.0)),
+        "right": (("base", "b"), (0.6, 0.0)),
+        "elbow": (("a", "c"), (0.0, 0.5)),
+        "knee": (("b", "d"), (0.6, 0.5)),
+        "pin": (("c", "d"), (0.2, 1.2)),
+    }
+    own = {
+        n: Joint(n, "R", (*p, 0.0), (0, 0, 1), actuated=n in ("left", "right"))
+        for n, (_, p) in joints.items()
+    }
+    given: dict = {"platform_position": (0.2, 1.2, 0.0), "motion": "planar", "angle_unit": "deg"}
+    if spelling == "limbs":
+        left, right = ([own[n] for n in names] for names in (("left", "elbow"), ("right", "knee")))
+        limbs = [Limb("one", left), Limb("other", [*right, own["pin"]])]
+        mechanism = Mechanism("five", limbs, **given)
+    else:
+        links = [LinkJoint(own[n], links) for n, (links, _) in joints.items()]
+        mechanism = Mechanism("five", link_joints=links, platform_link="d", **given)
+    meet = float(np.degrees(np.arcsin(0.6)))
+    found = symkin.modes(mechanism, joints=[apart - meet, meet])
+    assert (len(found), found.complex_count, found.completeness) == (0, 2, "proved")
+    assert found.unresolved_paths == 0
+
+
+def test_places_without_a_real_solution_are_proved_to_have_none() -> None:
+    """A geared crank has two places beside one of the other; in one of them a five-bar's loop does
+    not close, which its formulas' complex branches prove.
+    """
+    rows = [
+        ("a", ("base", "f"), (0.0, 0.0)),
+        ("b", ("base", "g"), (1.0, 0.0)),
+        ("elbow", ("f", "h"), (0.0, 0.5)),
+        ("knee", ("g", "i"), (1.0, 0.6)),
+        ("pin", ("h", "i"), (0.5, 1.2)),
+    ]
+    joints = [LinkJoint(Joint(n, "R", (*p, 0.0), (0, 0, 1)), links) for n, links, p in rows]
+    gear = symkin.Coupling("b", {"a": 0.5})
+    mechanism = Mechanism("five", link_joints=joints, couplings=[gear], angle_unit="deg")
+    found = symkin.modes(mechanism, given={"a": 20.0})
+    assert (len(found), found.complex_count, found.completeness) == (2, 4, "proved")
