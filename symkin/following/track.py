@@ -35,7 +35,7 @@ from symkin.following.track_result import Track
 from symkin.following.trajectory import Trajectory, make_trajectory
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.tolerances import SINGULAR_CONDITION
-from symkin.position.determination import refuse_unless_determined, what_is_free
+from symkin.position.determination import refuse_unless_determined, what_is_free_at
 from symkin.position.given import Joints, Values
 from symkin.position.problem import Problem
 from symkin.position.solution import Solution
@@ -101,14 +101,13 @@ def _track(trajectory: Trajectory, options: TrackOptions) -> Track:
     _check_determined(trajectory.problem)
     mode, notes = _start_mode(trajectory, options["start"])
     if mode is None:
-        _refuse_free(trajectory.problem)
+        _refuse_free(trajectory.problem, math.inf)
         return _not_begun(trajectory, "; ".join(notes))
     path = machine_path(replace(trajectory, notes=(*trajectory.notes, *notes)))
     problem = path.trajectory.problem
     _check_determined(problem)
     begin = path.unknowns(own_closure(mode), mode.variables[None])[0]
-    if _is_singular(problem, begin, path.trajectory.samples[0]):
-        _refuse_free(problem)
+    _refuse_free(problem, problem.system.condition(begin, path.trajectory.samples[0]))
     limits, progress = options["limits"], options["progress"]
     branch = branch_from(begin, path.trajectory, limits=limits, progress=progress)
     return _result(path, branch, options["name_modes"])
@@ -128,7 +127,10 @@ def branch_from(
     problem = trajectory.problem
     watch = LimitWatch(problem, trajectory, off=not limits)
     limit = watch.start(problem.join_values(unknown, trajectory.samples[0]))
-    if limit is not None or _is_singular(problem, unknown, trajectory.samples[0]):
+    if (
+        problem.system.condition(unknown, trajectory.samples[0]) >= SINGULAR_CONDITION
+        or limit is not None
+    ):
         first = PathPoint(0, 0.0, unknown, radius=None)
         return Branch(
             [first], first, (), ending="singular" if limit is None else "limit", limit=limit
@@ -146,15 +148,9 @@ def _check_determined(problem: Problem) -> None:
         refuse_unless_determined(problem)
 
 
-def _is_singular(problem: Problem, unknown: np.ndarray, known: np.ndarray) -> bool:
-    return problem.system.condition(unknown, known) >= SINGULAR_CONDITION
-
-
-def _refuse_free(problem: Problem) -> None:
-    """Raise InputError where no mode is isolated; see `what_is_free`. A regular one is, whatever is
-    free about the reference.
-    """
-    if (free := what_is_free(problem)) is not None:
+def _refuse_free(problem: Problem, condition: float) -> None:
+    """Raise InputError where a start of a `condition` is no isolated mode."""
+    if (free := what_is_free_at(problem, condition)) is not None:
         raise InputError(f"{free}, so that there is no isolated mode to stay on")
 
 

@@ -104,9 +104,17 @@ def what_is_free(problem: Problem) -> str | None:
     )
 
 
+def what_is_free_at(problem: Problem, condition: float) -> str | None:
+    """The same of one solution: nothing where its `condition` is that of a regular one, whatever is
+    free about the reference.
+    """
+    determined = problem.generic_rank == problem.system.freedom
+    return None if determined and condition < SINGULAR_CONDITION else what_is_free(problem)
+
+
 def set_notes(problem: Problem, condition: float) -> tuple[str, ...]:
-    """What is said of one solution where none is isolated; one of regular `condition` is."""
-    free = None if condition < SINGULAR_CONDITION else what_is_free(problem)
+    """What is said of one solution where none is isolated."""
+    free = what_is_free_at(problem, condition)
     return () if free is None else (f"{free}: this is one of a set of solutions",)
 
 
