@@ -19,6 +19,7 @@ from symkin.elimination.closed_form import ClosedForm
 from symkin.homotopy.six_distances import redundant_distances
 from symkin.homotopy.structure import MOST_UNKNOWNS, start_of_structure, structure_of
 from symkin.homotopy.systems import system_of, unsuitable
+from symkin.homotopy.values import known_values, real_values
 from symkin.numeric.cache_folder import cache_folder
 from symkin.position.gear_train import gear_train
 from symkin.position.groups import implied_parts, is_linear
@@ -46,15 +47,18 @@ def accounts_for_all(closed: ClosedBlock) -> bool:
     """Whether each complex solution of a generic instance is one of the formulas' branches, as by
     their derivation those of rods and of an arm are: they are as many as paths find, and all of
     them close. Where no paths tell, as where known values must meet conditions, all of them close
-    at the regular configuration, and random starts over the complex numbers find no other there.
+    at the regular configuration, or near one that is singular, and random starts over the complex
+    numbers find no other there.
     """
-    group, formulas, regular = closed.problem, closed.formulas, closed.regular
+    group, formulas = closed.problem, closed.formulas
     if not isinstance(formulas, ClosedForm):
         return True
     paths = group_paths(group)
     if paths is None:
-        closes = bool(closing(group, formulas, regular[None]).all())
-        return closes and misses_none(group, formulas, regular)
+        return any(
+            closing(group, formulas, known[None]).all() and misses_none(group, formulas, known)
+            for known in (closed.regular, *closed.generic_known)
+        )
     if formulas.count != paths.most_roots:
         return False
     return bool(closing(group, formulas, closed.generic_known).all())
@@ -210,6 +214,28 @@ def _ends_of_formulas(
     except NotImplementedError:
         return None
     return prover.ends(z, knowns, np.arange(len(known)).repeat(closed.most_roots))
+
+
+def proved_roots(group: Problem, known: np.ndarray) -> tuple[GroupRoots | None, np.ndarray]:
+    """The solutions of a group at known values (n, known) where certificates of its formulas'
+    branches tell that these are all, and the rows that are left.
+    """
+    nothing = None, np.arange(len(known))
+    if closed_block(group) is None or unsuitable(group) is not None:
+        return nothing
+    algebraic = system_of(group)
+    prover = prover_of(group, algebraic)
+    found = _ends_of_formulas(group, prover, known, prover.knowns(known))
+    if found is None or not (whole := prover.tells_all(found)).any():
+        return nothing
+    real = found.proved_real & whole[found.instance]
+    owner = found.instance[real]
+    values = real_values(
+        group, algebraic, found.centre[:, real], known_values(group, known[owner].T)
+    )
+    points = np.concatenate([values[c.name] for c in group.system.unknowns], axis=1)
+    count = np.bincount(found.instance[whole[found.instance]], minlength=len(known))
+    return GroupRoots.of_all(points, owner, count, engine="closed form"), (~whole).nonzero()[0]
 
 
 def _proofs_of_near(

@@ -19,6 +19,7 @@ from symkin.assembly.group_solvers import (
     group_solver,
     most_roots,
     proofs_of_group,
+    proved_roots,
     solved_parts,
 )
 from symkin.assembly.prover import PartProofs
@@ -311,6 +312,10 @@ def group_roots(group: Problem, known: np.ndarray, solving: Solving) -> GroupRoo
     found, doubtful = _by_solver(group, known, solving)
     if found is None:
         return searched_alone(group, known, search)
+    if doubtful.size and solving.certify:
+        proved, left = proved_roots(group, known[doubtful])
+        if proved is not None:
+            found, doubtful = found.with_rows(doubtful, proved), doubtful[left]
     if not doubtful.size:
         return found
     return found.with_rows(doubtful, searched_alone(group, known[doubtful], search))

@@ -270,7 +270,7 @@ def test_what_is_free_about_the_reference_alone_is_searched(motion: str, tmp_pat
     reference's, by `modes` as in a sweep.
     """
     folded = kite(motion)
-    found = symkin.modes(folded, joints=[20.0], starts=200)
+    found = symkin.modes(folded, joints=[20.0])
     assert (len(found), found.completeness) == (2, "proved")
     half = np.array([np.cos(np.radians(20.0)) + 1.0, np.sin(np.radians(20.0))]) / 2.0
     places = np.array([mode.pose.position[:2] for mode in found])
@@ -280,7 +280,7 @@ def test_what_is_free_about_the_reference_alone_is_searched(motion: str, tmp_pat
     assert (
         must_agree(folded) == "about the reference the actuated joints cannot all move on their own"
     )
-    swept = symkin.sweep(folded, {"crank": [20.0]}, tmp_path, workers=0, starts=200)
+    swept = symkin.sweep(folded, {"crank": [20.0]}, tmp_path, workers=0)
     assert swept.points_by_count == {2: 1}
 
 
@@ -299,3 +299,15 @@ def test_a_regular_start_is_followed_whatever_is_free_about_the_reference() -> N
     assert any("one of a set" in n for n in symkin.solve(folded, joints=[0.0]).notes)
     with pytest.raises(InputError, match="no isolated mode to stay on"):
         symkin.track(folded, joints=[[0.0], [20.0]])
+
+
+@pytest.mark.parametrize("apart", [1.0, 1e-2, 1e-5, 1e-9])
+def test_a_kite_has_two_modes_however_nearly_it_is_folded(apart: float) -> None:
+    """Circles of equal radii 0.6 about ends a apart, a the crank's angle, meet square to the way
+    between these: the rocker stands at 90 - a / 3 and -90 + 4 a / 3, in first order.
+    """
+    found = symkin.modes(kite(), joints=[apart])
+    assert found.completeness == "proved"
+    assert sorted(mode.joints["rocker"] for mode in found) == pytest.approx(
+        [4.0 * apart / 3.0 - 90.0, 90.0 - apart / 3.0], abs=1e-13 + 1e-3 * apart
+    )
