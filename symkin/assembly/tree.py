@@ -312,7 +312,7 @@ def group_roots(group: Problem, known: np.ndarray, solving: Solving) -> GroupRoo
     found, doubtful = _by_solver(group, known, solving)
     if found is None:
         return searched_alone(group, known, search)
-    if doubtful.size and solving.certify:
+    if doubtful.size:
         proved, left = proved_roots(group, known[doubtful])
         if proved is not None:
             found, doubtful = found.with_rows(doubtful, proved), doubtful[left]
