@@ -771,14 +771,18 @@ static ankle_status ankle_direct_newton(ankle_direct_work *w, const ankle_real t
             if (aim >= 1.0f) {
                 /* accepted at the end of the line: predict the error, decide on new factors */
                 ankle_real error2;
-                ankle_real gain2;
+                ankle_real gain2 = size;
+                const bool moved = (before > 0.0f);
                 if (taken > 0U) {
                     settling = true;
-                    if (was_fresh && (before > still2)) {
-                        kappa2 = size / (before * before);
+                    if (moved) {
+                        /* divided by twice: in float the square of `before` vanishes for a tiny
+                         * machine */
+                        gain2 = size / before;
+                        kappa2 = (was_fresh && (before > still2)) ? (gain2 / before) : kappa2;
                     }
                 }
-                gain2 = 4.0f * ((fresh || !(before > 0.0f)) ? (kappa2 * size) : (size / before));
+                gain2 = 4.0f * ((fresh || !moved) ? (kappa2 * size) : gain2);
                 error2 = gain2 * size;
                 verify = ((taken > 0U) && (error2 <= tolerance2)) || ((taken > 0U)
                     && (size <= still2));

@@ -821,14 +821,18 @@ static ren2008_status ren2008_direct_newton(ren2008_direct_work *w, const ren200
             if (aim >= 1.0f) {
                 /* accepted at the end of the line: predict the error, decide on new factors */
                 ren2008_real error2;
-                ren2008_real gain2;
+                ren2008_real gain2 = size;
+                const bool moved = (before > 0.0f);
                 if (taken > 0U) {
                     settling = true;
-                    if (was_fresh) {
-                        kappa2 = size / (before * before);
+                    if (moved) {
+                        /* divided by twice: in float the square of `before` vanishes for a tiny
+                         * machine */
+                        gain2 = size / before;
+                        kappa2 = (was_fresh) ? (gain2 / before) : kappa2;
                     }
                 }
-                gain2 = 4.0f * (fresh ? (kappa2 * size) : (size / before));
+                gain2 = 4.0f * ((fresh || !moved) ? (kappa2 * size) : gain2);
                 error2 = gain2 * size;
                 verify = ((taken > 0U) && (error2 <= tolerance2)) || (size <= 4.1569907e-11f);
                 was_fresh = fresh;

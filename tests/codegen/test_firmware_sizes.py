@@ -4,6 +4,7 @@ small or large but beside its size.
 
 from __future__ import annotations
 
+import subprocess
 from functools import cache
 from itertools import product
 from pathlib import Path
@@ -11,6 +12,7 @@ from pathlib import Path
 import pytest
 
 import symkin
+from helpers import firmware_tools as tools
 from helpers.gate import in_gate
 from helpers.inside import Options, can_run, folder_files, run_own_test, scaled
 from helpers.samples import readme_five_bar, three_rrr
@@ -30,6 +32,8 @@ CASES = {
 }
 """Machine and options of the code, by name."""
 SIZES = [1e-8, 1e-4, 1e3, 1e6]
+TINY = 3e-11
+"""Share of a platform of some 500 mm that is about 1e-8 long."""
 KEPT = [
     ("five_bar", 1e-8, "float"),
     ("three_rrr", 1e6, "double"),
@@ -68,3 +72,17 @@ def test_the_same_machine_of_any_size_passes_its_own_tests(case, size, real):
     assert counts[0] == counts[1]
     lines = [files[".c"].count(";") for files in (here, there)]
     assert abs(lines[0] - lines[1]) <= 0.02 * lines[1]
+
+
+def test_a_tiny_platform_in_float_divides_by_no_square_that_vanishes(tmp_path):
+    """Six rods of a size of 1e-8: the fourth power of a step is less than the least float, and code
+    that divided by it would stop where divisions by zero are trapped.
+    """
+    pose = (0.0, 0.0, 420.0 * TINY, 1.0, 0.0, 0.0, 0.0)
+    mechanism = scaled(symkin.load("zhang2009"), TINY)
+    tools.write_untested(mechanism, tmp_path, Options("float", home=pose))
+    trapped = ("-fsanitize=float-divide-by-zero", "-fno-sanitize-recover=all")
+    sources = [f"{mechanism.name}.c", f"{mechanism.name}_test.c"]
+    program = tools.built("gcc", tmp_path, sources, "own", "-O0", *trapped)
+    done = subprocess.run([program], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr

@@ -438,7 +438,6 @@ class NewtonCode:
         common: dict[str, object] = {
             "row_noise2": line,
             "moved": " && (before > still2)",
-            "by_kappa": "(fresh || !(before > 0.0))",
         }
         if not self.retarget:
             return common | {
@@ -455,7 +454,6 @@ class NewtonCode:
             "still_variable": "",
             "noise": "",
             "moved": "",
-            "by_kappa": "fresh",
             "stay": put_back,
         }
 

@@ -104,14 +104,17 @@ static name_status solver_newton(GEOMETRY_GIVEN solver_work *w, const name_real 
             if (aim >= 1.0) {
                 /* accepted at the end of the line: predict the error, decide on new factors */
                 name_real error2;
-                name_real gain2;
+                name_real gain2 = size;
+                const bool moved = (before > 0.0);
                 if (taken > 0U) {
                     settling = true;
-                    if (was_fresh@moved) {
-                        kappa2 = size / (before * before);
+                    if (moved) {
+                        /* divided by twice: in float the square of `before` vanishes for a tiny machine */
+                        gain2 = size / before;
+                        kappa2 = (was_fresh@moved) ? (gain2 / before) : kappa2;
                     }
                 }
-                gain2 = 4.0 * (@by_kappa ? (kappa2 * size) : (size / before));
+                gain2 = 4.0 * ((fresh || !moved) ? (kappa2 * size) : gain2);
                 error2 = gain2 * size;
                 verify = ((taken > 0U) && (error2 <= tolerance2)) || @still;
                 was_fresh = fresh;
