@@ -101,6 +101,13 @@ def walked(arm: symkin.Mechanism, count: int, reach: float, real: str = "double"
     return {name: int(np.sum(c)) for name, c in zip(names, counts, strict=True)}
 
 
+ANSWERED = {("parallel_inner_mirrored", 1.0): 0.5, ("parallel_inner_mirrored", 3.1): 0.15}
+"""Share of regular lines that are answered at least, where it is small: this arm begins from its
+far end, where turns of the tool move what a part bounds by the whole reach, and lines need more
+parts than the usual 100. Of 153 regular ones 27 are answered, with 255 parts 92.
+"""
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "name",
@@ -112,11 +119,11 @@ def walked(arm: symkin.Mechanism, count: int, reach: float, real: str = "double"
 @pytest.mark.parametrize("reach", in_gate([0.2, 1.0, 3.1], [1.0]))
 def test_lines_that_are_ok_have_their_branch_everywhere(name, reach):
     """Each point of a line has the guess's branch, and its joints end at the answer,
-    whole turns included; and enough lines are answered for that to say something.
+    whole turns included; and most regular lines are answered.
     """
     made = structures(np.random.default_rng(3))
     found = walked(made.get(name) or symkin.load(name), 1500, reach)
-    assert found["ok"] > 0.05 * found["lines"]
+    assert found["answered"] > ANSWERED.get((name, reach), 0.65) * found["regular"]
 
 
 TWO_FOLDS = [
