@@ -27,6 +27,7 @@ from symkin.position.problem import Problem
 from symkin.position.roots import NOT_KNOWN, product_of_counts
 
 if TYPE_CHECKING:
+    from symkin.assembly.families import Member
     from symkin.certificate.certificate import CertificateBatch
     from symkin.certificate.discs import Knowns
 
@@ -161,15 +162,19 @@ def solved_at_once(group: Problem) -> bool:
 
 
 def proofs_of_group(
-    group: Problem, roots: GroupRoots, known: np.ndarray, away: np.ndarray
+    group: Problem,
+    roots: GroupRoots,
+    known: np.ndarray,
+    away: np.ndarray,
+    member: Member | None = None,
 ) -> tuple[PartProofs, GroupRoots]:
     """What is proved of the solutions of a group at known values (n, known) that are within `away`
     (n, known) of exact ones (length unit); and the solutions, proved to be all where a theorem
-    allows it, with notes where some have no certificate.
+    allows it, with notes where some have no certificate. A `member` has its family's formulas.
     """
     near = np.isfinite(away).all(axis=1)
     if not near.all():
-        return _proofs_of_near(group, roots, (known, away), near)
+        return _proofs_of_near(group, roots, (known, away), near, member)
     prover = prover_of(group, system_of(group))
     knowns, owner = prover.knowns(known, away), roots.owner
     paths, ends = group_paths(group) if len(roots.ends_of) else None, None
@@ -190,7 +195,8 @@ def proofs_of_group(
     if ends is not None and not complete.all():
         complete = complete | (whole & of_paths.completes(ends, listed))
     if paths is None and not complete.all():
-        branches = _ends_of_formulas(group, prover, known, knowns)
+        source = (group, known) if member is None else (member.family, member.known(known))
+        branches = _ends_of_formulas(prover, knowns, *source)
         if branches is not None:
             by_formulas = whole & prover.completes(branches, listed)
             roots = roots.counted(by_formulas, len(branches.instance) // knowns.count)
@@ -199,12 +205,13 @@ def proofs_of_group(
 
 
 def _ends_of_formulas(
-    group: Problem, prover: Prover, known: np.ndarray, knowns: Knowns
+    prover: Prover, knowns: Knowns, group: Problem, known: np.ndarray
 ) -> CertificateBatch | None:
-    """Certificates of all branches of a group's formulas, complex ones included, where so many may
-    be all solutions.
+    """Certificates, by the rows of a prover at its known values, of all branches of the formulas of
+    a group with the same solutions at known values (n, known), complex ones included, where so many
+    may be all.
     """
-    closed = closed_block(group)
+    closed = closed_block(group) if prover.bound is not None else None
     if closed is None or not prover.may_complete(closed.most_roots):
         return None
     if not isinstance(closed.formulas, ClosedForm):
@@ -225,7 +232,7 @@ def proved_roots(group: Problem, known: np.ndarray) -> tuple[GroupRoots | None, 
         return nothing
     algebraic = system_of(group)
     prover = prover_of(group, algebraic)
-    found = _ends_of_formulas(group, prover, known, prover.knowns(known))
+    found = _ends_of_formulas(prover, prover.knowns(known), group, known)
     if found is None or not (whole := prover.tells_all(found)).any():
         return nothing
     real = found.proved_real & whole[found.instance]
@@ -239,14 +246,19 @@ def proved_roots(group: Problem, known: np.ndarray) -> tuple[GroupRoots | None, 
 
 
 def _proofs_of_near(
-    group: Problem, roots: GroupRoots, knowns: tuple[np.ndarray, np.ndarray], near: np.ndarray
+    group: Problem,
+    roots: GroupRoots,
+    knowns: tuple[np.ndarray, np.ndarray],
+    near: np.ndarray,
+    member: Member | None,
 ) -> tuple[PartProofs, GroupRoots]:
     """The same where nothing is known of how far `away` values are but of some, `near` (n,)."""
     rows, mine = near.nonzero()[0], near[roots.owner]
     certified, ground = np.zeros(len(mine), dtype=bool), np.zeros((len(mine), 4))
     ground[:, 2] = np.inf
     if rows.size:
-        some, proved = proofs_of_group(group, roots.at(rows), *(part[rows] for part in knowns))
+        known, away = (part[rows] for part in knowns)
+        some, proved = proofs_of_group(group, roots.at(rows), known, away, member)
         certified[mine], ground[mine] = some.certified, some.ground
         roots = roots.with_rows(rows, proved)
     return PartProofs(certified, ground), roots

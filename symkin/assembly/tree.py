@@ -264,8 +264,8 @@ def _of_family(
         # complex roots are those of the family's system
         plain = replace(solved, ends=NO_ENDS, ends_of=solved.ends_of[:0], origin=None)
         return [
-            _alone(rows, solving, plain.at(np.arange(place.start, place.stop)))
-            for place, rows in zip(places, asked, strict=True)
+            _alone(rows, solving, plain.at(np.arange(place.start, place.stop)), one)
+            for place, rows, one in zip(places, asked, own, strict=True)
         ]
     found = _proved(family, solved, known, away, solving)
     owner = found.roots.owner
@@ -278,21 +278,28 @@ def _of_family(
     ]
 
 
-def _alone(rows: _Rows, solving: Solving, roots: GroupRoots | None = None) -> ProvedRoots:
+def _alone(
+    rows: _Rows, solving: Solving, roots: GroupRoots | None = None, member: Member | None = None
+) -> ProvedRoots:
     """The solutions of one group at what is asked of it, proved by its own rows."""
     group = rows.step.group
     roots = group_roots(group, rows.known, solving) if roots is None else roots
-    return _proved(group, roots, rows.known, rows.away, solving)
+    return _proved(group, roots, rows.known, rows.away, solving, member)
 
 
 def _proved(
-    group: Problem, roots: GroupRoots, known: np.ndarray, away: np.ndarray, solving: Solving
+    group: Problem,
+    roots: GroupRoots,
+    known: np.ndarray,
+    away: np.ndarray,
+    solving: Solving,
+    member: Member | None = None,
 ) -> ProvedRoots:
     """The solutions in their order, with what is proved of them if it is asked for."""
     roots = roots if solving.only else roots.in_order()
     if not solving.certify:
         return ProvedRoots(roots, PartProofs.of_nothing(len(roots.owner)))
-    proofs, roots = proofs_of_group(group, roots, known, away)
+    proofs, roots = proofs_of_group(group, roots, known, away, member)
     return ProvedRoots(roots, proofs)
 
 
