@@ -21,12 +21,12 @@ from symkin.assembly.as_written import (
 from symkin.assembly.by_groups import modes_of_inputs
 from symkin.assembly.modes_result import Modes
 from symkin.assembly.options import ModesOptions
+from symkin.assembly.plan import refuse_unless_isolated
 from symkin.assembly.search import DEFAULT_SEED, Search
 from symkin.computed_once import lru_cache
 from symkin.homotopy.monodromy import told_of_searches
 from symkin.machine.lower import Lowered
 from symkin.model.mechanism import Mechanism, require_mechanism
-from symkin.position.determination import refuse_unless_determined
 from symkin.position.given import (
     Columns,
     Given,
@@ -194,7 +194,7 @@ def _problem_and_machine(
     # numbers of solutions to take are those of blocks of named coordinates
     problem = build_problem(mechanism, names, () if chooses else None)
     if problem.by_name:
-        refuse_unless_determined(problem)
+        refuse_unless_isolated(problem)
     return problem, machine_of(mechanism, names) if is_searched and not chooses else None
 
 

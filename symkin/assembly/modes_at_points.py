@@ -27,13 +27,13 @@ from symkin.assembly.group_roots import STATEMENTS, engines_together
 from symkin.assembly.group_solvers import most_roots, solvers_of
 from symkin.assembly.mode_table import COMPLETENESS, ModeTable, stored_counts
 from symkin.assembly.modes_result import Modes
-from symkin.assembly.plan import Plan, plan_of
+from symkin.assembly.plan import Plan, plan_of, refuse_unless_isolated
 from symkin.assembly.search import Search
 from symkin.assembly.without_search import errors_of_given, nothing
 from symkin.computed_once import cached_property
 from symkin.errors import InputError, TooManyModesError
 from symkin.machine.lower import Lowered
-from symkin.position.determination import determination, refuse_unless_determined
+from symkin.position.determination import determination
 from symkin.position.given import Given, in_order
 from symkin.position.problem import Problem, build_problem
 from symkin.position.roots import NOT_KNOWN
@@ -220,7 +220,7 @@ def make_finder(problem: Problem, *, starts: int, seed: int, certify: bool) -> M
     """
     search = Search("continuation", starts, seed, "batched")
     if problem.by_name:
-        refuse_unless_determined(problem)
+        refuse_unless_isolated(problem)
     return _of_machine(problem, search, certify) or ModeFinder(
         problem, search, certify, _own(problem, search)
     )

@@ -13,10 +13,11 @@ from symkin.assembly.group_solvers import group_solver, solved_at_once
 from symkin.assembly.rod_lengths import rod_lengths
 from symkin.assembly.search import Search
 from symkin.computed_once import cached_property, lru_cache
+from symkin.errors import InputError
 from symkin.homotopy.systems import unsuitable
 from symkin.homotopy.values import coordinate_scale
 from symkin.numeric.rank import Rank
-from symkin.position.determination import what_is_free
+from symkin.position.determination import refuse_unless_determined, what_is_free
 from symkin.position.groups import (
     independent_parts,
     is_linear,
@@ -117,6 +118,18 @@ class Plan:
         return not (self.free or self.problem.is_explicit or self.has_conditions)
 
 
+def refuse_unless_isolated(problem: Problem) -> None:
+    """Raise InputError where coordinates that are given by name leave some motion free or say the
+    same thing twice: about the reference and, as far as random starts meet, elsewhere.
+    """
+    try:
+        refuse_unless_determined(problem)
+    except InputError:
+        if problem.generic_rank < problem.system.freedom or not _has_regular_solutions(problem):
+            raise
+
+
+@lru_cache(maxsize=128)
 def _has_regular_solutions(problem: Problem) -> bool:
     """Whether random starts meet a regular solution at random known values about the reference."""
     rng, system, coordinates = np.random.default_rng(0), problem.system, problem.known_coordinates

@@ -154,12 +154,12 @@ def refuse_contradictions(problem: Problem) -> None:
         return
     names = [c.name for c in _given(problem)]
     one = len(names) == 1
+    nothing = "no motion about the reference" if found.mobility else "nothing"
     raise InputError(
         f"given: {', '.join(names)} {'is' if one else 'are'} {len(names)} "
         f"coordinate{'' if one else 's'} of "
         f"{problem.mechanism.name}, whose mobility is {found.mobility}: "
-        f"{'nothing is free, and ' if one else 'the others decide '}"
-        + (f"{names[0]} is decided" if one else ", ".join(decided))
+        + (f"{nothing} moves {names[0]}" if one else f"the others decide {', '.join(decided)}")
         + f"; leave {'it' if len(decided) == 1 else 'them'} out"
     )
 

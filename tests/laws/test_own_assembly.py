@@ -284,6 +284,30 @@ def test_what_is_free_about_the_reference_alone_is_searched(motion: str, tmp_pat
     assert swept.points_by_count == {2: 2}
 
 
+def test_what_moves_in_another_motion_may_be_given() -> None:
+    """A four-bar whose hinge c also spreads a kite, folded at the reference: the four-bar stands
+    still there and the kite turns. Elsewhere both move: each turn of c leaves the four-bar, which
+    is a triangle then, two places, and the kite two. A triangle's hinge never moves.
+    """
+    places = {
+        "a": (("base", "p"), (0.0, 0.0, 0.0)),
+        "b": (("p", "q"), (0.3, 1.2, 0.0)),
+        "c": (("q", "r"), (2.0, 1.5, 0.0)),
+        "d": (("base", "r"), (2.2, 0.1, 0.0)),
+        "e": (("r", "s"), (1.4, 2.4, 0.0)),
+        "f": (("s", "t"), (2.1, 2.9, 0.0)),
+        "g": (("q", "t"), (1.4, 2.4, 0.0)),
+    }
+    joints = [
+        LinkJoint(Joint(name, "R", point, Z), links) for name, (links, point) in places.items()
+    ]
+    found = symkin.modes(Mechanism("two_motions", link_joints=joints), given={"c": 20.0})
+    assert (len(found), found.completeness, found.complex_count) == (4, "proved", 4)
+    still = [*joints[:2], LinkJoint(joints[2].joint, ("q", "base")), joints[3]]
+    with pytest.raises(InputError, match="no motion about the reference moves a; leave it out"):
+        symkin.modes(Mechanism("triangle", link_joints=still), given={"a": 20.0})
+
+
 def test_a_regular_start_is_followed_whatever_is_free_about_the_reference() -> None:
     """A kite's modes at other angles of the crank are followed to where it is folded; there no
     mode is isolated.
