@@ -675,7 +675,6 @@ static ankle_status ankle_direct_newton(ankle_direct_work *w, const ankle_real t
     /* 1: the first step is long beside the way to a singularity, as the least pivot tells it; 2:
      * very long */
     unsigned int far = 0U;
-    bool settling = false; /* whether the end of the line is accepted: only convergence is left */
     bool stayed = false; /* whether the whole line has been taken for rounding */
     /* whether the tolerance should be reached: the rows are evaluated once more */
     bool verify = false;
@@ -772,17 +771,16 @@ static ankle_status ankle_direct_newton(ankle_direct_work *w, const ankle_real t
                 /* accepted at the end of the line: predict the error, decide on new factors */
                 ankle_real error2;
                 ankle_real gain2 = size;
-                const bool moved = (before > 0.0f);
-                if (taken > 0U) {
-                    settling = true;
-                    if (moved) {
-                        /* divided by twice: in float the square of `before` vanishes for a tiny
-                         * machine */
-                        gain2 = size / before;
-                        kappa2 = (was_fresh && (before > still2)) ? (gain2 / before) : kappa2;
-                    }
+                if ((taken > 0U) && (before > 0.0f)) {
+                    /* divided by twice: in float the square of `before` vanishes for a tiny
+                     * machine */
+                    gain2 /= before;
+                    kappa2 = (was_fresh && (before > still2)) ? (gain2 / before) : kappa2;
+                    gain2 = fresh ? (kappa2 * size) : gain2;
+                } else {
+                    gain2 *= kappa2;
                 }
-                gain2 = 4.0f * ((fresh || !moved) ? (kappa2 * size) : gain2);
+                gain2 *= 4.0f;
                 error2 = gain2 * size;
                 verify = ((taken > 0U) && (error2 <= tolerance2)) || ((taken > 0U)
                     && (size <= still2));
@@ -840,9 +838,8 @@ static ankle_status ankle_direct_newton(ankle_direct_work *w, const ankle_real t
             w->k0[2] = w->k[2];
             w->k0[3] = w->k[3];
             ankle_direct_set_target(w, to, aim);
-            fresh = settling || !kept;
+            fresh = !kept;
             taken = 0U;
-            settling = false;
         } else {
             /* parts have become too short: the line is not assured to be regular */
             status = ANKLE_WRONG_BRANCH;

@@ -755,7 +755,6 @@ static ren2008_status ren2008_direct_newton(ren2008_direct_work *w, const ren200
     /* 1: the first step is long beside the way to a singularity, as the least pivot tells it; 2:
      * very long */
     unsigned int far = 0U;
-    bool settling = false; /* whether the end of the line is accepted: only convergence is left */
     bool stayed = false; /* whether the whole line has been taken for rounding */
     /* whether the tolerance should be reached: the rows are evaluated once more */
     bool verify = false;
@@ -822,17 +821,16 @@ static ren2008_status ren2008_direct_newton(ren2008_direct_work *w, const ren200
                 /* accepted at the end of the line: predict the error, decide on new factors */
                 ren2008_real error2;
                 ren2008_real gain2 = size;
-                const bool moved = (before > 0.0f);
-                if (taken > 0U) {
-                    settling = true;
-                    if (moved) {
-                        /* divided by twice: in float the square of `before` vanishes for a tiny
-                         * machine */
-                        gain2 = size / before;
-                        kappa2 = (was_fresh) ? (gain2 / before) : kappa2;
-                    }
+                if ((taken > 0U) && (before > 0.0f)) {
+                    /* divided by twice: in float the square of `before` vanishes for a tiny
+                     * machine */
+                    gain2 /= before;
+                    kappa2 = (was_fresh) ? (gain2 / before) : kappa2;
+                    gain2 = fresh ? (kappa2 * size) : gain2;
+                } else {
+                    gain2 *= kappa2;
                 }
-                gain2 = 4.0f * ((fresh || !moved) ? (kappa2 * size) : gain2);
+                gain2 *= 4.0f;
                 error2 = gain2 * size;
                 verify = ((taken > 0U) && (error2 <= tolerance2)) || (size <= 4.1569907e-11f);
                 was_fresh = fresh;
@@ -875,9 +873,8 @@ static ren2008_status ren2008_direct_newton(ren2008_direct_work *w, const ren200
             /* refused: back to the part that is done, and aim nearer */
             aim = done + 0.375f * (aim - done);
             ren2008_direct_retarget(w, to, aim, done);
-            fresh = settling || !kept;
+            fresh = !kept;
             taken = 0U;
-            settling = false;
         } else {
             /* parts have become too short: the line is not assured to be regular */
             status = REN2008_WRONG_BRANCH;

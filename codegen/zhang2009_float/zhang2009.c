@@ -774,7 +774,6 @@ static zhang2009_status zhang2009_direct_newton(zhang2009_direct_work *w,
     /* 1: the first step is long beside the way to a singularity, as the least pivot tells it; 2:
      * very long */
     unsigned int far = 0U;
-    bool settling = false; /* whether the end of the line is accepted: only convergence is left */
     bool stayed = false; /* whether the whole line has been taken for rounding */
     /* whether the tolerance should be reached: the rows are evaluated once more */
     bool verify = false;
@@ -841,17 +840,16 @@ static zhang2009_status zhang2009_direct_newton(zhang2009_direct_work *w,
                 /* accepted at the end of the line: predict the error, decide on new factors */
                 zhang2009_real error2;
                 zhang2009_real gain2 = size;
-                const bool moved = (before > 0.0f);
-                if (taken > 0U) {
-                    settling = true;
-                    if (moved) {
-                        /* divided by twice: in float the square of `before` vanishes for a tiny
-                         * machine */
-                        gain2 = size / before;
-                        kappa2 = (was_fresh) ? (gain2 / before) : kappa2;
-                    }
+                if ((taken > 0U) && (before > 0.0f)) {
+                    /* divided by twice: in float the square of `before` vanishes for a tiny
+                     * machine */
+                    gain2 /= before;
+                    kappa2 = (was_fresh) ? (gain2 / before) : kappa2;
+                    gain2 = fresh ? (kappa2 * size) : gain2;
+                } else {
+                    gain2 *= kappa2;
                 }
-                gain2 = 4.0f * ((fresh || !moved) ? (kappa2 * size) : gain2);
+                gain2 *= 4.0f;
                 error2 = gain2 * size;
                 verify = ((taken > 0U) && (error2 <= tolerance2)) || (size <= 4.1070793e-06f);
                 was_fresh = fresh;
@@ -894,9 +892,8 @@ static zhang2009_status zhang2009_direct_newton(zhang2009_direct_work *w,
             /* refused: back to the part that is done, and aim nearer */
             aim = done + 0.375f * (aim - done);
             zhang2009_direct_retarget(w, to, aim, done);
-            fresh = settling || !kept;
+            fresh = !kept;
             taken = 0U;
-            settling = false;
         } else {
             /* parts have become too short: the line is not assured to be regular */
             status = ZHANG2009_WRONG_BRANCH;

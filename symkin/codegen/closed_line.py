@@ -26,20 +26,17 @@ from symkin.codegen.arm_part import RAISED, HeldPart
 from symkin.codegen.closed_source import LEAST, ClosedCode
 from symkin.codegen.steps.guard_text import GuardText
 from symkin.codegen.steps.guards import Bound, Guard
-from symkin.codegen.steps.joint_ranges import range_of
+from symkin.codegen.steps.joint_ranges import standing_range
 from symkin.codegen.steps.newton_kernel import rounded, rounded_up
 from symkin.codegen.text.c import Emitter, Real
 from symkin.codegen.text.templates import copy, fill
 from symkin.codegen.text.turns import near_arctangent
 from symkin.computed_once import cached_property
-from symkin.model.joint import Coordinate
 
 _HELPERS = ("take", "least", "least_length", "least_sine", "bounds")
 """Functions that hold squares and bound joints, the first of which others call."""
 _NEARLY_ONE = 0.999
 """Share of a discriminant that rounding leaves above zero."""
-_ROUNDINGS = 64
-"""Roundings of an angle or a slide by which a joint may be beyond its range between two points."""
 _LONGER = "part * ((w->bent < {0} * w->most) ? {1} : ({2} * sqrt(w->most / w->bent)))"
 """The next part where one was kept at once: by _GROWS of what would do, at most _LONGEST times as
 long. Bounds grow faster than by the square of a part, and a refused point costs as much as a kept
@@ -255,15 +252,6 @@ class LimitCheck:
     shorter: tuple[str, ...] = ()
 
 
-def _along(c: Coordinate, real: Real, size: float) -> tuple[float, float]:
-    """Least and largest value of a joint between two points of a line that are within its range:
-    room for what rounding of poses makes of an answer at a limit that stands still.
-    """
-    room = max(1e-9, _ROUNDINGS * real.epsilon) * (1.0 if c.is_angular else size)
-    low, high = range_of(c, real, size)
-    return low - room, high + room
-
-
 def limit_check(code: ClosedCode) -> LimitCheck:
     """The check of an arm's limits along the line; of an arm without limits the plain text."""
     real, p, n = code.real, code.values, len(code.plan.arm)
@@ -299,7 +287,8 @@ def limit_check(code: ClosedCode) -> LimitCheck:
             "}",
         ],
     }
-    ranges = [_along(c, real, code.plan.arm.size) for c in code.coordinates]
+    # between two points of a line that are within their ranges, which may be one that stands still
+    ranges = [standing_range(c, real, code.plan.arm.size) for c in code.coordinates]
     own = {
         "k": "name_inverse",
         "last": n - 1,

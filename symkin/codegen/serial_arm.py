@@ -388,13 +388,23 @@ class ArmSource(Source):
         """How NAME_inverse solves: by the closed form along the line, else by Newton's method."""
         nq, config = len(self.made.actuated), "(config != NULL) ? config : &usual"
         how, at, work = "the closed form", "at", f"real at[{nq}];"
-        solve = [f"status = name_inverse_along(to, {config}, at, info);"]
+        solve, stand = [f"status = name_inverse_along(to, {config}, at, info);"], ""
         if self.line is None:
             how, at, work = "Newton's method", "w.x", "name_inverse_work w;"
             solve = [
                 "name_forward(GEOMETRY w.x, w.at);",
                 f"status = name_inverse_newton(GEOMETRY &w, to, {config}, info);",
             ]
+        within = self.if_ok(
+            [
+                f"status = name_limit_joints(GEOMETRY status, {at});",
+                "if (info != NULL) {",
+                f"    info->joint = name_first_beyond(GEOMETRY {at});",
+                "}",
+            ]
+        )
+        if self.line is None and any(c.limits is not None for c in self.made.actuated):
+            stand = self.code.stand(copy(at, "guess", nq), "to", within)
         return {
             "how": f"The joints by {how}",
             "work": work,
@@ -402,6 +412,8 @@ class ArmSource(Source):
             "to_x": copy(at, "guess", nq),
             "out": copy("joints", at, nq),
             "solve": solve,
+            "within": within,
+            "stand": stand,
         }
 
     @property

@@ -17,6 +17,7 @@ from helpers import firmware_tools as tools
 from helpers.arms import structures
 from helpers.gate import in_gate
 from helpers.inside import Options, build_program, readme_of
+from helpers.samples import random_mechanism
 
 GUESS = """
 #include "scara.h"
@@ -380,13 +381,23 @@ def test_a_guess_outside_its_limits_begins_no_line(tmp_path):
     assert tools.passed(program).split() == ["4", "1", "0", "4", "0"]
 
 
+def six_oblique_joints() -> symkin.Mechanism:
+    """An arm without a closed form, which Newton's method solves."""
+    drawn = random_mechanism(np.random.default_rng(4), ["rrrrrr"], serial=True)
+    joints = [replace(joint, limits=(-1.5, 1.5)) for joint in drawn.limbs[0].joints]
+    return replace(drawn, limbs=[replace(drawn.limbs[0], joints=joints)])
+
+
 @pytest.mark.slow
-def test_an_answer_at_a_limit_stands_still():
+@pytest.mark.parametrize(
+    ("arm", "real"), [(lambda: symkin.load("scara"), "double"), (six_oblique_joints, "float")]
+)
+def test_an_answer_at_a_limit_stands_still(arm, real):
     """A joint at its limit, or beyond by less than the room for rounding: what is OK is OK from
     itself.
     """
     tools.compiler("gcc")
-    asked = tools.bench_module("asked").Asked(symkin.load("scara"))
+    asked = tools.bench_module("asked").Asked(arm(), Options(real))
     low, high = np.array([c.limits or (-3.0, 3.0) for c in asked.mechanism.actuated]).T
     rng, count = np.random.default_rng(3), 400
     joints = rng.uniform(low, high, (count, len(low)))

@@ -4,6 +4,7 @@ Jacobian.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -39,10 +40,6 @@ from symkin.numeric.system import System
 
 _TRACKED = 4.0
 """How many times the error that one step of tracking may predict rows of a guess may be off."""
-_STANDS = 4.0
-"""How many times the rounding of an answer's rows those of a guess may be off that is the answer:
-it is rounded itself, and its rows are not solved once more.
-"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -195,23 +192,33 @@ class LimbPlatformSource(Source):
         return fill("turned.c", self._common | shown | said)
 
     @property
-    def _passive_checks(self) -> dict[str, object]:
+    def _passive_checks(self) -> dict[str, Sequence[str]]:
         """Statements that hold joints which are not actuated against their limits, or ask whether
         they exist: of an inverse, of Newton's method, of formulas.
         """
         write, check = "name_write_pose(GEOMETRY &w, pose);", "name_check_passive(GEOMETRY "
         if not self.made.passive_checks:
-            names = ("inverse_passive", "direct_passive", "check_answer")
+            names = ("inverse_passive", "direct_passive", "standing_passive", "check_answer")
             return dict.fromkeys(names, "") | {"write_tracked": [write]}
 
         count = sum(c.width for c in self.made.passive)
-        of_state = f"status = {check}&w.x[{count}], given, w.x);"
+        moves, stands = (", false", ", true") if self._stands else ("", "")
+        of_state = f"status = {check}&w.x[{count}], given, w.x{{}});"
         return {
-            "inverse_passive": self.if_ok([f"status = {check}c, q, passive);"]),
-            "direct_passive": self.if_ok([of_state]),
-            "write_tracked": [of_state, *self.if_ok([write])],
+            "inverse_passive": self.if_ok([f"status = {check}c, q, passive{moves});"]),
+            "direct_passive": self.if_ok([of_state.format(moves)]),
+            "standing_passive": self.if_ok([of_state.format(stands)]),
+            "write_tracked": [of_state.format(moves), *self.if_ok([write])],
             "check_answer": self.if_ok(["status = name_check_answer(&answer);"]),
         }
+
+    @property
+    def _stands(self) -> bool:
+        """Whether a guess that is the answer is asked for the limits of its passive joints once
+        more: formulas give the same pose from any guess.
+        """
+        own = self.made.direct_formulas is None
+        return own and any(c.still != c.condition for c in self.made.passive_checks)
 
     @property
     def _checks_rows(self) -> bool:
@@ -273,7 +280,7 @@ class LimbPlatformSource(Source):
         known = made.direct_kernel.known.numel()
         return {
             "check_branch": branch if made.has_dead_centres else "",
-            "stand": self._stand(branch) if made.has_dead_centres else "",
+            "stand": self._stand(branch if made.has_dead_centres else []),
             "unwrap": unwrap,
             "enter": self._enter(passive),
             "leave": [f"name_pose_from_coordinates(GEOMETRY &w->x[{passive}], pose);"],
@@ -284,10 +291,11 @@ class LimbPlatformSource(Source):
 
     def _stand(self, branch: list[str]) -> str:
         """Statements that take a guess whose own rows vanish for the answer, where a step of
-        rounding has left its branch beside a dead centre: of what stands still no branch is left.
+        rounding has left its branch beside a dead centre, or passive joints' limits.
         """
-        stands = _STANDS * self.code.tuning.noise
-        return fill("stand.c", self._common | {"stands": stands, "branch": branch})
+        asked = [*branch, *self._passive_checks["standing_passive"]]
+        read = ["(void)name_read_guess(GEOMETRY &w, joints, guess);"]
+        return self.code.stand(read, "given", asked) if asked else ""
 
     def _enter(self, passive: int) -> str:
         """Statements that set the state to the guess's: its limbs by its pose, then the pose."""
@@ -347,9 +355,13 @@ class LimbPlatformSource(Source):
             made.geometry,
             self.real,
             "NAME_OUT_OF_RANGE",
+            stands=self._stands,
         )
+        still = ", bool still" if self._stands else ""
         asked = "are within their limits" if made.passive_limits else "exist where the rows hold"
-        text = fill("check_passive.c", self._common | {"lines": lines, "asked": asked})
+        text = fill(
+            "check_passive.c", self._common | {"lines": lines, "asked": asked, "still": still}
+        )
         if made.direct_formulas is None:
             return text
         return text + fill(

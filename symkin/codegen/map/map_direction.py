@@ -446,7 +446,7 @@ class DirectionSource(MapValues):
         variables = [texts.get(c.name, "0.0") for c in closure.coordinates for _ in range(c.width)]
         beyond = "NAME_OUT_OF_RANGE"
         fixed = Geometry(closure, at_run_time=False)
-        lines = limit_lines(limits, variables, fixed, self.real, beyond)
+        lines = limit_lines(limits, variables, fixed, self.real, beyond, stands=False)
         return fill("map_passive.c", self.names | {"lines": lines})
 
     def state_of(self, side: str) -> tuple[list[str], list[str]]:

@@ -11,6 +11,9 @@ from symkin.codegen.text.c import Real
 from symkin.codegen.text.templates import FARTHEST, fill
 from symkin.model.joint import Coordinate
 
+_ROUNDINGS = 64
+"""Roundings of an angle or a slide by which what stands still may be beyond its range."""
+
 
 @dataclass(frozen=True)
 class Range:
@@ -43,6 +46,13 @@ def range_of(c: Coordinate, real: Real, size: float) -> tuple[float, float]:
     if c.least is not None:
         low = max(low, c.least + 1e-6 * size)
     return low - slack, high + slack
+
+
+def standing_range(c: Coordinate, real: Real, size: float) -> tuple[float, float]:
+    """The same with room for what rounding makes of an answer at a limit that stands still."""
+    room = max(1e-9, _ROUNDINGS * real.epsilon) * (1.0 if c.is_angular else size)
+    low, high = range_of(c, real, size)
+    return low - room, high + room
 
 
 def range_functions(

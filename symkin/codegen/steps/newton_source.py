@@ -36,6 +36,10 @@ _LINE = 256.0
 """Roundings of the size in the rows below which a line is none: then the state stays where it was,
 its rows held against the goal.
 """
+_STANDS = 4.0
+"""How many times the rounding of an answer's rows those of a guess may be off that is the answer:
+it is rounded itself, and its rows are not solved once more.
+"""
 _COMMENT_WIDTH = 118
 """Characters of a comment line."""
 
@@ -187,6 +191,13 @@ class NewtonCode:
         """Newton's method along the line of known values."""
         side = fill("side.c", self._values) if self._has_side else ""
         return side + fill("newton.c", self._values)
+
+    def stand(self, read: Sequence[str], to: str, asked: Sequence[str]) -> str:
+        """Statements that take a guess whose own rows vanish for the answer, where a step of
+        rounding has led to what is refused: it is `read` once more, and `asked` what answers are.
+        """
+        own = {"read": read, "goal": to, "stands": _STANDS * self.tuning.noise, "asked": asked}
+        return fill("stand.c", self._values | own)
 
     @property
     def text(self) -> str:

@@ -17,7 +17,7 @@ import numpy as np
 from symkin.closure.closure import Closure
 from symkin.closure.link_poses import reading_expressions
 from symkin.codegen.steps.geometry import Geometry
-from symkin.codegen.steps.joint_ranges import range_of
+from symkin.codegen.steps.joint_ranges import range_of, standing_range
 from symkin.codegen.text.c import Emitter, Real
 from symkin.model.joint import Coordinate, places_of
 from symkin.text import c_comment
@@ -32,6 +32,8 @@ class PassiveCheck:
     name: str
     compared: tuple[ca.SX, ...]
     condition: str
+    still: str
+    """The condition on a guess that is the answer, with room for its rounding."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,21 +51,26 @@ def _limit(c: Coordinate, parts: tuple[ca.SX, ...], real: Real, size: float) -> 
     middle.
     """
     assert c.limits is not None  # noqa: S101 - that is why it is here
-    low, high = range_of(c, real, size)
-    half, middle = 0.5 * (high - low), 0.5 * (low + high)
+    ranges = range_of(c, real, size), standing_range(c, real, size)
     if len(parts) == 1:
-        within = f"({{0}} >= {low}) && ({{0}} <= {high})"
-        return PassiveLimit(c.name, parts, within, c.limits, parts)
+        kept, stands = (f"({{0}} >= {low}) && ({{0}} <= {high})" for low, high in ranges)
+        return PassiveLimit(c.name, parts, kept, stands, c.limits, parts)
+    (half, still), (middle, _) = (
+        [0.5 * (high + sign * low) for low, high in ranges] for sign in (-1.0, 1.0)
+    )
     cosine, sine = parts
     way = (
         cosine * np.cos(middle) + sine * np.sin(middle),
         sine * np.cos(middle) - cosine * np.sin(middle),
     )
     if abs(half - 0.5 * np.pi) <= 0.25 * np.pi:
-        return PassiveLimit(c.name, way[:1], f"{{0}} >= {np.cos(half)}", c.limits, parts)
+        kept, stands = (f"{{0}} >= {np.cos(h)}" for h in (half, still))
+        return PassiveLimit(c.name, way[:1], kept, stands, c.limits, parts)
     beyond, join = ("<=", "&&") if half < 0.5 * np.pi else (">=", "||")
-    within = f"({{0}} > 0.0) {join} (fabs({{1}}) {beyond} {np.sin(half)})"
-    return PassiveLimit(c.name, way, within, c.limits, parts)
+    kept, stands = (
+        f"({{0}} > 0.0) {join} (fabs({{1}}) {beyond} {np.sin(h)})" for h in (half, still)
+    )
+    return PassiveLimit(c.name, way, kept, stands, c.limits, parts)
 
 
 def passive_limits(
@@ -153,9 +160,12 @@ def limit_lines(
     geometry: Geometry,
     real: Real,
     status: str,
+    *,
+    stands: bool,
 ) -> list[str]:
     """Statements that set the status to `status` where a limit is not kept, or a joint does not
-    exist; `variables` are C text of the closure's variables.
+    exist; `variables` are C text of the closure's variables. Where a guess that `stands` is asked
+    too, C's `still` tells that.
     """
     outputs = ca.vertcat(*(part for limit in limits for part in limit.compared))
     inputs = [(geometry.closure.variables, variables), (geometry.symbols, geometry.names)]
@@ -164,8 +174,10 @@ def limit_lines(
     for limit in limits:
         texts = [emitter.value(0, place + i) for i in range(len(limit.compared))]
         place += len(texts)
+        kept, still = (c.format(*texts) for c in (limit.condition, limit.still))
+        asked = f"still ? ({still}) : ({kept})" if stands and still != kept else kept
         tests += [
-            f"if (!({limit.condition.format(*texts)})) {{ /* {c_comment(limit.name)} */",
+            f"if (!({asked})) {{ /* {c_comment(limit.name)} */",
             f"    status = {status};",
             "}",
         ]

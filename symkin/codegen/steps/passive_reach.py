@@ -65,7 +65,7 @@ def passive_reaches(
     texts = form.at_roots(form.discriminants, ca.sqrt)
     texts = ca.substitute(texts, form.signs, ca.SX(ca.DM(signs)))
     return [
-        PassiveCheck(name, (texts[k],), f"{{0}} > {least[k]}")
+        PassiveCheck(name, (texts[k],), *[f"{{0}} > {least[k]}"] * 2)
         for k, name in enumerate(form.names)
         if not _is_never_below_zero(values[:, k], squares)
     ]

@@ -34,7 +34,6 @@ static name_status solver_newton(GEOMETRY_GIVEN solver_work *w, const name_real 
     @quick_variable
     bool kept = false; /* whether the factors are those of the part that is done */
     unsigned int far = 0U; /* 1: the first step is long beside the way to a singularity, as the least pivot tells it; 2: very long */
-    bool settling = false; /* whether the end of the line is accepted: only convergence is left */
     bool stayed = false; /* whether the whole line has been taken for rounding */
     bool verify = false; /* whether the tolerance should be reached: the rows are evaluated once more */
     w->spread = 0.0;
@@ -105,16 +104,15 @@ static name_status solver_newton(GEOMETRY_GIVEN solver_work *w, const name_real 
                 /* accepted at the end of the line: predict the error, decide on new factors */
                 name_real error2;
                 name_real gain2 = size;
-                const bool moved = (before > 0.0);
-                if (taken > 0U) {
-                    settling = true;
-                    if (moved) {
-                        /* divided by twice: in float the square of `before` vanishes for a tiny machine */
-                        gain2 = size / before;
-                        kappa2 = (was_fresh@moved) ? (gain2 / before) : kappa2;
-                    }
+                if ((taken > 0U) && (before > 0.0)) {
+                    /* divided by twice: in float the square of `before` vanishes for a tiny machine */
+                    gain2 /= before;
+                    kappa2 = (was_fresh@moved) ? (gain2 / before) : kappa2;
+                    gain2 = fresh ? (kappa2 * size) : gain2;
+                } else {
+                    gain2 *= kappa2;
                 }
-                gain2 = 4.0 * ((fresh || !moved) ? (kappa2 * size) : gain2);
+                gain2 *= 4.0;
                 error2 = gain2 * size;
                 verify = ((taken > 0U) && (error2 <= tolerance2)) || @still;
                 was_fresh = fresh;
@@ -151,9 +149,8 @@ static name_status solver_newton(GEOMETRY_GIVEN solver_work *w, const name_real 
             /* refused: back to the part that is done, and aim nearer */
             @nearer
             @retreat
-            fresh = settling || !kept;
+            fresh = !kept;
             taken = 0U;
-            settling = false;
         } else {
             /* parts have become too short: the line is not assured to be regular */
             status = NAME_WRONG_BRANCH;

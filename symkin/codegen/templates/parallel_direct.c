@@ -24,8 +24,8 @@ name_status name_direct(GEOMETRY_GIVEN const name_config *config, const name_rea
         @unwrap
         status = name_direct_newton(GEOMETRY &w, @to, (config != NULL) ? config : &usual, info);
         @check_branch
-        @stand
         @direct_passive
+        @stand
         IF_OK {
             name_write_pose(GEOMETRY &w, pose);
         }

@@ -37,10 +37,8 @@ name_status name_inverse(GEOMETRY_GIVEN const name_config *config, const name_po
     IF_OK {
         @to_x
         @solve
-        IF_OK {
-            status = name_limit_joints(GEOMETRY status, @at);
-            BLAME(name_first_beyond(GEOMETRY @at))
-        }
+        @within
+        @stand
         IF_OK {
             @out
         }

@@ -1,13 +1,13 @@
-if (status == NAME_WRONG_BRANCH) {
+if ((status == NAME_WRONG_BRANCH) || (status == NAME_OUT_OF_RANGE)) {
     /* a guess whose own rows vanish is the answer: nothing moves */
-    (void)name_read_guess(GEOMETRY &w, joints, guess);
-    name_direct_set_target(GEOMETRY &w, given, 1.0);
-    name_direct_rows(GEOMETRY &w);
-    const name_real residual = name_direct_residual(&w);
+    @read
+    solver_set_target(GEOMETRY &w, @goal, 1.0);
+    solver_rows(GEOMETRY &w);
+    const name_real residual = solver_residual(&w);
     const name_real allowed = (config != NULL) ? config->tolerance : NAME_TOLERANCE;
     if (residual <= allowed + @stands) {
         name_write_info(info, 0U, residual, 0.0, w.spread);
         status = NAME_OK;
     }
-    @branch
+    @asked
 }
