@@ -45,7 +45,6 @@ from symkin.position.problem import Problem, build_problem
 from symkin.quiet import without_float_warnings
 from symkin.spatial.pose import Pose
 from symkin.verb import verb
-from symkin.verb_options import takes
 
 
 @overload
@@ -74,8 +73,7 @@ def modes(
     pose: np.ndarray | None = None,
     **options: Unpack[ModesOptions],
 ) -> Any: ...
-@verb
-@takes(ModesOptions)
+@verb(ModesOptions)
 def modes(
     mechanism: Mechanism,
     *,

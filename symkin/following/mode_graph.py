@@ -35,7 +35,6 @@ from symkin.position.problem import plain_kind
 from symkin.result import Result, Summary, json_fields
 from symkin.text import meant
 from symkin.verb import verb
-from symkin.verb_options import takes
 
 _MOST_POINTS = 10_000
 """Grid points at most."""
@@ -159,8 +158,7 @@ class ModeGraph(Result):
         return Summary([text + missing])
 
 
-@verb
-@takes(GraphOptions)
+@verb(GraphOptions)
 def mode_graph(
     mechanism: Mechanism,
     axes: Sequence[Axis | tuple[str, float, float]],

@@ -37,7 +37,8 @@ from symkin.position.problem import Kind, Problem, build_problem, plain_kind, po
 from symkin.position.readings import left_out
 from symkin.spatial.backend import Array, cos, sin
 from symkin.spatial.pose import Pose
-from symkin.verb_options import refuse_ignored, takes
+from symkin.verb import verb
+from symkin.verb_options import refuse_ignored
 
 _ROUNDED = 1e-12
 """Of the size: a shorter way onto the motion is rounding."""
@@ -95,7 +96,7 @@ class Trajectory:
         return float(self.times[row] + (u * (self.times[row + 1] - self.times[row]) if u else 0.0))
 
 
-@takes(PathOptions)
+@verb(PathOptions)
 def make_trajectory(mechanism: Mechanism, **options: Unpack[PathOptions]) -> Trajectory:
     """A path through rows of actuated joint values, poses, or values of coordinates by name, in the
     mechanism's units. With `samples`, each interval is divided so that about that many samples
