@@ -26,9 +26,9 @@ from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.position.given import (
     Given,
     given_by_name,
+    given_joints,
     is_many,
     joint_rows,
-    joint_values,
     pose_from,
     rows_by_name,
 )
@@ -242,13 +242,12 @@ def great_circle(a: np.ndarray, b: np.ndarray) -> tuple[float, np.ndarray]:
 def _joints(mechanism: Mechanism, row: Sequence[float], number: int) -> Given:
     """Joint values without leaving out whole turns."""
     what = f"joints of sample {number}"
-    once = joint_values(mechanism, row, what)
+    read = given_joints(mechanism, row, what)
     whole = np.array(
         [mechanism.value_in(c, float(v)) for c, v in zip(mechanism.actuated, row, strict=True)]
     )
-    values = np.where(np.abs(whole - once) > 1.0, whole, once) if len(once) else once
-    names = tuple(c.name for c in mechanism.actuated)
-    return Given(names, values, {"joints": [float(v) for v in row]})
+    values = np.where(np.abs(whole - read.values) > 1.0, whole, read.values)
+    return replace(read, values=values, notes=())
 
 
 def _pose(mechanism: Mechanism, row: Sequence[float] | Pose, number: int) -> Given:
