@@ -31,7 +31,7 @@ from symkin.following.trajectory import Trajectory, make_trajectory
 from symkin.model.joined import Joined, back, tree_from
 from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.position.given import Joints, Values, given_by_name, read_given
-from symkin.position.problem import plain_kind
+from symkin.position.problem import are_of_limbs
 from symkin.result import Result, Summary, json_fields
 from symkin.text import meant
 from symkin.verb import verb
@@ -127,7 +127,7 @@ class ModeGraph(Result):
 
     def to_dict(self) -> dict[str, Any]:
         last = self.inputs[-1].tolist()
-        plain = plain_kind(self.mechanism, self.names) is not None
+        plain = are_of_limbs(self.mechanism, self.names)
         return {
             "mechanism": self.mechanism.name,
             "axes": [[a.name, a.low, a.high] for a in self.axes],
@@ -193,7 +193,7 @@ def mode_graph(
     """
     joints, given, progress = options["joints"], options["given"], options["progress"]
     require_mechanism(mechanism)
-    if mechanism.serial and (given is None or plain_kind(mechanism, tuple(given)) is not None):
+    if mechanism.serial and (given is None or are_of_limbs(mechanism, tuple(given))):
         raise InputError(
             f"{mechanism.name} is a serial arm: its joint values have one assembly mode, and there "
             f"is nothing to join"

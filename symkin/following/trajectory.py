@@ -33,7 +33,14 @@ from symkin.position.given import (
     rows_by_name,
 )
 from symkin.position.pose_coordinates import ON_MOTION, pose_coordinates
-from symkin.position.problem import Kind, Problem, build_problem, plain_kind, pose_names
+from symkin.position.problem import (
+    Kind,
+    Problem,
+    are_joints_of_limbs,
+    are_of_limbs,
+    build_problem,
+    pose_names,
+)
 from symkin.position.readings import left_out
 from symkin.spatial.backend import Array, cos, sin
 from symkin.spatial.pose import Pose
@@ -151,13 +158,13 @@ def _rows(
     """
     if given is not None:
         rows = _named_rows(given)
-        match plain_kind(mechanism, tuple(rows[0])) if rows else None:
-            case "direct":
-                joints = {name: [row[name] for row in rows] for name in rows[0]}
-            case "inverse":
-                poses = [row["pose"] for row in rows]
-            case _:
-                return "given", rows
+        names = tuple(rows[0]) if rows else ()
+        if not are_of_limbs(mechanism, names):
+            return "given", rows
+        if are_joints_of_limbs(mechanism, names):
+            joints = {name: [row[name] for row in rows] for name in names}
+        else:
+            poses = [row["pose"] for row in rows]
     if joints is not None:
         return "joints", joint_rows(mechanism, joints)
     if mechanism.platform_link is None:
@@ -179,7 +186,7 @@ def path_problem(mechanism: Mechanism, names: tuple[str, ...], limited: tuple[st
     are seen: all of them where one would be left out, since a loop that is not cut there may be cut
     at another.
     """
-    if plain_kind(mechanism, names) is None:
+    if not are_of_limbs(mechanism, names):
         return build_problem(mechanism, names, limited)
     left = {c.name for c in left_out(build_problem(mechanism, names).closure)}
     return build_problem(mechanism, names, limited=limited if left & {*limited} else ())

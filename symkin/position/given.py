@@ -28,7 +28,7 @@ from symkin.position.pose_coordinates import (
     projected_below,
     reader_of_poses,
 )
-from symkin.position.problem import actuated_names, plain_kind, pose_names
+from symkin.position.problem import actuated_names, are_joints_of_limbs, pose_names
 from symkin.quiet import collector_at_rest
 from symkin.spatial.pose import NORM_OFF, Pose
 from symkin.text import counted, first_of, meant, shown
@@ -87,7 +87,7 @@ def read_given(
             raise InputError(
                 "given: values by name and joints or a pose beside them; give one of them"
             )
-        if isinstance(given, Mapping) and plain_kind(mechanism, tuple(given)) == "direct":
+        if isinstance(given, Mapping) and are_joints_of_limbs(mechanism, tuple(given)):
             return given_joints(mechanism, given)  # type: ignore[arg-type]
         return given_by_name(mechanism, given)
     if joints is not None and pose is not None:
@@ -115,7 +115,8 @@ def given_joints(mechanism: Mechanism, joints: Joints, what: str = "joints") -> 
     """
     joints = in_file_order(mechanism, joints, what)
     least, most, unit = _ranges(mechanism)
-    values = _plain_rows([joints], least, most)
+    is_row = isinstance(joints, (list, tuple, np.ndarray))
+    values = _plain_rows([joints], least, most) if is_row else None
     notes: tuple[str, ...] = ()
     if values is None:
         values = np.array([_judged_joints(mechanism, joints, what)])
@@ -237,7 +238,7 @@ def given_coordinates(mechanism: Mechanism) -> dict[str, Coordinate]:
     found = {c.name: c for c in mechanism.coordinates if not c.is_rotation}
     if mechanism.platform_link is not None:
         pose = {
-            n: Coordinate(n, "length" if n in ("x", "y", "z") else "angle", "given")
+            n: Coordinate(n, "length" if n in ("x", "y", "z") else "angle", "condition")
             for n in POSE_CONDITIONS
         }
         found = pose | found
@@ -279,7 +280,7 @@ def unknown_name(mechanism: Mechanism, name: str, known: list[str], what: str = 
 def in_order(mechanism: Mechanism, given: Given) -> Given:
     """The same values, those of all actuated joints of limbs in file order."""
     names = actuated_names(mechanism)
-    if given.names == names or plain_kind(mechanism, given.names) != "direct":
+    if given.names == names or not are_joints_of_limbs(mechanism, given.names):
         return given
     return replace(given, names=names, values=given.values[[given.names.index(n) for n in names]])
 
@@ -364,12 +365,12 @@ def _plain_rows(values: Any, least: np.ndarray, most: np.ndarray) -> np.ndarray 
     they need no look one by one; else None.
     """
     try:
-        rows = np.array(values)
+        values = np.array(values)
     except ValueError:
         return None
-    if rows.dtype.kind not in "fiu" or rows.ndim != 2 or rows.shape[1] != len(most):
+    if values.dtype.kind not in "fiu" or values.ndim != 2 or values.shape[1] != len(most):
         return None
-    return rows.astype(float) if ((rows >= least) & (np.abs(rows) <= most)).all() else None
+    return values.astype(float) if ((values >= least) & (np.abs(values) <= most)).all() else None
 
 
 def _is_column(name: str, value: Any) -> bool:
