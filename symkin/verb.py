@@ -7,35 +7,70 @@ import inspect
 import numbers
 import operator
 import os
+import re
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
-from typing import Any, ParamSpec, TypeVar
+from typing import Any, ForwardRef, TypeVar
 
 import numpy as np
 
 from symkin.errors import InputError
-from symkin.text import shown
+from symkin.text import not_among, shown
+from symkin.verb_options import options_of, words_of
 
-Arguments = ParamSpec("Arguments")
-Result = TypeVar("Result")
+Verb = TypeVar("Verb", bound=Callable[..., Any])
+_MODULES = re.compile(r"\b(typing|collections\.abc)\.")
+"""Modules from which types are imported by name."""
 
 
-def verb(function: Callable[Arguments, Result]) -> Callable[Arguments, Result]:
+def verb(record: type | None = None) -> Callable[[Verb], Verb]:
     """Read the arguments of a verb: rows of a table with names, such as a pandas Series or
     DataFrame, become mappings, iterators lists; what is annotated as a number, a text or a path is
-    one. NumPy's warnings and errors are off: a verb judges its numbers itself. Raises InputError.
+    one. The options of a `record`, if it has one, stand in place of its `**options`: all of them
+    reach it, those left out by their default. NumPy's warnings and errors are off: a verb judges
+    its numbers itself. Raises TypeError for a name that is none, and InputError for values and
+    words that are not allowed.
     """
-    kinds = {p.name: str(p.annotation) for p in inspect.signature(function).parameters.values()}
-    names = tuple(kinds)
+    options = {} if record is None else options_of(record)
+    added = [
+        inspect.Parameter(
+            name, inspect.Parameter.KEYWORD_ONLY, default=option.default, annotation=_written(kind)
+        )
+        for name, (kind, option) in options.items()
+    ]
+    defaults = {name: option.default for name, (_, option) in options.items()}
+    words = {name: words_of(kind) for name, (kind, _) in options.items()}
 
-    @functools.wraps(function)
-    def called(*values: Any, **named: Any) -> Result:
-        told = [read_as(kinds.get(n, ""), n, v) for n, v in zip(names, values, strict=False)]
-        options = {name: read_as(kinds.get(name, ""), name, v) for name, v in named.items()}
-        with np.errstate(all="ignore"):
-            return function(*told, *values[len(told) :], **options)
+    def decorate(function: Verb) -> Verb:
+        signature = inspect.signature(function)
+        own = [p for p in signature.parameters.values() if p.kind is not p.VAR_KEYWORD]
+        whole = signature.replace(parameters=[*own, *added])
+        kinds = {p.name: str(p.annotation) for p in whole.parameters.values()}
 
-    return called
+        @functools.wraps(function)
+        def called(*values: Any, **named: Any) -> Any:
+            values = tuple(map(read_as, kinds.values(), kinds, values)) + values[len(kinds) :]
+            for name, value in named.items():
+                if name not in kinds:
+                    raise TypeError(f"{function.__name__} has no argument {name!r}")
+                if kinds[name] in _KINDS or isinstance(value, Iterator) or _has_names(value):
+                    named[name] = read_as(kinds[name], name, value)
+                if words.get(name) and named[name] not in (*words[name], defaults[name]):
+                    raise InputError(f"{name} = {not_among(named[name], words[name])}")
+            with np.errstate(all="ignore"):
+                return function(*values, **(defaults | named))
+
+        called.__signature__ = whole  # type: ignore[attr-defined]
+        return called  # type: ignore[return-value]
+
+    return decorate
+
+
+def _written(kind: Any) -> str:
+    """A type as it is written where its names are imported."""
+    if isinstance(kind, ForwardRef):
+        return kind.__forward_arg__
+    return kind.__name__ if type(kind) is type else _MODULES.sub("", str(kind))
 
 
 def read_as(kind: str, name: str, value: Any) -> Any:
@@ -112,11 +147,16 @@ def _named(value: Any) -> Any:
     """
     if isinstance(value, Iterator):
         value = list(value)
-    if isinstance(value, (list, tuple)) and value and hasattr(value[0], "keys"):
-        return [_named(one) for one in value]
-    if not hasattr(value, "keys") or isinstance(value, Mapping):
+    if not _has_names(value) or isinstance(value, Mapping):
         return value
+    if isinstance(value, (list, tuple)):
+        return [_named(one) for one in value]
     keys = list(value.keys())
     if all(isinstance(key, str) for key in keys):
         return {key: value[key] for key in keys}
     return [value[key] for key in keys]
+
+
+def _has_names(value: Any) -> bool:
+    """Whether a value has keys, or the first one of a list."""
+    return hasattr(value[0] if isinstance(value, (list, tuple)) and value else value, "keys")

@@ -5,21 +5,12 @@ in a module that commands import for their help: what is heavy stands in quotes 
 
 from __future__ import annotations
 
-import functools
-import inspect
-import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, fields, is_dataclass
 from types import NoneType
-from typing import Any, ForwardRef, Literal, TypeVar, get_args, get_origin
+from typing import Any, Literal, get_args, get_origin
 
 from symkin.errors import InputError
-from symkin.text import not_among
-
-Verb = TypeVar("Verb", bound=Callable[..., Any])
-_MODULES = re.compile(r"\b(typing|collections\.abc)\.")
-"""Modules from which types are imported by name."""
-
 
 GIVEN, HOW, OUTPUT = "What is given", "How it is found", "Output"
 FILES, ROBOT_FILES = "Mechanism files", "Robot files"
@@ -64,52 +55,6 @@ def words_of(kind: Any) -> tuple[str, ...]:
     """The words that a `Literal`, or one beside None, allows; none for another type."""
     kinds = get_args(kind) if NoneType in get_args(kind) else (kind,)
     return next((get_args(k) for k in kinds if get_origin(k) is Literal), ())
-
-
-def _written(kind: Any) -> str:
-    """A type as it is written where its names are imported."""
-    if isinstance(kind, ForwardRef):
-        return kind.__forward_arg__
-    return kind.__name__ if type(kind) is type else _MODULES.sub("", str(kind))
-
-
-def takes(record: type) -> Callable[[Verb], Verb]:
-    """Give a verb the options of a record in place of its `**options`: all of them reach it, those
-    left out by their default. Raises TypeError for a name that is none, and InputError for a word
-    that is not allowed.
-    """
-    options = options_of(record)
-
-    def decorate(verb: Verb) -> Verb:
-        signature = inspect.signature(verb)
-        own = [p for p in signature.parameters.values() if p.kind is not p.VAR_KEYWORD]
-        added = [
-            inspect.Parameter(
-                name,
-                inspect.Parameter.KEYWORD_ONLY,
-                default=option.default,
-                annotation=_written(kind),
-            )
-            for name, (kind, option) in options.items()
-        ]
-        whole = signature.replace(parameters=[*own, *added])
-        defaults = {name: option.default for name, (_, option) in options.items()}
-        allowed = {name: words_of(kind) for name, (kind, _) in options.items()}
-
-        @functools.wraps(verb)
-        def call(*values: Any, **named: Any) -> Any:
-            for name, word in named.items():
-                if name not in whole.parameters:
-                    raise TypeError(f"{verb.__name__} has no argument {name!r}")
-                words = allowed.get(name)
-                if words and word not in (*words, defaults[name]):
-                    raise InputError(f"{name} = {not_among(word, words)}")
-            return verb(*values, **(defaults | named))
-
-        call.__signature__ = whole  # type: ignore[attr-defined]
-        return call  # type: ignore[return-value]
-
-    return decorate
 
 
 def check_seed(seed: int | None) -> None:

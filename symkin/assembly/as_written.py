@@ -14,7 +14,7 @@ from symkin.machine.universal import BallReading
 from symkin.model.mechanism import Mechanism
 from symkin.position.feasible_pose import ties_poses
 from symkin.position.given import Given
-from symkin.position.problem import Problem, plain_kind, pose_names
+from symkin.position.problem import Problem, are_of_limbs, pose_names
 from symkin.position.solution_list import SolutionList, checked_solutions
 from symkin.position.transfer import many_as_written
 
@@ -28,7 +28,7 @@ def machine_of(
     """The machine for known values, by their names, of joints or of the platform's pose, which has
     the joints `kept` as they are written; None where it is the mechanism itself.
     """
-    if names == pose_names(mechanism) or plain_kind(mechanism, names) is not None:
+    if names == pose_names(mechanism) or are_of_limbs(mechanism, names):
         return lowered(mechanism, kept=kept)
     joints = frozenset(names) & {c.name for c in mechanism.coordinates}
     return lowered(mechanism, joints, pose=not mechanism.is_graph, kept=kept)

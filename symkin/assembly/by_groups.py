@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from math import prod
 from typing import Any
 
@@ -22,11 +23,9 @@ from symkin.assembly.least_modes import with_least_modes
 from symkin.assembly.mode_order import order_of_modes
 from symkin.assembly.modes_result import Group, Modes, sampling
 from symkin.assembly.plan import Plan, plan_of
-from symkin.assembly.prover import PartProofs
 from symkin.assembly.search import Search
-from symkin.assembly.tree import Solving, Step, Tree, grown_together
+from symkin.assembly.tree import Solving, Step, Tree, grow_together
 from symkin.assembly.without_search import known_without_search
-from symkin.computed_once import unshared_property
 from symkin.errors import InputError, TooManyModesError
 from symkin.position.given import Given
 from symkin.position.platform_motion import motion_notes
@@ -41,9 +40,9 @@ from symkin.text import shown
 @dataclass(frozen=True, eq=False)
 class GroupedModes:
     """Modes of n inputs: `listed` (m,) of the inputs `owner` (m,), rising, and of each input how
-    many there are (`total`), the place of what is said of them in `STATEMENTS`, and what the groups
-    tell (`account`). `told` is the description whose coordinates they are told in, None for those
-    of the problem.
+    many are listed (`counts`) and there are (`total`), the place of what is said of them in
+    `STATEMENTS`, and what the groups tell (`account`). `told` is the description whose coordinates
+    they are told in, None for those of the problem.
     """
 
     plan: Plan
@@ -51,19 +50,10 @@ class GroupedModes:
     told: Told | None
     listed: SolutionList
     owner: np.ndarray
+    counts: np.ndarray
     total: np.ndarray
     statement: np.ndarray
     account: Account
-
-    @unshared_property
-    def counts(self) -> np.ndarray:
-        """How many modes of each input (n,) are listed."""
-        return np.bincount(self.owner, minlength=len(self.total))
-
-    @unshared_property
-    def ends(self) -> list[int]:
-        """Where the modes of each input end, behind a zero."""
-        return [0, *self.counts.cumsum().tolist()]
 
     @property
     def asked(self) -> Problem:
@@ -98,22 +88,30 @@ class GroupedModes:
             "count": list(map(int, self.total.tolist())),
             "engine": account.each_engine,
         }
-        rows = zip(*columns.values(), strict=True)
-        return [
-            self._modes_of(i, given, dict(zip(columns, row, strict=True)))
-            for i, (given, row) in enumerate(zip(givens, rows, strict=True))
-        ]
+        ends = self.counts.cumsum()
+        places = map(slice, (ends - self.counts).tolist(), ends.tolist())
+        rows = (dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True))
+        told = [] if self.listed.ground is None else self.listed.ground.tolist()
+        find = partial(self._modes_of, told if any(told) else [])
+        return list(map(find, range(len(givens)), givens, places, rows))
 
-    def _modes_of(self, number: int, given: Given, told: dict[str, Any]) -> Modes:
-        account, found = self.account, self.listed.part(self._places_of(number), given.notes)
-        grounds = [one for one in self._grounds[self._places_of(number)] if one is not None]
+    def _modes_of(
+        self,
+        grounds: list[PartialProof | None],
+        number: int,
+        given: Given,
+        places: slice,
+        told: dict[str, Any],
+    ) -> Modes:
+        """The modes of an input, with the `grounds` of all modes that are not certified."""
+        account, own = self.account, [one for one in grounds[places] if one is not None]
         # for each of many inputs: a frozen record would be given its fields one by one
-        one = object.__new__(Modes)
-        vars(one).update(
+        found = object.__new__(Modes)
+        vars(found).update(
             told,
             problem=self.asked,
             given=given.echo,
-            modes=found,
+            modes=self.listed.chosen(places, notes=given.notes),
             method="closed" if told["engine"] == "closed form" else self.search.name,
             seed=self.search.seed,
             elapsed_s=self.search.elapsed_s,
@@ -123,22 +121,12 @@ class GroupedModes:
                 *self.plan.notes,
                 *account.notes_of(number),
                 *account.theorem_notes_of(number),
-                *_ground_notes(self.plan.problem, grounds, int(self.counts[number])),
+                *_ground_notes(self.plan.problem, own, int(self.counts[number])),
             ),
             groups=self._groups_of(number) if self.plan.problem.by_name else (),
         )
-        one.__post_init__()
-        return one
-
-    def _places_of(self, number: int) -> slice:
-        """The places of an input's modes."""
-        return slice(*self.ends[number : number + 2])
-
-    @unshared_property
-    def _grounds(self) -> list[PartialProof | None]:
-        """What is proved of each mode that is not certified; nothing where of none anything is."""
-        every = [] if self.listed.ground is None else self.listed.ground.tolist()
-        return every if any(every) else []
+        found.__post_init__()
+        return found
 
     def _groups_of(self, number: int) -> tuple[Group, ...]:
         """What is known of the groups that an input has reached."""
@@ -173,24 +161,17 @@ def modes_by_groups(
     judges = told is None and plan.is_one_group
     only = len(groups) == 1 and not choose
     solving = Solving(search, least_errors, certify, judges=judges, only=only)
-    trees = [Tree.begun(begin) for _ in parts]
+    trees = list(map(Tree, [begin] * len(parts), [np.arange(n)] * len(parts)))
     for depth in range(max(map(len, parts), default=0)):
-        deep = [k for k, numbers in enumerate(parts) if depth < len(numbers)]
         steps = [
-            Step(
-                groups[number],
-                number,
-                trees[k],
-                choose[number] if number < len(choose) else None,
-            )
-            for k in deep
-            for number in [parts[k][depth]]
+            Step(groups[k], k, tree, choose[k] if k < len(choose) else None)
+            for tree, numbers in zip(trees, parts, strict=True)
+            for k in numbers[depth : depth + 1]
+            if len(tree.owner)
         ]
-        grown = grown_together(steps, plan.members, account, solving)
-        for k, tree in zip(deep, grown, strict=True):
-            trees[k] = tree
-    whole = _combined(begin, trees, [[groups[k] for k in numbers] for numbers in parts])
-    return _checked(plan, search, account, whole, told, certify=certify)
+        grow_together(steps, plan.members, account, solving)
+    tree = trees[0] if len(trees) == 1 else _combined(begin, trees, parts, groups)
+    return _checked(plan, search, account, tree, told, certify=certify)
 
 
 def modes_of_inputs(
@@ -206,36 +187,33 @@ def modes_of_inputs(
     else as `modes_by_groups` finds them, proved where that can be, with what is said where there
     are none.
     """
-    plan, known = plan_of(problem, search), list[Modes | None]([None] * len(givens))
+    plan, known = plan_of(problem, search), dict[int, Modes]()
     if not plan.is_searched or any(given.off_motion for given in givens):
         known = known_without_search(plan, givens, search, told)
-    left = [i for i, modes in enumerate(known) if modes is None]
-    own, found = [givens[i] for i in left], list[Modes]()
-    if own:
-        grouped = modes_by_groups(
-            problem,
-            np.array([given.values for given in own]),
-            search,
-            choose,
-            least_errors=least_errors,
-            certify=True,
-            told=None if told is None else told.of(left),
-        )
-        found = grouped.modes(own)
-        if not grouped.counts.all():
-            found = with_least_modes(problem, own, search, found)
-        if search.method == "continuation" and all(
-            m.starts is None and m.completeness != "incomplete" for m in found
-        ):
-            search.refuse_starts(problem)
-    if any(m.completeness == "sampled" for m in found):
-        notes = motion_notes(problem)
-        found = [
-            replace(m, notes=(*m.notes, *notes)) if m.completeness == "sampled" else m
-            for m in found
-        ]
-    rest = iter(found)
-    return [next(rest) if modes is None else modes for modes in known]
+    left = [i for i in range(len(givens)) if i not in known]
+    if not left:
+        return list(known.values())
+    givens = [givens[i] for i in left]
+    grouped = modes_by_groups(
+        problem,
+        np.array([given.values for given in givens]),
+        search,
+        choose,
+        least_errors=least_errors,
+        certify=True,
+        told=None if told is None else told.of(left),
+    )
+    found = grouped.modes(givens)
+    if not grouped.counts.all():
+        found = with_least_modes(problem, givens, search, found)
+    if search.method == "continuation" and all(
+        modes.starts is None and modes.completeness != "incomplete" for modes in found
+    ):
+        search.refuse_starts(problem)
+    for k, modes in zip(left, found, strict=True):
+        notes = motion_notes(problem) if modes.completeness == "sampled" else ()
+        known[k] = replace(modes, notes=(*modes.notes, *notes)) if notes else modes
+    return [known[k] for k in sorted(known)]
 
 
 def _ground_notes(problem: Problem, grounds: Sequence[PartialProof], count: int) -> list[str]:
@@ -275,18 +253,18 @@ def _too_many(plan: Plan, number: int) -> str:
 
 
 def _combined(
-    begin: np.ndarray, parts: list[Tree], groups: Sequence[Sequence[Problem]]
-) -> tuple[Tree, np.ndarray]:
-    """Every combination of the solutions of parts, which `groups` make, of each input, the last
-    part fastest, or, where these are too many, the first of each with every one of one part; and
-    how many each input has, listed or not.
+    begin: np.ndarray,
+    trees: Sequence[Tree],
+    parts: Sequence[Sequence[int]],
+    groups: Sequence[Problem],
+) -> Tree:
+    """Every combination of the solutions of parts, which are some of the `groups`, of each input,
+    the last part fastest, or, where these are too many, the first of each with every one of one
+    part.
     """
     n = len(begin)
-    if len(parts) == 1:
-        return parts[0], np.bincount(parts[0].owner, minlength=n)
-    sizes = np.array([np.bincount(part.owner, minlength=n) for part in parts], dtype=int).reshape(
-        len(parts), n
-    )
+    each = [np.bincount(tree.owner, minlength=n) for tree in trees]
+    sizes = np.array(each, dtype=int).reshape(len(parts), n)
     few = np.prod(sizes.astype(float), axis=0) <= MOST_MODES
     counts = np.where(few, np.prod(np.where(few, sizes, 1), axis=0), 0)
     owner = np.repeat(np.arange(n), counts)
@@ -301,16 +279,15 @@ def _combined(
         before = int(np.searchsorted(owner, i))
         owner = np.insert(owner, before, np.full(some.shape[1], i))
         places = np.concatenate([places[:, :before], some, places[:, before:]], axis=1)
-    values, hits = begin[owner], np.full(len(owner), np.inf)
-    proofs = PartProofs.of_nothing(len(owner))
-    for part, own, size, place in zip(parts, groups, sizes, places, strict=True):
+    whole = Tree(begin[owner], owner)
+    for part, own, size, place in zip(trees, parts, sizes, places, strict=True):
         row = (np.cumsum(size) - size)[owner] + place
-        columns = np.concatenate([group.unknown_places for group in own])
-        values[:, columns] = part.values[row[:, None], columns]
-        hits = np.minimum(hits, part.hits[row])
-        proofs = proofs.beside(part.proofs.of(row))
-    total = np.array([prod(column) for column in sizes.T.tolist()], dtype=object)
-    return Tree(values, np.zeros(values.shape), owner, hits, proofs), total
+        columns = np.concatenate([groups[k].unknown_places for k in own])
+        whole.values[:, columns] = part.values[row[:, None], columns]
+        whole.hits = np.minimum(whole.hits, part.hits[row])
+        whole.proofs = whole.proofs.beside(part.proofs.of(row))
+    whole.total = np.array([prod(column) for column in sizes.T.tolist()], dtype=object)
+    return whole
 
 
 def _some_combinations(sizes: list[int]) -> np.ndarray:
@@ -332,14 +309,13 @@ def _checked(
     plan: Plan,
     search: Search,
     account: Account,
-    combined: tuple[Tree, np.ndarray],
+    tree: Tree,
     told: Told | None,
     *,
     certify: bool,
 ) -> GroupedModes:
     n, problem = len(account.seen), plan.problem
     asked = problem if told is None else told.problem
-    tree, every = combined
     if told is None:
         found = checked_solutions(problem, tree.values, judged=tree.judged)
     else:
@@ -357,5 +333,6 @@ def _checked(
     statement = account.statement.max(axis=1, initial=0)
     statement = np.where(left_out, np.maximum(statement, STATEMENTS.index("incomplete")), statement)
     counts = np.bincount(owner, minlength=n)
+    every = np.bincount(tree.owner, minlength=n) if tree.total is None else tree.total
     total = np.where(left_out, counts, np.where(account.whole, every, 0))
-    return GroupedModes(plan, search, told, listed, owner, total, statement, account)
+    return GroupedModes(plan, search, told, listed, owner, counts, total, statement, account)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import nullcontext
 from dataclasses import replace
 from functools import partial
@@ -45,7 +45,6 @@ from symkin.position.problem import Problem, build_problem
 from symkin.quiet import without_float_warnings
 from symkin.spatial.pose import Pose
 from symkin.verb import verb
-from symkin.verb_options import takes
 
 
 @overload
@@ -74,8 +73,7 @@ def modes(
     pose: np.ndarray | None = None,
     **options: Unpack[ModesOptions],
 ) -> Any: ...
-@verb
-@takes(ModesOptions)
+@verb(ModesOptions)
 def modes(
     mechanism: Mechanism,
     *,
@@ -119,26 +117,37 @@ def modes(
     )
     if is_many(joints, pose, given):
         return _found(mechanism, search, read_many(mechanism, joints, pose, given), choose)
-    one = read_given(mechanism, joints, pose, given)
-    found = _found(mechanism, search, [one], choose)[0]
+    given = read_given(mechanism, joints, pose, given)
+    found = _found(mechanism, search, [given], choose)[0]
     # coordinates of a pose are those of the declared motion; joints may carry it elsewhere
     listed, carries = found.modes, found.problem.carries_pose
     notes = [motion_note(mechanism, listed.position, listed.quaternion) if carries else None]
     if not (listed or found.positive_dimensional or found.smallest_residual is None):
-        notes.append(reach_note(found.problem, one))
+        notes.append(reach_note(found.problem, given))
     told = [note for note in notes if note is not None]
     return replace(found, notes=(*found.notes, *told)) if told else found
 
 
 def _found(
-    mechanism: Mechanism, search: Search, givens: Sequence[Given], *how: Any
+    mechanism: Mechanism,
+    search: Search,
+    givens: Sequence[Given],
+    choose: Sequence[int] = (),
+    least_errors: bool = True,
 ) -> tuple[Modes, ...]:
-    """The modes of inputs of one kind, with the loop that cannot close where there are none."""
+    """The modes of inputs of one kind, with the loop that cannot close where there are none;
+    `choose` and `least_errors` as `modes_by_groups` has them.
+    """
+    if not givens:
+        return ()
     if len(givens) != 1:
         search = replace(search, begun=time.perf_counter(), inputs=len(givens))
+    is_searched = search.method == "continuation"
+    problem, low = _problem_and_machine(mechanism, givens[0].names, bool(choose), is_searched)
+    find = partial(modes_of_inputs, search=search, choose=choose, least_errors=least_errors)
     told = nullcontext() if search.progress is None else told_of_searches(search.progress)
     with told:
-        found = _of_machine(mechanism, search, givens, *how)
+        found = find(problem, givens) if low is None else _of_machine(low, problem, givens, find)
     lost = [modes.problem.by_name and not modes for modes in found]
     note = open_loops_note(mechanism) if any(lost) else None
     if note is None:
@@ -150,22 +159,11 @@ def _found(
 
 
 def _of_machine(
-    mechanism: Mechanism,
-    search: Search,
-    givens: Sequence[Given],
-    choose: Sequence[int] = (),
-    least_errors: bool = True,
+    low: Lowered, problem: Problem, givens: Sequence[Given], find: Callable[..., list[Modes]]
 ) -> list[Modes]:
-    """The modes of inputs of one kind: those of the machine that the description means, where it
-    is another one; `choose` and `least_errors` as `modes_by_groups` has them.
+    """The modes of inputs, which are those of the machine that the description means, as they are
+    found there, and of the description's own problem where that does not tell all of them.
     """
-    if not givens:
-        return []
-    names, is_searched = givens[0].names, search.method == "continuation"
-    problem, low = _problem_and_machine(mechanism, names, bool(choose), is_searched)
-    find = partial(modes_of_inputs, search=search, choose=choose, least_errors=least_errors)
-    if low is None:
-        return find(problem, givens)
     there = [given.there or in_order(low.machine, given) for given in givens]
     told = Told(low, problem, np.array([given.values for given in givens]))
     of_machine = find(build_problem(low.machine, there[0].names), there, told=told)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -32,48 +32,47 @@ from symkin.position.readings import canonical
 from symkin.position.roots import MOST_MODES, NOT_KNOWN, polished_roots, unite
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(eq=False)
 class Tree:
-    """Partial configurations `values` (m, variables), which are within `away` of exact ones (length
-    unit), of the inputs `owner` (m,), rising, the `hits` (m,) of the rarest choice of each, and
-    what is proved of them; of the one group that a problem is what was `judged` (see `GroupRoots`).
+    """Growing partial configurations `values` (m, variables), which are within `away` of exact ones
+    (length unit), of the inputs `owner` (m,), rising, the `hits` (m,) of the rarest choice of each,
+    and what is proved of them; of the one group that a problem is what was `judged` (see
+    `GroupRoots`); where not all are listed, how many each input has in `total`.
     """
 
     values: np.ndarray
-    away: np.ndarray
     owner: np.ndarray
-    hits: np.ndarray
-    proofs: PartProofs
+    away: np.ndarray = field(init=False)
+    hits: np.ndarray = field(init=False)
+    proofs: PartProofs = field(init=False)
     judged: np.ndarray | None = None
+    total: np.ndarray | None = None
 
-    @staticmethod
-    def begun(values: np.ndarray) -> Tree:
-        """One configuration of each input, in which known values (n, variables) stand."""
-        n = len(values)
-        nothing = PartProofs.of_nothing(n)
-        return Tree(values, np.zeros(values.shape), np.arange(n), np.full(n, np.inf), nothing)
+    def __post_init__(self) -> None:
+        count = len(self.owner)
+        self.away, self.hits = np.zeros(self.values.shape), np.full(count, np.inf)
+        self.proofs = PartProofs.of_nothing(count)
 
-    def grown(
+    def grow(
         self,
         group: Problem,
         found: ProvedRoots,
         which: np.ndarray,
         first: np.ndarray,
         counts: np.ndarray,
-    ) -> Tree:
-        """Each with some solutions of a group beside it: `counts` (m,) of them, from the place
+    ) -> None:
+        """Take for each some solutions of a group beside it: `counts` (m,) of them, from the place
         `first` on of those of the row `which` (m,) that it asks for.
         """
         parent = np.arange(len(which)).repeat(counts)
         place = (first[which] - counts.cumsum() + counts)[parent] + np.arange(len(parent))
-        values, away = self.values[parent], self.away[parent]
-        proofs = found.proofs.of(place)
-        values[:, group.unknown_places] = found.roots.points[place]
-        away[:, group.unknown_places] = proofs.radius[:, None]
-        hits = np.minimum(self.hits[parent], found.roots.hits[place])
-        proofs = self.proofs.of(parent).beside(proofs)
-        judged = None if found.roots.judged is None else found.roots.judged[place]
-        return Tree(values, away, self.owner[parent], hits, proofs, judged)
+        proofs, self.owner = found.proofs.of(place), self.owner[parent]
+        self.values, self.away = self.values[parent], self.away[parent]
+        self.values[:, group.unknown_places] = found.roots.points[place]
+        self.away[:, group.unknown_places] = proofs.radius[:, None]
+        self.hits = np.minimum(self.hits[parent], found.roots.hits[place])
+        self.proofs = self.proofs.of(parent).beside(proofs)
+        self.judged = None if found.roots.judged is None else found.roots.judged[place]
 
 
 @dataclass(frozen=True)
@@ -93,15 +92,31 @@ class Solving:
     only: bool = False
 
 
-class Step(NamedTuple):
+@dataclass(eq=False)
+class Step:
     """A group by which a tree grows, its number in the account, and that of the one solution to
-    take.
+    take. The tree asks the group for `known` values (n, known), each once, which may be `away` from
+    exact ones; each configuration for those at `which`.
     """
 
     group: Problem
     number: int
     tree: Tree
     choice: int | None = None
+    known: np.ndarray = field(init=False)
+    away: np.ndarray = field(init=False)
+    which: np.ndarray = field(init=False)
+
+    def __post_init__(self) -> None:
+        places = self.group.known_places
+        self.known, self.away = self.tree.values[:, places], self.tree.away[:, places]
+        self.which = np.arange(len(self.known))
+        if len(self.known) > 1:
+            away = self.away
+            self.known, self.which = _each_once(self.known)
+            self.away = np.zeros(self.known.shape)
+            if away.any():
+                np.maximum.at(self.away, self.which, away)
 
 
 class ProvedRoots(NamedTuple):
@@ -111,41 +126,15 @@ class ProvedRoots(NamedTuple):
     proofs: PartProofs
 
 
-def grown_together(
+def grow_together(
     steps: Sequence[Step], members: dict[Problem, Member], account: Account, solving: Solving
-) -> list[Tree]:
-    """The trees with every solution of their groups, or the chosen one, beside each of their
-    configurations. Groups that are `members` of one family are solved together.
+) -> None:
+    """Let trees, none of them empty, grow by every solution of their groups, or the chosen one,
+    beside each of their configurations. Groups that are `members` of one family are solved
+    together.
     """
-    asked = [_Rows.of(step) for step in steps if len(step.tree.owner)]
-    found = _solved(asked, members, solving)
-    grown = {
-        rows.step.number: _grown(rows, one, account, solving)
-        for rows, one in zip(asked, found, strict=True)
-    }
-    return [grown.get(step.number, step.tree) for step in steps]
-
-
-class _Rows(NamedTuple):
-    """What a tree asks of a group: known values (n, known), each once, how far these may be from
-    exact ones, and which of them each configuration asks for.
-    """
-
-    step: Step
-    known: np.ndarray
-    away: np.ndarray
-    which: np.ndarray
-
-    @staticmethod
-    def of(step: Step) -> _Rows:
-        tree, places = step.tree, step.group.known_places
-        if len(tree.owner) == 1:
-            return _Rows(step, tree.values[:, places], tree.away[:, places], np.zeros(1, dtype=int))
-        known, which = _each_once(tree.values[:, places])
-        away = np.zeros(known.shape)
-        if tree.away.any():
-            np.maximum.at(away, which, tree.away[:, places])
-        return _Rows(step, known, away, which)
+    for step, found in zip(steps, _solved(steps, members, solving), strict=True):
+        _grow(step, found, account, solving)
 
 
 def _each_once(known: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -157,29 +146,28 @@ def _each_once(known: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return rows[new], which
 
 
-def _grown(rows: _Rows, found: ProvedRoots, account: Account, solving: Solving) -> Tree:
-    """One tree with the solutions of its group."""
-    (group, number, tree, choice), which, n = rows.step, rows.which, len(account.seen)
-    roots = found.roots
+def _grow(step: Step, found: ProvedRoots, account: Account, solving: Solving) -> None:
+    """Let one tree grow by the solutions of its group."""
+    tree, which, n, roots = step.tree, step.which, len(account.seen), found.roots
     lost = _lost(roots, tree.owner, which, n)
     if lost.any() and solving.least_errors:
         untold = np.unique(which[lost[tree.owner] & np.isinf(roots.smallest[which])])
         if untold.size:
-            roots = with_least_errors(group, roots, rows.known, untold, solving)
-            found = _alone(rows, solving, roots)
+            roots = with_least_errors(step.group, roots, step.known, untold, solving)
+            found = _alone(step, solving, roots)
             roots, lost = found.roots, _lost(found.roots, tree.owner, which, n)
     of_rows = roots.counts
-    account.add(number, roots, tree.owner, which)
+    account.add(step.number, roots, tree.owner, which)
     if lost.any():
         empty, least = lost[tree.owner], np.full(n, np.inf)
         np.minimum.at(least, tree.owner[empty], roots.smallest[which[empty]])
         account.smallest = _larger(account.smallest, least)
     first, counts = of_rows.cumsum() - of_rows, of_rows[which]
-    if choice is not None:
-        first, counts = _chosen(group, choice, first, counts)
+    if step.choice is not None:
+        first, counts = _chosen(step.group, step.choice, first, counts)
     if counts.sum() > MOST_MODES:
         each = np.bincount(tree.owner, weights=counts, minlength=n)
-        account.too_many[(each > MOST_MODES) & (account.too_many == FEW)] = number
+        account.too_many[(each > MOST_MODES) & (account.too_many == FEW)] = step.number
         if solving.keeps_some:
             # no more than show that they are too many
             before = np.cumsum(counts) - counts
@@ -187,7 +175,7 @@ def _grown(rows: _Rows, found: ProvedRoots, account: Account, solving: Solving) 
             counts = np.clip(MOST_MODES + 1 - before, 0, counts)
         else:
             counts = np.where(each[tree.owner] > MOST_MODES, 0, counts)
-    return tree.grown(group, found, which, first, counts)
+    tree.grow(step.group, found, which, first, counts)
 
 
 def _larger(some: np.ndarray, others: np.ndarray) -> np.ndarray:
@@ -224,48 +212,48 @@ def _chosen(
 
 
 def _solved(
-    asked: Sequence[_Rows], members: dict[Problem, Member], solving: Solving
+    steps: Sequence[Step], members: dict[Problem, Member], solving: Solving
 ) -> list[ProvedRoots]:
     """The solutions of each group at the rows that are asked for, those of a family together."""
     found: dict[int, ProvedRoots] = {}
     families: dict[Problem, list[int]] = {}
-    for place, rows in enumerate(asked):
-        member = members.get(rows.step.group)
+    for place, step in enumerate(steps):
+        member = members.get(step.group)
         if member is not None and solving.search.method == "continuation":
             families.setdefault(member.family, []).append(place)
             continue
-        found[place] = _alone(rows, solving)
+        found[place] = _alone(step, solving)
     for family, places in families.items():
-        together = _of_family(family, [asked[k] for k in places], members, solving)
+        together = _of_family(family, [steps[k] for k in places], members, solving)
         found |= dict(zip(places, together, strict=True))
-    return [found[place] for place in range(len(asked))]
+    return [found[place] for place in range(len(steps))]
 
 
 def _of_family(
-    family: Problem, asked: Sequence[_Rows], members: dict[Problem, Member], solving: Solving
+    family: Problem, steps: Sequence[Step], members: dict[Problem, Member], solving: Solving
 ) -> list[ProvedRoots]:
     """The solutions of a family's members; rows in doubt are left to the member's own rows."""
-    own = [members[rows.step.group] for rows in asked]
-    known = np.vstack([one.known(rows.known) for one, rows in zip(own, asked, strict=True)])
+    own = [members[step.group] for step in steps]
+    known = np.vstack([one.known(step.known) for one, step in zip(own, steps, strict=True)])
     numbers = np.zeros((len(known), len(own[0].numbers)))
-    away = np.hstack([np.vstack([rows.away for rows in asked]), numbers])
-    ends = np.cumsum([len(rows.known) for rows in asked]).tolist()
-    places = [slice(end - len(rows.known), end) for end, rows in zip(ends, asked, strict=True)]
+    away = np.hstack([np.vstack([step.away for step in steps]), numbers])
+    ends = np.cumsum([len(step.known) for step in steps]).tolist()
+    places = [slice(end - len(step.known), end) for end, step in zip(ends, steps, strict=True)]
     solved, doubtful = _by_solver(family, known, solving)
     if solved is None:
-        return [_alone(rows, solving) for rows in asked]
-    for place, rows in zip(places, asked, strict=True):
+        return [_alone(step, solving) for step in steps]
+    for place, step in zip(places, steps, strict=True):
         mine = doubtful[(doubtful >= place.start) & (doubtful < place.stop)]
         if mine.size:
-            left = rows.known[mine - place.start]
-            alone = group_roots(rows.step.group, left, solving)
+            left = step.known[mine - place.start]
+            alone = group_roots(step.group, left, solving)
             solved = solved.with_rows(mine, alone)
     if any(one.laid is not None for one in own):
         # complex roots are those of the family's system
         plain = replace(solved, ends=NO_ENDS, ends_of=solved.ends_of[:0], origin=None)
         return [
-            _alone(rows, solving, plain.at(np.arange(place.start, place.stop)), one)
-            for place, rows, one in zip(places, asked, own, strict=True)
+            _alone(step, solving, plain.at(np.arange(place.start, place.stop)), one)
+            for place, step, one in zip(places, steps, own, strict=True)
         ]
     found = _proved(family, solved, known, away, solving)
     owner = found.roots.owner
@@ -279,12 +267,11 @@ def _of_family(
 
 
 def _alone(
-    rows: _Rows, solving: Solving, roots: GroupRoots | None = None, member: Member | None = None
+    step: Step, solving: Solving, roots: GroupRoots | None = None, member: Member | None = None
 ) -> ProvedRoots:
     """The solutions of one group at what is asked of it, proved by its own rows."""
-    group = rows.step.group
-    roots = group_roots(group, rows.known, solving) if roots is None else roots
-    return _proved(group, roots, rows.known, rows.away, solving, member)
+    roots = group_roots(step.group, step.known, solving) if roots is None else roots
+    return _proved(step.group, roots, step.known, step.away, solving, member)
 
 
 def _proved(
@@ -376,17 +363,19 @@ def roots_of_parts(
     """
     begin = np.zeros((len(known), group.closure.variables.shape[0]))
     begin[:, group.known_places] = known
-    tree, account = Tree.begun(begin), Account.empty(len(known), len(parts))
+    n = len(known)
+    tree, account = Tree(begin, np.arange(n)), Account.empty(n, len(parts))
     solving = Solving(replace(search, formulas=True), keeps_some=True)
     for number, part in enumerate(parts):
-        (tree,) = grown_together([Step(part, number, tree)], {}, account, solving)
+        if len(tree.owner):
+            grow_together([Step(part, number, tree)], {}, account, solving)
     generic = [most_roots(part) for part in parts]
     most = np.array([NOT_KNOWN if count is None else count for count in generic], dtype=float)
     points, owner, hits, met = _held_against(group, tree, known)
     statement = np.max(account.statement, axis=1, initial=0)
     many = account.too_many != FEW
     statement[many] = np.maximum(statement[many], STATEMENTS.index("incomplete"))
-    told = {i: tuple(dict.fromkeys(account.notes_of(i))) for i in range(len(known))}
+    told = {i: tuple(dict.fromkeys(account.notes_of(i))) for i in range(n)}
     counts = account.factors([([*range(len(parts))], False)])
     return GroupRoots(
         points,
@@ -395,7 +384,7 @@ def roots_of_parts(
         statement=statement,
         complex_count=np.prod(np.where(account.seen, counts, most), axis=1),
         unresolved=np.sum(account.unresolved, axis=1),
-        smallest=np.full(len(known), np.inf),
+        smallest=np.full(n, np.inf),
         continuum=account.continuum.any(axis=1) | met,
         notes={i: texts for i, texts in told.items() if texts},
         engine=np.array(account.each_engine, dtype=object),

@@ -54,10 +54,10 @@ def errors_of_given(plan: Plan, known: np.ndarray) -> np.ndarray:
 
 def known_without_search(
     plan: Plan, givens: Sequence[Given], search: Search, told: Told | None = None
-) -> list[Modes | None]:
-    """What needs no search, of each input: unknowns that nothing determines, a pose off the motion,
-    the direct problem of a serial arm, given values that contradict rows without unknowns. The
-    modes of a machine are `told` in the coordinates of a description.
+) -> dict[int, Modes]:
+    """The modes of inputs that need no search, by their numbers: unknowns that nothing determines,
+    a pose off the motion, the direct problem of a serial arm, given values that contradict rows
+    without unknowns. The modes of a machine are `told` in the coordinates of a description.
     """
     problem = plan.problem
     if plan.free is not None:
@@ -68,20 +68,18 @@ def known_without_search(
         if problem.mechanism.serial:
             raise InputError(free)
         search.refuse_unless_multistart(free)
-        empty = [
-            nothing(problem, given, search, note=f"positive-dimensional set: {free}")
-            for given in givens
-        ]
-        return [replace(one, positive_dimensional=True) for one in empty]
+        note = f"positive-dimensional set: {free}"
+        empty = (nothing(problem, given, search, note=note) for given in givens)
+        return dict(enumerate(replace(one, positive_dimensional=True) for one in empty))
     known = np.array([given.values for given in givens])
     if problem.is_explicit:
-        return [*_forward(problem, givens, known, search, told)]
+        return dict(enumerate(_forward(problem, givens, known, search, told)))
     errors = errors_of_given(plan, known).tolist()
-    off = (g.off_motion or e for g, e in zip(givens, errors, strict=True))
-    return [
-        nothing(problem, given, search, away) if away else None
-        for given, away in zip(givens, off, strict=True)
-    ]
+    return {
+        k: nothing(problem, given, search, given.off_motion or error)
+        for k, (given, error) in enumerate(zip(givens, errors, strict=True))
+        if given.off_motion or error
+    }
 
 
 def _forward(
@@ -112,7 +110,7 @@ def _forward(
         yield Modes(
             problem=problem if told is None else told.problem,
             given=given.echo,
-            modes=listed.part(slice(k, k + 1), given.notes),
+            modes=listed.chosen(slice(k, k + 1), notes=given.notes),
             completeness="proved",
             method="forward",
             seed=None,

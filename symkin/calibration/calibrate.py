@@ -46,11 +46,10 @@ from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.numeric.linear_algebra import largest_of
 from symkin.verb import verb
-from symkin.verb_options import check_seed, refuse_ignored, takes
+from symkin.verb_options import check_seed, refuse_ignored
 
 
-@verb
-@takes(CalibrateOptions)
+@verb(CalibrateOptions)
 def calibrate(
     mechanism: Mechanism, measurements: Measurements, **options: Unpack[CalibrateOptions]
 ) -> Calibration:

@@ -39,7 +39,8 @@ from symkin.errors import InputError
 from symkin.files.euler_columns import SEQUENCES
 from symkin.model.mechanism import Mechanism
 from symkin.text import first_of, meant, printable
-from symkin.verb_options import check_seed, refuse_ignored, takes
+from symkin.verb import verb
+from symkin.verb_options import check_seed, refuse_ignored
 
 ALL_PARAMETERS = "all"
 """The pattern that stands for every parameter that moves poses."""
@@ -63,7 +64,7 @@ class NotFittedError(InputError):
         return type(self), (self.message, self.suspicions)
 
 
-@takes(FileOptions)
+@verb(FileOptions)
 def fit_file(
     mechanism: Mechanism,
     data: DataFile,

@@ -184,7 +184,7 @@ def algebraic_rows(
 
 
 def _assemble(builder: RowBuilder) -> Closure:
-    order = {"actuated": 0, "passive": 1, "body": 2, "pose": 3, "given": 4, "geometry": 5}
+    order = {"actuated": 0, "passive": 1, "body": 2, "pose": 3, "condition": 4, "geometry": 5}
     pairs = sorted(builder.coordinates.values(), key=lambda pair: order[pair[0].role])
     actuated = {c.name: k for k, c in enumerate(builder.mechanism.actuated)}
     in_file_order = sorted(

@@ -111,7 +111,7 @@ class RowBuilder(BodyBuilder):
         nominal = dict(zip(POSE_CONDITIONS, numbers, strict=True))
         values = {
             n: self._symbol(
-                Coordinate(n, "length" if n in "xyz" else "angle", "given", (nominal[n],))
+                Coordinate(n, "length" if n in "xyz" else "angle", "condition", (nominal[n],))
             )
             for n in names
         }

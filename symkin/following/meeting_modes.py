@@ -165,13 +165,13 @@ def user_values(trajectory: Trajectory, known: np.ndarray) -> dict[str, Any]:
             number = float(known[place])
             values[c.name] = mechanism.value_out(c, number)
         place += c.width
-    if trajectory.kind == "direct":
+    if problem.gives_joints:
         return {"joints": [values[c.name] for c in mechanism.actuated]}
     if any(c.role == "pose" for c in trajectory.coordinates):
         reference = problem.select_values(problem.closure.reference, problem.system.unknowns)
         pose = pose_of(problem.closure, problem.join_values(reference, known))
         values["pose"] = [*map(float, pose.position), *map(float, pose.quaternion)]
-    return {"pose": values["pose"]} if trajectory.kind == "inverse" else {"given": values}
+    return {"pose": values["pose"]} if problem.gives_pose else {"given": values}
 
 
 def listed_unknowns(path: MachinePath, modes: Modes) -> np.ndarray:

@@ -31,11 +31,10 @@ from symkin.following.trajectory import Trajectory, make_trajectory
 from symkin.model.joined import Joined, back, tree_from
 from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.position.given import Joints, Values, given_by_name, read_given
-from symkin.position.problem import plain_kind
+from symkin.position.problem import are_of_limbs
 from symkin.result import Result, Summary, json_fields
 from symkin.text import meant
 from symkin.verb import verb
-from symkin.verb_options import takes
 
 _MOST_POINTS = 10_000
 """Grid points at most."""
@@ -128,7 +127,7 @@ class ModeGraph(Result):
 
     def to_dict(self) -> dict[str, Any]:
         last = self.inputs[-1].tolist()
-        plain = plain_kind(self.mechanism, self.names) is not None
+        plain = are_of_limbs(self.mechanism, self.names)
         return {
             "mechanism": self.mechanism.name,
             "axes": [[a.name, a.low, a.high] for a in self.axes],
@@ -159,8 +158,7 @@ class ModeGraph(Result):
         return Summary([text + missing])
 
 
-@verb
-@takes(GraphOptions)
+@verb(GraphOptions)
 def mode_graph(
     mechanism: Mechanism,
     axes: Sequence[Axis | tuple[str, float, float]],
@@ -195,7 +193,7 @@ def mode_graph(
     """
     joints, given, progress = options["joints"], options["given"], options["progress"]
     require_mechanism(mechanism)
-    if mechanism.serial and (given is None or plain_kind(mechanism, tuple(given)) is not None):
+    if mechanism.serial and (given is None or are_of_limbs(mechanism, tuple(given))):
         raise InputError(
             f"{mechanism.name} is a serial arm: its joint values have one assembly mode, and there "
             f"is nothing to join"

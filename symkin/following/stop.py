@@ -165,8 +165,9 @@ def _groups(problem: Problem, place: Sample) -> tuple[SingularGroup, ...]:
 
 def roles_followed(problem: Problem) -> Roles:
     """What drives along a path: the coordinates that it tells by name, or the actuated joints."""
-    names = [c.name for c in problem.known_coordinates] if problem.name == "given" else None
-    return roles_of(problem.mechanism, names)
+    names = [c.name for c in problem.known_coordinates]
+    drives = problem.gives_joints or problem.gives_pose
+    return roles_of(problem.mechanism, None if drives else names)
 
 
 def _type(branch: Branch) -> str:
@@ -175,7 +176,7 @@ def _type(branch: Branch) -> str:
     """
     followed = branch.blocks[0].system.problem
     if followed.by_name:
-        return "type 1" if followed.name == "inverse" else "type 2"
+        return "type 1" if followed.gives_pose else "type 2"
     largest = 0.0
     for block in branch.stopped:
         problem, system = block.system.problem, block.system.system

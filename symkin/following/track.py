@@ -44,7 +44,7 @@ from symkin.position.starts import start_notes
 from symkin.position.transfer import own_closure, variables_elsewhere
 from symkin.spatial.pose import Pose
 from symkin.verb import verb
-from symkin.verb_options import options_of, takes
+from symkin.verb_options import options_of
 
 _OFF_START = 1e-6
 """A start mode's given values may differ from the path's first sample by this (of the size, or
@@ -54,8 +54,7 @@ rad).
 Start = Solution | Joints | Values | Pose | None
 
 
-@verb
-@takes(TrackOptions)
+@verb(TrackOptions)
 def track(mechanism: Mechanism, **options: Unpack[TrackOptions]) -> Track:
     """Follow one assembly mode along rows of actuated joint values, one working mode along poses,
     or one mode along values by name.

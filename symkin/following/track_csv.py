@@ -162,7 +162,7 @@ def write_track(track: Track, path: str | Path) -> None:
 
 def _told_angles(track: Track) -> list[Coordinate]:
     """Angles of the platform's pose along which the path is told."""
-    return [c for c in track.problem.known_coordinates if c.role == "given" and c.is_angular]
+    return [c for c in track.problem.known_coordinates if c.role == "condition" and c.is_angular]
 
 
 def _row(track: Track, sample: Sample, timed: bool) -> list[object]:

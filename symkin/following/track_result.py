@@ -158,7 +158,7 @@ class Track(Result):
         unit, size = mechanism.length_unit, mechanism.characteristic_length
         found: dict[str, tuple[str, np.ndarray, float]] = {}
         for c in problem.known_coordinates:
-            if c.role == "given":
+            if c.role == "condition":
                 place = problem.closure.slices[c.name].start
                 values = [mechanism.value_out(c, float(s.values[place])) for s in self.samples]
                 found[c.name] = self._column(c, values)
@@ -206,7 +206,7 @@ class Track(Result):
         """How near a path of poses comes to where the motors no longer tell the pose, at samples:
         it is not what is followed.
         """
-        if self.trajectory.kind != "inverse" or "type 2" not in self.distances:
+        if not self.problem.gives_pose or "type 2" not in self.distances:
             return []
         chosen = self._spread(_MOST_JUDGED)
         roles = roles_followed(self.problem)

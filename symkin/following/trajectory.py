@@ -26,18 +26,26 @@ from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.position.given import (
     Given,
     given_by_name,
+    given_joints,
     is_many,
     joint_rows,
-    joint_values,
     pose_from,
     rows_by_name,
 )
 from symkin.position.pose_coordinates import ON_MOTION, pose_coordinates
-from symkin.position.problem import Kind, Problem, build_problem, plain_kind, pose_names
+from symkin.position.problem import (
+    Kind,
+    Problem,
+    are_joints_of_limbs,
+    are_of_limbs,
+    build_problem,
+    pose_names,
+)
 from symkin.position.readings import left_out
 from symkin.spatial.backend import Array, cos, sin
 from symkin.spatial.pose import Pose
-from symkin.verb_options import refuse_ignored, takes
+from symkin.verb import verb
+from symkin.verb_options import refuse_ignored
 
 _ROUNDED = 1e-12
 """Of the size: a shorter way onto the motion is rounding."""
@@ -95,7 +103,7 @@ class Trajectory:
         return float(self.times[row] + (u * (self.times[row + 1] - self.times[row]) if u else 0.0))
 
 
-@takes(PathOptions)
+@verb(PathOptions)
 def make_trajectory(mechanism: Mechanism, **options: Unpack[PathOptions]) -> Trajectory:
     """A path through rows of actuated joint values, poses, or values of coordinates by name, in the
     mechanism's units. With `samples`, each interval is divided so that about that many samples
@@ -150,13 +158,13 @@ def _rows(
     """
     if given is not None:
         rows = _named_rows(given)
-        match plain_kind(mechanism, tuple(rows[0])) if rows else None:
-            case "direct":
-                joints = {name: [row[name] for row in rows] for name in rows[0]}
-            case "inverse":
-                poses = [row["pose"] for row in rows]
-            case _:
-                return "given", rows
+        names = tuple(rows[0]) if rows else ()
+        if not are_of_limbs(mechanism, names):
+            return "given", rows
+        if are_joints_of_limbs(mechanism, names):
+            joints = {name: [row[name] for row in rows] for name in names}
+        else:
+            poses = [row["pose"] for row in rows]
     if joints is not None:
         return "joints", joint_rows(mechanism, joints)
     if mechanism.platform_link is None:
@@ -178,7 +186,7 @@ def path_problem(mechanism: Mechanism, names: tuple[str, ...], limited: tuple[st
     are seen: all of them where one would be left out, since a loop that is not cut there may be cut
     at another.
     """
-    if plain_kind(mechanism, names) is None:
+    if not are_of_limbs(mechanism, names):
         return build_problem(mechanism, names, limited)
     left = {c.name for c in left_out(build_problem(mechanism, names).closure)}
     return build_problem(mechanism, names, limited=limited if left & {*limited} else ())
@@ -241,13 +249,12 @@ def great_circle(a: np.ndarray, b: np.ndarray) -> tuple[float, np.ndarray]:
 def _joints(mechanism: Mechanism, row: Sequence[float], number: int) -> Given:
     """Joint values without leaving out whole turns."""
     what = f"joints of sample {number}"
-    once = joint_values(mechanism, row, what)
+    read = given_joints(mechanism, row, what)
     whole = np.array(
         [mechanism.value_in(c, float(v)) for c, v in zip(mechanism.actuated, row, strict=True)]
     )
-    values = np.where(np.abs(whole - once) > 1.0, whole, once) if len(once) else once
-    names = tuple(c.name for c in mechanism.actuated)
-    return Given(names, values, {"joints": [float(v) for v in row]})
+    values = np.where(np.abs(whole - read.values) > 1.0, whole, read.values)
+    return replace(read, values=values, notes=())
 
 
 def _pose(mechanism: Mechanism, row: Sequence[float] | Pose, number: int) -> Given:

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from symkin.formats.robot import Robot
 
 
-@verb
+@verb()
 def load(
     name_or_path: str | Path,
     read: ReadOptions = AS_IT_IS,

@@ -36,7 +36,7 @@ class Coordinate:
 
     name: str
     kind: Kind
-    role: Literal["actuated", "passive", "body", "pose", "given", "geometry"]
+    role: Literal["actuated", "passive", "body", "pose", "condition", "geometry"]
     reference: tuple[float, ...] = (0.0,)
     limits: tuple[float, float] | None = None
     least: float | None = None

@@ -160,7 +160,7 @@ def _start(mechanism: Mechanism, given: Mapping[str, float] | None) -> SolveResu
         every = modes(mechanism, given=given or None)
         within = next((mode for mode in every if mode.within_limits), None)
         found = found if within is None else _result(every, within, found)
-    if found.problem.name == "inverse" and not given:
+    if found.problem.gives_pose and not given:
         solution = found.solution
         assert solution is not None  # noqa: S101 - asked for above
         start = None if mechanism.serial else [*solution.position, *solution.quaternion]

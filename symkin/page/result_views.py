@@ -17,10 +17,10 @@ from symkin.position.solution import Solution
 from symkin.position.solve_result import SolveResult
 from symkin.singularities.loci import Loci
 from symkin.sweeps.run import Swept
-from symkin.verb_options import takes
+from symkin.verb import verb
 
 
-@takes(ViewOptions)
+@verb(ViewOptions)
 def view(result: object, **options: Unpack[ViewOptions]) -> View:
     """Make the page on which a mechanism or a result moves: one HTML text that needs no network.
 

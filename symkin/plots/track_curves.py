@@ -97,7 +97,7 @@ def drawn_panels(track: Track) -> list[CurvePanel]:
 def panels_of(track: Track) -> Iterator[CurvePanel]:
     """The panels from above: what moves, then the distances."""
     mechanism, samples = track.trajectory.mechanism, track.samples
-    if track.trajectory.kind == "direct" and samples[0].has_platform:
+    if track.problem.gives_joints and samples[0].has_platform:
         places = np.array([np.asarray(s.pose.position) for s in samples], dtype=float)
         size = _STILL * mechanism.characteristic_length
         moved = dict(zip("xyz", places.T, strict=True))
@@ -107,7 +107,7 @@ def panels_of(track: Track) -> Iterator[CurvePanel]:
         yield from _joint_panels(track)
         named = {
             f"{name}.{axis}": np.array([s.points[name][k] for s in samples])
-            for name in (samples[0].points if track.trajectory.kind != "inverse" else ())
+            for name in (samples[0].points if not track.problem.gives_pose else ())
             for k, axis in enumerate("xyz")
         }
         if named:
@@ -120,9 +120,7 @@ def panels_of(track: Track) -> Iterator[CurvePanel]:
 def _joint_panels(track: Track) -> Iterator[CurvePanel]:
     """The joints that are found, lengths and angles apart."""
     mechanism, known = track.trajectory.mechanism, {c.name for c in track.problem.known_coordinates}
-    found = (
-        mechanism.actuated if track.trajectory.kind == "inverse" else listed_joints(track.problem)
-    )
+    found = mechanism.actuated if track.problem.gives_pose else listed_joints(track.problem)
     stills = _STILL * mechanism.characteristic_length, mechanism.angle_out(_STILL)
     for angular, unit in ((False, mechanism.length_unit), (True, mechanism.angle_unit)):
         values = {

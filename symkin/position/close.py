@@ -41,7 +41,7 @@ from symkin.text import first_of
 from symkin.verb import read_as, verb
 
 
-@verb
+@verb()
 def close(
     name_or_path: str | Path | Mechanism, read: ReadOptions = AS_IT_IS, *, seed: int = 0
 ) -> ClosedConfiguration:

@@ -16,7 +16,6 @@ from symkin.model.mechanism import Mechanism
 from symkin.position.close import close
 from symkin.position.options import ConvertOptions
 from symkin.verb import read_as, verb
-from symkin.verb_options import takes
 
 _CLOSED = 1e-12
 """Of the size: rods and couplings that miss their lengths and values by less are closed at the
@@ -24,8 +23,7 @@ reference.
 """
 
 
-@verb
-@takes(ConvertOptions)
+@verb(ConvertOptions)
 def convert(
     mechanism: str | Path | Mechanism,
     path: Path | str,

@@ -17,7 +17,7 @@ from symkin.numeric.rank import Rank, count_above
 from symkin.numeric.system import System, split_blocks
 from symkin.numeric.tolerances import CLOSED_CONFIGURATION
 from symkin.position.closed_configurations import closed_configurations
-from symkin.position.problem import Problem, build_problem, plain_kind, pose_names
+from symkin.position.problem import Problem, are_of_limbs, build_problem, pose_names
 
 PROJECTED = 1e-4
 """Distance over the size below which a pose is one of few digits: tables print three of a length,
@@ -53,7 +53,7 @@ def ties_poses(mechanism: Mechanism) -> bool:
     configurations, moves of the pose that no joints follow.
     """
     names = pose_names(mechanism)
-    if plain_kind(mechanism, names) is None:
+    if not are_of_limbs(mechanism, names):
         return False
     problem = build_problem(mechanism, names)
     if problem.generic_rank == problem.system.rows.shape[0]:

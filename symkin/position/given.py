@@ -12,6 +12,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+from symkin.computed_once import lru_cache
 from symkin.errors import InputError
 from symkin.machine.lower import Lowered
 from symkin.model.joint import POSE_CONDITIONS, Coordinate
@@ -27,7 +28,7 @@ from symkin.position.pose_coordinates import (
     projected_below,
     reader_of_poses,
 )
-from symkin.position.problem import actuated_names, plain_kind, pose_names
+from symkin.position.problem import actuated_names, are_joints_of_limbs, pose_names
 from symkin.quiet import collector_at_rest
 from symkin.spatial.pose import NORM_OFF, Pose
 from symkin.text import counted, first_of, meant, shown
@@ -86,8 +87,8 @@ def read_given(
             raise InputError(
                 "given: values by name and joints or a pose beside them; give one of them"
             )
-        if isinstance(given, Mapping) and plain_kind(mechanism, tuple(given)) == "direct":
-            return _of_joints(mechanism, given)  # type: ignore[arg-type]
+        if isinstance(given, Mapping) and are_joints_of_limbs(mechanism, tuple(given)):
+            return given_joints(mechanism, given)  # type: ignore[arg-type]
         return given_by_name(mechanism, given)
     if joints is not None and pose is not None:
         raise InputError(
@@ -105,15 +106,36 @@ def read_given(
         )
     if joints is None:
         joints = [mechanism.value_out(c, c.reference[0]) for c in mechanism.actuated]
-    return _of_joints(mechanism, joints)
+    return given_joints(mechanism, joints)
 
 
-def _of_joints(mechanism: Mechanism, joints: Joints) -> Given:
-    """Values of all actuated joints, angles of more than a turn without their whole turns."""
-    ordered = in_file_order(mechanism, joints)
-    values = joint_values(mechanism, ordered)
-    echo = {"joints": [float(v) for v in ordered]}
-    return Given(actuated_names(mechanism), values, echo, notes=_turn_notes(mechanism, ordered))
+def given_joints(mechanism: Mechanism, joints: Joints, what: str = "joints") -> Given:
+    """Values of all actuated joints in the mechanism's units, in file order or by name: angles of
+    more than a turn without their whole turns; lengths must not be negative.
+    """
+    joints = in_file_order(mechanism, joints, what)
+    least, most, unit = _ranges(mechanism)
+    is_row = isinstance(joints, (list, tuple, np.ndarray))
+    values = _plain_rows([joints], least, most) if is_row else None
+    notes: tuple[str, ...] = ()
+    if values is None:
+        values = np.array([_judged_joints(mechanism, joints, what)])
+        notes = _turn_notes(mechanism, joints)
+    echo = {"joints": list(map(float, joints))}
+    return Given(actuated_names(mechanism), values[0] * unit, echo, notes)
+
+
+@lru_cache(maxsize=128)
+def _ranges(mechanism: Mechanism) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Of each actuated joint the least value, the magnitude up to which it is taken as it is, and
+    its unit (radians of a degree, or 1).
+    """
+    coordinates, turn = mechanism.actuated, mechanism.angle_out(2 * math.pi)
+    return (
+        np.array([-np.inf if c.least is None else c.least for c in coordinates]),
+        np.array([turn if c.is_periodic else LARGEST_GIVEN for c in coordinates]),
+        np.array([mechanism.value_in(c, 1.0) for c in coordinates]),
+    )
 
 
 def given_pose(mechanism: Mechanism, given: Sequence[float] | Pose) -> Given:
@@ -216,7 +238,7 @@ def given_coordinates(mechanism: Mechanism) -> dict[str, Coordinate]:
     found = {c.name: c for c in mechanism.coordinates if not c.is_rotation}
     if mechanism.platform_link is not None:
         pose = {
-            n: Coordinate(n, "length" if n in ("x", "y", "z") else "angle", "given")
+            n: Coordinate(n, "length" if n in ("x", "y", "z") else "angle", "condition")
             for n in POSE_CONDITIONS
         }
         found = pose | found
@@ -258,7 +280,7 @@ def unknown_name(mechanism: Mechanism, name: str, known: list[str], what: str = 
 def in_order(mechanism: Mechanism, given: Given) -> Given:
     """The same values, those of all actuated joints of limbs in file order."""
     names = actuated_names(mechanism)
-    if given.names == names or plain_kind(mechanism, given.names) != "direct":
+    if given.names == names or not are_joints_of_limbs(mechanism, given.names):
         return given
     return replace(given, names=names, values=given.values[[given.names.index(n) for n in names]])
 
@@ -308,13 +330,13 @@ def read_many(mechanism: Mechanism, joints: Any, pose: Any, given: Columns | Non
             rows = np.array([[*one.position, *one.quaternion] for one in read]).reshape(-1, 7)
         return given_poses(mechanism, rows)
     joints = joint_rows(mechanism, joints) if isinstance(joints, Mapping) else joints
-    rows = _rows_without_fault(mechanism, joints)
+    least, most, unit = _ranges(mechanism)
+    rows = _plain_rows(joints, least, most)
     if rows is None:
         return [
-            _named_input(i, partial(_of_joints, mechanism, one)) for i, one in enumerate(joints)
+            _named_input(i, partial(given_joints, mechanism, one)) for i, one in enumerate(joints)
         ]
-    values = rows * np.array([mechanism.value_in(c, 1.0) for c in mechanism.actuated])
-    names = actuated_names(mechanism)
+    names, values = actuated_names(mechanism), rows * unit
     return [
         Given(names, v, {"joints": echo}) for v, echo in zip(values, rows.tolist(), strict=True)
     ]
@@ -327,23 +349,10 @@ def _named_input(number: int, read: Callable[[], _Read]) -> _Read:
         raise InputError(f"input {number}: {error}") from None
 
 
-def _rows_without_fault(mechanism: Mechanism, joints: Any) -> np.ndarray | None:
-    """Joint values (n, joints) that all fit and are within a turn, so that they need no look one by
-    one; else None.
-    """
-    coordinates = mechanism.actuated
-    rows = _plain_rows(joints, len(coordinates))
-    if rows is None:
-        return None
-    turn = mechanism.angle_out(2 * math.pi)
-    least = np.array([-np.inf if c.least is None else c.least for c in coordinates])
-    most = np.array([turn if c.is_periodic else np.inf for c in coordinates])
-    return rows if ((rows >= least) & (np.abs(rows) <= most)).all() else None
-
-
 def _poses_without_fault(poses: Any) -> np.ndarray | None:
     """Poses (n, 7), quaternions of unit length, that are plain numbers; else None."""
-    rows = _plain_rows(poses, 7)
+    most = np.full(7, LARGEST_GIVEN)
+    rows = _plain_rows(poses, -most, most)
     if rows is None:
         return None
     norms = np.sqrt(squared_norms(rows[:, 3:]))
@@ -351,14 +360,17 @@ def _poses_without_fault(poses: Any) -> np.ndarray | None:
     return rows if (np.abs(norms - 1.0) <= NORM_OFF).all() else None
 
 
-def _plain_rows(values: Any, count: int) -> np.ndarray | None:
-    """Numbers (n, count) to compute with, or None."""
+def _plain_rows(values: Any, least: np.ndarray, most: np.ndarray) -> np.ndarray | None:
+    """Rows of plain numbers, none below `least` (k,) nor of magnitude above `most` (k,), so that
+    they need no look one by one; else None.
+    """
     try:
-        rows = np.array(values)
+        values = np.array(values)
     except ValueError:
         return None
-    plain = rows.dtype.kind in "fiu" and rows.ndim == 2 and rows.shape[1] == count
-    return rows.astype(float) if plain and (np.abs(rows) <= LARGEST_GIVEN).all() else None
+    if values.dtype.kind not in "fiu" or values.ndim != 2 or values.shape[1] != len(most):
+        return None
+    return values.astype(float) if ((values >= least) & (np.abs(values) <= most)).all() else None
 
 
 def _is_column(name: str, value: Any) -> bool:
@@ -459,12 +471,10 @@ def joint_rows(
     ]
 
 
-def joint_values(mechanism: Mechanism, values: Joints, what: str = "joints") -> np.ndarray:
-    """Actuated joint values in file order, from the mechanism's units to radians, angles of more
-    than a turn without their whole turns; lengths must not be negative.
-    """
+def _judged_joints(mechanism: Mechanism, values: Joints, what: str) -> list[float]:
+    """Joint values that need a look one by one."""
     coordinates = mechanism.actuated
-    numbers = _numbers(in_file_order(mechanism, values, what), what)
+    numbers = _numbers(values, what)  # type: ignore[arg-type]
     if len(numbers) != len(coordinates):
         names = ", ".join(c.name for c in coordinates) or "none"
         raise InputError(
@@ -474,11 +484,10 @@ def joint_values(mechanism: Mechanism, values: Joints, what: str = "joints") -> 
     for coordinate, number in zip(coordinates, numbers, strict=True):
         refuse_negative_rod(mechanism, coordinate, number, what)
     turn = mechanism.angle_out(2 * math.pi)
-    whole = [
+    return [
         math.remainder(n, turn) if c.is_periodic and abs(n) > turn else n
         for c, n in zip(coordinates, numbers, strict=True)
     ]
-    return np.array([mechanism.value_in(c, n) for c, n in zip(coordinates, whole, strict=True)])
 
 
 def pose_from(values: Joints | Pose, what: str = "pose") -> Pose:

@@ -44,7 +44,7 @@ def must_agree(mechanism: Mechanism) -> str | None:
     )
 
 
-@verb
+@verb()
 def mobility(mechanism: Mechanism, *, seed: int = 0) -> Mobility:
     """Count the freedoms of a mechanism: rank of the closure at generic configurations of the
     assembly that its file describes.

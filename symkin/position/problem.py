@@ -65,12 +65,22 @@ class Problem:
         return self.closure.mechanism
 
     @cached_property
+    def gives_pose(self) -> bool:
+        """Whether the known coordinates are those of a pose, of limbs or of a graph."""
+        return {c.role for c in self.known_coordinates} == {"pose"}
+
+    @cached_property
+    def gives_joints(self) -> bool:
+        """Whether they are all actuated joints, of limbs or of a graph."""
+        known = {c.name for c in self.known_coordinates}
+        return known == {*actuated_names(self.mechanism)} != set()
+
+    @property
     def name(self) -> Kind:
         """The kind as users read it."""
-        names = {c.name for c in self.known_coordinates}
-        if names and all(c.role == "pose" for c in self.known_coordinates):
+        if self.gives_pose:
             return "inverse"
-        return "direct" if names and names == set(actuated_names(self.mechanism)) else "given"
+        return "direct" if self.gives_joints else "given"
 
     @cached_property
     def carries_pose(self) -> bool:
@@ -208,17 +218,19 @@ _POSE_NAMES = {
 
 
 @lru_cache(maxsize=256)
-def plain_kind(mechanism: Mechanism, names: tuple[str, ...]) -> Kind | None:
-    """ "direct" or "inverse" where known coordinates are all actuated joints or the whole pose of
-    limbs; None for any others, and for a graph.
-    """
+def are_joints_of_limbs(mechanism: Mechanism, names: tuple[str, ...]) -> bool:
+    """Whether known coordinates are all actuated joints of limbs, in any order."""
+    return not mechanism.is_graph and {*names} == {*actuated_names(mechanism)} != set()
+
+
+@lru_cache(maxsize=256)
+def are_of_limbs(mechanism: Mechanism, names: tuple[str, ...]) -> bool:
+    """Whether known coordinates are all actuated joints or the whole pose of limbs."""
     if mechanism.is_graph:
-        return None
-    told = set(names)
+        return False
     whole = names == ("pose",) and all(c.name != "pose" for c in mechanism.coordinates)
-    if whole or (told and told == set(pose_names(mechanism))):
-        return "inverse"
-    return "direct" if told and told == set(actuated_names(mechanism)) else None
+    is_pose = whole or {*names} == {*pose_names(mechanism)}
+    return is_pose or are_joints_of_limbs(mechanism, names)
 
 
 @lru_cache(maxsize=256)
@@ -236,7 +248,7 @@ def build_problem(
     geometry is what is known. A closure of
     limbs holds joints that are `limited`.
     """
-    by_name = held is not None or plain_kind(mechanism, names) is None
+    by_name = held is not None or not are_of_limbs(mechanism, names)
     plain = Partition(frozenset(limited), pose=bool(limited))
     partition = _partition(mechanism, names, held) if by_name else plain
     return _problem(build_closure(mechanism, partition), names, by_name)

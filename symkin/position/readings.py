@@ -57,7 +57,9 @@ class Writing:
         """
         values = values + 0.0
         if self.angles:
-            values[:, self.angles] = _without_turns(values[:, self.angles])
+            turned = wrapped(values[:, self.angles])
+            turned[turned <= -math.pi + 1e-15] += _TURN
+            values[:, self.angles] = turned
         for k, limits in self.limited:
             values[:, k] = into_limits(values[:, k], limits)
         if self.rods:
@@ -92,12 +94,6 @@ def positive_quaternions(q: np.ndarray) -> np.ndarray:
     leading = (np.abs(q) > ROUNDED_COMPONENT).argmax(axis=1)
     sign = np.copysign(1.0, q[np.arange(len(q)), leading])
     return q * sign[:, None] + 0.0
-
-
-def _without_turns(angles: np.ndarray) -> np.ndarray:
-    """Angles without whole turns, in (-pi, pi]."""
-    turned = wrapped(angles)
-    return np.where(turned <= -math.pi + 1e-15, turned + _TURN, turned)
 
 
 def into_limits(angles: np.ndarray, limits: tuple[float, float]) -> np.ndarray:

@@ -69,21 +69,15 @@ class SolutionList(Sequence[Solution]):
 
     def chosen(self, places: np.ndarray | Sequence[int] | slice, **told: Any) -> SolutionList:
         """Some of the solutions, in the order of their places (any,), a part of them, or where a
-        mask (m,) holds; with what else is `told` of them.
+        mask (m,) holds; with what else is `told` of them. Arrays are cut when they are asked for.
         """
         some = object.__new__(SolutionList)
-        cut = {k: v[places] if isinstance(v, np.ndarray) else v for k, v in self.columns.items()}
-        vars(some).update(cut | told, _made={})
-        return some
-
-    def part(self, places: slice, notes: tuple[str, ...]) -> SolutionList:
-        """Those of one of many inputs, whose arrays are cut when they are asked for."""
-        some = object.__new__(SolutionList)
-        vars(some).update(closure=self.closure, notes=notes, _made={}, _of=(self, places))
+        own = {"closure": self.closure, "notes": self.notes, "_made": {}, "_of": (self, places)}
+        vars(some).update(own | told)
         return some
 
     def __getattr__(self, name: str) -> Any:
-        """An array of a part, cut at its first use."""
+        """An array of some solutions, cut at its first use."""
         if name.startswith("__") or "_of" not in vars(self):
             raise AttributeError(name)
         whole, places = vars(self)["_of"]

@@ -44,7 +44,7 @@ from symkin.position.solve_result import SolveError, SolveResult, iterates_of
 from symkin.position.starts import Start, begun, random_starts, start_notes
 from symkin.text import not_among
 from symkin.verb import verb
-from symkin.verb_options import refuse_ignored, takes
+from symkin.verb_options import refuse_ignored
 
 Solver = Newton | LeastSquares | ClosedForm | Levenberg
 SOLVERS: dict[str, Solver] = {
@@ -58,8 +58,7 @@ _NEARLY_CLOSED = 1e-6
 """Closure error, of the size, of ends that are polished to solutions."""
 
 
-@verb
-@takes(SolveOptions)
+@verb(SolveOptions)
 def solve(mechanism: Mechanism, **options: Unpack[SolveOptions]) -> SolveResult:
     """Find one solution of F(q, x, X, p) = 0 near `start`, for given `joints` q, a `pose` X, or
     values `given` by name.

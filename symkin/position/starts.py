@@ -19,7 +19,7 @@ from symkin.model.mechanism import Mechanism
 from symkin.numeric.levenberg import levenberg_marquardt
 from symkin.numeric.system import System, split_blocks
 from symkin.position.closed_configurations import whole_system
-from symkin.position.given import Given, given_by_name, joint_values, pose_from
+from symkin.position.given import Given, given_by_name, given_joints, pose_from
 from symkin.position.pose_coordinates import pose_coordinates
 from symkin.position.problem import Problem, actuated_names, build_problem, pose_names
 from symkin.position.solution import Solution
@@ -68,8 +68,7 @@ def _start_by_name(problem: Problem, start: Start) -> Given:
     if start is None:
         return Given((), np.zeros(0), {})
     if problem.of_pose:
-        joints = joint_values(mechanism, start, "start")  # type: ignore[arg-type]
-        return Given(actuated_names(mechanism), joints, {})
+        return given_joints(mechanism, start, "start")  # type: ignore[arg-type]
     if problem.of_joints:
         return _pose_on_motion(mechanism, start)
     if isinstance(start, Mapping):

@@ -69,9 +69,7 @@ def _coordinate_columns(
     joints; named points; other joints.
     """
     mechanism = problem.mechanism
-    pose = (
-        _pose_columns(solutions) if solutions[0].has_platform and problem.name != "inverse" else {}
-    )
+    pose = _pose_columns(solutions) if solutions[0].has_platform and not problem.gives_pose else {}
     points: Columns = {}
     for name in solutions[0].points:
         for i, axis in enumerate("xyz"):

@@ -155,7 +155,7 @@ def _needs_links(closure: Closure, own: Closure, lowered: Lowered | None) -> boo
     if lowered is not None:
         held |= {joint.name for guide in lowered.guides for joint in guide.joints}
     return any(
-        c.role == "body" or (c.role not in ("pose", "given", "geometry") and c.name not in held)
+        c.role == "body" or (c.role not in ("pose", "condition", "geometry") and c.name not in held)
         for c in closure.coordinates
     )
 
@@ -172,7 +172,7 @@ def _value(
     """
     if c.role == "body":
         return _of_body(closure, links, c)
-    if c.role == "given":
+    if c.role == "condition":
         return _of_pose(pose, c.name)
     return ca.SX(ca.DM(c.reference)) if c.role == "geometry" else read[c.name]
 

@@ -62,11 +62,9 @@ from symkin.velocity.equations import variables_of
 from symkin.velocity.limb_equations import LimbwiseEquations, limbwise_equations
 from symkin.velocity.roles import Roles, roles_of
 from symkin.verb import verb
-from symkin.verb_options import takes
 
 
-@verb
-@takes(SingularityOptions)
+@verb(SingularityOptions)
 def singularity(
     mechanism: Mechanism | Solution, **options: Unpack[SingularityOptions]
 ) -> Singularity:

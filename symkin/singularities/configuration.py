@@ -21,7 +21,7 @@ from symkin.position.solve import solve, solve_problem
 from symkin.position.solve_result import SolveError, SolveResult
 from symkin.position.starts import begun
 from symkin.position.transfer import variables_elsewhere
-from symkin.verb_options import takes
+from symkin.verb import verb
 
 _NEARLY_SINGULAR = 1e4
 """Condition above which a configuration of values by name is iterated to the last digit."""
@@ -31,7 +31,7 @@ _MOST_HALVINGS = 40
 """Steps from there to 1e-12; those at a double root end at 1e-8."""
 
 
-@takes(Begun)
+@verb(Begun)
 def configuration(mechanism: Mechanism, **options: Unpack[Begun]) -> Solution:
     """What `solve` reaches; where Newton's steps fail, as at a singular configuration,
     Levenberg-Marquardt from the same start, and that first where the start is singular and nearly

@@ -32,7 +32,7 @@ from symkin.model.mechanism import Mechanism
 from symkin.numeric.system import System
 from symkin.position.closed_configurations import closed_configurations, whole_system
 from symkin.position.determination import refuse_unless_determined
-from symkin.position.problem import Problem, actuated_names, build_problem, plain_kind, pose_names
+from symkin.position.problem import Problem, actuated_names, are_of_limbs, build_problem, pose_names
 from symkin.position.solution import Solution, named_values
 from symkin.position.transfer import (
     many_of_machine,
@@ -107,7 +107,7 @@ class Plane:
         base: Any = self.solution.actuated_values
         if self.of_pose:
             base = (*self.solution.position, *self.solution.quaternion)
-        elif plain_kind(self.mechanism, self.told) is None:
+        elif not are_of_limbs(self.mechanism, self.told):
             base = {
                 c.name: self.mechanism.value_out(c, float(self.value(c)[0])) for c in self.family
             }
@@ -159,7 +159,7 @@ def plane_of(solution: Solution, names: Sequence[str], known: Sequence[str] | No
         )
     low = machine_of(mechanism, told)
     machine = mechanism if low is None else low.machine
-    if plain_kind(machine, told) is not None:
+    if are_of_limbs(machine, told):
         return _plane(build_problem(machine, told), solution, low, names, told)
     problem = build_problem(mechanism, told)
     refuse_unless_determined(problem, rates=True)

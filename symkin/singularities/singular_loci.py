@@ -30,7 +30,7 @@ from symkin.singularities.motion_ranks import generic_ranks
 from symkin.singularities.options import LociOptions
 from symkin.velocity.roles import Roles
 from symkin.verb import verb
-from symkin.verb_options import check_seed, takes
+from symkin.verb_options import check_seed
 
 DEFAULT_STARTS = 200
 MOST_STARTS = 100_000
@@ -38,8 +38,7 @@ _FEW_HITS = 2
 """Where some curve was met by no more starts than this, another may have been met by none."""
 
 
-@verb
-@takes(LociOptions)
+@verb(LociOptions)
 def singular_loci(solution: Solution, plane: Sequence[str], **options: Unpack[LociOptions]) -> Loci:
     """Find the curves of singular configurations over two coordinates, or the points over one, all
     others as in `solution`.

@@ -55,7 +55,7 @@ def loci_over(
             "from"
         )
     told = given(some)
-    known = list(told["given"]) if "given" in told else None
+    known = told.get("given") and list(told["given"])
     sides = [(low, high) for low, high in ranges.values()]
     return singular_loci(configuration(folder.mechanism, **told), names, given=known, ranges=sides)
 
@@ -91,8 +91,9 @@ def _check_plane(
 
 def _alike(mechanism: Mechanism, here: Mapping[str, Any], there: Mapping[str, Any]) -> bool:
     """Whether what is given of two configurations is the same, angles but for whole turns."""
-    if "given" in here and set(here["given"]) == set(there.get("given", ())):
-        there = {"given": {name: there["given"][name] for name in here["given"]}}
+    own, other = here.get("given"), there.get("given", {})
+    if own and own.keys() == other.keys():
+        there = {"given": {name: other[name] for name in own}}
     one, two = (read_given(mechanism, **told) for told in (here, there))
     if one.names != two.names:
         return False

@@ -23,7 +23,7 @@ from symkin.sweeps.space import Space, Values, make_space
 from symkin.sweeps.store import Store, locked, mend, open_store, read_attributes, require_zarr
 from symkin.sweeps.table import write_csv
 from symkin.verb import verb
-from symkin.verb_options import refuse_ignored, takes
+from symkin.verb_options import refuse_ignored
 
 if TYPE_CHECKING:
     from concurrent.futures import Executor
@@ -101,8 +101,7 @@ class Swept(Result):
         }
 
 
-@verb
-@takes(SweepOptions)
+@verb(SweepOptions)
 def sweep(
     mechanism: Mechanism,
     grid: Mapping[str, Values] | None = None,

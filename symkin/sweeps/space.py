@@ -20,8 +20,8 @@ from symkin.position.given import (
     Given,
     Joints,
     given_coordinates,
+    given_joints,
     in_file_order,
-    joint_values,
     pose_from,
     read_given,
 )
@@ -200,7 +200,7 @@ def _check_ends(space: Space) -> None:
                 space.given_at_end(end)
             case "inputs":
                 point = [float(axis.values[end]) for axis in space.axes]
-                joint_values(space.mechanism, space.given(point)["joints"], "grid")
+                given_joints(space.mechanism, space.given(point)["joints"], "grid")
 
 
 def _angles_in(mechanism: Mechanism, values: np.ndarray, *, whole_turns: bool) -> np.ndarray:
@@ -299,7 +299,7 @@ def _base(mechanism: Mechanism, poses: bool, at: Joints | Pose | None) -> tuple[
             "at: a pose is given; a sweep over inputs takes all actuated joints (over='poses' "
             "sweeps over poses)"
         )
-    joint_values(mechanism, at, "at")
+    given_joints(mechanism, at, "at")
     return tuple(float(v) for v in in_file_order(mechanism, at, "at"))
 
 

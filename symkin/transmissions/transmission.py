@@ -25,7 +25,6 @@ from symkin.transmissions.options import MotorOptions, TransmissionOptions
 from symkin.transmissions.states import States
 from symkin.transmissions.transmission_result import Transmission, Transmissions
 from symkin.verb import verb
-from symkin.verb_options import takes
 
 _OPEN = 1e-6
 """Closure error at the reference, over the size, above which loops are open there."""
@@ -51,8 +50,7 @@ def transmission(
     joints: Sequence[str] | None = None,
     **options: Unpack[TransmissionOptions],
 ) -> Transmission: ...
-@verb
-@takes(TransmissionOptions)
+@verb(TransmissionOptions)
 def transmission(
     mechanism: Mechanism,
     motors: Sequence[str] | None = None,

@@ -30,7 +30,6 @@ from symkin.velocity.kinds import driven_places, matrix_of
 from symkin.velocity.options import JacobianOptions
 from symkin.velocity.rates import NamedRates, check_names, graph_rates, rates_by_name
 from symkin.verb import verb
-from symkin.verb_options import takes
 
 Values = Solution | Mapping[str, Any] | np.ndarray
 """A configuration: a Solution, its `values`, or the vector of the closure's variables."""
@@ -249,8 +248,7 @@ class Jacobian(Result):
         return f"rates of {', '.join(self.rows)} by those of {', '.join(self.columns)}"
 
 
-@verb
-@takes(JacobianOptions)
+@verb(JacobianOptions)
 def jacobian(
     mechanism: Mechanism, kind: str | None = None, **options: Unpack[JacobianOptions]
 ) -> Jacobian:

@@ -14,7 +14,7 @@ from symkin.model.mechanism import Mechanism
 from symkin.numeric.tolerances import RANK_TOLERANCE
 from symkin.position.determination import determination
 from symkin.position.given import given_coordinates, unknown_name
-from symkin.position.problem import actuated_names, build_problem, plain_kind, pose_names
+from symkin.position.problem import actuated_names, are_of_limbs, build_problem, pose_names
 
 _OPEN_RANK, _MOST_OPEN = 1e3, 1e-2
 """Singular values below this many times the share of the size by which loops stay open are those of
@@ -107,7 +107,7 @@ def roles_of(
     """
     driven = actuated_names(mechanism)
     driven = driven if inputs is None else checked_names(mechanism, inputs, "given")
-    if outputs is None and plain_kind(mechanism, driven) is not None:
+    if outputs is None and are_of_limbs(mechanism, driven):
         return Roles.of_limbs(mechanism)
     if not driven:
         raise InputError(f"{mechanism.name}: no joint is actuated; name what drives it, by given")

@@ -42,7 +42,7 @@ from symkin.model.mechanism import Mechanism
 from symkin.numeric.tolerances import RANK_TOLERANCE
 from symkin.result import Result, Summary
 from symkin.verb import verb
-from symkin.verb_options import check_seed, refuse_ignored, takes
+from symkin.verb_options import check_seed, refuse_ignored
 
 _CANDIDATES_PER_WEDGE, _MAX_CANDIDATES = 150, 3000
 """Candidates for each wedge, and in all."""
@@ -187,8 +187,7 @@ def _check(options: PlanOptions, configurations: int) -> None:
         )
 
 
-@verb
-@takes(PlanOptions)
+@verb(PlanOptions)
 def plan_measurements(
     workspace: Workspace | Mechanism,
     configurations: int,

@@ -46,14 +46,12 @@ from symkin.position.problem import build_problem
 from symkin.position.solve import solve
 from symkin.spatial.pose import Pose
 from symkin.verb import verb
-from symkin.verb_options import takes
 
 _KEY = "model_sha256"
 """What the manifest of a folder of firmware has, and others have not."""
 
 
-@verb
-@takes(FirmwareOptions)
+@verb(FirmwareOptions)
 def write_firmware(
     mechanism: Mechanism, directory: Path | str, **options: Unpack[FirmwareOptions]
 ) -> list[Path]:

@@ -222,7 +222,7 @@ def rates_text(direct: DirectionSource, inverse: DirectionSource) -> str:
 
 def _columns(way: DirectionSource) -> tuple[SolvedColumns, str]:
     """The rates by each known value, and the function of their right-hand sides."""
-    of, what = ("joint", "joints") if way.direction.name == "direct" else ("found", "found values")
+    of, what = ("joint", "joints") if way.is_direct else ("found", "found values")
     solved = SolvedColumns(way.kernel, way.k, f"{way.name}_{of}_columns", way.n, way.names)
     emitter = Emitter(row_derivatives(way.direction), ["w->x", way.numbers_of_known], way.real)
     return solved, solved.text(f"Derivatives of the rows by the {what}, row by row.", emitter)
@@ -237,7 +237,7 @@ def _jacobian(
     made, n = way.made, way.n
     y, state = way.state_of("found")
     set_ = [f"{way.k}_place(&w, {way.words[0]}, {way.names['from']});"]
-    if made.passive and way.direction.name == "inverse":
+    if made.passive and not way.is_direct:
         # the state has the joints that are given, not those that the found values lead to
         places = way.places(made.given)
         set_ = [*way.circles("joints", made.given, "y", places), *set_]

@@ -70,18 +70,18 @@ class DirectionSource(MapValues):
         return self.direction.unknown
 
     @property
-    def _is_direct(self) -> bool:
+    def is_direct(self) -> bool:
         return self.direction.name == "direct"
 
     @property
     def wanted(self) -> tuple[Coordinate, ...]:
         """What the direction is for."""
-        return self.made.found if self._is_direct else self.made.given
+        return self.made.found if self.is_direct else self.made.given
 
     @property
     def words(self) -> tuple[str, str]:
         """What the known and the wanted values are called."""
-        return ("joints", "found") if self._is_direct else ("found", "joints")
+        return ("joints", "found") if self.is_direct else ("found", "joints")
 
     @property
     def n(self) -> int:
@@ -369,14 +369,14 @@ class DirectionSource(MapValues):
             ),
             "about_track": f"One step of the {self.direction.name} problem from the last values.",
             "f": self.k,
-            "track": "name_track" if self._is_direct else "name_track_inverse",
+            "track": "name_track" if self.is_direct else "name_track_inverse",
             "begin": begin,
             "follow": follow,
             "line_results": [*unused, *self._results("w->x", "guess")],
             "track_results": [f"real result[{n}];", *self._results("w.x", out)],
             "store": [f"{out}[{i}] = result[{i}];" for i in range(n)],
-            "no_step": "name_write_no_step(info, joints);" if self._is_direct else no_step,
-            "blame_result": "" if self._is_direct else blame,
+            "no_step": "name_write_no_step(info, joints);" if self.is_direct else no_step,
+            "blame_result": "" if self.is_direct else blame,
             "change": change,
             "stand_at": stand_at,
             # of the checks that a guess, or an answer, stands where the known values are
