@@ -126,7 +126,7 @@ def _plain(mujoco: Any, spec: Any) -> tuple[list[dict[str, Any]], list[tuple[Any
         body.explicitinertial, body.mass, body.inertia = True, 1.0, [1.0] * 3
         body.ipos, body.iquat, body.fullinertia = [0.0] * 3, [1.0, 0.0, 0.0, 0.0], [math.nan] * 6
     spec.compiler.fusestatic = False
-    spec.memory = spec.nstack = -1  # as large as the compiler wants them
+    spec.memory = spec.nstack = spec.njmax = spec.nconmax = -1  # as large as the compiler wants
     return meshes, of_geoms
 
 

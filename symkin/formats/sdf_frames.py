@@ -285,7 +285,9 @@ class SdfFrames:
         last = self.frames.get(path[-1] if path else name)
         if at not in self.frames:
             element = last.element if last is not None else next(iter(self.frames.values())).element
-            raise element.error(f"the frame {at!r} in which it is told is unknown")
+            raise element.error(
+                f"the frame {at!r} in which it is told is unknown{meant(at, self.frames)}"
+            )
         if last is not None and len(path) > len(self.frames):
             raise last.element.error("the poses of frames are told in each other in a circle")
 

@@ -43,6 +43,8 @@ _TYPES: dict[str, JointType] = {
 }
 _CLOSING = re.compile(r"closing_(.+)_([12])")
 """Links of onshape-to-robot: the two frames of one mate."""
+_OPPOSITE = 1e-9
+"""Below this 1 + cos is rounding of axes that are 180 deg apart, to 5e-5 rad."""
 
 
 def loops_within(
@@ -156,9 +158,9 @@ class _Reader:
         (_, _, told), (_, frame, other) = ends
         if kind == "P" and other is not None and told != other and set(links) <= self.zero.keys():
             # two axes tell no angle about them, which a slide holds: it is that of the file
-            there = self.zero[links[0]] @ first
-            back = (self.zero[links[1]] @ frame).inverse()
-            second = frame @ frame_along(other, back.turn(there.turn(np.array([1.0, 0.0, 0.0]))))
+            there, back = self.zero[links[0]] @ first, (self.zero[links[1]] @ frame).inverse()
+            x, z = (back.turn(there.turn(unit)) for unit in np.eye(3)[[0, 2]])
+            second = frame @ frame_along(other, _least_turned(x, z, np.asarray(other)))
         axis = Z if JOINT_FORMS[kind].axes else None
         return RobotJoint(
             element.attribute("name") if "name" in element.attributes else f"loop{element.line}",
@@ -169,6 +171,15 @@ class _Reader:
             closing=True,
             where=element.where,
         )
+
+
+def _least_turned(x: np.ndarray, z: np.ndarray, end: np.ndarray) -> np.ndarray:
+    """Where the least turn that takes z along another axis takes an x across z; x itself for
+    opposite axes, which every half turn across them joins.
+    """
+    end = end / np.linalg.norm(end)
+    share = 1.0 + z @ end
+    return x if share < _OPPOSITE else x - (x @ end) / share * (z + end)
 
 
 # --- one form each --------------------------------------------------------------------------------

@@ -32,7 +32,7 @@ from symkin.position.closed_configurations import (
     begun_closed,
     whole_system,
 )
-from symkin.position.generic_rank import GenericRank, generic_rank
+from symkin.position.generic_rank import GenericRank, first_order_sentences, generic_rank
 from symkin.position.gruebler import counts
 from symkin.position.mobility import mobility
 from symkin.position.moved_reference import with_reference_at
@@ -154,6 +154,8 @@ def _closing_notes(found: Closed, rank: int, generic: GenericRank | None) -> lis
             f"closed configurations beside it{digits}: "
             f"the mobility is {freedom - rank} here, and {freedom - value} there"
         )
+    if generic is not None:
+        notes += first_order_sentences(freedom - generic.rank.value, generic.infinitesimal)
     return notes
 
 

@@ -16,6 +16,7 @@ from symkin.position.closed_configurations import (
 )
 from symkin.position.file_digits import BLUR, ToDigits, rank_to_digits
 from symkin.position.own_component import Component
+from symkin.text import counted
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,6 +40,20 @@ class GenericRank:
         """How much more the rank to digits is than that here, where nothing beside it closes."""
         digits = self.digits
         return 0 if digits is None or digits.at_reference is None else digits.rank - self.rank.value
+
+
+def first_order_sentences(freedoms: int, infinitesimal: int) -> list[str]:
+    """What is said of freedoms of first order that no motion follows, of all of them."""
+    if not infinitesimal:
+        return []
+    if infinitesimal == freedoms:
+        freedom = counted(freedoms, "freedom")
+        return [f"no motion leads away from the reference: it is shaky in {freedom} of first order"]
+    return [
+        f"{infinitesimal} of {freedoms} freedoms of first order "
+        f"{'is' if infinitesimal == 1 else 'are'} no motion: every configuration of this assembly "
+        f"is singular"
+    ]
 
 
 def generic_rank(assembly: Assembly, seed: int) -> GenericRank:

@@ -12,6 +12,7 @@ from symkin.computed_once import cached_property
 from symkin.numeric.rank import Rank
 from symkin.numeric.tolerances import CLEAR_GAP, FILE_DIGITS, RANK_TOLERANCE
 from symkin.position.file_digits import ToDigits
+from symkin.position.generic_rank import first_order_sentences
 from symkin.position.gruebler import counts
 from symkin.position.limb_screws import LimbScrews, in_space
 from symkin.position.loops import Loop, loops_at
@@ -157,18 +158,7 @@ class Mobility(Result):
         """What is said of motions that end at once, of branches that meet and of other
         assemblies.
         """
-        found, first_order = [], self.freedoms - self.rank.value
-        if self.infinitesimal == first_order > 0:
-            found.append(
-                f"no motion leads away from the reference: it is shaky in "
-                f"{counted(first_order, 'freedom')} of first order"
-            )
-        elif self.infinitesimal:
-            found.append(
-                f"{self.infinitesimal} of {first_order} freedoms of first order "
-                f"{'is' if self.infinitesimal == 1 else 'are'} no motion: every configuration "
-                "of this assembly is singular"
-            )
+        found = first_order_sentences(self.freedoms - self.rank.value, self.infinitesimal)
         if self.other_ranks:
             found.append(
                 f"branches meet near the reference: closed configurations beside it have a "

@@ -126,6 +126,20 @@ def test_a_singular_configuration(tmp_path: Path) -> None:
     found.plot(tmp_path / "flat.png")
 
 
+def test_a_robot_that_no_motion_leads_away_from_is_told_so(tmp_path: Path) -> None:
+    """Two bars that a connect holds stretched: a freedom of first order, and no mobility."""
+    bar = '<site name="{}" pos="{} 0 0"/>'
+    bars = body("a", "0 0 0", joint("a") + bar.format("s", 1)) + body(
+        "b", "2 0 0", joint("b") + bar.format("t", -1)
+    )
+    path = tmp_path / "stretched.xml"
+    rest = '<equality><connect site1="s" site2="t"/></equality>'
+    path.write_text(file_text(bars, rest), encoding="utf-8")
+    found = symkin.close(path)
+    assert (found.mobility, found.to_dict()["generic"]["mobility"]) == (1, 0)
+    assert any(note.startswith("no motion leads away") for note in found.notes)
+
+
 def test_limits_that_the_closed_configuration_breaks(tmp_path: Path) -> None:
     path = open_four_bar(tmp_path, 0.6)
     path.write_text(

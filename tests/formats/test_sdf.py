@@ -486,9 +486,9 @@ BAD = {
         "in each other in a circle",
     ),
     "told in nothing": (
-        BODIES.replace("<pose>1", "<pose relative_to='zz'>1") + GOOD,
+        "<frame name='tip'/>" + BODIES.replace("<pose>1", "<pose relative_to='tipp'>1") + GOOD,
         "1.7",
-        "the frame 'zz' in which it is told is unknown",
+        "the frame 'tipp' in which it is told is unknown (do you mean 'tip'?)",
     ),
     "old frames": (
         BODIES.replace("<pose>1", "<pose relative_to='a'>1") + GOOD,

@@ -4,6 +4,7 @@ motors; what is wrong is one sentence.
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
 import numpy as np
@@ -138,6 +139,28 @@ def test_a_slide_told_by_an_axis_on_either_link_is_closed_where_the_file_is(
     assert closure.joint.type == "P"
     assert closure_misfit(closure, displaced(robot, {"s": 0.3, "t": 0.0})) < 1e-12
     assert closure_misfit(closure, displaced(robot, {"s": 0.0, "t": 0.3})) > 0.01
+
+
+@pytest.mark.parametrize("angle", [40.0, 90.0, 130.0])
+def test_a_slide_of_two_axes_stays_in_the_plane_of_its_linkage(
+    angle: float, tmp_path: Path
+) -> None:
+    """A block slides along an axis that is turned in the plane of its slider-crank: closed, it is
+    turned back in this plane.
+    """
+    x, y = math.cos(math.radians(angle)), math.sin(math.radians(angle))
+    inside = (
+        TREE
+        + f"""<link name="guide"/><joint name="g" type="fixed"><parent link="ground"/>
+      <child link="guide"/><origin xyz="4 0 0"/></joint>
+      <constraint name="d" type="prismatic"><parent link="guide"/><child link="rod"/>
+      <child_origin xyz="3 0 0"/><parent_axis xyz="1 0 0"/><child_axis xyz="{x} {y} 0"/>
+      </constraint>"""
+    )
+    (closure,) = read(tmp_path, inside).closures
+    turn = closure.frames[0] @ closure.frames[1].inverse()
+    assert np.allclose(turn.turn(np.array([0.0, 0.0, 1.0])), [0.0, 0.0, 1.0])
+    assert np.allclose(turn.turn(np.array([x, y, 0.0])), [1.0, 0.0, 0.0])
 
 
 def test_closures_join_what_no_joint_does(tmp_path: Path) -> None:
