@@ -14,9 +14,14 @@ another code than the one that is written are left out.
 from __future__ import annotations
 
 import argparse
+import atexit
 import json
+import os
 import re
-from collections.abc import Collection, Mapping
+import shutil
+import tempfile
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from functools import lru_cache
 from pathlib import Path
 
 from symkin.codegen.folder.folder import folder_files, write_folder
@@ -40,6 +45,12 @@ COMMITTED = (
 of each, of either real type.
 """
 DIGESTS = HERE / "digests.json"
+FOLDERS = sorted([*COMMITTED, *json.loads(DIGESTS.read_text())])
+"""Names of all folders."""
+PLACE = "SYMKIN_FOLDERS"
+"""Environment variable: where several processes share the folders that they write; each has a place
+of its own without it.
+"""
 HOMES = {"zhang2009": (0.0, 0.0, 420.0, 1.0, 0.0, 0.0, 0.0)}
 """Homes where the file's reference is singular: the middle of the bench's workspace."""
 MAPS = {"ankle": (("upper_motor", "lower_motor"), ("ankle.1", "ankle.2"))}
@@ -73,6 +84,47 @@ def variants() -> list[tuple[str, str, Options]]:
         ),
         ("zhang2009_double_struct", "zhang2009", Options("double", geometry="struct", home=home)),
     ]
+
+
+def folder_of(name: str) -> Path:
+    """A folder by its name; one that is not committed is written when it is first asked for,
+    without measured figures: beside its place and moved there whole, because another process may
+    be quicker.
+    """
+    if name in COMMITTED:
+        return HERE / name
+    place = _place() / name
+    if not place.exists():
+        place.parent.mkdir(parents=True, exist_ok=True)
+        source, options = {folder: (m, o) for folder, m, o in variants()}[name]
+        with tempfile.TemporaryDirectory(dir=place.parent) as scratch:
+            written = Path(scratch) / name
+            write_folder(load(source), written, options)
+            try:
+                written.rename(place)
+            except OSError:
+                if not place.exists():
+                    raise
+    return place
+
+
+def folders_of(names: Sequence[str]) -> Iterator[Path]:
+    """Folders by name, or wherever one stands; all without names."""
+    for name in names or FOLDERS:
+        yield folder_of(name) if name in FOLDERS else Path(name).resolve()
+
+
+@lru_cache(maxsize=1)
+def _place() -> Path:
+    """Where folders are written: the shared place, or one of this process, which is removed when it
+    ends.
+    """
+    shared = os.environ.get(PLACE)
+    if shared:
+        return Path(shared)
+    own = Path(tempfile.mkdtemp(prefix="symkin-folders-"))
+    atexit.register(shutil.rmtree, own, ignore_errors=True)
+    return own
 
 
 def digest_of(files: Mapping[str, str]) -> str:

@@ -5,7 +5,7 @@ README.md.
 
 FOLDER is a name of generate.py's, all of them without, or a folder that `symkin firmware` wrote.
 Cases are those of the folder's own vectors: every other one starts far from its answer (cold), the
-others next to it (warm); 64 poses about home each for a platform whose home is HOME, warm within
+others next to it (warm); 64 poses about home each for zhang2009, whose home is chosen, warm within
 0.2 mm and 1 mrad of the answer. Bytes, stack and worst cases: worst.py.
 """
 
@@ -19,10 +19,10 @@ from pathlib import Path
 import numpy as np
 
 from calls import manifest_of, program
-from folders import FOLDERS, chosen
+from generate import FOLDERS, HOMES, folders_of
 from processors import BOARD_OF, HOST, TICK, counted, said
 from readme import table, told, written
-from subjects import HOME, machine_of
+from subjects import machine_of
 from symkin.codegen.folder.own_test_text import vectors_text
 from symkin.codegen.folder.vectors import Vectors
 from symkin.codegen.map.options import Options
@@ -46,6 +46,7 @@ CASES = {
 """Functions of each kind of folder that are told, and what their even and odd vectors are called;
 the last one of a map is the Jacobian and the second derivatives.
 """
+HOME = HOMES["zhang2009"]
 HEADS = ("folder", "processor", "case", "mean", "largest", "largest error")
 
 
@@ -76,7 +77,7 @@ def rows_of(folder: Path, processor: str, cc: str = "gcc") -> list[tuple[str, ..
 
 
 def _about_home(chosen: dict[str, object]) -> str:
-    """Vectors of the platform whose home is HOME: 64 poses within 60 mm and 0.25 rad of it, twice:
+    """Vectors of zhang2009 about its chosen home: 64 poses within 60 mm and 0.25 rad of it, twice:
     from home, and from within 0.2 mm and 1 mrad of the answer.
     """
     options = Options(chosen["real"], chosen["home_relative"], chosen["geometry"], HOME)  # type: ignore[arg-type]
@@ -109,7 +110,7 @@ def main() -> None:
     parser.add_argument("--cc", default="gcc", help="the host's compiler")
     parser.add_argument("--write", action="store_true", help="the table of codegen/README.md")
     given, rows = parser.parse_args(), list[tuple[str, ...]]()
-    for folder in chosen(given.folders):
+    for folder in folders_of(given.folders):
         board = BOARD_OF[manifest_of(folder)[2]["options"]["real"]]
         for processor in given.processor or (board, HOST):
             rows += rows_of(folder, processor, given.cc)

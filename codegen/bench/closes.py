@@ -7,17 +7,12 @@ asked for once more, from itself: standing still has to be OK.
 
 from __future__ import annotations
 
-import sys
 import tomllib
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-
-from processors import BENCH
-
-sys.path.append(str(BENCH.parents[1] / "tests"))
 
 from asked import Asked
 from campaigns.twin_oracle import Limbs, Oracle, numbers_only, oracle_of

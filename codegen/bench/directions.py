@@ -281,7 +281,7 @@ def directions(asked: Asked, longest: float = LONGEST) -> list[Direction]:
             (kind.direct, "direct", asked.options.find),
             (kind.inverse, "inverse", asked.options.given),
         ):
-            by = "map, formulas" if way.is_closed else "map, Newton"
+            by = f"map {function}, {'formulas' if way.is_closed else 'Newton'}"
             places = np.array([way.problem.system.places[name].start for name in wanted])
             found.append(Direction(asked, way.problem, longest, by, function, places))
         return [replace(one, back=other) for one, other in (found, found[::-1])]

@@ -1,7 +1,6 @@
 """Bytes of code and worst-case stack of a folder's functions, by the ARM compiler's own tools.
 
-Stacks follow callees: those of the folder's functions as the compiler says (-fcallgraph-info),
-those of libm as their code pushes.
+Stacks follow callees, those of libm among them: what their code pushes.
 """
 
 from __future__ import annotations
@@ -39,39 +38,22 @@ def footprints(
     """
     with tempfile.TemporaryDirectory() as scratch:
         place, roots = Path(scratch), [f"{name}_{f}" for f in functions]
-        sections = "-ffunction-sections -fdata-sections -fcallgraph-info=su"
+        sections = "-ffunction-sections -fdata-sections"
         compiled_for(board, f"{sections} -I{folder} -c {folder / name}.c -o z.o", place)
-        frames, calls = call_graph(next(place.glob("*.ci")).read_text())
         alone = "-nostdlib -Wl,--unresolved-symbols=ignore-all"
         sizes = [[_linked([f], board, place, o) for o in (alone, LIBRARIES)] for f in roots]
         _linked(roots, board, place, LIBRARIES)
-        pushed, jumps = disassembled(_tool("objdump -d --no-show-raw-insn z.elf", place))
-        for callee in (set().union(*calls.values()) - set(frames)) & set(pushed):
-            frames[callee] = depth(callee, pushed, jumps)
+        frames, jumps = disassembled(_tool("objdump -d --no-show-raw-insn z.elf", place))
         found = {
-            function: Footprint(depth(root, frames, calls), *size)
+            function: Footprint(depth(root, frames, jumps), *size)
             for function, root, size in zip(functions, roots, sizes, strict=True)
         }
         return found, _size("z.o", place), sorted(_tool("nm -u z.o", place).split()[1::2])
 
 
-def call_graph(text: str) -> tuple[dict[str, int], dict[str, set[str]]]:
-    """Each function's own stack and its callees, of a compiler's call graph; frames whose size is
-    not fixed are refused.
-    """
-    nodes = re.findall(r'title: "([^"]+)" label: "[^"]*\\n(\d+) bytes \((\w+)\)', text)
-    dynamic = [title for title, _, kind in nodes if kind != "static"]
-    if dynamic:
-        raise ValueError(f"the stack of {', '.join(dynamic)} has no fixed size")
-    calls: dict[str, set[str]] = defaultdict(set)
-    for caller, callee in re.findall(r'sourcename: "([^"]+)" targetname: "([^"]+)"', text):
-        calls[caller].add(callee)
-    return {title: int(size) for title, size, _ in nodes}, dict(calls)
-
-
 def disassembled(text: str) -> tuple[dict[str, int], dict[str, set[str]]]:
     """Each function's own stack and where it jumps to, of a disassembly: pushes and what is taken
-    off the stack pointer.
+    off the stack pointer; what is not fixed is refused.
     """
     frames: dict[str, int] = {}
     jumps: dict[str, set[str]] = defaultdict(set)
@@ -94,9 +76,11 @@ def _pushed(operation: str, operands: str) -> int:
         registers = operands[operands.index("{") + 1 : operands.index("}")]
         size = 8 if registers.startswith("d") else 4
         return size * sum(_count(part.strip()) for part in registers.split(","))
-    if operation.startswith("sub"):
+    if operation.startswith("sub") and operands.startswith("sp,"):
         taken = re.match(r"sp,(?: sp,)? #(\d+)", operands)
-        return int(taken[1]) if taken else 0
+        if taken is None:
+            raise ValueError(f"sub {operands}: a stack of no fixed size")
+        return int(taken[1])
     stored = re.search(r"\[sp, #-(\d+)\]!", operands)
     return int(stored[1]) if stored else 0
 

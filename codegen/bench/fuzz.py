@@ -16,7 +16,7 @@ import tempfile
 from pathlib import Path
 
 from calls import program
-from folders import chosen
+from generate import folders_of
 from processors import HOST, said
 
 FLAGS = """-std=gnu99 -O1 -g -fno-omit-frame-pointer -ftrapping-math
@@ -44,7 +44,7 @@ def main() -> int:
     parser.add_argument("--mode", choices=MODES, default="trap")
     given = parser.parse_args()
     findings = 0
-    for folder in chosen(given.folders):
+    for folder in folders_of(given.folders):
         clean, told = fuzzed(folder, given.count, given.seed, given.mode)
         findings += not clean
         print(f"{folder.name}: {'no finding' if clean else 'FOUND'}\n{told}", flush=True)

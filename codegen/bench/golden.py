@@ -6,7 +6,7 @@ refused.
 tests/data/golden_counts.toml holds them for 25 machines in float and double; each difference is
 told. `--write` accepts what is found: of the machines that are named, or of all. Operations are
 those that headers state, counted in the text that was written, so that no processor and no library
-changes them. Statuses are those of fixed goals (branches.py), a letter a goal.
+changes them. Statuses are those of fixed goals (ranges.py), a letter a goal.
 """
 
 from __future__ import annotations
@@ -18,15 +18,19 @@ import tomllib
 from collections.abc import Mapping
 from itertools import product
 
-from branches import LETTERS, REALS, statuses
-from directions import directions
+import numpy as np
+
+from directions import Direction, directions
+from generate import REALS
 from processors import BENCH
-from ranges import RANGES
+from ranges import RANGES, Reach, goals_about
 from subjects import GOLDEN as MACHINES
 from subjects import machine_of
 
 GOLDEN = BENCH.parents[1] / "tests" / "data" / "golden_counts.toml"
 COLUMNS = ("iterations", "additions", "multiplications", "divisions", "sqrt", "sin", "cos", "atan2")
+LETTERS = "OMSNRW"
+"""Of the statuses, in the order of STATUSES: OUT_OF_RANGE is R, the others begin with theirs."""
 GOALS = 30
 """Goals a leg and range."""
 LEGS = 2
@@ -60,8 +64,21 @@ def found(machine: str, real: str) -> Figures:
     }
     lines = directions(asked)[0]
     ranges = {} if asked.kind == "map" else RANGES
-    said = {words: statuses(lines, GOALS, reach, SEED, LEGS) for words, reach in ranges.items()}
+    said = {words: statuses(lines, reach) for words, reach in ranges.items()}
     return {"operations": operations, "statuses": said}
+
+
+def statuses(lines: Direction, reach: Reach) -> str:
+    """The letter of the status of each goal: of GOALS from home, then as many from what was OK on
+    the leg before.
+    """
+    rng, home = np.random.default_rng(SEED), lines.home.repeated(GOALS).guesses
+    guesses, said = home, ""
+    for _ in range(LEGS):
+        answers = lines.answers(goals_about(lines, GOALS, reach, rng), guesses)
+        said += "".join(LETTERS[status] for status in answers.status)
+        guesses = np.where((answers.status == 0)[:, None], answers.found, home)
+    return said
 
 
 def kept() -> dict[str, dict[str, Figures]]:

@@ -6,11 +6,14 @@ from __future__ import annotations
 
 import re
 import subprocess
+import sys
 import tempfile
 from pathlib import Path
 from shlex import split
 
 BENCH = Path(__file__).resolve().parent
+# the scripts of this folder import generate.py and the tests' campaigns
+sys.path += [str(BENCH.parent), str(BENCH.parents[1] / "tests")]
 TARGETS = BENCH.parent / "targets"
 BOARDS = {
     "M4F": ("mps2-an386", "-mcpu=cortex-m4 -mfpu=fpv4-sp-d16"),

@@ -10,7 +10,8 @@ from functools import partial
 
 import numpy as np
 
-from directions import Direction, Outcome, Starts
+from continuation import LONGEST
+from directions import PLAIN, Direction, Outcome, Starts
 from symkin.codegen.map.rod_platform import RodPlatform
 from symkin.codegen.serial_arm import SerialArm
 from symkin.spatial.pose import Pose
@@ -220,15 +221,26 @@ def paths_of(lines: Direction, count: int, steps: int, rng: np.random.Generator)
     return np.array([_known_at(lines, row) for row in found]) if arm else found
 
 
-ARMS = {"anywhere": anywhere, "folds": partial(anywhere, folds=True)}
-"""Ranges of arms alone."""
+# --- the table ------------------------------------------------------------------------------------
 
 
-def maker(word: str, legs: int, steps: int) -> Callable[..., Iterator[Outcome]]:
-    """What makes a range's outcomes of lines, a count and a generator."""
-    if word in ARMS:
-        return ARMS[word]
-    if word == "paths":
-        return partial(paths, steps=steps)
+@dataclass(frozen=True)
+class Range:
+    """What is sent: outcomes of a problem's lines, `count` a leg, and the longest step of walks."""
+
+    outcomes: Callable[[Direction, int, np.random.Generator], Iterator[Outcome]]
+    count: int = 2000
+    longest: float = LONGEST
+
+
+def range_of(word: str, legs: int, steps: int) -> Range:
+    """A range by its name, or by how far goals lie from home."""
+    special = {
+        "anywhere": Range(anywhere),
+        "folds": Range(partial(anywhere, folds=True)),
+        "paths": Range(partial(paths, steps=steps), 25, PLAIN),
+    }
+    if word in special:
+        return special[word]
     reach = RANGES.get(word) or Reach(*(float(number) for number in word.split(",")))
-    return partial(by_legs, reach=reach, legs=legs)
+    return Range(partial(by_legs, reach=reach, legs=legs))

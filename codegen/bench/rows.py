@@ -1,12 +1,15 @@
-"""Counts of what goals came to, in one range of one machine or of many."""
+"""Judge what the C answers, and count it."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
 from asked import STATUSES
+from directions import HARD, PLAIN, Direction, Outcome
 
 
 @dataclass
@@ -49,6 +52,14 @@ class Row:
             setattr(self, key, getattr(self, key) + value)
         self.most_steps = most
 
+    def kept(self) -> dict[str, Any]:
+        """As JSON holds it."""
+        return {**vars(self), "regular": self.regular.tolist()}
+
+    @classmethod
+    def of(cls, kept: Mapping[str, Any]) -> Row:
+        return cls(**{**kept, "regular": np.array(kept["regular"])})
+
     def cells(self) -> dict[str, str]:
         """Cells of a table by their heads; empty where there is nothing to tell."""
         cells = {"goals": f"{self.goals:,}", "OK": f"{self.ok:,}", "OK wrong": f"{self.wrong:,}"}
@@ -62,3 +73,63 @@ class Row:
         mean, most = steps if self.steps else ("", "")
         cells |= {"feasible taken": of, "OK of regular lines": share}
         return cells | {"refused regular lines": told, "mean steps": mean, "most steps": most}
+
+
+def judged(lines: Direction, outcomes: Iterable[Outcome]) -> Row:
+    """Counts of all outcomes, and what is wrong in them."""
+    row = Row()
+    for outcome in outcomes:
+        row.add(_counted(lines, outcome))
+    return row
+
+
+def _counted(lines: Direction, outcome: Outcome) -> Row:
+    ok, ends, goals = outcome.ok, outcome.ends, outcome.goals
+    status, found, steps = outcome.answers
+    row = Row(len(ok), int(np.sum(ok)), steps=int(steps.sum()), most_steps=int(steps.max()))
+    reached = lines.stated(ends.unknowns, goals)
+    refused = outcome.regular & ~ok
+    refused[refused] = lines.gives_back(reached[refused], goals[refused])
+    stands_for = np.sum(~ok) / max(1, np.sum(outcome.walked & ~ok))
+    row.regular = stands_for * np.bincount(status[refused], minlength=len(STATUSES))
+    row.regular[0] += np.sum(outcome.regular & ok)
+    told = lines.tells(np.where(ok[:, None], found, reached), goals)
+    row.anew = int(np.sum(outcome.right & ~told))
+    again = lines.answers(goals, np.where(ok[:, None], found, outcome.starts.guesses)).status
+    wrong = {
+        "wrong": ok & ~outcome.right,
+        "moved": outcome.right & outcome.regular & told & (again != 0),
+        "stuck": _stuck(lines, outcome, reached, refused),
+    }
+    for what, which in wrong.items():
+        setattr(row, what, int(which.sum()))
+        row.said += [_said(lines, outcome, what, int(k), reached[k]) for k in np.flatnonzero(which)]
+    return row
+
+
+def _stuck(
+    lines: Direction, outcome: Outcome, reached: np.ndarray, refused: np.ndarray
+) -> np.ndarray:
+    """Refused lines on which a controller would be locked up."""
+    ends, goals = outcome.ends, outcome.goals
+    stuck = refused & (ends.shortest >= PLAIN)
+    if stuck.any():
+        stuck &= lines.problem.system.conditions(ends.unknowns, goals) < HARD
+        # an answer that could not be left again, because the code does not read it, is rightly
+        # refused
+        stuck &= lines.is_firm(ends.unknowns, goals) & lines.tells(reached, goals, easily=True)
+    return stuck
+
+
+def _said(lines: Direction, outcome: Outcome, what: str, k: int, reached: np.ndarray) -> str:
+    """One wrong answer, with all that repeats it."""
+    guess, goal = (
+        ", ".join(repr(float(v)) for v in lines.asked.number(values[k]))
+        for values in (outcome.starts.guesses, outcome.goals)
+    )
+    ends, name = outcome.ends, lines.asked.mechanism.name
+    told = f"{name} {lines.real}: {what}, goal [{goal}], guess [{guess}], "
+    told += f"{STATUSES[outcome.answers.status[k]]} {outcome.answers.found[k].tolist()}"
+    if ends.shortest[k] > 0.0:
+        return f"{told}, the line leads to {reached.tolist()} by steps of {ends.shortest[k]:.2g}"
+    return f"{told}, the line ends at {ends.done[k]:.9f} of it"

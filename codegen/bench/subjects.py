@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
-import sys
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -12,7 +10,9 @@ import numpy as np
 
 import symkin
 from asked import Asked
-from folders import generate
+from campaigns.twin_oracle import Drawing, random_file, to_toml
+from generate import HOMES
+from generate import MAPS as GIVEN
 from processors import BENCH
 from symkin.codegen.map.options import Options
 from symkin.errors import InputError, SymkinError
@@ -21,10 +21,8 @@ from symkin.formats.load import load
 PLACE = BENCH / "machines"
 PLATFORMS = ("delta", "zhao2000", "zhao2000_links", "ren2008", "ren2008_true", "zhang2009")
 ARMS = ("gluon_6l3", "scara", "ur5e", "yao2020")
-HOMES = generate().HOMES
-HOME = HOMES["zhang2009"]
 MAPS = {
-    "ankle": " to ".join(",".join(side) for side in generate().MAPS["ankle"]),
+    "ankle": " to ".join(map(",".join, GIVEN["ankle"])),
     "four_bar": "crank to follower",
     "bennett": "input to output",
     "sarrus": "foot_x to head_y",
@@ -78,15 +76,11 @@ def named() -> Iterator[Asked]:
 
 def drawn(seed: int, folder: Path) -> Iterator[Asked]:
     """Random machines: two of three of limbs, one a map of a graph, of tests/campaigns."""
-    sys.path.append(str(BENCH.parents[1] / "tests"))
-    files, graphs = map(
-        importlib.import_module, ("campaigns.random_files", "campaigns.random_graphs")
-    )
     for number in range(10_000):
         rng, file = np.random.default_rng([seed, number]), folder / f"r{number}.toml"
         try:
             is_map = number % 3 == 2
-            text = graphs.Drawing(rng).grow() if is_map else files.to_toml(files.random_file(rng))
+            text = Drawing(rng).grow() if is_map else to_toml(random_file(rng))
             name = "graph" if is_map else "m"
             file.write_text(text.replace(f'name = "{name}"', f'name = "r{number}"', 1))
             mechanism = load(file)

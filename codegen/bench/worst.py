@@ -20,8 +20,8 @@ from pathlib import Path
 from typing import Any
 
 from calls import manifest_of, program
-from folders import FOLDERS, chosen
 from footprint import footprints
+from generate import FOLDERS, folders_of
 from processors import BENCH, BOARD_OF, TICK, run, said
 from readme import table, written
 
@@ -102,7 +102,7 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=1)
     given = parser.parse_args()
     found = {}
-    for folder in chosen(given.folders):
+    for folder in folders_of(given.folders):
         found[folder.name] = measured(folder, given.seed)
         print(figures_table({folder.name: found[folder.name]}), flush=True)
     if given.write:

@@ -23,7 +23,7 @@ CODEGEN = tools.CODEGEN
 @pytest.mark.parametrize("folder", tools.COMMITTED)
 def test_committed_folders_are_what_the_generator_writes(folder):
     """The same model gives the same bytes."""
-    generate = tools.bench_module("folders").generate()
+    generate = tools.bench_module("generate")
     name, options = next(
         (name, options) for other, name, options in generate.variants() if other == folder
     )

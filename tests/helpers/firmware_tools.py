@@ -25,16 +25,14 @@ CODEGEN = HELPERS.parents[1] / "codegen"
 
 
 def bench_module(name: str) -> ModuleType:
-    """A script of codegen/bench as a module; its neighbours are found beside it."""
-    place = str(CODEGEN / "bench")
-    if place not in sys.path:
-        sys.path.append(place)
+    """A script of codegen or codegen/bench as a module; its neighbours are found beside it."""
+    sys.path += {str(CODEGEN), str(CODEGEN / "bench")} - set(sys.path)
     return importlib.import_module(name)
 
 
-FOLDERS: list[str] = bench_module("folders").FOLDERS
+FOLDERS: list[str] = bench_module("generate").FOLDERS
 """Folders that codegen/generate.py writes."""
-COMMITTED: list[str] = bench_module("folders").COMMITTED
+COMMITTED: list[str] = sorted(bench_module("generate").COMMITTED)
 """Those of them that are committed; `folder` writes the others."""
 POSES = [name for name in FOLDERS if not name.startswith("ankle_")]
 """Folders of platforms and arms, not of maps between joints."""
@@ -141,7 +139,7 @@ class KeptKinds:
 
 def folder(name: str) -> Path:
     """A folder of generated C, committed or written for this run."""
-    return Path(bench_module("folders").folder_of(name))
+    return Path(bench_module("generate").folder_of(name))
 
 
 def at_hand(names: list[str]) -> list[object]:
