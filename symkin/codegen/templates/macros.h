@@ -14,6 +14,8 @@
     info->joint = number; \
 }
 #define USUAL_CONFIG static const name_config usual = { NAME_TOLERANCE, NAME_MAX_STEPS, NAME_MAX_STEP };
+#define ASK(what, given) tested = "what"; \
+expect(name_##what given == NAME_OK, "OK", k);
 #define NEAREST_WHOLE(number) (int)(number + ((number < 0.0) ? -0.5 : 0.5))
 #define DOT3(a, b) a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 #define POSE_OF_WORLD static name_pose name_pose_of(const EmcPose *world)
