@@ -12,7 +12,7 @@ import numpy as np
 from symkin.codegen.folder.vectors import Vectors
 from symkin.codegen.map.joint_map import JointMap
 from symkin.codegen.map.program import Kind, Program
-from symkin.codegen.map.signature import CLOSED_ARM, LINE, Function
+from symkin.codegen.map.signature import LINE, Function
 from symkin.codegen.serial_arm import SerialArm
 from symkin.codegen.text.c import Real, indent
 from symkin.codegen.text.templates import fill, substitute
@@ -162,9 +162,8 @@ class _Asked:
             f"weights_{self.label}" if self.weights else "NULL",
             self.step,
             self.opposite,
-            int(function.info and bool(self.answers)),
             self.blamed,
-            f"{self.few}U",
+            self.few,
             repr(self.share),
             repr(self.within),
         ]
@@ -246,7 +245,9 @@ def _call(function: Function, joints: int, *, struct: bool) -> str:
         *((v, "result") for v in function.gives),
     ):
         at = f"&{array}[{place[array]}]" if place.get(array) else array
-        if not value.count:
+        if value.count == "number":
+            at = "0U"
+        elif not value.count:
             lines.append(f"name_pose {array}_pose = pose_from({at});")
             at = f"&{array}_pose"
             poses.append(array)
@@ -280,7 +281,7 @@ def own_test_text(program: Program, vectors: Vectors) -> str:
     """Write NAME_test.c."""
     kind, problems, name = program.kind, _problems(program), program.mechanism.name
     joints = len(kind.given if isinstance(kind, JointMap) else program.mechanism.actuated)
-    solved = (*(p.function for p in problems), LINE, *CLOSED_ARM)
+    solved = (*(p.function for p in problems), LINE)
     others = [f for f in program.functions if f not in solved and not f.moves]
     asked = [
         *problems,
@@ -288,7 +289,7 @@ def own_test_text(program: Program, vectors: Vectors) -> str:
     ]
     values = program.values | _values(program)
     struct = program.options.geometry == "struct"
-    called = [f for f in program.functions if f not in (LINE, CLOSED_ARM[0])]
+    called = [f for f in program.functions if f != LINE]
     each, alone, more = _own_checks(program, values)
     tables = [line for one in asked for line in one.row(name, joints)]
     list_of_all = ", ".join(f"&{one.label}" for one in asked)
@@ -329,7 +330,7 @@ def _own_checks(program: Program, values: Mapping[str, object]) -> tuple[list[st
     """
     kind = program.kind
     if isinstance(kind, JointMap):
-        each = ["jacobian_of(k);", "power_of(k);", "derivatives_of(k);"]
+        each = ["jacobian_of(k);", "derivatives_of(k);"]
         return each, [], fill("map_derivatives_test.c", values)
     each, speeds = ["jacobian_of(k);", "speeds_of(k);"], fill("speeds_test.c", values)
     if not isinstance(kind, SerialArm) or kind.plan is None:
@@ -343,7 +344,6 @@ def _own_checks(program: Program, values: Mapping[str, object]) -> tuple[list[st
         f"for (int k = 0; k < {program.mechanism.name.upper()}_VECTORS; ++k) {{",
         "    branches_of(&of_direct, k);",
         "}",
-        "refuse_branches();",
     ]
     return each, alone, speeds + fill("closed_test.c", {**values, **closed})
 
@@ -356,7 +356,7 @@ def _values(program: Program) -> dict[str, object]:
         "for (int i = 0; i < N; ++i) {",
         "    const double off = fabs((double)again[i] - (double)rates[i]);",
         f"    expect(off <= {'1e-3' if is_float else '1e-9'} * ({_speed_unit(program)}), "
-        f'"rates", "rates of the twist of rates", i);',
+        '"rates of the twist of rates", i);',
         "}",
     ]
     # an arm's are damped, and the shortest
@@ -430,8 +430,8 @@ def _refused_rows(program: Program, vectors: Vectors) -> list[str]:
         away = np.linalg.norm(far[:3] - vectors.answers["poses"][0][:3])
         if away > _TOO_FAR * program.mechanism.characteristic_length:
             lines.append(
-                f"refuse_step(&of_direct, {name}_vector_joints[0], {name}_vector_far, "
-                f"{name.upper()}_WRONG_BRANCH, 0);"
+                f"refuse(&of_direct, ask_track, {name}_vector_joints[0], {name}_vector_far, "
+                f"{name.upper()}_WRONG_BRANCH, -1, 0);"
             )
     return lines
 

@@ -16,6 +16,7 @@ from symkin.codegen.map.rates import (
     row_derivatives,
     step_columns,
     step_text,
+    summed,
 )
 from symkin.codegen.steps.guard_text import Watched
 from symkin.codegen.steps.joint_ranges import Range, check_text, range_functions, ranges_of
@@ -171,26 +172,27 @@ each entry i, or the entry of a limit.
 def _applied(row: tuple[str, str, tuple[str, str], str], common: Mapping[str, object]) -> str:
     """A function of a Jacobian that is applied to values."""
     function, about, (given, asked), term = row
-    body = [f"result[i] = {term};"]
-    if given != "joint_limits":
-        body = [
-            "result[i] = 0.0;",
-            "for (int j = 0; j < @{nq}; ++j) {",
-            f"    result[i] += {term};",
-            "}",
-        ]
+    n = int(str(common["nq"]))
+    body = [f"result[i] = {term};"] if given == "joint_limits" else summed(term, n)
+    matrix = "inverse_jacobian" if "inverse" in term else "jacobian"
+    count = n * n if function == "inertia" else n
     shown = {
         "function": function,
         "about": about,
-        "matrix": "inverse_jacobian" if "inverse" in term else "jacobian",
+        "at": substitute("const name_real joints[@nq], const name_real found[@nq]", common),
+        "matrix": matrix,
+        "before": "NAME_OK",
+        "then": ["if (status == NAME_OK) {", f"    status = name_{matrix}(joints, found, {matrix});", "}"],
         "given": given,
+        "taken": n,
         # rates and torques have either sign
         "least": f"-{common['largest']}" if function in ("rates", "torques") else "0.0",
         "asked": asked,
-        "count": int(str(common["nq"])) ** (2 if function == "inertia" else 1),
+        "count": count,
         "body": [substitute(line, common) for line in body],
+        "give": f"status = name_give(result, {asked}, {count});",
     }
-    return fill("map_applied.c", {**common, **shown})
+    return fill("applied.c", {**common, **shown})
 
 
 def rates_text(direct: DirectionSource, inverse: DirectionSource) -> str:

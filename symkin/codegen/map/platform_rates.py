@@ -11,13 +11,13 @@ import numpy as np
 
 from symkin.codegen.line_parts import core_target, line_target
 from symkin.codegen.map.limb_platform import LimbPlatform
-from symkin.codegen.map.rates import step_text
+from symkin.codegen.map.rates import step_text, summed
 from symkin.codegen.steps.linear_solver import SINGULAR, singular_condition
 from symkin.codegen.steps.newton_kernel import Kernel, system_kernel
 from symkin.codegen.steps.newton_source import NewtonCode
 from symkin.codegen.steps.pose_coordinates import COLUMNS
 from symkin.codegen.text.c import Emitter, Real
-from symkin.codegen.text.templates import copy, fill, substitute
+from symkin.codegen.text.templates import copy, copy_loop, fill, substitute
 from symkin.model.mechanism import Mechanism
 
 _FASTEST = 1e6
@@ -35,20 +35,30 @@ def speeds_text(function: str, at: str, values: Mapping[str, object]) -> str:
     """NAME_rates of a twist or NAME_twist of rates, which is the Jacobian at a `pose`, or at
     `joints`, times the other one; and NAME_feed.
     """
-    count, of_twist = values["nq"], function == "rates"
+    count = int(str(values["nq"]))
+    sides = ("twist", 6), ("rates", count)
+    (given, taken), (asked, found) = sides if function == "rates" else sides[::-1]
     declared = {"pose": "const name_pose *pose", "joints": f"const name_real joints[{count}]"}
     shown = {
         **values,
         "function": function,
-        "about": "Joint rates of a twist" if of_twist else "The twist of joint rates",
-        "given": "twist" if of_twist else "rates",
-        "rows": count if of_twist else 6,
-        "columns": 6 if of_twist else count,
+        "about": f"The {asked} of {given}: the Jacobian times the {given}.",
         "at": substitute(declared[at], values),
-        "at_name": at,
+        "of": at,
+        "matrix": "jacobian",
+        "nj": 6 * count,
+        "given": given,
+        "taken": taken,
+        "least": f"-{values['largest']}",
+        "before": substitute("name_jacobian(@{ga}" + at + ", jacobian)", values),
+        "then": "",
+        "asked": asked,
+        "count": found,
+        "body": summed(f"jacobian[{taken} * i + j] * {given}[j]", taken),
+        "give": copy_loop(asked, "result", found),
         "no_info": "" if at == "pose" else ", NULL",
     }
-    return fill("check_sizes.c", shown) + fill("speeds.c", shown)
+    return "".join(fill(part, shown) for part in ("check_sizes.c", "applied.c", "speeds.c"))
 
 
 def decides_twist(mechanism: Mechanism) -> bool:

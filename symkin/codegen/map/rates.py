@@ -97,6 +97,16 @@ def derivatives(made: JointMap, values: np.ndarray) -> tuple[np.ndarray, np.ndar
     return first, second
 
 
+def summed(term: str, count: int) -> list[str]:
+    """Statements that set result[i] to the sum of a term over j."""
+    return [
+        "result[i] = 0.0;",
+        f"for (int j = 0; j < {count}; ++j) {{",
+        f"    result[i] += {term};",
+        "}",
+    ]
+
+
 @dataclass(frozen=True, eq=False)
 class SolvedColumns:
     """Rates by the matrix of a kernel whose functions begin with `k`: a function `columns` gives

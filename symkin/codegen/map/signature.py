@@ -73,7 +73,9 @@ class Value:
         return _TYPES.get(self.count, "matrix")
 
     def numbers(self, joints: int) -> int:
-        """How many numbers it has, on a machine of so many joints."""
+        """How many real numbers it has, on a machine of so many joints."""
+        if self.count == "number":
+            return 0
         factors = re.findall(r"[^ *]+", self.count)
         return prod(int(f) if f.isdigit() else joints for f in factors) if factors else 7
 

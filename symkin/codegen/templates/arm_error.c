@@ -14,7 +14,7 @@ static name_real name_error_at(GEOMETRY_GIVEN const name_real @u[@n_u], const na
 {
     name_real x[7];
     name_@pose_at(GEOMETRY @u, x);
-    const name_real w = to[3] * x[3] + to[4] * x[4] + to[5] * x[5] + to[6] * x[6];
+    const name_real w = QUATERNIONS_DOT(to, x);
     const name_real twice = (w < 0.0) ? -2.0 : 2.0;
     EACH(i, 3) {
         e[i] = (to[i] - x[i]) * @per_size;

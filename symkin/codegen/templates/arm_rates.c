@@ -1,5 +1,5 @@
 /* Joint rates next to a twist, damped near singularities. */
-name_status name_rates(GEOMETRY_GIVEN const name_real joints[@nq], const name_real twist[6], name_real rates[@nq], name_info *info)
+name_status name_rates(GEOMETRY_GIVEN JOINTS_GIVEN, const name_real twist[6], name_real rates[@nq], name_info *info)
 {
     name_real jacobian[@nj];
     const name_status status = name_check_sizes(twist, 6, -@largest, @own_jacobian(GEOMETRY joints, jacobian));

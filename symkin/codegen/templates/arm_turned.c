@@ -1,5 +1,5 @@
 /* Twist of the tool by joint rates, as the description has it. */
-name_status name_jacobian(const name_real joints[@nq], name_real jacobian[@nj])
+name_status name_jacobian(JOINTS_GIVEN, name_real jacobian[@nj])
 {
     const name_status status = @own_jacobian(joints, jacobian);
     EACH_WHILE(j, @nq, (status == NAME_OK)) {

@@ -2,9 +2,8 @@
 /* Whether a pose leaves the joints that are not actuated within their limits. */
 static name_status name_check_answer(const name_pose *pose)
 {
-    name_real c[@nc];
+    LIMB_VALUES
     name_real q[@nq] = { 0.0 };
-    name_real passive[@np] = { 0.0 };
     name_status status = name_pose_coordinates(pose, c);
     IF_OK {
         status = name_solve_limbs(c, q, passive@of_answer);

@@ -5,9 +5,8 @@ static NAME_COLD name_status name_check_given(GEOMETRY_GIVEN const name_real x[@
 {
     static const name_real near[@nq] = { @near };
     name_real q[@nq] = { 0.0 };
-    name_real passive[@np] = { 0.0 };
+    LIMB_VALUES
     name_real turned[@nq];
-    name_real c[@nc];
     name_pose pose;
     name_status status;
     name_pose_from_coordinates(GEOMETRY x, &pose);

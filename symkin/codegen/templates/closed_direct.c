@@ -28,13 +28,13 @@ static void name_direct_formulas(name_direct_work *w)
 }
 
 /* Sets w->u to joint values. */
-static void name_direct_set(name_direct_work *w, const name_real joints[@nq])
+static void name_direct_set(name_direct_work *w, JOINTS_GIVEN)
 {
     @set_lines
 }
 
 @walk/* Follows the line from the guess that was read to joint values: the formulas there with the guess's signs, where the line keeps them. */
-static NAME_SHARED name_status name_direct_line(name_direct_work *w, const name_real joints[@nq], unsigned int most, unsigned int *count)
+static NAME_SHARED name_status name_direct_line(name_direct_work *w, JOINTS_GIVEN, unsigned int most, unsigned int *count)
 {
     name_status status = NAME_OK;
     w->share = 0.0;
@@ -63,7 +63,7 @@ static NAME_SHARED name_status name_direct_line(name_direct_work *w, const name_
 
 /* Whether an answer, read as a guess, stands still: so near to a fold or a dead centre rounding may put it on the other side, or
  * where no guess is read. */
-static NAME_COLD name_status name_direct_stays(const name_direct_work *w, const name_real joints[@nq], const name_pose *answer)
+static NAME_COLD name_status name_direct_stays(const name_direct_work *w, JOINTS_GIVEN, const name_pose *answer)
 {
     name_direct_work again;
     unsigned int count = 0U;
@@ -95,7 +95,7 @@ static name_status name_direct_answer(const name_direct_work *w, name_real toler
 }
 
 /* The answer at joint values. */
-static name_status name_direct_reach(const name_real joints[@nq], const name_pose *guess, name_pose *pose, const name_config *config, name_info *info)
+static name_status name_direct_reach(JOINTS_GIVEN, const name_pose *guess, name_pose *pose, const name_config *config, name_info *info)
 {
     USUAL_CONFIG
     name_direct_work w;
@@ -138,12 +138,12 @@ static name_status name_direct_reach(const name_real joints[@nq], const name_pos
     return status;
 }
 
-name_status name_direct(const name_config *config, const name_real joints[@nq], const name_pose *guess, name_pose *pose, name_info *info)
+name_status name_direct(const name_config *config, JOINTS_GIVEN, const name_pose *guess, name_pose *pose, name_info *info)
 {
     return name_direct_reach(joints, guess, pose, config, info);
 }
 
-name_status name_track(const name_real joints[@nq], name_pose *pose, name_info *info)
+name_status name_track(JOINTS_GIVEN, name_pose *pose, name_info *info)
 {
     /* @evaluations */
     static const name_config once = { NAME_TOLERANCE, @{evaluation_count}U, NAME_MAX_STEP };

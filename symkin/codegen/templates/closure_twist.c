@@ -3,8 +3,7 @@
 {
     solver_work work;
     solver_work *const w = &work;
-    name_real c[@nc];
-    name_real passive[@np] = { 0.0 };
+    LIMB_VALUES
     name_status status = name_pose_coordinates(GEOMETRY pose, c);
     IF_OK {
         status = (name_solve_limbs(GEOMETRY c, @into, passive@feasible) == NAME_OK) ? NAME_OK : NAME_OUT_OF_RANGE;

@@ -1,5 +1,4 @@
-name_real c[@nc];
-name_real passive[@np] = { 0.0 };
+LIMB_VALUES
 status = name_pose_coordinates(GEOMETRY guess, c);
 IF_OK {
     status = name_solve_limbs(GEOMETRY c, w->at, passive@of_answer);

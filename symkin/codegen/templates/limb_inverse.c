@@ -1,9 +1,8 @@
 /* Joint values of a pose, limb by limb. */
 name_status name_inverse(GEOMETRY_GIVEN const name_pose *pose, name_real joints[@nq])
 {
-    name_real c[@nc];
+    LIMB_VALUES
     name_real q[@nq] = { 0.0 };
-    name_real passive[@np] = { 0.0 };
     name_status status = name_pose_coordinates(GEOMETRY pose, c);
     IF_OK {
         status = name_solve_limbs(GEOMETRY c, q, passive@feasible);

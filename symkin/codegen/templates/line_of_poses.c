@@ -1,5 +1,5 @@
     /* of q and -q, one rotation, the one on the guess's side */
-    const name_real cosine = (at[3] * to[3]) + (at[4] * to[4]) + (at[5] * to[5]) + (at[6] * to[6]);
+    const name_real cosine = QUATERNIONS_DOT(at, to);
     const name_real side = (cosine < 0.0) ? -1.0 : 1.0;
     name_real move[7];
     way2[0] = 0.0;

@@ -14,7 +14,13 @@
     info->joint = number; \
 }
 #define USUAL_CONFIG static const name_config usual = { NAME_TOLERANCE, NAME_MAX_STEPS, NAME_MAX_STEP };
+#define ASK(what, given) tested = "what"; \
+expect(name_##what given == NAME_OK, "OK", k);
 #define NEAREST_WHOLE(number) (int)(number + ((number < 0.0) ? -0.5 : 0.5))
+#define JOINTS_GIVEN const name_real joints[@nq]
+#define LIMB_VALUES name_real c[@nc]; \
+name_real passive[@np] = { 0.0 };
+#define QUATERNIONS_DOT(x, y) x[3] * y[3] + x[4] * y[4] + x[5] * y[5] + x[6] * y[6]
 #define DOT3(a, b) a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 #define POSE_OF_WORLD static name_pose name_pose_of(const EmcPose *world)
 #define WORLD_OF_POSE static void name_world_of(const name_pose *pose, EmcPose *world)

@@ -1,5 +1,5 @@
 /* @about */
-name_status name_@function(const name_real joints[@nq], const name_real found[@nq], @written)
+name_status name_@function(JOINTS_GIVEN, const name_real found[@nq], @written)
 {
     solver_work w;
     name_real sides[@most_sides];

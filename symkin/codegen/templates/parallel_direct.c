@@ -1,5 +1,5 @@
 /* Reads joints and guess: checks both and sets the state to the guess's. What passes is finite and within bounds. */
-static NAME_SHARED name_status name_read_guess(GEOMETRY_GIVEN name_direct_work *w, const name_real joints[@nq], const name_pose *guess)
+static NAME_SHARED name_status name_read_guess(GEOMETRY_GIVEN name_direct_work *w, JOINTS_GIVEN, const name_pose *guess)
 {
     name_status status;
     @enter
@@ -14,7 +14,7 @@ static NAME_SHARED void name_write_pose(GEOMETRY_GIVEN const name_direct_work *w
     @leave
 }
 
-name_status name_direct(GEOMETRY_GIVEN const name_config *config, const name_real joints[@nq], const name_pose *guess, name_pose *pose, name_info *info)
+name_status name_direct(GEOMETRY_GIVEN const name_config *config, JOINTS_GIVEN, const name_pose *guess, name_pose *pose, name_info *info)
 {
     USUAL_CONFIG
     name_direct_work w;
@@ -35,7 +35,7 @@ name_status name_direct(GEOMETRY_GIVEN const name_config *config, const name_rea
     return status;
 }
 
-name_status name_track(GEOMETRY_GIVEN const name_real joints[@nq], name_pose *pose, name_info *info)
+name_status name_track(GEOMETRY_GIVEN JOINTS_GIVEN, name_pose *pose, name_info *info)
 {
     name_direct_work w;
     name_status status = name_read_guess(GEOMETRY &w, joints, pose);

@@ -3,7 +3,7 @@ EACH(i, 7) {
     x[i] = at[i] + (end * move[i]);
 }
 if (end < 1.0) {
-    const name_real inverse = 1.0 / sqrt((x[3] * x[3]) + (x[4] * x[4]) + (x[5] * x[5]) + (x[6] * x[6]));
+    const name_real inverse = 1.0 / sqrt(QUATERNIONS_DOT(x, x));
     EACH_FROM(i, 3, 7) {
         x[i] *= inverse;
     }

@@ -4,7 +4,7 @@ static void refuse_rows(const function *asked, const name_real *rows, int count,
     EACH(k, count) {
         const name_real *const given = as_guess ? asked->values : &rows[asked->given * k];
         const name_real *const guess = as_guess ? &rows[asked->found * k] : asked->guesses;
-        refuse(asked, given, guess, wanted, (blamed == NULL) ? -1 : blamed[k], k);
+        refuse(asked, asked->ask, given, guess, wanted, (blamed == NULL) ? -1 : blamed[k], k);
     }
 }
 

@@ -1,5 +1,5 @@
 /* The tool's pose, its quaternion of unit length and with w >= 0. */
-name_status name_direct(GEOMETRY_GIVEN const name_real joints[@nq], name_pose *pose)
+name_status name_direct(GEOMETRY_GIVEN JOINTS_GIVEN, name_pose *pose)
 {
     name_status status = name_limit_joints(GEOMETRY NAME_OK, joints);
     IF_OK {
@@ -7,7 +7,7 @@ name_status name_direct(GEOMETRY_GIVEN const name_real joints[@nq], name_pose *p
         name_forward(GEOMETRY joints, x);
         @told
         const name_real sign = (x[3] < 0.0) ? -1.0 : 1.0;
-        const name_real inverse = sign / sqrt(x[3] * x[3] + x[4] * x[4] + x[5] * x[5] + x[6] * x[6]);
+        const name_real inverse = sign / sqrt(QUATERNIONS_DOT(x, x));
         pose->position[0] = x[0];
         pose->position[1] = x[1];
         pose->position[2] = x[2];
@@ -53,7 +53,7 @@ static NAME_SHARED void name_jacobian_at(GEOMETRY_GIVEN const name_real @u[@n_u]
     @jacobian
 }
 
-@static_own name_status @own_jacobian(GEOMETRY_GIVEN const name_real joints[@nq], name_real jacobian[@nj])
+@static_own name_status @own_jacobian(GEOMETRY_GIVEN JOINTS_GIVEN, name_real jacobian[@nj])
 {
     @work_u
     name_status status = name_limit_joints(GEOMETRY NAME_OK, joints);

@@ -1,28 +1,8 @@
-/* @about: the Jacobian times the @given. */
-name_status name_@function(GEOMETRY_GIVEN @at, const name_real @given[@columns], name_real @function[@rows])
-{
-    name_real jacobian[@nq * 6];
-    name_real found[@rows];
-    const name_status status = name_check_sizes(@given, @columns, -@largest, name_jacobian(GEOMETRY @at_name, jacobian));
-    IF_OK {
-        EACH(i, @rows) {
-            name_real sum = 0.0;
-            EACH(j, @columns) {
-                sum += jacobian[@columns * i + j] * @given[j];
-            }
-            found[i] = sum;
-        }
-        /* twist and rates may be the same array */
-        COPY(@function, found, @rows)
-    }
-    return status;
-}
-
 /* The largest factor, up to 1, by which a twist keeps all joint rates within their limits. */
 name_status name_feed(GEOMETRY_GIVEN @at, const name_real twist[6], const name_real rate_limits[@nq], name_real *feed)
 {
     name_real rates[@nq];
-    name_status status = name_check_finite(rate_limits, @nq, name_rates(GEOMETRY @at_name, twist, rates@no_info));
+    name_status status = name_check_finite(rate_limits, @nq, name_rates(GEOMETRY @of, twist, rates@no_info));
     name_real most = 1.0;
     EACH_WHILE(i, @nq, (status == NAME_OK)) {
         const name_real rate = fabs(rates[i]);

@@ -11,8 +11,8 @@ static void speeds_of(int k)
     EACH(i, N) {
         rates[i] = (name_real)(((i % 3 == 0) ? 1.0 : (i % 3 == 1) ? -0.5 : 0.25) * (@speed_unit));
     }
-    expect(name_twist(@ga@configuration, rates, twist) == NAME_OK, "twist", "OK", k);
-    expect(name_rates(@ga@configuration, twist, again@no_info) == NAME_OK, "rates", "OK", k);
+    ASK(twist, (@ga@configuration, rates, twist))
+    ASK(rates, (@ga@configuration, twist, again@no_info))
     @speeds_compared
     EACH(part, 2) {
         const double limit = (part == 0) ? 0.125 : 4.0;
@@ -20,13 +20,13 @@ static void speeds_of(int k)
         EACH(i, N) {
             limits[i] = (name_real)(limit * (@speed_unit));
         }
-        expect(name_feed(@ga@configuration, twist, limits, &feed) == NAME_OK, "feed", "OK", k);
+        ASK(feed, (@ga@configuration, twist, limits, &feed))
         EACH(i, N) {
-            largest = fmax(largest, fabs((double)feed * (double)again[i]) / (@speed_unit));
+            largest = larger(largest, fabs((double)feed * (double)again[i]) / (@speed_unit));
         }
-        expect(largest <= limit * (1.0 + 1e-5), "feed", "keeps limits", k);
-        expect((feed == @one) || (largest >= limit * (1.0 - 1e-5)), "feed", "reaches a limit", k);
+        expect(largest <= limit * (1.0 + 1e-5), "keeps limits", k);
+        expect((feed == @one) || (largest >= limit * (1.0 - 1e-5)), "reaches a limit", k);
     }
-    expect(feed == @one, "feed", "no need for one", k);
+    expect(feed == @one, "no need for one", k);
 }
 

@@ -1,5 +1,5 @@
 /* Whether @what are within their @bounds@positive: NONFINITE comes before what was found so far, OUT_OF_RANGE after. */
-static @{shared}name_status name_@check(GEOMETRY_GIVEN name_status before, const name_real joints[@nq])
+static @{shared}name_status name_@check(GEOMETRY_GIVEN name_status before, JOINTS_GIVEN)
 {
     name_status status = before;
 @use

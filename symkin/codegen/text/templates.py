@@ -76,11 +76,13 @@ def _read(template: str) -> str:
 
 
 def _put_in(parameters: str, body: str, found: re.Match[str]) -> str:
-    """The text of a macro in the place of its name, lines below the first as deep as its own."""
+    """The text of a macro in the place of its name, lines below the first as deep as its own; ##
+    joins words.
+    """
     given = re.split(r", (?![^(]*\))", found[3])
     names = dict(zip(parameters.split(", "), given, strict=True))
     told = re.sub(r"\w+", lambda word: names.get(word[0], word[0]), body)
-    return found[1] + found[2] + told.replace(" \\\n", f"\n{found[1]}")
+    return found[1] + found[2] + told.replace("##", "").replace(" \\\n", f"\n{found[1]}")
 
 
 def substitute(text: str, values: Mapping[str, object]) -> str:
