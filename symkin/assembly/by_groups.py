@@ -161,7 +161,7 @@ def modes_by_groups(
     judges = told is None and plan.is_one_group
     only = len(groups) == 1 and not choose
     solving = Solving(search, least_errors, certify, judges=judges, only=only)
-    trees = list(map(Tree, [begin] * len(parts), [np.arange(n)] * len(parts)))
+    trees = [Tree(begin, np.arange(n)) for _ in parts]
     for depth in range(max(map(len, parts), default=0)):
         steps = [
             Step(groups[k], k, tree, choose[k] if k < len(choose) else None)

@@ -250,12 +250,12 @@ def checked_roots(
     the given ones, which may have been `judged`, and, if it `judges`, what `GroupRoots` holds as
     that. Instances (n,) with roots that are badly conditioned or equal are no longer `plain`.
     """
-    here = known[owner]
-    rows, jacobians, residuals = block.judge(points, here) if judged is None else judged
-    polished = polish(block, points, here, POLISHING, begun=(rows, jacobians))
+    known = known[owner]
+    rows, jacobians, residuals = block.judge(points, known) if judged is None else judged
+    polished = polish(block, points, known, POLISHING, begun=(rows, jacobians))
     moved = (polished.points != points).any(axis=1).nonzero()[0]
     if moved.size:
-        residuals[moved] = block.residuals(polished.points[moved], here[moved])
+        residuals[moved] = block.residuals(polished.points[moved], known[moved])
     points = canonical(block, polished.points)
     closed = are_roots(block, polished, residuals).nonzero()[0]
     points, owner = points[closed], owner[closed]

@@ -58,7 +58,7 @@ class Mapped:
         """Results (n, rows, columns) at arguments (n, length); an argument (length,) is that of all
         points.
         """
-        count = max([a.shape[0] for a in arguments if a.ndim == 2], default=1)
+        count = max((len(argument) for argument in arguments if argument.ndim == 2), default=1)
         told = [np.empty((count, *shape)) for shape in self._shapes]
         begin, library = 0, shared_library() if count >= MANY else None
         if library is not None and self._tape is not None:

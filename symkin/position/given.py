@@ -113,7 +113,8 @@ def given_joints(mechanism: Mechanism, joints: Joints, what: str = "joints") -> 
     """Values of all actuated joints in the mechanism's units, in file order or by name: angles of
     more than a turn without their whole turns; lengths must not be negative.
     """
-    joints = in_file_order(mechanism, joints, what)
+    if isinstance(joints, Mapping):
+        joints = in_file_order(mechanism, joints, what)
     least, most, unit = _ranges(mechanism)
     is_row = isinstance(joints, (list, tuple, np.ndarray))
     values = _plain_rows([joints], least, most) if is_row else None
@@ -121,8 +122,8 @@ def given_joints(mechanism: Mechanism, joints: Joints, what: str = "joints") -> 
     if values is None:
         values = np.array([_judged_joints(mechanism, joints, what)])
         notes = _turn_notes(mechanism, joints)
-    echo = {"joints": list(map(float, joints))}
-    return Given(actuated_names(mechanism), values[0] * unit, echo, notes)
+    names, given = actuated_names(mechanism), {"joints": list(map(float, joints))}
+    return Given(names, values[0] * unit, given, notes)
 
 
 @lru_cache(maxsize=128)
@@ -420,13 +421,12 @@ def _turn_notes(mechanism: Mechanism, ordered: Sequence[float]) -> tuple[str, ..
     )
 
 
-def in_file_order(mechanism: Mechanism, joints: Joints, what: str = "joints") -> Sequence[float]:
-    """The values of all actuated joints in file order; those given in a row stay as they are, those
-    given by name are put in their places. Raises InputError for a name that is no actuated joint,
-    and for one that is missing.
+def in_file_order(
+    mechanism: Mechanism, joints: Mapping[str, Any], what: str = "joints"
+) -> list[Any]:
+    """What is told by name of all actuated joints, in file order. Raises InputError for a name that
+    is no actuated joint, and for one that is missing.
     """
-    if not isinstance(joints, Mapping):
-        return joints
     names = [c.name for c in mechanism.actuated]
     allowed = f"the actuated joints of {mechanism.name} are {', '.join(names) or 'none'}"
     unknown = [str(name) for name in joints if name not in names]
@@ -453,9 +453,11 @@ def joint_rows(
     if not isinstance(joints, Mapping):
         return [
             in_file_order(mechanism, row, f"joints of sample {k}")
+            if isinstance(row, Mapping)
+            else row
             for k, row in enumerate(joints, start=1)
         ]
-    columns = in_file_order(mechanism, joints)  # type: ignore[arg-type]
+    columns = in_file_order(mechanism, joints)
     lengths = {np.size(column) for column in columns}
     if len(lengths) > 1:
         counts = ", ".join(

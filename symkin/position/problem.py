@@ -220,17 +220,16 @@ _POSE_NAMES = {
 @lru_cache(maxsize=256)
 def are_joints_of_limbs(mechanism: Mechanism, names: tuple[str, ...]) -> bool:
     """Whether known coordinates are all actuated joints of limbs, in any order."""
-    return not mechanism.is_graph and {*names} == {*actuated_names(mechanism)} != set()
+    return {*names} == {*actuated_names(mechanism)} and are_of_limbs(mechanism, names)
 
 
 @lru_cache(maxsize=256)
 def are_of_limbs(mechanism: Mechanism, names: tuple[str, ...]) -> bool:
     """Whether known coordinates are all actuated joints or the whole pose of limbs."""
-    if mechanism.is_graph:
+    if mechanism.is_graph or not names:
         return False
     whole = names == ("pose",) and all(c.name != "pose" for c in mechanism.coordinates)
-    is_pose = whole or {*names} == {*pose_names(mechanism)}
-    return is_pose or are_joints_of_limbs(mechanism, names)
+    return whole or {*names} in ({*pose_names(mechanism)}, {*actuated_names(mechanism)})
 
 
 @lru_cache(maxsize=256)

@@ -57,9 +57,9 @@ class Writing:
         """
         values = values + 0.0
         if self.angles:
-            turned = wrapped(values[:, self.angles])
-            turned[turned <= -math.pi + 1e-15] += _TURN
-            values[:, self.angles] = turned
+            angles = wrapped(values[:, self.angles])
+            angles[angles <= -math.pi + 1e-15] += _TURN
+            values[:, self.angles] = angles
         for k, limits in self.limited:
             values[:, k] = into_limits(values[:, k], limits)
         if self.rods:

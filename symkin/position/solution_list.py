@@ -71,10 +71,10 @@ class SolutionList(Sequence[Solution]):
         """Some of the solutions, in the order of their places (any,), a part of them, or where a
         mask (m,) holds; with what else is `told` of them. Arrays are cut when they are asked for.
         """
-        some = object.__new__(SolutionList)
-        own = {"closure": self.closure, "notes": self.notes, "_made": {}, "_of": (self, places)}
-        vars(some).update(own | told)
-        return some
+        found = object.__new__(SolutionList)
+        vars(found).update(closure=self.closure, notes=self.notes, _made={}, _of=(self, places))
+        vars(found).update(told)
+        return found
 
     def __getattr__(self, name: str) -> Any:
         """An array of some solutions, cut at its first use."""

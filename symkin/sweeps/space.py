@@ -21,7 +21,6 @@ from symkin.position.given import (
     Joints,
     given_coordinates,
     given_joints,
-    in_file_order,
     pose_from,
     read_given,
 )
@@ -299,8 +298,7 @@ def _base(mechanism: Mechanism, poses: bool, at: Joints | Pose | None) -> tuple[
             "at: a pose is given; a sweep over inputs takes all actuated joints (over='poses' "
             "sweeps over poses)"
         )
-    given_joints(mechanism, at, "at")
-    return tuple(float(v) for v in in_file_order(mechanism, at, "at"))
+    return tuple(given_joints(mechanism, at, "at").echo["joints"])
 
 
 @dataclass(frozen=True)
