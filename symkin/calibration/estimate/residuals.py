@@ -114,11 +114,11 @@ def build_readings(model: ConfigurationModel, measurements: Measurements) -> Rea
     channels = measurements.channels(model.mechanism)
     units = [1.0 / model.size if o.angular else 1.0 for o, _ in channels]
     given = [
-        reading.sigma[np.isfinite(reading.sigma)] / unit
+        np.ravel(reading.sigma) / unit
         for unit, (_, reading) in zip(units, channels, strict=True)
         if reading.sigma is not None
     ]
-    usual = float(np.median(np.hstack([*given, [] if any(map(len, given)) else [1.0]])))
+    usual = float(np.nanmedian(np.hstack(given))) if given else 1.0
     table, sigma = [np.zeros((len(measurements), 0))], [np.zeros((len(measurements), 0))]
     for unit, (_, reading) in zip(units, channels, strict=True):
         values = 0.0 * reading.values[:, :3] if reading.is_orientation else reading.values
