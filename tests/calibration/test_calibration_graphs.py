@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -296,6 +298,30 @@ def test_a_four_bar_is_recovered_within_its_deviations():
     assert len(scores) == 6 * 12
     assert 0.7 < np.sqrt(np.mean(np.square(scores))) < 1.35
     assert min(chances) > 0.005
+
+
+@pytest.mark.parametrize("stated", ["point.pen", "follower"])
+def test_readings_without_a_deviation_count_beside_those_with_one(stated):
+    """Where the noise of one instrument is stated and that of the other is not, clean readings of
+    both are kept and weigh: errors are as large as their standard deviations say.
+    """
+    scores = []
+    for seed in range(3):
+        rng = np.random.default_rng(seed)
+        true = linkages.built(rng)
+        data = read_of_four_bar(true, rng)
+        readings = [r if r.name == stated else replace(r, sigma=None) for r in data.readings]
+        found = calibrate(parse(linkages.toml()), replace(data, readings=readings))
+        assert not found.outliers
+        other = next(r.name for r in readings if r.name != stated)
+        assert any(f"standard deviations of {other} are missing" in n for n in found.notes)
+        wanted = {f"{linkages.PATHS[n]}.{k}": point for n, point in true.items() for k in "xy"}
+        scores += [
+            (p.value - wanted[p.name]["xy".index(p.name[-1])]) / p.sigma
+            for p in found.parameters
+            if p.name in wanted
+        ]
+    assert 0.6 < np.sqrt(np.mean(np.square(scores))) < 1.5
 
 
 @pytest.mark.parametrize(

@@ -107,16 +107,24 @@ class Readings:
 
 
 def build_readings(model: ConfigurationModel, measurements: Measurements) -> Readings:
-    """Gather the readings, each over its unknown standard deviation where that is not given: a
-    length unit, or that over the size.
+    """Gather the readings, each over its standard deviation. One that is not given is as large as
+    those that are (their median, angles times the size), a length unit where none is: otherwise
+    readings without one would count for nothing beside those of an instrument that is known.
     """
     channels = measurements.channels(model.mechanism)
+    units = [1.0 / model.size if o.angular else 1.0 for o, _ in channels]
+    given = [
+        np.ravel(reading.sigma) / unit
+        for unit, (_, reading) in zip(units, channels, strict=True)
+        if reading.sigma is not None
+    ]
+    usual = float(np.nanmedian(np.hstack(given))) if given else 1.0
     table, sigma = [np.zeros((len(measurements), 0))], [np.zeros((len(measurements), 0))]
-    for o, reading in channels:
-        unit = 1.0 / model.size if o.angular else 1.0
+    for unit, (_, reading) in zip(units, channels, strict=True):
         values = 0.0 * reading.values[:, :3] if reading.is_orientation else reading.values
         table.append(values)
-        sigma.append(np.full(values.shape, unit if reading.sigma is None else reading.sigma))
+        told = usual * unit if reading.sigma is None else reading.sigma
+        sigma.append(np.full(values.shape, told))
     group, first = measurements.grouping
     return Readings(
         values=np.hstack(table),

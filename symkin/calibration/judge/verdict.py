@@ -324,9 +324,11 @@ def fit_notes(fit: Calibration, *, removed: bool) -> Iterator[str]:
     if fit.degrees <= 0:
         yield f"{NOT_CHECKED}: the residuals are zero for any noise"
     elif fit.p_value is None:
+        read = fit.measurements.channels(fit.mechanism)
+        unstated = [o.name or o.kind for o, reading in read if reading.sigma is None]
         yield (
-            "standard deviations are missing: those of the parameters are scaled by the residuals, "
-            "and chi-square tests nothing"
+            f"standard deviations of {first_of(unstated)} are missing: those of the parameters are "
+            f"scaled by the residuals, and chi-square tests nothing"
         )
     yield from (f"not believable with the stated noise: {text}" for text in chi_square_doubt(fit))
     if is_exact(fit):
