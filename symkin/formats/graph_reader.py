@@ -60,14 +60,17 @@ class GraphReader:
         self,
         joints: Sequence[RobotJoint],
         named: Collection[str],
-        able: Collection[str],
+        tree: Collection[str],
+        followers: Collection[str],
         notes: list[str],
     ) -> list[RobotJoint]:
-        """The joints, actuated where they are `named` and move about axes; where none is, all of
-        one coordinate that are `able`, with a note.
+        """The joints, actuated where they are `named` and move about axes, but for followers of
+        others where any leads; where none is, all of one coordinate of the tree, with a note.
         """
-        driven = {j.name for j in joints if j.name in named and j.type in (*ONE_COORDINATE, "U")}
+        named = {j.name for j in joints if j.name in named and j.type in (*ONE_COORDINATE, "U")}
+        driven = named.difference(followers) or named
         if not driven:
+            able = set(tree).difference(followers)
             driven = {j.name for j in joints if j.name in able and j.type in ONE_COORDINATE}
             if driven:
                 notes.append(

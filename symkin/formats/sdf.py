@@ -305,8 +305,8 @@ class _Reader(GraphReader):
             if e.tag == "joint_name"
         }
         followers = {coupling.joint for coupling in robot.couplings}
-        able = {joint.name for joint in spanning_tree(robot.told, robot.couplings)} - followers
-        return replace(robot, told=self.driven(robot.told, named, able, self.notes))
+        tree = {joint.name for joint in spanning_tree(robot.told, robot.couplings)}
+        return replace(robot, told=self.driven(robot.told, named, tree, followers, self.notes))
 
     def _mesh(self, link: str, scope: Scope, visual: Element, mesh: Element) -> Mesh:
         """A mesh of a visual, which is told in the link's frame unless it says otherwise."""

@@ -340,7 +340,7 @@ class _Reader(GraphReader):
         )
         followers = {e.attribute("name") for e in self.elements if e.one("mimic") is not None}
         tree = {joint.name for joint in joints if not joint.closing}
-        return self.driven(joints, named & tree, tree - followers, notes), notes
+        return self.driven(joints, named & tree, tree, followers, notes), notes
 
     # --- what is left out -------------------------------------------------------------------------
 

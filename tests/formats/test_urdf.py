@@ -244,6 +244,19 @@ def test_limits_and_motors(tmp_path: Path) -> None:
     assert [entry.joint.name for entry in driven if entry.joint.actuated] == ["a"]
 
 
+@pytest.mark.parametrize(("named", "driven"), [("ab", ["a"]), ("b", ["b"]), ("a", ["a"])])
+def test_controllers_of_a_joint_that_mimics_are_those_of_its_leader(
+    named: str, driven: list[str], tmp_path: Path
+) -> None:
+    """Simulators want an interface for joints that mimic, too, which no motor drives by itself;
+    where the follower alone is named, it is the driven one.
+    """
+    controls = "".join(f'<joint name="{n}"><command_interface name="p"/></joint>' for n in named)
+    mimic = TREE.replace('<origin xyz="1 0 0"/>', '<origin xyz="1 0 0"/><mimic joint="a"/>')
+    robot = read(tmp_path, mimic + f'<ros2_control name="s">{controls}</ros2_control>')
+    assert [entry.joint.name for entry in robot.tree if entry.joint.actuated] == driven
+
+
 def test_joints_that_a_transmission_only_reads_are_passive(tmp_path: Path) -> None:
     def transmission(name: str, interface: str) -> str:
         return (
