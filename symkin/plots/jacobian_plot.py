@@ -18,7 +18,6 @@ from symkin.singularities.configuration import configuration
 from symkin.text import matplotlib_text
 from symkin.velocity.jacobian import Jacobian, Values
 from symkin.velocity.jacobian_names import TWIST
-from symkin.velocity.rates import NamedRates
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -52,7 +51,7 @@ def figure_of_jacobian(jacobian: Jacobian, *, at: Values | None = None) -> Figur
 def _reference(jacobian: Jacobian) -> Values:
     """The reference, or where coordinates are told by name what they reach from there."""
     rates, mechanism = jacobian.expressions, jacobian.mechanism
-    if not isinstance(rates, NamedRates):
+    if rates.limbs is not None:
         return jacobian.closure.reference
     known = rates.problem.known_coordinates
     return configuration(

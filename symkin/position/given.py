@@ -278,6 +278,28 @@ def unknown_name(mechanism: Mechanism, name: str, known: list[str], what: str = 
     )
 
 
+def checked_names(
+    mechanism: Mechanism, names: Iterable[str], what: str, known: Iterable[str]
+) -> tuple[str, ...]:
+    """Names of some `known` coordinates. Raises InputError for what is no list of names, names that
+    no coordinate has, and those that stand there twice.
+    """
+    listed = () if isinstance(names, str) else tuple(names)
+    if not listed:
+        raise InputError(
+            f"{what} = {names!r}; a list of names of coordinates is needed, as in {what}=['crank']"
+        )
+    allowed = list(known)
+    for name in listed:
+        if name not in allowed:
+            raise InputError(unknown_name(mechanism, name, allowed, what))
+        if listed.count(name) > 1:
+            raise InputError(
+                f"{what} = {', '.join(listed)}: {name} stands there twice; each name once"
+            )
+    return listed
+
+
 def in_order(mechanism: Mechanism, given: Given) -> Given:
     """The same values, those of all actuated joints of limbs in file order."""
     names = actuated_names(mechanism)

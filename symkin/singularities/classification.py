@@ -20,7 +20,7 @@ singularity (Zlatanov, Bonev and Gosselin 2002).
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Unpack
 
 import numpy as np
@@ -31,16 +31,13 @@ from symkin.machine.lower import arm_or_limbs
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.rank import null_space, row_space
 from symkin.numeric.tolerances import RANK_TOLERANCE, SINGULAR_VALUE
-from symkin.position.given import Values
 from symkin.position.problem import actuated_names, build_problem
 from symkin.position.solution import Solution
-from symkin.position.transfer import variables_elsewhere
+from symkin.position.transfer import many_of_machine, own_closure, variables_elsewhere
 from symkin.quiet import without_float_warnings
 from symkin.singularities.configuration import configuration
 from symkin.singularities.motion_ranks import (
-    Ranks,
     distances,
-    feasible_motions,
     generic_ranks,
     held_motions,
     singular_value,
@@ -58,8 +55,12 @@ from symkin.singularities.output import (
 from symkin.singularities.singular_groups import SingularGroup, singular_groups
 from symkin.singularities.singularity_result import KINDS, Singularity
 from symkin.spatial.screw import tidy_rows
-from symkin.velocity.equations import variables_of
-from symkin.velocity.limb_equations import LimbwiseEquations, limbwise_equations
+from symkin.velocity.limb_equations import (
+    LimbwiseEquations,
+    Ranks,
+    feasible_motions,
+    limbwise_equations,
+)
 from symkin.velocity.roles import Roles, roles_of
 from symkin.verb import verb
 
@@ -114,9 +115,7 @@ def singularity(
                 "a Solution is classified as it is: give joints, pose and start with a mechanism "
                 "only"
             )
-        return classify(
-            mechanism, tolerance, wanted, roles_of(mechanism.mechanism, _names(given), names)
-        )
+        return classify(mechanism, tolerance, wanted, roles_of(described, given, names))
     if not isinstance(mechanism, Mechanism):
         raise InputError(
             f"a {type(mechanism).__name__} is given; allowed: a Mechanism, or a Solution, such as "
@@ -128,20 +127,13 @@ def singularity(
             "given: values by name are needed, as in given={'crank': 60.0}; names alone go with a "
             "Solution"
         )
-    roles = roles_of(mechanism, _names(given), names)
+    roles = roles_of(mechanism, given, names)
     return classify(
         configuration(mechanism, joints=joints, pose=pose, given=given, start=start),
         tolerance,
         wanted,
         roles,
     )
-
-
-def _names(given: Values | Sequence[str] | None) -> list[str] | None:
-    """The names of what drives."""
-    if isinstance(given, str):
-        raise InputError(f"given = {given!r}: a list of names is needed, as in given=['crank']")
-    return None if given is None else list(given)
 
 
 @without_float_warnings
@@ -232,7 +224,8 @@ def _of_limbs(solution: Solution, roles: Roles, tolerance: float) -> tuple[np.nd
     if low is None:
         return np.zeros((0, 6)), 0, 0
     closure = build_closure(low.machine)
-    equations = limbwise_equations(closure, variables_of(closure, solution), tolerance)
+    values = many_of_machine(closure, own_closure(solution), solution.variables[None], low)[0]
+    equations = limbwise_equations(closure, values, tolerance)
     ranks = Ranks.of(equations, tolerance)
     generic = generic_ranks(Roles.of_limbs(low.machine)).at_other_assembly(ranks)
     return equations.constraints, ranks.constraints, generic.constraints

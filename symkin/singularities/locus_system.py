@@ -42,7 +42,7 @@ from symkin.position.varied_pose import POSE_AXES, TURNS, given_at, varied_pose
 from symkin.singularities.rank_loss import RankLoss, generic_matrix
 from symkin.text import meant
 from symkin.velocity.limb_equations import limb_blocks
-from symkin.velocity.roles import checked_names
+from symkin.velocity.roles import named_coordinates
 
 LocusKind = Literal["type 1", "type 2"]
 
@@ -140,7 +140,7 @@ def plane_of(solution: Solution, names: Sequence[str], known: Sequence[str] | No
     """
     mechanism = solution.mechanism
     joints = actuated_names(mechanism)
-    told = joints if known is None else checked_names(mechanism, known, "given")
+    told = joints if known is None else named_coordinates(mechanism, known, "given")
     of_poses = pose_planes(mechanism) if known is None else None
     axes = () if of_poses is None else POSE_AXES[of_poses.machine.motion]
     if not 1 <= len(names) <= 2 or len(set(names)) < len(names):

@@ -8,76 +8,18 @@ the platform moves with q' = 0, B where joints move with t = 0 (Zlatanov, Fenton
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-
 import numpy as np
 
 from symkin.closure.closure import Closure
 from symkin.computed_once import lru_cache
-from symkin.numeric.rank import null_space, rank_of, row_space
+from symkin.numeric.rank import null_space, row_space
 from symkin.numeric.tolerances import RANK_TOLERANCE
 from symkin.position.closed_configurations import closed_configurations, whole_system
 from symkin.singularities.named_screw import joint_rates
 from symkin.singularities.output import Output, output_equations
 from symkin.spatial.screw import tidy_rows
-from symkin.velocity.limb_equations import LimbwiseEquations, limbwise_equations, row_basis
+from symkin.velocity.limb_equations import LimbwiseEquations, Ranks, limbwise_equations, row_basis
 from symkin.velocity.roles import Roles, columns_by_name, other_joints
-
-
-@dataclass(frozen=True)
-class Ranks:
-    """What is counted at a configuration: feasible motions (t, q') and the ranks of their parts,
-    passive motions alone, and the ranks of A, of B and of the constraint wrenches C.
-    """
-
-    motions: int
-    inputs: int
-    outputs: int
-    idle: int
-    twist: int
-    rates: int
-    constraints: int
-
-    @staticmethod
-    def of(equations: LimbwiseEquations, tolerance: float) -> Ranks:
-        motions = feasible_motions(equations, tolerance)
-        r = equations.twist.shape[1]
-        return Ranks(
-            motions=len(motions),
-            inputs=rank_of(motions[:, r:], tolerance),
-            outputs=rank_of(motions[:, :r], tolerance),
-            idle=equations.idle,
-            twist=rank_of(equations.twist, tolerance),
-            rates=rank_of(equations.rates, tolerance),
-            constraints=rank_of(equations.constraints, tolerance),
-        )
-
-    @property
-    def freedoms(self) -> int:
-        """Freedoms of the whole mechanism: feasible motions and those of passive joints alone."""
-        return self.motions + self.idle
-
-    @property
-    def permanent_freedoms(self) -> dict[str, int]:
-        """Of generic ranks: freedoms of each kind of singularity that every configuration has,
-        where there are any.
-        """
-        counts = {
-            "type 1": self.motions - self.outputs,
-            "type 2": self.motions - self.inputs,
-            "passive": self.idle,
-        }
-        return {kind: count for kind, count in counts.items() if count}
-
-    def at_other_assembly(self, here: Ranks) -> Ranks:
-        """Generic ranks for a configuration whose limbs constrain less than at the reference
-        although it moves no more freely in all: its rows are as independent as they ever are, so
-        that no constraint is lost there; the limbs lie in another assembly, with fewer freedoms of
-        their own.
-        """
-        if here.constraints < self.constraints and here.freedoms <= self.freedoms:
-            return replace(self, constraints=here.constraints)
-        return self
 
 
 @lru_cache(maxsize=128)
@@ -93,12 +35,7 @@ def generic_ranks(roles: Roles, output: Output | None = None) -> Ranks:
                 closure, values, equations, output, RANK_TOLERANCE
             ).equations
         found.append(Ranks.of(equations, RANK_TOLERANCE))
-    return min(found, key=lambda ranks: (ranks.freedoms, -ranks.twist, -ranks.rates))
-
-
-def feasible_motions(equations: LimbwiseEquations, tolerance: float) -> np.ndarray:
-    """Orthonormal rows (t, q') with A t + B q' = 0."""
-    return null_space(np.hstack([equations.twist, equations.rates]), tolerance)
+    return Ranks.generic(found)
 
 
 def distances(

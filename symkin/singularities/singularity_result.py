@@ -12,12 +12,11 @@ import numpy as np
 
 from symkin.position.solution import Solution
 from symkin.result import Result, Summary, json_fields, json_value
-from symkin.singularities.motion_ranks import Ranks
 from symkin.singularities.named_screw import NamedScrew
 from symkin.singularities.output import Output
 from symkin.singularities.singular_groups import SingularGroup
 from symkin.text import counted, plain
-from symkin.velocity.limb_equations import LimbwiseEquations
+from symkin.velocity.limb_equations import LimbwiseEquations, Ranks
 from symkin.velocity.roles import Roles
 
 _INCREASED = "the loops' constraints lose rank: the mechanism has more freedoms than elsewhere"

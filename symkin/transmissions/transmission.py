@@ -13,7 +13,7 @@ import numpy as np
 from symkin.closure.closure import build_closure
 from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism, require_mechanism
-from symkin.position.given import Values, unknown_name
+from symkin.position.given import Values, checked_names
 from symkin.position.moved_reference import with_reference_at
 from symkin.position.solution import Solution
 from symkin.position.solve import solve
@@ -78,8 +78,10 @@ def transmission(
     mechanism = with_ranges(_begun(mechanism, options["start"]), options["ranges"] or {})
     if motors is None and joints is None:
         return _all(mechanism, options)
+    single = [c.name for c in mechanism.coordinates if not c.is_rotation]
     for what, names in (("motors", motors), ("joints", joints)):
-        _check_names(mechanism, what, names)
+        if names is not None:
+            checked_names(mechanism, names, what, single)
     group = group_with(mechanism, [*(motors or ()), *(joints or ())])
     for name in (*(motors or ()), *(joints or ())):
         if name not in {c.name for c in group.coordinates} and not mechanism.limbs:
@@ -294,17 +296,3 @@ def _refuse_too_few(robot: str, linkage: Linkage, motors: tuple[str, ...]) -> No
             f"{counted(free, 'freedom')}, and {left} {'stay' if left > 1 else 'stays'} free; "
             f"{remedy}"
         )
-
-
-def _check_names(mechanism: Mechanism, what: str, names: Sequence[str] | None) -> None:
-    if names is None:
-        return
-    if isinstance(names, str) or not names:
-        raise InputError(f"{what} = {names!r}; a list of names of coordinates is needed")
-    known = [c.name for c in mechanism.coordinates if not c.is_rotation]
-    for name in names:
-        if name not in known:
-            raise InputError(unknown_name(mechanism, name, known, what))
-    twice = next((name for name in names if list(names).count(name) > 1), None)
-    if twice is not None:
-        raise InputError(f"{what}: {twice} stands there twice; once is enough")

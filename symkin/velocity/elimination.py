@@ -9,6 +9,8 @@ have no poles of their own.
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import casadi as ca
@@ -17,6 +19,8 @@ from symkin.numeric.system import components
 
 _LARGEST_MINOR = 2
 """Columns up to which one remaining equation is made of minors, without divisions."""
+_LIKE = 20
+"""Power of two up to which weights of rows are alike: six of sixteen digits may be lost."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,14 +73,16 @@ def back_substituted(triangular: ca.SX, right: ca.SX) -> ca.SX:
     return ca.vertcat(*rows) if rows else ca.SX(0, right.shape[1])
 
 
-def outer_rates(inner: ca.SX, outer: ca.SX, driving: ca.SX, *, minors: bool = True) -> ca.SX:
+def outer_rates(
+    inner: ca.SX, outer: ca.SX, driving: ca.SX, levers: Sequence[float] | None
+) -> ca.SX:
     """y of (inner) x + (outer) y + driving = 0 by least squares, x eliminated first.
 
-    With `minors`, one row of a few x is made of minors: other weights, for equations that have a
-    solution.
+    With `levers`, what makes lengths of rates x, one row of a few x is made of minors: other
+    weights, for equations that have a solution.
     """
     width = outer.shape[1]
-    rows = _without_inner(inner, ca.horzcat(outer, driving), minors=minors)
+    rows = _without_inner(inner, ca.horzcat(outer, driving), levers)
     return -factored(rows[:, :width], rows[:, width:]).solution()
 
 
@@ -88,7 +94,7 @@ def inner_rates(inner: ca.SX, outer: ca.SX, driving: ca.SX, found: ca.SX) -> ca.
     return -back_substituted(parts.triangular, moved + parts.coefficients[:, width:])
 
 
-def _without_inner(inner: ca.SX, rest: ca.SX, *, minors: bool) -> ca.SX:
+def _without_inner(inner: ca.SX, rest: ca.SX, levers: Sequence[float] | None) -> ca.SX:
     """What is left of the rest's rows in parts that share no column of `inner`."""
     held: list[set[int]] = [set() for _ in range(inner.shape[0])]
     for row, column in zip(*inner.sparsity().get_triplet(), strict=True):
@@ -97,8 +103,11 @@ def _without_inner(inner: ca.SX, rest: ca.SX, *, minors: bool) -> ca.SX:
     for part in components(held, inner.shape[1]):
         rows = [k for k, columns in enumerate(held) if columns & part]
         own, left = inner[rows, sorted(part)], rest[rows, :]
-        if minors and len(rows) - len(part) == 1 and len(part) <= _LARGEST_MINOR:
-            found.append(ca.mtimes(cofactors(own), left))
+        if levers and len(rows) - len(part) == 1 and len(part) <= _LARGEST_MINOR:
+            # rows of unlike weights lose digits: those of far sizes are as long as others
+            weight = math.frexp(math.prod(levers[k] for k in part))[1]
+            scale = 1.0 if abs(weight) <= _LIKE else 2.0**-weight
+            found.append(ca.mtimes(scale * cofactors(own), left))
         elif len(rows) > len(part):
             remainder = factored(own, left).remainder
             found.append(remainder[nonzero_rows(remainder), :])

@@ -4,7 +4,7 @@ their Hessian.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Unpack
 
@@ -17,18 +17,20 @@ from symkin.errors import InputError
 from symkin.machine.limbs import with_limbs
 from symkin.machine.lower import arm_or_limbs
 from symkin.model.mechanism import Mechanism, require_mechanism
+from symkin.position.given import checked_names, given_coordinates
+from symkin.position.problem import actuated_names, build_problem
 from symkin.position.solution import Solution
 from symkin.position.solve_result import SolveError
+from symkin.position.transfer import many_of_machine, own_closure
 from symkin.result import Result, Summary, json_fields
 from symkin.spatial.backend import stacked
 from symkin.text import not_among
-from symkin.velocity.differential import differentiate, variable_rates
-from symkin.velocity.equations import VelocityEquations, variables_of, velocity_equations
-from symkin.velocity.jacobian_expressions import Expressions
+from symkin.velocity.differential import variable_rates
+from symkin.velocity.equations import VelocityEquations, velocity_equations
 from symkin.velocity.jacobian_names import KINDS, Matrix, Variable, variables_read
 from symkin.velocity.kinds import driven_places, matrix_of
 from symkin.velocity.options import JacobianOptions
-from symkin.velocity.rates import NamedRates, check_names, graph_rates, rates_by_name
+from symkin.velocity.rates import Rates, graph_rates, rates_by_name
 from symkin.verb import verb
 
 Values = Solution | Mapping[str, Any] | np.ndarray
@@ -59,7 +61,7 @@ class Jacobian(Result):
     `columns` name the matrix's. With more actuated joints than freedoms, "direct" takes rates that
     no motion has by least squares of the closure's rows, and where an arm's joints have more
     freedom than its tool, "inverse" gives the shortest rates. Poles: see
-    `symkin.velocity.jacobian_expressions`. `at` evaluates the matrix, `function` is a CasADi
+    `symkin.velocity.equations`. `at` evaluates the matrix, `function` is a CasADi
     function, `plot(at=...)` draws the matrix at a configuration.
 
     >>> import symkin
@@ -76,7 +78,7 @@ class Jacobian(Result):
     parameters: tuple[Variable, ...]
     rows: tuple[str, ...]
     columns: tuple[str, ...]
-    expressions: Expressions | NamedRates
+    expressions: Rates
 
     @property
     def closure(self) -> Closure:
@@ -127,7 +129,7 @@ class Jacobian(Result):
             if not np.isfinite(z[v.index]):
                 raise InputError(f"values: {v.source} = {z[v.index]:g} is not finite")
         found = np.asarray(self._value(z, geometry))
-        if isinstance(self.expressions, NamedRates):
+        if self.expressions.limbs is None:
             if np.isfinite(z).all():
                 self.expressions.refuse_singular(z, self.rows if self.kind == "rates" else ())
             if not np.isfinite(found).all():
@@ -248,6 +250,41 @@ class Jacobian(Result):
         return f"rates of {', '.join(self.rows)} by those of {', '.join(self.columns)}"
 
 
+def variables_of(
+    closure: Closure,
+    values: Values,
+    needed: Collection[str] | None = None,
+) -> np.ndarray:
+    """The full vector of a closure's variables from a Solution, its `values`, or the vector itself;
+    coordinates that are not `needed` may be missing, and are NaN then.
+    """
+    named: Any = values
+    if isinstance(values, Solution):
+        low = None if values.mechanism == closure.mechanism else arm_or_limbs(values.mechanism)
+        if (values.mechanism if low is None else low.machine) == closure.mechanism:
+            own = own_closure(values)
+            named = many_of_machine(closure, own, values.variables[None], low)[0]
+        else:
+            named = values.all_values
+    if isinstance(named, Mapping):
+        names = [c.name for c in closure.coordinates if needed is None or c.name in needed]
+        missing = [name for name in names if name not in named]
+        if missing:
+            raise InputError(f"values: {missing[0]} is missing; needed are {', '.join(names)}")
+        parts = [
+            np.atleast_1d(np.asarray(named.get(c.name, [np.nan] * c.width), dtype=float))
+            for c in closure.coordinates
+        ]
+        named = np.concatenate(parts)
+    vector = np.asarray(named, dtype=float)
+    if vector.shape != closure.reference.shape:
+        raise InputError(
+            f"values: shape {vector.shape} given, the closure has {closure.reference.size} "
+            f"variables"
+        )
+    return vector
+
+
 @verb(JacobianOptions)
 def jacobian(
     mechanism: Mechanism, kind: str | None = None, **options: Unpack[JacobianOptions]
@@ -282,8 +319,9 @@ def jacobian(
                 "of and by (--of, --by) name the coordinates whose rates are related: give both, "
                 "and neither kind (--kind) nor parameters"
             )
-        check_names(mechanism, of, by)
-        return _built(mechanism, "rates", False, tuple(of), tuple(by))
+        known = given_coordinates(mechanism)
+        rows = checked_names(mechanism, of, "of", known)
+        return _built(mechanism, "rates", False, rows, checked_names(mechanism, by, "by", known))
     kind = "direct" if kind is None else kind
     if kind not in KINDS:
         raise InputError(f"kind = {not_among(kind, KINDS)}")
@@ -318,12 +356,9 @@ def _built(
             return _with_inputs(mechanism, kind, *rates_by_name(mechanism, of, by))
         named = graph_rates(mechanism, kind)
         return _with_inputs(mechanism, kind, named, matrix_of(named, kind, mechanism))
-    equations = velocity_equations(low.machine)
+    equations = velocity_equations(low.machine, bound=not parameters)
     _check_defined(equations, kind)
-    differential = (
-        equations.differential if parameters else differentiate(equations.closure, bound=True)
-    )
-    made = Expressions(equations, differential)
+    made = Rates(build_problem(low.machine, actuated_names(low.machine)), equations)
     matrix = matrix_of(made, kind, mechanism)
     return _with_inputs(mechanism, kind, made, matrix, parameters=parameters)
 
@@ -331,12 +366,13 @@ def _built(
 def _with_inputs(
     mechanism: Mechanism,
     kind: str,
-    expressions: Expressions | NamedRates,
+    expressions: Rates,
     matrix: Matrix,
     *,
     parameters: bool = False,
 ) -> Jacobian:
-    explicit = isinstance(expressions, Expressions) and expressions.differential.explicit
+    limbs = expressions.limbs
+    explicit = limbs is not None and limbs.differential.explicit
     expression = ca.sparsify(matrix.expression)
     inputs, numbers = variables_read(expressions.closure, expression, explicit=explicit)
     return Jacobian(

@@ -7,12 +7,11 @@ import casadi as ca
 from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
 from symkin.velocity.differential import passive_rates, pose_rates, rate_names
-from symkin.velocity.jacobian_expressions import Expressions
 from symkin.velocity.jacobian_names import TWIST, JacobianKind, Matrix, names_of
-from symkin.velocity.rates import NamedRates
+from symkin.velocity.rates import Rates
 
 
-def driven_places(rates: Expressions | NamedRates, mechanism: Mechanism) -> dict[str, int]:
+def driven_places(rates: Rates, mechanism: Mechanism) -> dict[str, int]:
     """The place among the rates of each actuated joint in the order of a description: of one that
     is an arm these stand along the arm, without those beside it.
     """
@@ -20,7 +19,7 @@ def driven_places(rates: Expressions | NamedRates, mechanism: Mechanism) -> dict
     return {c.name: own.index(c.name) for c in mechanism.actuated if c.name in own}
 
 
-def matrix_of(rates: Expressions | NamedRates, kind: JacobianKind, mechanism: Mechanism) -> Matrix:
+def matrix_of(rates: Rates, kind: JacobianKind, mechanism: Mechanism) -> Matrix:
     """A Jacobian of one of the kinds, its passive joints in the order of a description. Raises
     InputError where no joint is passive.
     """

@@ -14,19 +14,20 @@ are held; those with b_i = 0 are its constraints.
 
 Ranks are counted at the configuration itself, so that more is said where one is lost, and rows of
 unit length make distances that do not depend on the closure's rows. Those of generic configurations
-are the ranks of the symbolic elimination (see `equations`, `jacobian_expressions`).
+are the ranks of the symbolic elimination (see `equations`).
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
 
 import casadi as ca
 import numpy as np
 
 from symkin.closure.closure import Closure
 from symkin.computed_once import lru_cache
-from symkin.numeric.rank import count_above, null_space
+from symkin.numeric.rank import count_above, null_space, rank_of
 from symkin.numeric.tolerances import RANK_TOLERANCE
 from symkin.position.closed_configurations import whole_system
 from symkin.velocity.differential import motion_columns
@@ -85,6 +86,72 @@ class LimbwiseEquations:
     @property
     def idle(self) -> int:
         return sum(limb.idle for limb in self.limbs)
+
+
+@dataclass(frozen=True)
+class Ranks:
+    """What is counted at a configuration: feasible motions (t, q') and the ranks of their parts,
+    passive motions alone, and the ranks of A, of B and of the constraint wrenches C.
+    """
+
+    motions: int
+    inputs: int
+    outputs: int
+    idle: int
+    twist: int
+    rates: int
+    constraints: int
+
+    @staticmethod
+    def of(equations: LimbwiseEquations, tolerance: float) -> Ranks:
+        motions = feasible_motions(equations, tolerance)
+        r = equations.twist.shape[1]
+        return Ranks(
+            motions=len(motions),
+            inputs=rank_of(motions[:, r:], tolerance),
+            outputs=rank_of(motions[:, :r], tolerance),
+            idle=equations.idle,
+            twist=rank_of(equations.twist, tolerance),
+            rates=rank_of(equations.rates, tolerance),
+            constraints=rank_of(equations.constraints, tolerance),
+        )
+
+    @staticmethod
+    def generic(found: Iterable[Ranks]) -> Ranks:
+        """Of ranks at several configurations those with the fewest motions."""
+        return min(found, key=lambda ranks: (ranks.freedoms, -ranks.twist, -ranks.rates))
+
+    @property
+    def freedoms(self) -> int:
+        """Freedoms of the whole mechanism: feasible motions and those of passive joints alone."""
+        return self.motions + self.idle
+
+    @property
+    def permanent_freedoms(self) -> dict[str, int]:
+        """Of generic ranks: freedoms of each kind of singularity that every configuration has,
+        where there are any.
+        """
+        counts = {
+            "type 1": self.motions - self.outputs,
+            "type 2": self.motions - self.inputs,
+            "passive": self.idle,
+        }
+        return {kind: count for kind, count in counts.items() if count}
+
+    def at_other_assembly(self, here: Ranks) -> Ranks:
+        """Generic ranks for a configuration whose limbs constrain less than at the reference
+        although it moves no more freely in all: its rows are as independent as they ever are, so
+        that no constraint is lost there; the limbs lie in another assembly, with fewer freedoms of
+        their own.
+        """
+        if here.constraints < self.constraints and here.freedoms <= self.freedoms:
+            return replace(self, constraints=here.constraints)
+        return self
+
+
+def feasible_motions(equations: LimbwiseEquations, tolerance: float) -> np.ndarray:
+    """Orthonormal rows (t, q') with A t + B q' = 0."""
+    return null_space(np.hstack([equations.twist, equations.rates]), tolerance)
 
 
 def limbwise_equations(

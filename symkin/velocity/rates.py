@@ -15,7 +15,6 @@ from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
-from typing import ClassVar
 
 import casadi as ca
 import numpy as np
@@ -29,13 +28,13 @@ from symkin.numeric.rank import null_space
 from symkin.numeric.tolerances import RANK_TOLERANCE
 from symkin.position.closed_configurations import closed_configurations
 from symkin.position.determination import refuse_unless_determined
-from symkin.position.given import given_coordinates, unknown_name
 from symkin.position.groups import structure_groups
 from symkin.position.problem import Problem, actuated_names, build_problem, pose_names
 from symkin.position.solve_result import SolveError
 from symkin.position.transfer import many_elsewhere
 from symkin.velocity.differential import TWIST_COLUMNS, by_name, tangent_jacobian
-from symkin.velocity.elimination import factored, inner_rates, outer_rates
+from symkin.velocity.elimination import factored, inner_rates, outer_rates, shortest
+from symkin.velocity.equations import VelocityEquations, rows_at
 from symkin.velocity.jacobian_names import JacobianKind, Matrix
 
 _LEVEL = ("azimuth", "tilt")
@@ -43,51 +42,82 @@ _LEVEL = ("azimuth", "tilt")
 
 
 @dataclass(frozen=True, eq=False)
-class NamedRates:
+class Rates:
     """Rates of all coordinates of a problem by those of its known ones, as expressions of the
-    closure's variables.
+    closure's variables: all at once by the velocity equations of `limbs` whose actuated joints are
+    known, or block by block.
+
+    Jacobians are (rows, columns) in the units of rates; columns and rows that a motion does not
+    have are zero.
     """
 
     problem: Problem
-
-    free: ClassVar[Collection[str]] = ()
+    limbs: VelocityEquations | None = None
 
     @property
     def closure(self) -> Closure:
         return self.problem.closure
 
     @property
+    def free(self) -> Collection[str]:
+        """Numbers of the geometry that stay symbols."""
+        return () if self.limbs is None or self.limbs.bound else self.closure.parameter_names
+
+    @property
     def quaternion(self) -> ca.SX:
-        """That of the platform's pose."""
+        """That of the platform's or tool's pose."""
+        if self.limbs is not None:
+            return self.limbs.differential.pose.quaternion
         return self.closure.symbols([c for c in self.closure.role("pose") if c.is_rotation])
 
     @cached_property
     def of(self) -> dict[str, ca.SX]:
-        """(freedom, k) for each coordinate: its rates by those of the known ones, by blocks."""
-        return _rates(self.problem)
+        """(freedom, k) for each coordinate: its rates by those of the known ones."""
+        return _rates(self.problem) if self.limbs is None else self.limbs.rates
 
     @property
     def following(self) -> ca.SX:
-        """All rates by those of the known coordinates."""
-        return ca.vertcat(*self.of.values())
+        """All rates by those of the known coordinates: these, the other joints', the twist."""
+        joints = (self.of[c.name] for c in self._joints)
+        return ca.vertcat(*joints, *([self.direct] if self.closure.role("pose") else []))
 
     def split(self, rates: ca.SX) -> dict[str, ca.SX]:
         """Rates of each coordinate among all rates, those of `following`."""
-        problem = self.problem
-        return by_name((*problem.known_coordinates, *problem.system.unknowns), rates)
+        poses = {c.name: rates[-6:, :][_twist(c), :] for c in self.closure.role("pose")}
+        return by_name(self._joints, rates) | poses
 
     @property
+    def _joints(self) -> tuple[Coordinate, ...]:
+        """All coordinates but the pose's, the known ones first."""
+        both = (*self.problem.known_coordinates, *self.problem.system.unknowns)
+        return tuple(c for c in both if c.role != "pose")
+
+    @cached_property
     def direct(self) -> ca.SX:
+        """J (6, n)."""
         twist = ca.SX(6, len(self.problem.known_coordinates))
         for c in self.closure.role("pose"):
-            twist[list(TWIST_COLUMNS[c.name]), :] = self.of[c.name]
-        return twist
+            twist[_twist(c), :] = self.of[c.name]
+        return ca.sparsify(twist)
 
     @property
     def inverse(self) -> ca.SX:
-        size = self.closure.characteristic_length
+        """J^-1 (n, 6)."""
+        if self.limbs is not None:
+            return self.limbs.inverse
+        closure, size = self.closure, self.closure.characteristic_length
         lengths = ca.diag(ca.DM([1.0, 1.0, 1.0, size, size, size]))
-        return factored(ca.mtimes(lengths, self.direct), lengths).solution()
+        matrix, samples = ca.mtimes(lengths, self.direct), closed_configurations(closure, 0)
+        shrunk = ca.diag(ca.DM([1 / c.lever(size) for c in self.problem.known_coordinates]))
+        scaled = ca.mtimes(matrix, shrunk)
+        columns = rows_at(closure, scaled.T, samples)
+        if len(columns) == matrix.shape[1]:
+            return factored(matrix, lengths).solution()
+        # of rates by which the platform moves alike the shortest
+        deciding = scaled[:, columns]
+        rows = rows_at(closure, deciding, samples)
+        feasible = ca.mtimes(deciding[rows, :], factored(deciding, lengths).solution())
+        return ca.mtimes(shrunk, shortest(scaled[rows, :], feasible))
 
     def refuse_singular(self, values: np.ndarray, asked: Sequence[str]) -> None:
         """Raise SolveError where the known coordinates do not decide the rates that are asked
@@ -115,7 +145,7 @@ class NamedRates:
         return [n for n in dict.fromkeys(asked or owners) if n in loose]
 
 
-def graph_rates(mechanism: Mechanism, kind: JacobianKind) -> NamedRates:
+def graph_rates(mechanism: Mechanism, kind: JacobianKind) -> Rates:
     """The rates for a kind of Jacobian of a graph whose actuated joints are as many as its
     mobility. Raises InputError for a graph without a platform, or whose actuated joints do not
     decide its motion.
@@ -130,35 +160,19 @@ def graph_rates(mechanism: Mechanism, kind: JacobianKind) -> NamedRates:
     held = () if kind == "passive" else pose_names(mechanism)
     problem = build_problem(mechanism, actuated_names(mechanism), held)
     refuse_unless_determined(problem, rates=True)
-    return NamedRates(problem)
-
-
-def check_names(mechanism: Mechanism, of: Sequence[str], by: Sequence[str]) -> None:
-    """Raise InputError for names that nothing has."""
-    for what, names in (("of", of), ("by", by)):
-        if isinstance(names, str) or not names:
-            raise InputError(
-                f"{what} = {names!r}; a list of names of coordinates is needed, as in "
-                f"{what}=['crank']"
-            )
-        known = list(given_coordinates(mechanism))
-        for name in names:
-            if name not in known:
-                raise InputError(unknown_name(mechanism, name, known, what))
-        if len(set(names)) < len(list(names)):
-            raise InputError(f"{what} = {', '.join(names)}: a name stands twice")
+    return Rates(problem)
 
 
 def rates_by_name(
     mechanism: Mechanism, of: tuple[str, ...], by: tuple[str, ...]
-) -> tuple[NamedRates, Matrix]:
+) -> tuple[Rates, Matrix]:
     """The rates of some coordinates by those of others, as many as the mobility. Raises InputError
     for `by` that do not decide the motion, or say the same thing twice.
     """
     others = tuple(name for name in of if name not in by)
     plain = tuple(name for name in others if name not in _LEVEL)
     problem = build_problem(mechanism, by, others)
-    rates = NamedRates(problem)
+    rates = Rates(problem)
     asked = build_problem(mechanism, by, plain) if others != plain else problem
     refuse_unless_determined(asked, rates=True)
     if others != plain:
@@ -167,7 +181,7 @@ def rates_by_name(
     return rates, Matrix(of, by, ca.vertcat(*(rates.of[name] for name in of)))
 
 
-def _refuse_level(rates: NamedRates, of: Sequence[str], by: Sequence[str]) -> None:
+def _refuse_level(rates: Rates, of: Sequence[str], by: Sequence[str]) -> None:
     """Raise InputError for angles of a platform that never tilts, which have no rates."""
     problem = rates.problem
     # a closure that holds the tilt tells one of zero from others to the root of rounding only: it
@@ -204,11 +218,17 @@ def _rates(problem: Problem) -> dict[str, ca.SX]:
             for part in (first, last, knowns)
         )
         driven = ca.mtimes(driving, ca.vertcat(*(rates[c.name] for c in knowns)))
-        found = outer_rates(inner, outer, driven)
+        size = closure.characteristic_length
+        levers = [c.lever(size) for c in first for _ in range(c.freedom)]
+        found = outer_rates(inner, outer, driven, levers)
         rates |= by_name(last, found)
         rates |= by_name(first, inner_rates(inner, outer, driven, found))
     # in the order of the problem's unknowns
     return {c.name: rates[c.name] for c in (*problem.known_coordinates, *problem.system.unknowns)}
+
+
+def _twist(coordinate: Coordinate) -> list[int]:
+    return list(TWIST_COLUMNS[coordinate.name])
 
 
 @dataclass(frozen=True, eq=False)

@@ -4,7 +4,7 @@ equations.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from symkin.closure.closure import Closure, build_closure
@@ -13,7 +13,7 @@ from symkin.model.joint import POSE_CONDITIONS, Coordinate
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.tolerances import RANK_TOLERANCE
 from symkin.position.determination import determination
-from symkin.position.given import given_coordinates, unknown_name
+from symkin.position.given import checked_names, given_coordinates
 from symkin.position.problem import actuated_names, are_of_limbs, build_problem, pose_names
 
 _OPEN_RANK, _MOST_OPEN = 1e3, 1e-2
@@ -99,20 +99,20 @@ class Roles:
 
 
 def roles_of(
-    mechanism: Mechanism, inputs: Sequence[str] | None = None, outputs: Sequence[str] | None = None
+    mechanism: Mechanism, inputs: Iterable[str] | None = None, outputs: Iterable[str] | None = None
 ) -> Roles:
     """The roles for coordinates that are told by name; without `inputs` the actuated joints,
     without `outputs` the platform, or all other joints where there is none or its own coordinates
     drive. Raises InputError for names that nothing has.
     """
     driven = actuated_names(mechanism)
-    driven = driven if inputs is None else checked_names(mechanism, inputs, "given")
+    driven = driven if inputs is None else named_coordinates(mechanism, inputs, "given")
     if outputs is None and are_of_limbs(mechanism, driven):
         return Roles.of_limbs(mechanism)
     if not driven:
         raise InputError(f"{mechanism.name}: no joint is actuated; name what drives it, by given")
     if outputs is not None:
-        wanted = checked_names(mechanism, outputs, "output")
+        wanted = named_coordinates(mechanism, outputs, "output")
         both = [name for name in wanted if name in driven]
         if both:
             raise InputError(
@@ -135,20 +135,16 @@ def other_joints(closure: Closure, inputs: Sequence[str]) -> list[str]:
     return [c.name for c in found if c.name not in inputs]
 
 
-def checked_names(mechanism: Mechanism, names: Sequence[str], what: str) -> tuple[str, ...]:
+def named_coordinates(mechanism: Mechanism, names: Iterable[str], what: str) -> tuple[str, ...]:
     """Names of coordinates, those of the whole pose for "pose". Raises InputError for what no
     coordinate is named, or twice.
     """
     known = given_coordinates(mechanism)
-    found: list[str] = []
-    for name in names:
-        whole = name == "pose" and name not in known and mechanism.platform_link is not None
-        if not whole and name not in known:
-            raise InputError(unknown_name(mechanism, name, list(known), what))
-        found += pose_names(mechanism) if whole else [name]
-    if len(set(found)) < len(found) or not found:
-        raise InputError(f"{what} = {', '.join(names)}: names of coordinates are needed, each once")
-    return tuple(found)
+    pose = () if "pose" in known or mechanism.platform_link is None else ("pose",)
+    told = checked_names(mechanism, names, what, [*known, *pose])
+    return tuple(
+        own for name in told for own in (pose_names(mechanism) if name in pose else (name,))
+    )
 
 
 def _joint_names(mechanism: Mechanism) -> set[str]:

@@ -216,7 +216,7 @@ NAMES = {
     "variables_elsewhere": "symkin.position.transfer",
     # Jacobians
     "rate_names": "symkin.velocity.differential",
-    "variables_of": "symkin.velocity.equations",
+    "variables_of": "symkin.velocity.jacobian",
     "velocity_equations": "symkin.velocity.equations",
     "Roles": "symkin.velocity.roles",
     "KINDS": "symkin.velocity.jacobian",

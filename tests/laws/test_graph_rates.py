@@ -4,6 +4,7 @@ verbs that take no graph.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -17,7 +18,7 @@ from helpers.graph_twin import graph_twin
 from helpers.inside import build_closure, variables_elsewhere
 from helpers.moved_points import tricept
 from helpers.samples import five_bar, three_rps, three_rrr
-from symkin import Joint, LinkJoint, Mechanism, Solution
+from symkin import Coupling, Joint, LinkJoint, Mechanism, Solution
 
 CASES = [
     ("four_bar", ["follower", "crank_pin"], {"crank": 60.0}),
@@ -324,3 +325,74 @@ def test_what_takes_no_graph_says_so(
     assert (status, out, err.count("\n")) == (2, "", 1)
     assert part in err
     assert not list(tmp_path.iterdir())
+
+
+def _geared_four_bar() -> Mechanism:
+    """A four-bar whose coupler is the platform, its crank turned by two motors over a gear."""
+    plain = symkin.load("four_bar")
+    joints = [replace(e, joint=replace(e.joint, actuated=False)) for e in plain.link_joints]
+    crank = next(e.joint for e in joints if e.joint.name == "crank")
+    joints += [
+        LinkJoint(Joint(name, "R", (0, 0, 10), (0, 0, 1), actuated=True), ("base", f"wheel {name}"))
+        for name in ("slow", "fast")
+    ]
+    return replace(
+        plain,
+        link_joints=joints,
+        couplings=[Coupling("crank", {"slow": 1.0, "fast": -2.0}, crank.zero)],
+        platform_link="coupler",
+        example=None,
+    )
+
+
+def test_joint_rates_of_a_twist_are_the_shortest_where_motors_move_the_platform_alike() -> None:
+    """Of two motors with J = (a, -2 a) the rates of a twist are (a^+, -2 a^+) / 5, not huge ones
+    that rounding makes.
+    """
+    mechanism = _geared_four_bar()
+    here = symkin.solve(mechanism, given={"slow": 10.0, "fast": 20.0}).solution
+    direct, inverse = (symkin.jacobian(mechanism, kind).at(here) for kind in ("direct", "inverse"))
+    size = np.repeat([1.0, mechanism.characteristic_length], 3)
+    assert inverse == pytest.approx(np.linalg.pinv(size[:, None] * direct) * size, rel=1e-9)
+
+
+@pytest.mark.parametrize("size", [1e-8, 1e6])
+def test_twists_keep_their_digits_at_all_sizes(size: float) -> None:
+    """A slide that a screw carries, tied by a universal joint and a ball: velocities of the
+    platform are proportional to the size, angular velocities are equal.
+    """
+
+    def loop(s: float) -> symkin.Jacobian:
+        entries = [
+            ("screw", "H", (0.3, -0.2, 0.5), (0.5, -0.7, 0.4), ("base", "nut")),
+            ("slide", "P", (0.1, 0.4, 0.2), (0.6, 0.1, -0.8), ("nut", "table")),
+            ("cross", "U", (0.9, 0.3, 0.7), (0.1, 0.9, 0.3), ("table", "strut")),
+            ("ball", "S", (-0.4, 1.1, 0.2), None, ("strut", "base")),
+        ]
+        joints = [
+            LinkJoint(
+                Joint(
+                    name,
+                    kind,
+                    tuple(s * v for v in point),
+                    axis,
+                    (0.9, -0.1, 0.0) if kind == "U" else None,
+                    pitch=0.3 * s if kind == "H" else 0.0,
+                    actuated=kind == "H",
+                ),
+                links,
+            )
+            for name, kind, point, axis, links in entries
+        ]
+        return symkin.jacobian(
+            Mechanism(
+                "press",
+                link_joints=joints,
+                platform_link="table",
+                platform_position=(0.5 * s, 0.6 * s, 0.0),
+            )
+        )
+
+    numbers = [made.at(made.closure.reference) for made in (loop(1.0), loop(size))]
+    numbers[1][:3] /= size
+    assert numbers[1] == pytest.approx(numbers[0], rel=1e-9)

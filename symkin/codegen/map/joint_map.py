@@ -32,7 +32,7 @@ from symkin.model.mechanism import Mechanism
 from symkin.numeric.rank import Rank
 from symkin.numeric.system import NOTHING, System
 from symkin.position.closed_configurations import closed_configurations
-from symkin.position.given import unknown_name
+from symkin.position.given import checked_names
 from symkin.position.groups import dependence_of, is_linear, structure_groups
 from symkin.position.problem import Problem, build_problem
 
@@ -265,22 +265,15 @@ class JointMap(Described):
 
     def _check_names(self) -> None:
         given, found, name = self.options.given, self.options.find, self.name
-        known = {c.name: c for c in self.mechanism.coordinates if not c.is_rotation}
+        known = [c.name for c in self.mechanism.coordinates if not c.is_rotation]
         for what, names in (("--given", given), ("--find", found)):
             if not names:
                 other = "--find" if what == "--given" else "--given"
                 raise InputError(
                     f"{name}: {other} needs {what} beside it: names of joint coordinates, as in "
-                    f"{what} {','.join(list(known)[:2])}"
+                    f"{what} {','.join(known[:2])}"
                 )
-            for one in names:
-                if one not in known:
-                    raise InputError(unknown_name(self.mechanism, one, list(known), what))
-            if len(set(names)) < len(names):
-                twice = next(one for one in names if names.count(one) > 1)
-                raise InputError(
-                    f"{what}: {twice} stands there {names.count(twice)} times; once is enough"
-                )
+            checked_names(self.mechanism, names, what, known)
         both = [one for one in given if one in found]
         if both:
             raise InputError(

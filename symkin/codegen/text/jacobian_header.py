@@ -9,7 +9,6 @@ from collections.abc import Collection, Sequence
 
 from symkin._version import __version__
 from symkin.velocity.jacobian import Jacobian
-from symkin.velocity.rates import NamedRates
 
 _MEANING = {
     "direct": (
@@ -75,19 +74,20 @@ def header(jacobian: Jacobian, names: dict[str, str]) -> list[str]:
         )
     if _reads_loops(jacobian):
         lines.append("Inputs must be those of a configuration that closes all loops.")
-    if isinstance(jacobian.expressions, NamedRates):
+    limbs = jacobian.expressions.limbs
+    if limbs is None:
         lines += textwrap.wrap(_RANGE, 110)
-    elif jacobian.kind == "inverse" and jacobian.expressions.chooses_rows:
+    elif jacobian.kind == "inverse" and limbs.chooses_rows:
         lines += textwrap.wrap(_CHOICE, 110)
     return [*lines, f"Made by symkin {__version__}; model SHA-256 {mechanism.digest}"]
 
 
 def _reads_loops(jacobian: Jacobian) -> bool:
     """Whether the inputs are tied by loops."""
-    made = jacobian.expressions
-    if isinstance(made, NamedRates):
-        return True
-    return bool(jacobian.closure.role("passive")) and not made.differential.explicit
+    limbs = jacobian.expressions.limbs
+    return limbs is None or (
+        bool(jacobian.closure.role("passive")) and not limbs.differential.explicit
+    )
 
 
 def allowed_names(jacobian: Jacobian, reserved: Collection[str]) -> dict[str, str]:
