@@ -202,9 +202,9 @@ def campaign_table(found: Sequence[Record], *, by_range: bool) -> tuple[str, Row
             rows[name, by, real, word if by_range else ""].add(Row.of(row))
             total.add(Row.of(row))
     rows["all", "", "", ""] = total
-    heads = ("machine", "solved by", "type", "range")
-    cells = (dict(zip(heads, key, strict=True)) | row.cells() for key, row in rows.items())
-    return table(list(cells)), total
+    heads = [head for head, cell in total.cells().items() if cell]
+    cells = [[*key, *(row.cells()[head] for head in heads)] for key, row in rows.items()]
+    return table(["machine", "solved by", "type", "range", *heads], cells), total
 
 
 def asked_for() -> argparse.Namespace:
