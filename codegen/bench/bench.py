@@ -119,7 +119,7 @@ def main() -> None:
         kept = [tuple(line.strip("| ").split(" | ")) for line in told("bench").splitlines()[2:]]
         others = set(FOLDERS) - {row[0] for row in rows}
         rows = sorted([*rows, *(row for row in kept if row[0] in others)], key=lambda row: row[0])
-        written("bench", table([dict(zip(HEADS, row, strict=True)) for row in rows]))
+        written("bench", table(HEADS, rows))
 
 
 if __name__ == "__main__":

@@ -29,19 +29,20 @@ or not, maps, and random ones (`--random`: so many); `--part 1/4`: every fourth.
 what each came to, and what it holds of the same `--seed` and sizes is not asked again: an
 interrupted run goes on, and the lines of several parts' files make one table. Whatever is wrong is
 printed with all that repeats it. Exit status 1 where anything is wrong, stuck, unread, does not
-stand still, or fails its own test.
+stand still, fails its own test, or does not compile.
 """
 
 from __future__ import annotations
 
 import argparse
 import json
+import os
 import signal
 import sys
 import tempfile
-import time
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
+from contextlib import nullcontext
 from functools import partial
 from itertools import islice
 from multiprocessing import Pool
@@ -55,7 +56,7 @@ from closes import closes
 from directions import PLAIN, directions
 from generate import REALS
 from grazes import grazed
-from ranges import MIDDLE, RANGES, Reach, by_legs, range_of
+from ranges import RANGES, range_of
 from readme import table, written
 from rows import Row, judged
 from subjects import STUDIED, drawn, machine_of, named
@@ -77,21 +78,9 @@ long.
 """
 Record = dict[str, Any]
 """What one machine's code of one type came to in one range: `of`, `rows` by what solves its
-problems, why it was `left_out`, and processor `seconds`.
+problems, why it was `left_out`, whether its code `failed` to compile or its own test, and
+processor `seconds`, compilers' among them.
 """
-
-
-def study(
-    asked: Asked,
-    count: int,
-    reach: Reach = MIDDLE,
-    seed: int = 0,
-    legs: int = 1,
-    folds: bool = True,
-) -> Row:
-    """What random goals about home come to, `count` a leg."""
-    lines, rng = directions(asked)[0], np.random.default_rng(seed)
-    return judged(lines, by_legs(lines, count, rng, reach, legs, folds))
 
 
 # --- one machine ----------------------------------------------------------------------------------
@@ -103,17 +92,18 @@ def records(task: tuple[Asked, Sequence[str]], chosen: argparse.Namespace) -> li
     signal.signal(signal.SIGPROF, _late)
     found = []
     for word in words:
-        begun, rows, reason = time.process_time(), {}, ""
+        begun, rows, reason, failed = sum(os.times()[:4]), {}, "", False
         signal.setitimer(signal.ITIMER_PROF, 0 if chosen.named else SECONDS)
         try:
             rows = {by: row.kept() for by, row in _rows(asked, word, chosen)}
-        except (InputError, TimeoutError) as error:
+        except (InputError, TimeoutError, RuntimeError) as error:
             reason = str(error)[:200]
+            failed = isinstance(error, RuntimeError) or OWN_TEST in str(error)
         finally:
             signal.setitimer(signal.ITIMER_PROF, 0.0)
-        seconds = round(time.process_time() - begun, 1)
-        of = _key(asked, word, chosen)
-        found.append({"of": of, "rows": rows, "left_out": reason, "seconds": seconds})
+        told = {"of": _key(asked, word, chosen), "left_out": reason, "failed": failed}
+        seconds = round(sum(os.times()[:4]) - begun, 1)
+        found.append({**told, "seconds": seconds, "rows": rows})
     return found
 
 
@@ -134,7 +124,7 @@ def _rows(asked: Asked, word: str, chosen: argparse.Namespace) -> Iterator[tuple
     if word == "closes":
         with tempfile.TemporaryDirectory() as folder:
             write_folder(asked.mechanism, Path(folder), asked.options)
-        yield "any", closes(asked, count, np.random.default_rng(seed))
+        yield "closures", closes(asked, count, np.random.default_rng(seed))
     elif word == "grazes":
         for lines in directions(asked, PLAIN):
             yield lines.solved_by, grazed(lines, count, np.random.default_rng(seed))
@@ -199,12 +189,13 @@ def campaign_table(found: Sequence[Record], *, by_range: bool) -> tuple[str, Row
     for record in found:
         name, real, word = record["of"][:3]
         for by, row in record["rows"].items():
-            rows[name, by, real, word if by_range else ""].add(Row.of(row))
+            rows[(name, by, real, word)[: 4 if by_range else 3]].add(Row.of(row))
             total.add(Row.of(row))
-    rows["all", "", "", ""] = total
-    heads = ("machine", "solved by", "type", "range")
-    cells = (dict(zip(heads, key, strict=True)) | row.cells() for key, row in rows.items())
-    return table(list(cells)), total
+    names = ("machine", "solved by", "type", "range")[: 4 if by_range else 3]
+    heads = [head for head, cell in total.cells().items() if cell]
+    told = [*sorted(rows.items()), (("all", *("" for _ in names[1:])), total)]
+    cells = ([*key, *(row.cells()[head] for head in heads)] for key, row in told)
+    return table([*names, *heads], cells), total
 
 
 def asked_for() -> argparse.Namespace:
@@ -231,13 +222,15 @@ def asked_for() -> argparse.Namespace:
 
 def main() -> int:
     chosen = asked_for()
-    has_kept = chosen.keep and chosen.keep.exists()
-    found = [json.loads(line) for line in chosen.keep.open()] if has_kept else []
+    is_kept = chosen.keep and chosen.keep.exists()
+    found = list(map(json.loads, chosen.keep.read_text().splitlines())) if is_kept else []
     ignored = partial(signal.signal, signal.SIGINT, signal.SIG_IGN)
-    with tempfile.TemporaryDirectory() as scratch, Pool(chosen.jobs, ignored) as pool:
+    many = Pool(chosen.jobs, ignored) if chosen.jobs > 1 else nullcontext()
+    with tempfile.TemporaryDirectory() as scratch, many as pool:
         asking = list(tasks(chosen, found, Path(scratch)))
+        each = pool.imap_unordered if pool else map
         try:
-            for some in pool.imap_unordered(partial(records, chosen=chosen), asking):
+            for some in each(partial(records, chosen=chosen), asking):
                 found += some
                 for record in some:
                     print(said(record), flush=True)
@@ -247,8 +240,8 @@ def main() -> int:
         except KeyboardInterrupt:
             print("interrupted")
     told, total = campaign_table(found, by_range=chosen.named)
-    failed = sorted({" ".join(r["of"][:2]) for r in found if OWN_TEST in r["left_out"]})
-    print(f"{told}\nown tests that fail: {', '.join(failed) or 'none'}")
+    failed = sorted({" ".join(record["of"][:2]) for record in found if record["failed"]})
+    print(f"{told}\nown test fails, or a compiler: {', '.join(failed) or 'none'}")
     print(f"seed {chosen.seed}; {sum(record['seconds'] for record in found):,.0f} s of processors")
     if chosen.write:
         written("branches", f"Seed {chosen.seed}, {chosen.count or 2000:,} goals a leg.\n\n{told}")

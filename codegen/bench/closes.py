@@ -81,7 +81,7 @@ class Plain:
             guesses = np.repeat(way.home.guesses, len(goals), axis=0)
             if wanted is not None:
                 beside = BESIDE * self.rng.normal(size=(count, len(wanted)))
-                guesses[:count] = self._values(wanted) + beside * self._units(wanted)
+                guesses[:count] = self._values(wanted) + beside * self._units(wanted)[0]
             status, found, _ = way.answers(goals, guesses)
             again = way.answers(goals, np.where(status[:, None] == 0, found, guesses)).status
         row = Row(len(goals), int(np.sum(status == 0)), feasible=count if wanted else 0)
@@ -103,7 +103,7 @@ class Plain:
             if names is None:
                 mode["pose"] = [*values[:3], *(values[3:] / np.linalg.norm(values[3:]))]
             else:
-                mode["joints"] |= zip(names, values / self._file_units(names), strict=True)
+                mode["joints"] |= zip(names, values / self._units(names)[1], strict=True)
         return mode
 
     def _values(self, side: Side) -> np.ndarray:
@@ -111,26 +111,22 @@ class Plain:
         if side is None:
             return np.array([self.oracle.pose(x) for x in self.near])
         rows = [[self.oracle.joints(x)[name] for name in side] for x in self.near]
-        return np.array(rows) * self._file_units(side)
+        return np.array(rows) * self._units(side)[1]
 
-    def _angular(self, names: tuple[str, ...]) -> np.ndarray:
+    def _units(self, names: tuple[str, ...]) -> tuple[np.ndarray, np.ndarray]:
+        """The size or a radian of each joint, and the unit in which files and oracle state it."""
         mechanism = self.asked.mechanism
         known = {c.name: c for c in (*mechanism.coordinates, *mechanism.actuated)}
-        return np.array([known[name].is_angular for name in names])
-
-    def _units(self, names: tuple[str, ...]) -> np.ndarray:
-        return np.where(self._angular(names), 1.0, self.oracle.size)
-
-    def _file_units(self, names: tuple[str, ...]) -> np.ndarray:
-        degrees = self.asked.mechanism.angle_unit == "deg"
-        return np.where(self._angular(names) & degrees, np.pi / 180, 1.0)
+        angular = np.array([known[name].is_angular for name in names])
+        stated = np.pi / 180 if mechanism.angle_unit == "deg" else 1.0
+        return np.where(angular, 1.0, self.oracle.size), np.where(angular, stated, 1.0)
 
     def _aside(self, side: Side, on: np.ndarray) -> np.ndarray:
         """Poses aside by 1e-3 to a third of the size and as many radians, joints up to three."""
         far = 10.0 ** self.rng.uniform(-3.0, -0.5 if side is None else 0.5, (len(on), 1))
         step = far * self.rng.normal(size=(len(on), 6 if side is None else len(side)))
         if side is not None:
-            return on + step * self._units(side)
+            return on + step * self._units(side)[0]
         turns = np.column_stack([np.ones(len(on)), 0.5 * step[:, 3:]])
         q = np.array([multiply(turn, q) for turn, q in zip(turns, on[:, 3:], strict=True)])
         q /= np.linalg.norm(q, axis=1, keepdims=True)

@@ -17,7 +17,6 @@ from symkin.codegen.serial_arm import SerialArm
 from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import multiply
 
-BATCH = 4096
 _BESIDE = {"double": 6.0, "float": 2.5}
 """Guesses beside a fold lie at most ten to this power nearer to it than the line was long."""
 _BISECTED = 44
@@ -97,17 +96,15 @@ def by_legs(
     """Random goals: from home, then from answers of the leg before, where these were right, and
     last from beside the folds at which lines of the first leg stopped.
     """
-    for first in range(0, count, BATCH):
-        number = min(BATCH, count - first)
-        home = lines.home.repeated(number)
-        starts, stopped = home, None
-        for leg in range(legs + folds):
-            if leg == legs and stopped is not None:
-                starts = _beside_folds(lines, stopped, home, rng)
-            outcome = lines.run(starts, goals_about(lines, number, reach, rng), rng)
-            stopped = stopped or outcome
-            yield outcome
-            starts = lines.after(outcome, home)
+    home = starts = lines.home.repeated(count)
+    stopped = None
+    for leg in range(legs + folds):
+        if leg == legs and stopped is not None:
+            starts = _beside_folds(lines, stopped, home, rng)
+        outcome = lines.run(starts, goals_about(lines, count, reach, rng), rng)
+        stopped = stopped or outcome
+        yield outcome
+        starts = lines.after(outcome, home)
 
 
 def _beside_folds(
@@ -140,18 +137,16 @@ def anywhere(
     the goal's joints to such anywhere the place from which on lines are stopped by a singularity is
     bisected by walks, and goals lie on either side of it, ever nearer.
     """
-    for first in range(0, count, BATCH):
-        number = min(BATCH, count - first)
-        begin, end = (_joints_anywhere(lines, number, rng) for _ in range(2))
-        begin = lines.asked.rounded(begin)
-        starts = Starts(begin, _known_at(lines, begin), begin)
-        parts = 10.0 ** rng.uniform(-2.0, 0.0, (number, 1))
-        if folds:
-            end = _joints_anywhere(lines, number, rng)
-            parts = _folds(lines, starts, end - begin)
-            nearer = 10.0 ** -rng.uniform(1.0, 2.0 * _BESIDE[lines.real], parts.shape)
-            parts *= 1.0 + rng.choice([-1.0, 1.0], parts.shape) * nearer
-        yield lines.run(starts, _poses(lines, begin + parts * (end - begin)), rng)
+    begin, end = (_joints_anywhere(lines, count, rng) for _ in range(2))
+    begin = lines.asked.rounded(begin)
+    starts = Starts(begin, _known_at(lines, begin), begin)
+    parts = 10.0 ** rng.uniform(-2.0, 0.0, (count, 1))
+    if folds:
+        end = _joints_anywhere(lines, count, rng)
+        parts = _folds(lines, starts, end - begin)
+        nearer = 10.0 ** -rng.uniform(1.0, 2.0 * _BESIDE[lines.real], parts.shape)
+        parts *= 1.0 + rng.choice([-1.0, 1.0], parts.shape) * nearer
+    yield lines.run(starts, _poses(lines, begin + parts * (end - begin)), rng)
 
 
 def _folds(lines: Direction, starts: Starts, way: np.ndarray) -> np.ndarray:

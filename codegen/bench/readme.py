@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 README = Path(__file__).parent.parent / "README.md"
 
 
-def table(rows: Sequence[Mapping[str, str]]) -> str:
-    """Rows by the heads of their columns; columns of which no row says anything are left out."""
-    heads = [head for head in rows[0] if any(row[head] for row in rows)] if rows else []
-    lines = [[row[head] for head in heads] for row in rows]
-    return "\n".join(f"| {' | '.join(line)} |" for line in (heads, ["---"] * len(heads), *lines))
+def table(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """Rows of cells under the heads of their columns."""
+    lines = (heads, ["---"] * len(heads), *rows)
+    return "\n".join(f"| {' | '.join(line)} |" for line in lines)
 
 
 def told(mark: str) -> str:

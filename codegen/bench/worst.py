@@ -91,8 +91,7 @@ def figures_table(figures: dict[str, dict[str, Any]]) -> str:
         rows.append(
             (folder, "all", f"{found['inputs']:,} inputs", "", f"{found['object_bytes']:,}", called)
         )
-    heads = ("folder", "function", "instructions", "stack", "bytes", "with libm")
-    return table([dict(zip(heads, row, strict=True)) for row in rows])
+    return table(("folder", "function", "instructions", "stack", "bytes", "with libm"), rows)
 
 
 def main() -> None:

@@ -61,11 +61,9 @@ def test_lines_from_all_over_the_workspace(name, real):
     is what a fine walk reaches, and nearly all regular lines are.
     """
     tools.compiler("gcc")
-    branches = tools.bench_module("branches")
+    asked = tools.bench_module("asked")
     reach = tools.bench_module("ranges").Reach(0.3, 1.5)
-    found = branches.study(
-        branches.Asked(MACHINES[name](), Options(real)), 300, reach, seed=5, legs=2
-    )
+    found = tools.study(asked.Asked(MACHINES[name](), Options(real)), 300, reach, seed=5, legs=2)
     assert not found.said
     assert found.regular.sum() > 100
     assert found.ok_of_regular > 96.0

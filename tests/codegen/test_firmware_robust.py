@@ -117,9 +117,8 @@ def test_not_one_ok_on_another_branch(name, count, real, least):
     succeed.
     """
     tools.compiler("gcc")
-    branches = tools.bench_module("branches")
     machine = tools.bench_module("subjects").machine_of(name)
-    found = branches.study(machine.of(real), count, seed=4)
+    found = tools.study(machine.of(real), count, seed=4)
     assert found.wrong == 0
     assert found.ok_of_regular > least
 
@@ -128,9 +127,8 @@ def test_not_one_ok_on_another_branch(name, count, real, least):
 def test_all_near_goals_are_ok():
     """Within 60 mm and 0.25 rad of home every answer is OK and right."""
     tools.compiler("gcc")
-    branches = tools.bench_module("branches")
     machine = tools.bench_module("subjects").machine_of("zhang2009")
-    near = branches.study(
+    near = tools.study(
         machine.of("float"),
         200,
         tools.bench_module("ranges").Reach(60.0 / 531.2592, 0.25),

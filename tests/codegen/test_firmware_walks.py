@@ -36,9 +36,9 @@ def test_walks_keep_their_branch(name, real):
     """Three lines after each other from home: what is OK is what fine continuation reaches."""
     tools.compiler("gcc")
     make, turn, least = MECHANISMS[name]
-    branches = tools.bench_module("branches")
+    asked = tools.bench_module("asked")
     reach = tools.bench_module("ranges").Reach(0.2, turn)
-    found = branches.study(branches.Asked(make(), Options(real)), 30, reach, seed=6, legs=3)
+    found = tools.study(asked.Asked(make(), Options(real)), 30, reach, seed=6, legs=3)
     assert found.ok > 30
     assert found.wrong == 0
     assert found.ok_of_regular > least

@@ -209,9 +209,9 @@ def test_walks_end_short_of_a_fold_and_not_beyond():
 def test_quick_campaign(name, real):
     """Two legs and one from beside folds, goals over the whole workspace: nothing wrong is OK."""
     tools.compiler("gcc")
-    branches = tools.bench_module("branches")
+    asked = tools.bench_module("asked")
     reach, machine = tools.bench_module("ranges").WIDEST, load(str(MACHINES / f"{name}.toml"))
-    found = branches.study(branches.Asked(machine, Options(real)), 400, reach, seed=9, legs=2)
+    found = tools.study(asked.Asked(machine, Options(real)), 400, reach, seed=9, legs=2)
     assert found.said == []
     assert found.ok > 100
     assert found.ok_of_regular > 80
@@ -224,12 +224,12 @@ def test_given_angles_go_the_nearer_way_round():
     not tell where the machine stands.
     """
     tools.compiler("gcc")
-    branches, asked = tools.bench_module("branches"), tools.bench_module("asked")
+    rows, asked = tools.bench_module("rows"), tools.bench_module("asked")
     machine = load(MAPS / "geared_five_bar.toml")
     options = Options("double", given=("left",), find=("le",))
     ranges, rng = tools.bench_module("ranges"), np.random.default_rng(11)
     direct, lines = tools.bench_module("directions").directions(asked.Asked(machine, options))
-    found = branches.judged(lines, ranges.by_legs(lines, 40, rng, ranges.WIDEST))
+    found = rows.judged(lines, ranges.by_legs(lines, 40, rng, ranges.WIDEST))
     assert found.said == []
     assert found.ok > 30
     for outcome in ranges.by_legs(direct, 40, rng, ranges.WIDEST):
@@ -242,7 +242,7 @@ def test_a_wrong_ok_is_found(monkeypatch):
     to, and how to repeat them.
     """
     tools.compiler("gcc")
-    branches, asked = tools.bench_module("branches"), tools.bench_module("asked")
+    asked = tools.bench_module("asked")
     honest = asked.Asked.answers
 
     def careless(self, *given):
@@ -251,10 +251,32 @@ def test_a_wrong_ok_is_found(monkeypatch):
 
     monkeypatch.setattr(asked.Asked, "answers", careless)
     reach = tools.bench_module("ranges").WIDEST
-    found = branches.study(asked.Asked(wide_five_bar("planar")), 50, reach, seed=1)
+    found = tools.study(asked.Asked(wide_five_bar("planar")), 50, reach, seed=1)
     assert found.wrong == len(found.said) > 10
     assert "goal [" in found.said[0]
     assert "guess [" in found.said[0]
+
+
+def test_a_campaign_goes_on_where_it_was_interrupted(monkeypatch, tmp_path, capsys):
+    """What the file holds is not asked again, what it lacks is; the table is that of one run."""
+    branches, kept, asked = tools.bench_module("branches"), tmp_path / "kept.jsonl", []
+
+    def rows(machine, word, chosen):
+        asked.append((machine.options.real, word))
+        return [("formulas", branches.Row(goals=chosen.count, ok=2))]
+
+    def table():
+        assert branches.main() == 0
+        return capsys.readouterr().out.partition("| machine")[2]
+
+    words = ["five_bar", "--range", "paths", "grazes", "--count", "3", "--keep", str(kept)]
+    monkeypatch.setattr("sys.argv", ["branches.py", *words])
+    monkeypatch.setattr(branches, "_rows", rows)
+    whole, lines = table(), kept.read_text().splitlines()
+    assert len(asked) == len(lines) == 4
+    kept.write_text("\n".join([*lines[:3], ""]))
+    assert table() == whole
+    assert asked[4:] == [asked[3]]
 
 
 @pytest.mark.slow

@@ -16,6 +16,7 @@ from tempfile import NamedTemporaryFile
 from types import ModuleType
 from typing import Any
 
+import numpy as np
 import pytest
 
 from helpers import inside
@@ -28,6 +29,14 @@ def bench_module(name: str) -> ModuleType:
     """A script of codegen or codegen/bench as a module; its neighbours are found beside it."""
     sys.path += {str(CODEGEN), str(CODEGEN / "bench")} - set(sys.path)
     return importlib.import_module(name)
+
+
+def study(asked: Any, count: int, reach: Any = None, seed: int = 0, **how: Any) -> Any:
+    """What the campaign of codegen/bench says of random goals about home, `count` a leg."""
+    ranges, lines = bench_module("ranges"), bench_module("directions").directions(asked)[0]
+    how.setdefault("legs", 1)
+    goals = ranges.by_legs(lines, count, np.random.default_rng(seed), reach or ranges.MIDDLE, **how)
+    return bench_module("rows").judged(lines, goals)
 
 
 FOLDERS: list[str] = bench_module("generate").FOLDERS
