@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import casadi as ca
 
 from symkin.codegen.steps.geometry import exact_turn
-from symkin.codegen.text.c import Emitter, Real, indexed
+from symkin.codegen.text.c import Emitter, Real, if_ok, indexed
 from symkin.codegen.text.templates import fill
 from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import multiply
@@ -35,9 +35,8 @@ class ArmFrame:
     @property
     def names(self) -> dict[str, object]:
         """Values of names in the templates: statements that turn a pose x or a twist."""
-        ok = "if (status == NAME_OK) {"
         return {
-            "taken": [ok, *(f"    {line}" for line in self._pose_lines(self.base)), "}"],
+            "taken": if_ok(self._pose_lines(self.base)),
             "told": self._pose_lines(self.base.inverse()),
             "static_own": "static ",
             "in_own": ", in the arm's own frame",

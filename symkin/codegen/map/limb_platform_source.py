@@ -32,7 +32,7 @@ from symkin.codegen.steps.newton_kernel import rounded
 from symkin.codegen.steps.newton_source import NewtonCode, tracked_error
 from symkin.codegen.steps.passive_limits import limit_lines, texts_of
 from symkin.codegen.steps.pose_coordinates import COLUMNS, pose_coordinates_text, pose_text
-from symkin.codegen.text.c import Emitter
+from symkin.codegen.text.c import Emitter, if_ok, refused
 from symkin.codegen.text.templates import common_values, copy, farthest, fill, normalise_pose
 from symkin.computed_once import cached_property
 from symkin.numeric.system import System
@@ -207,10 +207,10 @@ class LimbPlatformSource(Source):
         count = sum(c.width for c in self.made.passive)
         of_state = f"status = {check}&w.x[{count}], given, w.x);"
         return {
-            "inverse_passive": self.if_ok([f"status = {check}c, q, passive);"]),
-            "direct_passive": self.if_ok([of_state]),
-            "write_tracked": [of_state, *self.if_ok([write])],
-            "check_answer": self.if_ok(["status = name_check_answer(&answer);"]),
+            "inverse_passive": if_ok([f"status = {check}c, q, passive);"]),
+            "direct_passive": if_ok([of_state]),
+            "write_tracked": [of_state, *if_ok([write])],
+            "check_answer": if_ok(["status = name_check_answer(&answer);"]),
         }
 
     @property
@@ -265,7 +265,7 @@ class LimbPlatformSource(Source):
             if made.tells_branch
             else f"check_given(GEOMETRY &w.x[{passive}], given)"
         )
-        branch = self.if_ok([f"status = name_{check};"])
+        branch = if_ok([f"status = name_{check};"])
         unwrap = [
             f"real given[{self._common['nq']}];",
             *self.unwrapped("given", "joints", "w.at"),
@@ -326,9 +326,7 @@ class LimbPlatformSource(Source):
         return [
             "/* what the pose alone must satisfy */",
             *emitter.lines,
-            f"if (!({' && '.join(tests)})) {{",
-            "    status = NAME_OUT_OF_RANGE;",
-            "}",
+            *refused(" && ".join(tests), "OUT_OF_RANGE"),
         ]
 
     @property

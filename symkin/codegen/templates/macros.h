@@ -18,6 +18,12 @@
 expect(name_##what given == NAME_OK, "OK", k);
 #define NEAREST_WHOLE(number) (int)(number + ((number < 0.0) ? -0.5 : 0.5))
 #define JOINTS_GIVEN const name_real joints[@nq]
+#define VALUES_GIVEN const name_real @values[@nto]
+#define ABOUT_AND_JOINTS const name_real about[@nn], name_real joints[@nn]
+#define CONFIG_AND_INFO const name_config *config, name_info *info
+#define OWN_WORK solver_work work; \
+solver_work *const w = &work;
+#define TABLE(table, count, numbers) static const name_real table[count] = { numbers };
 #define LIMB_VALUES name_real c[@nc]; \
 name_real passive[@np] = { 0.0 };
 #define QUATERNIONS_DOT(x, y) x[3] * y[3] + x[4] * y[4] + x[5] * y[5] + x[6] * y[6]
