@@ -128,7 +128,6 @@ def common_values(name: str, real: Real, *, struct: bool) -> dict[str, object]:
         "p": name,
         "P": name.upper(),
         "real": real.type,
-        "gp": f"const {name}_geometry *geometry, " if struct else "",
         "ga": "geometry, " if struct else "",
         "use": "    (void)geometry;" if struct else "",
         "checked": f"{name}_check_geometry(geometry, status)" if struct else "status",
