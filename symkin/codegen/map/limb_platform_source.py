@@ -184,15 +184,19 @@ class LimbPlatformSource(Source):
             own = [(c, float(rotation[c % 3, k % 3])) for c in columns if c // 3 == k // 3]
             terms = [f"{v} * a[{c}]" for c, v in own if v != 0.0]
             lines.append(f"b[{k}] = {' + '.join(terms) or '0.0'};")
-        nq, shown = self._common["nq"], {"part": part, "own": self._names[part]}
-        said: dict[str, object] = {"given": "", "rates": "", "found": "rates", "count": nq}
-        about = "Joint rates by the platform's twist"
-        if part == "twist":
-            given = f"const real rates[{nq}], "
-            said = {"given": given, "rates": "rates, ", "found": "twist", "count": 1}
-            about = "The twist of joint rates"
-        said |= {"about": about, "turned_row": lines}
-        return fill("turned.c", self._common | shown | said)
+        nq, twist = self._common["nq"], part == "twist"
+        shown = {
+            "about": "The twist of joint rates" if twist else "Joint rates by the platform's twist",
+            "part": part,
+            "own": self._names[part],
+            "takes": "const name_pose *pose" + f", const real rates[{nq}]" * twist,
+            "passed": "pose, rates" if twist else "pose",
+            "found": part if twist else "rates",
+            "count": 1 if twist else nq,
+            "next": 6,
+            "turned_row": lines,
+        }
+        return fill("turned.c", self._common | shown)
 
     @property
     def _passive_checks(self) -> dict[str, object]:
