@@ -42,7 +42,10 @@ class ArmFrame:
             "in_own": ", in the arm's own frame",
             "own_jacobian": "name_own_jacobian",
             "given": "own",
-            "twist_taken": ["real own[6];", *self._twist_lines(self.base, *(indexed(x, 6) for x in ("twist", "own")))],
+            "twist_taken": [
+                "real own[6];",
+                *self._twist_lines(self.base, indexed("twist", 6), indexed("own", 6)),
+            ],
         }
 
     @property
