@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import casadi as ca
 
 from symkin.codegen.steps.geometry import exact_turn
-from symkin.codegen.text.c import Emitter, Real, indexed
+from symkin.codegen.text.c import Emitter, Real, if_ok, indexed
 from symkin.codegen.text.templates import fill
 from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import multiply
@@ -35,15 +35,17 @@ class ArmFrame:
     @property
     def names(self) -> dict[str, object]:
         """Values of names in the templates: statements that turn a pose x or a twist."""
-        ok = "if (status == NAME_OK) {"
         return {
-            "taken": [ok, *(f"    {line}" for line in self._pose_lines(self.base)), "}"],
+            "taken": if_ok(self._pose_lines(self.base)),
             "told": self._pose_lines(self.base.inverse()),
             "static_own": "static ",
             "in_own": ", in the arm's own frame",
             "own_jacobian": "name_own_jacobian",
             "given": "own",
-            "twist_taken": ["real own[6];", *self._twist_lines(self.base, "twist", "own")],
+            "twist_taken": [
+                "real own[6];",
+                *self._twist_lines(self.base, indexed("twist", 6), indexed("own", 6)),
+            ],
         }
 
     @property
@@ -57,8 +59,20 @@ class ArmFrame:
     @property
     def jacobian(self) -> str:
         """NAME_jacobian: the columns of the own one, turned."""
-        lines = self._twist_lines(self.base.inverse(), "a", "b")
-        return fill("arm_turned.c", {**self.values, **self.names, "turn": lines})
+        nq = int(str(self.values["nq"]))
+        a, b = ([f"{name}[{nq * i}]" for i in range(6)] for name in "ab")
+        shown = {
+            "about": "Twist of the tool by joint rates",
+            "part": "jacobian",
+            "own": "name_own_jacobian",
+            "takes": f"const real joints[{nq}]",
+            "passed": "joints",
+            "found": "jacobian",
+            "count": nq,
+            "next": 1,
+            "turned_row": self._twist_lines(self.base.inverse(), a, b),
+        }
+        return fill("turned.c", {**self.values, **shown})
 
     def _pose_lines(self, turn: Pose) -> list[str]:
         x = ca.SX.sym("x", 7)
@@ -66,7 +80,7 @@ class ArmFrame:
         turned = ca.vertcat(ca.mtimes(ca.DM(exact_turn(turn.rotation)), x[:3]), quaternion)
         return Emitter.of(self.real, [(x, "x")], turned).stored("x")
 
-    def _twist_lines(self, turn: Pose, given: str, found: str) -> list[str]:
+    def _twist_lines(self, turn: Pose, given: list[str], found: list[str]) -> list[str]:
         a, rotation = ca.SX.sym("a", 6), ca.DM(exact_turn(turn.rotation))
         turned = ca.vertcat(ca.mtimes(rotation, a[:3]), ca.mtimes(rotation, a[3:]))
-        return Emitter.of(self.real, [(a, given)], turned).stored(indexed(found, 6))
+        return Emitter.of(self.real, [(a, given)], turned).stored(found)

@@ -14,7 +14,7 @@ import numpy as np
 
 from symkin.codegen.map.direct_text import DirectText
 from symkin.codegen.steps.newton_kernel import rounded
-from symkin.codegen.text.c import Emitter
+from symkin.codegen.text.c import Emitter, block, refused
 from symkin.codegen.text.gathered import gathered
 from symkin.codegen.text.templates import fill
 from symkin.codegen.text.turns import angle_of_direction, cosine_and_sine
@@ -158,19 +158,21 @@ class ClosedDirectSource(DirectText):
         if not condition:
             return [*begun, *emitter.take()]
         none = [
-            f"    w->guard[{j}] = 0.0;"
+            f"w->guard[{j}] = 0.0;"
             for j, guard in enumerate(self.found.guards)
             if not guard.is_divisor
         ]
         return [
             *begun,
-            f"if ({condition}) {{",
-            *("    " + line for line in emitter.take()),
-            "} else {",
-            "    /* what formulas divide by vanishes: no guard is above zero */",
-            *none,
-            "    w->share = 0.0;",
-            "}",
+            *block(
+                f"if ({condition})",
+                emitter.take(),
+                [
+                    "/* what formulas divide by vanishes: no guard is above zero */",
+                    *none,
+                    "w->share = 0.0;",
+                ],
+            ),
         ]
 
     @property
@@ -227,9 +229,7 @@ class ClosedDirectSource(DirectText):
         return [
             "/* which part of the slides' ranges holds both ends of the line */",
             *self.guards.reach_lines(slides),
-            f"if (!({' && '.join(tests)})) {{",
-            "    status = NAME_WRONG_BRANCH;",
-            "}",
+            *refused(" && ".join(tests), "WRONG_BRANCH"),
         ]
 
     @property

@@ -32,7 +32,7 @@ from symkin.codegen.steps.joint_ranges import range_functions, ranges_of
 from symkin.codegen.steps.linear_solver import is_unrolled
 from symkin.codegen.steps.newton_kernel import Kernel, curvature, system_kernel
 from symkin.codegen.steps.newton_source import NewtonCode, tolerance_of
-from symkin.codegen.text.c import Emitter, Real, indexed
+from symkin.codegen.text.c import Emitter, Real, if_ok, indexed
 from symkin.codegen.text.templates import (
     FARTHEST,
     common_values,
@@ -395,7 +395,7 @@ class ArmSource(Source):
                 "name_forward(GEOMETRY w.x, w.at);",
                 f"status = name_inverse_newton(GEOMETRY &w, to, {config}, info);",
             ]
-        within = self.if_ok(
+        within = if_ok(
             [
                 f"status = name_limit_joints(GEOMETRY status, {at});",
                 "if (info != NULL) {",

@@ -279,7 +279,7 @@ def moved_along(joint: RobotJoint | Joint, value: float) -> Pose:
     return Pose.from_rotation_vector(along * np.array(joint.axis), turn)
 
 
-def frame_along(z: Sequence[float], x: Sequence[float] | None = None) -> Pose:
+def frame_along(z: Sequence[float], x: Sequence[float] | np.ndarray | None = None) -> Pose:
     """A turned frame whose z axis has a direction, and whose x axis is nearest to another where one
     is given.
     """

@@ -302,6 +302,10 @@ def test_code_that_fails_its_own_test_is_not_written(tmp_path):
     wrong = {**files, "five_bar.c": files["five_bar.c"].replace("x[0] = ", "x[0] = 0.1 + ", 1)}
     with pytest.raises(InputError, match=r"own test fails here \(failed: .*failures\)"):
         run_own_test("five_bar", wrong)
+    # a number that is none is no answer, wherever it stands
+    none = files["five_bar.c"].replace("joints[0] = q[0];", "joints[0] = NAN;", 1)
+    with pytest.raises(InputError, match="failed: inverse, answer"):
+        run_own_test("five_bar", {**files, "five_bar.c": none})
     with pytest.raises(InputError, match="the compiler says: "):
         run_own_test("five_bar", {**files, "five_bar.c": files["five_bar.c"] + "}"})
 

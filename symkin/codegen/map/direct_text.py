@@ -21,7 +21,7 @@ from symkin.codegen.steps.newton_kernel import rounded
 from symkin.codegen.steps.newton_source import tolerance_of
 from symkin.codegen.steps.pose_coordinates import POSE, off_motion, restricted
 from symkin.codegen.text.angles import NotLiftedError, Numbers
-from symkin.codegen.text.c import Emitter
+from symkin.codegen.text.c import Emitter, refused
 from symkin.codegen.text.gathered import gathered
 from symkin.computed_once import cached_property
 from symkin.elimination.closed_form import ClosedForm
@@ -213,10 +213,9 @@ class DirectText(Source):
             emitter.lines.append(f"w->sign[{k}] = ({text} < 0.0) ? -1.0 : 1.0;")
         self.store_guards(emitter, 3, "left", of_divisors=False)
         last, near = emitter.take(), self.above("left", of_divisors=False)
-        if near:
-            last += [f"if (!({near})) {{", "    status = NAME_SINGULAR;", "}"]
-        below = _refused(self.above("left", of_divisors=True), last, "NAME_SINGULAR")
-        return [*begun, *_refused(" && ".join(tests), [*middle, *below], "NAME_OUT_OF_RANGE")]
+        last += refused(near, "SINGULAR")
+        below = refused(self.above("left", of_divisors=True), "SINGULAR", last)
+        return [*begun, *refused(" && ".join(tests), "OUT_OF_RANGE", [*middle, *below])]
 
     def _told(self, told: ca.SX) -> ca.SX:
         """What tells each sign, with those before put in: sign times root."""
@@ -323,16 +322,3 @@ class DirectText(Source):
 def _generators_of(coordinates: Sequence[Coordinate]) -> dict[str, range]:
     """Places of the generators of coordinates, one after the other."""
     return places_of(coordinates, [2 if c.is_angular else 1 for c in coordinates])
-
-
-def _refused(condition: str, lines: Sequence[str], status: str) -> list[str]:
-    """Statements under a condition, without which a status is set."""
-    if not condition:
-        return list(lines)
-    return [
-        f"if (!({condition})) {{",
-        f"    status = {status};",
-        "} else {",
-        *("    " + line for line in lines),
-        "}",
-    ]

@@ -23,8 +23,15 @@ from symkin.codegen.steps.joint_ranges import Range, check_text, range_functions
 from symkin.codegen.steps.linear_solver import singular_condition
 from symkin.codegen.steps.newton_source import NewtonCode
 from symkin.codegen.text.angles import number_counts
-from symkin.codegen.text.c import Emitter
-from symkin.codegen.text.templates import FARTHEST, common_values, farthest, fill, substitute
+from symkin.codegen.text.c import Emitter, if_ok
+from symkin.codegen.text.templates import (
+    FARTHEST,
+    common_values,
+    copy_loop,
+    farthest,
+    fill,
+    substitute,
+)
 from symkin.codegen.text.turns import angle_of_direction, cosine_and_sine
 from symkin.computed_once import cached_property
 from symkin.model.joint import Coordinate, units_of
@@ -182,7 +189,7 @@ def _applied(row: tuple[str, str, tuple[str, str], str], common: Mapping[str, ob
         "at": substitute("const name_real joints[@nq], const name_real found[@nq]", common),
         "matrix": matrix,
         "before": "NAME_OK",
-        "then": ["if (status == NAME_OK) {", f"    status = name_{matrix}(joints, found, {matrix});", "}"],
+        "then": if_ok([f"status = name_{matrix}(joints, found, {matrix});"]),
         "given": given,
         "taken": n,
         # rates and torques have either sign
@@ -258,7 +265,7 @@ def _jacobian(
         "near": _BELONG * made.size,
         "singular": singular_condition(way.kernel, way.k, "&w"),
         "more": "",
-        "store": [f"for (int i = 0; i < {nj}; ++i) {{", f"    {function}[i] = rates[i];", "}"],
+        "store": copy_loop(function, "rates", nj),
         "rates": solved.solved([*rates, *steps]),
     }
     return fill("map_jacobian.c", way.names | shown | more)

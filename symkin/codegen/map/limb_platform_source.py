@@ -33,7 +33,7 @@ from symkin.codegen.steps.newton_kernel import rounded
 from symkin.codegen.steps.newton_source import NewtonCode, tracked_error
 from symkin.codegen.steps.passive_limits import limit_lines, texts_of
 from symkin.codegen.steps.pose_coordinates import COLUMNS, pose_coordinates_text, pose_text
-from symkin.codegen.text.c import Emitter
+from symkin.codegen.text.c import Emitter, if_ok, refused
 from symkin.codegen.text.templates import common_values, copy, farthest, fill, normalise_pose
 from symkin.computed_once import cached_property
 from symkin.numeric.system import System
@@ -181,15 +181,19 @@ class LimbPlatformSource(Source):
             own = [(c, float(rotation[c % 3, k % 3])) for c in columns if c // 3 == k // 3]
             terms = [f"{v} * a[{c}]" for c, v in own if v != 0.0]
             lines.append(f"b[{k}] = {' + '.join(terms) or '0.0'};")
-        nq, shown = self._common["nq"], {"part": part, "own": self._names[part]}
-        said: dict[str, object] = {"given": "", "rates": "", "found": "rates", "count": nq}
-        about = "Joint rates by the platform's twist"
-        if part == "twist":
-            given = f"const real rates[{nq}], "
-            said = {"given": given, "rates": "rates, ", "found": "twist", "count": 1}
-            about = "The twist of joint rates"
-        said |= {"about": about, "turned_row": lines}
-        return fill("turned.c", self._common | shown | said)
+        nq, twist = self._common["nq"], part == "twist"
+        shown = {
+            "about": "The twist of joint rates" if twist else "Joint rates by the platform's twist",
+            "part": part,
+            "own": self._names[part],
+            "takes": "const name_pose *pose" + f", const real rates[{nq}]" * twist,
+            "passed": "pose, rates" if twist else "pose",
+            "found": part if twist else "rates",
+            "count": 1 if twist else nq,
+            "next": 6,
+            "turned_row": lines,
+        }
+        return fill("turned.c", self._common | shown)
 
     @property
     def _passive_checks(self) -> dict[str, Sequence[str]]:
@@ -205,11 +209,11 @@ class LimbPlatformSource(Source):
         moves, stands = (", false", ", true") if self._stands else ("", "")
         of_state = f"status = {check}&w.x[{count}], given, w.x{{}});"
         return {
-            "inverse_passive": self.if_ok([f"status = {check}c, q, passive{moves});"]),
-            "direct_passive": self.if_ok([of_state.format(moves)]),
-            "standing_passive": self.if_ok([of_state.format(stands)]),
-            "write_tracked": [of_state.format(moves), *self.if_ok([write])],
-            "check_answer": self.if_ok(["status = name_check_answer(&answer);"]),
+            "inverse_passive": if_ok([f"status = {check}c, q, passive{moves});"]),
+            "direct_passive": if_ok([of_state.format(moves)]),
+            "standing_passive": if_ok([of_state.format(stands)]),
+            "write_tracked": [of_state.format(moves), *if_ok([write])],
+            "check_answer": if_ok(["status = name_check_answer(&answer);"]),
         }
 
     @property
@@ -272,7 +276,7 @@ class LimbPlatformSource(Source):
             if made.tells_branch
             else f"check_given(GEOMETRY &w.x[{passive}], given)"
         )
-        branch = self.if_ok([f"status = name_{check};"])
+        branch = if_ok([f"status = name_{check};"])
         unwrap = [
             f"real given[{self._common['nq']}];",
             *self.unwrapped("given", "joints", "w.at"),
@@ -334,9 +338,7 @@ class LimbPlatformSource(Source):
         return [
             "/* what the pose alone must satisfy */",
             *emitter.lines,
-            f"if (!({' && '.join(tests)})) {{",
-            "    status = NAME_OUT_OF_RANGE;",
-            "}",
+            *refused(" && ".join(tests), "OUT_OF_RANGE"),
         ]
 
     @property

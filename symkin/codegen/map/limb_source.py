@@ -21,7 +21,7 @@ from symkin.codegen.steps.linear_solver import singular_condition
 from symkin.codegen.steps.newton_kernel import Kernel, quaternion_place, rounded, sampled
 from symkin.codegen.steps.newton_source import NewtonCode
 from symkin.codegen.steps.pose_coordinates import COLUMNS
-from symkin.codegen.text.c import Emitter, indexed
+from symkin.codegen.text.c import Emitter, block, if_ok, indexed
 from symkin.codegen.text.templates import copy, fill
 from symkin.computed_once import cached_property
 from symkin.model.joint import places_of
@@ -205,7 +205,7 @@ class LimbSource(Source):
         begin = f"real x[{self.block.system.width}];" if by_formulas else (f"{self.k}_work w;")
         x = "x" if by_formulas else "w.x"
         copies = [f"{array}[{there}] = {x}[{here}];" for array, there, here in self.places]
-        return [self._comment, *self.if_ok([begin, *self._solve("x", ", within"), *copies])]
+        return [self._comment, *if_ok([begin, *self._solve("x", ", within"), *copies])]
 
     @property
     def rate_lines(self) -> list[str]:
@@ -216,7 +216,7 @@ class LimbSource(Source):
             return [self._comment, *self._rod_rate_lines]
         if self.block.kernel is None:
             return [self._comment, *self._closed_rate_lines]
-        return [self._comment, *self.if_ok(self._matrix_rate_lines(self.block.kernel))]
+        return [self._comment, *if_ok(self._matrix_rate_lines(self.block.kernel))]
 
     def _matrix_rate_lines(self, kernel: Kernel) -> list[str]:
         made, k, system, size = self.made, self.k, self.block.system, self.made.size
@@ -240,13 +240,7 @@ class LimbSource(Source):
             f"real sides[{solved.size}];",
             *self._solve("w.x", f", {error}"),
             *copy("w.k", "c", known),
-            "if (status == NAME_OK) {",
-            f"    if ({singular}) {{",
-            "        status = NAME_SINGULAR;",
-            "    } else {",
-            *("        " + line for line in solved.solved(stores)),
-            "    }",
-            "}",
+            *if_ok(block(f"if ({singular})", ["status = NAME_SINGULAR;"], solved.solved(stores))),
         ]
 
     @property
@@ -260,7 +254,7 @@ class LimbSource(Source):
             for j, column in enumerate(columns)
         ]
         begin = f"real of_limb[{len(actuated) * len(columns)}];"
-        return self.if_ok([begin, f"status = {self.k}_rates(c, of_limb);", *copies])
+        return if_ok([begin, f"status = {self.k}_rates(c, of_limb);", *copies])
 
     def _rod_emitter(self, expression: ca.SX) -> Emitter:
         """Emitter of a function of the pose, temporaries beginning with the rod's name as an
@@ -289,9 +283,5 @@ class LimbSource(Source):
         first, length = emitter.divisions[0]
         return [
             *lines[:first],
-            f"if ({length} > 0.0) {{",
-            *("    " + line for line in lines[first:]),
-            "} else {",
-            "    status = NAME_SINGULAR;",
-            "}",
+            *block(f"if ({length} > 0.0)", lines[first:], ["status = NAME_SINGULAR;"]),
         ]

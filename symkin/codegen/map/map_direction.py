@@ -23,8 +23,8 @@ from symkin.codegen.steps.newton_kernel import Kernel, sampled
 from symkin.codegen.steps.newton_source import NewtonCode, tolerance_of
 from symkin.codegen.steps.passive_limits import limit_lines
 from symkin.codegen.text.angles import number_counts, numbers_at
-from symkin.codegen.text.c import Emitter, indexed
-from symkin.codegen.text.templates import copy, fill
+from symkin.codegen.text.c import Emitter, block, if_ok, indexed
+from symkin.codegen.text.templates import copy, copy_loop, fill
 from symkin.computed_once import cached_property
 from symkin.model.joint import Coordinate
 from symkin.text import c_comment
@@ -340,7 +340,7 @@ class DirectionSource(MapValues):
             ]
         elif not self.direction.circles.is_plain:
             of_known = self._coefficients(f"&y[{self.places(known)[0]}]", "w->k0")
-        stand_at[1:1] = [f"for (int i = 0; i < {n}; ++i) {{", f"    at[i] = {begun}[i];", "}"]
+        stand_at[1:1] = copy_loop("at", begun, n)
         follow = [
             *self.copies("w->x", self.unknown),
             *of_known,
@@ -414,8 +414,7 @@ class DirectionSource(MapValues):
         """Statements that hold passive joints of an answer against their limits."""
         if not self.made.passive_limits:
             return []
-        call = f"status = {self.k}_check_passive(&w, {self.words[0]});"
-        return ["if (status == NAME_OK) {", f"    {call}", "}"]
+        return if_ok([f"status = {self.k}_check_passive(&w, {self.words[0]});"])
 
     @property
     def _drifted(self) -> list[str]:
@@ -431,7 +430,7 @@ class DirectionSource(MapValues):
         if not kept:
             return []
         beyond = f"still && (status == NAME_OK) && !({' && '.join(kept)})"
-        return [f"if ({beyond}) {{", "    status = NAME_WRONG_BRANCH;", "}"]
+        return block(f"if ({beyond})", ["status = NAME_WRONG_BRANCH;"])
 
     @property
     def _passive_text(self) -> str:
@@ -456,9 +455,7 @@ class DirectionSource(MapValues):
         if not self.made.passive:
             return [], []
         return [f"real y[{self.common['ny']}];", f"real at[{self.n}];"], [
-            "if (status == NAME_OK) {",
-            f"    status = name_state_of_{side}({side}, y, at);",
-            "}",
+            *if_ok([f"status = name_state_of_{side}({side}, y, at);"])
         ]
 
     @property

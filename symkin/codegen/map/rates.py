@@ -19,7 +19,7 @@ from symkin.closure.snapping import snapped_expression
 from symkin.codegen.map.joint_map import Direction, JointMap
 from symkin.codegen.steps.newton_kernel import Kernel, moves
 from symkin.codegen.text.angles import numbers_at
-from symkin.codegen.text.c import Emitter
+from symkin.codegen.text.c import Emitter, block
 from symkin.codegen.text.templates import fill
 from symkin.computed_once import lru_cache
 from symkin.model.joint import Coordinate, places_of
@@ -101,9 +101,7 @@ def summed(term: str, count: int) -> list[str]:
     """Statements that set result[i] to the sum of a term over j."""
     return [
         "result[i] = 0.0;",
-        f"for (int j = 0; j < {count}; ++j) {{",
-        f"    result[i] += {term};",
-        "}",
+        *block(f"for (int j = 0; j < {count}; ++j)", [f"result[i] += {term};"]),
     ]
 
 

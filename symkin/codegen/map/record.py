@@ -149,7 +149,3 @@ class Source:
             if f"_{called}(" in found + text:
                 found = fill(template, shown) + found
         return found
-
-    def if_ok(self, lines: Sequence[str]) -> list[str]:
-        """Statements under the condition that nothing has been refused before."""
-        return ["if (status == NAME_OK) {", *("    " + line for line in lines), "}"]

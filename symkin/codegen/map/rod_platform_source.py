@@ -17,7 +17,7 @@ from symkin.codegen.map.limb_platform_source import LimbPlatformSource
 from symkin.codegen.map.rod_platform import RodPlatform
 from symkin.codegen.steps.joint_ranges import Range, range_functions
 from symkin.codegen.steps.rod_kernel import rod_vectors
-from symkin.codegen.text.c import Emitter
+from symkin.codegen.text.c import Emitter, block
 from symkin.codegen.text.templates import FARTHEST, copy, copy_loop, fill
 from symkin.computed_once import cached_property
 from symkin.spatial.backend import cross, dot
@@ -124,7 +124,7 @@ class RodSource(LimbPlatformSource):
 
         each = [[line.replace(f"[{i}]", "[i]") for line in lines(i, "t")] for i in range(6)]
         if all(found == each[0] for found in each):
-            return ["for (int i = 0; i < 6; ++i) {", *("    " + line for line in each[0]), "}"]
+            return block("for (int i = 0; i < 6; ++i)", each[0])
         return [line for i in range(6) for line in lines(i, f"t{i}_")]
 
     @property
@@ -218,11 +218,10 @@ def _matrix_lines(platform: RodPlatform) -> list[str]:
         entries.append(f"row[{3 + k}] = {text};")
     return [
         *table,
-        "for (int i = 0; i < 6; ++i) {",
-        "    const real *const d = &w->d[3 * i];",
-        "    real *const row = &w->a[6 * i];",
-        *("    " + text for text in entries),
-        "}",
+        *block(
+            "for (int i = 0; i < 6; ++i)",
+            ["const real *const d = &w->d[3 * i];", "real *const row = &w->a[6 * i];", *entries],
+        ),
     ]
 
 

@@ -20,7 +20,7 @@ from symkin.codegen.steps.linear_solver import (
     linear_solver,
 )
 from symkin.codegen.steps.newton_kernel import Kernel, rounded
-from symkin.codegen.text.c import Emitter, Real
+from symkin.codegen.text.c import Emitter, Real, block
 from symkin.codegen.text.templates import common_values, copy, copy_loop, fill
 from symkin.computed_once import cached_property
 from symkin.text import c_comment
@@ -406,7 +406,7 @@ class NewtonCode:
             begin_target, save0 = [f"{k}_set_target(GEOMETRY w, to);"], []
         elif kept and self.measured:
             # the caller has set the kept values, or they are made here
-            begin_target, back = [], ["if (!kept) {", *("    " + line for line in back), "}"]
+            begin_target, back = [], block("if (!kept)", back)
             save0 += [f"{k}_set_target(GEOMETRY w, to, 0.0);", *keep, aim]
         # the matrix reads known values: it is made at the part of the line that is done. Of wide
         # systems it is made at the part aimed at, because shortest steps follow the path more
@@ -414,9 +414,9 @@ class NewtonCode:
         reads_known = self.kernel.reads_known and not self.kernel.is_wide and not kept
 
         def first(call: str) -> list[str]:
-            return ["if (taken == 0U) {", f"    {call}", "}"] if reads_known else []
+            return block("if (taken == 0U)", [call]) if reads_known else []
 
-        keeping = ["if (taken > 0U) {", *("    " + line for line in keep), "}"]
+        keeping = block("if (taken > 0U)", keep)
         return {
             "begin_target": begin_target,
             "part": "" if by_call else ", real part",

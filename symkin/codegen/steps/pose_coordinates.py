@@ -10,7 +10,7 @@ import numpy as np
 from symkin.closure.snapping import snapped_expression
 from symkin.codegen.steps.formula_guards import feasible_error
 from symkin.codegen.steps.geometry import Geometry
-from symkin.codegen.text.c import Emitter, Real, indexed
+from symkin.codegen.text.c import Emitter, Real, block, indexed, refused
 from symkin.codegen.text.templates import fill
 from symkin.model.keys import ABOUT_Z
 from symkin.spatial.backend import stacked
@@ -87,16 +87,10 @@ def pose_coordinates_text(geometry: Geometry, real: Real, values: dict[str, obje
         pi, two_pi = np.pi, 2 * np.pi
         angle = f"c[{count - 1}]"
         body += [
-            f"if ({angle} > {pi}) {{",
-            f"    {angle} -= {two_pi};",
-            "}",
-            f"if ({angle} < -{pi}) {{",
-            f"    {angle} += {two_pi};",
-            "}",
+            *block(f"if ({angle} > {pi})", [f"{angle} -= {two_pi};"]),
+            *block(f"if ({angle} < -{pi})", [f"{angle} += {two_pi};"]),
         ]
-    if tests:
-        refused = "    status = NAME_OUT_OF_RANGE;"
-        body += [f"if (!({' && '.join(tests)})) {{", refused, "}"]
+    body += refused(" && ".join(tests), "OUT_OF_RANGE")
     return fill("pose_coordinates.c", values | {"count": count, "body": body})
 
 

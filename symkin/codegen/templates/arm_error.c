@@ -30,7 +30,7 @@ static name_real name_error_at(GEOMETRY_GIVEN const name_real @u[@n_u], const na
  * diagonal is raised, the more the smaller it is. Returns that pivot over the mean. */
 static name_real name_damped(const name_real jacobian[@nj], const name_real e[6], name_real y[@nq])
 {
-    static const name_real row_scale[6] = { @row_scales };
+    TABLE(row_scale, 6, @row_scales)
     @column_scale
     name_real a[6][@nq];
     name_real g[@nm][@nm];

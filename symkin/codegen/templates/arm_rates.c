@@ -29,7 +29,7 @@ name_status name_rates(GEOMETRY_GIVEN JOINTS_GIVEN, const name_real twist[6], na
 /* One damped step towards a pose, shortened where the error would grow. */
 name_status name_track(GEOMETRY_GIVEN const name_pose *pose, name_real joints[@nq], name_info *info)
 {
-    static const name_real per_turn[@nq] = { @per_turns };
+    TABLE(per_turn, @nq, @per_turns)
     name_real to[7];
     name_real jacobian[@nj];
     @work_u

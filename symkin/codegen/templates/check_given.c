@@ -3,7 +3,7 @@
  * to this one: the pose alone would not say where the limb stands. */
 static NAME_COLD name_status name_check_given(GEOMETRY_GIVEN const name_real x[@nc], const name_real given[@nq])
 {
-    static const name_real near[@nq] = { @near };
+    TABLE(near, @nq, @near)
     name_real q[@nq] = { 0.0 };
     LIMB_VALUES
     name_real turned[@nq];

@@ -14,10 +14,10 @@ static int name_branches(const name_real x[7], const name_real near[@nears], uns
 }
 
 /* Turns angles to within half a turn of `about`, and, where that is out of range, of the middle of the range. */
-static name_status name_turn_near(const name_real about[@nn], name_real joints[@nn])
+static name_status name_turn_near(ABOUT_AND_JOINTS)
 {
     static const bool angular[@nn] = { @angular };
-    static const name_real middle[@nn] = { @middles };
+    TABLE(middle, @nn, @middles)
     name_status status = NAME_OUT_OF_RANGE;
     EACH_WHILE(round, 2, (status == NAME_OUT_OF_RANGE)) {
         const name_real *const goal = (round == 0) ? about : middle;
@@ -35,7 +35,7 @@ static name_status name_turn_near(const name_real about[@nn], name_real joints[@
 
 @finish
 /* The branch that the bits `wanted` and the guess name; results are written with OK only. */
-static name_status name_one_branch(const name_pose *pose, const name_real near[@nears], unsigned int wanted, const name_real about[@nn], name_real joints[@nn])
+static name_status name_one_branch(const name_pose *pose, const name_real near[@nears], unsigned int wanted, ABOUT_AND_JOINTS)
 {
     name_real x[7];
     name_real found[1][@nn];
@@ -58,8 +58,8 @@ static name_status name_one_branch(const name_pose *pose, const name_real near[@
 /* All branches with the given tool pose. */
 int name_inverse_all(const name_pose *pose, name_real joints[@branches][@nn])
 {
-    static const name_real near[@nears] = { 0.0 };
-    static const name_real middle[@nn] = { @middles };
+    TABLE(near, @nears, 0.0)
+    TABLE(middle, @nn, @middles)
     name_real x[7];
     int count = 0;
     name_real margin[@margins];
@@ -80,8 +80,8 @@ int name_inverse_all(const name_pose *pose, name_real joints[@branches][@nn])
 /* The branch named by the choices' bits. */
 name_status name_inverse_branch(const name_pose *pose, unsigned int branch, name_real joints[@nn])
 {
-    static const name_real near[@nears] = { 0.0 };
-    static const name_real middle[@nn] = { @middles };
+    TABLE(near, @nears, 0.0)
+    TABLE(middle, @nn, @middles)
     name_status status = NAME_OUT_OF_RANGE;
     if (branch < @{branches}U) {
         unsigned int wanted = 0U;

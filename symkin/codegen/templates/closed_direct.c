@@ -95,7 +95,7 @@ static name_status name_direct_answer(const name_direct_work *w, name_real toler
 }
 
 /* The answer at joint values. */
-static name_status name_direct_reach(JOINTS_GIVEN, const name_pose *guess, name_pose *pose, const name_config *config, name_info *info)
+static name_status name_direct_reach(JOINTS_GIVEN, const name_pose *guess, name_pose *pose, CONFIG_AND_INFO)
 {
     USUAL_CONFIG
     name_direct_work w;

@@ -2,8 +2,7 @@
  * Newton's method, near by. */
 static name_status name_finish(const name_real x[7], name_real joints[@nn])
 {
-    solver_work work;
-    solver_work *const w = &work;
+    OWN_WORK
     name_real residual;
     name_real size = 0.0;
     int turn = 1;
@@ -27,7 +26,7 @@ static name_status name_finish(const name_real x[7], name_real joints[@nn])
 }
 
 /* Brings the joint values of a branch to where they are wanted: this arm's pose, whole turns, and their ranges. */
-static name_status name_settle(const name_real x[7], const name_real about[@nn], name_real joints[@nn])
+static name_status name_settle(const name_real x[7], ABOUT_AND_JOINTS)
 {
     name_status status = name_finish(x, joints);
     IF_OK {

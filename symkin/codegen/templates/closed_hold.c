@@ -24,7 +24,7 @@ static name_status name_hold(const name_real x[7], name_real joints[@nn], name_r
 }
 
 /* Brings the joint values of a branch to where they are wanted: whole turns, their ranges, and the tool's pose held against x. */
-static name_status name_settle(const name_real x[7], const name_real about[@nn], name_real joints[@nn])
+static name_status name_settle(const name_real x[7], ABOUT_AND_JOINTS)
 {
     name_real residual;
     name_status status = name_turn_near(about, joints);

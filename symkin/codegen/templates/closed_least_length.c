@@ -1,9 +1,8 @@
 /* Takes a length, the root of a guard, that changes by at most `speed`: what it is at least, which is never below `always`. */
 static name_real solver_least_length(solver_work *w, int k, name_real rounding, name_real speed, name_real always)
 {
-    const name_real left = w->left[k] - rounding;
-    const name_real guard = w->guard[k] - rounding;
-    const name_real ends = ((left > 0.0) && (guard > 0.0)) ? (sqrt(left) + sqrt(guard)) : 0.0;
+    GUARD_ENDS
+    const name_real ends = above ? (sqrt(left) + sqrt(guard)) : 0.0;
     const name_real least = 0.5 * (ends - @raised * speed);
     if (!(always > 0.0)) {
         solver_take(w, @raised * @raised * speed * speed, ends * ends);

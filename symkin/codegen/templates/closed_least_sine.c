@@ -1,9 +1,7 @@
 /* The same of a length that is the sine of an angle, which changes by at most `speed`, by the first terms of arc sine and sine. */
 static name_real solver_least_sine(solver_work *w, int k, name_real rounding, name_real speed)
 {
-    const name_real left = w->left[k] - rounding;
-    const name_real guard = w->guard[k] - rounding;
-    const bool above = (left > 0.0) && (guard > 0.0);
+    GUARD_ENDS
     const name_real ends = above ? (sqrt(left) * (1.0 + @sixth * left) + sqrt(guard) * (1.0 + @sixth * guard)) : 0.0;
     const name_real least = 0.5 * (ends - @raised * speed);
     solver_take(w, @raised * @raised * speed * speed, ends * ends);

@@ -2,9 +2,9 @@
  * where all are. A joint that is beyond them at b goes before one that bends too much. */
 static uint8_t name_first_leaving(solver_work *w, const name_real a[@nn], const name_real b[@nn])
 {
-    static const name_real low[@nn] = { @lows };
-    static const name_real high[@nn] = { @highs };
-    static const name_real per_length[@nn] = { @per_lengths };
+    TABLE(low, @nn, @lows)
+    TABLE(high, @nn, @highs)
+    TABLE(per_length, @nn, @per_lengths)
     static const bool limited[@nn] = { @limited };
     uint8_t joint = @{nn}U;
     for (int i = @last; i >= 0; --i) {

@@ -64,8 +64,7 @@ static bool solver_follows(solver_work *w, name_real most2)
  * whole turns included. */
 static name_status solver_along(const name_real to[7], const name_config *config, name_real joints[@nn], name_info *info)
 {
-    solver_work work;
-    solver_work *const w = &work;
+    OWN_WORK
     name_real at[7];
     name_real least = 1.0;
     name_real residual = HUGE_VAL;

@@ -1,8 +1,7 @@
 /* The twist of joint rates: the closure's linear system at the pose. */
 @static_own name_status @twist(GEOMETRY_GIVEN const name_pose *pose, const name_real rates[@nq], name_real twist[6])
 {
-    solver_work work;
-    solver_work *const w = &work;
+    OWN_WORK
     LIMB_VALUES
     name_status status = name_pose_coordinates(GEOMETRY pose, c);
     IF_OK {

@@ -43,9 +43,7 @@ int kinematicsForward(const double *joint, EmcPose *world, const KINEMATICS_FORW
 @geometry
     (void)fflags;
     (void)iflags;
-    EACH(i, @nq) {
-        joints[i] = joint[i] / unit[i];
-    }
+    READ_JOINTS
 @forward
     if (status != NAME_OK) {
         return -1;
@@ -67,9 +65,7 @@ int kinematicsInverse(const EmcPose *world, double *joint, const KINEMATICS_INVE
 @geometry
     (void)iflags;
     (void)fflags;
-    EACH(i, @nq) {
-        joints[i] = joint[i] / unit[i];
-    }
+    READ_JOINTS
     if (name_inverse(@ga@inverse) != NAME_OK) {
         return -1;
     }

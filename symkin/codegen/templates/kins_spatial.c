@@ -1,16 +1,20 @@
 /* The pose of world coordinates. */
 POSE_OF_WORLD
 {
-    const double a = 0.5 * world->a / NAME_DEGREES;
-    const double b = 0.5 * world->b / NAME_DEGREES;
-    const double c = 0.5 * world->c / NAME_DEGREES;
+    const double half = 0.5 / NAME_DEGREES;
+    const double a = cos(half * world->a);
+    const double b = cos(half * world->b);
+    const double c = cos(half * world->c);
+    const double x = sin(half * world->a);
+    const double y = sin(half * world->b);
+    const double z = sin(half * world->c);
     name_pose pose;
     @from_home
     @positions
-    pose.quaternion[0] = cos(a) * cos(b) * cos(c) + sin(a) * sin(b) * sin(c);
-    pose.quaternion[1] = sin(a) * cos(b) * cos(c) - cos(a) * sin(b) * sin(c);
-    pose.quaternion[2] = cos(a) * sin(b) * cos(c) + sin(a) * cos(b) * sin(c);
-    pose.quaternion[3] = cos(a) * cos(b) * sin(c) - sin(a) * sin(b) * cos(c);
+    pose.quaternion[0] = a * b * c + x * y * z;
+    pose.quaternion[1] = x * b * c - a * y * z;
+    pose.quaternion[2] = a * y * c + x * b * z;
+    pose.quaternion[3] = a * b * z - x * y * c;
     return pose;
 }
 

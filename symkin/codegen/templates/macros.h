@@ -18,9 +18,21 @@
 expect(name_##what given == NAME_OK, "OK", k);
 #define NEAREST_WHOLE(number) (int)(number + ((number < 0.0) ? -0.5 : 0.5))
 #define JOINTS_GIVEN const name_real joints[@nq]
+#define VALUES_GIVEN const name_real @values[@nto]
+#define ABOUT_AND_JOINTS const name_real about[@nn], name_real joints[@nn]
+#define CONFIG_AND_INFO const name_config *config, name_info *info
+#define OWN_WORK solver_work work; \
+solver_work *const w = &work;
+#define GUARD_ENDS const name_real left = w->left[k] - rounding; \
+const name_real guard = w->guard[k] - rounding; \
+const bool above = (left > 0.0) && (guard > 0.0);
+#define TABLE(table, count, numbers) static const name_real table[count] = { numbers };
 #define LIMB_VALUES name_real c[@nc]; \
 name_real passive[@np] = { 0.0 };
 #define QUATERNIONS_DOT(x, y) x[3] * y[3] + x[4] * y[4] + x[5] * y[5] + x[6] * y[6]
 #define DOT3(a, b) a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+#define READ_JOINTS EACH(i, @nq) { \
+    joints[i] = joint[i] / unit[i]; \
+}
 #define POSE_OF_WORLD static name_pose name_pose_of(const EmcPose *world)
 #define WORLD_OF_POSE static void name_world_of(const name_pose *pose, EmcPose *world)

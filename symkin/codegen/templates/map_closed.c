@@ -18,7 +18,7 @@ static NAME_SHARED void solver_signs(const name_real k[@nk], const name_real x[@
 }
 @walk/* The end of the straight line of known values from w->at, where the state is w->x at w->k, to `to`, if no condition vanishes on the way.
  * Then the rows are held against the answer. */
-static name_status solver_follow(solver_work *w, const name_real to[@nto], const name_config *config, name_info *info)
+static name_status solver_follow(solver_work *w, const name_real to[@nto], CONFIG_AND_INFO)
 {
     name_real least = 1.0;
     unsigned int count = 0U;

@@ -1,4 +1,4 @@
-static const name_real sign[@signs] = { @home_signs };
+TABLE(sign, @signs, @home_signs)
 name_real k[@nk];
 name_real x[@ns];
 name_real d[@conditions];

@@ -1,6 +1,6 @@
 /* Whether the @values lead from the reference configuration to the guess, which then has nowhere to go, though the @out alone lead
  * elsewhere: sets the numbers y of a configuration on this way, where its known values are, and the @out to which they lead. */
-static NAME_COLD bool @{f}_stands(const name_real @values[@nto], const name_real guess[@nout], name_real y[@ny], name_real at[@nto],
+static NAME_COLD bool @{f}_stands(VALUES_GIVEN, const name_real guess[@nout], name_real y[@ny], name_real at[@nto],
     name_real other[@nout])
 {
     if (name_state_of_@values(@values, y, other) != NAME_OK) {
@@ -11,8 +11,8 @@ static NAME_COLD bool @{f}_stands(const name_real @values[@nto], const name_real
 }
 
 /* The @out at the end of the line from a configuration, with the numbers y and the known values `at`, to the given ones. */
-static NAME_SHARED name_status @{f}_line(solver_work *w, const name_real @values[@nto], const name_real y[@ny], const name_real at[@nto],
-    const name_real guess[@nout], name_real result[@nout], const name_config *config, name_info *info)
+static NAME_SHARED name_status @{f}_line(solver_work *w, VALUES_GIVEN, const name_real y[@ny], const name_real at[@nto],
+    const name_real guess[@nout], name_real result[@nout], CONFIG_AND_INFO)
 {
     name_status status;
     @begin
@@ -24,7 +24,7 @@ static NAME_SHARED name_status @{f}_line(solver_work *w, const name_real @values
 }
 
 /* Whether a configuration has the given values but for rounding, and with which residual: sets the state to it. */
-static NAME_SHARED bool @{f}_closes(solver_work *w, const name_real @values[@nto], const name_real @from[@nfrom],
+static NAME_SHARED bool @{f}_closes(solver_work *w, VALUES_GIVEN, const name_real @from[@nfrom],
     const name_config *config, name_real *residual)
 {
     solver_place(w, @values, @from);
@@ -34,7 +34,7 @@ static NAME_SHARED bool @{f}_closes(solver_work *w, const name_real @values[@nto
 }
 
 /* Whether an answer can be held: read as a guess it has the given values, or leads to itself. */
-static NAME_SHARED bool @{f}_holds(solver_work *w, const name_real @values[@nto], const name_real answer[@nout], const name_config *config)
+static NAME_SHARED bool @{f}_holds(solver_work *w, VALUES_GIVEN, const name_real answer[@nout], const name_config *config)
 {
     name_real y[@ny];
     name_real at[@nto];
@@ -49,7 +49,7 @@ static NAME_SHARED bool @{f}_holds(solver_work *w, const name_real @values[@nto]
 }
 
 /* @about */
-name_status @f(const name_config *config, const name_real @values[@nto], const name_real guess[@nout], name_real @out[@nout],
+name_status @f(const name_config *config, VALUES_GIVEN, const name_real guess[@nout], name_real @out[@nout],
     name_info *info)
 {
     USUAL_CONFIG
@@ -104,7 +104,7 @@ name_status @f(const name_config *config, const name_real @values[@nto], const n
 }
 
 /* @about_track */
-name_status @track(const name_real @values[@nto], name_real @out[@nout], name_info *info)
+name_status @track(VALUES_GIVEN, name_real @out[@nout], name_info *info)
 {
     solver_work w;
     @y

@@ -1,5 +1,5 @@
 /* Holds the rows against the formulas' answer; one step of Newton's method where rounding has left more than the tolerance. */
-static NAME_SHARED name_status solver_finish(solver_work *w, unsigned int count, name_real least, const name_config *config, name_info *info)
+static NAME_SHARED name_status solver_finish(solver_work *w, unsigned int count, name_real least, CONFIG_AND_INFO)
 {
     name_real size = 0.0;
     solver_rows(w);

@@ -5,7 +5,7 @@
  * the one before (two twenty-fifths after new factors), the theorem of Newton and Kantorovich does not tie the point to the part that is done (README.md says what
  * is proved): the state is put back and a nearer point of the line is aimed at. Factors are kept for one more step where that is predicted to
  * reach the tolerance. The answer's rows are evaluated before it is called OK. */
-static name_status solver_newton(GEOMETRY_GIVEN solver_work *w, const name_real to[@nto], const name_config *config, name_info *info)
+static name_status solver_newton(GEOMETRY_GIVEN solver_work *w, const name_real to[@nto], CONFIG_AND_INFO)
 {
     /* squares of lengths and of ratios of lengths, so that no step needs a root; ratio2: the largest ones that are accepted, of the
      * second step, of later ones after new factors, and of others, as the first step is near, far or very far */

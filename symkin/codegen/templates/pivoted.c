@@ -9,8 +9,8 @@ static void solver_matrix(GEOMETRY_GIVEN solver_work *w)
 /* The factors in loops; the sign of the determinant, 0 where the matrix is singular. */
 static NAME_COLD int solver_pivoted(GEOMETRY_GIVEN solver_work *w)
 {
-    static const name_real scale[@n] = { @column_scales };
-    static const name_real least[@n] = { @least_pivots };
+    TABLE(scale, @n, @column_scales)
+    TABLE(least, @n, @least_pivots)
     solver_matrix(GEOMETRY w);
     w->pivoted = true;
     w->spread = 0.0;

@@ -63,8 +63,8 @@ static void name_add_square(const name_real b[4], name_real factor, name_real c[
  * cubic in t, by its values at both ends and at the middle pose, and n^2 (|d|^2 - L^2) is of degree 6. */
 name_status name_line(GEOMETRY_GIVEN const name_config *config, const name_pose *from, const name_pose *to, name_info *info)
 {
-    static const name_real low[6] = { @lows };
-    static const name_real high[6] = { @highs };
+    TABLE(low, 6, @lows)
+    TABLE(high, 6, @highs)
     USUAL_CONFIG
     const name_config *const used = (config == NULL) ? &usual : config;
     const unsigned int most = (unsigned int)used->max_iterations;

@@ -3,7 +3,7 @@
  * keep: these factors are those of the part that is done. */
 static int solver_side(solver_work *w, bool keep)
 {
-    static const name_real least[@n] = { @least_sides };
+    TABLE(least, @n, @least_sides)
     name_real d[@n * @n];
     uint8_t order[@n];
     int side = 1;

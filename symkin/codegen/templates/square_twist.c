@@ -1,10 +1,10 @@
 /* The twist of joint rates: the Jacobian's linear system, lengths and angles times the size. */
 @static_own name_status @twist(GEOMETRY_GIVEN const name_pose *pose, const name_real rates[@nq], name_real twist[6])
 {
-    static const name_real row_scale[@nq] = { @row_scales };
-    static const name_real column_scale[@nq] = { @column_scales };
+    TABLE(row_scale, @nq, @row_scales)
+    TABLE(column_scale, @nq, @column_scales)
     static const uint8_t column[@nq] = { @columns };
-    static const name_real least[@nq] = { @least_pivots };
+    TABLE(least, @nq, @least_pivots)
     name_real jacobian[@nq * 6];
     name_real a[@nq * @nq];
     name_real f[@nq];

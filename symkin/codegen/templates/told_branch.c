@@ -4,7 +4,7 @@
  * from the guess's joint values `at`. */
 static NAME_COLD name_status name_check_branch(GEOMETRY_GIVEN const name_real x[@count], const name_real at[@nq], const name_real given[@nq])
 {
-    static const name_real near[@nq] = { @near };
+    TABLE(near, @nq, @near)
     name_status status = NAME_OK;
     bool firm = true;
     bool told = true;

@@ -192,6 +192,26 @@ def indent(lines: Sequence[str], depth: int = 1) -> str:
     return "\n".join("    " * depth + line if line else "" for line in lines)
 
 
+def block(head: str, lines: Sequence[str], otherwise: Sequence[str] = ()) -> list[str]:
+    """Write a statement with a body in braces, and one behind else where there is some."""
+    then = [f"{head} {{", *(f"    {line}" for line in lines)]
+    return [*then, *block("} else", otherwise)] if otherwise else [*then, "}"]
+
+
+def if_ok(lines: Sequence[str]) -> list[str]:
+    """Write statements under the condition that nothing has been refused before."""
+    return block("if (status == NAME_OK)", lines)
+
+
+def refused(condition: str, status: str, lines: Sequence[str] = ()) -> list[str]:
+    """Write statements under a condition, without which a status is set; no condition: as they
+    are.
+    """
+    if not condition:
+        return list(lines)
+    return block(f"if (!({condition}))", [f"status = NAME_{status};"], lines)
+
+
 def indented_by_braces(lines: Sequence[str]) -> list[str]:
     """Indent lines by the braces that are open before them."""
     depth, found = 0, []

@@ -10,7 +10,7 @@ from importlib import resources
 import numpy as np
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
-from symkin.codegen.text.c import Real
+from symkin.codegen.text.c import Real, block
 from symkin.computed_once import lru_cache
 from symkin.text import markdown
 
@@ -128,7 +128,6 @@ def common_values(name: str, real: Real, *, struct: bool) -> dict[str, object]:
         "p": name,
         "P": name.upper(),
         "real": real.type,
-        "gp": f"const {name}_geometry *geometry, " if struct else "",
         "ga": "geometry, " if struct else "",
         "use": "    (void)geometry;" if struct else "",
         "checked": f"{name}_check_geometry(geometry, status)" if struct else "status",
@@ -166,4 +165,4 @@ def copy(target: str, source: str, count: int) -> list[str]:
 
 def copy_loop(target: str, source: str, count: int) -> list[str]:
     """Statements that copy an array in a loop."""
-    return [f"for (int i = 0; i < {count}; ++i) {{", f"    {target}[i] = {source}[i];", "}"]
+    return block(f"for (int i = 0; i < {count}; ++i)", [f"{target}[i] = {source}[i];"])
