@@ -173,13 +173,13 @@ class _Reader:
         )
 
 
-def _least_turned(x: np.ndarray, z: np.ndarray, end: np.ndarray) -> np.ndarray:
+def _least_turned(x: np.ndarray, z: np.ndarray, end: np.ndarray) -> list[float]:
     """Where the least turn that takes z along another axis takes an x across z; x itself for
     opposite axes, which every half turn across them joins.
     """
     end = end / np.linalg.norm(end)
     share = 1.0 + z @ end
-    return x if share < _OPPOSITE else x - (x @ end) / share * (z + end)
+    return (x if share < _OPPOSITE else x - (x @ end) / share * (z + end)).tolist()
 
 
 # --- one form each --------------------------------------------------------------------------------
