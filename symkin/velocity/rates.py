@@ -77,27 +77,30 @@ class Rates:
 
     @property
     def following(self) -> ca.SX:
-        """All rates by those of the known coordinates: these, the other joints', the twist."""
-        joints = (self.of[c.name] for c in self._joints)
-        return ca.vertcat(*joints, *([self.direct] if self.closure.role("pose") else []))
+        """All rates by those of the known coordinates: these first; of limbs the twist last."""
+        if self.limbs is None:
+            return ca.vertcat(*self.of.values())
+        joints = (self.of[c.name] for c in self._coordinates if c.role != "pose")
+        return ca.vertcat(*joints, self.direct)
 
     def split(self, rates: ca.SX) -> dict[str, ca.SX]:
         """Rates of each coordinate among all rates, those of `following`."""
-        poses = {c.name: rates[-6:, :][_twist(c), :] for c in self.closure.role("pose")}
-        return by_name(self._joints, rates) | poses
+        found = by_name(self._coordinates, rates)
+        if self.limbs is not None:
+            pose = self.closure.role("pose")
+            found |= {c.name: rates[-6:, :][list(TWIST_COLUMNS[c.name]), :] for c in pose}
+        return found
 
     @property
-    def _joints(self) -> tuple[Coordinate, ...]:
-        """All coordinates but the pose's, the known ones first."""
-        both = (*self.problem.known_coordinates, *self.problem.system.unknowns)
-        return tuple(c for c in both if c.role != "pose")
+    def _coordinates(self) -> tuple[Coordinate, ...]:
+        return (*self.problem.known_coordinates, *self.problem.system.unknowns)
 
     @cached_property
     def direct(self) -> ca.SX:
         """J (6, n)."""
         twist = ca.SX(6, len(self.problem.known_coordinates))
         for c in self.closure.role("pose"):
-            twist[_twist(c), :] = self.of[c.name]
+            twist[list(TWIST_COLUMNS[c.name]), :] = self.of[c.name]
         return ca.sparsify(twist)
 
     @property
@@ -225,10 +228,6 @@ def _rates(problem: Problem) -> dict[str, ca.SX]:
         rates |= by_name(first, inner_rates(inner, outer, driven, found))
     # in the order of the problem's unknowns
     return {c.name: rates[c.name] for c in (*problem.known_coordinates, *problem.system.unknowns)}
-
-
-def _twist(coordinate: Coordinate) -> list[int]:
-    return list(TWIST_COLUMNS[coordinate.name])
 
 
 @dataclass(frozen=True, eq=False)
