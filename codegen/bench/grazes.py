@@ -1,10 +1,10 @@
 """Move to where generated C refuses to go on, ever nearer, and ask whether what was called OK there
 can be held and left again.
 
-Between home and random goals that are refused from there, others are asked for, each from the last
-OK: to a fold, a dead centre, a meeting of branches. An OK whose own answer is refused as a guess,
-or leads elsewhere, slips; it is lost where the goals before it are refused as well: a controller
-that holds it comes no further.
+Lines go from home until a goal is refused: at a fold, a dead centre, a meeting of branches. Between
+the last goal that was OK and the refused one others are asked for, each from the last OK. An OK
+whose own answer is refused as a guess, or leads elsewhere, slips; it is lost where the goals before
+it are refused as well: a controller that holds it comes no further.
 """
 
 from __future__ import annotations
@@ -12,15 +12,15 @@ from __future__ import annotations
 import numpy as np
 
 from directions import OUT_OF_RANGE, Direction
-from ranges import WIDEST, goals_about
 from rows import Row
 
-_DRAWN = 8
-"""Goals that are drawn for each that is refused, at most."""
-_GOALS = 56
-"""Goals on each line between the last OK and what is refused; every second one is in the middle."""
+_STEP = 0.03
+"""Length of a step from home (rad, or of the size)."""
+_STEPS = 120
+_GOALS = 40
+"""Goals on each line between the last OK and what is refused."""
 _FINE = {"float": 3.0, "double": 6.0}
-"""The others lie at most ten to this power nearer to what is refused."""
+"""Every second goal lies at most ten to this power nearer to what is refused."""
 _STAYS = 10.0
 """Roots of rounding (rad, or of the size) by which an answer that is asked for from itself may
 differ: beside a fold an error t of given values is one of sqrt(t).
@@ -30,16 +30,13 @@ _WAYS_OUT = (1.0, 0.5, 0.1, 0.01)
 
 
 def grazed(lines: Direction, count: int, rng: np.random.Generator) -> Row:
-    """Go to where goals are refused; nothing where the given values are a pose, which has no
+    """Go from home in random directions; nothing where the given values are a pose, which has no
     straight lines.
     """
-    found = Row()
-    if any(c.width != 1 for c in lines.problem.known_coordinates):
+    found, coordinates = Row(), lines.problem.known_coordinates
+    if any(c.width != 1 for c in coordinates):
         return found
-    beyond = goals_about(lines, _DRAWN * count, WIDEST, rng)
-    status = lines.answers(beyond, lines.home.repeated(len(beyond)).guesses).status
-    beyond = beyond[np.flatnonzero(status)[:count]]
-    _, known, guesses = lines.home.repeated(len(beyond))
+    known, guesses, beyond = _refused(lines, count, rng)
     near = _STAYS * np.sqrt(lines.epsilon)
     for k in range(_GOALS if len(known) else 0):
         part = 10.0 ** -rng.uniform(0.0, _FINE[lines.real], (len(known), 1)) if k % 2 else 0.5
@@ -64,3 +61,27 @@ def grazed(lines: Direction, count: int, rng: np.random.Generator) -> Row:
         found.add(row)
         known, guesses, beyond = np.where(ok, goal, known), held, np.where(ok, beyond, goal)
     return found
+
+
+def _refused(
+    lines: Direction, count: int, rng: np.random.Generator
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Last given values that were OK, their guesses, and the refused ones after them, of lines that
+    end within limits.
+    """
+    coordinates = lines.problem.known_coordinates
+    units = np.array([1.0 if c.is_angular else lines.size for c in coordinates])
+    low, high = np.array([c.limits or (-np.inf, np.inf) for c in coordinates]).T
+    _, known, guesses = lines.home.repeated(count)
+    way = rng.normal(size=known.shape)
+    step = _STEP * units * way / np.linalg.norm(way, axis=1, keepdims=True)
+    beyond, going, refused = known.copy(), np.ones(count, bool), np.zeros(count, bool)
+    for _ in range(_STEPS):
+        goal = lines.asked.rounded(known + step)
+        going &= np.all((goal >= low) & (goal <= high), axis=1)
+        status, answers, _ = lines.answers(goal, guesses)
+        ends = going & (status != 0)
+        beyond[ends], refused, going = goal[ends], refused | ends, going & ~ends
+        known = np.where(going[:, None], goal, known)
+        guesses = np.where(going[:, None], answers, guesses)
+    return known[refused], guesses[refused], beyond[refused]
