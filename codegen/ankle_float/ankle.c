@@ -2565,12 +2565,12 @@ ankle_status ankle_rates(const ankle_real joints[2], const ankle_real found[2],
     const ankle_real joint_rates[2], ankle_real found_rates[2])
 {
     ankle_real jacobian[4];
+    ankle_real result[2];
     ankle_status status = ankle_check_sizes(joint_rates, 2, -1e+20f, ANKLE_OK);
     if (status == ANKLE_OK) {
         status = ankle_jacobian(joints, found, jacobian);
     }
     if (status == ANKLE_OK) {
-        ankle_real result[2];
         for (int i = 0; i < 2; ++i) {
             result[i] = 0.0f;
             for (int j = 0; j < 2; ++j) {
@@ -2587,12 +2587,12 @@ ankle_status ankle_torques(const ankle_real joints[2], const ankle_real found[2]
     const ankle_real found_torques[2], ankle_real joint_torques[2])
 {
     ankle_real jacobian[4];
+    ankle_real result[2];
     ankle_status status = ankle_check_sizes(found_torques, 2, -1e+20f, ANKLE_OK);
     if (status == ANKLE_OK) {
         status = ankle_jacobian(joints, found, jacobian);
     }
     if (status == ANKLE_OK) {
-        ankle_real result[2];
         for (int i = 0; i < 2; ++i) {
             result[i] = 0.0f;
             for (int j = 0; j < 2; ++j) {
@@ -2610,12 +2610,12 @@ ankle_status ankle_inertia(const ankle_real joints[2], const ankle_real found[2]
     const ankle_real joint_inertias[2], ankle_real inertia[4])
 {
     ankle_real inverse_jacobian[4];
+    ankle_real result[4];
     ankle_status status = ankle_check_sizes(joint_inertias, 2, 0.0f, ANKLE_OK);
     if (status == ANKLE_OK) {
         status = ankle_inverse_jacobian(joints, found, inverse_jacobian);
     }
     if (status == ANKLE_OK) {
-        ankle_real result[4];
         for (int i = 0; i < 4; ++i) {
             result[i] = 0.0f;
             for (int j = 0; j < 2; ++j) {
@@ -2634,12 +2634,12 @@ ankle_status ankle_torque_limits(const ankle_real joints[2], const ankle_real fo
     const ankle_real joint_limits[2], ankle_real found_limits[2])
 {
     ankle_real jacobian[4];
+    ankle_real result[2];
     ankle_status status = ankle_check_sizes(joint_limits, 2, 0.0f, ANKLE_OK);
     if (status == ANKLE_OK) {
         status = ankle_jacobian(joints, found, jacobian);
     }
     if (status == ANKLE_OK) {
-        ankle_real result[2];
         for (int i = 0; i < 2; ++i) {
             result[i] = ankle_alone(&jacobian[2 * i], 1, joint_limits);
         }
@@ -2654,12 +2654,12 @@ ankle_status ankle_rate_limits(const ankle_real joints[2], const ankle_real foun
     const ankle_real joint_limits[2], ankle_real found_limits[2])
 {
     ankle_real inverse_jacobian[4];
+    ankle_real result[2];
     ankle_status status = ankle_check_sizes(joint_limits, 2, 0.0f, ANKLE_OK);
     if (status == ANKLE_OK) {
         status = ankle_inverse_jacobian(joints, found, inverse_jacobian);
     }
     if (status == ANKLE_OK) {
-        ankle_real result[2];
         for (int i = 0; i < 2; ++i) {
             result[i] = ankle_alone(&inverse_jacobian[i], 2, joint_limits);
         }

@@ -1369,8 +1369,8 @@ delta_status delta_track(const delta_real joints[3], delta_pose *pose, delta_inf
 delta_status delta_inverse(const delta_pose *pose, delta_real joints[3])
 {
     delta_real c[3];
-    delta_real q[3] = { 0.0 };
     delta_real passive[1] = { 0.0 };
+    delta_real q[3] = { 0.0 };
     delta_status status = delta_pose_coordinates(pose, c);
     if (status == DELTA_OK) {
         status = delta_solve_limbs(c, q, passive);
@@ -1448,24 +1448,21 @@ static delta_status delta_check_sizes(const delta_real values[], int count, delt
     return status;
 }
 
-/* Joint rates of a twist: the Jacobian times the twist. */
+/* The rates of twist: the Jacobian times the twist. */
 delta_status delta_rates(const delta_pose *pose, const delta_real twist[6], delta_real rates[3])
 {
-    delta_real jacobian[3 * 6];
-    delta_real found[3];
-    const delta_status status = delta_check_sizes(twist, 6, -400000000.0, delta_jacobian(pose,
-        jacobian));
+    delta_real jacobian[18];
+    delta_real result[3];
+    delta_status status = delta_check_sizes(twist, 6, -400000000.0, delta_jacobian(pose, jacobian));
     if (status == DELTA_OK) {
         for (int i = 0; i < 3; ++i) {
-            delta_real sum = 0.0;
+            result[i] = 0.0;
             for (int j = 0; j < 6; ++j) {
-                sum += jacobian[6 * i + j] * twist[j];
+                result[i] += jacobian[6 * i + j] * twist[j];
             }
-            found[i] = sum;
         }
-        /* twist and rates may be the same array */
         for (int i = 0; i < 3; ++i) {
-            rates[i] = found[i];
+            rates[i] = result[i];
         }
     }
     return status;

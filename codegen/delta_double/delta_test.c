@@ -10,15 +10,18 @@
 #define N DELTA_JOINTS
 #define MOST (6 * N + 13) /* numbers that any function takes or gives */
 
-/* A function of plain numbers, of which a pose has seven. kinds: of each number that is given, and
- * then guessed, c: a coordinate, s: a speed, l: what is never below 0. step: one step of tracking;
+/* What is asked in plain numbers, of which a pose has seven. */
+typedef delta_status question(const delta_config *config, const delta_real *given,
+    const delta_real *guess, delta_real *result, delta_info *info);
+
+/* A function. kinds: of each number that is given, and then guessed, c: a coordinate, s: a speed,
+ * l: what is never below 0. step: one step of tracking, of what reads a config and writes an info;
  * opposite: the problem by which answers are held where they are not the only ones. The numbers of
  * an answer, weighed, may be off by `share` times its bound and by `within` more. Where nothing is
  * solved there are no answers, where nothing is guessed no guesses. */
 typedef struct function {
     const char *name;
-    delta_status (*ask)(const delta_config *config, const delta_real *given,
-        const delta_real *guess, delta_real *result, delta_info *info);
+    question *ask;
     const char *kinds;
     int given;
     int found;
@@ -26,24 +29,23 @@ typedef struct function {
     const delta_real *guesses;
     const delta_real *answers;
     const double *weights;
-    delta_status (*step)(const delta_config *config, const delta_real *given,
-        const delta_real *guess, delta_real *result, delta_info *info);
+    question *step;
     const struct function *opposite;
-    int informs; /* whether a config is read and an info written */
     int blamed; /* which values info->joint is about: 1 given ones, 2 the guess, 0 neither */
-    unsigned int few; /* steps that are not enough for the first vector */
+    int few; /* steps that are not enough for the first vector */
     double share;
     double within;
 } function;
 
 static const delta_real wrong[3] = { (delta_real)NAN, (delta_real)INFINITY, -(delta_real)INFINITY };
+static const char *tested = ""; /* the function that is asked */
 static int failures = 0;
 
-static void expect(int right, const char *of, const char *what, int number)
+static void expect(int right, const char *what, int number)
 {
     if (!right) {
         ++failures;
-        (void)printf("failed: %s, %s, case %d\n", of, what, number);
+        (void)printf("failed: %s, %s, case %d\n", tested, what, number);
     }
 }
 
@@ -54,13 +56,10 @@ static void copy(const delta_real *from, delta_real *to, int count)
     }
 }
 
-static int all_are(const delta_real *values, int count, delta_real value)
+/* The larger one; what is no number is above all. */
+static double larger(double a, double b)
 {
-    int same = 1;
-    for (int i = 0; i < count; ++i) {
-        same = same && (values[i] == value);
-    }
-    return same;
+    return (a >= b) ? a : ((a < b) ? b : HUGE_VAL);
 }
 
 static delta_pose pose_from(const delta_real *numbers)
@@ -152,7 +151,7 @@ static delta_status ask_feed(const delta_config *config, const delta_real *given
     const delta_status status = delta_feed(&given_pose, &given[7], &given[13], result);
     return status;
 }
-/* Largest weighed difference; of q and -q, one rotation, the nearer one. NaN is the largest. */
+/* Largest weighed difference; of q and -q, one rotation, the nearer one. */
 static double away(const function *asked, const delta_real *a, const delta_real *b)
 {
     double largest = 0.0;
@@ -162,8 +161,7 @@ static double away(const function *asked, const delta_real *a, const delta_real 
     }
     for (int i = 0; i < asked->found; ++i) {
         const double side = ((i >= 3) && (cosine < 0.0)) ? -1.0 : 1.0;
-        const double off = asked->weights[i] * fabs((double)a[i] - side * (double)b[i]);
-        largest = (off <= largest) ? largest : off;
+        largest = larger(largest, asked->weights[i] * fabs((double)a[i] - side * (double)b[i]));
     }
     return largest;
 }
@@ -171,7 +169,8 @@ static double away(const function *asked, const delta_real *a, const delta_real 
 /* Answers of the vectors, and standing still at them. */
 static void solve_all(const function *asked)
 {
-    const char *const name = asked->name;
+    question *const still[2] = { asked->ask, asked->step };
+    tested = asked->name;
     for (int k = 0; k < DELTA_VECTORS; ++k) {
         const double bound = delta_vector_bounds[k];
         const double most = asked->share * bound + asked->within;
@@ -185,66 +184,54 @@ static void solve_all(const function *asked)
         for (int i = 0; i < asked->found; ++i) {
             result[i] = (guess != NULL) ? guess[i] : 4.0;
         }
-        expect(asked->ask(NULL, given, asked->informs ? result : guess, result, &info) == DELTA_OK,
-            name, "OK", k);
-        expect(away(asked, result, answer) <= most, name, "answer", k);
-        if (asked->informs) {
-            expect((double)info.residual <= 16.0 * bound, name, "residual", k);
-            expect(info.min_pivot > 0.0, name, "smallest pivot", k);
-            expect(info.joint == N, name, "no joint to blame", k);
-            expect(asked->ask(NULL, given, guess, again, NULL) == DELTA_OK, name, "without info",
-                k);
-            copy(result, again, asked->found);
-            expect(asked->ask(NULL, given, again, again, &info) == DELTA_OK, name,
-                "standing still", k);
-            expect(away(asked, again, answer) <= most, name, "answer of standing still", k);
-        }
+        expect(asked->ask(NULL, given, (asked->step != NULL) ? result : guess, result,
+            &info) == DELTA_OK, "OK", k);
+        expect(away(asked, result, answer) <= most, "answer", k);
         if (asked->step != NULL) {
-            copy(result, again, asked->found);
-            expect(asked->step(NULL, given, NULL, again, &info) == DELTA_OK, name, "track", k);
-            expect(away(asked, again, answer) <= most, name, "answer of track", k);
+            expect((double)info.residual <= 16.0 * bound, "residual", k);
+            expect(info.min_pivot > 0.0, "smallest pivot", k);
+            expect(info.joint == N, "no joint to blame", k);
+            expect(asked->ask(NULL, given, guess, again, NULL) == DELTA_OK, "without info", k);
+            for (int i = 0; i < 2; ++i) {
+                copy(result, again, asked->found);
+                expect(still[i](NULL, given, again, again, &info) == DELTA_OK, "standing still", k);
+                expect(away(asked, again, answer) <= most, "answer of standing still", k);
+            }
         }
         if (asked->opposite != NULL) {
-            expect(asked->opposite->ask(NULL, result, NULL, again, NULL) == DELTA_OK, name,
-                "asked back", k);
-            expect(away(asked->opposite, again, given) <= bound, name, "answer asked back", k);
+            expect(asked->opposite->ask(NULL, result, NULL, again, NULL) == DELTA_OK, "asked back",
+                k);
+            expect(away(asked->opposite, again, given) <= bound, "answer asked back", k);
         }
     }
 }
 
-/* Values that are refused: the status (OK: any but this), the joint that is blamed, the result
- * untouched, info written. */
-static void refuse(const function *asked, const delta_real *given, const delta_real *guess,
-    delta_status wanted, int joint, int number)
+/* Values that are refused, by a function or its step: the status (OK: any but this), the joint that
+ * is blamed, the result untouched, info written. */
+static void refuse(const function *asked, question *ask, const delta_real *given,
+    const delta_real *guess, delta_status wanted, int joint, int number)
 {
+    delta_real before[MOST];
     delta_real result[MOST];
     delta_info info;
     for (int i = 0; i < MOST; ++i) {
-        result[i] = 4.0;
+        before[i] = 4.0;
     }
+    if (ask == asked->step) {
+        copy(guess, before, asked->found);
+    }
+    copy(before, result, MOST);
     info.iterations = 255U;
     info.joint = N;
-    const delta_status status = asked->ask(NULL, given, guess, result, &info);
-    expect((wanted == DELTA_OK) ? (status != DELTA_OK) : (status == wanted), asked->name,
-        "status of a refusal", number);
-    expect(all_are(result, MOST, 4.0), asked->name, "result untouched by a refusal", number);
-    if (asked->informs) {
-        expect(info.iterations != 255U, asked->name, "info of a refusal", number);
-        expect((joint < 0) || ((int)info.joint == joint), asked->name, "joint of a refusal",
-            number);
+    tested = asked->name;
+    const delta_status status = ask(NULL, given, guess, result, &info);
+    expect((wanted == DELTA_OK) ? (status != DELTA_OK) : (status == wanted), "status of a refusal",
+        number);
+    expect(memcmp(before, result, sizeof before) == 0, "result untouched by a refusal", number);
+    if (asked->step != NULL) {
+        expect(info.iterations != 255U, "info of a refusal", number);
+        expect((joint < 0) || ((int)info.joint == joint), "joint of a refusal", number);
     }
-}
-
-/* A step that is refused: the status, the result untouched. */
-static void refuse_step(const function *asked, const delta_real *given, const delta_real *last,
-    delta_status wanted, int number)
-{
-    delta_real result[MOST];
-    copy(last, result, asked->found);
-    expect(asked->step(NULL, given, NULL, result, NULL) == wanted, asked->name,
-        "status of a step refused", number);
-    expect(memcmp(last, result, (size_t)asked->found * sizeof result[0]) == 0, asked->name,
-        "result untouched by a step refused", number);
 }
 
 /* Each number that is given or guessed in turn not finite, or out of all bounds; wrong configs, and
@@ -253,38 +240,35 @@ static void refuse_values(const function *asked)
 {
     const delta_real bad[4] = { 0.0, -1.0, wrong[0], wrong[1] };
     const int count = (int)strlen(asked->kinds);
-    delta_real given[MOST];
-    delta_real guess[MOST];
+    delta_real given[2 * MOST];
+    delta_real *const guess = &given[asked->given];
     for (int i = 0; i < count; ++i) {
         const delta_real out = (asked->kinds[i] == 'c')
             ? 4426396.904477143 : ((asked->kinds[i] == 's') ? (delta_real)1e30 : -1.0);
+        const int of_guess = i >= asked->given;
         for (int k = 0; k < 5; ++k) {
-            const int place = (i < asked->given) ? i : (i - asked->given);
-            const int joint = (asked->blamed == ((i < asked->given) ? 1 : 2)) ? place : -1;
+            const int joint = (asked->blamed != 1 + of_guess) ? -1 : (of_guess
+                ? (i - asked->given) : i);
             const delta_status status = (k < 3) ? DELTA_NONFINITE : DELTA_OUT_OF_RANGE;
             copy(asked->values, given, asked->given);
             if (asked->guesses != NULL) {
                 copy(asked->guesses, guess, asked->found);
             }
-            *((i < asked->given) ? &given[place] : &guess[place]) = (k < 3)
-                ? wrong[k] : (((k == 3) || (out < 0.0)) ? out : -out);
-            refuse(asked, given, guess, status, joint, 5 * i + k);
+            given[i] = (k < 3) ? wrong[k] : (((k == 3) || (out < 0.0)) ? out : -out);
+            refuse(asked, asked->ask, given, guess, status, joint, 5 * i + k);
             if (asked->step != NULL) {
-                refuse_step(asked, given, guess, status, 5 * i + k);
+                refuse(asked, asked->step, given, guess, status, joint, 5 * i + k);
             }
         }
     }
-    for (int i = 0; (i < 8) && asked->informs; ++i) {
-        const delta_config config = { (i < 4) ? bad[i] : DELTA_TOLERANCE, DELTA_MAX_STEPS,
-            (i < 4) ? DELTA_MAX_STEP : bad[i - 4] };
-        const delta_status status = asked->ask(&config, asked->values, asked->guesses, guess, NULL);
-        expect(status == ((i % 4 < 2) ? DELTA_OUT_OF_RANGE : DELTA_NONFINITE), asked->name,
-            "status of a wrong config", i);
-    }
-    for (unsigned int steps = 0U; (steps <= asked->few) && asked->informs; ++steps) {
-        const delta_config config = { DELTA_TOLERANCE, (uint8_t)steps, DELTA_MAX_STEP };
-        const delta_status status = asked->ask(&config, asked->values, asked->guesses, guess, NULL);
-        expect(status == DELTA_MAX_ITERATIONS, asked->name, "status of too few steps", (int)steps);
+    for (int i = 0; (i < 9 + asked->few) && asked->step != NULL; ++i) {
+        const delta_config config = { (i < 4) ? bad[i] : DELTA_TOLERANCE,
+            (uint8_t)((i < 8) ? DELTA_MAX_STEPS : (unsigned int)(i - 8)),
+            ((i < 4) || (i >= 8)) ? DELTA_MAX_STEP : bad[i - 4] };
+        const delta_status status = (i >= 8) ? DELTA_MAX_ITERATIONS : ((i % 4 < 2)
+            ? DELTA_OUT_OF_RANGE : DELTA_NONFINITE);
+        expect(asked->ask(&config, asked->values, asked->guesses, given, NULL) == status,
+            "status by a config", i);
     }
 }
 
@@ -296,7 +280,7 @@ static void refuse_rows(const function *asked, const delta_real *rows, int count
     for (int k = 0; k < count; ++k) {
         const delta_real *const given = as_guess ? asked->values : &rows[asked->given * k];
         const delta_real *const guess = as_guess ? &rows[asked->found * k] : asked->guesses;
-        refuse(asked, given, guess, wanted, (blamed == NULL) ? -1 : blamed[k], k);
+        refuse(asked, asked->ask, given, guess, wanted, (blamed == NULL) ? -1 : blamed[k], k);
     }
 }
 /* Jacobians of the first vectors. */
@@ -305,11 +289,11 @@ static void jacobian_of(int k)
     const double most = 4.4264e-06;
     delta_real jacobian[MOST];
     const delta_pose pose = pose_from(delta_vector_poses[k]);
-    expect(delta_jacobian(&pose, jacobian) == DELTA_OK, "jacobian", "OK", k);
+    tested = "jacobian";
+    expect(delta_jacobian (&pose, jacobian) == DELTA_OK, "OK", k);
     for (int i = 0; i < 6 * N; ++i) {
         const double wanted = (double)delta_vector_jacobians[k][i];
-        expect(fabs((double)jacobian[i] - wanted) <= most * (1.0 + fabs(wanted)), "jacobian",
-            "entry", i);
+        expect(fabs((double)jacobian[i] - wanted) <= most * (1.0 + fabs(wanted)), "entry", i);
     }
 }
 
@@ -326,11 +310,13 @@ static void speeds_of(int k)
     for (int i = 0; i < N; ++i) {
         rates[i] = (delta_real)(((i % 3 == 0) ? 1.0 : (i % 3 == 1) ? -0.5 : 0.25) * (1.0));
     }
-    expect(delta_twist(&pose, rates, twist) == DELTA_OK, "twist", "OK", k);
-    expect(delta_rates(&pose, twist, again) == DELTA_OK, "rates", "OK", k);
+    tested = "twist";
+    expect(delta_twist (&pose, rates, twist) == DELTA_OK, "OK", k);
+    tested = "rates";
+    expect(delta_rates (&pose, twist, again) == DELTA_OK, "OK", k);
     for (int i = 0; i < N; ++i) {
         const double off = fabs((double)again[i] - (double)rates[i]);
-        expect(off <= 1e-9 * (1.0), "rates", "rates of the twist of rates", i);
+        expect(off <= 1e-9 * (1.0), "rates of the twist of rates", i);
     }
     for (int part = 0; part < 2; ++part) {
         const double limit = (part == 0) ? 0.125 : 4.0;
@@ -338,14 +324,15 @@ static void speeds_of(int k)
         for (int i = 0; i < N; ++i) {
             limits[i] = (delta_real)(limit * (1.0));
         }
-        expect(delta_feed(&pose, twist, limits, &feed) == DELTA_OK, "feed", "OK", k);
+        tested = "feed";
+        expect(delta_feed (&pose, twist, limits, &feed) == DELTA_OK, "OK", k);
         for (int i = 0; i < N; ++i) {
-            largest = fmax(largest, fabs((double)feed * (double)again[i]) / (1.0));
+            largest = larger(largest, fabs((double)feed * (double)again[i]) / (1.0));
         }
-        expect(largest <= limit * (1.0 + 1e-5), "feed", "keeps limits", k);
-        expect((feed == 1.0) || (largest >= limit * (1.0 - 1e-5)), "feed", "reaches a limit", k);
+        expect(largest <= limit * (1.0 + 1e-5), "keeps limits", k);
+        expect((feed == 1.0) || (largest >= limit * (1.0 - 1e-5)), "reaches a limit", k);
     }
-    expect(feed == 1.0, "feed", "no need for one", k);
+    expect(feed == 1.0, "no need for one", k);
 }
 int main(void)
 {
@@ -353,34 +340,34 @@ int main(void)
         885.2793808954285, 885.2793808954285, 885.2793808954285 };
     const function of_direct = { "direct", ask_direct, "cccccccccc", 3, 7,
         &delta_vector_joints[0][0], &delta_vector_guesses[0][0], &delta_vector_poses[0][0],
-        weights_of_direct, ask_track, NULL, 1, 1, 0U, 1.0, 0.0 };
+        weights_of_direct, ask_track, NULL, 1, 0, 1.0, 0.0 };
     static const double weights_of_inverse[] = { 221.31984522385713, 221.31984522385713,
         221.31984522385713 };
     const function of_inverse = { "inverse", ask_inverse, "ccccccc", 7, 3,
         &delta_vector_poses[0][0], NULL, &delta_vector_inverse[0][0], weights_of_inverse, NULL,
-        NULL, 0, 0, 0U, 1.0, 0.0 };
+        NULL, 0, 0, 1.0, 0.0 };
     static const delta_real numbers_of_jacobian[] = { 0x1.2c255744b8d64p-3, -0x1.4ff5f22b67482p+1,
         -0x1.69235ef951e97p+6, 0x1.0000000000000p+0, 0x0.0p+0, 0x0.0p+0, 0x0.0p+0 };
     const function of_jacobian = { "jacobian", ask_jacobian, "ccccccc", 7, 18, numbers_of_jacobian,
-        NULL, NULL, NULL, NULL, NULL, 0, 0, 0U, 1.0, 0.0 };
+        NULL, NULL, NULL, NULL, NULL, 0, 0, 1.0, 0.0 };
     static const delta_real numbers_of_rates[] = { 0x1.2c255744b8d64p-3, -0x1.4ff5f22b67482p+1,
         -0x1.69235ef951e97p+6, 0x1.0000000000000p+0, 0x0.0p+0, 0x0.0p+0, 0x0.0p+0,
         0x1.0000000000000p+0, 0x1.0000000000000p+0, 0x1.0000000000000p+0, 0x1.0000000000000p+0,
         0x1.0000000000000p+0, 0x1.0000000000000p+0 };
     const function of_rates = { "rates", ask_rates, "cccccccssssss", 13, 3, numbers_of_rates, NULL,
-        NULL, NULL, NULL, NULL, 0, 0, 0U, 1.0, 0.0 };
+        NULL, NULL, NULL, NULL, 0, 0, 1.0, 0.0 };
     static const delta_real numbers_of_twist[] = { 0x1.2c255744b8d64p-3, -0x1.4ff5f22b67482p+1,
         -0x1.69235ef951e97p+6, 0x1.0000000000000p+0, 0x0.0p+0, 0x0.0p+0, 0x0.0p+0,
         0x1.0000000000000p+0, 0x1.0000000000000p+0, 0x1.0000000000000p+0 };
     const function of_twist = { "twist", ask_twist, "cccccccsss", 10, 6, numbers_of_twist, NULL,
-        NULL, NULL, NULL, NULL, 0, 0, 0U, 1.0, 0.0 };
+        NULL, NULL, NULL, NULL, 0, 0, 1.0, 0.0 };
     static const delta_real numbers_of_feed[] = { 0x1.2c255744b8d64p-3, -0x1.4ff5f22b67482p+1,
         -0x1.69235ef951e97p+6, 0x1.0000000000000p+0, 0x0.0p+0, 0x0.0p+0, 0x0.0p+0,
         0x1.0000000000000p+0, 0x1.0000000000000p+0, 0x1.0000000000000p+0, 0x1.0000000000000p+0,
         0x1.0000000000000p+0, 0x1.0000000000000p+0, 0x1.0000000000000p+0, 0x1.0000000000000p+0,
         0x1.0000000000000p+0 };
     const function of_feed = { "feed", ask_feed, "cccccccsssssslll", 16, 1, numbers_of_feed, NULL,
-        NULL, NULL, NULL, NULL, 0, 0, 0U, 1.0, 0.0 };
+        NULL, NULL, NULL, NULL, 0, 0, 1.0, 0.0 };
     const function *const all[] = { &of_direct, &of_inverse, &of_jacobian, &of_rates, &of_twist,
         &of_feed };
     for (int i = 0; i < 6; ++i) {

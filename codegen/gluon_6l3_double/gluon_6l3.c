@@ -1391,7 +1391,8 @@ static gluon_6l3_real gluon_6l3_inverse_least_length(gluon_6l3_inverse_work *w, 
 {
     const gluon_6l3_real left = w->left[k] - rounding;
     const gluon_6l3_real guard = w->guard[k] - rounding;
-    const gluon_6l3_real ends = ((left > 0.0) && (guard > 0.0)) ? (sqrt(left) + sqrt(guard)) : 0.0;
+    const bool above = (left > 0.0) && (guard > 0.0);
+    const gluon_6l3_real ends = above ? (sqrt(left) + sqrt(guard)) : 0.0;
     const gluon_6l3_real least = 0.5 * (ends - 1.001 * speed);
     if (!(always > 0.0)) {
         gluon_6l3_inverse_take(w, 1.001 * 1.001 * speed * speed, ends * ends);
@@ -1591,8 +1592,7 @@ static GLUON_6L3_SHARED gluon_6l3_status gluon_6l3_inverse_walk(gluon_6l3_invers
     bool refused = true;
     gluon_6l3_status status = GLUON_6L3_MAX_ITERATIONS;
     /* of q and -q, one rotation, the one on the guess's side */
-    const gluon_6l3_real cosine = (at[3] * to[3]) + (at[4] * to[4]) + (at[5] * to[5])
-        + (at[6] * to[6]);
+    const gluon_6l3_real cosine = at[3] * to[3] + at[4] * to[4] + at[5] * to[5] + at[6] * to[6];
     const gluon_6l3_real side = (cosine < 0.0) ? -1.0 : 1.0;
     gluon_6l3_real move[7];
     way2[0] = 0.0;
@@ -1618,8 +1618,8 @@ static GLUON_6L3_SHARED gluon_6l3_status gluon_6l3_inverse_walk(gluon_6l3_invers
             x[i] = at[i] + (end * move[i]);
         }
         if (end < 1.0) {
-            const gluon_6l3_real inverse = 1.0 / sqrt((x[3] * x[3]) + (x[4] * x[4])
-                + (x[5] * x[5]) + (x[6] * x[6]));
+            const gluon_6l3_real inverse = 1.0 / sqrt(x[3] * x[3] + x[4] * x[4] + x[5] * x[5]
+                + x[6] * x[6]);
             for (int i = 3; i < 7; ++i) {
                 x[i] *= inverse;
             }
@@ -2069,25 +2069,23 @@ static gluon_6l3_status gluon_6l3_check_sizes(const gluon_6l3_real values[], int
     return status;
 }
 
-/* The twist of joint rates: the Jacobian times the rates. */
+/* The twist of rates: the Jacobian times the rates. */
 gluon_6l3_status gluon_6l3_twist(const gluon_6l3_real joints[6], const gluon_6l3_real rates[6],
     gluon_6l3_real twist[6])
 {
-    gluon_6l3_real jacobian[6 * 6];
-    gluon_6l3_real found[6];
-    const gluon_6l3_status status = gluon_6l3_check_sizes(rates, 6, -500000000.0,
+    gluon_6l3_real jacobian[36];
+    gluon_6l3_real result[6];
+    gluon_6l3_status status = gluon_6l3_check_sizes(rates, 6, -500000000.0,
         gluon_6l3_jacobian(joints, jacobian));
     if (status == GLUON_6L3_OK) {
         for (int i = 0; i < 6; ++i) {
-            gluon_6l3_real sum = 0.0;
+            result[i] = 0.0;
             for (int j = 0; j < 6; ++j) {
-                sum += jacobian[6 * i + j] * rates[j];
+                result[i] += jacobian[6 * i + j] * rates[j];
             }
-            found[i] = sum;
         }
-        /* twist and rates may be the same array */
         for (int i = 0; i < 6; ++i) {
-            twist[i] = found[i];
+            twist[i] = result[i];
         }
     }
     return status;

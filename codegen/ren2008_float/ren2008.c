@@ -1429,25 +1429,23 @@ static ren2008_status ren2008_check_sizes(const ren2008_real values[], int count
     return status;
 }
 
-/* Joint rates of a twist: the Jacobian times the twist. */
+/* The rates of twist: the Jacobian times the twist. */
 ren2008_status ren2008_rates(const ren2008_pose *pose, const ren2008_real twist[6],
     ren2008_real rates[6])
 {
-    ren2008_real jacobian[6 * 6];
-    ren2008_real found[6];
-    const ren2008_status status = ren2008_check_sizes(twist, 6, -2e+06f, ren2008_jacobian(pose,
+    ren2008_real jacobian[36];
+    ren2008_real result[6];
+    ren2008_status status = ren2008_check_sizes(twist, 6, -2e+06f, ren2008_jacobian(pose,
         jacobian));
     if (status == REN2008_OK) {
         for (int i = 0; i < 6; ++i) {
-            ren2008_real sum = 0.0f;
+            result[i] = 0.0f;
             for (int j = 0; j < 6; ++j) {
-                sum += jacobian[6 * i + j] * twist[j];
+                result[i] += jacobian[6 * i + j] * twist[j];
             }
-            found[i] = sum;
         }
-        /* twist and rates may be the same array */
         for (int i = 0; i < 6; ++i) {
-            rates[i] = found[i];
+            rates[i] = result[i];
         }
     }
     return status;

@@ -1369,7 +1369,8 @@ static ur5e_real ur5e_inverse_least_length(ur5e_inverse_work *w, int k, ur5e_rea
 {
     const ur5e_real left = w->left[k] - rounding;
     const ur5e_real guard = w->guard[k] - rounding;
-    const ur5e_real ends = ((left > 0.0) && (guard > 0.0)) ? (sqrt(left) + sqrt(guard)) : 0.0;
+    const bool above = (left > 0.0) && (guard > 0.0);
+    const ur5e_real ends = above ? (sqrt(left) + sqrt(guard)) : 0.0;
     const ur5e_real least = 0.5 * (ends - 1.001 * speed);
     if (!(always > 0.0)) {
         ur5e_inverse_take(w, 1.001 * 1.001 * speed * speed, ends * ends);
@@ -1567,7 +1568,7 @@ static UR5E_SHARED ur5e_status ur5e_inverse_walk(ur5e_inverse_work *w, const ur5
     bool refused = true;
     ur5e_status status = UR5E_MAX_ITERATIONS;
     /* of q and -q, one rotation, the one on the guess's side */
-    const ur5e_real cosine = (at[3] * to[3]) + (at[4] * to[4]) + (at[5] * to[5]) + (at[6] * to[6]);
+    const ur5e_real cosine = at[3] * to[3] + at[4] * to[4] + at[5] * to[5] + at[6] * to[6];
     const ur5e_real side = (cosine < 0.0) ? -1.0 : 1.0;
     ur5e_real move[7];
     way2[0] = 0.0;
@@ -1593,8 +1594,8 @@ static UR5E_SHARED ur5e_status ur5e_inverse_walk(ur5e_inverse_work *w, const ur5
             x[i] = at[i] + (end * move[i]);
         }
         if (end < 1.0) {
-            const ur5e_real inverse = 1.0 / sqrt((x[3] * x[3]) + (x[4] * x[4]) + (x[5] * x[5])
-                + (x[6] * x[6]));
+            const ur5e_real inverse = 1.0 / sqrt(x[3] * x[3] + x[4] * x[4] + x[5] * x[5]
+                + x[6] * x[6]);
             for (int i = 3; i < 7; ++i) {
                 x[i] *= inverse;
             }
@@ -2045,24 +2046,21 @@ static ur5e_status ur5e_check_sizes(const ur5e_real values[], int count, ur5e_re
     return status;
 }
 
-/* The twist of joint rates: the Jacobian times the rates. */
+/* The twist of rates: the Jacobian times the rates. */
 ur5e_status ur5e_twist(const ur5e_real joints[6], const ur5e_real rates[6], ur5e_real twist[6])
 {
-    ur5e_real jacobian[6 * 6];
-    ur5e_real found[6];
-    const ur5e_status status = ur5e_check_sizes(rates, 6, -800000000.0, ur5e_jacobian(joints,
-        jacobian));
+    ur5e_real jacobian[36];
+    ur5e_real result[6];
+    ur5e_status status = ur5e_check_sizes(rates, 6, -800000000.0, ur5e_jacobian(joints, jacobian));
     if (status == UR5E_OK) {
         for (int i = 0; i < 6; ++i) {
-            ur5e_real sum = 0.0;
+            result[i] = 0.0;
             for (int j = 0; j < 6; ++j) {
-                sum += jacobian[6 * i + j] * rates[j];
+                result[i] += jacobian[6 * i + j] * rates[j];
             }
-            found[i] = sum;
         }
-        /* twist and rates may be the same array */
         for (int i = 0; i < 6; ++i) {
-            twist[i] = found[i];
+            twist[i] = result[i];
         }
     }
     return status;

@@ -1399,8 +1399,7 @@ static YAO2020_SHARED yao2020_status yao2020_inverse_walk(yao2020_inverse_work *
     bool refused = true;
     yao2020_status status = YAO2020_MAX_ITERATIONS;
     /* of q and -q, one rotation, the one on the guess's side */
-    const yao2020_real cosine = (at[3] * to[3]) + (at[4] * to[4]) + (at[5] * to[5])
-        + (at[6] * to[6]);
+    const yao2020_real cosine = at[3] * to[3] + at[4] * to[4] + at[5] * to[5] + at[6] * to[6];
     const yao2020_real side = (cosine < 0.0f) ? -1.0f : 1.0f;
     yao2020_real move[7];
     way2[0] = 0.0f;
@@ -1426,8 +1425,8 @@ static YAO2020_SHARED yao2020_status yao2020_inverse_walk(yao2020_inverse_work *
             x[i] = at[i] + (end * move[i]);
         }
         if (end < 1.0f) {
-            const yao2020_real inverse = 1.0f / sqrtf((x[3] * x[3]) + (x[4] * x[4])
-                + (x[5] * x[5]) + (x[6] * x[6]));
+            const yao2020_real inverse = 1.0f / sqrtf(x[3] * x[3] + x[4] * x[4] + x[5] * x[5]
+                + x[6] * x[6]);
             for (int i = 3; i < 7; ++i) {
                 x[i] *= inverse;
             }
@@ -1816,25 +1815,23 @@ static yao2020_status yao2020_check_sizes(const yao2020_real values[], int count
     return status;
 }
 
-/* The twist of joint rates: the Jacobian times the rates. */
+/* The twist of rates: the Jacobian times the rates. */
 yao2020_status yao2020_twist(const yao2020_real joints[6], const yao2020_real rates[6],
     yao2020_real twist[6])
 {
-    yao2020_real jacobian[6 * 6];
-    yao2020_real found[6];
-    const yao2020_status status = yao2020_check_sizes(rates, 6, -6e+08f, yao2020_jacobian(joints,
+    yao2020_real jacobian[36];
+    yao2020_real result[6];
+    yao2020_status status = yao2020_check_sizes(rates, 6, -6e+08f, yao2020_jacobian(joints,
         jacobian));
     if (status == YAO2020_OK) {
         for (int i = 0; i < 6; ++i) {
-            yao2020_real sum = 0.0f;
+            result[i] = 0.0f;
             for (int j = 0; j < 6; ++j) {
-                sum += jacobian[6 * i + j] * rates[j];
+                result[i] += jacobian[6 * i + j] * rates[j];
             }
-            found[i] = sum;
         }
-        /* twist and rates may be the same array */
         for (int i = 0; i < 6; ++i) {
-            twist[i] = found[i];
+            twist[i] = result[i];
         }
     }
     return status;

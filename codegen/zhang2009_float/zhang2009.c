@@ -1302,25 +1302,23 @@ static zhang2009_status zhang2009_check_sizes(const zhang2009_real values[], int
     return status;
 }
 
-/* Joint rates of a twist: the Jacobian times the twist. */
+/* The rates of twist: the Jacobian times the twist. */
 zhang2009_status zhang2009_rates(const zhang2009_pose *pose, const zhang2009_real twist[6],
     zhang2009_real rates[6])
 {
-    zhang2009_real jacobian[6 * 6];
-    zhang2009_real found[6];
-    const zhang2009_status status = zhang2009_check_sizes(twist, 6, -5e+08f,
-        zhang2009_jacobian(pose, jacobian));
+    zhang2009_real jacobian[36];
+    zhang2009_real result[6];
+    zhang2009_status status = zhang2009_check_sizes(twist, 6, -5e+08f, zhang2009_jacobian(pose,
+        jacobian));
     if (status == ZHANG2009_OK) {
         for (int i = 0; i < 6; ++i) {
-            zhang2009_real sum = 0.0f;
+            result[i] = 0.0f;
             for (int j = 0; j < 6; ++j) {
-                sum += jacobian[6 * i + j] * twist[j];
+                result[i] += jacobian[6 * i + j] * twist[j];
             }
-            found[i] = sum;
         }
-        /* twist and rates may be the same array */
         for (int i = 0; i < 6; ++i) {
-            rates[i] = found[i];
+            rates[i] = result[i];
         }
     }
     return status;

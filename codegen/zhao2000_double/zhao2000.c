@@ -1655,8 +1655,8 @@ zhao2000_status zhao2000_track(const zhao2000_real joints[4], zhao2000_pose *pos
 zhao2000_status zhao2000_inverse(const zhao2000_pose *pose, zhao2000_real joints[4])
 {
     zhao2000_real c[4];
-    zhao2000_real q[4] = { 0.0 };
     zhao2000_real passive[6] = { 0.0 };
+    zhao2000_real q[4] = { 0.0 };
     zhao2000_status status = zhao2000_pose_coordinates(pose, c);
     if (status == ZHAO2000_OK) {
         status = zhao2000_solve_limbs(c, q, passive, 0.00024);
@@ -1759,25 +1759,23 @@ static zhao2000_status zhao2000_check_sizes(const zhao2000_real values[], int co
     return status;
 }
 
-/* Joint rates of a twist: the Jacobian times the twist. */
+/* The rates of twist: the Jacobian times the twist. */
 zhao2000_status zhao2000_rates(const zhao2000_pose *pose, const zhao2000_real twist[6],
     zhao2000_real rates[4])
 {
-    zhao2000_real jacobian[4 * 6];
-    zhao2000_real found[4];
-    const zhao2000_status status = zhao2000_check_sizes(twist, 6, -200000000.0,
-        zhao2000_jacobian(pose, jacobian));
+    zhao2000_real jacobian[24];
+    zhao2000_real result[4];
+    zhao2000_status status = zhao2000_check_sizes(twist, 6, -200000000.0, zhao2000_jacobian(pose,
+        jacobian));
     if (status == ZHAO2000_OK) {
         for (int i = 0; i < 4; ++i) {
-            zhao2000_real sum = 0.0;
+            result[i] = 0.0;
             for (int j = 0; j < 6; ++j) {
-                sum += jacobian[6 * i + j] * twist[j];
+                result[i] += jacobian[6 * i + j] * twist[j];
             }
-            found[i] = sum;
         }
-        /* twist and rates may be the same array */
         for (int i = 0; i < 4; ++i) {
-            rates[i] = found[i];
+            rates[i] = result[i];
         }
     }
     return status;
