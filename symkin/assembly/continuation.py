@@ -97,12 +97,14 @@ def _block_roots(
     k = known_values(problem, known)
     ends, prover = instance(algebraic, paths.start, k), paths.prover
     knowns = prover.knowns(known[None])
-    count = ends.z.shape[1]
-    proved = prover.ends(ends.z, knowns, np.zeros(count, dtype=int)) if prover.proves_ends else None
-    # however near to being real
-    unreal = np.zeros(count, dtype=bool) if proved is None else proved.proved_unreal
-    possible = np.concatenate([ends.z[:, ~unreal], ends.singular.z], axis=1)
-    possible = possible[:, imaginary_part(algebraic, possible) < _REAL]
+    possible, singular = (
+        z[:, imaginary_part(algebraic, z) < _REAL] for z in (ends.z, ends.singular.z)
+    )
+    if prover.proves_ends:
+        # however near to being real
+        tried = prover.ends(possible, knowns, np.zeros(possible.shape[1], dtype=int))
+        possible = possible[:, ~tried.proved_unreal]
+    possible = np.concatenate([possible, singular], axis=1)
     near = paths.points(possible, np.zeros(possible.shape[1], dtype=int), k[:, None])
     found = polished_roots(system, near, known)
     points, smallest = found.points, found.smallest_residual
@@ -134,7 +136,7 @@ def _block_roots(
         notes={0: notes} if notes else {},
         engine=paths.engine,
         ends=ends.z,
-        ends_of=np.zeros(count, dtype=int),
+        ends_of=np.zeros(ends.z.shape[1], dtype=int),
     )
 
 
