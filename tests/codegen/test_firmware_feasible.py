@@ -17,6 +17,7 @@ import symkin
 from helpers import firmware_tools as tools
 from helpers.gate import in_gate
 from helpers.inside import Options, can_run, folder_files, run_own_test
+from helpers.samples import random_mechanism
 from symkin import InputError
 
 MACHINES = Path(__file__).parents[2] / "codegen" / "bench" / "machines"
@@ -308,6 +309,20 @@ def test_code_that_fails_its_own_test_is_not_written(tmp_path):
         run_own_test("five_bar", {**files, "five_bar.c": none})
     with pytest.raises(InputError, match="the compiler says: "):
         run_own_test("five_bar", {**files, "five_bar.c": files["five_bar.c"] + "}"})
+
+
+@pytest.mark.parametrize("seed", in_gate([2, 6, 8, 10], [2, 10]))
+def test_hard_lines_refuse_no_machine(seed):
+    """Random platforms whose home is not far from a singularity, of the joints or of a limb: the
+    vectors ask for no line that code may refuse, of which it cut one into 124 parts.
+    """
+    tools.compiler("gcc")
+    level = (1.0, 0.0, 0.0, 0.0)
+    rng = np.random.default_rng(seed)
+    made = random_mechanism(rng, ["rUS"] * 3, motion="planar", platform_quaternion=level)
+    files = folder_files(made, Options("double"))
+    run_own_test(made.name, files)
+    assert "SAMPLE_VECTORS 24\n" in files["sample_vectors.h"]
 
 
 def test_rates_are_tested_of_twists_that_the_platform_can_take(tmp_path):

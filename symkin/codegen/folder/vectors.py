@@ -26,6 +26,7 @@ from symkin.codegen.steps.passive_limits import keeps_limits
 from symkin.codegen.steps.pose_coordinates import COLUMNS
 from symkin.codegen.steps.samples import (
     Configuration,
+    all_followed,
     configurations,
     rounded_to,
     tidied,
@@ -53,6 +54,13 @@ _LARGEST_CONDITION = 1e4
 _HIDDEN = 2e-4
 """Largest condition of a map's case, times roundings: beyond it a hundred of them are as far as a
 singularity may be away.
+"""
+_PLAIN, _HARDER = 50.0, 1.5
+"""Condition of a platform's case that is never hard, and of the others how many times that of home.
+"""
+_FAR = 600.0
+"""Largest condition at home and at a platform's case from which lines from home to it are asked:
+code cuts those of larger ones into many parts, some into more than it may take.
 """
 _SEED = 20
 DOUBLED = np.array([1.0, 1.0, 1.0, 2.0, 2.0, 2.0, 2.0])
@@ -171,6 +179,10 @@ class _Sides:
         rates = tidied(kind.told_rates(rates) @ feasible, self.size)
         return {"jacobians": rates.ravel(), "feasible": tidied(feasible, 1.0).ravel()}
 
+    @cached_property
+    def home_condition(self) -> float:
+        return self.condition(self.home)
+
     def condition(self, values: np.ndarray) -> float:
         """The larger condition of the two directions."""
         return max(_condition(problem, values) for problem in (self.direct, self.inverse))
@@ -178,31 +190,45 @@ class _Sides:
     @cached_property
     def cases(self) -> list[np.ndarray]:
         """Configurations whose joint values are numbers of the type, within limits of passive
-        joints: about home, and nearer ones if they are few.
+        joints, none of which code may refuse because it is hard: about home, and nearer ones if
+        they are few. Of a platform all of whose are hard, these.
         """
-        kind, found = self.kind, list[np.ndarray]()
+        kind, found, hard = self.kind, list[np.ndarray](), list[np.ndarray]()
         for part in _PARTS:
             spread = _SPREAD * part
             if isinstance(kind, JointMap):
                 near = map_configurations(kind, COUNT, _SEED, spread, 0.3 * part)
-                near = [case for case in near if self._is_regular(case)]
             else:
                 near = configurations(self.direct, self.home, COUNT, _SEED, spread, 0.15 * part)
-            found += [
-                case.values
-                for case in near
-                if keeps_limits(kind.passive_limits, self.direct.closure, case.values)
-            ]
+            for case, plain in zip(near, self._plain(near), strict=True):
+                if keeps_limits(kind.passive_limits, self.direct.closure, case.values):
+                    (found if plain else hard).append(case.values)
             if len(found) >= COUNT:
                 break
+        if not found and not isinstance(kind, JointMap):
+            found = hard
         read = (
             rounded_to(kind.real, self.joints(values)) + self.kind.zero for values in found[:COUNT]
         )
         return [_moved(self.direct, v, known) for v, known in zip(found, read, strict=False)]
 
-    def _is_regular(self, case: Configuration) -> bool:
-        """Whether roundings of the type cannot hide a singularity."""
-        return self.condition(case.values) * self.kind.real.epsilon <= _HIDDEN
+    def _plain(self, near: list[Configuration]) -> list[bool]:
+        """Which cases code is bound to answer: of a map those where roundings of the type cannot
+        hide a singularity; of a platform those not much nearer to one than home is, and whose limbs
+        without formulas can be followed along the line of poses.
+        """
+        kind, conditions = self.kind, [self.condition(case.values) for case in near]
+        if isinstance(kind, JointMap):
+            return [condition * kind.real.epsilon <= _HIDDEN for condition in conditions]
+        most = _HARDER * max(self.home_condition, _PLAIN)
+        plain = np.array([condition <= most for condition in conditions], bool)
+        if len(near) and not kind.tells_branch:
+            begin, start = (
+                self.home[p] for p in (self.inverse.unknown_places, self.inverse.known_places)
+            )
+            poses = np.array([case.values[self.inverse.known_places] for case in near])
+            plain &= all_followed(self.inverse, begin, start, poses)[1]
+        return list(plain)
 
 
 def _condition(problem: Problem, values: np.ndarray) -> float:
@@ -251,13 +277,17 @@ def _rates(inverse: Problem, values: np.ndarray) -> tuple[np.ndarray, np.ndarray
 
 
 def _of_loops(sides: _Sides) -> Vectors:
-    """Every other case starts next to its answer, as a servo loop does; the others at home."""
+    """Every other case starts next to its answer, as a servo loop does; the others at home, where
+    nothing singular is near.
+    """
     kind, tables, bounds = sides.kind, dict[str, list[np.ndarray]](), list[float]()
     is_map = isinstance(kind, JointMap)
     target = "found" if is_map else "poses"
     for number, values in enumerate(sides.cases):
         beside = values[sides.direct.known_places] + _NEAR * sides.units
-        near = _moved(sides.direct, values, beside) if number % 2 else sides.home
+        worst = max(sides.condition(values), 0.0 if is_map else sides.home_condition)
+        far = not number % 2 and (is_map or worst <= _FAR)
+        near = sides.home if far else _moved(sides.direct, values, beside)
         found = sides.found(values)
         row = {
             "guesses": sides.found(near),
