@@ -301,8 +301,10 @@ def test_what_moves_in_another_motion_may_be_given() -> None:
     joints = [
         LinkJoint(Joint(name, "R", point, Z), links) for name, (links, point) in places.items()
     ]
-    found = symkin.modes(Mechanism("two_motions", link_joints=joints), given={"c": 20.0})
-    assert (len(found), found.completeness, found.complex_count) == (4, "proved", 4)
+    for angle in (20.0, 1e-9):
+        found = symkin.modes(Mechanism("two_motions", link_joints=joints), given={"c": angle})
+        assert (len(found), found.completeness, found.complex_count) == (4, "proved", 4)
+        assert not any("double" in note for mode in found for note in mode.notes)
     still = [*joints[:2], LinkJoint(joints[2].joint, ("q", "base")), joints[3]]
     with pytest.raises(InputError, match="no motion about the reference moves a; leave it out"):
         symkin.modes(Mechanism("triangle", link_joints=still), given={"a": 20.0})
