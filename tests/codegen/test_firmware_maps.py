@@ -504,7 +504,7 @@ def test_what_cannot_be_is_a_sentence():
     assert "upper_motor: given and to be found at once" in _refused(
         "ankle", ["upper_motor", "lower_motor"], ["upper_motor", "ankle.1"]
     )
-    assert "upper_motor stands there 2 times" in _refused(
+    assert "upper_motor stands there twice" in _refused(
         "ankle", ["upper_motor", "upper_motor"], ["ankle.1", "ankle.2"]
     )
     assert "have 2 freedom(s); give 1 more" in _refused("ankle", ["upper_motor"], ["ankle.1"])
