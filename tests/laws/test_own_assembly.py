@@ -301,10 +301,13 @@ def test_what_moves_in_another_motion_may_be_given() -> None:
     joints = [
         LinkJoint(Joint(name, "R", point, Z), links) for name, (links, point) in places.items()
     ]
-    machine, turn = Mechanism("two_motions", link_joints=joints), {"c": 20.0}
-    found = symkin.modes(machine, given=turn)
-    assert (len(found), found.completeness, found.complex_count) == (4, "proved", 4)
-    near = symkin.solve(machine, given=turn, start=found[0].values)
+    machine = Mechanism("two_motions", link_joints=joints)
+    for angle in (20.0, 1e-9):
+        found = symkin.modes(machine, given={"c": angle})
+        assert (len(found), found.completeness, found.complex_count) == (4, "proved", 4)
+        assert not any("double" in note for mode in found for note in mode.notes)
+    found = symkin.modes(machine, given={"c": 20.0})
+    near = symkin.solve(machine, given={"c": 20.0}, start=found[0].values)
     assert (near.status, near.notes) == ("ok", ())
     assert symkin.track(machine, given={"c": [20.0, 20.5]}, start=found[0], samples=3).reached
     still = [*joints[:2], LinkJoint(joints[2].joint, ("q", "base")), joints[3]]
