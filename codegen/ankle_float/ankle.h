@@ -31,6 +31,20 @@
  *   inertia: 197 add, 265 mul, 4 div, 1 sqrt
  *   torque_limits: 156 add, 201 mul, 8 div, 1 sqrt
  *   rate_limits: 187 add, 253 mul, 8 div, 1 sqrt
+ *   measured (Cortex-M4F, GCC 12.2.1 -O2, 19394 inputs, seed 1): instructions, bytes of stack with
+ *     callees, bytes of code with callees but without those of libm:
+ *   direct: 101990 instructions, 656 stack, 7780 code
+ *   track: 1075 instructions, 196 stack, 3388 code
+ *   inverse: 90685 instructions, 704 stack, 10632 code
+ *   track_inverse: 990 instructions, 220 stack, 4616 code
+ *   jacobian: 785 instructions, 220 stack, 2948 code
+ *   inverse_jacobian: 795 instructions, 236 stack, 2976 code
+ *   second: 1205 instructions, 372 stack, 4132 code
+ *   rates: 915 instructions, 268 stack, 3192 code
+ *   torques: 915 instructions, 268 stack, 3192 code
+ *   inertia: 1035 instructions, 292 stack, 3248 code
+ *   torque_limits: 950 instructions, 268 stack, 3232 code
+ *   rate_limits: 955 instructions, 284 stack, 3260 code
  *
  * Model SHA-256 04deed2052383811e7f0981a7545d222c99685967960c3c2ac2c816691947d5b
  */
