@@ -776,7 +776,9 @@ static ankle_status ankle_direct_newton(ankle_direct_work *w, const ankle_real t
                      * machine */
                     gain2 /= before;
                     kappa2 = (was_fresh && (before > still2)) ? (gain2 / before) : kappa2;
-                    gain2 = fresh ? (kappa2 * size) : gain2;
+                    if (fresh) {
+                        gain2 = kappa2 * size;
+                    }
                 } else {
                     gain2 *= kappa2;
                 }
@@ -1773,7 +1775,7 @@ ankle_status ankle_direct(const ankle_config *config, const ankle_real joints[2]
             still = still || (ankle_found_away2(result, guess) <= 9.98989e-07f);
             status = ANKLE_WRONG_BRANCH;
         }
-        if (still && (status == ANKLE_WRONG_BRANCH)) {
+        if (still && ((status == ANKLE_WRONG_BRANCH) || (status == ANKLE_SINGULAR))) {
             /* the guess itself is an answer */
             status = ANKLE_OK;
             ankle_direct_place(&w, joints, guess);
@@ -1940,7 +1942,7 @@ ankle_status ankle_inverse(const ankle_config *config, const ankle_real found[2]
             still = still || (ankle_joints_away2(result, guess) <= 9.98989e-07f);
             status = ANKLE_WRONG_BRANCH;
         }
-        if (still && (status == ANKLE_WRONG_BRANCH)) {
+        if (still && ((status == ANKLE_WRONG_BRANCH) || (status == ANKLE_SINGULAR))) {
             /* the guess itself is an answer */
             status = ANKLE_OK;
             ankle_inverse_place(&w, found, guess);

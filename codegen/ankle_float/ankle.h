@@ -10,8 +10,8 @@
  *
  * Joint values in this order; lengths in mm, angles in radians.
  * Calls keep no state, allocate nothing and end after a bounded number of steps. Results are
- * written with ANKLE_OK only; `info` always. config and info may be NULL, guess and result the same
- * object.
+ * written with ANKLE_OK only; `info` always. config and info may be NULL; each other result may lie
+ * where an input other than config lies.
  *
  * One step of Newton's method: 48 additions, 4 divisions, 66 multiplications, 2 sqrt (rows, matrix,
  * factors, step). Predicted error of an answer: ANKLE_TOLERANCE and the rounding of the type, about

@@ -220,10 +220,16 @@ def asked_for() -> argparse.Namespace:
     return chosen
 
 
+def kept_in(file: Path) -> list[dict]:
+    """Records of a run before; a last line that it had no time to end is cut off."""
+    whole = "".join(line for line in file.read_text().splitlines(True) if line.endswith("\n"))
+    file.write_text(whole)
+    return list(map(json.loads, whole.splitlines()))
+
+
 def main() -> int:
     chosen = asked_for()
-    is_kept = chosen.keep and chosen.keep.exists()
-    found = list(map(json.loads, chosen.keep.read_text().splitlines())) if is_kept else []
+    found = kept_in(chosen.keep) if chosen.keep and chosen.keep.exists() else []
     ignored = partial(signal.signal, signal.SIGINT, signal.SIG_IGN)
     many = Pool(chosen.jobs, ignored) if chosen.jobs > 1 else nullcontext()
     with tempfile.TemporaryDirectory() as scratch, many as pool:

@@ -1448,7 +1448,7 @@ static delta_status delta_check_sizes(const delta_real values[], int count, delt
     return status;
 }
 
-/* The rates of twist: the Jacobian times the twist. */
+/* Joint rates of a twist: the Jacobian times the twist. */
 delta_status delta_rates(const delta_pose *pose, const delta_real twist[6], delta_real rates[3])
 {
     delta_real jacobian[18];

@@ -8,11 +8,11 @@
  *
  * Joint values in this order; lengths in mm, angles in radians.
  * Calls keep no state, allocate nothing and end after a bounded number of steps. Results are
- * written with DELTA_OK only; `info` always. config and info may be NULL, guess and pose the same
- * object. Limbs have the branches (elbow up or down) of the reference configuration, followed along
- * the line of poses from there; the guess's passive joints are computed from its pose in this way.
- * A dead centre of a limb is a singularity: where a limb has passed one, the direct problem answers
- * with the status of a wrong branch.
+ * written with DELTA_OK only; `info` always. config and info may be NULL; each other result may lie
+ * where an input other than config lies. Limbs have the branches (elbow up or down) of the
+ * reference configuration, followed along the line of poses from there; the guess's passive joints
+ * are computed from its pose in this way. A dead centre of a limb is a singularity: where a limb
+ * has passed one, the direct problem answers with the status of a wrong branch.
  *
  * Formulas give the direct problem: an iteration is one evaluation of them, at the end of a part of
  * the line. Of a config max_step is not read; tolerance is what the closure's rows of the answer

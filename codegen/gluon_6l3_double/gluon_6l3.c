@@ -2069,7 +2069,7 @@ static gluon_6l3_status gluon_6l3_check_sizes(const gluon_6l3_real values[], int
     return status;
 }
 
-/* The twist of rates: the Jacobian times the rates. */
+/* Twist of joint rates: the Jacobian times the rates. */
 gluon_6l3_status gluon_6l3_twist(const gluon_6l3_real joints[6], const gluon_6l3_real rates[6],
     gluon_6l3_real twist[6])
 {

@@ -826,7 +826,9 @@ static ren2008_status ren2008_direct_newton(ren2008_direct_work *w, const ren200
                      * machine */
                     gain2 /= before;
                     kappa2 = (was_fresh) ? (gain2 / before) : kappa2;
-                    gain2 = fresh ? (kappa2 * size) : gain2;
+                    if (fresh) {
+                        gain2 = kappa2 * size;
+                    }
                 } else {
                     gain2 *= kappa2;
                 }
@@ -1429,7 +1431,7 @@ static ren2008_status ren2008_check_sizes(const ren2008_real values[], int count
     return status;
 }
 
-/* The rates of twist: the Jacobian times the twist. */
+/* Joint rates of a twist: the Jacobian times the twist. */
 ren2008_status ren2008_rates(const ren2008_pose *pose, const ren2008_real twist[6],
     ren2008_real rates[6])
 {

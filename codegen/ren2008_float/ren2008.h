@@ -11,8 +11,8 @@
  *
  * Joint values in this order; lengths in m, angles in radians.
  * Calls keep no state, allocate nothing and end after a bounded number of steps. Results are
- * written with REN2008_OK only; `info` always. config and info may be NULL, guess and pose the same
- * object.
+ * written with REN2008_OK only; `info` always. config and info may be NULL; each other result may
+ * lie where an input other than config lies.
  *
  * One step of Newton's method: 132 additions, 7 divisions, 152 multiplications, 1 sqrt (rows,
  * matrix, factors, step). Predicted error of an answer: REN2008_TOLERANCE and the rounding of the

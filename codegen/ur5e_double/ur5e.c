@@ -2046,7 +2046,7 @@ static ur5e_status ur5e_check_sizes(const ur5e_real values[], int count, ur5e_re
     return status;
 }
 
-/* The twist of rates: the Jacobian times the rates. */
+/* Twist of joint rates: the Jacobian times the rates. */
 ur5e_status ur5e_twist(const ur5e_real joints[6], const ur5e_real rates[6], ur5e_real twist[6])
 {
     ur5e_real jacobian[36];

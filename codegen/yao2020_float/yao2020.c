@@ -1815,7 +1815,7 @@ static yao2020_status yao2020_check_sizes(const yao2020_real values[], int count
     return status;
 }
 
-/* The twist of rates: the Jacobian times the rates. */
+/* Twist of joint rates: the Jacobian times the rates. */
 yao2020_status yao2020_twist(const yao2020_real joints[6], const yao2020_real rates[6],
     yao2020_real twist[6])
 {

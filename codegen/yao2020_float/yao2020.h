@@ -11,8 +11,8 @@
  *
  * Joint values in this order; lengths in mm, angles in radians.
  * Calls keep no state, allocate nothing and end after a bounded number of steps. Results are
- * written with YAO2020_OK only; `info` always. config and info may be NULL, guess and pose the same
- * object.
+ * written with YAO2020_OK only; `info` always. config and info may be NULL; each other result may
+ * lie where an input other than config lies.
  *
  * One step of Newton's method: 269 additions, 20 cos, 6 divisions, 449 multiplications, 20 sin
  * (rows, matrix, factors, step). Predicted error of an answer: YAO2020_TOLERANCE and the rounding

@@ -845,7 +845,9 @@ static zhang2009_status zhang2009_direct_newton(zhang2009_direct_work *w,
                      * machine */
                     gain2 /= before;
                     kappa2 = (was_fresh) ? (gain2 / before) : kappa2;
-                    gain2 = fresh ? (kappa2 * size) : gain2;
+                    if (fresh) {
+                        gain2 = kappa2 * size;
+                    }
                 } else {
                     gain2 *= kappa2;
                 }
@@ -1302,7 +1304,7 @@ static zhang2009_status zhang2009_check_sizes(const zhang2009_real values[], int
     return status;
 }
 
-/* The rates of twist: the Jacobian times the twist. */
+/* Joint rates of a twist: the Jacobian times the twist. */
 zhang2009_status zhang2009_rates(const zhang2009_pose *pose, const zhang2009_real twist[6],
     zhang2009_real rates[6])
 {

@@ -11,8 +11,8 @@
  *
  * Joint values in this order; lengths in mm, angles in radians.
  * Calls keep no state, allocate nothing and end after a bounded number of steps. Results are
- * written with ZHANG2009_OK only; `info` always. config and info may be NULL, guess and pose the
- * same object.
+ * written with ZHANG2009_OK only; `info` always. config and info may be NULL; each other result may
+ * lie where an input other than config lies.
  *
  * One step of Newton's method: 146 additions, 7 divisions, 160 multiplications, 1 sqrt (rows,
  * matrix, factors, step). Predicted error of an answer: ZHANG2009_TOLERANCE and the rounding of the

@@ -1759,7 +1759,7 @@ static zhao2000_status zhao2000_check_sizes(const zhao2000_real values[], int co
     return status;
 }
 
-/* The rates of twist: the Jacobian times the twist. */
+/* Joint rates of a twist: the Jacobian times the twist. */
 zhao2000_status zhao2000_rates(const zhao2000_pose *pose, const zhao2000_real twist[6],
     zhao2000_real rates[4])
 {

@@ -104,8 +104,13 @@ def _list_in_pieces(ctx: Any, words: Sequence[str], *, names_too: bool) -> Input
 
 def _unknown_option(name: str, ctx: Any) -> InputError:
     known = [opt for p in ctx.command.params for opt in p.opts if opt.startswith("--")]
+    # the file that a command writes where others write by -o
+    files = [
+        p.opts[0] for p in ctx.command.params if re.match(r"FILE\.(png|html)", p.metavar or "")
+    ]
+    like = files[0] if files and name in ("-o", "--output") else name
     return InputError(
-        f"option {shown(name)} is unknown{meant(name, known)}; `{ctx.command_path} -h` lists the "
+        f"option {shown(name)} is unknown{meant(like, known)}; `{ctx.command_path} -h` lists the "
         f"options"
     )
 

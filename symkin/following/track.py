@@ -97,14 +97,16 @@ def track(mechanism: Mechanism, **options: Unpack[TrackOptions]) -> Track:
 
 
 def _track(trajectory: Trajectory, options: TrackOptions) -> Track:
-    _check_determined(trajectory.problem)
     mode, notes = _start_mode(trajectory, options["start"])
+    if trajectory.problem.by_name:
+        refuse_unless_determined(trajectory.problem, mode)
     if mode is None:
         _refuse_free(trajectory.problem, math.inf)
         return _not_begun(trajectory, "; ".join(notes))
     path = machine_path(replace(trajectory, notes=(*trajectory.notes, *notes)))
     problem = path.trajectory.problem
-    _check_determined(problem)
+    if problem.by_name and problem is not trajectory.problem:
+        refuse_unless_determined(problem)
     begin = path.unknowns(own_closure(mode), mode.variables[None])[0]
     _refuse_free(problem, problem.system.condition(begin, path.trajectory.samples[0]))
     limits, progress = options["limits"], options["progress"]
@@ -140,11 +142,6 @@ def branch_from(
 
 
 # --- the start ------------------------------------------------------------------------------------
-
-
-def _check_determined(problem: Problem) -> None:
-    if problem.by_name:
-        refuse_unless_determined(problem)
 
 
 def _refuse_free(problem: Problem, condition: float) -> None:

@@ -51,7 +51,7 @@ parts.
 def _spec(mujoco: Any, path: Path) -> Any:
     """The file as the library reads it, which tells formats by suffixes in small letters."""
     if path.suffix == ".xml":
-        return mujoco.MjSpec.from_file(str(path))
+        return mujoco.MjSpec.from_file(str(path.absolute()))
     text = path.read_text("utf-8", errors="replace")
     os.chdir(path.parent)
     return mujoco.MjSpec.from_string(text)
@@ -101,7 +101,7 @@ def _plain(mujoco: Any, spec: Any) -> tuple[list[dict[str, Any]], list[tuple[Any
         {
             "name": mesh.name or Path(mesh.file).stem,
             "named": bool(mesh.name),
-            "file": str(Path(spec.meshdir) / mesh.file) if mesh.file else mesh.name,
+            "file": _place(spec, mesh.file) if mesh.file else mesh.name,
             **{
                 key: [float(x) for x in getattr(mesh, key)]
                 for key in ("scale", "refpos", "refquat")
@@ -128,6 +128,14 @@ def _plain(mujoco: Any, spec: Any) -> tuple[list[dict[str, Any]], list[tuple[Any
     spec.compiler.fusestatic = False
     spec.memory = spec.nstack = spec.njmax = spec.nconmax = -1  # as large as the compiler wants
     return meshes, of_geoms
+
+
+def _place(spec: Any, file: str) -> str:
+    """A mesh's file as the folder of the model's file has it. One that an included file names and
+    the meshes' folder lacks is told as beside the included file, from the root.
+    """
+    path, home = Path(spec.meshdir) / file, Path(spec.modelfiledir)
+    return str(path.relative_to(home) if path.is_relative_to(home) else path)
 
 
 class _Told:

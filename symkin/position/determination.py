@@ -23,6 +23,8 @@ from symkin.position.closed_configurations import (
 )
 from symkin.position.file_digits import rank_to_digits
 from symkin.position.problem import Problem
+from symkin.position.solution import Solution
+from symkin.position.transfer import variables_elsewhere
 from symkin.text import counted
 
 DIGITS = 1e-4
@@ -61,11 +63,18 @@ class Determination:
     infinitesimal: int = 0
 
 
-def refuse_unless_determined(problem: Problem, *, rates: bool = False) -> None:
+def refuse_unless_determined(
+    problem: Problem, solution: Solution | None = None, *, rates: bool = False
+) -> None:
     """Raise InputError where the given coordinates leave some motion free, or say the same thing
-    twice; with `rates` where they leave some of these free at every configuration.
+    twice, about the reference and at a solution; with `rates` where they leave some of these free
+    at every configuration.
     """
-    refuse_contradictions(problem)
+    if solution is not None:
+        there = determination_at(problem, solution)
+        if not (there.decided or there.free):
+            return
+    refuse_contradictions(problem, solution)
     found = determination(problem)
     if rates and found.infinitesimal and not found.free:
         raise InputError(
@@ -144,13 +153,13 @@ def _pose_names(problem: Problem) -> tuple[str, ...]:
     )
 
 
-def refuse_contradictions(problem: Problem) -> None:
-    """Raise InputError where given coordinates say what others decide. A pose as a whole may hold
-    what the joints decide anyway.
+def refuse_contradictions(problem: Problem, solution: Solution | None = None) -> None:
+    """Raise InputError where given coordinates say what others decide, about the reference and at a
+    solution. A pose as a whole may hold what the joints decide anyway.
     """
     found = determination(problem)
     decided = [name for name in found.decided if not name.startswith("pose.")]
-    if not decided:
+    if not decided or (solution and not determination_at(problem, solution).decided):
         return
     names = [c.name for c in _given(problem)]
     one = len(names) == 1
@@ -171,7 +180,7 @@ def _given(problem: Problem) -> list[Coordinate]:
 @lru_cache(maxsize=128)
 def determination(problem: Problem) -> Determination:
     """What the given coordinates of a problem decide, at generic closed configurations."""
-    closure = build_closure(problem.mechanism, replace(problem.closure.partition, geometry=False))
+    closure = _without_geometry(problem)
     system, own = whole_system(closure), own_component(assembly_of(closure), 0)
     jacobians = [system.linearise_one(z)[1] for z in closed_configurations(closure, 0)]
     best = jacobians[generic([Rank.of(j) for j in jacobians])]
@@ -192,6 +201,18 @@ def determination(problem: Problem) -> Determination:
     motions = _motions(system.linearise_one(z)[1], tolerance)
     loose = _determination(problem, closure, motions, misfit)
     return loose if len(loose.decided) < len(found.decided) else found
+
+
+def determination_at(problem: Problem, solution: Solution) -> Determination:
+    """What they decide at a solution, which may lie in another motion than the reference."""
+    closure = _without_geometry(problem)
+    z = variables_elsewhere(closure, solution)
+    motions = _motions(whole_system(closure).linearise_one(z)[1], RANK_TOLERANCE)
+    return _determination(problem, closure, motions)
+
+
+def _without_geometry(problem: Problem) -> Closure:
+    return build_closure(problem.mechanism, replace(problem.closure.partition, geometry=False))
 
 
 def _motions(jacobian: np.ndarray, tolerance: float) -> np.ndarray:

@@ -137,7 +137,8 @@ class SolutionList(Sequence[Solution]):
         meet = 0 if self.double is None else self.double[i]
         if meet < 0:
             return ()
-        double = (DOUBLE_NOTE,) if meet else ()
+        # one exact solution alone is proved near a certified one, however weak its rows are
+        double = (DOUBLE_NOTE,) if meet and self.certified[i] != 1 else ()
         return double if self.condition[i] < SINGULAR_CONDITION else (*double, SINGULAR_NOTE)
 
 

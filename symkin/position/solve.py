@@ -17,6 +17,7 @@ from symkin.position.closed import ClosedForm
 from symkin.position.determination import (
     DIGITS,
     determination,
+    determination_at,
     is_least,
     misfit_note,
     refuse_contradictions,
@@ -123,12 +124,13 @@ def _solved(
             refuse_ignored({"start": start}, _nothing_iterated(problem))
         problem, z = begun(mechanism, given, start)
         if problem.by_name:
-            refuse_contradictions(problem)
             chosen = Levenberg() if damped else chosen
         if start is None:
             result = _from_default(problem, given, chosen, z)
         else:
             result = solve_beside(problem, given, chosen, z, "start")
+        if problem.by_name:
+            refuse_contradictions(problem, result.solution)
     notes = [*result.notes, *_more_notes(result, start)]
     return replace(result, notes=tuple(dict.fromkeys(notes)), elapsed_s=time.perf_counter() - begin)
 
@@ -145,6 +147,9 @@ def _more_notes(result: SolveResult, start: Start) -> list[str]:
     if found.residual > CLOSURE_TOLERANCE * size:
         notes.append(misfit_note(problem, found.residual))
     left = determination(problem).free if problem.by_name else 0
+    if left:
+        there = determination_at(problem, found)
+        left = left if there.decided else min(left, there.free)
     if left:
         notes.append(_free_note(problem, left, start is None))
     notes += set_notes(problem, found.condition)

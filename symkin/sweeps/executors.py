@@ -11,6 +11,7 @@ import logging
 import multiprocessing
 import os
 import signal
+import sys
 import threading
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
@@ -173,6 +174,9 @@ def local_crew(workers: int | None) -> Iterator[Crew]:
     if count == 0:
         yield Crew(Here(), 1)
         return
+    if getattr(multiprocessing.current_process(), "_inheriting", False):
+        # a worker runs a script that has no guard; the process that began it says so
+        sys.exit(1)
     before = set(multiprocessing.active_children())
     crew = Crew(_pool(count), _UNDER_WAY * count, lambda: _pool(count), _processes_needed)
     try:

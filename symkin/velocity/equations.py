@@ -48,14 +48,16 @@ from symkin.velocity.roles import columns_by_name
 @dataclass(frozen=True, eq=False)
 class VelocityEquations:
     """A, P and B of a mechanism (see `Differential`), as expressions of the closure's variables
-    and, unless its geometry is `bound`, its parameters.
+    and, unless its geometry is `bound`, its parameters; `size`, by which angles become lengths, is
+    that of the description, of which they may be an arm.
 
     Rates are in the length unit or rad per unit of time; a passive unit quaternion has three
     columns, its angular velocity in the frame before the joint, axes as at the reference.
     """
 
     closure: Closure
-    bound: bool = False
+    size: float
+    bound: bool
 
     @cached_property
     def differential(self) -> Differential:
@@ -124,9 +126,8 @@ class VelocityEquations:
         closure, (inner, outer, driving) = self.closure, self._parts
         # of redundant actuation lengths of rows matter
         loaded = self.ranks.rates > len(self.columns) - self.ranks.constraints
-        size = closure.characteristic_length
         joints = closure.role("passive", "body")
-        levers = [c.lever(size) for c in joints for _ in range(c.freedom)]
+        levers = [c.lever(self.size) for c in joints for _ in range(c.freedom)]
         own = None if loaded else [levers[k] for k in self.used]
         found = outer_rates(inner, outer, driving, own)
         moving = ca.DM.eye(self.differential.passive.shape[1])[:, self.used]
@@ -181,7 +182,7 @@ class VelocityEquations:
         """The shortest rates (angles times the size) where the twist does not decide them."""
         passive, twist, actuated = self._parts
         left = factored(passive, ca.horzcat(twist, actuated)).remainder
-        width, size = twist.shape[1], self.closure.characteristic_length
+        width, size = twist.shape[1], self.size
         twist, own = left[:, :width], left[:, width:]
         shrunk = ca.diag(ca.DM([1 / c.lever(size) for c in self.closure.role("actuated")]))
         scaled = ca.mtimes(own, shrunk)
@@ -195,8 +196,7 @@ class VelocityEquations:
         """What columns by the motion's twist components are multiplied by, to be columns by
         lengths.
         """
-        size = self.closure.characteristic_length
-        return ca.diag(ca.DM([1 / size if k > 2 else 1.0 for k in self.columns]))
+        return ca.diag(ca.DM([1 / self.size if k > 2 else 1.0 for k in self.columns]))
 
     def _by_lengths(self, rows: ca.SX) -> ca.SX:
         return ca.mtimes(rows, self._to_lengths)
@@ -219,6 +219,6 @@ def rows_at(
 
 
 @lru_cache(maxsize=128)
-def velocity_equations(mechanism: Mechanism, *, bound: bool = False) -> VelocityEquations:
-    """The velocity equations of a mechanism."""
-    return VelocityEquations(build_closure(mechanism), bound)
+def velocity_equations(mechanism: Mechanism, size: float, *, bound: bool) -> VelocityEquations:
+    """The velocity equations of a mechanism; angles times the size are lengths."""
+    return VelocityEquations(build_closure(mechanism), size, bound)

@@ -356,7 +356,9 @@ def _built(
             return _with_inputs(mechanism, kind, *rates_by_name(mechanism, of, by))
         named = graph_rates(mechanism, kind)
         return _with_inputs(mechanism, kind, named, matrix_of(named, kind, mechanism))
-    equations = velocity_equations(low.machine, bound=not parameters)
+    equations = velocity_equations(
+        low.machine, mechanism.characteristic_length, bound=not parameters
+    )
     _check_defined(equations, kind)
     made = Rates(build_problem(low.machine, actuated_names(low.machine)), equations)
     matrix = matrix_of(made, kind, mechanism)

@@ -341,3 +341,16 @@ def test_no_number_is_printed_that_the_type_does_not_hold(name):
             real.literal(value)
     found = [real.hexadecimal(v) for v in (np.nan, np.inf, -np.inf)]
     assert found == ["NAN", "INFINITY", "-INFINITY"]
+
+
+def test_an_answer_beside_a_singularity_stands_still():
+    """Sarrus' linkage beside its stretched leg: the answer has its own given value, and a step from
+    it finds no pivot.
+    """
+    options = Options("float", given=("foot_x",), find=("head_y",))
+    code = tools.bench_module("asked").Asked(symkin.load("sarrus"), options)
+    goal, guess = np.array([[0.48632049560546875]]), np.array([[-0.9257011413574219]])
+    first = code.answers(goal, guess, "inverse")
+    again = code.answers(goal, first.found, "inverse")
+    assert first.status[0] == again.status[0] == 0
+    assert np.array_equal(again.found, first.found)

@@ -274,7 +274,7 @@ def test_a_campaign_goes_on_where_it_was_interrupted(monkeypatch, tmp_path, caps
     monkeypatch.setattr(branches, "_rows", rows)
     whole, lines = table(), kept.read_text().splitlines()
     assert len(asked) == len(lines) == 4
-    kept.write_text("\n".join([*lines[:3], ""]))
+    kept.write_text("\n".join([*lines[:3], lines[3][:-20]]))  # the last line was not ended
     assert table() == whole
     assert asked[4:] == [asked[3]]
 

@@ -25,6 +25,8 @@ from helpers.inside import parse
         ("modes zhao2000 --plot=", ["--plot is empty"]),
         ("modes zhao2000 --joints", ["--joints has no value", "--joints V1,V2,..."]),
         ("modes zhao2000 --jonts 1", ["'--jonts'", "do you mean '--joints'?", "`symkin modes -h`"]),
+        ("view zhao2000 -o page.html", ["'-o' is unknown", "do you mean '--html'?"]),
+        ("modes zhao2000 --output a.png", ["'--output'", "do you mean '--plot'?"]),
         ("modes zhao2000 --json=yes", ["--json takes no value"]),
         ("modes", ["MECH is missing", "`symkin modes -h`"]),
         ("firmware zhao2000", ["-o DIR is missing"]),

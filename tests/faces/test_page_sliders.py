@@ -83,7 +83,9 @@ def robot(tmp_path: Path, motors: list[str]) -> Mechanism:
 
 def test_joints_at_which_loops_are_cut_have_sliders_too(tmp_path: Path) -> None:
     """Motors at the gripper alone, both fingers, of which one follows the other."""
-    found = completed_sliders(robot(tmp_path, ["j_left", "j_right"]))
+    machine = robot(tmp_path, ["j_left", "j_right"])
+    assert [c.name for c in machine.actuated] == ["j_left"], "one follows the other"
+    found = completed_sliders(with_actuated(machine, ["j_left", "j_right"]))
     assert found is not None
     assert set(found[0]) == {"j_left", "j1", "j2", "j3", "j4", "j5", "j6"}
     assert found[1].count("j_right has no slider: other actuated joints decide it.") == 1

@@ -184,6 +184,31 @@ def test_files_that_kinematics_does_not_need(tmp_path: Path) -> None:
     assert [entry.joint.type for entry in robot.tree] == ["R", "P"]
 
 
+def test_meshes_that_an_included_file_names_lie_beside_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Where the meshes' folder has them they are those; else they lie beside the included file,
+    found or not, from wherever the model is read.
+    """
+    folder, mesh = (
+        tmp_path / "a" / "inc",
+        '<mujoco><asset><mesh name="m" file="m.stl"/></asset></mujoco>',
+    )
+    folder.mkdir(parents=True)
+    (folder / "part.xml").write_text(mesh)
+    text = """<mujoco><compiler meshdir="inc"/><include file="inc/part.xml"/><worldbody>
+<body name="l"><joint name="j"/><geom type="mesh" mesh="m"/></body></worldbody></mujoco>"""
+    monkeypatch.chdir(tmp_path)
+
+    def files(meshdir: str) -> list[str]:
+        Path("a", "main.xml").write_text(text.replace('"inc"', f'"{meshdir}"'))
+        return [mesh.file for mesh in read_mjcf(Path("a", "main.xml")).meshes["l"]]
+
+    assert files("inc") == files("nowhere") == [str(Path("inc", "m.stl"))]
+    (folder / "m.stl").touch()
+    assert files("inc") == files("nowhere") == [str(Path("a", "inc", "m.stl"))]
+
+
 BAD = {
     "no joint type": ('<body><joint type="hing"/></body>', "", "invalid keyword: 'hing'.*line 4"),
     "no axis": (

@@ -258,7 +258,9 @@ class Matrices(NamedTuple):
 
 def matrices(case: Case, geometry: np.ndarray | None = None) -> Matrices:
     """A, P and B of a case, with the nominal geometry or another one."""
-    equations = velocity_equations(case.mechanism)
+    equations = velocity_equations(
+        case.mechanism, case.mechanism.characteristic_length, bound=False
+    )
     # the equations' own symbols: after many other machines the case's are those of an older closure
     closure = equations.closure
     d, size = equations.differential, closure.characteristic_length

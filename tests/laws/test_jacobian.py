@@ -26,7 +26,7 @@ def test_equations_outlive_the_closure_that_they_were_made_of():
     equations after so many other closures is still of one machine's symbols.
     """
     machine = replace(symkin.load("zhao2000"), name="kept")
-    velocity_equations(machine, bound=True)
+    velocity_equations(machine, machine.characteristic_length, bound=True)
     for k in range(129):
         build_closure(replace(samples.pieper(), name=f"other_{k}"))
     solution = symkin.solve(machine, joints=machine.example.joints).solution

@@ -301,11 +301,20 @@ def test_what_moves_in_another_motion_may_be_given() -> None:
     joints = [
         LinkJoint(Joint(name, "R", point, Z), links) for name, (links, point) in places.items()
     ]
-    found = symkin.modes(Mechanism("two_motions", link_joints=joints), given={"c": 20.0})
-    assert (len(found), found.completeness, found.complex_count) == (4, "proved", 4)
+    machine = Mechanism("two_motions", link_joints=joints)
+    for angle in (20.0, 1e-9):
+        found = symkin.modes(machine, given={"c": angle})
+        assert (len(found), found.completeness, found.complex_count) == (4, "proved", 4)
+        assert not any("double" in note for mode in found for note in mode.notes)
+    found = symkin.modes(machine, given={"c": 20.0})
+    near = symkin.solve(machine, given={"c": 20.0}, start=found[0].values)
+    assert (near.status, near.notes) == ("ok", ())
+    assert symkin.track(machine, given={"c": [20.0, 20.5]}, start=found[0], samples=3).reached
     still = [*joints[:2], LinkJoint(joints[2].joint, ("q", "base")), joints[3]]
-    with pytest.raises(InputError, match="no motion about the reference moves a; leave it out"):
-        symkin.modes(Mechanism("triangle", link_joints=still), given={"a": 20.0})
+    triangle = Mechanism("triangle", link_joints=still)
+    for verb, turn in ((symkin.modes, 20.0), (symkin.solve, 0.0), (symkin.track, [0.0, 20.0])):
+        with pytest.raises(InputError, match="no motion about the reference moves a; leave it out"):
+            verb(triangle, given={"a": turn})
 
 
 def test_a_regular_start_is_followed_whatever_is_free_about_the_reference() -> None:

@@ -148,6 +148,15 @@ def test_work_that_kills_its_workers_is_given_up(monkeypatch):
     wait_for(lambda: not multiprocessing.active_children())
 
 
+def test_a_worker_that_runs_a_script_without_guard_ends_silently(monkeypatch):
+    """A worker that is being started imports the script, and a sweep in it starts no workers: it
+    leaves without a traceback, and the sentence of the first process alone is seen.
+    """
+    monkeypatch.setattr(multiprocessing.current_process(), "_inheriting", True, raising=False)
+    with pytest.raises(SystemExit), local_crew(1):
+        pass
+
+
 def same(job, index):
     return index
 

@@ -14,7 +14,7 @@ from helpers import jacobian_cases as cases
 from helpers import samples
 from helpers.gate import in_gate
 from helpers.inside import conjugate, multiply, rate_names, velocity_equations, whole_system
-from symkin import InputError, jacobian
+from symkin import InputError, Joint, LinkJoint, Mechanism, jacobian
 
 
 def _scaled(matrices, direct):
@@ -29,7 +29,9 @@ def test_equations_are_the_closures_differential(name):
     the closure's null space.
     """
     case = cases.case(name)
-    equations = velocity_equations(case.mechanism)
+    equations = velocity_equations(
+        case.mechanism, case.mechanism.characteristic_length, bound=False
+    )
     matrices = cases.matrices(case)
     twist, passive, actuated = matrices.scales
     columns = list(equations.columns)
@@ -55,7 +57,10 @@ def test_jacobians_solve_the_equations(name):
     J^-1 J is the identity where the twist decides the rates.
     """
     case = cases.case(name)
-    equations, m = velocity_equations(case.mechanism), cases.matrices(case)
+    equations, m = (
+        velocity_equations(case.mechanism, case.mechanism.characteristic_length, bound=False),
+        cases.matrices(case),
+    )
     direct, inverse = (jacobian(case.mechanism, k).at(case.values) for k in ("direct", "inverse"))
     if name != "redundant actuation":
         left = m.twist @ direct + m.actuated
@@ -89,7 +94,9 @@ def test_jacobians_equal_differences_of_solved_configurations(name):
     differences, to 1e-7 of the largest entry.
     """
     case = cases.case(name)
-    equations = velocity_equations(case.mechanism)
+    equations = velocity_equations(
+        case.mechanism, case.mechanism.characteristic_length, bound=False
+    )
     rates = jacobian(case.mechanism).at(case.values)
     passive = rate_names(case.closure.role("passive"))
     if passive and len(equations.used) == len(passive):
@@ -150,7 +157,9 @@ def test_inverse_equals_differences_of_solved_configurations(name):
     motion, to 1e-7 of the largest entry.
     """
     case = cases.case(name)
-    equations = velocity_equations(case.mechanism)
+    equations = velocity_equations(
+        case.mechanism, case.mechanism.characteristic_length, bound=False
+    )
     inverse = jacobian(case.mechanism, "inverse").at(case.values)
     for k, column in enumerate(equations.columns):
         unit = 1.0 if column >= 3 else case.closure.characteristic_length
@@ -185,6 +194,24 @@ def test_redundant_arm_takes_the_shortest_rates():
         scaled,
         atol=1e-12 * np.max(np.abs(scaled)),
     )
+
+
+def test_angles_of_an_arm_are_weighed_by_the_size_of_the_whole_mechanism():
+    """Of a graph that is an arm, beside which a long link hangs: J^-1 is the pseudo-inverse of J
+    with angles times the size.
+    """
+    axes, joints = {"a": (0, 0, 1), "b": (0.6, 0.8, 0), "c": (0, 1, 0)}, []
+    places, links = [(0, 0, 0), (1, 0.2, 0.5), (2, 1, 0)], ["base", "l1", "l2", "l3"]
+    for k, (name, axis) in enumerate(axes.items()):
+        joint = Joint(name, "R", places[k], axis, actuated=True)
+        joints.append(LinkJoint(joint, (links[k], links[k + 1])))
+    joints.append(LinkJoint(Joint("h", "R", (30, 0, 0), (0, 1, 0), actuated=True), ("base", "h")))
+    arm = Mechanism("arm", link_joints=joints, platform_link="l3", platform_position=(3, 2, 1))
+    at, size = symkin.solve(arm, joints=[10, 20, 30, 40]).solution, arm.characteristic_length
+    direct, inverse = (jacobian(arm, kind).at(at) for kind in ("direct", "inverse"))
+    lengths = np.repeat([1.0, size], 3)
+    expected = np.linalg.pinv(lengths[:, None] * direct) * lengths
+    np.testing.assert_allclose(inverse, expected, rtol=1e-9, atol=1e-12)
 
 
 def test_singular_configurations_have_no_finite_jacobian():

@@ -38,11 +38,12 @@ def speeds_text(function: str, at: str, values: Mapping[str, object]) -> str:
     count = int(str(values["nq"]))
     sides = ("twist", 6), ("rates", count)
     (given, taken), (asked, found) = sides if function == "rates" else sides[::-1]
+    about = {"rates": "Joint rates of a twist", "twist": "Twist of joint rates"}
     declared = {"pose": "const name_pose *pose", "joints": f"const name_real joints[{count}]"}
     shown = {
         **values,
         "function": function,
-        "about": f"The {asked} of {given}: the Jacobian times the {given}.",
+        "about": f"{about[function]}: the Jacobian times the {given}.",
         "at": substitute(declared[at], values),
         "of": at,
         "matrix": "jacobian",

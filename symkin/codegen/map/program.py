@@ -167,8 +167,8 @@ def _header_values(
         *kind.about_values,
         "Calls keep no state, allocate nothing and end after a bounded number of steps. Results "
         "are written with",
-        f"{name.upper()}_OK only; `info` always. config and info may be NULL, guess and "
-        f"{'pose' if kind.of_poses else 'result'} the same object.",
+        f"{name.upper()}_OK only; `info` always. config and info may be NULL; each other "
+        "result may lie where an input other than config lies.",
         *_branch_lines(kind),
         "",
         *_effort_lines(kind, counts),

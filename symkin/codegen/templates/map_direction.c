@@ -78,7 +78,7 @@ name_status @f(const name_config *config, VALUES_GIVEN, const name_real guess[@n
             status = NAME_WRONG_BRANCH;
         }
         @drifted
-        if (still && (status == NAME_WRONG_BRANCH)) {
+        if (still && ((status == NAME_WRONG_BRANCH) || (status == NAME_SINGULAR))) {
             /* the guess itself is an answer */
             status = NAME_OK;
             solver_place(&w, @values, @guess_from);

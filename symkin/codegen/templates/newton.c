@@ -108,7 +108,9 @@ static name_status solver_newton(GEOMETRY_GIVEN solver_work *w, const name_real 
                     /* divided by twice: in float the square of `before` vanishes for a tiny machine */
                     gain2 /= before;
                     kappa2 = (was_fresh@moved) ? (gain2 / before) : kappa2;
-                    gain2 = fresh ? (kappa2 * size) : gain2;
+                    if (fresh) {
+                        gain2 = kappa2 * size;
+                    }
                 } else {
                     gain2 *= kappa2;
                 }
