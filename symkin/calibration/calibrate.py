@@ -5,6 +5,7 @@ result.
 from __future__ import annotations
 
 import time
+from collections.abc import Mapping
 from dataclasses import replace
 from functools import partial
 from typing import Any, Unpack
@@ -37,7 +38,14 @@ from symkin.calibration.estimate.starting import (
     with_starts,
 )
 from symkin.calibration.judge.assessment import build_result
-from symkin.calibration.judge.outliers import OUTLIER_LEVEL, Fit, Screening, fit_without_outliers
+from symkin.calibration.judge.deviations import estimate_deviations
+from symkin.calibration.judge.outliers import (
+    OUTLIER_LEVEL,
+    Fit,
+    FitFunction,
+    Screening,
+    fit_without_outliers,
+)
 from symkin.calibration.judge.result import Calibration
 from symkin.calibration.judge.statistics import SIGNIFICANCE, chi_square_tail
 from symkin.calibration.options import CalibrateOptions
@@ -47,6 +55,11 @@ from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.numeric.linear_algebra import largest_of
 from symkin.verb import verb
 from symkin.verb_options import check_seed, refuse_ignored
+
+_MAX_SCREENINGS = 3
+"""Searches for outliers again, by the deviations of the readings that the one before kept."""
+_MAX_ROUNDS = 6
+"""Fits by which standard deviations that are not stated are estimated."""
 
 
 @verb(CalibrateOptions)
@@ -112,7 +125,7 @@ def calibrate(
 def _calibrate(
     mechanism: Mechanism, measurements: Measurements, options: CalibrateOptions, level: float
 ) -> Calibration:
-    begin, rule, method = time.perf_counter(), options["outliers"], options["method"]
+    begin, method = time.perf_counter(), options["method"]
     measurements.check(mechanism)
     # forms of residuals that these readings make no use of would be that of means
     form = options["residual"]
@@ -125,23 +138,55 @@ def _calibrate(
         reason = "it weighs the noise of the joint readings, which is not known"
         refuse_ignored(asked, reason, "give it (sigma_ columns of the joints, --sigma-joints)")
     measurements = with_starts(mechanism, measurements, options["parameters"], options["fixed"])
-    fit = partial(_fit_measurements, mechanism, options)
-    found, screening = fit(measurements, None), Screening()
-    if rule != "ignore":
-        clean, screening = fit_without_outliers(fit, measurements, found, level)
-        found = clean if rule == "remove" else found
+    found, screening = _screened(mechanism, options, measurements, level)
     if method != "nested":
         note = f"method {method!r} is one with 'nested' now; the name goes with the next release"
         found = replace(found, notes=(*found.notes, note))
-    result = build_result(measurements, found, screening, removed=rule == "remove")
+    result = build_result(measurements, found, screening, removed=options["outliers"] == "remove")
     return replace(result, method=method, elapsed_s=time.perf_counter() - begin)
 
 
 # --- fitting --------------------------------------------------------------------------------------
 
 
+def _screened(
+    mechanism: Mechanism, options: CalibrateOptions, measurements: Measurements, level: float
+) -> tuple[Fit, Screening]:
+    """Fit, without outliers if asked: what instruments that state no deviation scatter by is
+    estimated from all readings first, then from those that belong.
+    """
+    fit: FitFunction = partial(_fit_measurements, mechanism, options, {})
+    found, rule = fit(measurements, None), options["outliers"]
+
+    def weighed(by: Fit) -> tuple[FitFunction, Fit] | None:
+        """Fit all by the deviations that a fit leaves; None where those it was weighed by stand."""
+        if by.status != "ok" or not (estimated := estimate_deviations(by)):
+            return None
+        again = partial(_fit_measurements, mechanism, options, estimated)
+        made = again(measurements, by)
+        return (again, made) if made.status == "ok" else None
+
+    for _ in range(_MAX_ROUNDS):
+        if (better := weighed(found)) is None:
+            break
+        fit, found = better
+    if rule == "ignore":
+        return found, Screening()
+    clean, screening = fit_without_outliers(fit, measurements, found, level)
+    for _ in range(_MAX_SCREENINGS):
+        if not screening.outliers or (better := weighed(clean)) is None:
+            break
+        fit, found = better
+        clean, screening = fit_without_outliers(fit, measurements, found, level)
+    return clean if rule == "remove" else found, screening
+
+
 def _fit_measurements(
-    mechanism: Mechanism, options: CalibrateOptions, measurements: Measurements, near: Fit | None
+    mechanism: Mechanism,
+    options: CalibrateOptions,
+    estimated: Mapping[str, float],
+    measurements: Measurements,
+    near: Fit | None,
 ) -> Fit:
     """Fit the configurations that hold a reading beside the joints, from where another fit has
     ended, if given.
@@ -151,7 +196,9 @@ def _fit_measurements(
     chosen: dict[str, Any] = {
         key: options[key] for key in ("parameters", "fixed", "residual", "tolerance")
     }
-    problem = build_calibration(mechanism, measurements.subset(numbers), **chosen)
+    problem = build_calibration(
+        mechanism, measurements.subset(numbers), **chosen, estimated=estimated
+    )
     p, z = None, np.full((len(measurements), problem.model.system.width), np.nan)
     if near is not None:
         p, z[near.used] = near.state.p, near.state.z

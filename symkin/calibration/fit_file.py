@@ -129,7 +129,7 @@ def fit_file(
         suspicions=suspicions,
         notes=(*(diagnose_labels(case) if strays else ()), *data.notes),
         sigma=predict_pose_sigma(fit, seed),
-        at_nominal=0.0 if fit.sound else case.examined.trial().score ** 0.5,
+        at_nominal=case.examined.trial().score ** 0.5 if noise_excess(fit) else 0.0,
         held_out=held_out,
     )
 

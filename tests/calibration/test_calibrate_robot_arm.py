@@ -4,6 +4,7 @@ about a level tool.
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -74,6 +75,26 @@ def test_one_posture_tells_zeros_and_no_geometry(
     assert status == 3
     assert "do not determine the geometry" in out
     assert run(capsys, *fit, "-o", tmp_path / "zeros", "--parameters", "dh.*.theta")[0] == 0
+
+
+@pytest.mark.slow
+@pytest.mark.long
+def test_a_misfit_is_compared_with_that_of_the_nominal_geometry(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Angles that are coarser than the machine is off its file: the verdict gives both misfits."""
+    data, noise = tmp_path / "data.csv", ["--noise-position", "0.01", "--noise-orientation", "0.2"]
+    more = ["--readings", "pose", "--postures", "40", *noise]
+    assert run(capsys, "calibrate", "simulate", "ur5e", "-o", data, *more)[0] == 0
+    lines = [line for line in data.read_text().splitlines() if not line.startswith("#")]
+    cells = [line.split(",") for line in lines]
+    kept = [k for k, name in enumerate(cells[0]) if not name.startswith("sigma_")]
+    data.write_text("".join(",".join(row[k] for k in kept) + "\n" for row in cells))
+    status, out, _ = run(capsys, "calibrate", "fit", "ur5e", data, "-o", tmp_path / "fit")
+    assert status == 3
+    found = re.search(r"nominal geometry \((\S+) mm after (\S+) mm", out)
+    assert found is not None
+    assert 0.8 < float(found[1]) / float(found[2]) < 1.2
 
 
 @pytest.mark.slow

@@ -400,6 +400,48 @@ def test_a_wrong_reading_of_an_encoder_is_named():
     assert "angle +1 deg" in found.outliers[0].reason
 
 
+@pytest.mark.parametrize("factor", [5, 50])
+@pytest.mark.parametrize("stated", [None, LENGTH], ids=["none stated", "tracker stated"])
+def test_instruments_of_unlike_precision_are_judged_each_by_its_own(factor, stated):
+    """The encoder is far worse than its share, and its noise is not stated: it is estimated, clean
+    readings are kept, and a position that is off by ten deviations is left out.
+    """
+    false, hits = 0, 0
+    for seed in (2, 3):
+        rng = np.random.default_rng(seed)
+        data = read_of_four_bar(linkages.POINTS, rng)
+        encoder, pen = data.readings
+        worse = encoder.values + rng.normal(0, factor * ANGLE, encoder.values.shape)
+        for wrong in ([], [17]):
+            places = np.array(pen.values)
+            places[wrong, 0] += 10 * LENGTH
+            readings = [
+                symkin.Reading("follower", worse),
+                symkin.Reading("point.pen", places, stated),
+            ]
+            found = calibrate(parse(linkages.toml()), replace(data, readings=readings))
+            named = {o.configuration for o in found.outliers}
+            false, hits = false + len(named - set(wrong)), hits + len(named & set(wrong))
+            ratio = found.problem.readings.sigma[0, 0] / (factor * ANGLE)
+            assert 0.5 < ratio < 2.0
+            said = any("estimated from the residuals: follower" in note for note in found.notes)
+            assert said == ("follower" in found.problem.estimated)
+    assert (false, hits) == (0, 2)
+
+
+def test_what_a_plane_holds_is_no_precision():
+    """A third of a tracker's residuals is zero, heights over a plane that nothing moves: its
+    deviation is that of the others.
+    """
+    data = read_of_four_bar(linkages.POINTS, np.random.default_rng(3))
+    encoder, pen = data.readings
+    flat = np.column_stack([pen.values[:, :2], np.zeros(len(pen.values))])
+    readings = [symkin.Reading("follower", encoder.values), symkin.Reading("point.pen", flat)]
+    found = calibrate(parse(linkages.toml()), replace(data, readings=readings))
+    assert 0.75 < found.problem.estimated["point.pen"] / LENGTH < 1.3
+    assert not found.outliers
+
+
 def test_a_scale_of_an_encoder_is_identified():
     """A follower's encoder that reads 1 % too much: its factor is 1 / 1.01."""
     data = read_of_four_bar(linkages.POINTS, np.random.default_rng(4), noise=0.0)

@@ -98,6 +98,24 @@ def test_noise_moves_nothing_that_readings_do_not_tell(seed):
 
 
 @pytest.mark.slow
+def test_angles_far_worse_than_positions_move_no_offset():
+    """Positions to 0.01 mm and angles to 0.2 degrees, neither stated: weighed alike, the angles
+    moved the offsets of parallel axes by a hundred sizes.
+    """
+    nominal, rng = symkin.load("ur5e"), np.random.default_rng(1)
+    true, noise = built(nominal, 1e-3, rng), Noise(position=0.01, orientation=np.radians(0.2))
+    made, groups = random_postures(nominal, true, 40, rng), np.full(40, -1)
+    data = simulate_readings(true, made, groups, ("pose",), noise, rng)
+    fit = calibrate(nominal, replace(data, position_sigma=None, orientation_sigma=None))
+    assert fit.problem.estimated == pytest.approx(
+        {"position": noise.position, "orientation": noise.orientation}, rel=0.3
+    )
+    changes = (fit.state.p - fit.problem.model.nominal) / fit.problem.model.scales
+    assert np.max(np.abs(changes)) < 0.02 * nominal.characteristic_length
+    assert not fit.outliers
+
+
+@pytest.mark.slow
 def test_steps_follow_bent_valleys():
     """A delta built a per cent off its file: what its poses hardly tell lies along valleys that
     bend; a fit that goes straight ahead in them is not at the minimum after sixty steps.

@@ -11,8 +11,8 @@ parallel axes for instance, stays: the machine as built may determine it.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -59,7 +59,8 @@ class CalibrationProblem:
     size, or the manufacturing tolerances where they are stated (`is_stated`), by which the estimate
     is the maximum a posteriori. A fit that goes further than the prior lets expect begins or ends
     with it `widened` by this factor. `noise` (n, K, K) is the covariance that joint noise gives the
-    readings, by which maximum likelihood weighs them; without it they count as means.
+    readings, by which maximum likelihood weighs them; without it they count as means. `estimated`
+    are the standard deviations of kinds of readings that state none.
     """
 
     mechanism: Mechanism
@@ -72,6 +73,7 @@ class CalibrationProblem:
     is_stated: bool = False
     widened: float = 1.0
     noise: np.ndarray | None = None
+    estimated: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def by_means(self) -> CalibrationProblem:
@@ -124,7 +126,7 @@ class CalibrationProblem:
         """The problem of some configurations, by number or by mask."""
         some, noise = self.measurements.subset(rows), self.noise
         noise = None if noise is None else noise[rows]
-        readings = build_readings(self.model, some)
+        readings = build_readings(self.model, some, self.estimated)
         return replace(self, measurements=some, readings=readings, noise=noise)
 
     @property
@@ -141,6 +143,7 @@ def build_calibration(
     fixed: Sequence[str] = (),
     residual: str = "means",
     tolerance: tuple[float, float] | None = None,
+    estimated: Mapping[str, float] | None = None,
 ) -> CalibrationProblem:
     """State the problem of identifying `parameters` (default: `default_parameters`), of which
     `fixed` are held; `tolerance` is that of lengths (length unit) and of angles and directions
@@ -162,7 +165,7 @@ def build_calibration(
     if not free:
         raise InputError("no parameter is left to identify; name some, or fix fewer")
     model = build_model(mechanism, measurements, free)
-    readings = build_readings(model, measurements)
+    readings = build_readings(model, measurements, estimated or {})
     if readings.count <= 0:
         raise InputError(
             "the measurements hold no reading beside the joints: give groups of two postures or "
@@ -183,6 +186,7 @@ def build_calibration(
         form=residual,
         prior=prior_of(model, tolerance),
         is_stated=tolerance is not None,
+        estimated=estimated or {},
     )
 
 

@@ -13,6 +13,7 @@ In a group only equality is known. Three forms of it:
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -24,7 +25,7 @@ from symkin.calibration.options import Form
 from symkin.computed_once import cached_property
 from symkin.spatial.rotation import wrapped
 
-_ROUNDING_RESIDUAL = 1e-9
+ROUNDING_RESIDUAL = 1e-9
 """Residuals below this, in radians or of the size, are rounding and not errors of an instrument."""
 
 
@@ -32,7 +33,7 @@ def only_rounding(values: np.ndarray | float, unit: float) -> bool:
     """Tell whether residuals are no more than what arithmetic leaves; `unit` is 1 for angles
     (radians), the size for lengths.
     """
-    return bool(np.all(np.abs(values) < _ROUNDING_RESIDUAL * unit))
+    return bool(np.all(np.abs(values) < ROUNDING_RESIDUAL * unit))
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,25 +107,28 @@ class Readings:
         return int(self.taken.sum()) - 2 * self.groups
 
 
-def build_readings(model: ConfigurationModel, measurements: Measurements) -> Readings:
-    """Gather the readings, each over its standard deviation. One that is not given is as large as
-    those that are (their median, angles times the size), a length unit where none is: otherwise
-    readings without one would count for nothing beside those of an instrument that is known.
+def build_readings(
+    model: ConfigurationModel, measurements: Measurements, estimated: Mapping[str, float]
+) -> Readings:
+    """Gather the readings, each over its standard deviation. One that is not given is that
+    `estimated` for its kind; without, as large as those that are given (their median, angles times
+    the size), a length unit where none is: otherwise readings without one would count for nothing
+    beside those of an instrument that is known.
     """
     channels = measurements.channels(model.mechanism)
     units = [1.0 / model.size if o.angular else 1.0 for o, _ in channels]
+    stated = [estimated.get(o.key) if r.sigma is None else r.sigma for o, r in channels]
     given = [
-        np.ravel(reading.sigma) / unit
-        for unit, (_, reading) in zip(units, channels, strict=True)
-        if reading.sigma is not None
+        np.ravel(sigma) / unit
+        for unit, sigma in zip(units, stated, strict=True)
+        if sigma is not None
     ]
     usual = float(np.nanmedian(np.hstack(given))) if given else 1.0
     table, sigma = [np.zeros((len(measurements), 0))], [np.zeros((len(measurements), 0))]
-    for unit, (_, reading) in zip(units, channels, strict=True):
+    for unit, own, (_, reading) in zip(units, stated, channels, strict=True):
         values = 0.0 * reading.values[:, :3] if reading.is_orientation else reading.values
         table.append(values)
-        told = usual * unit if reading.sigma is None else reading.sigma
-        sigma.append(np.full(values.shape, told))
+        sigma.append(np.full(values.shape, usual * unit if own is None else own))
     group, first = measurements.grouping
     return Readings(
         values=np.hstack(table),

@@ -226,7 +226,7 @@ def close_others(
     if not found.solved.any():
         return problem, found.z[:0], found.solved
     some = measurements.subset(found.solved)
-    readings = build_readings(model, some)
+    readings = build_readings(model, some, problem.estimated)
     there = replace(problem, measurements=some, model=model, readings=readings)
     return there, found.z[found.solved], found.solved
 

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from symkin.calibration.data.observables import written
 from symkin.calibration.estimate.residuals import only_rounding
 from symkin.calibration.judge.identifiability import OPEN_LOOPS, all_values, nearly_parallel
 from symkin.calibration.judge.result import (
@@ -330,6 +331,16 @@ def fit_notes(fit: Calibration, *, removed: bool) -> Iterator[str]:
             f"standard deviations of {first_of(unstated)} are missing: those of the parameters are "
             f"scaled by the residuals, and chi-square tests nothing"
         )
+        if estimated := fit.problem.estimated:
+            values = [
+                f"{o.name or o.kind} {written(fit.mechanism, o.measure, estimated[o.key], '.3g')}"
+                for o, _ in read
+                if o.key in estimated
+            ]
+            yield (
+                f"readings are weighed by standard deviations estimated from the residuals: "
+                f"{', '.join(values)}"
+            )
     yield from (f"not believable with the stated noise: {text}" for text in chi_square_doubt(fit))
     if is_exact(fit):
         yield EXACT
