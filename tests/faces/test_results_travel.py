@@ -97,7 +97,7 @@ def results() -> dict[str, Any]:
         "modes": symkin.modes(BARS, joints=[80.0, 100.0], method="multistart", starts=30),
         **jacobians,
         "jacobian of the geometry": symkin.jacobian(BARS, "direct", parameters=True),
-        "velocity equations": velocity_equations(BARS),
+        "velocity equations": velocity_equations(BARS, 1.0, bound=False),
         "track": symkin.track(BARS, joints=[[80.0, 100.0], [90.0, 90.0]]),
         "stopped track": stopped,
         "singularity": symkin.singularity(tip.solution),
