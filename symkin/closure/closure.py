@@ -7,6 +7,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
+from weakref import WeakValueDictionary
 
 import casadi as ca
 import numpy as np
@@ -106,9 +107,18 @@ def build_closure(mechanism: Mechanism, partition: Partition = ALL_JOINTS) -> Cl
     return _closure(mechanism, partition)
 
 
+_living: WeakValueDictionary[tuple[Mechanism, Partition], Closure] = WeakValueDictionary()
+"""Closures that something holds: one of them is never built anew, for the expressions of a kept
+problem know nothing of other symbols.
+"""
+
+
 @lru_cache(maxsize=128)
 def _closure(mechanism: Mechanism, partition: Partition) -> Closure:
-    return _assemble(built_rows(mechanism, partition))
+    closure = _living.get((mechanism, partition))
+    if closure is None:
+        closure = _living[mechanism, partition] = _assemble(built_rows(mechanism, partition))
+    return closure
 
 
 @lru_cache(maxsize=16)
