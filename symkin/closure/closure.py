@@ -115,10 +115,8 @@ problem know nothing of other symbols.
 
 @lru_cache(maxsize=128)
 def _closure(mechanism: Mechanism, partition: Partition) -> Closure:
-    closure = _living.get((mechanism, partition))
-    if closure is None:
-        closure = _living[mechanism, partition] = _assemble(built_rows(mechanism, partition))
-    return closure
+    key = mechanism, partition
+    return _living.get(key) or _living.setdefault(key, _assemble(built_rows(mechanism, partition)))
 
 
 @lru_cache(maxsize=16)

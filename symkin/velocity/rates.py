@@ -56,7 +56,7 @@ class Rates:
 
     @property
     def closure(self) -> Closure:
-        return self.problem.closure if self.limbs is None else self.limbs.closure
+        return self.problem.closure
 
     @property
     def free(self) -> Collection[str]:
