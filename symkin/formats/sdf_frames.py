@@ -206,9 +206,9 @@ class SdfFrames:
         return {WORLD: WORLD, _MODEL: scope.model}.get(name, scope.prefix + name)
 
     def _add_frame(self, element: Element, scope: Scope) -> None:
-        if scope.version < FIRST_WITH_FRAMES:
-            return
         name = element.attributes.get("attached_to", "").strip()
+        if scope.version < FIRST_WITH_FRAMES and not name:
+            return
         attached = self._written(name, scope) if name else scope.model
         key = self._new(scope.prefix + element.attribute("name"), element)
         self.frames[key] = self._placed(element, scope, attached, attached)
@@ -314,10 +314,10 @@ def sdf_pose(element: Element, version: Version) -> tuple[Pose, str | None]:
         return Pose.identity(), None
     told_in = pose.attributes.get("relative_to", "").strip() or None
     old = pose.attributes.get("frame", "").strip()
-    if old or (told_in is not None and version < FIRST_WITH_FRAMES):
+    if old:
         raise pose.error(
-            f"poses of version {version[0]}.{version[1]} are not told in the frame "
-            f"{old or told_in!r}; version 1.7 has relative_to"
+            f"poses of version {version[0]}.{version[1]} are not told in the frame {old!r}; write "
+            f"relative_to"
         )
     if not pose.text.strip():
         return Pose.identity(), told_in
