@@ -17,6 +17,7 @@ from pathlib import Path
 from symkin.errors import InputError
 from symkin.formats.packages import Packages
 from symkin.formats.robot import MOST_JOINTS
+from symkin.formats.urdf_parts import turned_pose
 from symkin.formats.xml_text import Element, is_true, read_xml
 from symkin.model.mechanism import MOST_PARTS
 from symkin.spatial.pose import Pose
@@ -322,8 +323,8 @@ def sdf_pose(element: Element, version: Version) -> tuple[Pose, str | None]:
     if not pose.text.strip():
         return Pose.identity(), told_in
     if pose.attributes.get("rotation_format", "euler_rpy").strip() == "quat_xyzw":
-        x, y, z, i, j, k, w = pose.text_numbers(7)
-        return Pose.from_quaternion((x, y, z), (w, i, j, k)), told_in
+        x, y, z, *xyzw = pose.text_numbers(7)
+        return turned_pose(pose, (x, y, z), xyzw), told_in
     x, y, z, *angles = pose.text_numbers(6)
     scale = math.pi / 180 if is_true(pose.attributes.get("degrees", "")) else 1.0
     return Pose.from_euler((x, y, z), [scale * angle for angle in angles], "xyz"), told_in

@@ -477,6 +477,11 @@ def test_joints_whose_states_a_plugin_publishes_are_not_driven_by_it(tmp_path: P
 
 GOOD = JOINT.format(pose="0 0 0 0 0 0", axis="<xyz>0 0 1</xyz>")
 BAD = {
+    "no rotation": (
+        BODIES.replace("<pose>1 2 3", "<pose rotation_format='quat_xyzw'>0 0 0 2") + GOOD,
+        "1.9",
+        "<pose>: quaternion: norm",
+    ),
     "two links": ("<link name='a'/>" + BODIES, "1.7", "the name 'a' is taken"),
     "unknown link": (
         BODIES + GOOD.replace(">b<", ">bb<"),

@@ -340,6 +340,10 @@ LINK = (
     'link="{child}"/>{more}</joint>'
 )
 BAD = {
+    "no rotation": (
+        TREE.replace('xyz="1 0 0"', 'quat_xyzw="0 0 0 2"', 1),
+        "<origin>: quaternion: norm 2; a unit quaternion is needed",
+    ),
     "two links": (TREE + '<link name="rod"/>', "two links are named 'rod'"),
     "two joints": (
         TREE
