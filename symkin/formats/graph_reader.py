@@ -16,6 +16,7 @@ from symkin.formats.sdf_joint import UNLIMITED
 from symkin.formats.urdf_parts import names_any
 from symkin.formats.xml_text import Element
 from symkin.spatial.pose import Pose
+from symkin.text import first_of
 
 ONE_COORDINATE = ("R", "P", "H")
 """Joints that mimics may follow, and that are driven where nothing says which are."""
@@ -64,10 +65,16 @@ class GraphReader:
         followers: Collection[str],
         notes: list[str],
     ) -> list[RobotJoint]:
-        """The joints, actuated where they are `named` and move about axes, but for followers of
-        others where any leads; where none is, all of one coordinate of the tree, with a note.
+        """The joints, actuated where they are `named` and move about axes (a note tells others),
+        but for followers of others where any leads; where none is, all of one coordinate of the
+        tree, with a note.
         """
-        named = {j.name for j in joints if j.name in named and j.type in (*ONE_COORDINATE, "U")}
+        kinds = {j.name: j.type for j in joints if j.name in named}
+        named = {name for name, kind in kinds.items() if kind in (*ONE_COORDINATE, "U")}
+        if idle := [f"{name!r} ({kind})" for name, kind in kinds.items() if name not in named]:
+            notes.append(
+                f"named as driven, but of a type that no one motor drives: {first_of(idle)}"
+            )
         driven = named.difference(followers) or named
         if not driven:
             able = set(tree).difference(followers)

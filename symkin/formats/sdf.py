@@ -294,13 +294,15 @@ class _Reader(GraphReader):
     # --- the rest ---------------------------------------------------------------------------------
 
     def _with_motors(self, robot: Robot) -> Robot:
-        """The joints that plugins name actuated, else all of the tree that move."""
+        """The joints that plugins name actuated, but those that only tell their states, else all of
+        the tree that move.
+        """
         if self.motors_told:
             return robot
         named = {
             e.text.strip()
             for p in self.model.walk()
-            if p.tag == "plugin"
+            if p.tag == "plugin" and not _is_publisher(p)
             for e in p.walk()
             if e.tag == "joint_name"
         }
@@ -354,6 +356,12 @@ _KNOWN = frozenset(
         "static",
     ]
 )
+
+
+def _is_publisher(plugin: Element) -> bool:
+    """Whether a plugin publishes the states of the joints that it names, and drives none."""
+    names = "".join(plugin.attributes.get(key, "") for key in ("name", "filename"))
+    return "jointstatepublisher" in names.lower().replace("-", "").replace("_", "")
 
 
 def _plain(name: str) -> str:

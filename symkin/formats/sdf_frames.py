@@ -17,6 +17,7 @@ from pathlib import Path
 from symkin.errors import InputError
 from symkin.formats.packages import Packages
 from symkin.formats.robot import MOST_JOINTS
+from symkin.formats.urdf_parts import turned_pose
 from symkin.formats.xml_text import Element, is_true, read_xml
 from symkin.model.mechanism import MOST_PARTS
 from symkin.spatial.pose import Pose
@@ -206,9 +207,9 @@ class SdfFrames:
         return {WORLD: WORLD, _MODEL: scope.model}.get(name, scope.prefix + name)
 
     def _add_frame(self, element: Element, scope: Scope) -> None:
-        if scope.version < FIRST_WITH_FRAMES:
-            return
         name = element.attributes.get("attached_to", "").strip()
+        if scope.version < FIRST_WITH_FRAMES and not name:
+            return
         attached = self._written(name, scope) if name else scope.model
         key = self._new(scope.prefix + element.attribute("name"), element)
         self.frames[key] = self._placed(element, scope, attached, attached)
@@ -314,16 +315,16 @@ def sdf_pose(element: Element, version: Version) -> tuple[Pose, str | None]:
         return Pose.identity(), None
     told_in = pose.attributes.get("relative_to", "").strip() or None
     old = pose.attributes.get("frame", "").strip()
-    if old or (told_in is not None and version < FIRST_WITH_FRAMES):
+    if old:
         raise pose.error(
-            f"poses of version {version[0]}.{version[1]} are not told in the frame "
-            f"{old or told_in!r}; version 1.7 has relative_to"
+            f"poses of version {version[0]}.{version[1]} are not told in the frame {old!r}; write "
+            f"relative_to"
         )
     if not pose.text.strip():
         return Pose.identity(), told_in
     if pose.attributes.get("rotation_format", "euler_rpy").strip() == "quat_xyzw":
-        x, y, z, i, j, k, w = pose.text_numbers(7)
-        return Pose.from_quaternion((x, y, z), (w, i, j, k)), told_in
+        x, y, z, *xyzw = pose.text_numbers(7)
+        return turned_pose(pose, (x, y, z), xyzw), told_in
     x, y, z, *angles = pose.text_numbers(6)
     scale = math.pi / 180 if is_true(pose.attributes.get("degrees", "")) else 1.0
     return Pose.from_euler((x, y, z), [scale * angle for angle in angles], "xyz"), told_in

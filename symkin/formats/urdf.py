@@ -334,13 +334,13 @@ class _Reader(GraphReader):
         named, source = driven_names(self.root, self.beside)
         unknown = named - {joint.name for joint in joints}
         notes = (
-            [f"{source} name joints that the file has not: {first_of([*unknown])}"]
+            [f"{source} name joints that the file has not: {first_of(sorted(unknown))}"]
             if unknown
             else []
         )
         followers = {e.attribute("name") for e in self.elements if e.one("mimic") is not None}
         tree = {joint.name for joint in joints if not joint.closing}
-        return self.driven(joints, named & tree, tree, followers, notes), notes
+        return self.driven(joints, named, tree, followers, notes), notes
 
     # --- what is left out -------------------------------------------------------------------------
 

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 
+import numpy as np
+
+from symkin.errors import InputError
 from symkin.formats.parts import JOINTS_TAG, Parts, parts_from
 from symkin.formats.robot import Direction
 from symkin.formats.xml_text import Element
@@ -26,9 +29,16 @@ def pose_of(element: Element) -> Pose:
     if "quat_xyzw" in element.attributes:
         if "rpy" in element.attributes:
             raise element.error("has rpy and quat_xyzw; one rotation is needed")
-        x, y, z, w = element.numbers("quat_xyzw", 4)
-        return Pose.from_quaternion(position, (w, x, y, z))
+        return turned_pose(element, position, element.numbers("quat_xyzw", 4))
     return Pose.from_euler(position, element.numbers("rpy", 3, (0.0, 0.0, 0.0)), "xyz")
+
+
+def turned_pose(element: Element, position: Sequence[float], xyzw: Sequence[float]) -> Pose:
+    """The pose of a position and a quaternion that an element holds."""
+    try:
+        return Pose.from_quaternion(np.asarray(position), np.asarray(xyzw), order="xyzw")
+    except InputError as error:
+        raise element.error(str(error)) from None
 
 
 def direction(element: Element, *tags: str) -> Direction:

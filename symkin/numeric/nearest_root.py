@@ -14,7 +14,7 @@ import numpy as np
 from symkin.numeric.levenberg import levenberg_marquardt
 from symkin.numeric.rank import row_space
 from symkin.numeric.system import NOTHING, System
-from symkin.numeric.tolerances import CLOSED_CONFIGURATION, RANK_TOLERANCE
+from symkin.numeric.tolerances import CLOSED_CONFIGURATION, FILE_DIGITS, RANK_TOLERANCE
 from symkin.spatial.rotation import wrapped
 
 ROUNDING = 1e-14
@@ -35,7 +35,24 @@ _NEAREST_STEPS = 30
 """Steps along the closed configurations towards the start."""
 _SAME_DISTANCE = 1e-15
 """Share of a distance by which another one differs in rounding only: it comes no nearer."""
+_CLOSING_STEPS = 8
+"""Steps of Gauss-Newton to digits: each squares what is left of a tenth."""
+_NEAR = FILE_DIGITS**0.5
+"""Of the size: how far the root of loops that a file leaves open by its digits is, at a double
+point. One that is farther closes what the digits of redundant rows alone leave open.
+"""
 _SEED = 0
+
+
+def closed_to_digits(system: System, points: np.ndarray) -> np.ndarray:
+    """Gauss-Newton on what moves the rows to the digits of a file: steps along what does not would
+    lead away to where loops close exactly.
+    """
+    for _ in range(_CLOSING_STEPS):
+        rows, jacobians = system.linearise(points)
+        inverses = np.linalg.pinv(jacobians, rcond=FILE_DIGITS)
+        points = system.move(points, -(inverses @ rows[:, :, None])[:, :, 0])
+    return points
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,12 +64,16 @@ class NearestRoot:
 
     def found(self) -> np.ndarray:
         """Search from the start, and go along the roots to the nearest. Where the first search ends
-        open, others begin at random steps from there; where all do, the least rows are told.
+        open, others begin at random steps from there; where all do, the least rows are told. A
+        start that is closed to the digits of a file stays so where no root is near.
         """
         system, start = self.system, self.start
         if self._open_by(start) <= ROUNDING * system.characteristic_length:
             return start
         (best,) = self._searched(start[None])
+        if self._is_to_digits(start) and not (self._is_closed(best) and self._is_near(best)):
+            (own,) = closed_to_digits(system, start[None])
+            return self._nearest(min((own, start), key=self._open_by))
         rng = np.random.default_rng(_SEED)
         for radius, count in _SEARCHES:
             if self._is_closed(best):
@@ -65,7 +86,7 @@ class NearestRoot:
                 if closed
                 else min((best, *ends), key=self._open_by)
             )
-        return self._nearest(self.without_turns(best)) if self._is_closed(best) else best
+        return self._nearest(self.without_turns(best)) if self._is_to_digits(best) else best
 
     def way_from(self, z: np.ndarray) -> np.ndarray:
         """The step of all freedoms, in lengths, from a point to the start; of balls the angle times
@@ -95,6 +116,13 @@ class NearestRoot:
     def _is_closed(self, z: np.ndarray) -> bool:
         return self._open_by(z) <= CLOSED_CONFIGURATION * self.system.characteristic_length
 
+    def _is_to_digits(self, z: np.ndarray) -> bool:
+        return self._open_by(z) <= FILE_DIGITS * self.system.characteristic_length
+
+    def _is_near(self, z: np.ndarray) -> bool:
+        away = float(np.linalg.norm(self.way_from(self.without_turns(z))))
+        return away <= _NEAR * self.system.characteristic_length
+
     def _searched(self, starts: np.ndarray) -> np.ndarray:
         """Where least squares on all rows ends: at rounding, or at a local minimum."""
         return self.system.polish_many(self._ends(starts, _STALLED)).points
@@ -111,20 +139,27 @@ class NearestRoot:
         ).points
 
     def _nearest(self, z: np.ndarray) -> np.ndarray:
-        """Go along the roots towards the start, as long as that comes nearer."""
+        """Go along the roots towards the start, as long as that comes nearer; along what is closed
+        to digits from where no root is.
+        """
         system, share, far = self.system, 1.0, float(np.linalg.norm(self.way_from(z)))
+        is_root = self._is_closed(z)
+        holds = self._is_closed if is_root else self._is_to_digits
+        held = RANK_TOLERANCE if is_root else FILE_DIGITS
         for _ in range(_NEAREST_STEPS):
             back = self.way_from(z)
-            felt = row_space(system.linearise_one(z)[1], RANK_TOLERANCE, relative=True)
+            felt = row_space(system.linearise_one(z)[1], held, relative=True)
             free = back - felt.T @ (felt @ back)
             if share < 1e-3 or np.linalg.norm(free) <= 1e-9 * system.characteristic_length:
                 break
-            (trial,) = self._ends(system.move(z[None], share * free[None]), _STALLED_NEAR)
+            ahead = system.move(z[None], share * free[None])
+            ends = self._ends(ahead, _STALLED_NEAR) if is_root else closed_to_digits(system, ahead)
+            trial = ends[0]
             distance = float(np.linalg.norm(self.way_from(trial)))
-            if distance < far and self._is_closed(trial):
+            if distance < far and holds(trial):
                 z, far = trial, distance
             elif abs(distance - far) <= _SAME_DISTANCE * far:
                 break
             else:
                 share *= 0.3
-        return system.polish(z, NOTHING, steps=8)
+        return system.polish(z, NOTHING, steps=8) if is_root else z

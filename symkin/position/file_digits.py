@@ -10,6 +10,7 @@ import numpy as np
 
 from symkin.numeric.levenberg import levenberg_marquardt
 from symkin.numeric.linear_algebra import parts_of_pattern
+from symkin.numeric.nearest_root import closed_to_digits
 from symkin.numeric.rank import Rank
 from symkin.numeric.system import NOTHING, System
 from symkin.numeric.tolerances import CLOSED_CONFIGURATION, FILE_DIGITS
@@ -35,8 +36,6 @@ _WALKS, _WALK = 10, 0.1
 """Steps along what is free to digits, and their length (of the size): a few do not lead away from a
 singular place, which most directions lead back to.
 """
-_CLOSING_STEPS = 8
-"""Steps of Gauss-Newton from there: each squares what is left of a tenth."""
 _STARTS, _FEW_STARTS, _MANY_FREEDOMS = 8, 2, 40
 """Random steps of each of three lengths; of a mechanism of many freedoms, whose single steps take
 long, fewer.
@@ -98,7 +97,7 @@ def _walked_on(system: System, points: np.ndarray) -> tuple[np.ndarray, np.ndarr
         held[:, : values.shape[1]] = values > FILE_DIGITS * values[:, :1]
         steps = rng.normal(size=held.shape) * ~held
         starts = system.move(points, _WALK * size * np.einsum("nk,nkj->nj", steps, right))
-        ends = _closed_to_digits(system, starts)
+        ends = closed_to_digits(system, starts)
         near = system.residuals(ends) <= FILE_DIGITS * size
         points = np.where(near[:, None], ends, points)
         went |= near
@@ -106,17 +105,6 @@ def _walked_on(system: System, points: np.ndarray) -> tuple[np.ndarray, np.ndarr
     least = _ends(system, points)
     points = np.where(least.closed[:, None], points, least.points)
     return points, system.residuals(points)
-
-
-def _closed_to_digits(system: System, points: np.ndarray) -> np.ndarray:
-    """Gauss-Newton on what moves the rows to digits: steps along what does not would lead back to
-    where loops close exactly.
-    """
-    for _ in range(_CLOSING_STEPS):
-        rows, jacobians = system.linearise(points)
-        inverses = np.linalg.pinv(jacobians, rcond=FILE_DIGITS)
-        points = system.move(points, -(inverses @ rows[:, :, None])[:, :, 0])
-    return points
 
 
 def rank_to_digits(system: System, ends: LeastSquaresEnds, rank: int | None) -> ToDigits | None:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from symkin.computed_once import lru_cache
 from symkin.numeric.rank import Rank
 from symkin.numeric.rank import generic as generic_one
 from symkin.numeric.tolerances import FILE_DIGITS
@@ -56,6 +57,7 @@ def first_order_sentences(freedoms: int, infinitesimal: int) -> list[str]:
     ]
 
 
+@lru_cache(maxsize=128)
 def generic_rank(assembly: Assembly, seed: int) -> GenericRank:
     """The rank around the reference, or around the closed configuration next to it; `seed` is that
     of the directions in which steps lead away.

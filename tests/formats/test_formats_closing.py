@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -22,6 +23,7 @@ from helpers.inside import (
     joint_at,
     mechanism_of,
     nearest_closed,
+    read_urdf,
     whole_system,
 )
 from helpers.laws import axis_turn, chain
@@ -146,6 +148,58 @@ def test_the_nearest_closed_configuration(kind: str) -> None:
     way = NearestRoot(found.tree.system, found.tree.own).way_from(found.state)
     _, s, vt = np.linalg.svd(found.tree.system.linearise_one(found.state, np.zeros(0))[1])
     free = vt[int(np.sum(s > 1e-8 * s[0])) :]
+    assert np.linalg.norm(free @ way) <= 1e-3 * np.linalg.norm(way)
+
+
+def wrist(seed: int, joints: int = 5) -> str:
+    """A URDF of hinges whose axes meet in a point, but for six digits, in one loop."""
+    rng = np.random.default_rng(seed)
+    axes = rng.normal(size=(joints, 3))
+    axes /= np.linalg.norm(axes, axis=1)[:, None]
+    reach = 0.2 * rng.uniform(0.5, 1.5, (joints, 1))
+    points = np.round(0.1 * rng.normal(size=3) + axes * reach, 6)
+    steps = np.diff(points, axis=0, prepend=np.zeros((1, 3)))
+
+    def numbers(vector: np.ndarray) -> str:
+        return " ".join(f"{x:.6f}" for x in vector)
+
+    links = [f"<link name='l{k}'/>" for k in range(joints)]
+    hinges = [
+        f"<joint name='j{k}' type='continuous'><parent link='l{k}'/><child link='l{k + 1}'/>"
+        f"<origin xyz='{numbers(steps[k])}'/><axis xyz='{numbers(axes[k])}'/></joint>"
+        for k in range(joints - 1)
+    ]
+    end = numbers(steps[-1] + [0.0, 1e-6, -1e-6])
+    loop = (
+        f"<loop_joint name='end' type='revolute'><axis xyz='{numbers(axes[-1])}'/>"
+        f"<link1 link='l0' xyz='{numbers(points[-1])}'/><link2 link='l{joints - 1}' xyz='{end}'/>"
+        "</loop_joint>"
+    )
+    return f"<robot name='wrist'>{''.join([*links, *hinges, loop])}</robot>"
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_what_closes_to_digits_alone_is_the_nearest_that_does(seed: int, tmp_path: Path) -> None:
+    """Redundant rows of rounded numbers close exactly far away, if anywhere: a file that is closed
+    to its digits stays there, and the way from a start that is open is square to what is free to
+    digits.
+    """
+    path = tmp_path / "wrist.urdf"
+    path.write_text(wrist(seed))
+    found = nearest_closed(read_urdf(path))
+    tree = found.tree
+    assert 1e-6 < found.open_by < 2e-6
+    assert found.to_digits
+    assert np.abs(found.state - tree.own).max() <= 1e-4
+    step = 0.1 * tree.size * np.random.default_rng(seed).normal(size=(1, tree.freedom))
+    (start,) = tree.system.move(tree.own[None], step)
+    search = NearestRoot(tree.system, start)
+    end = search.found()
+    assert tree.system.residual(end) <= 1e-5 * tree.size
+    way = search.way_from(end)
+    _, s, vt = np.linalg.svd(tree.system.linearise_one(end, np.zeros(0))[1])
+    free = vt[int(np.sum(s > 1e-5 * s[0])) :]
+    assert len(free) == 2
     assert np.linalg.norm(free @ way) <= 1e-3 * np.linalg.norm(way)
 
 

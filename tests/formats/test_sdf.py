@@ -205,9 +205,10 @@ def _turn(roll: float, pitch: float, yaw: float) -> np.ndarray:
     return z @ y @ x
 
 
-def test_poses_are_told_in_frames_from_1_7_on(tmp_path: Path) -> None:
+@pytest.mark.parametrize("version", ["1.6", "1.9"])
+def test_poses_are_told_in_frames(version: str, tmp_path: Path) -> None:
     """Link b is told in a frame that is attached to link a, in degrees and as a quaternion; all
-    three give the same robot.
+    three give the same robot, in files of older versions that have these, too (Drake's have).
     """
     axis = JOINT.format(pose="0 0 0 0 0 0", axis="<xyz>0 0 1</xyz>")
     first = f"<link name='a'><pose>{AWAY}</pose></link>"
@@ -219,7 +220,7 @@ def test_poses_are_told_in_frames_from_1_7_on(tmp_path: Path) -> None:
         "0.7071067811865476 0.7071067811865476</pose></link>",
     ]
     for text in told:
-        robot = read(tmp_path, first + text + frame + axis, "1.9")
+        robot = read(tmp_path, first + text + frame + axis, version)
         assert np.allclose(np.asarray(robot.links["b"].position), [0, 1, 1])
         assert np.allclose(np.asarray(robot.links["b"].rotation), _turn(0, 0, np.pi / 2))
 
@@ -458,10 +459,29 @@ def test_a_loop_that_a_plugin_makes_at_run_time_is_told(tmp_path: Path) -> None:
     assert any("a plugin joins a and b when the simulation runs" in note for note in found.notes)
 
 
+def test_joints_whose_states_a_plugin_publishes_are_not_driven_by_it(tmp_path: Path) -> None:
+    """Of two joints whose states are published one has a controller, and is the motor."""
+    end = "<link name='c'/>" + GOOD.replace("'j'", "'k'").replace(">b<", ">c<")
+    names = "<joint_name>j</joint_name><joint_name>k</joint_name>"
+    plugins = (
+        "<plugin filename='gz-sim-joint-state-publisher-system' "
+        f"name='gz::sim::systems::JointStatePublisher'>{names}</plugin>"
+        "<plugin filename='gz-sim-joint-controller-system' "
+        "name='gz::sim::systems::JointController'><joint_name>k</joint_name></plugin>"
+    )
+    found = read(tmp_path, BODIES + GOOD + end + plugins, "1.8")
+    assert [entry.joint.name for entry in found.tree if entry.joint.actuated] == ["k"]
+
+
 # --- what is wrong --------------------------------------------------------------------------------
 
 GOOD = JOINT.format(pose="0 0 0 0 0 0", axis="<xyz>0 0 1</xyz>")
 BAD = {
+    "no rotation": (
+        BODIES.replace("<pose>1 2 3", "<pose rotation_format='quat_xyzw'>0 0 0 2") + GOOD,
+        "1.9",
+        "<pose>: quaternion: norm",
+    ),
     "two links": ("<link name='a'/>" + BODIES, "1.7", "the name 'a' is taken"),
     "unknown link": (
         BODIES + GOOD.replace(">b<", ">bb<"),
@@ -491,9 +511,9 @@ BAD = {
         "the frame 'tipp' in which it is told is unknown (do you mean 'tip'?)",
     ),
     "old frames": (
-        BODIES.replace("<pose>1", "<pose relative_to='a'>1") + GOOD,
+        BODIES.replace("<pose>1", "<pose frame='a'>1") + GOOD,
         "1.6",
-        "version 1.7 has relative_to",
+        "not told in the frame 'a'; write relative_to",
     ),
     "model frame": (
         BODIES

@@ -257,6 +257,21 @@ def test_controllers_of_a_joint_that_mimics_are_those_of_its_leader(
     assert [entry.joint.name for entry in robot.tree if entry.joint.actuated] == driven
 
 
+@pytest.mark.parametrize("kind", ["revolute", "prismatic", "spherical", "fixed"])
+def test_a_controller_drives_a_closing_joint_or_a_note_tells_why_not(
+    kind: str, tmp_path: Path
+) -> None:
+    """What closes a loop is driven as any joint is, where it has one coordinate."""
+    controls = "".join(f'<joint name="{n}"><command_interface name="p"/></joint>' for n in "ad")
+    loop = FORMS["loop_joint"].replace("revolute", kind)
+    robot = read(tmp_path, TREE + loop + f'<ros2_control name="s">{controls}</ros2_control>')
+    driven = [entry.joint.name for entry in robot.joints if entry.joint.actuated]
+    notes = [note for note in robot.notes if "no one motor drives: 'd' (" in note]
+    able = kind in ("revolute", "prismatic")
+    assert driven == (["a", "d"] if able else ["a"])
+    assert len(notes) == (not able)
+
+
 def test_joints_that_a_transmission_only_reads_are_passive(tmp_path: Path) -> None:
     def transmission(name: str, interface: str) -> str:
         return (
@@ -325,6 +340,10 @@ LINK = (
     'link="{child}"/>{more}</joint>'
 )
 BAD = {
+    "no rotation": (
+        TREE.replace('xyz="1 0 0"', 'quat_xyzw="0 0 0 2"', 1),
+        "<origin>: quaternion: norm 2; a unit quaternion is needed",
+    ),
     "two links": (TREE + '<link name="rod"/>', "two links are named 'rod'"),
     "two joints": (
         TREE
