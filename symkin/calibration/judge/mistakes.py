@@ -9,7 +9,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from symkin.calibration.judge.mistaken_columns import COLUMN_MISTAKES, Case, Mistakes
+from symkin.calibration.judge.case import Case, Mistakes
+from symkin.calibration.judge.mistaken_columns import COLUMN_MISTAKES
 from symkin.calibration.judge.mistaken_frames import FRAME_MISTAKES
 from symkin.calibration.judge.trials import Trial
 

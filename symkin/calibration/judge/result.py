@@ -18,7 +18,7 @@ from symkin.calibration.estimate.state import State
 from symkin.calibration.judge.departure import Departure
 from symkin.calibration.judge.identifiability import Identifiability
 from symkin.calibration.judge.outliers import Outlier
-from symkin.calibration.judge.statistics import SIGNIFICANCE, chi_square_tail
+from symkin.calibration.judge.statistics import SIGNIFICANCE, chi_square_tail, misfits
 from symkin.computed_once import cached_property
 from symkin.model.mechanism import Mechanism
 from symkin.position.solution import finite
@@ -183,6 +183,15 @@ class Calibration(Result):
         largest, worst = max(judged, key=lambda one: one[0])
         chance = len(judged) * chi_square_tail(largest**2, 1)
         return worst if chance < SIGNIFICANCE else None
+
+    @cached_property
+    def misfits(self) -> dict[str, float]:
+        """Root mean square of the residuals by kind (radians, length unit), see `misfits`."""
+        columns = self.problem.model.columns
+        off = np.full((len(self.measurements), len(columns)), np.nan)
+        for r in self.residuals:
+            off[r.configuration, columns.index((r.kind, r.component))] = r.value
+        return misfits(off, self.problem.model.reading_kinds)
 
     @property
     def tested(self) -> bool:
