@@ -291,7 +291,7 @@ def predict_held_out(fit: Calibration, measurements: Measurements, seed: int) ->
     degrees = int(taken[kept].sum()) - 2 * len(set(group[kept].tolist()) - {-1})
     chi_square = clean.chi_square(kept)
     squares, expected = made.errors**2, np.diagonal(made.covariance, axis1=1, axis2=2)
-    kinds = np.array(problem.model.reading_kinds)
+    kinds = np.array([kind for kind, _ in problem.model.columns])
     inside = {kind: taken & (kinds == kind) for kind in dict.fromkeys(kinds.tolist())}
     rms, expectation = (
         {kind: float(np.sqrt(v[some].mean())) for kind, some in inside.items() if some.any()}

@@ -25,7 +25,11 @@ from symkin.calibration.estimate.configurations import first_points, newton_conf
 from symkin.calibration.estimate.estimator import Estimate
 from symkin.calibration.estimate.problem import CalibrationProblem
 from symkin.calibration.estimate.residuals import build_readings, only_rounding
-from symkin.calibration.estimate.robust import normalised_residuals, robust_estimate
+from symkin.calibration.estimate.robust import (
+    SIGMA_OVER_MEDIAN,
+    normalised_residuals,
+    robust_estimate,
+)
 from symkin.calibration.estimate.state import State
 from symkin.calibration.judge.statistics import (
     SIGNIFICANCE,
@@ -172,19 +176,14 @@ def reading_kinds(problem: CalibrationProblem) -> list[_Kind]:
     """List the kinds of readings (a distance by its name) with the configurations that have any
     component of it and their rows.
     """
-    taken, kinds, made = problem.readings.taken, _kinds_of_columns(problem), list[_Kind]()
-    for kind in dict.fromkeys(kinds.tolist()):
-        inside = np.flatnonzero(kinds == kind)
+    taken, keys, made = problem.readings.taken, problem.model.keys, list[_Kind]()
+    for kind in dict.fromkeys(keys):
+        inside = np.flatnonzero(np.array(keys) == kind)
         configurations = np.flatnonzero(taken[:, inside].any(axis=1))
         if len(configurations):
             rows = configurations[:, None] * taken.shape[1] + inside
             made.append((kind, configurations, rows))
     return made
-
-
-def _kinds_of_columns(problem: CalibrationProblem) -> np.ndarray:
-    columns = problem.model.columns
-    return np.array([name if kind == "distance" else kind for kind, name in columns])
 
 
 def _count(kinds: Sequence[_Kind]) -> int:
@@ -415,7 +414,7 @@ def _is_explained(found: Fit) -> bool:
         likely = chi_square_tail(model.chi_square, model.degrees) > SIGNIFICANCE
         return likely or model.chi_square < 2.0 * model.degrees
     t = np.abs(normalised_residuals(problem, problem, state)[problem.readings.taken])
-    return float(np.mean(t > _GROSS_RATIO * 1.4826 * np.median(t))) <= _MAX_GROSS_SHARE
+    return float(np.mean(t > _GROSS_RATIO * SIGMA_OVER_MEDIAN * np.median(t))) <= _MAX_GROSS_SHARE
 
 
 # --- what was taken out ---------------------------------------------------------------------------
@@ -477,7 +476,7 @@ def _repredicted(
     i = int(np.searchsorted(rows, o.configuration))
     if o.configuration not in rows:
         return o
-    named = _kinds_of_columns(problem) == o.kind
+    named = np.array(problem.model.keys) == o.kind
     columns = np.flatnonzero(named & problem.readings.taken[i])
     shift, block = -made.errors[i, columns], made.covariance[i][np.ix_(columns, columns)]
     statistic, d = float(shift @ np.linalg.solve(block, shift)), len(columns)

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -187,11 +187,15 @@ class Calibration(Result):
     @cached_property
     def misfits(self) -> dict[str, float]:
         """Root mean square of the residuals by kind (radians, length unit), see `misfits`."""
+        return misfits(self.table("value"), self.problem.model.keys)
+
+    def table(self, what: Literal["value", "normalised"]) -> np.ndarray:
+        """Return residuals by configuration and column (n, K), NaN where there is none."""
         columns = self.problem.model.columns
-        off = np.full((len(self.measurements), len(columns)), np.nan)
+        found = np.full((len(self.measurements), len(columns)), np.nan)
         for r in self.residuals:
-            off[r.configuration, columns.index((r.kind, r.component))] = r.value
-        return misfits(off, self.problem.model.reading_kinds)
+            found[r.configuration, columns.index((r.kind, r.component))] = getattr(r, what)
+        return found
 
     @property
     def tested(self) -> bool:

@@ -104,7 +104,7 @@ class Start:
     @property
     def misfits(self) -> dict[str, float]:
         """How far readings are off by kind (radians, length unit), see `misfits`."""
-        return misfits(self.off, self.problem.model.reading_kinds)
+        return misfits(self.off, self.problem.model.keys)
 
     @property
     def trial(self) -> Trial:

@@ -9,7 +9,6 @@ noise, and move the geometry by a large share of its size to reach even these: n
 from __future__ import annotations
 
 import math
-from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -232,17 +231,17 @@ def noise_excess(fit: Calibration) -> dict[str, str]:
     """Say of each kind of reading by how much its residuals are beyond noise, nothing where they
     are not.
     """
-    m, found, normal = fit.mechanism, dict[str, str](), defaultdict[str, list[float]](list)
-    stated = {o.name for o, r in fit.measurements.channels(m) if r.sigma is not None}
-    scale = 1.0 if fit.tested else math.sqrt(fit.chi_square / max(fit.degrees, 1))
-    for r in fit.residuals:
-        normal[r.kind] += [] if r.normalised is None else [scale * r.normalised]
+    m, found, keys = fit.mechanism, dict[str, str](), np.array(fit.problem.model.keys)
+    stated = {o.key for o, r in fit.measurements.channels(m) if r.sigma is not None}
+    spread = 1.0 if fit.tested else fit.chi_square / max(fit.degrees, 1)
+    squares = spread * fit.table("normalised") ** 2
     for kind, misfit in fit.misfits.items():
         measure, said = measure_of(m, kind), f"the residuals of {kind} are"
         unit, coarse = m.characteristic_length, _COARSE_LENGTH
         if measure == "angle":
             unit, coarse = 1.0, _COARSE_ANGLE
-        times = math.sqrt(np.mean(np.square(normal[kind]))) if normal[kind] else 0.0
+        own = squares[:, keys == kind]
+        times = math.sqrt(np.mean(own[np.isfinite(own)])) if np.isfinite(own).any() else 0.0
         if kind in stated and times > _MAX_NOISE_RATIO:
             found[kind] = f"{said} {times:.3g} times as large as the noise stated"
         elif kind not in stated and misfit > coarse * unit:
