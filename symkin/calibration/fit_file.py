@@ -27,7 +27,7 @@ from symkin.calibration.judge.accuracy import (
     predict_held_out,
     predict_pose_sigma,
 )
-from symkin.calibration.judge.mistaken_columns import Case
+from symkin.calibration.judge.case import Case
 from symkin.calibration.judge.mistakes import diagnose, diagnose_labels
 from symkin.calibration.judge.outliers import MAX_OUTLIER_SHARE
 from symkin.calibration.judge.result import Calibration
@@ -120,6 +120,7 @@ def fit_file(
     if kept_back is not None:
         held_out = predict_held_out(fit, kept_back.with_sequence(case.sequence), seed)
     suspicions = _mistakes(case, fit)
+    start = case.examined.start() if noise_excess(fit) else None
     strays = not suspicions and any(o.kind == "group" for o in fit.outliers)
     return FitReport(
         fit=fit,
@@ -129,7 +130,7 @@ def fit_file(
         suspicions=suspicions,
         notes=(*(diagnose_labels(case) if strays else ()), *data.notes),
         sigma=predict_pose_sigma(fit, seed),
-        at_nominal=case.examined.trial().score ** 0.5 if noise_excess(fit) else 0.0,
+        at_nominal={} if start is None else start.misfits,
         held_out=held_out,
     )
 
@@ -143,7 +144,7 @@ def _mistakes(case: Case, fit: Calibration) -> tuple[str, ...]:
     doubtful |= fit.identifiability.drowned.shape[1] > 0
     if fit.believable and not fit.is_noticeable and not doubtful:
         return ()
-    placed = fit.status == "ok" and noise_excess(fit) is None
+    placed = fit.status == "ok" and not noise_excess(fit)
     placed &= fit.any_machine or not fit.is_other_machine
     found = diagnose(replace(case, placed=placed))
     return found if fit.sound and not doubtful else found or diagnose_labels(case)

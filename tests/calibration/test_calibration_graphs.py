@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
+from itertools import product
 
 import numpy as np
 import pytest
@@ -11,6 +13,7 @@ import symkin
 from helpers import linkages
 from helpers.gate import in_gate, in_gate_but
 from helpers.inside import (
+    OUTLIER_LEVEL,
     Noise,
     Workspace,
     build_model,
@@ -400,33 +403,55 @@ def test_a_wrong_reading_of_an_encoder_is_named():
     assert "angle +1 deg" in found.outliers[0].reason
 
 
-@pytest.mark.parametrize("factor", [5, 50])
-@pytest.mark.parametrize("stated", [None, LENGTH], ids=["none stated", "tracker stated"])
-def test_instruments_of_unlike_precision_are_judged_each_by_its_own(factor, stated):
-    """The encoder is far worse than its share, and its noise is not stated: it is estimated, clean
-    readings are kept, and a position that is off by ten deviations is left out.
+UNLIKE = [*product([5, 50], [None, LENGTH])]
+"""How many times worse than its share an encoder is, and what is stated of the tracker beside."""
+
+
+def unlike_instruments(seed, wrong=()):
+    """A fit to readings of instruments of unlike precision, positions of some postures wrong by ten
+    deviations, and the encoder's deviation over that by which it was weighed.
     """
-    false, hits = 0, 0
-    for seed in (2, 3):
-        rng = np.random.default_rng(seed)
-        data = read_of_four_bar(linkages.POINTS, rng)
-        encoder, pen = data.readings
-        worse = encoder.values + rng.normal(0, factor * ANGLE, encoder.values.shape)
-        for wrong in ([], [17]):
-            places = np.array(pen.values)
-            places[wrong, 0] += 10 * LENGTH
-            readings = [
-                symkin.Reading("follower", worse),
-                symkin.Reading("point.pen", places, stated),
-            ]
-            found = calibrate(parse(linkages.toml()), replace(data, readings=readings))
-            named = {o.configuration for o in found.outliers}
-            false, hits = false + len(named - set(wrong)), hits + len(named & set(wrong))
-            ratio = found.problem.readings.sigma[0, 0] / (factor * ANGLE)
-            assert 0.5 < ratio < 2.0
-            said = any("estimated from the residuals: follower" in note for note in found.notes)
-            assert said == ("follower" in found.problem.estimated)
-    assert (false, hits) == (0, 2)
+    factor, stated = UNLIKE[seed % len(UNLIKE)]
+    rng = np.random.default_rng(seed)
+    data = read_of_four_bar(linkages.POINTS, rng)
+    encoder, pen = data.readings
+    worse = encoder.values + rng.normal(0, factor * ANGLE, encoder.values.shape)
+    places = np.array(pen.values)
+    places[[*wrong], 0] += 10 * LENGTH
+    readings = [symkin.Reading("follower", worse), symkin.Reading("point.pen", places, stated)]
+    found = calibrate(parse(linkages.toml()), replace(data, readings=readings))
+    said = any("estimated from the residuals: follower" in note for note in found.notes)
+    assert said == ("follower" in found.problem.estimated)
+    return found, found.problem.readings.sigma[0, 0] / (factor * ANGLE)
+
+
+def most_by_chance(count, share, tail=1e-3):
+    """The most of `count` independent events of this probability that chance makes, but for a
+    `tail` of the binomial distribution.
+    """
+    terms = [math.comb(count, k) * share**k * (1 - share) ** (count - k) for k in range(count + 1)]
+    return next(k for k in range(count + 1) if sum(terms[k + 1 :]) < tail)
+
+
+def test_clean_readings_of_instruments_of_unlike_precision_are_kept():
+    """The encoder is far worse than its share, and its noise is not stated: it is estimated, and of
+    20 clean sets no more have a reading left out than the level says, by the binomial distribution.
+    """
+    spoilt, count = 0, 20
+    for seed in range(count):
+        found, ratio = unlike_instruments(seed)
+        assert 0.5 < ratio < 2.0
+        spoilt += bool(found.outliers or found.given_up)
+    assert spoilt <= most_by_chance(count, OUTLIER_LEVEL)
+
+
+def test_a_wrong_reading_beside_a_worse_instrument_is_named():
+    """A position that is off by ten deviations is left out, whatever the encoder is like and the
+    file states.
+    """
+    for seed in range(2 * len(UNLIKE)):
+        found, _ = unlike_instruments(seed, wrong=[17])
+        assert (17, "point.pen") in [(o.configuration, o.kind) for o in found.outliers]
 
 
 def test_what_a_plane_holds_is_no_precision():

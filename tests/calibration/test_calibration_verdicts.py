@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 
 import symkin
+from helpers.built_machines import built, random_postures
 from helpers.csv_cells import rewritten
 from helpers.gate import in_gate
 from helpers.inside import (
@@ -165,6 +166,45 @@ def test_noise_stated_too_small_stays_usable(tmp_path, poses):
     assert not report.believable
     assert report.verdict.startswith("NOT BELIEVABLE: chi-square per degree of freedom is")
     assert not report.suspicions
+
+
+@pytest.fixture(scope="module")
+def arm():
+    """A UR5e, and 24 postures of one as it is built."""
+    nominal, rng = symkin.load("ur5e"), np.random.default_rng(3)
+    true = built(nominal, 1e-3, rng)
+    return nominal, true, random_postures(nominal, true, 24, rng)
+
+
+def poses_of(arm, lengths, angles):
+    """Whole poses with noise of so many sizes and radians, which the file does not state."""
+    nominal, true, made = arm
+    noise = Noise(position=lengths * nominal.characteristic_length, orientation=angles)
+    own = np.random.default_rng(0)
+    taken = simulate_readings(true, made, group_numbers(24, 0), ("pose",), noise, own)
+    return replace(taken, position_sigma=None, orientation_sigma=None)
+
+
+@pytest.mark.parametrize(("lengths", "angles"), [(1e-5, 1e-2), (5e-4, 1e-6)])
+def test_unlike_precision_that_is_not_stated_is_no_misfit(tmp_path, arm, lengths, angles):
+    """Lengths a thousand times as precise as angles and the reverse: no kind is misfit for being
+    worse than the other, as none is where both are stated; and kinds are told each in its unit.
+    """
+    report = fitted(tmp_path / "data.csv", arm[0], poses_of(arm, lengths, angles))
+    assert report.verdict.startswith("NOT TESTED")
+    size = arm[0].characteristic_length
+    for kind, noise in (("position", lengths * size), ("orientation", angles)):
+        assert 0.5 < report.fit.problem.estimated[kind] / noise < 2.0
+
+
+@pytest.mark.long
+@pytest.mark.slow
+def test_a_kind_of_readings_that_nothing_explains_is_told(tmp_path, arm):
+    """Orientations of other postures beside right positions: not usable, since of orientations."""
+    taken = poses_of(arm, 1e-5, 1e-4)
+    mixed = replace(taken, orientation=np.roll(taken.orientation, 7, axis=0))
+    verdict = fitted(tmp_path / "data.csv", arm[0], mixed).verdict
+    assert verdict.startswith("NOT USABLE: the residuals of orientation are")
 
 
 # --- headline, notes and figures agree ------------------------------------------------------------

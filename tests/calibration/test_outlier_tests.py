@@ -31,13 +31,19 @@ def model_of(errors, absorbed):
     )
 
 
-def problem_of(n):
-    """What the search asks of a problem that has one length read in each of n configurations."""
+def problem_of(n, *kinds):
+    """What the search asks of a problem that has one length read in each of n configurations, or
+    some `kinds` of them whose noise is not stated.
+    """
+    keys = kinds or ("position",)
+    unstated = [(SimpleNamespace(key=key), SimpleNamespace(sigma=None)) for key in kinds]
     return SimpleNamespace(
-        model=SimpleNamespace(columns=(("position", "x"),)),
-        readings=SimpleNamespace(taken=np.ones((n, 1), dtype=bool), known=True),
+        model=SimpleNamespace(columns=[(key, "x") for key in keys], keys=keys),
+        readings=SimpleNamespace(taken=np.ones((n, len(keys)), dtype=bool), known=not kinds),
         mechanism=symkin.load("zhao2000"),
-        measurements=SimpleNamespace(labels=[str(k) for k in range(n)]),
+        measurements=SimpleNamespace(
+            labels=[str(k) for k in range(n)], channels=lambda _: unstated
+        ),
     )
 
 
@@ -80,6 +86,20 @@ def test_statistics_of_clean_readings_are_distributed_as_they_should_be():
     statistics = np.concatenate(drawn)
     assert np.mean(statistics) == pytest.approx(WIDTH, abs=0.2)
     assert np.var(statistics) == pytest.approx(2 * WIDTH, rel=0.2)
+
+
+def test_noise_that_is_not_stated_is_that_of_the_kind():
+    """A reading that is off by eight deviations of its kind is found, with one probability, however
+    much worse or better than its weight another kind is.
+    """
+    errors, found = np.random.default_rng(3).normal(size=(40, 2)), []
+    errors[5, 0] = 8.0
+    for factor in (1e-3, 1.0, 1e3):
+        model = model_of(errors * [1.0, factor], np.zeros((80, 0)))
+        (one,) = screen_readings(problem_of(40, "position", "point.toe"), model).outliers
+        found.append((one.configuration, one.kind, one.probability))
+    assert found[0][:2] == (5, "position")
+    assert all(one[2] == pytest.approx(found[0][2], rel=1e-9) for one in found)
 
 
 @pytest.mark.parametrize("n", [10, 40])

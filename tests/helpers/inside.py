@@ -423,7 +423,7 @@ NAMES = {
     "predict_held_out": "symkin.calibration.judge.accuracy",
     "identifiability": "symkin.calibration.judge.identifiability",
     "named_motions": "symkin.calibration.judge.identifiability",
-    "Case": "symkin.calibration.judge.mistaken_columns",
+    "Case": "symkin.calibration.judge.case",
     "RULES": "symkin.calibration.judge.mistakes",
     "diagnose": "symkin.calibration.judge.mistakes",
     "diagnose_labels": "symkin.calibration.judge.mistakes",

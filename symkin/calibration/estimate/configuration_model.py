@@ -140,6 +140,11 @@ class ConfigurationModel:
         return tuple((o.name, component) for o in self.channels for component in o.components)
 
     @property
+    def keys(self) -> list[str]:
+        """What each reading (K) is of, distances by their own names."""
+        return [o.key for o in self.channels for _ in o.components]
+
+    @property
     def read(self) -> tuple[str, ...]:
         """Names of what is read beside the platform."""
         return tuple(o.name for o in self.channels if o.of)
@@ -152,7 +157,7 @@ class ConfigurationModel:
     @cached_property
     def grouped(self) -> np.ndarray:
         """Which readings (K,) are of the groups' inclination."""
-        return np.array([kind == "group" for kind, _ in self.columns], dtype=bool)
+        return np.array([kind == "group" for kind in self.keys], dtype=bool)
 
     @property
     def size(self) -> float:

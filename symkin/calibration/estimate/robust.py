@@ -30,7 +30,7 @@ _MAX_SCALE, _MIN_FITS, _SCALE_DECREASE = 30.0, 4, 0.8
 """It ends, too, after so many fits where the scale is so many times the noise stated and no longer
 falls by this factor: no half of the readings agrees.
 """
-_SIGMA_OVER_MEDIAN = 1.4826
+SIGMA_OVER_MEDIAN = 1.4826
 """Standard deviation of a normal distribution over the median of its absolute values."""
 
 
@@ -65,7 +65,7 @@ def robust_estimate(
         t = normalised_residuals(problem, here, state)
         # of the better half, not below the stated noise
         median = np.median(np.abs(t[problem.readings.taken]))
-        before, scale = scale, max(_SIGMA_OVER_MEDIAN * median, 1.0 if known else 1e-12)
+        before, scale = scale, max(SIGMA_OVER_MEDIAN * median, 1.0 if known else 1e-12)
         if known and count > _MIN_FITS and scale > max(_MAX_SCALE, _SCALE_DECREASE * before):
             break
         fresh = loss_weights(loss, t / scale)

@@ -13,11 +13,10 @@ from collections.abc import Mapping
 import numpy as np
 
 from symkin.calibration.estimate.residuals import ROUNDING_RESIDUAL
+from symkin.calibration.estimate.robust import SIGMA_OVER_MEDIAN
 from symkin.calibration.judge.outliers import Fit
 from symkin.calibration.judge.statistics import linear_model
 
-_SIGMA_OVER_MEDIAN = 1.4826
-"""Standard deviation of normal errors over the median of their sizes."""
 _LEAST_READINGS = 10
 """Residuals of a kind below which they tell no deviation."""
 _LEAST_LEFT = 0.1
@@ -47,7 +46,7 @@ def estimate_deviations(found: Fit) -> Mapping[str, float]:
             continue
         ratio = 1.0
         if reading.sigma is None:
-            ratio = _SIGMA_OVER_MEDIAN * float(np.median(ratios[:, columns][told]))
+            ratio = SIGMA_OVER_MEDIAN * float(np.median(ratios[:, columns][told]))
             made[o.key] = ratio * float(np.median(problem.readings.sigma[:, columns][told]))
             settled &= 1.0 / _SETTLED < ratio < _SETTLED
         compared += 1

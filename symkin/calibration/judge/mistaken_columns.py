@@ -5,37 +5,40 @@ angles and quaternions; and what the joints' columns show by themselves.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterator
+from dataclasses import replace
 from functools import partial
 from itertools import combinations, permutations
 
 import numpy as np
 
-from symkin.calibration.data.files import DataFile, euler_quaternions
-from symkin.calibration.data.measurements import Measurements, spread_rows
-from symkin.calibration.data.observables import PLATFORM, Observable, written
+from symkin.calibration.data.measurements import spread_rows
+from symkin.calibration.data.observables import written
 from symkin.calibration.estimate.configurations import closed_at, closing_model
-from symkin.calibration.judge.statistics import rms_of_better_part
-from symkin.calibration.judge.trials import (
-    NO_TRIAL,
-    Start,
-    Trial,
-    begin,
-    describe_sequence,
-    equal_sequences,
+from symkin.calibration.judge.case import MIN_WHOLE_POSES, Case, Finding, Mistakes
+from symkin.calibration.judge.column_blocks import (
+    Block,
+    Blocks,
+    distances,
+    encoders,
+    euler_angles,
+    euler_angles_of_any_sequence,
+    inclinations,
+    joint_angles,
+    joint_columns,
+    joint_columns_by_kind,
+    odd_joints,
+    odd_positions,
+    orientations,
+    other_readings,
+    positions,
+    quaternions,
+    signed_readings,
 )
-from symkin.errors import SymkinError
-from symkin.files.euler_columns import SEQUENCES
-from symkin.model.mechanism import Mechanism
+from symkin.calibration.judge.statistics import rms_of_better_part
+from symkin.calibration.judge.trials import describe_sequence, equal_sequences
 from symkin.spatial.rotation import wrapped
 
-EXAMINED_CONFIGURATIONS = 40
-"""Configurations that are looked at, spread evenly over the file: enough to see a mistake of all
-rows.
-"""
-MIN_WHOLE_POSES = 4
-"""Whole poses from which columns are assigned to joints, and frames are sought."""
 _LENGTH_UNITS = {
     1000.0: "a factor of 1000 too small (m taken for mm?)",
     25.4: "a factor of 25.4 too small (inches taken for mm?)",
@@ -61,141 +64,12 @@ _USUAL_SPREAD = (3e-3, 1.0)
 """Usual standard deviation of a joint's readings over the size (angles: radians), and the most that
 its mean may be: 5 times the upper one.
 """
-_ODD_DECADES = 1.2
-"""Decades between a joint's readings and the others', from which another unit is tried for it
-alone: inches and mm are 1.4 apart.
-"""
 _MAX_ASSIGNED_JOINTS = 7
 """Joints whose orders are all tried (5040); with more only single exchanges are."""
 _EXCHANGE_CONFIGURATIONS, _EXCHANGE_GAIN = 16, 0.9
 """Configurations by which exchanges one after the other are judged, and the share below which the
 misfit must fall.
 """
-
-
-@dataclass(frozen=True, eq=False)
-class Case:
-    """What the rules look at: readings of a mechanism, parameters that are unknown frames, and
-    Euler angles (n, 3) as they stand with the sequence in which they are read, and whether this was
-    sought, so that any other may be meant; and whether a fit took the poses where they stand, so
-    that no frame is left out.
-    """
-
-    mechanism: Mechanism
-    measurements: Measurements
-    frames: tuple[str, ...] = ()
-    euler: np.ndarray | None = None
-    sequence: str = ""
-    sought: bool = False
-    placed: bool = False
-
-    @staticmethod
-    def of(
-        mechanism: Mechanism, data: DataFile, sequence: str = "", frames: Sequence[str] = ()
-    ) -> Case:
-        """Make the case of a file; `sequence` is that of Euler angles whose header names none."""
-        named, sought = data.sequence or sequence, data.open_euler is not None
-        readings = data.with_sequence(sequence)
-        return Case(mechanism, readings, tuple(frames), data.euler, named, sought)
-
-    def start(self) -> Start | None:
-        """Begin a trial of the readings at the nominal geometry, None where that cannot be."""
-        try:
-            return begin(self.mechanism, self.measurements, parameters=self.frames or None)
-        except SymkinError:
-            return None
-
-    def trial(self) -> Trial:
-        start = self.start()
-        return NO_TRIAL if start is None else start.trial
-
-    def reading(self, measurements: Measurements) -> Case:
-        """Take other readings in place of these."""
-        return replace(self, measurements=measurements)
-
-    @property
-    def left_by_chance(self) -> float:
-        """What is left, as a trial's score, where joints are those of other rows, which explain
-        nothing; few rows, or groups alone, whose rows are alike, say nothing of it.
-        """
-        m = self.measurements
-        grouped = all(o.kind == "group" for o, _ in m.channels(self.mechanism))
-        if grouped or len(m) < MIN_WHOLE_POSES:
-            return math.inf
-        joints = np.random.default_rng(0).permutation(m.joints)
-        return self.reading(replace(m, joints=joints)).trial().score
-
-    def subset(self, rows: np.ndarray) -> Case:
-        euler = None if self.euler is None else self.euler[rows]
-        return replace(self, measurements=self.measurements.subset(rows), euler=euler)
-
-    @property
-    def examined(self) -> Case:
-        """Some rows, spread over the file, whole groups where there are any."""
-        m = self.measurements
-        rows = spread_rows(len(m), EXAMINED_CONFIGURATIONS)
-        if m.groups is not None and len(m) > EXAMINED_CONFIGURATIONS:
-            rows = np.flatnonzero(np.isin(m.groups, np.unique(m.groups[rows])))
-        return self.subset(rows[: 4 * EXAMINED_CONFIGURATIONS])
-
-    @property
-    def consecutive(self) -> Case:
-        """The first rows, so that each stands beside its neighbours."""
-        return self.subset(np.arange(min(len(self.measurements), EXAMINED_CONFIGURATIONS)))
-
-    def is_possible(self, measurements: Measurements) -> bool:
-        """Tell whether no reading is below the least of its joint (rods of negative length)."""
-        least = [-math.inf if c.least is None else c.least for c in self.mechanism.actuated]
-        return bool(np.all(measurements.joints > np.array(least)))
-
-    def angle(self, value: float) -> str:
-        return written(self.mechanism, "angle", value, ".3g")
-
-
-Finding = tuple[str, Case | None]
-"""A sentence on a mistake, and the case put right by which it is judged; None where the readings
-alone show it.
-"""
-Mistakes = dict[str, dict[str, Callable[[Case], Iterable[Finding]]]]
-"""By stage, the mistakes that are looked for, each with its possible forms in a case."""
-
-
-# --- columns --------------------------------------------------------------------------------------
-
-
-@dataclass(frozen=True, eq=False)
-class Block:
-    """Numbers (n, w) of one kind, with their names and which of them are angles; how others are put
-    in their place; which columns are meant, and what these are called.
-    """
-
-    names: Sequence[str]
-    angular: Sequence[bool]
-    values: np.ndarray
-    put: Callable[[np.ndarray], Measurements]
-    columns: Sequence[int]
-    called: str = ""
-    is_odd: bool = False
-
-    @property
-    def turns(self) -> bool:
-        """Whether the columns that are meant are angles."""
-        return self.angular[self.columns[0]]
-
-    @property
-    def own(self) -> np.ndarray:
-        """The columns that are meant (n, k)."""
-        return self.values[:, self.columns]
-
-    def times(self, factor: float, columns: Sequence[int]) -> np.ndarray:
-        """Multiply some columns."""
-        return self.values * np.where(np.isin(np.arange(len(self.names)), columns), factor, 1.0)
-
-    def listed(self, columns: Iterable[int]) -> str:
-        return ", ".join(self.names[k] for k in columns)
-
-
-Blocks = Callable[[Case], Iterator[Block]]
 Changes = Iterator[tuple[str, np.ndarray]]
 """Sentences and the numbers put right."""
 
@@ -206,108 +80,6 @@ def _put_right(blocks: Blocks, change: Callable[[Block], Changes], case: Case) -
         for text, values in change(block):
             if case.is_possible(made := block.put(values)):
                 yield text, case.reading(made)
-
-
-def _joints(case: Case) -> Iterator[Block]:
-    m, read = case.measurements, case.mechanism.actuated
-    names, angular = [c.name for c in read], [c.is_angular for c in read]
-    put = partial(m.replaced, "joint")
-    yield Block(names, angular, m.joints, lambda values: put(values=values), range(len(read)))
-
-
-def _kinds_of_joints(case: Case) -> Iterator[Block]:
-    """The joints that are lengths, and those that are angles."""
-    (block,) = _joints(case)
-    for angular in (False, True):
-        if columns := [k for k, its in enumerate(block.angular) if its == angular]:
-            yield replace(block, columns=columns)
-
-
-def _angles_of_joints(case: Case) -> Iterator[Block]:
-    return (block for block in _kinds_of_joints(case) if block.turns)
-
-
-def _odd_joints(case: Case) -> Iterator[Block]:
-    """Joints whose readings spread, and are, far more or less than the others' of their kind."""
-    for block in _kinds_of_joints(case):
-        yield from _odd(block) if len(block.columns) > 2 else ()
-
-
-def _odd_positions(case: Case) -> Iterator[Block]:
-    """Columns of positions that do."""
-    for block in _positions(case):
-        yield from _odd(replace(block, called=""))
-
-
-def _odd(block: Block) -> Iterator[Block]:
-    sizes = np.array([np.nanstd(block.own, axis=0), np.sqrt(np.nanmean(block.own**2, axis=0))])
-    decades = np.log10(np.maximum(sizes, 1e-300))
-    for place, k in enumerate(block.columns if len(block.columns) > 1 else ()):
-        others = np.median(np.delete(decades, place, axis=1), axis=1)
-        if np.all(np.abs(decades[:, place] - others) > _ODD_DECADES):
-            yield replace(block, columns=[k], is_odd=True)
-
-
-def _taken(case: Case, is_meant: Callable[[Observable], bool], called: str = "") -> Iterator[Block]:
-    """What was read beside the joints and is meant, together: those columns that hold numbers."""
-    m = case.measurements
-    read = [(o, r) for o, r in m.channels(case.mechanism) if is_meant(o)]
-    if not read:
-        return
-    values = np.hstack([r.values for _, r in read])
-    ends = np.cumsum([len(o.columns) for o, _ in read])[:-1]
-
-    def put(values: np.ndarray) -> Measurements:
-        made = m
-        for (o, _), part in zip(read, np.hsplit(values, ends), strict=True):
-            made = made.replaced(o.key, by_name=o.by_name, values=part)
-        return made
-
-    names, angular = zip(*((name, o.angular) for o, _ in read for name in o.columns), strict=True)
-    held = np.flatnonzero(np.isfinite(values).any(axis=0)).tolist()
-    yield Block(names, angular, values, put, held, called)
-
-
-_positions = partial(_taken, is_meant=PLATFORM["position"].__eq__, called="the positions")
-_orientations = partial(_taken, is_meant=PLATFORM["orientation"].__eq__)
-_inclinations = partial(_taken, is_meant=PLATFORM["inclination"].__eq__)
-_distances = partial(_taken, is_meant=lambda o: bool(o.ends), called="the distances")
-_encoders = partial(_taken, is_meant=lambda o: o.kind == "joint")
-_SIGNED = ("joint", "point", "inclination", "position")
-_signed = partial(_taken, is_meant=lambda o: o.kind in _SIGNED and o is not PLATFORM["position"])
-"""Of the platform, between it and the base, of passive joints, and what has signs but the place of
-the platform, together.
-"""
-
-
-def _others(case: Case) -> Iterator[Block]:
-    """Readings of passive joints, points, distances and links, one by one."""
-    for o, _ in case.measurements.channels(case.mechanism):
-        if o.of and o.kind != "orientation":
-            yield from _taken(case, o.__eq__, f"the readings of {o.name}")
-
-
-def _quaternions(case: Case) -> Iterator[Block]:
-    """Orientations that do not stand as Euler angles in the file."""
-    return iter(()) if case.euler is not None else _orientations(case)
-
-
-def _euler(case: Case) -> Iterator[Block]:
-    m, sequence = case.measurements, case.sequence
-
-    def put(angles: np.ndarray) -> Measurements:
-        return replace(m, orientation=euler_quaternions(angles, sequence))
-
-    if case.euler is not None and sequence:
-        yield Block(sequence, [True] * 3, case.euler, put, range(3), "the Euler angles")
-
-
-def _euler_of_any_sequence(case: Case) -> Iterator[Block]:
-    """Euler angles in the sequence named; where none was, in each that differs: in a wrong unit all
-    fit badly, and which fits least badly says nothing.
-    """
-    for sequence in SEQUENCES if case.sought else [case.sequence]:
-        yield from _euler(replace(case, sequence=sequence))
 
 
 # --- what is done to them -------------------------------------------------------------------------
@@ -383,14 +155,14 @@ def _scalar_last(block: Block) -> Changes:
 
 
 def _other_sequences(case: Case) -> Iterator[Finding]:
-    for block in _euler(case):
+    for block in euler_angles(case):
         for first, *same in equal_sequences(block.values):
             if case.sequence not in (first, *same):
                 text = (
                     f"the Euler angles look to be of another sequence than {case.sequence}, in "
                     f"which they are read: {describe_sequence(first)} fits"
                 )
-                read = next(_euler(replace(case, sequence=first)))
+                read = next(euler_angles(replace(case, sequence=first)))
                 yield text, case.reading(read.put(block.values))
 
 
@@ -402,7 +174,7 @@ def _joints_at_rest(case: Case) -> Iterator[Finding]:
     length, which may be in another unit, beside its value.
     """
     m, said = case.mechanism, []
-    for block in _kinds_of_joints(case):
+    for block in joint_columns_by_kind(case):
         spread, mean = block.own.std(axis=0), np.abs(block.own.mean(axis=0))
         most = 1.0 if block.turns else np.minimum(m.characteristic_length, 10.0 * mean)
         if len(block.own) < 2 or not np.all(spread <= _REST_SPREAD * most):
@@ -419,7 +191,7 @@ def _units_of_all_joints(case: Case) -> Iterator[Finding]:
     """Joint readings whose spread or mean is out of all proportion, by a decade or more, and would
     not be in other units.
     """
-    for block in _kinds_of_joints(case):
+    for block in joint_columns_by_kind(case):
         one, of = case.mechanism.characteristic_length, "of the mechanism's size"
         if block.turns:
             one, of = 1.0, "rad"
@@ -454,7 +226,7 @@ def _reordered_joints(case: Case) -> Iterator[Finding]:
     inverse problem at the nominal geometry), and the columns are assigned to the limbs that they
     fit best. Elsewhere exchanges and signs are taken one after the other.
     """
-    (block,), poses = _joints(case), np.isfinite(case.measurements.poses[:, 0])
+    (block,), poses = joint_columns(case), np.isfinite(case.measurements.poses[:, 0])
     by_poses = not case.mechanism.serial and len(block.names) <= _MAX_ASSIGNED_JOINTS
     if by_poses and sum(poses) >= MIN_WHOLE_POSES:
         holds = _assigned_columns(case.subset(poses), block)
@@ -496,7 +268,7 @@ def _exchanged_in_turn(case: Case, block: Block) -> np.ndarray:
     misfit falls.
     """
     some = case.subset(spread_rows(len(case.measurements), _EXCHANGE_CONFIGURATIONS))
-    (few,) = _joints(some)
+    (few,) = joint_columns(some)
 
     def score(holds: np.ndarray) -> float:
         changed = few.put(_with_columns(few.values, holds))
@@ -544,31 +316,31 @@ COLUMN_MISTAKES: Mistakes = {
         "all joints of a kind in another unit": _units_of_all_joints,
     },
     "correction": {
-        "one joint in another unit": _rule(_odd_joints, _in_another_unit),
-        "two joint columns exchanged": _rule(_joints, _exchanged),
-        "the sign of a joint reversed": _rule(_joints, _reversed_one),
-        "the signs of all joints reversed": _rule(_joints, _all_reversed),
-        "angles of joints in radians": _rule(_angles_of_joints, _in_larger_unit),
-        "one joint in radians": _rule(_angles_of_joints, _one_in_larger_unit),
-        "positions in another unit": _rule(_positions, _in_another_unit),
-        "distances in another unit": _rule(_distances, _in_another_unit),
-        "Euler angles in another unit": _rule(_euler_of_any_sequence, _in_another_unit),
-        "the sign of a reading reversed": _rule(_signed, _reversed_one),
-        "two encoders exchanged": _rule(_encoders, _exchanged),
-        "a reading in another unit": _rule(_others, _in_another_unit),
-        "alpha and beta exchanged": _rule(_inclinations, _exchanged),
-        "orientations of the base in the platform": _rule(_orientations, _inverted),
-        "quaternions with their scalar last": _rule(_quaternions, _scalar_last),
+        "one joint in another unit": _rule(odd_joints, _in_another_unit),
+        "two joint columns exchanged": _rule(joint_columns, _exchanged),
+        "the sign of a joint reversed": _rule(joint_columns, _reversed_one),
+        "the signs of all joints reversed": _rule(joint_columns, _all_reversed),
+        "angles of joints in radians": _rule(joint_angles, _in_larger_unit),
+        "one joint in radians": _rule(joint_angles, _one_in_larger_unit),
+        "positions in another unit": _rule(positions, _in_another_unit),
+        "distances in another unit": _rule(distances, _in_another_unit),
+        "Euler angles in another unit": _rule(euler_angles_of_any_sequence, _in_another_unit),
+        "the sign of a reading reversed": _rule(signed_readings, _reversed_one),
+        "two encoders exchanged": _rule(encoders, _exchanged),
+        "a reading in another unit": _rule(other_readings, _in_another_unit),
+        "alpha and beta exchanged": _rule(inclinations, _exchanged),
+        "orientations of the base in the platform": _rule(orientations, _inverted),
+        "quaternions with their scalar last": _rule(quaternions, _scalar_last),
         "Euler angles of another sequence": _other_sequences,
     },
     "order": {"joint columns in another order, with other signs": _reordered_joints},
     "position": {
-        "two position columns exchanged": _rule(_positions, _exchanged),
-        "position columns in another order": _rule(_positions, _turned_round),
-        "the sign of a position column reversed": _rule(_positions, _reversed_one),
-        "one position column in metres": _rule(_positions, _one_in_larger_unit),
-        "one position column in millimetres": _rule(_odd_positions, _in_another_unit),
+        "two position columns exchanged": _rule(positions, _exchanged),
+        "position columns in another order": _rule(positions, _turned_round),
+        "the sign of a position column reversed": _rule(positions, _reversed_one),
+        "one position column in metres": _rule(positions, _one_in_larger_unit),
+        "one position column in millimetres": _rule(odd_positions, _in_another_unit),
     },
-    "row or frame": {"joints a row off": _rule(_joints, _a_row_off)},
+    "row or frame": {"joints a row off": _rule(joint_columns, _a_row_off)},
 }
 """What is looked for at each stage (see `mistakes`)."""

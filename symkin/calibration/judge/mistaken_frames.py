@@ -13,7 +13,7 @@ import numpy as np
 from symkin.calibration.data.measurements import spread_rows
 from symkin.calibration.data.parameters import MEASURING_FRAMES
 from symkin.calibration.estimate.state import readings_at
-from symkin.calibration.judge.mistaken_columns import (
+from symkin.calibration.judge.case import (
     EXAMINED_CONFIGURATIONS,
     MIN_WHOLE_POSES,
     Case,

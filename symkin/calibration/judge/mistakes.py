@@ -7,11 +7,15 @@ which the readings are explained far better. A few mistakes the readings show by
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
-from symkin.calibration.judge.mistaken_columns import COLUMN_MISTAKES, Case, Mistakes
+from symkin.calibration.data.observables import measure_of, written
+from symkin.calibration.judge.case import Case, Mistakes
+from symkin.calibration.judge.mistaken_columns import COLUMN_MISTAKES
 from symkin.calibration.judge.mistaken_frames import FRAME_MISTAKES
-from symkin.calibration.judge.trials import Trial
+from symkin.calibration.judge.trials import NO_TRIAL, Start
+from symkin.text import first_of
 
 _EXPLAINED_SHARE = 0.2
 """Misfit that readings put right have less of, over the size, and over what is left where joints
@@ -67,16 +71,29 @@ def _sentences(case: Case, stage: str) -> list[str]:
         judged += [(text, right) for text, right in found if right is not None]
     if not judged:
         return []
-    as_read, unit = case.trial(), case.mechanism.length_unit
+    as_read = case.start()
+    before = NO_TRIAL if as_read is None else as_read.trial
     most = _EXPLAINED_SHARE * case.mechanism.characteristic_length
-    tried: dict[str, tuple[Trial, Case]] = {}
-    trials = ((right.trial(), text, right) for text, right in judged)
-    for trial, text, right in sorted(trials, key=lambda t: t[0].score):
-        tried.setdefault(text, (trial, right))
+    tried: dict[str, tuple[Start, Case]] = {}
+    starts = ((right.start(), text, right) for text, right in judged)
+    begun = ((start, text, right) for start, text, right in starts if start is not None)
+    for start, text, right in sorted(begun, key=lambda t: t[0].misfit):
+        tried.setdefault(text, (start, right))
     return [
-        f"{text}: the misfit at the nominal geometry would fall from {as_read.score**0.5:.3g} to "
-        f"{trial.score**0.5:.3g} {unit} (angles times the size)"
-        for text, (trial, right) in tried.items()
-        if trial.better_than(as_read) and trial.score**0.5 < most
-        if trial.score < _EXPLAINED_SHARE**2 * right.left_by_chance
+        f"{text}: the misfit at the nominal geometry would fall {_fall(as_read, start)}"
+        for text, (start, right) in tried.items()
+        if start.trial.better_than(before) and start.misfit < most
+        if start.trial.score < _EXPLAINED_SHARE**2 * right.left_by_chance
     ]
+
+
+def _fall(before: Start | None, after: Start) -> str:
+    """Write 'from 413 mm to 0.9 mm (position)' of the kinds whose misfit falls."""
+    m, parts = after.problem.mechanism, list[str]()
+    earlier = {} if before is None else before.misfits
+    for kind, there in after.misfits.items():
+        here = earlier.get(kind, math.inf)
+        if there < here:
+            ends = [written(m, measure_of(m, kind), v, ".3g") for v in (here, there)]
+            parts.append(f"from {ends[0]} to {ends[1]} ({kind})")
+    return first_of(parts)

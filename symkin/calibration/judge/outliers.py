@@ -24,8 +24,13 @@ from symkin.calibration.data.observables import measure_of, written
 from symkin.calibration.estimate.configurations import first_points, newton_configurations
 from symkin.calibration.estimate.estimator import Estimate
 from symkin.calibration.estimate.problem import CalibrationProblem
-from symkin.calibration.estimate.residuals import only_rounding
-from symkin.calibration.estimate.robust import normalised_residuals, robust_estimate
+from symkin.calibration.estimate.residuals import build_readings, only_rounding
+from symkin.calibration.estimate.robust import (
+    SIGMA_OVER_MEDIAN,
+    normalised_residuals,
+    robust_estimate,
+)
+from symkin.calibration.estimate.state import State
 from symkin.calibration.judge.statistics import (
     SIGNIFICANCE,
     LinearModel,
@@ -171,19 +176,14 @@ def reading_kinds(problem: CalibrationProblem) -> list[_Kind]:
     """List the kinds of readings (a distance by its name) with the configurations that have any
     component of it and their rows.
     """
-    taken, kinds, made = problem.readings.taken, _kinds_of_columns(problem), list[_Kind]()
-    for kind in dict.fromkeys(kinds.tolist()):
-        inside = np.flatnonzero(kinds == kind)
+    taken, keys, made = problem.readings.taken, problem.model.keys, list[_Kind]()
+    for kind in dict.fromkeys(keys):
+        inside = np.flatnonzero(np.array(keys) == kind)
         configurations = np.flatnonzero(taken[:, inside].any(axis=1))
         if len(configurations):
             rows = configurations[:, None] * taken.shape[1] + inside
             made.append((kind, configurations, rows))
     return made
-
-
-def _kinds_of_columns(problem: CalibrationProblem) -> np.ndarray:
-    columns = problem.model.columns
-    return np.array([name if kind == "distance" else kind for kind, name in columns])
 
 
 def _count(kinds: Sequence[_Kind]) -> int:
@@ -211,17 +211,17 @@ def _least_likely(
     tests: Sequence[tuple[np.ndarray, np.ndarray, np.ndarray]],
 ) -> tuple[Outlier, np.ndarray]:
     """Describe the least likely reading, with its rows: one of those with the largest statistic of
-    their degrees of freedom; the larger statistic where several have probability 0. Unknown noise
-    is studentised without the reading that is judged.
+    their degrees of freedom; the larger statistic where several have probability 0. Noise that is
+    not stated is that of the others of its kind, without the reading that is judged.
     """
-    best = (1.0, 0.0, 0, 0, 0)
+    best, noise = (1.0, 0.0, 0, 0, 0), _unstated_noise(problem, model, kinds)
     for k, (statistics, degrees, _) in enumerate(tests):
         for d in map(int, np.unique(degrees[degrees > 0])):
             m = int(np.where(degrees == d, statistics, -1.0).argmax())
             statistic, left = statistics[m], None
-            if not problem.readings.known:
-                left = model.degrees - d
-                statistic *= max(left, 1) / max(model.chi_square - statistic, 1e-300)
+            if (own := noise.get(kinds[k][0])) is not None:
+                chi_square, left = own[0] - statistic, own[1] - d
+                statistic *= max(left, 1.0) / max(chi_square, 1e-300)
             best = min(best, (chi_square_tail(statistic, d, left), -statistic, d, k, m))
     probability, statistic, degree, k, m = best
     kind, configurations, every = kinds[k]
@@ -232,6 +232,21 @@ def _least_likely(
     shift = np.linalg.solve(whiten, tests[k][2][m][given])
     made = Outlier(i, kind, -statistic, degree, probability=probability)
     return _described(problem, i, made, columns, shift), rows
+
+
+def _unstated_noise(
+    problem: CalibrationProblem, model: LinearModel, kinds: Sequence[_Kind]
+) -> dict[str, tuple[float, float]]:
+    """Return chi-square and its degrees of freedom of each kind whose noise is not stated."""
+    if problem.readings.known:
+        return {}
+    channels, left = problem.measurements.channels(problem.mechanism), model.taken - model.absorbed
+    unstated = {o.key for o, reading in channels if reading.sigma is None}
+    return {
+        kind: (float(np.sum(model.residuals[rows] ** 2)), float(left[rows].sum()))
+        for kind, _, rows in kinds
+        if kind in unstated
+    }
 
 
 def _described(
@@ -399,7 +414,7 @@ def _is_explained(found: Fit) -> bool:
         likely = chi_square_tail(model.chi_square, model.degrees) > SIGNIFICANCE
         return likely or model.chi_square < 2.0 * model.degrees
     t = np.abs(normalised_residuals(problem, problem, state)[problem.readings.taken])
-    return float(np.mean(t > _GROSS_RATIO * 1.4826 * np.median(t))) <= _MAX_GROSS_SHARE
+    return float(np.mean(t > _GROSS_RATIO * SIGMA_OVER_MEDIAN * np.median(t))) <= _MAX_GROSS_SHARE
 
 
 # --- what was taken out ---------------------------------------------------------------------------
@@ -417,7 +432,8 @@ def _retest(measurements: Measurements, found: Fit, outliers: Sequence[Outlier])
     beside = (group != NO_GROUP) & np.isin(group, group[out])
     rows = np.flatnonzero(beside | np.isin(np.arange(len(group)), out))
     state = found.state
-    problem, z, solved = close_others(found.problem, state, measurements.subset(rows))
+    fitted, left = _with_own_noise(found.problem, state)
+    problem, z, solved = close_others(fitted, state, measurements.subset(rows))
     rows = rows[solved]
     if not len(rows):
         return list(outliers)
@@ -425,24 +441,42 @@ def _retest(measurements: Measurements, found: Fit, outliers: Sequence[Outlier])
     for members in (np.flatnonzero(group == group[i]).tolist() for i in list(apart)):
         if all(k in apart for k in members):  # the others are compared with the likeliest
             del apart[min(members, key=lambda k: apart[k])]
-    factor, left = 1.0, None
-    if not found.problem.readings.known:
-        model = linear_model(found.problem, state)
-        factor, left = max(model.chi_square / max(model.degrees, 1), 1e-300), model.degrees
-    root = covariance_root(factor * covariance(found.problem, state), found.problem)
-    telling = ~np.isin(rows, list(apart))
-    made = predict_readings(problem, state.p, z, root, factor, telling)
-    return [_repredicted(problem, made, rows, o, left) for o in outliers]
+    root = covariance_root(covariance(fitted, state), fitted)
+    made = predict_readings(problem, state.p, z, root, telling=~np.isin(rows, list(apart)))
+    return [_repredicted(problem, made, rows, o, left.get(o.kind)) for o in outliers]
+
+
+def _with_own_noise(
+    problem: CalibrationProblem, state: State
+) -> tuple[CalibrationProblem, dict[str, float]]:
+    """Weigh readings of each kind that states no noise by what a fit leaves of them; and by how
+    many degrees of freedom that is known.
+    """
+    if problem.readings.known:
+        return problem, {}
+    readings, kinds = problem.readings, reading_kinds(problem)
+    noise = _unstated_noise(problem, linear_model(problem, state), kinds)
+    estimated, left = dict(problem.estimated), dict[str, float]()
+    for kind, _, rows in kinds:
+        if kind in noise and noise[kind][1] > 0.0:
+            chi_square, left[kind] = noise[kind]
+            usual = float(readings.sigma.reshape(-1)[rows[0]].min())
+            estimated[kind] = usual * max(chi_square / left[kind], 1e-300) ** 0.5
+    return replace(
+        problem,
+        estimated=estimated,
+        readings=build_readings(problem.model, problem.measurements, estimated),
+    ), left
 
 
 def _repredicted(
-    problem: CalibrationProblem, made: Prediction, rows: np.ndarray, o: Outlier, left: int | None
+    problem: CalibrationProblem, made: Prediction, rows: np.ndarray, o: Outlier, left: float | None
 ) -> Outlier:
     """Give an outlier the shift and the statistic that a prediction of some rows gives it."""
     i = int(np.searchsorted(rows, o.configuration))
     if o.configuration not in rows:
         return o
-    named = _kinds_of_columns(problem) == o.kind
+    named = np.array(problem.model.keys) == o.kind
     columns = np.flatnonzero(named & problem.readings.taken[i])
     shift, block = -made.errors[i, columns], made.covariance[i][np.ix_(columns, columns)]
     statistic, d = float(shift @ np.linalg.solve(block, shift)), len(columns)

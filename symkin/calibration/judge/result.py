@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -18,7 +18,7 @@ from symkin.calibration.estimate.state import State
 from symkin.calibration.judge.departure import Departure
 from symkin.calibration.judge.identifiability import Identifiability
 from symkin.calibration.judge.outliers import Outlier
-from symkin.calibration.judge.statistics import SIGNIFICANCE, chi_square_tail
+from symkin.calibration.judge.statistics import SIGNIFICANCE, chi_square_tail, misfits
 from symkin.computed_once import cached_property
 from symkin.model.mechanism import Mechanism
 from symkin.position.solution import finite
@@ -183,6 +183,19 @@ class Calibration(Result):
         largest, worst = max(judged, key=lambda one: one[0])
         chance = len(judged) * chi_square_tail(largest**2, 1)
         return worst if chance < SIGNIFICANCE else None
+
+    @cached_property
+    def misfits(self) -> dict[str, float]:
+        """Root mean square of the residuals by kind (radians, length unit), see `misfits`."""
+        return misfits(self.table("value"), self.problem.model.keys)
+
+    def table(self, what: Literal["value", "normalised"]) -> np.ndarray:
+        """Return residuals by configuration and column (n, K), NaN where there is none."""
+        columns = self.problem.model.columns
+        found = np.full((len(self.measurements), len(columns)), np.nan)
+        for r in self.residuals:
+            found[r.configuration, columns.index((r.kind, r.component))] = getattr(r, what)
+        return found
 
     @property
     def tested(self) -> bool:

@@ -24,6 +24,7 @@ error (curvature by the parameters, Bates and Watts 1980).
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -192,7 +193,7 @@ def _basis_in_place(columns: np.ndarray) -> np.ndarray:
     return columns
 
 
-def chi_square_tail(value: float, degrees: int, left: int | None = None) -> float:
+def chi_square_tail(value: float, degrees: int, left: float | None = None) -> float:
     """Return the probability that chi-square with `degrees` of freedom exceeds `value`: Q(degrees /
     2, value / 2); where the variance is known by `left` degrees of freedom alone, that F(degrees,
     left) exceeds value / degrees: I_x(left / 2, degrees / 2), x = left / (left + value).
@@ -375,6 +376,18 @@ def curvature(
     sigma, change = np.linalg.norm(units, axis=1), np.abs(units @ (units.T @ pulls)) / spread
     largest = np.where(np.isfinite(change), change, np.inf).max(axis=1, initial=0.0)
     return np.divide(largest, sigma, out=np.zeros_like(sigma), where=sigma > 0)
+
+
+def misfits(off: np.ndarray, kinds: Sequence[str]) -> dict[str, float]:
+    """Return by kind how far readings are off: the root mean square of its columns of `off` (n, K),
+    NaN where nothing was read, over the better four fifths of the configurations that hold any.
+    """
+    found, own = dict[str, float](), np.array(kinds)
+    for kind in dict.fromkeys(kinds):
+        part = off[:, own == kind]
+        part = part[np.isfinite(part).any(axis=1)]
+        found[kind] = rms_of_better_part(np.nanmean(part**2, axis=1))
+    return found
 
 
 def rms_of_better_part(squares: np.ndarray) -> float:

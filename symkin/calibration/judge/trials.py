@@ -23,7 +23,12 @@ from symkin.calibration.estimate.problem import CalibrationProblem, build_calibr
 from symkin.calibration.estimate.residuals import linearise
 from symkin.calibration.estimate.starting import fit_measuring_frames, has_home, with_starts
 from symkin.calibration.estimate.state import readings_at, spectrum
-from symkin.calibration.judge.statistics import SIGNIFICANCE, chi_square_tail, rms_of_better_part
+from symkin.calibration.judge.statistics import (
+    SIGNIFICANCE,
+    chi_square_tail,
+    misfits,
+    rms_of_better_part,
+)
 from symkin.errors import InputError
 from symkin.files.euler_columns import SEQUENCES
 from symkin.model.mechanism import Mechanism
@@ -78,25 +83,28 @@ NO_TRIAL = Trial(math.inf, 1, known=False)
 
 @dataclass(frozen=True, eq=False)
 class Start:
-    """Where a trial begins: parameters p, configurations z there, which of them close, and the
-    squares (n,) of how far the readings of each are off, angles times the size.
+    """Where a trial begins: parameters p, configurations z there, which of them close, and how far
+    their readings are off (n, K), in radians and the length unit, NaN where nothing was read. Those
+    of a configuration that does not close are off by a radian, or the size.
     """
 
     problem: CalibrationProblem
     p: np.ndarray
     z: np.ndarray
     solved: np.ndarray
-    squares: np.ndarray
+    off: np.ndarray
 
     @property
     def misfit(self) -> float:
-        """How far readings are off (length unit), root mean square over the better four fifths of
-        the configurations, so that single bad rows do not count; one that does not close counts as
-        one size.
+        """How far readings are off together (length unit), angles times the size: root mean square
+        over the better four fifths of the configurations, so that single bad rows do not count.
         """
-        readings, size = self.problem.readings, self.problem.size
-        unclosed = readings.values.shape[1] * size**2
-        return rms_of_better_part(np.where(self.solved, self.squares, unclosed))
+        return rms_of_better_part(np.nansum((self.off * self.problem.model.lengths) ** 2, axis=1))
+
+    @property
+    def misfits(self) -> dict[str, float]:
+        """How far readings are off by kind (radians, length unit), see `misfits`."""
+        return misfits(self.off, self.problem.model.keys)
 
     @property
     def trial(self) -> Trial:
@@ -142,8 +150,9 @@ def begin(
         p = fit_measuring_frames(problem, np.nan_to_num(z), p, solved)
         h = np.nan_to_num(readings_at(problem, p, np.nan_to_num(z)))
         off = linearise("means", readings, h, np.zeros((*h.shape, 1))).residuals
-        gaps = np.where(readings.taken, off * readings.sigma * model.lengths, 0.0)
-        return Start(problem, p, z, solved, np.nan_to_num(np.sum(gaps**2, axis=1), nan=1e300))
+        far = np.where(model.angular, 1.0, model.size)
+        off = np.where(solved[:, None] & np.isfinite(off), off * readings.sigma, far)
+        return Start(problem, p, z, solved, np.where(readings.taken, off, np.nan))
 
 
 # --- Euler sequences ------------------------------------------------------------------------------

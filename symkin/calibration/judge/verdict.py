@@ -9,14 +9,13 @@ noise, and move the geometry by a large share of its size to reach even these: n
 from __future__ import annotations
 
 import math
-from collections import defaultdict
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from symkin.calibration.data.observables import written
+from symkin.calibration.data.observables import measure_of, written
 from symkin.calibration.estimate.residuals import only_rounding
 from symkin.calibration.judge.identifiability import OPEN_LOOPS, all_values, nearly_parallel
 from symkin.calibration.judge.result import (
@@ -25,7 +24,7 @@ from symkin.calibration.judge.result import (
     Parameter,
     length_and_angle,
 )
-from symkin.calibration.judge.statistics import SIGNIFICANCE, rms_of_better_part
+from symkin.calibration.judge.statistics import SIGNIFICANCE
 from symkin.computed_once import cached_property
 from symkin.text import first_of
 
@@ -37,13 +36,13 @@ _MAX_NOISE_RATIO = 30.0
 """Residuals larger than so many times the noise stated do not come from noise: an instrument's is
 known better than to a factor of ten.
 """
-_MAX_RESIDUAL_SHARE = 1e-3
-"""Where no noise is stated, residuals above this share of the size are coarser than any instrument
-that calibrates.
+_COARSE_LENGTH, _COARSE_ANGLE = 1e-3, 0.02
+"""Where no noise is stated, lengths that are off by more than the first, of the size, and angles by
+more than the second (radians) are coarser than any instrument that calibrates: tapes and cameras.
 """
 _UNEXPLAINED_SHARE = 0.5
-"""Residuals above this share of the nominal geometry's say that the parameters do not explain the
-readings.
+"""Residuals of a kind above this share of the nominal geometry's say that the parameters do not
+explain its readings.
 """
 _NAMED_CHANGES = 3
 """Largest changes that a sentence names."""
@@ -55,8 +54,8 @@ _MAX_OUTSIDE_SHARE = 0.2
 class Verdict:
     """A fit with what bears on it: the Euler sequence that was found, mistakes that may explain
     readings which do not fit, the pose's standard deviation, predictions of postures held out, the
-    misfit of the nominal geometry, and notes on the data. `objections` is all that speaks against
-    the fit, the gravest first; what follows is read from it.
+    misfits of the nominal geometry by kind, and notes on the data. `objections` is all that speaks
+    against the fit, the gravest first; what follows is read from it.
     """
 
     fit: Calibration
@@ -64,7 +63,7 @@ class Verdict:
     suspicions: tuple[str, ...]
     sigma: PoseSigma
     held_out: HeldOut | None
-    at_nominal: float
+    at_nominal: Mapping[str, float]
     notes: tuple[str, ...]
 
     @cached_property
@@ -115,18 +114,17 @@ class Verdict:
         if suspected and found.drowned.shape[1]:
             told = f"{found.rank} of {len(found.names)} parameters"
             return f"the readings tell {told} beside their noise; {suspected[0]}"
-        beyond = noise_excess(fit)
-        why = None if beyond is None else self._misfit_reason(beyond)
+        why = next(filter(None, map(self._misfit_reason, noise_excess(fit).items())), None)
         misplaced = fit.is_other_machine or (suspected and fit.is_noticeable)
         misplaced = misplaced and not fit.any_machine
         return why or (_other_machine(fit, suspected) if misplaced else None)
 
-    def _misfit_reason(self, beyond: str) -> str | None:
-        """Say why residuals beyond any noise fit no geometry, None where they may fit one that the
-        model does not know.
+    def _misfit_reason(self, excess: tuple[str, str]) -> str | None:
+        """Say why residuals of a kind, beyond any noise, fit no geometry, None where they may fit
+        one that the model does not know.
         """
-        fit = self.fit
-        if moved := large_changes(fit):
+        fit, (kind, beyond) = self.fit, excess
+        if (moved := large_changes(fit)) and fit.is_noticeable:
             largest = moved[0]
             how = {"length": "of the size", "angle": "of a radian"}.get(largest.kind, "of one")
             return (
@@ -134,13 +132,13 @@ class Verdict:
                 f"{100 * fit.relative_change(largest):.0f} % {how}: no geometry near the nominal "
                 f"one fits these readings"
             )
-        misfit = residual_misfit(fit)
-        if misfit > _UNEXPLAINED_SHARE * self.at_nominal:
-            unit = fit.mechanism.length_unit
+        misfit, before = fit.misfits[kind], self.at_nominal.get(kind, math.inf)
+        if misfit > _UNEXPLAINED_SHARE * before:
+            measure = measure_of(fit.mechanism, kind)
+            here, there = (written(fit.mechanism, measure, v, ".3g") for v in (misfit, before))
             return (
-                f"{beyond}, hardly less than those of the nominal geometry ({misfit:.3g} {unit} "
-                f"after {self.at_nominal:.3g} {unit}, angles times the size): the parameters do "
-                f"not explain the readings"
+                f"{beyond}, hardly less than those of the nominal geometry ({here} after {there}): "
+                f"the parameters do not explain the readings"
             )
         return beyond if self.suspicions else None
 
@@ -229,25 +227,27 @@ class Verdict:
 # --- residuals ------------------------------------------------------------------------------------
 
 
-def noise_excess(fit: Calibration) -> str | None:
-    """Say how far residuals are beyond noise, None where they are not."""
-    if fit.p_value is not None and fit.degrees > 0:
-        times = math.sqrt(fit.chi_square / fit.degrees)
-        said = f"the residuals are {times:.3g} times as large as the noise stated"
-        return said if times > _MAX_NOISE_RATIO else None
-    share = residual_misfit(fit) / fit.mechanism.characteristic_length
-    said = f"the residuals are {100 * share:.2g} % of the size"
-    return said if share > _MAX_RESIDUAL_SHARE else None
-
-
-def residual_misfit(fit: Calibration) -> float:
-    """Return the root mean square of a configuration's residuals, angles times the size (length
-    unit), over the better four fifths.
+def noise_excess(fit: Calibration) -> dict[str, str]:
+    """Say of each kind of reading by how much its residuals are beyond noise, nothing where they
+    are not.
     """
-    size, squares = fit.mechanism.characteristic_length, defaultdict[int, float](float)
-    for r in fit.residuals:
-        squares[r.configuration] += (r.value * (size if r.angular else 1.0)) ** 2
-    return rms_of_better_part(np.array(list(squares.values())))
+    m, found, keys = fit.mechanism, dict[str, str](), np.array(fit.problem.model.keys)
+    stated = {o.key for o, r in fit.measurements.channels(m) if r.sigma is not None}
+    spread = 1.0 if fit.tested else fit.chi_square / max(fit.degrees, 1)
+    squares = spread * fit.table("normalised") ** 2
+    for kind, misfit in fit.misfits.items():
+        measure, said = measure_of(m, kind), f"the residuals of {kind} are"
+        unit, coarse = m.characteristic_length, _COARSE_LENGTH
+        if measure == "angle":
+            unit, coarse = 1.0, _COARSE_ANGLE
+        own = squares[:, keys == kind]
+        times = math.sqrt(np.mean(own[np.isfinite(own)])) if np.isfinite(own).any() else 0.0
+        if kind in stated and times > _MAX_NOISE_RATIO:
+            found[kind] = f"{said} {times:.3g} times as large as the noise stated"
+        elif kind not in stated and misfit > coarse * unit:
+            share = f" ({100 * misfit / unit:.2g} % of the size)" if measure == "length" else ""
+            found[kind] = f"{said} {written(m, measure, misfit, '.3g')}{share}"
+    return found
 
 
 # --- changes --------------------------------------------------------------------------------------
