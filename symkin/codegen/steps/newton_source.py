@@ -133,14 +133,13 @@ class NewtonCode:
 
     @property
     def functions(self) -> str:
-        """Rows, residual and step."""
+        """Rows and residual."""
         return fill(
             "functions.c",
             self._values
             | {
                 "residual": self._residual_lines,
                 "rows": self._rows.lines,
-                "move": self._move[1],
             },
         )
 
@@ -200,11 +199,14 @@ class NewtonCode:
         return fill("stand.c", self._values | own)
 
     @property
+    def solver(self) -> str:
+        """The linear solver, and the function that takes a step by it."""
+        return self.linear.text + fill("step.c", self._values | self.moving("w->")[1])
+
+    @property
     def text(self) -> str:
         """All functions in an order in which each is known before it is called."""
-        return (
-            self.work + self.functions + self.target + self.linear.text + self.middle + self.driver
-        )
+        return self.work + self.functions + self.target + self.solver + self.middle + self.driver
 
     @property
     def factoring(self) -> dict[str, object]:
@@ -217,7 +219,7 @@ class NewtonCode:
     @cached_property
     def operations(self) -> dict[str, int]:
         """Operations of one step: rows, matrix, factors and step."""
-        parts = (self._rows.operations, self._move[0].operations, self.linear.operations)
+        parts = (self._rows.operations, self.moving("w->")[0].operations, self.linear.operations)
         return {key: sum(part.get(key, 0) for part in parts) for key in sorted(set().union(*parts))}
 
     # --- statements -------------------------------------------------------------------------------
@@ -242,17 +244,14 @@ class NewtonCode:
                 emitter.lines.append(f"w->d[{shared}] = {text};")
         return emitter
 
-    @cached_property
-    def _move(self) -> tuple[Emitter, list[str]]:
-        """Statements that add the step in w->f to the state and return its squared length."""
-        inputs = ["w->x", "w->f", self.geometry]
-        emitter = Emitter(self.kernel.move_function(), inputs, self.real)
+    def moving(self, w: str) -> tuple[Emitter, dict[str, object]]:
+        """Statements that add the step s to the state of the work space w, "w." or "w->", and text
+        of its squared length, as templates read them.
+        """
+        emitter = Emitter(self.kernel.move_function(), [f"{w}x", "s", self.geometry], self.real)
         moved, squared = emitter.values(0), emitter.value(1, 0)
-        return emitter, [
-            *emitter.lines,
-            *(f"w->x[{i}] = {text};" for i, text in enumerate(moved)),
-            f"return {squared};",
-        ]
+        stores = [f"{w}x[{i}] = {text};" for i, text in enumerate(moved)]
+        return emitter, {"move": [*emitter.lines, *stores], "squared": squared}
 
     @property
     def _residual_lines(self) -> list[str]:
@@ -296,7 +295,6 @@ class NewtonCode:
             "nk": nk,
             "nto": self.known_count or nk,
             "na": m * n,
-            "most": max(m, n),
         }
 
     @property
@@ -315,7 +313,8 @@ class NewtonCode:
         told = [
             f"x: {meaning.state}",
             f"k: {meaning.known}",
-            f"f: {meaning.rows}; then the step: {meaning.step}",
+            f"f: {meaning.rows}",
+            f"s: the step, {meaning.step}",
         ]
         told += [f"d: {meaning.shared}"] if nd else []
         wrapped = [
