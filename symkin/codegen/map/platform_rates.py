@@ -176,7 +176,5 @@ def _stores(made: LimbPlatform, kernel: Kernel) -> list[str]:
     """Statements of the twist from the step's last entries, turns by the size."""
     columns, per_size = COLUMNS[made.mechanism.motion], 1.0 / made.size
     first = kernel.n - len(columns)
-    texts = {
-        c: step_text(first + i, per_size if c > 2 else 1.0) for i, c in enumerate(columns)
-    }
+    texts = {c: step_text(first + i, per_size if c > 2 else 1.0) for i, c in enumerate(columns)}
     return [f"twist[{c}] = {texts.get(c, '0.0')};" for c in range(6)]
