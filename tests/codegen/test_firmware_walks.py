@@ -286,6 +286,24 @@ def test_what_is_ok_beside_a_dead_centre_can_be_held(name, real):
     assert found.slipped <= share * found.ok, found.said
 
 
+@pytest.mark.parametrize("name", ["zhang2009", "hexaglide"])
+def test_answers_of_long_lines_can_be_held(name):
+    """Random lines in float, some of a hundred steps in many parts: an answer's quaternion has
+    length one to a few roundings, as of one part, and the answer as its own guess is OK.
+    """
+    tools.compiler("gcc")
+    directions, ranges = map(tools.bench_module, ("directions", "ranges"))
+    machine = tools.bench_module("subjects").machine_of(name).of("float")
+    (direction,) = directions.directions(machine)
+    goals = ranges.goals_about(direction, 1000, ranges.WIDEST, np.random.default_rng(0))
+    status, found, steps = direction.answers(goals, direction.home.repeated(1000).guesses)
+    ok = status == 0
+    assert steps[ok].max() > 40
+    lengths = np.linalg.norm(found[ok, 3:], axis=1)
+    assert np.max(np.abs(lengths - 1.0)) < 5 * np.finfo(np.float32).eps
+    assert not np.any(direction.answers(goals[ok], found[ok]).status)
+
+
 HELD = {
     # its two chains fold flat, where branches meet
     ("sarrus", "float"): ("foot_x", "head_y"),

@@ -219,7 +219,7 @@ class DirectionSource(MapValues):
         if self.real.name == "float":
             text = text.replace("atan2f(", "atan2(")
         work = "\n".join(line for line in code.work.split("\n") if " x0[" not in line)
-        solver = work + code.functions + code.target + code.linear.text + finish + text
+        solver = work + code.functions + code.target + code.solver + finish + text
         return solver + self._place_text
 
     @property
@@ -284,6 +284,7 @@ class DirectionSource(MapValues):
             return line.splitlines()
         columns = step_columns(self.unknown, self.wanted, made.size)
         near_home = {
+            "nf": self.kernel.n,
             "singular": singular_condition(self.kernel, self.k, "&w"),
             "others": [
                 f"other[{i}] = {self.words[1]}[{i}] + {step_text(*place)};"
@@ -292,7 +293,8 @@ class DirectionSource(MapValues):
             "longest": (_ROUGH * self.sheet.error * made.size) ** 2,
             "line": line,
         }
-        return fill("map_near_home.c", self.names | near_home).splitlines()
+        moved = self.code.moving("w.")[1]
+        return fill("map_near_home.c", self.names | near_home | moved).splitlines()
 
     @property
     def _sheet_text(self) -> str:

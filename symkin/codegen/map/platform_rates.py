@@ -112,7 +112,7 @@ def closure_twist(made: LimbPlatform, values: Mapping[str, object], driver: Kern
         store, aim = _stores(made, kernel), list[str]()
     else:
         joints, target, into = core.joints, core.target, "w->at"
-        store = _of_state(kernel, core.twist, kernel.step, "w->f", made).stored("twist")
+        store = _of_state(kernel, core.twist, kernel.step, "s", made).stored("twist")
         aim = [f"{k}_set_target(w, w->at, 1.0);", f"{k}_rows(w);"]
         if driver is kernel and kernel.reads_known:
             aim += copy("w->k0", "w->k", kernel.known.numel())
@@ -176,7 +176,5 @@ def _stores(made: LimbPlatform, kernel: Kernel) -> list[str]:
     """Statements of the twist from the step's last entries, turns by the size."""
     columns, per_size = COLUMNS[made.mechanism.motion], 1.0 / made.size
     first = kernel.n - len(columns)
-    texts = {
-        c: step_text(first + i, per_size if c > 2 else 1.0, "w->") for i, c in enumerate(columns)
-    }
+    texts = {c: step_text(first + i, per_size if c > 2 else 1.0) for i, c in enumerate(columns)}
     return [f"twist[{c}] = {texts.get(c, '0.0')};" for c in range(6)]

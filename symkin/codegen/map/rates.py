@@ -151,7 +151,8 @@ class SolvedColumns:
             f"    for (int i = 0; i < {self.kernel.m}; ++i) {{",
             f"        w.f[i] = sides[{self.count} * i + j];",
             "    }",
-            f"    {self.k}_solve(&w);",
+            f"    real s[{self.kernel.n}];",
+            f"    {self.k}_solve(&w, s);",
             *("    " + line for line in stores),
             "}",
         ]
@@ -167,9 +168,9 @@ def step_columns(
     return [(k, 1.0 / size if c.is_angular else 1.0) for c in wanted for k in places[c.name]]
 
 
-def step_text(column: int, scale: float, w: str = "w.") -> str:
+def step_text(column: int, scale: float) -> str:
     """Write an entry of the step in its coordinate's unit."""
-    return f"{w}f[{column}]" + (f" * {scale}" if scale != 1.0 else "")
+    return f"s[{column}]" + (f" * {scale}" if scale != 1.0 else "")
 
 
 def _tangent(coordinates: tuple[Coordinate, ...], numbers: ca.SX) -> ca.SX:

@@ -65,7 +65,7 @@ class RodSource(LimbPlatformSource):
             code.functions,
             fill("rod_values.c", self._common | {"lines": self._rod_value_lines}),
             code.target,
-            code.linear.text,
+            code.solver,
             fill("retarget.c", self.values),
             code.driver,
             fill("no_step.c", self.values),

@@ -215,7 +215,7 @@ class UnrolledLU:
         self.emitter.lines += [f"w->a[{self.n * i + j}] = {text};" for j, text in entries.items()]
 
     def solve(self) -> list[str]:
-        """Statements of the forward and back substitution of f into the step, in place."""
+        """Statements of the forward and back substitution of f into the step."""
         n, pivots = self.n, self.pivots
         lines = ["/* forward substitution, the rows in the order of the pivots */"]
         for i in range(n):
@@ -230,7 +230,7 @@ class UnrolledLU:
         return [
             *lines,
             "/* the step in the order of the unknowns */",
-            *(f"w->f[{pivots.columns[i]}] = s{i};" for i in range(n)),
+            *(f"s[{pivots.columns[i]}] = s{i};" for i in range(n)),
         ]
 
 
@@ -336,7 +336,7 @@ def _loops_over_columns(n: int, m: int) -> dict[str, object]:
     ]
     above = [
         f"for (int j = c + 1; j < {n}; ++j) {{",
-        f"    y[c] -= w->r[{n} * c + j] * w->f[j];",
+        f"    y[c] -= w->r[{n} * c + j] * s[j];",
         "}",
     ]
     return {"others": others, "above": above}

@@ -48,7 +48,9 @@ class Kernel:
     `rows` are functions of (state, known, geometry), with `shared` beside them: values that the
     Jacobian reads again. `jacobian` is one of (state, known, geometry, shared_symbols); `moved` and
     `norm` (squared length of the step, angles times the size) of (state, step). `row_length` times
-    a row is a length. `quaternion` is where a unit quaternion begins in `known`, if it has one;
+    a row is a length. `is_pose`: the state is a position and a quaternion, whose length is one but
+    for the rounding of steps. `quaternion` is where a unit quaternion begins in `known`, if it has
+    one;
     `turns` are the places of known values in which the rows are bent, with how much of a radian a
     unit of each is. `meaning` says in comments of the C what state, known values, rows and shared
     values are.
@@ -68,6 +70,7 @@ class Kernel:
     row_length: float
     characteristic_length: float
     meaning: Meaning
+    is_pose: bool = False
     quaternion: int | None = None
     turns: tuple[tuple[int, float], ...] = ()
 

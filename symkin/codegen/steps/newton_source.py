@@ -20,7 +20,7 @@ from symkin.codegen.steps.linear_solver import (
     linear_solver,
 )
 from symkin.codegen.steps.newton_kernel import Kernel, rounded
-from symkin.codegen.text.c import Emitter, Real, block
+from symkin.codegen.text.c import Emitter, Real, block, indexed
 from symkin.codegen.text.templates import common_values, copy, copy_loop, fill
 from symkin.computed_once import cached_property
 from symkin.text import c_comment
@@ -133,14 +133,13 @@ class NewtonCode:
 
     @property
     def functions(self) -> str:
-        """Rows, residual and step."""
+        """Rows and residual."""
         return fill(
             "functions.c",
             self._values
             | {
                 "residual": self._residual_lines,
                 "rows": self._rows.lines,
-                "move": self._move[1],
             },
         )
 
@@ -174,7 +173,7 @@ class NewtonCode:
         """The function that looks at the middle of a part, where known values turn."""
         count = self.kernel.state.numel()
         copies = {
-            "to_begin": copy_loop("end", "w->x", count) + copy_loop("w->x", "w->x0", count),
+            "to_begin": copy_loop("end", "w->x", count) + self._copies_of_state[1],
             "to_end": copy_loop("w->x", "end", count),
             "aimed_at": list[str](),
         }
@@ -200,11 +199,14 @@ class NewtonCode:
         return fill("stand.c", self._values | own)
 
     @property
+    def solver(self) -> str:
+        """The linear solver, and the function that takes a step by it."""
+        return self.linear.text + fill("step.c", self._values | self.moving("w->")[1])
+
+    @property
     def text(self) -> str:
         """All functions in an order in which each is known before it is called."""
-        return (
-            self.work + self.functions + self.target + self.linear.text + self.middle + self.driver
-        )
+        return self.work + self.functions + self.target + self.solver + self.middle + self.driver
 
     @property
     def factoring(self) -> dict[str, object]:
@@ -217,7 +219,7 @@ class NewtonCode:
     @cached_property
     def operations(self) -> dict[str, int]:
         """Operations of one step: rows, matrix, factors and step."""
-        parts = (self._rows.operations, self._move[0].operations, self.linear.operations)
+        parts = (self._rows.operations, self.moving("w->")[0].operations, self.linear.operations)
         return {key: sum(part.get(key, 0) for part in parts) for key in sorted(set().union(*parts))}
 
     # --- statements -------------------------------------------------------------------------------
@@ -242,17 +244,14 @@ class NewtonCode:
                 emitter.lines.append(f"w->d[{shared}] = {text};")
         return emitter
 
-    @cached_property
-    def _move(self) -> tuple[Emitter, list[str]]:
-        """Statements that add the step in w->f to the state and return its squared length."""
-        inputs = ["w->x", "w->f", self.geometry]
-        emitter = Emitter(self.kernel.move_function(), inputs, self.real)
+    def moving(self, w: str) -> tuple[Emitter, dict[str, object]]:
+        """Statements that add the step s to the state of the work space w, "w." or "w->", and text
+        of its squared length, as templates read them.
+        """
+        emitter = Emitter(self.kernel.move_function(), [f"{w}x", "s", self.geometry], self.real)
         moved, squared = emitter.values(0), emitter.value(1, 0)
-        return emitter, [
-            *emitter.lines,
-            *(f"w->x[{i}] = {text};" for i, text in enumerate(moved)),
-            f"return {squared};",
-        ]
+        stores = [f"{w}x[{i}] = {text};" for i, text in enumerate(moved)]
+        return emitter, {"move": [*emitter.lines, *stores], "squared": squared}
 
     @property
     def _residual_lines(self) -> list[str]:
@@ -296,7 +295,6 @@ class NewtonCode:
             "nk": nk,
             "nto": self.known_count or nk,
             "na": m * n,
-            "most": max(m, n),
         }
 
     @property
@@ -315,7 +313,8 @@ class NewtonCode:
         told = [
             f"x: {meaning.state}",
             f"k: {meaning.known}",
-            f"f: {meaning.rows}; then the step: {meaning.step}",
+            f"f: {meaning.rows}",
+            f"s: the step, {meaning.step}",
         ]
         told += [f"d: {meaning.shared}"] if nd else []
         wrapped = [
@@ -332,6 +331,7 @@ class NewtonCode:
         )
         return {
             "meaning": "\n".join(f" * {line}" for line in wrapped),
+            "x0": "name_pose x0" if kernel.is_pose else f"real x0[{kernel.state.numel()}]",
             "at": ""
             if self.retarget
             else (
@@ -398,8 +398,10 @@ class NewtonCode:
         """
         k = self.k
         aim, done = (f"{k}_set_target(GEOMETRY w, to, {part});" for part in ("aim", "done"))
-        state, by_call = self.kernel.state.numel(), bool(self.retarget)
-        kept, save0 = self.keeps_known, copy("w->x0", "w->x", state)
+        is_pose, by_call = self.kernel.is_pose, bool(self.retarget)
+        forth, back_again = self._copies_of_state
+        save0 = forth if is_pose else copy("w->x0", "w->x", self.kernel.state.numel())
+        kept = self.keeps_known
         keep = copy("w->k0", "w->k", self.kernel.known.numel()) if kept else []
         back, begin_target = [done, *keep] if kept else [], [aim]
         if by_call:
@@ -407,7 +409,7 @@ class NewtonCode:
         elif kept and self.measured:
             # the caller has set the kept values, or they are made here
             begin_target, back = [], block("if (!kept)", back)
-            save0 += [f"{k}_set_target(GEOMETRY w, to, 0.0);", *keep, aim]
+            save0 = [*save0, f"{k}_set_target(GEOMETRY w, to, 0.0);", *keep, aim]
         # the matrix reads known values: it is made at the part of the line that is done. Of wide
         # systems it is made at the part aimed at, because shortest steps follow the path more
         # closely by that one
@@ -417,6 +419,8 @@ class NewtonCode:
             return block("if (taken == 0U)", [call]) if reads_known else []
 
         keeping = block("if (taken > 0U)", keep)
+        # a pose is read back where the line goes on: its quaternion's rounding is not added up
+        settled = back_again if is_pose and not by_call else []
         return {
             "begin_target": begin_target,
             "part": "" if by_call else ", real part",
@@ -424,11 +428,21 @@ class NewtonCode:
             "at_done": keeping if kept else first(done),
             "at_aim": first(aim),
             "save0": save0,
-            "advance": [*copy_loop("w->x0", "w->x", state), *keep, self.retarget or aim],
-            "retreat": [self.retarget]
-            if by_call
-            else [*copy_loop("w->x", "w->x0", state), *back, aim],
+            "advance": [*forth, *settled, *keep, self.retarget or aim],
+            "retreat": [self.retarget] if by_call else [*back_again, *back, aim],
         }
+
+    @property
+    def _copies_of_state(self) -> tuple[list[str], list[str]]:
+        """Statements that keep the state where the part that is done ends, and that put it back: a
+        pose by the function that reads poses, which makes its quaternion's length one.
+        """
+        if not self.kernel.is_pose:
+            count = self.kernel.state.numel()
+            return copy_loop("w->x0", "w->x", count), copy_loop("w->x", "w->x0", count)
+        numbers = indexed("w->x0.position", 3) + indexed("w->x0.quaternion", 4)
+        forth = [f"{number} = w->x[{i}];" for i, number in enumerate(numbers)]
+        return forth, ["(void)name_normalise_pose(GEOMETRY &w->x0, w->x);"]
 
     @property
     def _still(self) -> dict[str, object]:
@@ -438,7 +452,7 @@ class NewtonCode:
         constant.
         """
         floor = self.tuning.floor**2
-        epsilon, state = self.real.epsilon, self.kernel.state.numel()
+        epsilon = self.real.epsilon
         rounding = (_ROWS * epsilon * self.kernel.characteristic_length) ** 2
         far = rounded(1.0 / (8.0 * _ROWS * epsilon))
         eighth = (_ROWS * epsilon * self.kernel.characteristic_length * far) ** 2
@@ -457,7 +471,7 @@ class NewtonCode:
                     f"real still2 = {floor}; /* square of a step that is rounding */"
                 ],
                 "noise": [f"still2 = ({test}) ? ({noise}) : {floor};"],
-                "stay": copy_loop("w->x", "w->x0", state),
+                "stay": self._copies_of_state[1],
             }
         put_back = [f"{self.k}_retarget(GEOMETRY w, to, 1.0, 0.0);"]
         return common | {

@@ -428,6 +428,7 @@ def pose_kernel(
         row_length=0.5 / length,
         characteristic_length=size,
         meaning=_meaning(pose),
+        is_pose=pose.motion == "spatial",
         turns=tuple((i, 1.0 if c.is_angular else 1.0 / size) for i, c in enumerate(actuated)),
     )
     return PoseKernel(kernel, joints, stacked(known.values), pose.twist(state, step))

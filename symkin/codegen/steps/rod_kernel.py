@@ -217,4 +217,5 @@ def rod_kernel(mechanism: Mechanism, rods: Rods, geometry: ca.SX, home: Pose) ->
             _ABSOLUTE if rods.home is None else _RELATIVE,
             each_row=tuple(c.name for c in mechanism.actuated),
         ),
+        is_pose=True,
     )

@@ -15,8 +15,7 @@ static name_status name_finish(const name_real x[7], name_real joints[@nn])
     EACH_WHILE(step, @most_steps, (turn != 0) && (size <= @longest2) && (residual > NAME_TOLERANCE + @rounding)) {
         @factor
         if (turn != 0) {
-            solver_solve(w);
-            size = solver_apply_step(w);
+            size = solver_step(w);
             solver_rows(w);
             residual = solver_residual(w);
         }

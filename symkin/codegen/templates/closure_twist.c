@@ -14,12 +14,13 @@
             status = NAME_SINGULAR;
         } else {
             @sides
-            solver_solve(w);
-            status = name_check_finite(w->f, @nf, NAME_OK);
+            name_real s[@nf];
+            solver_solve(w, s);
+            status = name_check_finite(s, @nf, NAME_OK);
+            IF_OK {
+                @store
+            }
         }
-    }
-    IF_OK {
-        @store
     }
     return status;
 }

@@ -1,5 +1,5 @@
-/* The shortest step among those that solve the @n rows, from w->f into w->f: Q y with y R = the rows. */
-static NAME_ALONE void solver_solve(solver_work *w)
+/* The shortest step s among those that solve the @n rows, from w->f: Q y with y R = the rows. */
+static NAME_ALONE void solver_solve(solver_work *w, name_real s[@m])
 {
     name_real y[@n];
     /* forward substitution with R transposed */
@@ -12,9 +12,9 @@ static NAME_ALONE void solver_solve(solver_work *w)
     }
     /* the step Q y */
     EACH(i, @m) {
-        w->f[i] = 0.0;
+        s[i] = 0.0;
         EACH(c, @n) {
-            w->f[i] += w->a[@n * i + c] * y[c];
+            s[i] += w->a[@n * i + c] * y[c];
         }
     }
 }

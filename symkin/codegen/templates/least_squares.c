@@ -1,5 +1,5 @@
-/* The least-squares step from w->f into the first @n entries of w->f. */
-static NAME_ALONE void solver_solve(solver_work *w)
+/* The least-squares step s from w->f. */
+static NAME_ALONE void solver_solve(solver_work *w, name_real s[@n])
 {
     name_real y[@n];
     /* y = Q^T f, and f less its part along each column */
@@ -15,7 +15,7 @@ static NAME_ALONE void solver_solve(solver_work *w)
     /* back substitution with R */
     for (int c = @last; c >= 0; --c) {
         @above
-        w->f[c] = y[c] * w->r[@n * c + c];
+        s[c] = y[c] * w->r[@n * c + c];
     }
 }
 

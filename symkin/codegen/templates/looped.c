@@ -1,6 +1,6 @@
-/* The step from w->f into w->f. */
-static void solver_solve(solver_work *w)
+/* The step s from w->f. */
+static void solver_solve(solver_work *w, name_real s[@n])
 {
-    name_lu_solve(w->a, w->order, w->f, @n);
+    name_lu_solve(w->a, w->order, w->f, s, @n);
 }
 

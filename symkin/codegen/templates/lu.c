@@ -43,8 +43,8 @@ static NAME_COLD int name_lu(name_real *a, uint8_t *order, const name_real *leas
     return sign;
 }
 
-/* Solves for the right side f, in place, with the factors of name_lu. */
-static NAME_COLD void name_lu_solve(const name_real *a, const uint8_t *order, name_real *f, int n)
+/* Solves for the right side f with the factors of name_lu: s, which may be f; f is lost. */
+static NAME_COLD void name_lu_solve(const name_real *a, const uint8_t *order, name_real *f, name_real *s, int n)
 {
     /* forward substitution with the exchanges of rows */
     EACH(c, n) {
@@ -59,7 +59,7 @@ static NAME_COLD void name_lu_solve(const name_real *a, const uint8_t *order, na
     /* back substitution */
     for (int c = n - 1; c >= 0; --c) {
         const name_real t = f[c] * a[n * c + c];
-        f[c] = t;
+        s[c] = t;
         EACH(r, c) {
             f[r] -= a[n * r + c] * t;
         }

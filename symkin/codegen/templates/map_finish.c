@@ -9,8 +9,7 @@ static NAME_SHARED name_status solver_finish(solver_work *w, unsigned int count,
             name_write_info(info, count, residual, 0.0, 0.0);
             return NAME_SINGULAR;
         }
-        solver_solve(w);
-        size = solver_apply_step(w);
+        size = solver_step(w);
         solver_rows(w);
         residual = solver_residual(w);
     }

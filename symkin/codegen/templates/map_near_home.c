@@ -6,9 +6,11 @@ if (near_home) {
     solver_rows(&w);
     near_home = !(@singular);
     if (near_home) {
-        solver_solve(&w);
+        name_real s[@nf];
+        solver_solve(&w, s);
         @others
-        near_home = (solver_apply_step(&w) <= @longest);
+        @move
+        near_home = (@squared <= @longest);
     }
 }
 if (!near_home) {

@@ -10,8 +10,7 @@ static NAME_COLD bool solver_reaches_middle(GEOMETRY_GIVEN solver_work *w, const
     solver_set_target(GEOMETRY w, to, middle);
     EACH(i, 3) {
         solver_rows(GEOMETRY w);
-        solver_solve(w);
-        size[i] = solver_apply_step(GEOMETRY w);
+        size[i] = solver_step(GEOMETRY w);
     }
     @to_end
     return (size[2] <= still2) || ((size[1] <= @contraction2 * size[0]) && (size[2] <= @later2 * size[1]));

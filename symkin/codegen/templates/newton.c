@@ -78,9 +78,8 @@ static name_status solver_newton(GEOMETRY_GIVEN solver_work *w, const name_real 
             @noise
         }
         /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4 to 1/8, later 3/8 to 3/10 (README.md) */
-        solver_solve(w);
         const name_real before = size;
-        size = solver_apply_step(GEOMETRY w);
+        size = solver_step(GEOMETRY w);
         if (taken == 0U) {
             limit = longest2;
             const name_real reach = size * w->spread;

@@ -50,8 +50,7 @@ name_status name_track(GEOMETRY_GIVEN JOINTS_GIVEN, name_pose *pose, name_info *
             status = NAME_SINGULAR;
         } else {
             stepped = true;
-            name_direct_solve(&w);
-            const name_real size = name_direct_apply_step(GEOMETRY &w);
+            const name_real size = name_direct_step(GEOMETRY &w);
             name_write_info(info, 1U, @kappa * size, size, w.spread);
             if (size <= @track2) {
                 @write_tracked

@@ -14,7 +14,7 @@ static NAME_COLD void name_direct_retarget(GEOMETRY_GIVEN name_direct_work *w, c
     }
     name_direct_set_target(GEOMETRY w, goal);
     if (done > 0.0) {
-        COPY(w->x, w->x0, 7)
+        (void)name_normalise_pose(GEOMETRY &w->x0, w->x);
     }
 }
 

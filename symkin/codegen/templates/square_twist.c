@@ -22,7 +22,7 @@
         }
     }
     IF_OK {
-        name_lu_solve(a, order, f, @nq);
+        name_lu_solve(a, order, f, f, @nq);
         @others
         EACH(i, @nq) {
             twist[column[i]] = f[i] * column_scale[i];

@@ -10,11 +10,11 @@ static int solver_factor(GEOMETRY_GIVEN solver_work *w)
     return (w->spread < @guard) ? ((det @sign 0.0) ? 1 : -1) : 0;
 }
 
-/* The step from w->f into w->f: forward and back substitution. */
-static void solver_solve(solver_work *w)
+/* The step s from w->f: forward and back substitution. */
+static void solver_solve(solver_work *w, name_real s[@n])
 {
     if (w->pivoted) {
-        name_lu_solve(w->a, w->order, w->f, @n);
+        name_lu_solve(w->a, w->order, w->f, s, @n);
         return;
     }
     @solve

@@ -3,10 +3,10 @@
  */
 typedef struct {
     name_real x[@ns]; /* state */
-    name_real x0[@ns]; /* state at the part of the line that is done, to which a failed try returns */
+    @x0; /* state at the part of the line that is done, to which a failed try returns */
 @at
     name_real k[@nk]; /* known values aimed at */
-    name_real f[@most]; /* rows; the linear solver leaves the step in their place */
+    name_real f[@m]; /* rows */
 @shared
     name_real a[@na]; /* matrix -df/dstep, row by row; then @factors in its place */
 @r
