@@ -428,7 +428,9 @@ def _first_box(first: _Image) -> np.ndarray:
 def _fixed_points(shrinks: np.ndarray, first: np.ndarray) -> np.ndarray:
     """Bounds (n, w) of |x| where |x| <= first + |E| |x|, |E| at most `shrinks`; infinite where they
     give none."""
-    bound = _solved(np.eye(first.shape[1]) - shrinks, first) * (1.0 + 1e-6) + 1e-300
+    # room for rounding is a share of the largest: what a symmetry keeps at zero has none of its own
+    room = 1e-6 * first.max(axis=1, keepdims=True, initial=0.0) + 1e-300
+    bound = _solved(np.eye(first.shape[1]) - shrinks, first + room)
     holds = (first + _product(shrinks, bound)) * _MANY <= bound
     return np.where((holds & (bound > 0.0)).all(axis=1, keepdims=True), bound, np.inf)
 
