@@ -115,3 +115,16 @@ def test_only_rows_that_follow_from_others_are_left_out_of_a_proof():
     assert moves.certified
     with pytest.raises(symkin.InputError, match="nothing moves one"):
         symkin.track(cranks(1e-3), given={"one": [0.0, 0.5]})
+
+
+@pytest.mark.parametrize("turn", [None, TURN], ids=["home", "turned"])
+def test_a_fold_of_redundant_rows_is_proved(turn):
+    """The slide that a screw's link pushes reaches as far as the crank of (30, 10) lies along it:
+    that is the first singularity, to the error that is proved.
+    """
+    found = symkin.track(loop("screw across", turn), given={"j4": [0.0, -2.0]})
+    assert found.stop is not None
+    assert (found.stop.kind, found.certified) == ("turning point", True)
+    assert found.stop.error is not None
+    reach = (np.hypot(30.0, 10.0) - 30.0) / 2.0
+    assert abs(found.stop.place.parameter - reach) < found.stop.error + 1e-12
