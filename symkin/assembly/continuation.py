@@ -81,8 +81,9 @@ def _screw_note(problem: Problem, sample: Sample, screw: Coordinate) -> str:
 def _continuum_note(problem: Problem) -> str:
     names = ", ".join(c.name for c in problem.system.unknowns)
     return (
-        f"positive-dimensional set: the {problem.name} problem has solutions that are not "
-        f"isolated (in {names}); the modes listed are the isolated ones only"
+        f"positive-dimensional set, as far as rounding tells: the {problem.name} problem has "
+        f"solutions that are not isolated (in {names}), or so near to such a set that they may be "
+        f"of it; the modes listed are the isolated ones only"
     )
 
 
@@ -162,8 +163,8 @@ def _notes(problem: Problem, ends: Ends, *, continuum: bool) -> list[str]:
         notes.append(_continuum_note(problem))
     elif not ends.singular.isolated.all():
         notes.append(
-            "paths ended on a set of complex solutions that are not isolated; no real one of it "
-            "was met"
+            "paths ended on a set of complex solutions that are not isolated to rounding; no real "
+            "one of it was met"
         )
     if missing is not None:
         notes.append(f"{', '.join(c.name for c in problem.system.unknowns)}: {missing}")
@@ -185,7 +186,7 @@ def _missing(ends: Ends) -> str | None:
     # rounding does not tell roots at infinity from those some 1e7 sizes away
     away = f"{ends.at_infinity} are at infinity, or too far off to be told from it"
     parts += [away] if ends.at_infinity else []
-    parts += [f"{sets} end on sets that are not isolated"] if sets else []
+    parts += [f"{sets} end on sets that are not isolated to rounding"] if sets else []
     return (
         f"of {ends.paths} generic complex solutions {', '.join(parts)} at these values"
         if parts

@@ -94,8 +94,8 @@ class Plan:
             ()
             if free is None
             else (
-                f"{free} about the reference: what solutions of that assembly there are at these "
-                f"values are not isolated",
+                f"{free} about the reference: solutions of that motion, where there are any at "
+                f"these values, are not isolated; those listed are of others",
             )
         )
 

@@ -17,6 +17,7 @@ from typing import Literal
 import numpy as np
 
 from symkin.following.cubic import Cubic
+from symkin.following.dependent_rows import redundant_rows_bound, rows_suffice
 from symkin.following.joint_limits import Limit, LimitWatch
 from symkin.following.path_system import NEWTON_ARRIVED, PathSystem, along
 from symkin.following.singular_point import Fold, SingularPoint, find_singular_point, prove_fold
@@ -24,7 +25,6 @@ from symkin.following.station import (
     ALONE,
     Station,
     interval_of,
-    redundant_rows_bound,
     station_at,
     station_near,
     stations_near,
@@ -102,7 +102,8 @@ class BlockFollower:
     comes back to itself, `begun` is the first station of the present one. `ahead` holds steps that
     have been proved, by row of the path up to row `looked`, before it is known that they are
     joined; `goes_on` tells that as many were found as are looked for at once. `closed` is the
-    largest closure error (length unit) of closed loops.
+    largest closure error (length unit) of closed loops. `suffices`: no row is redundant but such as
+    follow from the others (see `dependent_rows`).
     """
 
     system: PathSystem
@@ -123,6 +124,7 @@ class BlockFollower:
     stop: BlockStop | None = None
     passed: list[Station] = field(default_factory=list)
     closed: float = 0.0
+    suffices: bool = True
 
     @staticmethod
     def begin(
@@ -133,6 +135,8 @@ class BlockFollower:
         size = system.problem.closure.characteristic_length
         station = station_near(interval, 0, unknown[system.places] / system.scale, 0.0)
         follower = BlockFollower(system, trajectory, watch, interval, station)
+        known = trajectory.samples[:1]
+        follower.suffices = bool(rows_suffice(system, station.z[None], known)[0])
         left, follower.closed = follower._closure_error(follower.station), CLOSURE_TOLERANCE * size
         if follower.closed < left <= DIGITS * size:
             follower.closed = min(_MORE_MISFIT * left, DIGITS * size)
@@ -155,11 +159,11 @@ class BlockFollower:
     def _intervals(self, rows: Sequence[int]) -> Interval:
         """The intervals of several rows of the path."""
         c = [interval_of(self.system, self.trajectory, row).c[0] for row in rows]
-        return Interval(self.system, np.array(c))
+        return Interval(self.system, np.array(c), self.suffices and not self.system.is_square)
 
     def enter(self, row: int) -> None:
         """Stand at the beginning of an interval, where the branch may have a corner."""
-        self.interval, self.curves = interval_of(self.system, self.trajectory, row), []
+        self.interval, self.curves = self._intervals([row]), []
         if row > self.looked:
             self._look_ahead(row)
         begin, known = np.append(self.station.z, 0.0), self.ahead.get(row, [])
@@ -168,6 +172,9 @@ class BlockFollower:
         else:
             self.station = station_at(self.interval, row, begin)
             self.ahead.pop(row, None)
+        if self.link is not None and self.interval.of_combinations:
+            combined = self.link.tubes.combined
+            self.station = station_at(self.interval, row, self.station.y, combined)
         self._record()
         self.begun = self.station
         away = np.abs(self.station.y - begin)
@@ -231,10 +238,10 @@ class BlockFollower:
             and np.array_equal(step.begin.half, station.half)  # type: ignore[arg-type]
         ):
             return step
-        away = np.abs(step.begin.y - station.y)
-        if self.link is None or not self._may_be(step.begin, station.y):
+        if station.half is None or not self._may_be(step.begin, station.y):
             return None
-        return step if self.link.holds(step.begin.half, away) else None
+        joined = step.tubes.hold(0.0, station.y[None], station.half[None])
+        return step if joined[0] else None
 
     def _may_be(self, station: Station, y: np.ndarray) -> bool:
         """Whether a station that was found ahead is that at y, up to rounding."""
@@ -307,7 +314,8 @@ class BlockFollower:
         curve, tubes = next((c, t) for c, t in self.curves if place <= c.control[-1, -1])
         share = curve.share_at(place)
         guess = closed.moved(curve.at(share)[:-1], times)
-        there = station_near(self.interval, row, guess, u)
+        combined = tubes.combined if self.interval.of_combinations else None
+        there = station_near(self.interval, row, guess, u, combined)
         if not there.is_regular or there.half is None:
             return False
         away = np.abs(there.z - guess) + _ROUNDED_SHARE * np.abs(there.slope)

@@ -17,6 +17,7 @@ from operator import attrgetter
 import numpy as np
 
 from symkin.following.block_follower import SAME_PLACE, BlockFollower, Ending
+from symkin.following.dependent_rows import rows_suffice
 from symkin.following.joint_limits import Limit, LimitWatch
 from symkin.following.path_system import path_systems
 from symkin.following.station import stations_near
@@ -111,22 +112,25 @@ class Branch:
         return list(zip(shares, unknown, strict=True))
 
     @property
-    def is_square(self) -> bool:
-        return all(block.system.is_square for block in self.blocks)
+    def suffices(self) -> bool:
+        """Whether rows are as many as unknowns, but for such as follow from the others."""
+        return all(block.suffices for block in self.blocks)
 
     @property
     def proves_pieces(self) -> bool:
         """Whether the way from each of the `places` to the next one is proved."""
         return self.formula or (
-            self.is_square and all(place.radius is not None for place in self.places)
+            self.suffices and all(place.radius is not None for place in self.places)
         )
 
     @property
     def proved(self) -> bool:
-        """Whether rows are as many as unknowns, and proofs lead to the end."""
+        """Whether no row is redundant but such as follow from others, and proofs lead to the
+        end.
+        """
         if self.formula:
             return True
-        if not self.is_square or self.places[0].radius is None:
+        if not self.suffices or self.places[0].radius is None:
             return False
         folds = all(w.stop is not None and w.stop.fold is not None for w in self.stopped)
         return self.ending not in ("open", "unproved") and (folds or self.ending == "limit")
@@ -216,11 +220,13 @@ def joined(
 class Carried:
     """Configurations that were followed from one sample to another, all together: their unknowns
     `end` (n, w) where they have come to, whether they `reached` (n,) the other sample without a
-    singularity, and the ways of their blocks.
+    singularity, and the ways of their blocks; `suffices` (n,) says whether no row is redundant but
+    such as follow from others.
     """
 
     end: np.ndarray
     reached: np.ndarray
+    suffices: np.ndarray
     ways: tuple[Ways, ...]
 
     def steps_of(self, k: int) -> list[list[Step]]:
@@ -233,11 +239,14 @@ def carried(
 ) -> Carried:
     """Follow configurations by their unknowns (n, w), each from one sample to another."""
     end, reached, blocks = begin.copy(), np.ones(len(begin), dtype=bool), []
+    suffices, known = reached.copy(), np.array([a for a, _ in samples])
     c = np.array([coefficients(problem.known_coordinates, a, b) for a, b in samples])
     which = np.arange(len(begin), dtype=np.intc)
     for system in path_systems(problem):
-        interval = Interval(system, c)
         y = np.append(begin[:, system.places] / system.scale, np.zeros((len(begin), 1)), axis=1)
+        own = rows_suffice(system, y[:, :-1], known)
+        suffices &= own
+        interval = Interval(system, c, bool(own.all()) and not system.is_square)
         found = ways(interval, stations_near(interval, y, which), np.ones(len(begin)), which)
         for numbers, _, there, *_ in found.rounds if not system.is_square else ():
             left = np.abs(interval.evaluate(there.y, numbers)[0]).max(axis=1, initial=0.0)
@@ -245,7 +254,7 @@ def carried(
         reached &= found.last.y[:, -1] == 1.0
         end[:, system.places] = system.unknowns(found.last.y[:, :-1])
         blocks.append(found)
-    return Carried(end, reached, tuple(blocks))
+    return Carried(end, reached, suffices, tuple(blocks))
 
 
 # --- on what ground -------------------------------------------------------------------------------
@@ -268,11 +277,11 @@ def ground(branch: Branch, certified: bool, residual: float, length_unit: str) -
     if certified:
         return (
             f"proved: {steps}, in each of which ball arithmetic shows exactly one solution for "
-            f"every input{_last_tube(branch)}{turns}"
+            f"every input{_last_tube(branch)}{turns}{_dependent_rows(branch)}"
         )
     if not branch.blocks:
         return "checked: nothing was followed"
-    if branch.is_square:
+    if branch.suffices:
         return (
             f"proved up to parameter {branch.followed:.9g} by {steps}, in each of which ball "
             f"arithmetic shows exactly one "
@@ -289,6 +298,17 @@ def ground(branch: Branch, certified: bool, residual: float, length_unit: str) -
         f"{_existence(branch, residual, length_unit)}"
         + _redundant_rows(branch, length_unit)
         + turns
+    )
+
+
+def _dependent_rows(branch: Branch) -> str:
+    """Which rows no proof needs."""
+    beyond = sum(block.system.count - block.system.width for block in branch.blocks)
+    if not beyond:
+        return ""
+    return (
+        f"; {counted(beyond, 'row')} more than unknowns follow from the others: at random "
+        "configurations they vanish with them"
     )
 
 

@@ -134,7 +134,7 @@ def _across_folds(
         for parts in product(*sides)
     ]
     opposite = None
-    if all(block.system.is_square for block in turning):
+    if all(block.suffices for block in turning):
         signs = ({_sign(block, z, u) for z in own} for block, own in turning.items())
         opposite = all(own == {-1.0, 1.0} for own in signs)
     return numbers[0], [number for number in numbers if number is not None], opposite
@@ -218,6 +218,9 @@ def _sides(block: BlockFollower, u: float) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _sign(block: BlockFollower, z: np.ndarray, u: float) -> float:
-    """The sign of det dG/dz."""
-    jacobian = block.system.evaluate(np.append(z, u)[None], block.interval.c)[1][0]
-    return float(np.linalg.slogdet(jacobian[:, :-1])[0])
+    """The sign of det dG/dz, of redundant rows in the combinations that the turning point has."""
+    point: SingularPoint = block.stop.singular  # type: ignore[assignment, union-attr]
+    y = np.array([point.y, np.append(z, u)])
+    there, here = block.system.evaluate(y, np.repeat(block.interval.c, 2, axis=0))[1]
+    combined = np.linalg.svd(there)[0][:, : block.system.width].T
+    return float(np.linalg.slogdet(combined @ here[:, :-1])[0])

@@ -25,7 +25,6 @@ from symkin.following.follow import carried
 from symkin.following.machine_path import MachinePath, machine_path
 from symkin.following.meeting_modes import listed_unknowns, nearest_mode
 from symkin.following.options import GraphOptions
-from symkin.following.path_system import path_systems
 from symkin.following.track import branch_from
 from symkin.following.trajectory import Trajectory, make_trajectory
 from symkin.model.joined import Joined, back, tree_from
@@ -285,10 +284,9 @@ def _ends(unknowns: Sequence[np.ndarray], ways_out: Sequence[_WayOut]) -> list[C
     samples = [(w.path.samples[w.row], w.path.samples[w.row + 1]) for w in ways_out]
     there = carried(problem, begin, samples)
     end = there.end
-    square = all(system.is_square for system in path_systems(problem))
     ends: list[Carried] = []
     for k, w in enumerate(ways_out):
-        proved = square
+        proved = bool(there.suffices[k])
         if not there.reached[k]:
             branch = branch_from(begin[k], w.alone(), limits=False, known=there.steps_of(k))
             if branch.ending != "reached":

@@ -174,8 +174,8 @@ def _extended(system: PathSystem, count: int, whole: bool) -> ca.Function:
 
 @lru_cache(maxsize=128)
 def turning_system(system: PathSystem) -> PathSystem:
-    """G = 0 and dG/dz v = 0 in (z, v, u): 2 w rows, to be completed by v0.v = 1, for a proof of a
-    turning point.
+    """G = 0 and dG/dz v = 0 in (z, v, u): twice as many rows, to be completed by v0.v = 1, for a
+    proof of a turning point.
     """
     w = system.width
     v = ca.SX.sym("v", w)
@@ -191,43 +191,44 @@ _SHORTEST_WAY = 1e-11
 @dataclass(frozen=True)
 class Fold:
     """A tube leads to a turning point. `error`: a box of this half width in u is proved to hold
-    exactly one turning point, the first singularity after the station; None where rows are
-    redundant, so that nothing of this is proved.
+    exactly one turning point, the first singularity after the station.
     """
 
-    error: float | None
+    error: float
 
 
 def prove_fold(interval: Interval, station: Station, point: SingularPoint) -> Fold | None:
     """Go from a station to the turning point ahead; None where that is not proved."""
-    half, is_square = station.half, interval.system.is_square
+    half = station.half
     v = np.where(point.null[:, 0] @ station.slope > 0.0, 1.0, -1.0) * point.null[:, 0]
     if half is None or float(v @ (point.y - station.y)[:-1]) <= _SHORTEST_WAY:
         return None
-    box = _turning_box(interval, point) if is_square else None
-    if is_square and box is None:
-        return None
     begin, end = station.several, point.y[None]
     curve = between((begin.y, begin.tangent), (end, np.append(v, 0.0)[None]))
-    boxes = [begin.half] if box is None else [begin.half, box[None]]
-    tubes = interval.tubes(curve, ALONE, *boxes)
-    if not tubes.hold(0.0, begin.y, begin.half)[0]:
-        return None
+    tubes = interval.tubes(curve, ALONE, begin.half)
+    box = _turning_box(interval, point, tubes.combined[0])
     if box is None:
-        return Fold(None)
-    if not tubes.hold(1.0, end, box[None])[0] or not interval.folds(tubes, ALONE)[0]:
+        return None
+    tubes = interval.tubes(curve, ALONE, begin.half, box[None])
+    holds = tubes.hold(0.0, begin.y, begin.half)[0] and tubes.hold(1.0, end, box[None])[0]
+    if not holds or not interval.folds(tubes, ALONE)[0]:
         return None
     return Fold(float(box[-1]))
 
 
-def _turning_box(interval: Interval, point: SingularPoint) -> np.ndarray | None:
+def _turning_box(
+    interval: Interval, point: SingularPoint, combined: np.ndarray
+) -> np.ndarray | None:
     """Half widths (w + 1,) of a box about the point that is proved to hold exactly one turning
-    point.
+    point of the `combined` rows.
     """
     v = point.null[:, 0]
     y = np.concatenate([point.y[:-1], v, point.y[-1:]])[None]
     direction = np.concatenate([np.zeros(len(v)), v, [0.0]])
     across = np.linalg.svd(direction[None])[2][1:].T
     turning = Interval(turning_system(interval.system), interval.c)
-    half = turning.boxes(y, turning.evaluate(y, ALONE)[1], across, ALONE)[0]
+    rows = None
+    if not interval.system.is_square:
+        rows = np.kron(np.eye(2), combined)[None]
+    half = turning.boxes(y, turning.evaluate(y, ALONE)[1], across, ALONE, rows)[0]
     return np.append(half[: len(v)], half[-1]) if np.isfinite(half).all() else None

@@ -8,11 +8,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from symkin.certificate.disc_arithmetic import UP
 from symkin.following.path_system import NEWTON_ARRIVED, PathSystem, along
 from symkin.following.trajectory import Trajectory, coefficients
 from symkin.following.tube import Interval
-from symkin.numeric.rank import most_independent
 
 ALONE = np.zeros(1, dtype=np.intc)
 """The number of the only interval."""
@@ -109,36 +107,46 @@ def interval_of(system: PathSystem, trajectory: Trajectory, row: int) -> Interva
     return Interval(system, c[None])
 
 
-def station_near(interval: Interval, row: int, z: np.ndarray, u: float) -> Station:
+def station_near(
+    interval: Interval, row: int, z: np.ndarray, u: float, combined: np.ndarray | None = None
+) -> Station:
     """The station that Newton reaches from z at a fixed u; its slope is NaN where it reaches
     none.
     """
-    return stations_near(interval, np.append(z, u)[None], ALONE).one(row)
+    return stations_near(interval, np.append(z, u)[None], ALONE, combined).one(row)
 
 
-def station_at(interval: Interval, row: int, y: np.ndarray) -> Station:
+def station_at(
+    interval: Interval, row: int, y: np.ndarray, combined: np.ndarray | None = None
+) -> Station:
     """The station at a root y."""
     jacobian = interval.evaluate(y[None], ALONE)[1]
-    return _stations_at(interval, y[None], jacobian, ALONE).one(row)
+    return _stations_at(interval, y[None], jacobian, ALONE, combined).one(row)
 
 
-def stations_near(interval: Interval, y: np.ndarray, which: np.ndarray) -> Stations:
-    """The stations that Newton reaches from points at their u."""
+def stations_near(
+    interval: Interval, y: np.ndarray, which: np.ndarray, combined: np.ndarray | None = None
+) -> Stations:
+    """The stations that Newton reaches from points at their u, with boxes of `combined` rows."""
     y, jacobian, size = interval.system.correct(y, interval.c[which])
-    found = _stations_at(interval, y, jacobian, which)
+    found = _stations_at(interval, y, jacobian, which, combined)
     lost = ~(size < NEWTON_ARRIVED)
     found.slope[lost], found.half[lost], found.sigma[lost] = np.nan, np.inf, np.nan
     return found
 
 
 def _stations_at(
-    interval: Interval, y: np.ndarray, jacobian: np.ndarray, which: np.ndarray
+    interval: Interval,
+    y: np.ndarray,
+    jacobian: np.ndarray,
+    which: np.ndarray,
+    combined: np.ndarray | None,
 ) -> Stations:
     """The stations at roots y with dG/dy there: dz/du = -(dG/dz)^-1 dG/du."""
     width = interval.system.width
     slope = along(jacobian)
     across = np.eye(width + 1)[:, :-1]
-    half = interval.boxes(y, jacobian, across, which)
+    half = interval.boxes(y, jacobian, across, which, combined)
     return Stations(y, slope, half, _least_singular_values(jacobian))
 
 
@@ -157,21 +165,3 @@ def _least_singular_values(jacobian: np.ndarray) -> np.ndarray:
     if width and jacobian.shape[1] >= width:
         sigma[fine] = np.linalg.svd(jacobian[fine, :, :-1], compute_uv=False)[:, -1]
     return sigma
-
-
-def redundant_rows_bound(interval: Interval, y: np.ndarray, which: np.ndarray) -> float:
-    """An upper bound (length unit) of all rows at the exact roots near points y (n, w + 1), at
-    their u, of as many independent rows as unknowns; infinite where no such root is proved.
-    """
-    width = interval.system.width
-    jacobian = interval.evaluate(y, which)[1]
-    chosen = most_independent(jacobian[..., :-1], width)
-    if (np.count_nonzero(chosen, axis=1) < width).any():
-        return float("inf")
-    rows = np.nonzero(chosen)[1].reshape(len(y), width)
-    half = interval.boxes(y, jacobian, np.eye(width + 1)[:, :-1], which, rows)
-    value = interval.value(y, half, which)
-    beyond = (np.abs(value.middle) + value.radius)[..., 0][~chosen]
-    size = interval.system.problem.closure.characteristic_length
-    bound = float(np.max(beyond, initial=0.0)) * size * UP
-    return bound if bound == bound else float("inf")

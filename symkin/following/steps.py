@@ -72,6 +72,8 @@ def steps(
     b = stations_near(interval, y, which)
     curve = between((a.y, a.tangent), (b.y, b.tangent))
     tubes = interval.tubes(curve, which, a.half, b.half)
+    if interval.of_combinations:
+        b.half[:] = stations_near(interval, b.y, which, tubes.combined).half
     proved = tubes.grows & tubes.hold(0.0, a.y, a.half) & tubes.hold(1.0, b.y, b.half)
     return b, curve, tubes, proved
 

@@ -131,9 +131,9 @@ def _singular_stop(path: MachinePath, branch: Branch, kept: list[Sample], name_m
     problem, last = path.written.problem, branch.last
     stops = [b.stop for b in branch.stopped if b.stop is not None]
     points = [s.singular for s in stops if s.singular is not None]
+    folds = [s.fold for s in stops] if branch.suffices else [None]
     place = make_sample(path, last, kept[-1], branch.way(last.row, last.u))
     found = classify(place.solution, roles=roles_followed(problem))
-    errors = [None if s.fold is None else s.fold.error for s in stops]
     return Stop(
         kind=next(
             (k for k in ("bifurcation", "degenerate") if any(p.kind == k for p in points)),
@@ -147,7 +147,7 @@ def _singular_stop(path: MachinePath, branch: Branch, kept: list[Sample], name_m
         kinds=found.kinds,
         groups=_groups(problem, place),
         meeting=meeting_modes(path, branch) if name_modes else None,
-        error=None if None in errors else max(e for e in errors if e is not None),
+        error=None if None in folds else max(fold.error for fold in folds if fold is not None),
         blocks=len(points),
     )
 

@@ -15,9 +15,13 @@ each t: one branch runs through the tube, and it is regular. Its tangent is e + 
 solution for every u, and dG/dz is regular: no singularity. Where it changes its sign, and d2u/ds2 <
 0 is proved, there is one fold. A tube without length is a box about a point.
 
-Where rows are redundant M is a pseudo-inverse; then at most one root is proved, and its existence
-rests on the residual. The path's coefficients are discs of a radius of about 2e-15 (of the size, or
-rad), in which the samples as given lie.
+Where rows are redundant M is a pseudo-inverse, and what is proved is proved of the combinations M G
+of rows. Where these are known to vanish nowhere on the branch without all rows (see
+`dependent_rows.rows_suffice`), this holds from tube to tube: a root of all rows that lies in the
+next tube is the root of its combinations there, and rows that vanish on a piece of an analytic
+branch vanish on all of it. Else at most one root is proved, and its existence rests on the
+residual. The path's coefficients are discs of a radius of about 2e-15 (of the size, or rad), in
+which the samples as given lie.
 """
 
 from __future__ import annotations
@@ -61,7 +65,8 @@ ends lie in it.
 @dataclass(frozen=True, eq=False)
 class Tubes:
     """Tubes (n,) about curves in coordinates times a `unit` (n, w + 1), with boxes `half` (n, w) in
-    those of the `frame` (n, w + 1, w + 1), whose last column is e; those that are `proved` (n,)
+    those of the `frame` (n, w + 1, w + 1), whose last column is e, of the rows that `combined` M
+    (n, w, rows) makes; those that are `proved` (n,)
     hold one branch each, and `grows` (n,) says whether the path parameter is proved to grow along
     it. `tightness` (n,) is the share of the box that its image fills; `effort` (n,) grows about as
     the square of the curve's length.
@@ -70,6 +75,7 @@ class Tubes:
     curve: Cubic
     unit: np.ndarray
     frame: np.ndarray
+    combined: np.ndarray
     half: np.ndarray
     proved: np.ndarray
     grows: np.ndarray
@@ -107,11 +113,13 @@ class Tubes:
 @dataclass(frozen=True, eq=False)
 class Interval:
     """The rows with the coefficients (k, coefficients) of k intervals of the path bound: points are
-    on the interval whose number `which` (n,) tells.
+    on the interval whose number `which` (n,) tells. `of_combinations`: rows are redundant but such
+    as follow from others, so that boxes are of the combinations of rows that tubes are of.
     """
 
     system: PathSystem
     c: np.ndarray
+    of_combinations: bool = False
 
     def evaluate(self, y: np.ndarray, which: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """G (n, rows) and dG/dy (n, rows, w + 1) in doubles."""
@@ -193,7 +201,8 @@ class Interval:
         effort = _largest_eigenvalue(first.shrinks)
         up = operator.frame[:, -1, -1] - found.sideways
         grows = proved & (up > _FRAME_ROUNDING)
-        return Tubes(operator.curve, unit, operator.frame, half, proved, grows, fill, effort)
+        frame, combined = operator.frame, operator.inverse
+        return Tubes(operator.curve, unit, frame, combined, half, proved, grows, fill, effort)
 
     def folds(self, tubes: Tubes, which: np.ndarray) -> np.ndarray:
         """Whether d2u/ds2 < 0 is proved for the branches in tubes (n,) over s = e.y, so that u has
@@ -220,20 +229,23 @@ class Interval:
         jacobian: np.ndarray,
         across: np.ndarray,
         which: np.ndarray,
-        rows: np.ndarray | None = None,
+        combined: np.ndarray | None = None,
     ) -> np.ndarray:
         """Half widths (n, w + 1) of boxes about points y that hold exactly one root on y + across w
-        (`across` (w + 1, w)), infinite where none is proved; of the rows (n, w) alone that are told
-        by number.
+        (`across` (w + 1, w)), infinite where none is proved; of `combined` rows (n, w, rows), those
+        of a pseudo-inverse if none are told.
         """
-        inverse = inverses(Matrix(jacobian, jacobian).only(rows).middle @ across)
-        value = self.value(y, np.zeros(y.shape), which).only(rows)
+        if combined is None:
+            inverse = inverses(jacobian @ across)
+        else:
+            inverse = inverses(combined @ jacobian @ across) @ combined
+        value = self.value(y, np.zeros(y.shape), which)
         step = value.moved(inverse, np.ones(1))
         half = 2.5 * step + 0.01 * step.max(axis=1, keepdims=True, initial=0.0) + 1e-17
         wide = np.abs(across)
         for _ in range(_TRIALS):
             spread = half @ wide.T * _MANY
-            shrinks = self.slope(y, spread, which).only(rows).shrinks(inverse, across)
+            shrinks = self.slope(y, spread, which).shrinks(inverse, across)
             image = (step + _product(shrinks, half)) * _MANY
             fits = (image <= _LARGEST_FILL * half) & (half < _WIDEST_BOX)
             proved = fits.all(axis=1)
@@ -259,13 +271,6 @@ class Matrix:
     def over(self, unit: np.ndarray) -> Matrix:
         """The columns over powers of two (n, b)."""
         return Matrix(self.middle / unit[:, None], self.radius / unit[:, None])
-
-    def only(self, rows: np.ndarray | None) -> Matrix:
-        """Some of the rows (n, k) by number; all without."""
-        if rows is None:
-            return self
-        places = rows[:, :, None]
-        return Matrix(*(np.take_along_axis(a, places, 1) for a in (self.middle, self.radius)))
 
     def shaped(self, shape: tuple[int, int]) -> Matrix:
         """The same entries, row by row, in another shape."""
@@ -423,7 +428,9 @@ def _first_box(first: _Image) -> np.ndarray:
 def _fixed_points(shrinks: np.ndarray, first: np.ndarray) -> np.ndarray:
     """Bounds (n, w) of |x| where |x| <= first + |E| |x|, |E| at most `shrinks`; infinite where they
     give none."""
-    bound = _solved(np.eye(first.shape[1]) - shrinks, first) * (1.0 + 1e-6) + 1e-300
+    # room for rounding is a share of the largest: what a symmetry keeps at zero has none of its own
+    room = 1e-6 * first.max(axis=1, keepdims=True, initial=0.0) + 1e-300
+    bound = _solved(np.eye(first.shape[1]) - shrinks, first + room)
     holds = (first + _product(shrinks, bound)) * _MANY <= bound
     return np.where((holds & (bound > 0.0)).all(axis=1, keepdims=True), bound, np.inf)
 

@@ -22,7 +22,8 @@ from symkin.spatial.pose import Pose
 from symkin.text import plain
 
 SINGULAR_NOTE = "singular: the solution is multiple or nearly so, and known to fewer digits"
-DOUBLE_NOTE = "double: two solutions or more meet here within rounding"
+SIMPLE_NOTE = "nearly singular: one solution, known to fewer digits"
+DOUBLE_NOTE = "double: to rounding, two solutions or more meet here, or a set of them passes"
 
 
 @dataclass(frozen=True)

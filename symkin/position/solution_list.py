@@ -18,7 +18,13 @@ from symkin.position.determination import what_is_free
 from symkin.position.groups import structure_groups
 from symkin.position.problem import Problem
 from symkin.position.readings import poses_of, within_limits, writing_of
-from symkin.position.solution import DOUBLE_NOTE, SINGULAR_NOTE, Solution, named_values
+from symkin.position.solution import (
+    DOUBLE_NOTE,
+    SIMPLE_NOTE,
+    SINGULAR_NOTE,
+    Solution,
+    named_values,
+)
 from symkin.spatial.pose import Pose
 
 
@@ -138,8 +144,11 @@ class SolutionList(Sequence[Solution]):
         if meet < 0:
             return ()
         # one exact solution alone is proved near a certified one, however weak its rows are
-        double = (DOUBLE_NOTE,) if meet and self.certified[i] != 1 else ()
-        return double if self.condition[i] < SINGULAR_CONDITION else (*double, SINGULAR_NOTE)
+        is_simple = self.certified[i] == 1
+        double = (DOUBLE_NOTE,) if meet and not is_simple else ()
+        if self.condition[i] < SINGULAR_CONDITION:
+            return double
+        return (*double, SIMPLE_NOTE if is_simple else SINGULAR_NOTE)
 
 
 def checked_solutions(

@@ -90,22 +90,6 @@ def test_a_count_below_the_generic_one_says_where_the_others_are():
         assert bool(told) == (found.complex_count < 28)
 
 
-@pytest.mark.slow
-def test_a_track_of_redundant_rows_says_what_is_proved_at_its_steps():
-    """Not certified, and the bound that it states holds of every sample's residual within what the
-    residual adds.
-    """
-    machine = symkin.load("zhao2000_links")
-    first = symkin.modes(machine)[0]
-    begin = list(first.actuated_values)
-    end = [v + d for v, d in zip(begin, (0.5, -0.4, 0.3, 0.6), strict=True)]
-    track = symkin.track(machine, joints=[begin, end], start=first)
-    assert track.certified is False
-    assert "independent rows as unknowns vanish" in track.ground
-    bound = float(track.ground.split("no other row is more than ")[1].split()[0])
-    assert 0.0 < bound < 1e-8
-
-
 def test_modes_of_many_inputs_have_the_same_grounds_as_one_by_one():
     """A rod of each pair is redundant: what is proved of a configuration does not depend on the
     inputs beside it.

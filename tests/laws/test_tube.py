@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -140,3 +141,16 @@ def test_curvature_of_the_path_parameter_is_proved_at_a_fold(path, folds):
     slopes = [float(v[1][0, -1]) for v in (a, b)]
     assert tubes.grows.all() <= (min(slopes) > 0.0 or max(slopes) < 0.0)
     assert interval.folds(tubes, ALONE).all() == folds
+
+
+def test_a_symmetry_that_keeps_unknowns_still_costs_no_steps():
+    """A delta whose platform does not turn, and one with a rod's end moved by 0.5 of 520: as many
+    steps, to a factor of two.
+    """
+    symmetric = symkin.load("delta_parallelograms")
+    first, *others = symmetric.link_rods
+    moved = replace(first, start=tuple(v + 0.5 for v in first.start))
+    general = replace(symmetric, link_rods=(moved, *others))
+    joints = [[0, 0, 0], [10, 20, 5]]
+    steps = [symkin.track(machine, joints=joints).steps for machine in (symmetric, general)]
+    assert steps[0] <= 2 * steps[1]
