@@ -318,10 +318,9 @@ class Block:
 
 
 def _wrapped(text: str, width: float) -> list[str]:
-    """The lines of a panel's text, of `width` pixels."""
-    return [
-        part for line in text.split("\n") for part in textwrap.wrap(line, int(width / 9.6)) or [""]
-    ]
+    """The lines of a panel's text, of `width` pixels; a unit stays beside its values."""
+    lines = text.replace(") ", ")\N{NO-BREAK SPACE}").split("\n")
+    return [part for line in lines for part in textwrap.wrap(line, int(width / 9.6)) or [""]]
 
 
 def _columns(count: int, sides: int, cell: float) -> int:
