@@ -201,10 +201,10 @@ SEARCH_ALL = """rows => rows.map(row => {
 
 @pytest.mark.parametrize("name", in_gate(EQUAL, ["delta", "zhao2000_links", "3-RRR"]))
 def test_modes_are_those_of_symkin(name: str, open_page: Callable[..., Any]) -> None:
-    """At 20 inputs each mode of either list stands in the other, to rounding that its condition
+    """At 40 inputs each mode of either list stands in the other, to rounding that its condition
     multiplies."""
     mechanism = EQUAL[name]()
-    rows = random_rows(mechanism, 20, seed=11, share=0.1)
+    rows = random_rows(mechanism, 40, seed=11, share=0.1)
     told = open_page(page_of(mechanism)).evaluate(SEARCH_ALL, rows)
     found = symkin.modes(mechanism, joints=[one["at"] for one in told])
     for one, every in zip(told, found, strict=True):
