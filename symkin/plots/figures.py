@@ -136,7 +136,7 @@ def figure_of_sketch(mechanism: Mechanism, names: str = "all") -> Figure:
         ]
         heading(ax, mechanism, ["; ".join(facts)], _WIDTH, _HEIGHT)
         look = {"named": named, "origin": side.origin}
-        draw_legend(ax, [layout], [camera], scale, _WIDTH, 0.0, **look)
+        draw_legend(ax, [layout], [camera], scale, (_WIDTH, 0.0), **look)
     return figure
 
 
@@ -314,7 +314,7 @@ class Block:
             "twists": any(panel.twists for panel in self.panels),
         }
         cameras = [side.camera for side in self.sides]
-        draw_legend(ax, layouts, cameras, self.scale, width, foot, **look)
+        draw_legend(ax, layouts, cameras, self.scale, (width, foot), **look)
 
 
 def _wrapped(text: str, width: float) -> list[str]:

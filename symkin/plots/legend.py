@@ -43,8 +43,7 @@ def draw_legend(
     layouts: Sequence[Layout],
     cameras: Sequence[Camera],
     scale: float,
-    width: float,
-    foot: float,
+    place: tuple[float, float],
     *,
     named: bool,
     origin: bool,
@@ -52,8 +51,9 @@ def draw_legend(
 ) -> None:
     """Symbols of the joint types that are drawn, of rods, of the platform's link, of couplings and
     of frames (of the base's with `origin`), and a bar for the `scale` (pixels a length unit), in as
-    few rows as hold them.
+    few rows as hold them; `place` is the sheet's width, and where its foot is.
     """
+    width, foot = place
     frames = [turn for one in layouts for _, turn in frames_of(one, base=origin)]
     axes = [k for k in range(3) if any(is_seen(c, turn[:, k]) for c in cameras for turn in frames)]
     entries = list(_entries(layouts[0], scale, twists))
