@@ -247,7 +247,7 @@ def draw(at: Chosen, trials: Trials, table: np.ndarray):
         xlim=(0, limits[0]),
         ylim=(0, limits[1]),
     )
-    centre.set_title(f"{len(trials.fits)} experiments at 24 postures", loc="left")
+    centre.set_title(f"{len(trials.fits)} experiments at 24 postures; dashed: wanted", loc="left")
     places = np.arange(1, len(table) + 1)
     right.semilogy(places, table[:, 2], "s", color="#d55e00", label="40 random (10 x 4)")
     right.semilogy(places, table[:, 0], "o", color="#0072b2", label="40 planned")

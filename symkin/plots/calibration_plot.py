@@ -16,6 +16,7 @@ from symkin.calibration.judge.departure import judged_poses
 from symkin.drawing.outline import grouped
 from symkin.drawing.palette import COLOURS, SERIES
 from symkin.errors import InputError
+from symkin.plots.label_placement import Box, Label, Page
 from symkin.plots.sheet import (
     colour_bar,
     drawing,
@@ -28,6 +29,7 @@ from symkin.plots.sheet import (
     open_axes,
     own_legend,
     subtitle,
+    text_extent,
 )
 from symkin.text import not_among
 
@@ -236,6 +238,8 @@ def _platform_positions(fit: Calibration) -> np.ndarray:
 
 _MOST_NUMBERED = 60
 """Configurations whose numbers are written beside them."""
+_POINT, _BESIDE = 3.5, 22.0
+"""Pixels of a configuration's mark to its middle, and of its number from it where there is room."""
 _NEAR = 0.06
 """Distance over the extent below which numbers would cover each other."""
 
@@ -259,6 +263,9 @@ def figure_of_plan(plan: Plan) -> Figure:
     title = f"{m.name}: {len(plan.groups)} configurations to measure, {plan.criterion}-optimal"
     head(figure, title, 12)
     foot_legend(figure, labelled(first), 6)
+    figure.draw_without_rendering()  # lays the axes out
+    for ax, (u, v) in ((first, (0, 1)), (second, (0, 2))):
+        _number(ax, np.asarray(plan.configurations.poses)[:, [u, v]])
     return figure
 
 
@@ -268,11 +275,24 @@ def _places(ax: Any, plan: Plan, u: int, v: int) -> None:
         here = points[plan.groups == group]
         name = "" if group < 0 else f"group {group + 1}"
         ax.plot(*here.T, "o", ms=5, color=SERIES[int(group) % len(SERIES)], label=name or None)
-    for numbers, point in _numbered(points):
-        note(ax, numbers, point, (4, 3), fontsize=7, color=COLOURS["quiet"])
     name_axes(ax, *(f"{'xyz'[k]} [{plan.mechanism.length_unit}]" for k in (u, v)))
     ax.set_aspect("equal", adjustable="datalim")
     ax.grid(color=COLOURS["grid"], lw=0.6)
+
+
+def _number(ax: Any, points: np.ndarray) -> None:
+    """Write numbers beside the points, over no other point."""
+    area, pixels = ax.get_window_extent(), ax.transData.transform
+    page = Page(area.width, area.height, left=area.x0, foot=area.y0)
+    page.symbols = [Box(float(x), float(y), _POINT, _POINT) for x, y in pixels(points)]
+    for numbers, point in _numbered(points):
+        anchor, look = pixels(point), {"fontsize": 7, "color": COLOURS["quiet"]}
+        wide, high = text_extent(ax, numbers, 7.0)
+        wish = np.array([0.8, 0.6])
+        label = Label(numbers, anchor, _POINT + 1.0, 7.0, look, wish, wide, high)
+        box = page.find(label, _BESIDE) or page.place(label)
+        away = 72.0 / ax.figure.dpi * (np.array([box.x, box.y]) - anchor)
+        note(ax, numbers, point, tuple(away), ha="center", va="center", **look)
 
 
 def _numbered(points: np.ndarray) -> list[tuple[str, np.ndarray]]:
@@ -291,5 +311,5 @@ def _errors(ax: Any, label: str, values: list[float]) -> None:
     ax.bar_label(
         bars, labels=[f"{value:.3g}" for value in values], fontsize=8, color=COLOURS["text"]
     )
-    ax.set_ylabel(f"expected error of {label}")
+    name_axes(ax, "", f"expected error of {label}")
     ax.margins(0.12, 0.12)

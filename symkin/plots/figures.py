@@ -135,7 +135,8 @@ def figure_of_sketch(mechanism: Mechanism, names: str = "all") -> Figure:
             *([f"{unnamed} names find no room"] if unnamed else []),
         ]
         heading(ax, mechanism, ["; ".join(facts)], _WIDTH, _HEIGHT)
-        draw_legend(ax, [layout], camera, scale, _WIDTH, 0.0, named=named)
+        look = {"named": named, "origin": side.origin}
+        draw_legend(ax, [layout], [camera], scale, (_WIDTH, 0.0), **look)
     return figure
 
 
@@ -307,16 +308,19 @@ class Block:
     def paint_legend(self, ax: Any, width: float, foot: float) -> None:
         layouts = [panel.layout for panel in self.panels]
         named = self.names not in ("none", "loops")
-        twists = any(panel.twists for panel in self.panels)
-        side = self.sides[0].camera
-        draw_legend(ax, layouts, side, self.scale, width, foot, named=named, twists=twists)
+        look = {
+            "named": named,
+            "origin": any(side.origin for side in self.sides),
+            "twists": any(panel.twists for panel in self.panels),
+        }
+        cameras = [side.camera for side in self.sides]
+        draw_legend(ax, layouts, cameras, self.scale, (width, foot), **look)
 
 
 def _wrapped(text: str, width: float) -> list[str]:
-    """The lines of a panel's text, of `width` pixels."""
-    return [
-        part for line in text.split("\n") for part in textwrap.wrap(line, int(width / 9.6)) or [""]
-    ]
+    """The lines of a panel's text, of `width` pixels; a unit stays beside its values."""
+    lines = text.replace(") ", ")\N{NO-BREAK SPACE}").split("\n")
+    return [part for line in lines for part in textwrap.wrap(line, int(width / 9.6)) or [""]]
 
 
 def _columns(count: int, sides: int, cell: float) -> int:

@@ -65,11 +65,8 @@ def _matrix_figure(jacobian: Jacobian, matrix: np.ndarray, title: str) -> Figure
         size = max(4.2, 2.6 + 0.75 * columns, 0.1 * len(title)), max(2.6, 1.9 + 0.42 * rows)
         figure = new_figure(*size)
         ax: Any = figure.add_subplot()
-        shade = (
-            matrix
-            * np.array(_weights(jacobian, jacobian.rows))[:, None]
-            / _weights(jacobian, jacobian.columns)
-        )
+        weights = [np.array(_weights(jacobian, n)) for n in (jacobian.rows, jacobian.columns)]
+        shade = matrix * weights[0][:, None] / weights[1]
         reach = float(np.max(np.abs(shade), initial=0.0)) or 1.0
         image = ax.imshow(shade, cmap="RdBu_r", vmin=-reach, vmax=reach, aspect="auto")
         ax.set_xticks(
@@ -85,7 +82,8 @@ def _matrix_figure(jacobian: Jacobian, matrix: np.ndarray, title: str) -> Figure
                 look |= {"ha": "center", "va": "center"}
                 written = value if abs(shade[i, j]) > _ROUNDING * reach else 0.0
                 ax.text(j, i, f"{written + 0.0:.3g}", fontsize=7.5, **look)
-        colour_bar(ax, image, "colours: angles\ntimes the size", shrink=0.9)
+        weighed = len(set(np.concatenate(weights))) > 1
+        colour_bar(ax, image, "colours: angles\ntimes the size" if weighed else "", shrink=0.9)
         subtitle(ax, f"lengths in {jacobian.mechanism.length_unit}, angles in rad", 8.0)
         head(figure, title, 11)
     return figure

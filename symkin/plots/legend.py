@@ -13,6 +13,7 @@ from symkin.drawing.camera import Camera
 from symkin.drawing.layout import JOINT_NAMES, Layout
 from symkin.drawing.palette import COLOURS, FRAME_COLOURS
 from symkin.plots.joint_symbols import draw_symbol
+from symkin.plots.painter import frames_of, is_seen
 from symkin.plots.sheet import text_extent
 
 _ENTRY = 84.0
@@ -40,18 +41,25 @@ _STROKES: dict[str, dict[str, Any]] = {
 def draw_legend(
     ax: Any,
     layouts: Sequence[Layout],
-    camera: Camera,
+    cameras: Sequence[Camera],
     scale: float,
-    width: float,
-    foot: float,
+    place: tuple[float, float],
     *,
     named: bool,
+    origin: bool,
     twists: bool = False,
 ) -> None:
     """Symbols of the joint types that are drawn, of rods, of the platform's link, of couplings and
-    of frames, and a bar for the `scale` (pixels a length unit), in as few rows as hold them.
+    of frames (of the base's with `origin`), and a bar for the `scale` (pixels a length unit), in as
+    few rows as hold them; `place` is the sheet's width, and where its foot is.
     """
-    entries = list(_entries(layouts[0], scale, named, twists))
+    width, foot = place
+    frames = [turn for one in layouts for _, turn in frames_of(one, base=origin)]
+    axes = [k for k in range(3) if any(is_seen(c, turn[:, k]) for c in cameras for turn in frames)]
+    entries = list(_entries(layouts[0], scale, twists))
+    if axes:
+        colours = [FRAME_COLOURS[k] for k in axes]
+        entries.insert(-1, (_frame_text(layouts[0], axes, named=named, origin=origin), colours))
     gaps = [_gap(look) for _, look in entries]
     widths = [
         text_extent(ax, name, 9.5)[0] + gap + 0.38 * _ENTRY
@@ -66,7 +74,7 @@ def draw_legend(
         y = foot + 38.0 + (40.0 if count < 3 else 28.0) * (count - 1 - k)
         x = 0.5 * (width - sum(widths[row]) + 24.0)
         for (name, look), gap, wide in zip(entries[row], gaps[row], widths[row], strict=True):
-            _entry(ax, look, np.array([x, y]), end_on=camera.planar)
+            _entry(ax, look, np.array([x, y]), end_on=cameras[0].planar)
             style = {"ha": "left", "va": "center", "color": COLOURS["quiet"], "parse_math": False}
             ax.text(x + gap, y, name, fontsize=9.5, **style)
             x += wide
@@ -74,7 +82,7 @@ def draw_legend(
 
 def _gap(look: Any) -> float:
     """Pixels from the beginning of an entry to its text."""
-    return 0.62 * _ENTRY if not isinstance(look, float) else look + 0.12 * _ENTRY
+    return look + 0.12 * _ENTRY if isinstance(look, float) else 0.62 * _ENTRY
 
 
 def _rows(entries: int, count: int) -> list[slice]:
@@ -82,9 +90,9 @@ def _rows(entries: int, count: int) -> list[slice]:
     return [slice(a, b) for a, b in pairwise(cuts)]
 
 
-def _entries(layout: Layout, scale: float, named: bool, twists: bool) -> Iterator[tuple[str, Any]]:
-    """Texts with what stands before them: a symbol (type, actuated), colours of frames, the length
-    of a bar, or the look of a line.
+def _entries(layout: Layout, scale: float, twists: bool) -> Iterator[tuple[str, Any]]:
+    """Texts with what stands before them: a symbol (type, actuated), the look of a line, or the
+    length of a bar, the last.
     """
     ends = {kind for rod in layout.rods for kind in rod.kinds}
     slides = {"P"} if any(rod.actuated for rod in layout.rods) else set()
@@ -106,7 +114,6 @@ def _entries(layout: Layout, scale: float, named: bool, twists: bool) -> Iterato
     for (text, look), there in zip(_STROKES.items(), is_drawn, strict=True):
         if there:
             yield text.replace("the frame", f"the {layout.mechanism.frame_name} frame"), look
-    yield frame_text(layout, named), FRAME_COLOURS
     length, pixels = scale_bar(scale)
     yield f"{length:g} {layout.mechanism.length_unit}", pixels
 
@@ -119,11 +126,15 @@ def scale_bar(scale: float) -> tuple[float, float]:
     return length, length * scale
 
 
-def frame_text(layout: Layout, named: bool) -> str:
-    """What the axes of frames are; with the letters of their origins where these are named."""
-    name = layout.mechanism.frame_name
-    base, other = ("base (O)", f"{name} ({name[0].upper()})") if named else ("base", name)
-    return f"x, y, z of the {base}" if layout.pose is None else f"x, y, z of {base} and {other}"
+def _frame_text(layout: Layout, axes: Sequence[int], *, named: bool, origin: bool) -> str:
+    """Which axes of which frames are drawn; with the letters of their origins where these are
+    named.
+    """
+    frames = {"base": "O"} if origin else {}
+    if layout.pose is not None:
+        frames[layout.mechanism.frame_name] = layout.mechanism.frame_name[0].upper()
+    told = " and ".join(f"{name} ({o})" if named else name for name, o in frames.items())
+    return f"{', '.join('xyz'[k] for k in axes)} of {'the ' * (len(frames) == 1)}{told}"
 
 
 def _entry(ax: Any, look: Any, place: np.ndarray, *, end_on: bool) -> None:
@@ -131,9 +142,10 @@ def _entry(ax: Any, look: Any, place: np.ndarray, *, end_on: bool) -> None:
     from matplotlib.lines import Line2D
 
     x, y = place
-    if look is FRAME_COLOURS:
-        for k, colour in enumerate(FRAME_COLOURS):
-            ends = [x + 0.17 * k * _ENTRY, x + (0.17 * k + 0.13) * _ENTRY]
+    if isinstance(look, list):
+        part = 0.5 * _ENTRY / len(look)
+        for k, colour in enumerate(look):
+            ends = [x + part * k, x + part * (k + 0.8)]
             ax.add_line(Line2D(ends, [y, y], color=colour, linewidth=1.8, zorder=10.0))
     elif isinstance(look, float):
         style: dict[str, Any] = {"color": COLOURS["text"], "linewidth": 1.2, "marker": "|"}

@@ -150,9 +150,10 @@ def figure_of_mode_graph(graph: ModeGraph, *, route: np.ndarray | None = None) -
         high = 3.5 if len(graph.axes) == 2 else 1.3
         figure = new_figure(3.6 * max(across, 1) + 0.6, high * down + 0.9)
         axes = np.atleast_1d(figure.subplots(down, max(across, 1), squeeze=False)).ravel()
+        there = set[int]()
         for k, panel in enumerate(axes):
             if k < count:
-                _sheet(panel, graph, k)
+                there |= _sheet(panel, graph, k)
             else:
                 panel.set_axis_off()
         if route is not None and count:
@@ -164,8 +165,8 @@ def figure_of_mode_graph(graph: ModeGraph, *, route: np.ndarray | None = None) -
                 *_places(graph, route).T, "-", color=COLOURS["accent"], lw=2.0, zorder=4
             )
         more = "" if count == len(graph.sheets) else f", the {count} largest of {len(graph.sheets)}"
-        keys = [axes[0].scatter([], [], s=22, c=colour) for colour in _COLOURS]
-        foot_legend(figure, dict(zip(_COUNTS, keys, strict=True)), 4)
+        keys = {_COUNTS[k]: axes[0].scatter([], [], s=22, c=_COLOURS[k]) for k in sorted(there)}
+        foot_legend(figure, keys, 4)
         title = f"{graph.mechanism.name}: modes joined without a singularity{more}"
         head(figure, title, 12)
     return figure
@@ -178,14 +179,15 @@ def _places(graph: ModeGraph, points: np.ndarray) -> np.ndarray:
     return flat if len(columns) == 2 else np.hstack([flat, np.zeros((len(flat), 1))])
 
 
-def _sheet(panel: Any, graph: ModeGraph, k: int) -> None:
+def _sheet(panel: Any, graph: ModeGraph, k: int) -> set[int]:
+    """Draw a sheet; which of the colours it has."""
     points, sheet = _places(graph, graph.inputs), graph.sheets[k]
     for (a, i), (b, _) in graph.edges:
         if (a, i) in sheet:
             panel.plot(*points[[a, b]].T, "-", color=COLOURS["base"], lw=0.8, zorder=1)
     counts = np.bincount([point for point, _ in sheet], minlength=len(points))[:-1]
-    colours = [_COLOURS[min(c, len(_COLOURS) - 1)] for c in counts]
-    panel.scatter(*points[:-1].T, s=22, c=colours, zorder=2)
+    kinds = np.minimum(counts, len(_COLOURS) - 1)
+    panel.scatter(*points[:-1].T, s=22, c=[_COLOURS[kind] for kind in kinds], zorder=2)
     mine = [str(mode + 1) for point, mode in sorted(sheet) if point == len(points) - 1]
     if mine:
         draw_cross(panel, *points[-1])
@@ -196,6 +198,7 @@ def _sheet(panel: Any, graph: ModeGraph, k: int) -> None:
     name_axes(panel, titles[0], titles[1] if len(titles) == 2 else None, COLOURS["text"])
     if len(titles) == 1:
         panel.set(yticks=[], ylim=(-1.0, 1.0))
+    return set(kinds.tolist())
 
 
 def _unit(graph: ModeGraph, name: str) -> str:

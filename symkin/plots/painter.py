@@ -33,6 +33,8 @@ _AXIS = 1.35
 """Half length of the line along a joint's axis, of its symbol."""
 FRAME, _ARROW = 1.5, 2.1
 """Length of the axes of frames, of a joint's symbol: of strokes, and of arrows."""
+_NEAR_EYE = 0.1
+"""Sine from the eye's direction below which a frame's axis is not drawn."""
 _GAP, _REACH = 3.0, 7.0
 """Width (points) that a white edge adds to a line where it passes over another, and half its length
 in pixels.
@@ -320,9 +322,9 @@ class Painter:
     def tips(self, origin: np.ndarray, rotation: np.ndarray) -> list[np.ndarray | None]:
         """Where the axes of a frame end in the picture; None of one that points to the eye."""
         length = (_ARROW if self.large else FRAME) * self.symbol
-        seen = [self.seen(axis) for axis in rotation.T]
         return [
-            self.at(origin) + length * way if np.linalg.norm(way) > 0.1 else None for way in seen
+            self.at(origin) + length * self.seen(axis) if is_seen(self.camera, axis) else None
+            for axis in rotation.T
         ]
 
     def _frames(self) -> None:
@@ -444,3 +446,8 @@ def frames_of(layout: Layout, *, base: bool) -> list[tuple[np.ndarray, np.ndarra
     """
     poses = [Pose.identity()] * base + ([] if layout.pose is None else [layout.pose])
     return [(np.asarray(pose.position), np.asarray(pose.rotation)) for pose in poses]
+
+
+def is_seen(camera: Camera, axis: np.ndarray) -> bool:
+    """Whether a frame's axis does not point to the eye."""
+    return bool(np.linalg.norm(camera.flat(axis)) > _NEAR_EYE)

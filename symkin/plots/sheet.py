@@ -78,7 +78,7 @@ def subtitle(ax: Any, text: str, size: float = 9.0, **look: Any) -> None:
     ax.set_title(text, fontsize=size, color=COLOURS["quiet"], parse_math=False, **look)
 
 
-def note(ax: Any, text: str, at: Any, away: tuple[int, int], **look: Any) -> None:
+def note(ax: Any, text: str, at: Any, away: tuple[float, float], **look: Any) -> None:
     """A text some points away from a place."""
     style: dict[str, Any] = {"fontsize": 8, "parse_math": False, "textcoords": "offset points"}
     ax.annotate(text, at, xytext=away, **style | look)

@@ -4,6 +4,8 @@ and of two joints the torques and rates that are possible together.
 
 from __future__ import annotations
 
+from dataclasses import replace
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -21,7 +23,6 @@ from symkin.plots.sheet import (
 )
 from symkin.transmissions.polytope import between_planes, torque_vertices
 from symkin.transmissions.states import States
-from symkin.transmissions.survey import Survey
 from symkin.transmissions.transmission_result import Transmission, Transmissions
 
 if TYPE_CHECKING:
@@ -37,6 +38,11 @@ _SPREAD = 95.0
 """Percentile of torques at which colours and axes end: near a dead centre they grow without
 bound.
 """
+
+_CONSTANT = 0.999
+"""Share of the highest colour above which all torques are one."""
+_SAME = 1e-6
+"""Distance over the range below which two values of the samples' grid are one."""
 
 
 def figure_of_transmission(found: Transmission) -> Figure:
@@ -128,17 +134,18 @@ def _torque(one: Transmission, ax: Any, i: int) -> None:
         regular = np.isfinite(found.jacobian + found.inverse_jacobian.transpose(0, 2, 1))
         kept = regular.all(axis=(1, 2))
         joints, states = line[kept], States(one.linkage, found.w[kept])
-        torque = Survey(states, one.data, one.survey.ends).alone[:, i]
+        torque = replace(one.survey, states=states).alone[:, i]
     high = np.percentile(torque, _SPREAD)
     unit = _effect(one, i, "torque")
     subtitle(ax, f"torque of {one.joints[i]} alone, {unit}")
     if len(one.joints) == 2:
-        low = min(float(torque.min()), 0.999 * high)
-        image = ax.scatter(
-            *joints.T, c=torque, s=34, marker="s", linewidths=0, cmap="viridis", vmin=low, vmax=high
-        )
-        colour_bar(ax, image, "", extend="max", fraction=0.05)
         least = int(np.argmin(torque))
+        flat = torque[least] > _CONSTANT * high
+        shade = {"cmap": "viridis", "vmin": 0.0 if flat else torque[least], "vmax": high}
+        cells, alone = _cells(one)
+        ax.scatter(*joints[alone].T, c=torque[alone], s=12, marker="s", linewidths=0, **shade)
+        image = ax.tripcolor(*joints.T, cells, torque, shading="gouraud", rasterized=True, **shade)
+        colour_bar(ax, image, "", extend="neither" if flat else "max", fraction=0.05)
         ax.plot(*joints[least], "v", color=COLOURS["accent"], label=f"least {torque[least]:.3g}")
         ax.plot(*joints[0], "o", color=COLOURS["text"], label=f"reference {torque[0]:.3g}")
         name_axes(ax, _position(one, 0), _position(one, 1))
@@ -150,6 +157,25 @@ def _torque(one: Transmission, ax: Any, i: int) -> None:
     ax.set_ylim(0.0, 1.1 * high)
     name_axes(ax, _position(one, i))
     ax.grid(True)
+
+
+def _cells(one: Transmission) -> tuple[np.ndarray, np.ndarray]:
+    """Triangles (k, 3) between neighbours on the samples' grid of two coordinates, and the samples
+    that belong to none.
+    """
+    survey, place = one.survey, dict[tuple[int, ...], int]()
+    values = survey.states.w[:, one.linkage.places_of(survey.grid)]
+    low, apart = values[1:].min(axis=0), np.abs(values[1:, None] - values[1:]).reshape(-1, 2)
+    steps = [float(gaps[gaps > _SAME * gaps.max()].min(initial=np.inf)) for gaps in apart.T]
+    for row, indices in enumerate(np.rint((values[1:] - low) / steps).astype(int).tolist(), 1):
+        place[tuple(indices)] = row
+    cells = []
+    for a, b in {(a - i, b - j) for a, b in place for i in (0, 1) for j in (0, 1)}:
+        corners = [place.get(other) for other in ((a, b), (a + 1, b), (a + 1, b + 1), (a, b + 1))]
+        there = [row for row in corners if row is not None]
+        cells += [[there[0], *pair] for pair in pairwise(there[1:])]
+    found = np.array(cells, dtype=int).reshape(-1, 3)
+    return found, np.setdiff1d(np.arange(1, len(values)), found)
 
 
 def _legend(ax: Any, below: float = 0.2, columns: int = 2) -> None:

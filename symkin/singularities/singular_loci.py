@@ -76,6 +76,11 @@ def singular_loci(solution: Solution, plane: Sequence[str], **options: Unpack[Lo
         >>> [round(float(point.points[0, 0]), 6) for point in dead.curves]
         [45.0, 125.0]
     """
+    if not isinstance(solution, Solution):
+        raise InputError(
+            f"solution is of type {type(solution).__name__}; a Solution is needed, such as "
+            f"symkin.solve(mechanism).solution"
+        )
     kinds = options["kinds"]
     starts = DEFAULT_STARTS if options["starts"] is None else options["starts"]
     seed = 0 if options["seed"] is None else options["seed"]

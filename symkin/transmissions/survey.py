@@ -57,12 +57,13 @@ class Survey:
     The first sample is the reference. `ends` are the two ends of each joint's range. `alone` is
     the largest torque of each joint (samples, n) in the weaker of its two directions while the
     others give none, `together` the largest that it gives while others may give any; `rates` the
-    largest rate of each alone.
+    largest rate of each alone. All samples but the first lie on a grid of the coordinates `grid`.
     """
 
     states: States
     data: Motors
     ends: tuple[tuple[End, End], ...]
+    grid: tuple[str, ...]
 
     @property
     def linkage(self) -> Linkage:
@@ -272,7 +273,7 @@ def survey(linkage: Linkage, data: Motors) -> Survey:
     regular = np.isfinite(states.inverse_jacobian).all(axis=(1, 2))
     regular &= np.isfinite(states.jacobian).all(axis=(1, 2))
     kept = States(linkage, states.w[regular])
-    return Survey(kept, data, _ends(linkage, kept))
+    return Survey(kept, data, _ends(linkage, kept), names)
 
 
 def _is_led_back(linkage: Linkage, w: np.ndarray, names: tuple[str, ...]) -> np.ndarray:

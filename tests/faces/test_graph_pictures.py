@@ -15,6 +15,7 @@ import symkin
 from helpers.command_line import run
 from helpers.gate import in_gate, in_gate_but
 from helpers.inside import (
+    FRAME_COLOURS,
     Camera,
     drawing,
     drawn_layout,
@@ -252,6 +253,23 @@ def test_names_lie_in_the_picture_and_apart(name):
         assert box.x1 <= width
         assert box.y1 <= height
     assert not any(a.overlaps(b) for a, b in combinations(boxes, 2))
+
+
+@pytest.mark.parametrize("name", ["pantograph_leg", "four_bar", "ankle", "all types"])
+def test_the_legend_tells_the_axes_and_frames_that_are_drawn(name):
+    """Colours of axes and letters of origins stand in the legend where they stand in the drawing,
+    and nowhere else.
+    """
+    (ax,) = sketch(name).axes
+    (told,) = [text for text in ax.texts if text.get_text()[:4] in ("x, y", "x, z")]
+    row = [line for line in ax.lines if line.get_ydata()[0] == told.get_position()[1]]
+    drawn = [line for line in ax.lines if line.get_gid() == "frame"]
+    named = {text.get_text() for text in ax.texts if text.get_gid() == "label"}
+    colours = {line.get_color() for line in drawn}
+    assert {line.get_color() for line in row} & set(FRAME_COLOURS) == colours
+    assert told.get_text().count(",") == len(colours) - 1
+    assert ("(O)" in told.get_text()) == any(text[:2] in ("O", "O ") for text in named)
+    assert ("(P)" in told.get_text()) == any(text[-1] == "P" for text in named)
 
 
 @pytest.mark.parametrize("name", in_gate(["four_bar", "ankle", "triad"], ["four_bar", "ankle"]))

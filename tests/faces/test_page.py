@@ -24,6 +24,7 @@ from helpers.samples import (
     three_rrr,
     tricept_of_joints,
     two_four_bars,
+    with_actuated,
 )
 from symkin import InputError, Joint, Limb, RodLimb
 
@@ -200,10 +201,10 @@ SEARCH_ALL = """rows => rows.map(row => {
 
 @pytest.mark.parametrize("name", in_gate(EQUAL, ["delta", "zhao2000_links", "3-RRR"]))
 def test_modes_are_those_of_symkin(name: str, open_page: Callable[..., Any]) -> None:
-    """At 20 inputs each mode of either list stands in the other, to rounding that its condition
+    """At 40 inputs each mode of either list stands in the other, to rounding that its condition
     multiplies."""
     mechanism = EQUAL[name]()
-    rows = random_rows(mechanism, 20, seed=11, share=0.1)
+    rows = random_rows(mechanism, 40, seed=11, share=0.1)
     told = open_page(page_of(mechanism)).evaluate(SEARCH_ALL, rows)
     found = symkin.modes(mechanism, joints=[one["at"] for one in told])
     for one, every in zip(told, found, strict=True):
@@ -557,8 +558,33 @@ def test_it_is_one_small_file_that_fits(width: int, open_page: Callable[..., Any
     assert page.evaluate(
         f"Array.from(document.querySelectorAll('button, input, select')).every({named})"
     )
+    top, bottom = (
+        f"document.querySelector('{e}').getBoundingClientRect()" for e in (".tools", "p")
+    )
+    assert page.evaluate(f"innerWidth > 760 || {bottom}.bottom <= {top}.top + 1")
     ARTEFACTS.mkdir(exist_ok=True)
     page.screenshot(path=str(ARTEFACTS / f"zhao2000_{width}.png"))
+
+
+def test_nothing_is_covered_or_torn_on_narrow_pages(open_page: Callable[..., Any]) -> None:
+    """At any width no line ends within an option's name, and the ring of a slider that has the
+    keys lies on no text.
+    """
+    page = open_page(page_of(with_actuated(symkin.load("four_bar"), [])))
+    for width in range(300, 420, 4):
+        page.set_viewport_size({"width": width, "height": 600})
+        assert page.evaluate("document.querySelector('#notes code').getClientRects().length") == 1
+    slider = page.locator("#inputs input[type=range]").first
+    slider.press("ArrowRight")
+    below = """e => {
+      const {outlineStyle, outlineWidth, outlineOffset} = getComputedStyle(e);
+      const ring = parseFloat(outlineWidth) + parseFloat(outlineOffset);
+      return e.getBoundingClientRect().bottom + (outlineStyle === "none" ? 0 : ring);
+    }"""
+    texts = slider.evaluate(
+        "e => e.closest('.input').querySelector('.ends').getBoundingClientRect().top"
+    )
+    assert slider.evaluate(below) <= texts + 3.5
 
 
 def test_a_path_is_played(open_page: Callable[..., Any], tmp_path: Path) -> None:

@@ -11,6 +11,7 @@ import pytest
 import symkin
 from helpers.gate import in_gate
 from helpers.inside import build_problem, completed_sliders, determination, page_html, page_model
+from helpers.samples import with_actuated
 from symkin import Mechanism
 
 GRAPHS = [
@@ -32,15 +33,6 @@ MOTOR = (
     "<transmission name='t_{0}'><type>SimpleTransmission</type><joint name='{0}'/><actuator "
     "name='m_{0}'/></transmission>"
 )
-
-
-def with_actuated(mechanism: Mechanism, names: list[str]) -> Mechanism:
-    """The mechanism of links with other motors, and nothing told of where it begins."""
-    joints = [
-        replace(link, joint=replace(link.joint, actuated=link.joint.name in names))
-        for link in mechanism.link_joints
-    ]
-    return replace(mechanism, link_joints=tuple(joints), example=None)
 
 
 @pytest.mark.parametrize("name", GRAPHS)

@@ -386,6 +386,9 @@ def test_a_jacobians_rounding_is_written_as_0_and_its_units_are_told():
     ax = symkin.jacobian(symkin.load("delta")).plot().axes[0]
     assert not any("e-" in text.get_text() for text in ax.texts)
     assert ax.get_title() == "lengths in mm, angles in rad"
+    rates = symkin.jacobian(symkin.load("four_bar"), of=["follower"], by=["crank"])
+    bars = [j.plot().axes[1].get_ylabel() for j in (symkin.jacobian(symkin.load("delta")), rates)]
+    assert ["size" in text for text in bars] == [True, False]
 
 
 def test_titles_in_other_scripts_and_long_titles(tmp_path):

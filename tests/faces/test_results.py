@@ -6,8 +6,10 @@ from __future__ import annotations
 
 import json
 import math
+from dataclasses import replace
 from functools import lru_cache
 from html.parser import HTMLParser
+from itertools import combinations
 from pathlib import Path
 from tempfile import mkdtemp
 from typing import Any
@@ -177,6 +179,26 @@ def test_the_picture_is_drawn_and_written(name: str, tmp_path: Path) -> None:
     assert isinstance(figure, Figure)
     assert figure.axes
     assert (tmp_path / "picture.svg").read_text().startswith("<?xml")
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_numbers_of_a_plan_cover_nothing(seed: int) -> None:
+    """Wherever the configurations are, no number lies over another one, a point or the axes'
+    edge.
+    """
+    plan = results()["plan"]
+    rng, poses = np.random.default_rng(seed), plan.configurations.poses.copy()
+    poses[:, :3] = rng.normal(size=(len(poses), 3)) ** 3
+    figure = replace(plan, configurations=replace(plan.configurations, poses=poses)).plot()
+    figure.canvas.draw()
+    for ax, axes in zip(figure.axes[:2], ([0, 1], [0, 2]), strict=True):
+        points, area = ax.transData.transform(poses[:, axes]), ax.get_window_extent()
+        boxes = [text.get_window_extent() for text in ax.texts]
+        said = [int(number) for text in ax.texts for number in text.get_text().split(", ")]
+        assert sorted(said) == [*range(1, 1 + len(poses))]
+        assert not any(a.overlaps(b) for a, b in combinations(boxes, 2))
+        assert not any(box.contains(*point) for box in boxes for point in points)
+        assert all(area.contains(*corner) for box in boxes for corner in box.get_points())
 
 
 @pytest.mark.parametrize(

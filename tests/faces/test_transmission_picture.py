@@ -49,3 +49,32 @@ def test_without_limits_torques_are_multiples():
     assert known.sum() > 50
     told = found.inverse_jacobian(joints=follower[known][:, None])[:, 0, 0]
     assert ratio[known] == pytest.approx(told)
+
+
+@pytest.mark.parametrize("name", ["ankle", "differential"])
+def test_a_map_has_no_holes_between_samples(name):
+    """Halfway between any two samples that neighbour on the motors' grid the map has a colour, and
+    the bar of a map of one torque tells no rounding.
+    """
+    found = symkin.transmission(symkin.load(name)).found[0]
+    figure = figure_of_transmission(found)
+    figure.canvas.draw()
+    pixels = np.asarray(figure.canvas.buffer_rgba())[::-1, :, :3]
+    survey, linkage = found.survey, found.linkage
+    motors = np.round(survey.states.w[1:, linkage.places_of(linkage.motors)], 9)
+    joints = np.degrees(survey.states.joints[1:])
+    numbers = np.column_stack([np.unique(column, return_inverse=True)[1] for column in motors.T])
+    place = {tuple(pair): k for k, pair in enumerate(numbers.tolist())}
+    halfway = [
+        0.5 * (joints[k] + joints[place[a + 1, b]])
+        for (a, b), k in place.items()
+        if {(a + 1, b), (a, b + 1), (a + 1, b + 1)} <= place.keys()
+    ]
+    assert len(halfway) > 300
+    for ax in figure.axes[:2]:
+        x, y = np.rint(ax.transData.transform(np.array(halfway))).astype(int).T
+        assert (pixels[y, x] < 250).any(axis=1).all()
+    bars = [ax for ax in figure.axes if not ax.get_title()]
+    for bar, torque in zip(bars, survey.alone.T, strict=True):
+        low, high = bar.get_ylim()
+        assert high - low > 0.1 * torque.max()

@@ -472,6 +472,15 @@ def tricept_of_joints(pairs: bool) -> Mechanism:
     return Mechanism("tricept", limbs, platform_position=(0.0, 0.0, 300.0))
 
 
+def with_actuated(mechanism: Mechanism, names: list[str]) -> Mechanism:
+    """The mechanism of links with other motors, and nothing told of where it begins."""
+    joints = [
+        replace(link, joint=replace(link.joint, actuated=link.joint.name in names))
+        for link in mechanism.link_joints
+    ]
+    return replace(mechanism, link_joints=tuple(joints), example=None)
+
+
 def exechon() -> symkin.Mechanism:
     """Two limbs U P R in the plane y = 0, whose first axes are one line, and one S P R
     (Exechon).

@@ -408,6 +408,12 @@ def test_what_does_not_fit_is_refused(plane: tuple[str, str], options: dict, mes
         loci_of(five_bar(), plane, **options)
 
 
+def test_loci_are_about_a_solution() -> None:
+    """A mechanism in its place is told."""
+    with pytest.raises(InputError, match="of type Mechanism; a Solution is needed"):
+        symkin.singular_loci(five_bar(), ("q1", "q2"))
+
+
 def test_a_mechanism_of_one_input_has_no_plane_of_inputs() -> None:
     """The four-bar has one actuated joint."""
     with pytest.raises(InputError, match="one or two of the actuated joints, crank"):

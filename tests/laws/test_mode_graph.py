@@ -114,7 +114,12 @@ def test_points_without_solution_are_not_searched(planar: Mechanism) -> None:
 
 def test_the_graph_is_drawn_and_printed(graph: ModeGraph, tmp_path) -> None:
     """The picture is a PNG; the text and the JSON name groups and sheets."""
-    graph.plot(tmp_path / "graph.png", route=graph.path(0, 0))
+    figure = graph.plot(tmp_path / "graph.png", route=graph.path(0, 0))
+    drawn = [
+        tuple(c) for ax in figure.axes for dots in ax.collections for c in dots.get_facecolor()
+    ]
+    (legend,) = figure.legends
+    assert {tuple(key.get_facecolor()[0]) for key in legend.legend_handles} == {*drawn}
     assert (tmp_path / "graph.png").read_bytes().startswith(b"\x89PNG")
     assert "2 sheets" in str(graph)
     assert graph.to_dict()["groups"] == [[0], [1]]

@@ -267,7 +267,9 @@ if (options.path) {
 }
 $("reset").parentElement.hidden = !solver.names.length;
 $("hints").textContent = options.hint;
-$("notes").textContent = scene.notes.join(" ");
+// names of options are not broken
+const option = (name) => Object.assign(document.createElement("code"), { textContent: name });
+$("notes").append(...scene.notes.join(" ").split(/(--\w+)/).map((part, k) => (k % 2 ? option(part) : part)));
 dress(options.dark ?? window.matchMedia?.("(prefers-color-scheme: dark)").matches ?? false);
 stand(solver.stopHere());
 drawing.fit();
