@@ -14,6 +14,9 @@ from symkin.closed.steps import TOOL, Carry, Distance, Factor, Level, Operand, S
 from symkin.closure.snapping import snapped_constants
 from symkin.spatial.rotation import matrix_from_quaternion, multiply
 
+_LEVEL = 1e-12
+"""Cosine of two axes that are across each other, but for rounding."""
+
 
 @dataclass(frozen=True, eq=False)
 class Motion:
@@ -214,7 +217,8 @@ class Evaluation:
             return None
         k = _column(self.arm.screws[step.joints[0]].axis)
         normal, x = self.value(step.normal), self.value(step.x)
-        if not (ca.dot(k, normal).is_zero() and ca.dot(k, x).is_zero()):
+        tilts = ca.vertcat(ca.dot(k, normal), ca.dot(k, x))
+        if not tilts.is_constant() or np.abs(ca.DM(tilts).full()).max() > _LEVEL:
             return None
         crossed = ca.cross(self.value(step.level_normal), self.value(step.y))
         return ca.dot(crossed, crossed)
