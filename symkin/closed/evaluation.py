@@ -14,6 +14,9 @@ from symkin.closed.steps import TOOL, Carry, Distance, Factor, Level, Operand, S
 from symkin.closure.snapping import snapped_constants
 from symkin.spatial.rotation import matrix_from_quaternion, multiply
 
+_LEVEL = 1e-12
+"""Cosine of two axes that are across each other, but for rounding."""
+
 
 @dataclass(frozen=True, eq=False)
 class Motion:
@@ -199,11 +202,26 @@ class Evaluation:
             motion = Motion(sign * _root(discriminant) - a)
             return Decision((motion,), discriminant / self.discriminant_scale(step), ca.SX(1))
         squares = a * a + b * b
-        discriminant, inverse = squares - c * c, 1 / squares
+        crossed, inverse = self._crossed(step), 1 / squares
+        discriminant = squares - c * c if crossed is None else crossed
         across = sign * _root(discriminant)
         motion = Motion.turn(inverse * (a * c - b * across), inverse * (b * c + a * across))
         scale = self.discriminant_scale(step)
         return Decision((motion,), discriminant / scale, squares / scale)
+
+    def _crossed(self, step: Level | Distance) -> ca.SX | None:
+        """The discriminant of a level that is the cosine of the joint's angle, by the cross product
+        of its two directions: 1 - C^2 has lost the digits where these are nearly along each other.
+        """
+        if not isinstance(step, Level) or step.before or step.x.is_point:
+            return None
+        k = _column(self.arm.screws[step.joints[0]].axis)
+        normal, x = self.value(step.normal), self.value(step.x)
+        tilts = ca.vertcat(ca.dot(k, normal), ca.dot(k, x))
+        if not tilts.is_constant() or np.abs(ca.DM(tilts).full()).max() > _LEVEL:
+            return None
+        crossed = ca.cross(self.value(step.level_normal), self.value(step.y))
+        return ca.dot(crossed, crossed)
 
     def _equation(self, step: Level | Distance) -> tuple[ca.SX, ca.SX, ca.SX]:
         (joint,) = step.joints

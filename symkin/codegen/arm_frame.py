@@ -49,14 +49,6 @@ class ArmFrame:
         }
 
     @property
-    def declaration(self) -> str:
-        """The declaration of the own Jacobian, which others call before it is written."""
-        return (
-            f"static name_status name_own_jacobian(const real joints[{self.values['nq']}], "
-            f"real jacobian[{self.values['nj']}]);\n\n"
-        )
-
-    @property
     def jacobian(self) -> str:
         """NAME_jacobian: the columns of the own one, turned."""
         nq = int(str(self.values["nq"]))

@@ -442,7 +442,6 @@ class ArmSource(Source):
         frame = self._frame
         return "".join(
             [
-                "" if frame is None else frame.declaration,
                 normalise_pose(values),
                 fill("info.c", values),
                 range_functions(ranges, self.real, values),

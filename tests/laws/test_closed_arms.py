@@ -181,6 +181,25 @@ def test_a_wrist_without_an_angle_is_left_to_paths() -> None:
     assert (bent.method, bent.engine, len(bent)) == ("closed", "closed form", 8)
 
 
+def test_a_nearly_straight_wrist_is_told_to_rounding() -> None:
+    """The angle of a wrist that is straight but for 1e-3 to 1e-6 rad is one branch's to rounding:
+    1 - cos^2 would have lost up to half of its digits.
+    """
+    arm = symkin.load("ur5e")
+    plan = plan_of(arm)
+    assert plan is not None
+    pose = ca.SX.sym("x", 7)
+    branches = [plan.branch(pose, list(signs)).joints[4] for signs in plan.signs]
+    told = ca.Function("wrists", [pose], [ca.vertcat(*branches)])
+    rng = np.random.default_rng(8)
+    for bend in (1e-3, 1e-4, 1e-5, 1e-6):
+        values = rng.uniform(-2.5, 2.5, 6)
+        values[4] = bend
+        there = pose_of(arm, np.degrees(values))
+        wrists = np.asarray(told([*there.position, *there.quaternion])).ravel()
+        assert np.abs(wrists - bend).min() < 1e-13 + 1e-9 * bend
+
+
 def test_a_stretched_elbow_is_left_to_paths() -> None:
     """Two solutions in one: the discriminant is zero. What has solved a pose beside it is said of
     that one.

@@ -1,3 +1,5 @@
+static NAME_SHARED void name_jacobian_at(const name_real u[2 * @nn], name_real jacobian[6 * @nn]);
+
 /* Holds the tool's pose of joint values against x. Beside a fold the formulas lose digits, which a step of Newton's method gives back. */
 static name_status name_hold(const name_real x[7], name_real joints[@nn], name_real *residual)
 {
@@ -9,16 +11,14 @@ static name_status name_hold(const name_real x[7], name_real joints[@nn], name_r
     if (!(*residual <= @answer_rounding)) {
         name_real jacobian[6 * @nn];
         name_real step[@nn];
-        status = @own_jacobian(joints, jacobian);
-        IF_OK {
-            (void)name_damped(jacobian, e, step);
-            EACH(i, @nn) {
-                joints[i] += step[i];
-            }
-            name_half_turns(joints, u);
-            *residual = name_error_at(u, x, e);
-            status = (*residual <= @answer_rounding) ? NAME_OK : NAME_SINGULAR;
+        name_jacobian_at(u, jacobian);
+        (void)name_damped(jacobian, e, step);
+        EACH(i, @nn) {
+            joints[i] += step[i];
         }
+        name_half_turns(joints, u);
+        *residual = name_error_at(u, x, e);
+        status = (*residual <= @answer_rounding) ? NAME_OK : NAME_SINGULAR;
     }
     return status;
 }

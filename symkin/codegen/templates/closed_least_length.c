@@ -3,9 +3,10 @@ static name_real solver_least_length(solver_work *w, int k, name_real rounding, 
 {
     GUARD_ENDS
     const name_real ends = above ? (sqrt(left) + sqrt(guard)) : 0.0;
-    const name_real least = 0.5 * (ends - @raised * speed);
+    const name_real moves = @raised * speed;
+    const name_real least = 0.5 * (ends - moves);
     if (!(always > 0.0)) {
-        solver_take(w, @raised * @raised * speed * speed, ends * ends);
+        solver_take(w, moves * moves, ends * ends);
     }
     return (least > always) ? least : ((always > 0.0) ? always : 1.0);
 }
