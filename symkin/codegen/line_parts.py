@@ -109,9 +109,10 @@ class LineParts:
             "quick_variable": (
                 "real stretch = 1.0; /* how much longer the next part may be than the last */"
             ),
-            "set_quick": (
-                "stretch = (size * 100.0 <= before) ? 2.0 : (0.2 * sqrt(before / size));"
-            ),
+            "set_quick": [
+                "stretch = 0.64 * ratio2[far][0] * before;",
+                "stretch = (4.0 * size <= stretch) ? 2.0 : sqrt(stretch / size);",
+            ],
             "nearer": (
                 [
                     "if ((size > limit) && (size < 4.0 * limit)) {",
