@@ -25,6 +25,10 @@ _RESIDUAL = 1e-8
 """Largest closure error, over all constraints, of a configuration that is reached, as a part of the
 size.
 """
+ROUNDINGS = 16.0
+"""How many roundings of goals and answers are no error; those of goals take poses off what an arm
+of few joints can reach.
+"""
 
 
 def library(folder: Path, words: str) -> ctypes.CDLL:
@@ -47,11 +51,13 @@ class Ends:
 @dataclass(frozen=True, eq=False)
 class Walker:
     """Fine continuation of a position problem, geometry nominal, by Newton's method on all rows.
-    Known positions, joints and quaternions move in straight lines, quaternions normalised.
+    Known positions, joints and quaternions move in straight lines, quaternions normalised. Goals
+    are given to a relative error `epsilon`.
     """
 
     problem: Problem
     longest: float = LONGEST
+    epsilon: float = 0.0
 
     @property
     def system(self) -> System:
@@ -68,7 +74,8 @@ class Walker:
         z, whole = long[0].astype(float), np.flatnonzero(shortest > 0.0)
         if len(whole):
             error = self.system.residuals(z[whole], goals[whole])
-            shortest[whole[~(error < _RESIDUAL * self.system.characteristic_length)]] = 0.0
+            most = (_RESIDUAL + ROUNDINGS * self.epsilon) * self.system.characteristic_length
+            shortest[whole[~(error < most)]] = 0.0
         return Ends(z, done, shortest)
 
     @cached_property

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from asked import STATUSES, Answers, Asked
-from continuation import LONGEST, Ends, Walker
+from continuation import LONGEST, ROUNDINGS, Ends, Walker
 from symkin.codegen.map.joint_map import JointMap
 from symkin.codegen.map.limb_platform import LimbPlatform
 from symkin.codegen.map.program import Kind
@@ -41,6 +41,10 @@ OK.
 _FIRM = 0.02
 """Condition of a limb at a given pose, times the root of rounding, from which on the limb is beside
 a dead centre: an error t of the pose is one of sqrt(t) there, and code keeps bounds of some such.
+"""
+_NEAR = 2e-7
+"""How far right answers are from where lines lead: so much of the size, and roundings times the
+condition.
 """
 
 
@@ -102,12 +106,12 @@ class Direction:
 
     @cached_property
     def walker(self) -> Walker:
-        return Walker(self.problem, self.longest)
+        return Walker(self.problem, self.longest, self.epsilon)
 
     @cached_property
     def far_walker(self) -> Walker:
         """One whose steps are long where nothing is near."""
-        return Walker(self.problem, PLAIN)
+        return Walker(self.problem, PLAIN, self.epsilon)
 
     @property
     def kind(self) -> Kind:
@@ -251,15 +255,22 @@ class Direction:
 
     def _right(self, ends: Ends, goals: np.ndarray, answers: Answers) -> np.ndarray:
         """Whether what is found is where the line leads, but for what rounding makes of the rows
-        there: 16 units in the last place times the condition, and 2e-7 of the size.
+        there. Lines of poses that an arm of few joints cannot take need not lead anywhere: where
+        the walk does not arrive, the tool has to be at the goal, and that is where it goes on.
         """
-        right = (answers.status == 0) & (ends.shortest > 0.0)
+        ok = answers.status == 0
+        right = ok & (ends.shortest > 0.0)
         judged = np.flatnonzero(right)
         if len(judged):
             z, known = ends.unknowns[judged], goals[judged]
             off = self.off(answers.found[judged], self.stated(z, known))
             conditions = self.problem.system.conditions(z, known)
-            right[judged] = off < 2e-7 + 16 * self.epsilon * conditions
+            right[judged] = off < _NEAR + ROUNDINGS * self.epsilon * conditions
+        if ok.any() and isinstance(self.kind, SerialArm) and not self.kind.keeps_to_lines:
+            lost = np.flatnonzero(ok & (ends.shortest == 0.0))
+            gaps = self.problem.system.residuals(answers.found[lost], goals[lost]) / self.size
+            right[lost] = gaps < _NEAR + ROUNDINGS * self.epsilon
+            ends.unknowns[lost] = answers.found[lost]
         return right
 
     def after(self, outcome: Outcome, other: Starts) -> Starts:

@@ -89,11 +89,12 @@ def _counted(lines: Direction, outcome: Outcome) -> Row:
     row = Row(len(ok), int(np.sum(ok)), steps=int(steps.sum()), most_steps=int(steps.max()))
     reached = lines.stated(ends.unknowns, goals)
     refused = outcome.regular & ~ok
-    refused[refused] = lines.gives_back(reached[refused], goals[refused])
+    told = lines.tells(np.where(ok[:, None], found, reached), goals)
+    # an answer that a guess cannot state is rightly refused
+    refused[refused] = told[refused] & lines.gives_back(reached[refused], goals[refused])
     stands_for = np.sum(~ok) / max(1, np.sum(outcome.walked & ~ok))
     row.regular = stands_for * np.bincount(status[refused], minlength=len(STATUSES))
     row.regular[0] += np.sum(outcome.regular & ok)
-    told = lines.tells(np.where(ok[:, None], found, reached), goals)
     row.anew = int(np.sum(outcome.right & ~told))
     again = lines.answers(goals, np.where(ok[:, None], found, outcome.starts.guesses)).status
     wrong = {

@@ -12,7 +12,8 @@
  *   determinant and serves more rows than unknowns too. A gap between two folds is not leapt: the tangent into it ends on the far
  *   side of the fold, where the matrix has turned over.
  * Else it is halved, down to SHORTEST of the line: there the line meets a singularity. A goal short of a fold by 1e-14 of the line, a
- * hundred roundings of a double, is still told from one beyond it. */
+ * hundred roundings of a double, is still told from one beyond it. Lines of poses that an arm of few joints leaves by far are followed by
+ * least squares, whose steps stay short: after MOST of them they are called singular too. */
 #include <string.h>
 #include <tgmath.h>
 
@@ -21,6 +22,7 @@ typedef long double real;
 #include "rows.c"
 
 #define SHORTEST 1e-16L
+#define MOST 100000
 
 typedef struct {
     real f[M];     /* rows */
@@ -145,7 +147,7 @@ static real follow(real *z, const real *begin, const real *goal, real longest, r
             return 0.0;
         }
     }
-    while (*done < 1.0) {
+    for (int tries = 0; *done < 1.0; ++tries) {
         const real part = (*done + step < 1.0) ? (*done + step) : 1.0;
         real to[WIDTH];
         real tangent[N];
@@ -173,7 +175,7 @@ static real follow(real *z, const real *begin, const real *goal, real longest, r
         } else {
             step *= 0.5;
             shortest = (step < shortest) ? step : shortest;
-            if (step < SHORTEST) {
+            if ((step < SHORTEST) || (tries > MOST)) {
                 return 0.0;
             }
         }

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from symkin.codegen.steps.newton_kernel import Kernel
 from symkin.codegen.steps.pose_kernel import PoseKernel
-from symkin.codegen.text.c import Emitter, Real, indexed
+from symkin.codegen.text.c import Emitter, Real, block, indexed
 
 FIRST_TURN = 0.5
 """Turn of the known values that is tried first (rad): most longer ones are refused."""
@@ -103,14 +103,18 @@ class LineParts:
                     "had to be */"
                 ),
                 "set_quick": "quick = (size * 100.0 <= before);",
+                "set_stretch": "",
                 "nearer": [nearer],
             }
         return {
             "quick_variable": (
                 "real stretch = 1.0; /* how much longer the next part may be than the last */"
             ),
-            "set_quick": (
-                "stretch = (size * 100.0 <= before) ? 2.0 : (0.2 * sqrt(before / size));"
+            "set_quick": "stretch = 2.0;",
+            "set_stretch": block(
+                "if ((size * stretch * stretch > 0.64 * limit) && ((taken == 1U) || "
+                f"(size > {self.still2})))",
+                ["stretch = 0.8 * sqrt(limit / size);"],
             ),
             "nearer": (
                 [

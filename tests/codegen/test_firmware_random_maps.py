@@ -318,3 +318,21 @@ def test_an_answer_at_a_limit_is_held(limited):
     row = tools.bench_module("grazes").grazed(lines, 30, np.random.default_rng(5))
     assert row.ok > 200
     assert row.said == []
+
+
+@pytest.mark.slow
+def test_newton_takes_parts_as_long_as_steps_let_expect():
+    """A loop whose matrix grows tenfold on the way: paths along which nothing is singular are
+    followed both ways where answers tell where the loop stands, and nothing else is OK.
+    """
+    tools.compiler("gcc")
+    asked, ranges = tools.bench_module("asked"), tools.bench_module("ranges")
+    given, find = CASES["seven_bar_loop"]
+    machine = symkin.load(MAPS / "seven_bar_loop.toml")
+    loop = asked.Asked(machine, Options("double", given=given, find=find))
+    for lines in tools.bench_module("directions").directions(loop):
+        goals = ranges.paths(lines, 8, np.random.default_rng(0), 60)
+        found = tools.bench_module("rows").judged(lines, goals)
+        assert found.said == []
+        assert found.ok > 200
+        assert found.ok_of_regular > 90.0

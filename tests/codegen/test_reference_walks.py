@@ -5,6 +5,7 @@ quick campaign.
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +15,7 @@ from helpers import firmware_tools as tools
 from helpers import samples
 from helpers.gate import in_gate
 from helpers.graph_twin import graph_twin
-from helpers.inside import Options, build_problem
+from helpers.inside import Options, build_problem, parse
 from helpers.wide_five_bar import COUPLER, HOME, slack_of, tip_of, wide_five_bar
 from symkin import load
 
@@ -255,6 +256,66 @@ def test_a_wrong_ok_is_found(monkeypatch):
     assert found.wrong == len(found.said) > 10
     assert "goal [" in found.said[0]
     assert "guess [" in found.said[0]
+
+
+THREE_TURNS = """
+format = 1
+name = "three_turns"
+angle_unit = "deg"
+length_unit = "mm"
+[dh]
+convention = "standard"
+rows = [{ type = "R", theta = 0.0, d = 0.0, a = 100.0, alpha = -90.0 },
+    { type = "R", theta = 0.0, d = 100.0, a = 55.5, alpha = 45.0 },
+    { type = "R", theta = 90.0, d = 0.0, a = 0.0, alpha = 180.0 }]
+"""
+
+
+def tool_of(joints):
+    """The frames (n, 4, 4) of the tool of `THREE_TURNS`, as products of its rows' matrices."""
+    frames = np.eye(4)
+    for q, (theta, d, a, alpha) in zip(
+        joints.T,
+        [(0, 0, 100, -np.pi / 2), (0, 100, 55.5, np.pi / 4), (np.pi / 2, 0, 0, np.pi)],
+        strict=True,
+    ):
+        c, s, ca, sa = np.cos(theta + q), np.sin(theta + q), math.cos(alpha), math.sin(alpha)
+        none, one = 0 * q, 1 + 0 * q
+        rows = [[c, -s * ca, s * sa, a * c], [s, c * ca, -c * sa, a * s]]
+        rows += [[none, sa * one, ca * one, d * one], [none, none, none, one]]
+        frames = frames @ np.moveaxis(np.array(rows), -1, 0)
+    return frames
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("real", ["float", "double"])
+@pytest.mark.parametrize("joint", ["w.x[0]", "-w.x[0]", "w.x[0] + 1e-5f"])
+def test_an_arm_of_few_joints_is_judged_by_where_its_tool_is(real, joint):
+    """Its rounded poses are none that it can take, and lines between poses leave them: what is OK
+    is right where the rows' matrices, multiplied, put the tool at the goal, and wrong where the
+    generated C has another sign, or is off by 1e-5.
+    """
+    tools.compiler("gcc")
+    asked = tools.bench_module("asked").Asked(parse(THREE_TURNS, "three.toml"), Options(real))
+    stored = "joints[0] = w.x[0];"
+    assert asked.program.source.count(stored) == 1
+    source = asked.program.source.replace(stored, f"joints[0] = {joint};")
+    vars(asked)["program"] = replace(asked.program, source=source)
+    ranges, rows = tools.bench_module("ranges"), tools.bench_module("rows")
+    (lines,) = tools.bench_module("directions").directions(asked)
+    seen = {"ok": 0, "wrong": 0}
+    for outcomes in (
+        ranges.paths(lines, 5, np.random.default_rng(3), 40),
+        ranges.by_legs(lines, 20, np.random.default_rng(3), ranges.SMALL),
+    ):
+        for outcome in outcomes:
+            found = tool_of(outcome.answers.found)[:, :3, 3]
+            off = np.max(np.abs(found - outcome.goals[:, :3]), axis=1) / lines.size
+            row = rows.judged(lines, [outcome])
+            assert row.wrong >= np.sum(outcome.ok & (off > 3e-6))
+            seen["ok"], seen["wrong"] = seen["ok"] + row.ok, seen["wrong"] + row.wrong
+    assert seen["ok"] > 50
+    assert seen["wrong"] == (0 if joint == "w.x[0]" else seen["ok"])
 
 
 def test_a_campaign_goes_on_where_it_was_interrupted(monkeypatch, tmp_path, capsys):

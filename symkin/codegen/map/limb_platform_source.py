@@ -135,7 +135,7 @@ class LimbPlatformSource(Source):
     @property
     def _driver(self) -> dict[str, Any]:
         """What Newton's method of the direct problem has of its own."""
-        return {"measured": self.made.core is not None, "keeps_known": self._keeps_known}
+        return {"measured": True, "keeps_known": self._keeps_known}
 
     @property
     def _keeps_known(self) -> bool:

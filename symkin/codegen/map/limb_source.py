@@ -162,6 +162,7 @@ class LimbSource(Source):
             matrices=matrices,
             kappa=kappa,
             target_lines=line_target(kernel.known.numel(), kernel.quaternion),
+            measured=True,
             on_the_way=kernel.is_square or self._closes_on_the_way(states, poses),
             compact=made.options.compact,
         )

@@ -159,6 +159,7 @@ class DirectionSource(MapValues):
             target_lines=self._target_lines,
             known_count=self.n,
             first_turn=FIRST_TURN,
+            measured=True,
             keeps_known=self.closed is None,
             numbers=numbers,
             members=members,

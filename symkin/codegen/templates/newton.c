@@ -92,6 +92,7 @@ static name_status solver_newton(GEOMETRY_GIVEN solver_work *w, const name_real 
                 later = 0;
             }
             limit = ratio2[far][later] * before;
+            @set_stretch
         }
         if (beside) {
             limit = -1.0;
