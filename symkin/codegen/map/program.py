@@ -23,7 +23,7 @@ from symkin.codegen.map.rod_platform_source import RodSource
 from symkin.codegen.map.signature import Function, declarations
 from symkin.codegen.serial_arm import ArmSource, SerialArm
 from symkin.codegen.steps.formula_guards import feasible_error
-from symkin.codegen.steps.geometry import finite_check
+from symkin.codegen.steps.geometry import geometry_check
 from symkin.codegen.steps.guard_text import Watched
 from symkin.codegen.steps.newton_kernel import rounded
 from symkin.codegen.steps.newton_source import NewtonCode, tracked_error
@@ -48,6 +48,36 @@ _SOURCES: dict[type, Callable[[Any], Any]] = {
 }
 
 
+@dataclass(frozen=True)
+class SmallestSize:
+    """From which size on code holds, and why: what of a smaller machine is no normal number."""
+
+    value: float
+    what: str
+
+    @staticmethod
+    def of(kind: Kind) -> SmallestSize:
+        """Formulas of arms hold fourth powers of lengths, as what is derived in double does; all
+        other code squares of what roundings leave of lengths.
+        """
+        real = kind.real
+        if real.name == "double" or (isinstance(kind, SerialArm) and kind.plan is not None):
+            return SmallestSize((real.least / real.epsilon) ** 0.25, "fourth powers of lengths")
+        return SmallestSize(real.least**0.5 / real.epsilon, "squares of roundings of lengths")
+
+    def check(self, kind: Kind) -> None:
+        """Raises InputError for a machine that is smaller."""
+        size, unit, real = kind.size, kind.mechanism.length_unit, kind.real.name
+        if size < self.value:
+            remedy = "--real double has smaller numbers, or " if real == "float" else ""
+            raise InputError(
+                f"{kind.name}: its size, the largest distance of joint points at the reference, is "
+                f"{size:.3g} {unit}; code in {real} holds from {self.value:.3g} {unit} on, because "
+                f"{self.what} are below the least normal {real}; {remedy}tell lengths in a "
+                "smaller unit"
+            )
+
+
 @dataclass(frozen=True, eq=False)
 class Program:
     """Source and header of a mechanism, and what the other files of its folder are made from.
@@ -65,6 +95,7 @@ class Program:
     functions: tuple[Function, ...]
     values: dict[str, object]
     worst: WorstCase
+    smallest: SmallestSize
 
     @property
     def mechanism(self) -> Mechanism:
@@ -95,13 +126,15 @@ def build_program(
             f"unrolled factorisation of Newton's "
             "method by loops); leave --compact out"
         )
+    smallest = SmallestSize.of(kind)
+    smallest.check(kind)
     source = _SOURCES[type(kind)](kind)
     kind.check()
     kind.geometry.check(kind.real)
     begin = fill("begin.c", source.values | _header_values(kind, source.code, [], described.digest))
     body = source.text.rstrip() + "\n"
     lu = fill("lu.c", source.values) if f"{kind.name}_lu(" in body else ""
-    checks = finite_check(kind.geometry.names)
+    checks = geometry_check(kind.geometry)
     text = kind.real.typed(begin + checks + lu + body, kind.name, struct=bool(kind.geometry.names))
     worst = WorstCase.of(kind.name, text, measured)
     values = source.values | _header_values(
@@ -119,6 +152,7 @@ def build_program(
         functions=kind.functions,
         values=values,
         worst=worst,
+        smallest=smallest,
     )
 
 

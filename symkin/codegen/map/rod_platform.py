@@ -63,7 +63,7 @@ class RodGeometry(Geometry):
         )
         offsets = ", ".join(map(real.literal, rows[:, 6].tolist()))
         own = {"p": name, "P": name.upper(), "base": base, "ends": ends, "offsets": offsets}
-        return fill("rod_geometry.h", own)
+        return fill("rod_geometry.h", {**own, "largest": self.largest})
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -4,15 +4,14 @@ time.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import casadi as ca
 import numpy as np
 
 from symkin.closure.closure import Closure
-from symkin.codegen.text.c import Real
-from symkin.codegen.text.templates import fill
+from symkin.codegen.text.c import Real, block
+from symkin.codegen.text.templates import FARTHEST, fill
 from symkin.computed_once import cached_property
 from symkin.errors import InputError
 from symkin.machine.frame import Frames
@@ -27,6 +26,10 @@ _LARGEST = 100.0
 """Sizes of the machine, beyond which a float's rounding of a length is above a hundred times the
 rounding of the machine's own.
 """
+_WIDTH = {"axis.x": 3, "axis2.x": 3, "quaternion.w": 4}
+"""Numbers of directions and quaternions, by the end of the first one's key path."""
+_SHORTEST = 1e-6
+"""Least length of a direction: a float holds its square."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,6 +90,18 @@ class Geometry:
         return identifiers(self.closure.parameter_names) if self.at_run_time else []
 
     @property
+    def largest(self) -> float:
+        """Largest number that the struct may hold: products of such do not overflow."""
+        nominal = float(np.max(np.abs(self.values), initial=0.0))
+        return float(f"{FARTHEST * max(self.closure.characteristic_length, 1.0) + nominal:.3g}")
+
+    @property
+    def directions(self) -> list[tuple[int, str]]:
+        """Where numbers begin that code divides by their length, and the end of their key path."""
+        ends = enumerate(".".join(n.split(".")[-2:]) for n in self.closure.parameter_names)
+        return [(k, end) for k, end in ends if end in _WIDTH] if self.at_run_time else []
+
+    @property
     def names(self) -> list[str]:
         """C text of each symbol."""
         return [f"geometry->{member}" for member in self.members]
@@ -129,7 +144,14 @@ class Geometry:
             for k, (member, v) in enumerate(zip(self.members, self.values, strict=True))
         ]
         members = [f"{name}_real {member};" for member in self.members]
-        shown = {"p": name, "P": name.upper(), "members": members, "numbers": numbers}
+        shown = {
+            "p": name,
+            "P": name.upper(),
+            "members": members,
+            "numbers": numbers,
+            "largest": self.largest,
+            "shortest": _SHORTEST,
+        }
         return fill("geometry.h", shown)
 
 
@@ -138,12 +160,26 @@ def exact_turn(numbers: np.ndarray) -> np.ndarray:
     return np.where(np.abs(numbers - np.round(numbers)) <= _ROUNDING, np.round(numbers), numbers)
 
 
-def finite_check(numbers: Sequence[str]) -> str:
-    """Write NAME_check_geometry, which keeps a status where all numbers of the struct are finite;
-    nothing without a struct.
+def geometry_check(geometry: Geometry) -> str:
+    """Write NAME_check_geometry, which keeps a status where all numbers of the struct are finite,
+    none is too large and directions have a length; nothing without a struct.
     """
-    if not numbers:
+    if not geometry.names:
         return ""
-    last = len(numbers) - 1
-    members = [f"{text}{',' if k < last else ''}" for k, text in enumerate(numbers)]
-    return fill("check_geometry.c", {"count": len(members), "members": members})
+    last = len(geometry.names) - 1
+    members = [f"{text}{',' if k < last else ''}" for k, text in enumerate(geometry.names)]
+    squares = (
+        " + ".join(f"values[{k}] * values[{k}]" for k in range(first, first + _WIDTH[end]))
+        for first, end in geometry.directions
+    )
+    short = " || ".join(f"({square} < {_SHORTEST**2:g})" for square in squares)
+    shown = {
+        "count": len(members),
+        "members": members,
+        "largest": geometry.largest,
+        "or_short": " or a direction has next to no length" if short else "",
+        "directed": block(f"if ((status == NAME_OK) && ({short}))", ["status = NAME_OUT_OF_RANGE;"])
+        if short
+        else "",
+    }
+    return fill("check_geometry.c", shown)

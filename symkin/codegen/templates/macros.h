@@ -15,7 +15,7 @@
 }
 #define USUAL_CONFIG static const name_config usual = { NAME_TOLERANCE, NAME_MAX_STEPS, NAME_MAX_STEP };
 #define ASK(what, given) tested = "what"; \
-expect(name_##what given == NAME_OK, "OK", k);
+expect(name_##what##given == NAME_OK, "OK", k);
 #define NEAREST_WHOLE(number) (int)(number + ((number < 0.0) ? -0.5 : 0.5))
 #define JOINTS_GIVEN const name_real joints[@nq]
 #define VALUES_GIVEN const name_real @values[@nto]

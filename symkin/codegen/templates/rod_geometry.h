@@ -1,4 +1,4 @@
-/* Joint centres on the base (base frame) and on the platform (platform frame), and rod lengths at zero. */
+/* Joint centres on the base (base frame) and on the platform (platform frame), and rod lengths at zero. Numbers beyond @largest are NAME_OUT_OF_RANGE. */
 typedef struct {
     name_real base[6][3];
     name_real platform[6][3];

@@ -44,6 +44,11 @@ class Real:
         return 2.0**-24 if self.name == "float" else 2.0**-53
 
     @property
+    def least(self) -> float:
+        """The least normal number."""
+        return 2.0**-126 if self.name == "float" else 2.0**-1022
+
+    @property
     def zero(self) -> str:
         return self.literal(0.0)
 

@@ -64,10 +64,18 @@ def template_text(template: str) -> str:
     """
     text = _read(template)
     if template.endswith((".c", ".h")):
-        for name, parameters, body in _MACRO.findall(_read("macros.h"))[::-1]:
+        for name, parameters, body in _macros():
+            if name not in text:
+                continue
             called = rf"^( *)(.*?)\b{name}\b" + (_ARGUMENTS if parameters else "()")
             text = re.sub(called, partial(_put_in, parameters, body), text, flags=re.M)
     return text
+
+
+@lru_cache(maxsize=1)
+def _macros() -> list[tuple[str, str, str]]:
+    """Name, parameters and body of each macro of macros.h, the last one first."""
+    return _MACRO.findall(_read("macros.h"))[::-1]
 
 
 def _read(template: str) -> str:
