@@ -83,9 +83,9 @@ static ANKLE_COLD int ankle_lu(ankle_real *a, uint8_t *order, const ankle_real *
     return sign;
 }
 
-/* Solves for the right side f, in place, with the factors of ankle_lu. */
+/* Solves for the right side f with the factors of ankle_lu: s, which may be f; f is lost. */
 static ANKLE_COLD void ankle_lu_solve(const ankle_real *a, const uint8_t *order, ankle_real *f,
-    int n)
+    ankle_real *s, int n)
 {
     /* forward substitution with the exchanges of rows */
     for (int c = 0; c < n; ++c) {
@@ -100,7 +100,7 @@ static ANKLE_COLD void ankle_lu_solve(const ankle_real *a, const uint8_t *order,
     /* back substitution */
     for (int c = n - 1; c >= 0; --c) {
         const ankle_real t = f[c] * a[n * c + c];
-        f[c] = t;
+        s[c] = t;
         for (int r = 0; r < c; ++r) {
             f[r] -= a[n * r + c] * t;
         }
@@ -293,9 +293,8 @@ static ANKLE_SHARED void ankle_direct_coefficients(const ankle_real numbers[4], 
 /* Work space of ankle_direct_newton, which solves the rows f(x; k) = 0 for the state x.
  * x: ankle.1, ankle.2: of angles cosine and sine
  * k: what the rows read of upper_motor, lower_motor
- * f: minus the closure's rows, lengths and angles times the size; then the step: changes of the
- * state: lengths,
- *    angles and turns times the size
+ * f: minus the closure's rows, lengths and angles times the size
+ * s: the step, changes of the state: lengths, angles and turns times the size
  */
 typedef struct {
     ankle_real x[4]; /* state */
@@ -303,7 +302,7 @@ typedef struct {
     ankle_real x0[4];
     ankle_real at[2]; /* known values at the guess, where the line begins */
     ankle_real k[4]; /* known values aimed at */
-    ankle_real f[2]; /* rows; the linear solver leaves the step in their place */
+    ankle_real f[2]; /* rows */
     ankle_real k0[4]; /* known values at the part that is done: the matrix's */
     ankle_real a[4]; /* matrix -df/dstep, row by row; then its LU factors in its place */
     /* sum of the squared reciprocals of the scaled pivots: large near a singularity */
@@ -369,45 +368,6 @@ static ANKLE_SHARED ankle_real ankle_direct_residual(const ankle_direct_work *w)
     }
     return sqrtf(sum);
 }
-
-/* Adds the step in w->f to the state: lengths and joint values are added to, quaternions are
- * turned. Returns the squared length of the step, angles times the size. */
-static ankle_real ankle_direct_apply_step(ankle_direct_work *w)
-{
-    const ankle_real t0 = 0.0038166272f * w->f[0];
-    const ankle_real t1 = w->x[1] * t0;
-    const ankle_real t2 = w->x[0] - t1;
-    const ankle_real t3 = t2 * t2;
-    const ankle_real t4 = w->x[0] * t0;
-    const ankle_real t5 = w->x[1] + t4;
-    const ankle_real t6 = t5 * t5;
-    const ankle_real t7 = t3 + t6;
-    const ankle_real t8 = sqrtf(t7);
-    const ankle_real t9 = 1.0f / t8;
-    const ankle_real t10 = t2 * t9;
-    const ankle_real t11 = t5 * t9;
-    const ankle_real t12 = 0.0038166272f * w->f[1];
-    const ankle_real t13 = w->x[3] * t12;
-    const ankle_real t14 = w->x[2] - t13;
-    const ankle_real t15 = t14 * t14;
-    const ankle_real t16 = w->x[2] * t12;
-    const ankle_real t17 = w->x[3] + t16;
-    const ankle_real t18 = t17 * t17;
-    const ankle_real t19 = t15 + t18;
-    const ankle_real t20 = sqrtf(t19);
-    const ankle_real t21 = 1.0f / t20;
-    const ankle_real t22 = t14 * t21;
-    const ankle_real t23 = t17 * t21;
-    const ankle_real t24 = w->f[0] * w->f[0];
-    const ankle_real t25 = w->f[1] * w->f[1];
-    const ankle_real t26 = t24 + t25;
-    w->x[0] = t10;
-    w->x[1] = t11;
-    w->x[2] = t22;
-    w->x[3] = t23;
-    return t26;
-}
-
 /* Sets w->k, the known values aimed at: a part of the line from the guess's to `to`. */
 static ANKLE_SHARED void ankle_direct_set_target(ankle_direct_work *w, const ankle_real to[2],
     ankle_real part)
@@ -568,11 +528,11 @@ static int ankle_direct_factor(ankle_direct_work *w)
     return (w->spread < 1e+06f) ? ((det > 0.0f) ? 1 : -1) : 0;
 }
 
-/* The step from w->f into w->f: forward and back substitution. */
-static void ankle_direct_solve(ankle_direct_work *w)
+/* The step s from w->f: forward and back substitution. */
+static void ankle_direct_solve(ankle_direct_work *w, ankle_real s[2])
 {
     if (w->pivoted) {
-        ankle_lu_solve(w->a, w->order, w->f, 2);
+        ankle_lu_solve(w->a, w->order, w->f, s, 2);
         return;
     }
     /* forward substitution, the rows in the order of the pivots */
@@ -582,8 +542,49 @@ static void ankle_direct_solve(ankle_direct_work *w)
     const ankle_real s1 = (y1) * w->a[3];
     const ankle_real s0 = (y0 - w->a[1] * s1) * w->a[0];
     /* the step in the order of the unknowns */
-    w->f[0] = s0;
-    w->f[1] = s1;
+    s[0] = s0;
+    s[1] = s1;
+}
+
+
+/* Solves for the step and adds it to the state: lengths and joint values are added to, quaternions
+ * are turned. Returns the squared length of the step, angles times the size. */
+static ankle_real ankle_direct_step(ankle_direct_work *w)
+{
+    ankle_real s[2];
+    ankle_direct_solve(w, s);
+    const ankle_real t0 = 0.0038166272f * s[0];
+    const ankle_real t1 = w->x[1] * t0;
+    const ankle_real t2 = w->x[0] - t1;
+    const ankle_real t3 = t2 * t2;
+    const ankle_real t4 = w->x[0] * t0;
+    const ankle_real t5 = w->x[1] + t4;
+    const ankle_real t6 = t5 * t5;
+    const ankle_real t7 = t3 + t6;
+    const ankle_real t8 = sqrtf(t7);
+    const ankle_real t9 = 1.0f / t8;
+    const ankle_real t10 = t2 * t9;
+    const ankle_real t11 = t5 * t9;
+    const ankle_real t12 = 0.0038166272f * s[1];
+    const ankle_real t13 = w->x[3] * t12;
+    const ankle_real t14 = w->x[2] - t13;
+    const ankle_real t15 = t14 * t14;
+    const ankle_real t16 = w->x[2] * t12;
+    const ankle_real t17 = w->x[3] + t16;
+    const ankle_real t18 = t17 * t17;
+    const ankle_real t19 = t15 + t18;
+    const ankle_real t20 = sqrtf(t19);
+    const ankle_real t21 = 1.0f / t20;
+    const ankle_real t22 = t14 * t21;
+    const ankle_real t23 = t17 * t21;
+    const ankle_real t24 = s[0] * s[0];
+    const ankle_real t25 = s[1] * s[1];
+    const ankle_real t26 = t24 + t25;
+    w->x[0] = t10;
+    w->x[1] = t11;
+    w->x[2] = t22;
+    w->x[3] = t23;
+    return t26;
 }
 
 /* Whether the middle of the part that is tried is reached as its end is: three steps from the
@@ -611,8 +612,7 @@ static ANKLE_COLD bool ankle_direct_reaches_middle(ankle_direct_work *w, const a
     ankle_direct_set_target(w, to, middle);
     for (int i = 0; i < 3; ++i) {
         ankle_direct_rows(w);
-        ankle_direct_solve(w);
-        size[i] = ankle_direct_apply_step(w);
+        size[i] = ankle_direct_step(w);
     }
     for (int i = 0; i < 4; ++i) {
         w->x[i] = end[i];
@@ -670,7 +670,7 @@ static ankle_status ankle_direct_newton(ankle_direct_work *w, const ankle_real t
     unsigned int taken = 0U; /* steps towards the aim: each is judged by the next */
     bool fresh = true; /* whether this step needs new factors */
     bool was_fresh = false; /* whether the step before had new factors */
-    bool quick = false; /* whether the second step was far shorter than it had to be */
+    ankle_real stretch = 1.0f; /* how much longer the next part may be than the last */
     bool kept = false; /* whether the factors are those of the part that is done */
     /* 1: the first step is long beside the way to a singularity, as the least pivot tells it; 2:
      * very long */
@@ -693,11 +693,16 @@ static ankle_status ankle_direct_newton(ankle_direct_work *w, const ankle_real t
     if (turn2 > 0.25f) {
         aim = 0.5f / sqrtf(turn2);
     }
-    ankle_direct_set_target(w, to, aim);
     w->x0[0] = w->x[0];
     w->x0[1] = w->x[1];
     w->x0[2] = w->x[2];
     w->x0[3] = w->x[3];
+    ankle_direct_set_target(w, to, 0.0f);
+    w->k0[0] = w->k[0];
+    w->k0[1] = w->k[1];
+    w->k0[2] = w->k[2];
+    w->k0[3] = w->k[3];
+    ankle_direct_set_target(w, to, aim);
     for (;;) {
         ankle_direct_rows(w);
         if (verify) {
@@ -742,9 +747,8 @@ static ankle_status ankle_direct_newton(ankle_direct_work *w, const ankle_real t
         }
         /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4 to
          * 1/8, later 3/8 to 3/10 (README.md) */
-        ankle_direct_solve(w);
         const ankle_real before = size;
-        size = ankle_direct_apply_step(w);
+        size = ankle_direct_step(w);
         if (taken == 0U) {
             limit = longest2;
             const ankle_real reach = size * w->spread;
@@ -753,10 +757,13 @@ static ankle_status ankle_direct_newton(ankle_direct_work *w, const ankle_real t
             int later = was_fresh ? 1 : 2;
             if (taken == 1U) {
                 /* every second step, also one that is rounding, tells how long the next part is */
-                quick = (size * 100.0f <= before);
+                stretch = 2.0f;
                 later = 0;
             }
             limit = ratio2[far][later] * before;
+            if ((size * stretch * stretch > 0.64f * limit) && ((taken == 1U) || (size > still2))) {
+                stretch = 0.8f * sqrtf(limit / size);
+            }
         }
         if (beside) {
             limit = -1.0f;
@@ -801,7 +808,8 @@ static ankle_status ankle_direct_newton(ankle_direct_work *w, const ankle_real t
                  * convergence was quick */
                 const ankle_real part = aim - done;
                 done = aim;
-                aim += (quick && (part * part * turn2 <= 0.25f)) ? (2.0f * part) : part;
+                aim += ((stretch < 1.0f) || (part * part * turn2 <= 0.25f))
+                    ? (stretch * part) : part;
                 if (aim > 0.999f) {
                     aim = 1.0f;
                 }
@@ -830,15 +838,21 @@ static ankle_status ankle_direct_newton(ankle_direct_work *w, const ankle_real t
             taken = 0U;
         } else if (aim - done > 0.0009765625f) {
             /* refused: back to the part that is done, and aim nearer */
-            aim = done + 0.375f * (aim - done);
+            if ((size > limit) && (size < 4.0f * limit)) {
+                aim = done + 0.8f * sqrtf(limit / size) * (aim - done);
+            } else {
+                aim = done + 0.375f * (aim - done);
+            }
             for (int i = 0; i < 4; ++i) {
                 w->x[i] = w->x0[i];
             }
-            ankle_direct_set_target(w, to, done);
-            w->k0[0] = w->k[0];
-            w->k0[1] = w->k[1];
-            w->k0[2] = w->k[2];
-            w->k0[3] = w->k[3];
+            if (!kept) {
+                ankle_direct_set_target(w, to, done);
+                w->k0[0] = w->k[0];
+                w->k0[1] = w->k[1];
+                w->k0[2] = w->k[2];
+                w->k0[3] = w->k[3];
+            }
             ankle_direct_set_target(w, to, aim);
             fresh = !kept;
             taken = 0U;
@@ -923,15 +937,14 @@ static ANKLE_SHARED bool ankle_direct_near_home(const ankle_real values[2], ankl
 /* Work space of ankle_inverse_newton, which solves the rows f(x; k) = 0 for the state x.
  * x: upper_motor, lower_motor: of angles cosine and sine
  * k: ankle.1, ankle.2: of angles cosine and sine
- * f: minus the closure's rows, lengths and angles times the size; then the step: changes of the
- * state: lengths,
- *    angles and turns times the size
+ * f: minus the closure's rows, lengths and angles times the size
+ * s: the step, changes of the state: lengths, angles and turns times the size
  */
 typedef struct {
     ankle_real x[4]; /* state */
     ankle_real at[2]; /* known values at the guess, where the line begins */
     ankle_real k[4]; /* known values aimed at */
-    ankle_real f[2]; /* rows; the linear solver leaves the step in their place */
+    ankle_real f[2]; /* rows */
     ankle_real a[4]; /* matrix -df/dstep, row by row; then its LU factors in its place */
     /* sum of the squared reciprocals of the scaled pivots: large near a singularity */
     ankle_real spread;
@@ -1021,45 +1034,6 @@ static ANKLE_SHARED ankle_real ankle_inverse_residual(const ankle_inverse_work *
     }
     return sqrtf(sum);
 }
-
-/* Adds the step in w->f to the state: lengths and joint values are added to, quaternions are
- * turned. Returns the squared length of the step, angles times the size. */
-static ankle_real ankle_inverse_apply_step(ankle_inverse_work *w)
-{
-    const ankle_real t0 = 0.0038166272f * w->f[0];
-    const ankle_real t1 = w->x[1] * t0;
-    const ankle_real t2 = w->x[0] - t1;
-    const ankle_real t3 = t2 * t2;
-    const ankle_real t4 = w->x[0] * t0;
-    const ankle_real t5 = w->x[1] + t4;
-    const ankle_real t6 = t5 * t5;
-    const ankle_real t7 = t3 + t6;
-    const ankle_real t8 = sqrtf(t7);
-    const ankle_real t9 = 1.0f / t8;
-    const ankle_real t10 = t2 * t9;
-    const ankle_real t11 = t5 * t9;
-    const ankle_real t12 = 0.0038166272f * w->f[1];
-    const ankle_real t13 = w->x[3] * t12;
-    const ankle_real t14 = w->x[2] - t13;
-    const ankle_real t15 = t14 * t14;
-    const ankle_real t16 = w->x[2] * t12;
-    const ankle_real t17 = w->x[3] + t16;
-    const ankle_real t18 = t17 * t17;
-    const ankle_real t19 = t15 + t18;
-    const ankle_real t20 = sqrtf(t19);
-    const ankle_real t21 = 1.0f / t20;
-    const ankle_real t22 = t14 * t21;
-    const ankle_real t23 = t17 * t21;
-    const ankle_real t24 = w->f[0] * w->f[0];
-    const ankle_real t25 = w->f[1] * w->f[1];
-    const ankle_real t26 = t24 + t25;
-    w->x[0] = t10;
-    w->x[1] = t11;
-    w->x[2] = t22;
-    w->x[3] = t23;
-    return t26;
-}
-
 /* Sets w->k, the known values aimed at: a part of the line from the guess's to `to`. */
 static ANKLE_SHARED void ankle_inverse_set_target(ankle_inverse_work *w, const ankle_real to[2],
     ankle_real part)
@@ -1231,11 +1205,11 @@ static int ankle_inverse_factor(ankle_inverse_work *w)
     return (w->spread < 1e+06f) ? ((det > 0.0f) ? 1 : -1) : 0;
 }
 
-/* The step from w->f into w->f: forward and back substitution. */
-static void ankle_inverse_solve(ankle_inverse_work *w)
+/* The step s from w->f: forward and back substitution. */
+static void ankle_inverse_solve(ankle_inverse_work *w, ankle_real s[2])
 {
     if (w->pivoted) {
-        ankle_lu_solve(w->a, w->order, w->f, 2);
+        ankle_lu_solve(w->a, w->order, w->f, s, 2);
         return;
     }
     /* forward substitution, the rows in the order of the pivots */
@@ -1245,8 +1219,49 @@ static void ankle_inverse_solve(ankle_inverse_work *w)
     const ankle_real s1 = (y1) * w->a[3];
     const ankle_real s0 = (y0) * w->a[0];
     /* the step in the order of the unknowns */
-    w->f[0] = s0;
-    w->f[1] = s1;
+    s[0] = s0;
+    s[1] = s1;
+}
+
+
+/* Solves for the step and adds it to the state: lengths and joint values are added to, quaternions
+ * are turned. Returns the squared length of the step, angles times the size. */
+static ankle_real ankle_inverse_step(ankle_inverse_work *w)
+{
+    ankle_real s[2];
+    ankle_inverse_solve(w, s);
+    const ankle_real t0 = 0.0038166272f * s[0];
+    const ankle_real t1 = w->x[1] * t0;
+    const ankle_real t2 = w->x[0] - t1;
+    const ankle_real t3 = t2 * t2;
+    const ankle_real t4 = w->x[0] * t0;
+    const ankle_real t5 = w->x[1] + t4;
+    const ankle_real t6 = t5 * t5;
+    const ankle_real t7 = t3 + t6;
+    const ankle_real t8 = sqrtf(t7);
+    const ankle_real t9 = 1.0f / t8;
+    const ankle_real t10 = t2 * t9;
+    const ankle_real t11 = t5 * t9;
+    const ankle_real t12 = 0.0038166272f * s[1];
+    const ankle_real t13 = w->x[3] * t12;
+    const ankle_real t14 = w->x[2] - t13;
+    const ankle_real t15 = t14 * t14;
+    const ankle_real t16 = w->x[2] * t12;
+    const ankle_real t17 = w->x[3] + t16;
+    const ankle_real t18 = t17 * t17;
+    const ankle_real t19 = t15 + t18;
+    const ankle_real t20 = sqrtf(t19);
+    const ankle_real t21 = 1.0f / t20;
+    const ankle_real t22 = t14 * t21;
+    const ankle_real t23 = t17 * t21;
+    const ankle_real t24 = s[0] * s[0];
+    const ankle_real t25 = s[1] * s[1];
+    const ankle_real t26 = t24 + t25;
+    w->x[0] = t10;
+    w->x[1] = t11;
+    w->x[2] = t22;
+    w->x[3] = t23;
+    return t26;
 }
 
 /* Holds the rows against the formulas' answer; one step of Newton's method where rounding has left
@@ -1262,8 +1277,7 @@ static ANKLE_SHARED ankle_status ankle_inverse_finish(ankle_inverse_work *w, uns
             ankle_write_info(info, count, residual, 0.0f, 0.0f);
             return ANKLE_SINGULAR;
         }
-        ankle_inverse_solve(w);
-        size = ankle_inverse_apply_step(w);
+        size = ankle_inverse_step(w);
         ankle_inverse_rows(w);
         residual = ankle_inverse_residual(w);
     }
@@ -1613,10 +1627,42 @@ static ANKLE_SHARED ankle_status ankle_state_of_joints(const ankle_real values[2
         ankle_direct_rows(&w);
         near_home = !((ankle_direct_factor(&w) == 0) && (ankle_direct_pivoted(&w) == 0));
         if (near_home) {
-            ankle_direct_solve(&w);
-            other[0] = found[0] + w.f[0] * 0.0038166272f;
-            other[1] = found[1] + w.f[1] * 0.0038166272f;
-            near_home = (ankle_direct_apply_step(&w) <= 14.801237f);
+            ankle_real s[2];
+            ankle_direct_solve(&w, s);
+            other[0] = found[0] + s[0] * 0.0038166272f;
+            other[1] = found[1] + s[1] * 0.0038166272f;
+            const ankle_real t0 = 0.0038166272f * s[0];
+            const ankle_real t1 = w.x[1] * t0;
+            const ankle_real t2 = w.x[0] - t1;
+            const ankle_real t3 = t2 * t2;
+            const ankle_real t4 = w.x[0] * t0;
+            const ankle_real t5 = w.x[1] + t4;
+            const ankle_real t6 = t5 * t5;
+            const ankle_real t7 = t3 + t6;
+            const ankle_real t8 = sqrtf(t7);
+            const ankle_real t9 = 1.0f / t8;
+            const ankle_real t10 = t2 * t9;
+            const ankle_real t11 = t5 * t9;
+            const ankle_real t12 = 0.0038166272f * s[1];
+            const ankle_real t13 = w.x[3] * t12;
+            const ankle_real t14 = w.x[2] - t13;
+            const ankle_real t15 = t14 * t14;
+            const ankle_real t16 = w.x[2] * t12;
+            const ankle_real t17 = w.x[3] + t16;
+            const ankle_real t18 = t17 * t17;
+            const ankle_real t19 = t15 + t18;
+            const ankle_real t20 = sqrtf(t19);
+            const ankle_real t21 = 1.0f / t20;
+            const ankle_real t22 = t14 * t21;
+            const ankle_real t23 = t17 * t21;
+            const ankle_real t24 = s[0] * s[0];
+            const ankle_real t25 = s[1] * s[1];
+            const ankle_real t26 = t24 + t25;
+            w.x[0] = t10;
+            w.x[1] = t11;
+            w.x[2] = t22;
+            w.x[3] = t23;
+            near_home = (t26 <= 14.801237f);
         }
     }
     if (!near_home) {
@@ -1813,8 +1859,7 @@ ankle_status ankle_track(const ankle_real joints[2], ankle_real found[2], ankle_
         if ((ankle_direct_factor(&w) == 0) && (ankle_direct_pivoted(&w) == 0)) {
             status = ANKLE_SINGULAR;
         } else {
-            ankle_direct_solve(&w);
-            const ankle_real size = ankle_direct_apply_step(&w);
+            const ankle_real size = ankle_direct_step(&w);
             ankle_write_info(info, 1U, 0.00181f * size, size, w.spread);
         }
     } else {
@@ -2100,9 +2145,10 @@ ankle_status ankle_jacobian(const ankle_real joints[2], const ankle_real found[2
                 for (int i = 0; i < 2; ++i) {
                     w.f[i] = sides[2 * i + j];
                 }
-                ankle_direct_solve(&w);
-                rates[0 + j] = w.f[0] * 0.0038166272f;
-                rates[2 + j] = w.f[1] * 0.0038166272f;
+                ankle_real s[2];
+                ankle_direct_solve(&w, s);
+                rates[0 + j] = s[0] * 0.0038166272f;
+                rates[2 + j] = s[1] * 0.0038166272f;
             }
             status = (ankle_check_finite(rates, 4, ANKLE_OK) == ANKLE_OK)
                 ? ANKLE_OK : ANKLE_SINGULAR;
@@ -2255,9 +2301,10 @@ ankle_status ankle_inverse_jacobian(const ankle_real joints[2], const ankle_real
                 for (int i = 0; i < 2; ++i) {
                     w.f[i] = sides[2 * i + j];
                 }
-                ankle_inverse_solve(&w);
-                rates[0 + j] = w.f[0] * 0.0038166272f;
-                rates[2 + j] = w.f[1] * 0.0038166272f;
+                ankle_real s[2];
+                ankle_inverse_solve(&w, s);
+                rates[0 + j] = s[0] * 0.0038166272f;
+                rates[2 + j] = s[1] * 0.0038166272f;
             }
             status = (ankle_check_finite(rates, 4, ANKLE_OK) == ANKLE_OK)
                 ? ANKLE_OK : ANKLE_SINGULAR;
@@ -2503,20 +2550,22 @@ ankle_status ankle_second(const ankle_real joints[2], const ankle_real found[2],
                 for (int i = 0; i < 2; ++i) {
                     w.f[i] = sides[2 * i + j];
                 }
-                ankle_direct_solve(&w);
-                rates[0 + j] = w.f[0] * 0.0038166272f;
-                rates[2 + j] = w.f[1] * 0.0038166272f;
-                steps[2 * j + 0] = w.f[0] * 0.0038166272f;
-                steps[2 * j + 1] = w.f[1] * 0.0038166272f;
+                ankle_real s[2];
+                ankle_direct_solve(&w, s);
+                rates[0 + j] = s[0] * 0.0038166272f;
+                rates[2 + j] = s[1] * 0.0038166272f;
+                steps[2 * j + 0] = s[0] * 0.0038166272f;
+                steps[2 * j + 1] = s[1] * 0.0038166272f;
             }
             ankle_joint_bends(&w, steps, sides);
             for (int j = 0; j < 3; ++j) {
                 for (int i = 0; i < 2; ++i) {
                     w.f[i] = sides[3 * i + j];
                 }
-                ankle_direct_solve(&w);
-                rates[4 + j] = w.f[0] * 0.0038166272f;
-                rates[7 + j] = w.f[1] * 0.0038166272f;
+                ankle_real s[2];
+                ankle_direct_solve(&w, s);
+                rates[4 + j] = s[0] * 0.0038166272f;
+                rates[7 + j] = s[1] * 0.0038166272f;
             }
             status = (ankle_check_finite(rates, 10,
                 ANKLE_OK) == ANKLE_OK) ? ANKLE_OK : ANKLE_SINGULAR;

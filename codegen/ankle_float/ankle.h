@@ -19,9 +19,9 @@
  *
  * Worst case of a call, with NULL as config (README.md says how it is known and has 255
  * iterations):
- *   direct: 400 iterations, 112356 add, 148013 mul, 6107 div, 3662 sqrt
+ *   direct: 400 iterations, 112492 add, 150177 mul, 6511 div, 4470 sqrt
  *   track: 166 add, 203 mul, 11 div, 4 sqrt
- *   inverse: 500 iterations, 81447 add, 103393 mul, 4310 div, 3064 sqrt
+ *   inverse: 500 iterations, 81515 add, 104475 mul, 4512 div, 3468 sqrt
  *   track_inverse: 275 add, 329 mul, 17 div, 12 sqrt
  *   jacobian: 152 add, 197 mul, 4 div, 1 sqrt
  *   inverse_jacobian: 183 add, 249 mul, 4 div, 1 sqrt
@@ -31,20 +31,6 @@
  *   inertia: 197 add, 265 mul, 4 div, 1 sqrt
  *   torque_limits: 156 add, 201 mul, 8 div, 1 sqrt
  *   rate_limits: 187 add, 253 mul, 8 div, 1 sqrt
- *   measured (Cortex-M4F, GCC 12.2.1 -O2, 19394 inputs, seed 1): instructions, bytes of stack with
- *     callees, bytes of code with callees but without those of libm:
- *   direct: 101990 instructions, 656 stack, 7780 code
- *   track: 1075 instructions, 196 stack, 3388 code
- *   inverse: 90685 instructions, 704 stack, 10632 code
- *   track_inverse: 990 instructions, 220 stack, 4616 code
- *   jacobian: 785 instructions, 220 stack, 2948 code
- *   inverse_jacobian: 795 instructions, 236 stack, 2976 code
- *   second: 1205 instructions, 372 stack, 4132 code
- *   rates: 915 instructions, 268 stack, 3192 code
- *   torques: 915 instructions, 268 stack, 3192 code
- *   inertia: 1035 instructions, 292 stack, 3248 code
- *   torque_limits: 950 instructions, 268 stack, 3232 code
- *   rate_limits: 955 instructions, 284 stack, 3260 code
  *
  * Model SHA-256 04deed2052383811e7f0981a7545d222c99685967960c3c2ac2c816691947d5b
  */

@@ -313,7 +313,7 @@ static void jacobian_of(int k)
     const ankle_real *const joints = ankle_vector_joints[k];
     const ankle_real *const found = ankle_vector_found[k];
     tested = "jacobian";
-    expect(ankle_jacobian (joints, found, jacobian) == ANKLE_OK, "OK", k);
+    expect(ankle_jacobian(joints, found, jacobian) == ANKLE_OK, "OK", k);
     for (int i = 0; i < N * N; ++i) {
         const double wanted = (double)ankle_vector_jacobians[k][i];
         expect(fabs((double)jacobian[i] - wanted) <= most * (1.0 + fabs(wanted)), "entry", i);
@@ -360,19 +360,19 @@ static void derivatives_of(int k)
         speeds[i] = (ankle_real)(2 - i);
     }
     tested = "rates";
-    expect(ankle_rates (joints, found, speeds, rates) == ANKLE_OK, "OK", k);
+    expect(ankle_rates(joints, found, speeds, rates) == ANKLE_OK, "OK", k);
     tested = "torques";
-    expect(ankle_torques (joints, found, own, torques) == ANKLE_OK, "OK", k);
+    expect(ankle_torques(joints, found, own, torques) == ANKLE_OK, "OK", k);
     const double power = product(own, 1, rates, 1, &size) - product(torques, 1, speeds, 1, &other);
     expect(fabs(power) <= 1e-4 * size, "power", k);
     tested = "jacobian";
-    expect(ankle_jacobian (joints, found, jacobian) == ANKLE_OK, "OK", k);
+    expect(ankle_jacobian(joints, found, jacobian) == ANKLE_OK, "OK", k);
     tested = "inverse_jacobian";
-    expect(ankle_inverse_jacobian (joints, found, inverse) == ANKLE_OK, "OK", k);
+    expect(ankle_inverse_jacobian(joints, found, inverse) == ANKLE_OK, "OK", k);
     tested = "second";
-    expect(ankle_second (joints, found, NULL, second) == ANKLE_OK, "OK", k);
+    expect(ankle_second(joints, found, NULL, second) == ANKLE_OK, "OK", k);
     tested = "second";
-    expect(ankle_second (joints, found, again, second) == ANKLE_OK, "OK", k);
+    expect(ankle_second(joints, found, again, second) == ANKLE_OK, "OK", k);
     expect(memcmp(again, jacobian, sizeof again) == 0, "jacobian", k);
     for (int i = 0; i < N * N * N; ++i) {
         const double wanted = (double)ankle_vector_seconds[k][i];
@@ -381,11 +381,11 @@ static void derivatives_of(int k)
     }
     expect(off <= 10.0 * 1e-4 * most, "entry", k);
     tested = "inertia";
-    expect(ankle_inertia (joints, found, own, inertia) == ANKLE_OK, "OK", k);
+    expect(ankle_inertia(joints, found, own, inertia) == ANKLE_OK, "OK", k);
     tested = "torque_limits";
-    expect(ankle_torque_limits (joints, found, own, torques) == ANKLE_OK, "OK", k);
+    expect(ankle_torque_limits(joints, found, own, torques) == ANKLE_OK, "OK", k);
     tested = "rate_limits";
-    expect(ankle_rate_limits (joints, found, own, rates) == ANKLE_OK, "OK", k);
+    expect(ankle_rate_limits(joints, found, own, rates) == ANKLE_OK, "OK", k);
     for (int i = 0; i < N; ++i) {
         const ankle_real *const row = &jacobian[N * i];
         double torque = 0.0;

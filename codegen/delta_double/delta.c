@@ -82,9 +82,9 @@ static DELTA_COLD int delta_lu(delta_real *a, uint8_t *order, const delta_real *
     return sign;
 }
 
-/* Solves for the right side f, in place, with the factors of delta_lu. */
+/* Solves for the right side f with the factors of delta_lu: s, which may be f; f is lost. */
 static DELTA_COLD void delta_lu_solve(const delta_real *a, const uint8_t *order, delta_real *f,
-    int n)
+    delta_real *s, int n)
 {
     /* forward substitution with the exchanges of rows */
     for (int c = 0; c < n; ++c) {
@@ -99,7 +99,7 @@ static DELTA_COLD void delta_lu_solve(const delta_real *a, const uint8_t *order,
     /* back substitution */
     for (int c = n - 1; c >= 0; --c) {
         const delta_real t = f[c] * a[n * c + c];
-        f[c] = t;
+        s[c] = t;
         for (int r = 0; r < c; ++r) {
             f[r] -= a[n * r + c] * t;
         }
@@ -1517,7 +1517,7 @@ delta_status delta_twist(const delta_pose *pose, const delta_real rates[3], delt
         }
     }
     if (status == DELTA_OK) {
-        delta_lu_solve(a, order, f, 3);
+        delta_lu_solve(a, order, f, f, 3);
         twist[3] = 0.0;
         twist[4] = 0.0;
         twist[5] = 0.0;

@@ -290,7 +290,7 @@ static void jacobian_of(int k)
     delta_real jacobian[MOST];
     const delta_pose pose = pose_from(delta_vector_poses[k]);
     tested = "jacobian";
-    expect(delta_jacobian (&pose, jacobian) == DELTA_OK, "OK", k);
+    expect(delta_jacobian(&pose, jacobian) == DELTA_OK, "OK", k);
     for (int i = 0; i < 6 * N; ++i) {
         const double wanted = (double)delta_vector_jacobians[k][i];
         expect(fabs((double)jacobian[i] - wanted) <= most * (1.0 + fabs(wanted)), "entry", i);
@@ -311,9 +311,9 @@ static void speeds_of(int k)
         rates[i] = (delta_real)(((i % 3 == 0) ? 1.0 : (i % 3 == 1) ? -0.5 : 0.25) * (1.0));
     }
     tested = "twist";
-    expect(delta_twist (&pose, rates, twist) == DELTA_OK, "OK", k);
+    expect(delta_twist(&pose, rates, twist) == DELTA_OK, "OK", k);
     tested = "rates";
-    expect(delta_rates (&pose, twist, again) == DELTA_OK, "OK", k);
+    expect(delta_rates(&pose, twist, again) == DELTA_OK, "OK", k);
     for (int i = 0; i < N; ++i) {
         const double off = fabs((double)again[i] - (double)rates[i]);
         expect(off <= 1e-9 * (1.0), "rates of the twist of rates", i);
@@ -325,7 +325,7 @@ static void speeds_of(int k)
             limits[i] = (delta_real)(limit * (1.0));
         }
         tested = "feed";
-        expect(delta_feed (&pose, twist, limits, &feed) == DELTA_OK, "OK", k);
+        expect(delta_feed(&pose, twist, limits, &feed) == DELTA_OK, "OK", k);
         for (int i = 0; i < N; ++i) {
             largest = larger(largest, fabs((double)feed * (double)again[i]) / (1.0));
         }

@@ -484,202 +484,203 @@ static int gluon_6l3_branches(const gluon_6l3_real x[7], const gluon_6l3_real ne
                     const gluon_6l3_real t41 = t40 * t35;
                     const gluon_6l3_real t42 = atan2(t37, t41);
                     /* the normal of q2, q3, q4: its level along the axis of q6 tells q5 */
-                    const gluon_6l3_real t43 = t8 + t8;
-                    const gluon_6l3_real t44 = t43 * t36;
-                    const gluon_6l3_real t45 = t2 + t2;
-                    const gluon_6l3_real t46 = t45 * t41;
-                    const gluon_6l3_real t47 = t44 + t46;
-                    const gluon_6l3_real t48 = t47 * t47;
-                    const gluon_6l3_real t49 = 1.0 - t48;
-                    if (t49 > 2.842170943040401e-14) {
-                        margin[1] = t49;
+                    const gluon_6l3_real t43 = x[4] * x[5];
+                    const gluon_6l3_real t44 = x[3] * x[6];
+                    const gluon_6l3_real t45 = t43 - t44;
+                    const gluon_6l3_real t46 = t45 + t45;
+                    const gluon_6l3_real t47 = t46 * t36;
+                    const gluon_6l3_real t48 = x[4] * x[4];
+                    const gluon_6l3_real t49 = x[6] * x[6];
+                    const gluon_6l3_real t50 = t48 + t49;
+                    const gluon_6l3_real t51 = t50 + t50;
+                    const gluon_6l3_real t52 = 1.0 - t51;
+                    const gluon_6l3_real t53 = t52 * t41;
+                    const gluon_6l3_real t54 = t47 + t53;
+                    const gluon_6l3_real t55 = t54 * t54;
+                    const gluon_6l3_real t56 = x[5] * x[5];
+                    const gluon_6l3_real t57 = t56 + t49;
+                    const gluon_6l3_real t58 = t57 + t57;
+                    const gluon_6l3_real t59 = 1.0 - t58;
+                    const gluon_6l3_real t60 = t59 * t36;
+                    const gluon_6l3_real t61 = t43 + t44;
+                    const gluon_6l3_real t62 = t61 + t61;
+                    const gluon_6l3_real t63 = t62 * t41;
+                    const gluon_6l3_real t64 = t60 + t63;
+                    const gluon_6l3_real t65 = t64 * t64;
+                    const gluon_6l3_real t66 = t55 + t65;
+                    if (t66 > 2.842170943040401e-14) {
+                        margin[1] = t66;
                         const unsigned int bits1 = (wanted >> 2U) & 3U;
                         const unsigned int side1 = (near[3] < 0.0) ? 2U : 1U;
                         for (unsigned int k1 = 1U; k1 <= 2U; ++k1) {
                             if ((((bits1 != 0U) ? bits1 : side1) & k1) != 0U) {
                                 const gluon_6l3_real sign1 = (k1 == 1U) ? 1.0 : -1.0;
-                                const gluon_6l3_real t57 = -t47;
-                                const gluon_6l3_real t58 = fabs(t49);
-                                const gluon_6l3_real t59 = t49 + t58;
-                                const gluon_6l3_real t60 = 0.5 * t59;
-                                const gluon_6l3_real t61 = sqrt(t60);
-                                const gluon_6l3_real t62 = sign1 * t61;
-                                const gluon_6l3_real t63 = atan2(t62, t57);
+                                const gluon_6l3_real t74 = fabs(t66);
+                                const gluon_6l3_real t75 = t66 + t74;
+                                const gluon_6l3_real t76 = 0.5 * t75;
+                                const gluon_6l3_real t77 = sqrt(t76);
+                                const gluon_6l3_real t78 = sign1 * t77;
+                                const gluon_6l3_real t79 = t2 + t2;
+                                const gluon_6l3_real t80 = t8 + t8;
+                                const gluon_6l3_real t81 = t80 * t36;
+                                const gluon_6l3_real t82 = t79 * t41;
+                                const gluon_6l3_real t83 = t81 + t82;
+                                const gluon_6l3_real t84 = -t83;
+                                const gluon_6l3_real t85 = atan2(t78, t84);
                                 /* q6 turns the normal of q2, q3, q4 to where it must be */
-                                const gluon_6l3_real t64 = x[5] * x[5];
-                                const gluon_6l3_real t65 = x[6] * x[6];
-                                const gluon_6l3_real t66 = t64 + t65;
-                                const gluon_6l3_real t67 = t66 + t66;
-                                const gluon_6l3_real t68 = 1.0 - t67;
-                                const gluon_6l3_real t69 = t68 * t36;
-                                const gluon_6l3_real t70 = x[4] * x[5];
-                                const gluon_6l3_real t71 = x[3] * x[6];
-                                const gluon_6l3_real t72 = t70 + t71;
-                                const gluon_6l3_real t73 = t72 + t72;
-                                const gluon_6l3_real t74 = t73 * t41;
-                                const gluon_6l3_real t75 = t69 + t74;
-                                const gluon_6l3_real t76 = t75 * t62;
-                                const gluon_6l3_real t77 = t76 * t76;
-                                const gluon_6l3_real t78 = t70 - t71;
-                                const gluon_6l3_real t79 = t78 + t78;
-                                const gluon_6l3_real t80 = t79 * t36;
-                                const gluon_6l3_real t81 = x[4] * x[4];
-                                const gluon_6l3_real t82 = t81 + t65;
-                                const gluon_6l3_real t83 = t82 + t82;
-                                const gluon_6l3_real t84 = 1.0 - t83;
-                                const gluon_6l3_real t85 = t84 * t41;
-                                const gluon_6l3_real t86 = t80 + t85;
-                                const gluon_6l3_real t87 = t86 * t62;
-                                const gluon_6l3_real t88 = t87 * t87;
-                                const gluon_6l3_real t89 = t77 + t88;
-                                const gluon_6l3_real t90 = sqrt(t89);
-                                if (t90 > 2.842170943040401e-14) {
-                                    const gluon_6l3_real t92 = -t76;
-                                    const gluon_6l3_real t93 = atan2(t87, t92);
+                                const gluon_6l3_real t86 = t64 * t78;
+                                const gluon_6l3_real t87 = t86 * t86;
+                                const gluon_6l3_real t88 = t54 * t78;
+                                const gluon_6l3_real t89 = t88 * t88;
+                                const gluon_6l3_real t90 = t87 + t89;
+                                const gluon_6l3_real t91 = sqrt(t90);
+                                if (t91 > 2.842170943040401e-14) {
+                                    const gluon_6l3_real t93 = -t86;
+                                    const gluon_6l3_real t94 = atan2(t88, t93);
                                     /* a point of the axis of q4: its distance from the axis of q2
                                      * tells q3 */
-                                    const gluon_6l3_real t94 = 1.0 / t90;
-                                    const gluon_6l3_real t95 = t87 * t94;
-                                    const gluon_6l3_real t96 = 80.09 * t95;
-                                    const gluon_6l3_real t97 = t73 * t96;
-                                    const gluon_6l3_real t98 = t76 * t94;
-                                    const gluon_6l3_real t99 = 80.09 * t98;
-                                    const gluon_6l3_real t100 = t84 * t99;
-                                    const gluon_6l3_real t101 = t97 - t100;
-                                    const gluon_6l3_real t102 = t3 - t101;
-                                    const gluon_6l3_real t103 = t102 - x[1];
-                                    const gluon_6l3_real t104 = t36 * t103;
-                                    const gluon_6l3_real t105 = t68 * t96;
-                                    const gluon_6l3_real t106 = t79 * t99;
-                                    const gluon_6l3_real t107 = t105 - t106;
-                                    const gluon_6l3_real t108 = t9 - t107;
-                                    const gluon_6l3_real t109 = t108 - x[0];
-                                    const gluon_6l3_real t110 = t41 * t109;
-                                    const gluon_6l3_real t111 = t104 - t110;
-                                    const gluon_6l3_real t112 = t111 * t111;
-                                    const gluon_6l3_real t113 = t41 * t103;
-                                    const gluon_6l3_real t114 = t36 * t109;
-                                    const gluon_6l3_real t115 = t113 + t114;
-                                    const gluon_6l3_real t116 = t115 * t115;
-                                    const gluon_6l3_real t117 = t112 + t116;
-                                    const gluon_6l3_real t118 = t81 + t64;
-                                    const gluon_6l3_real t119 = t118 + t118;
-                                    const gluon_6l3_real t120 = 1.0 - t119;
-                                    const gluon_6l3_real t121 = 44.36 * t120;
-                                    const gluon_6l3_real t122 = t6 - t7;
-                                    const gluon_6l3_real t123 = t122 + t122;
-                                    const gluon_6l3_real t124 = t123 * t96;
-                                    const gluon_6l3_real t125 = t0 + t1;
-                                    const gluon_6l3_real t126 = t125 + t125;
-                                    const gluon_6l3_real t127 = t126 * t99;
-                                    const gluon_6l3_real t128 = t124 - t127;
-                                    const gluon_6l3_real t129 = t121 - t128;
-                                    const gluon_6l3_real t130 = t129 - x[2];
-                                    const gluon_6l3_real t131 = t130 + 105.03;
-                                    const gluon_6l3_real t132 = t131 * t131;
-                                    const gluon_6l3_real t133 = t117 + t132;
-                                    const gluon_6l3_real t134 = t133 - 66569.1084;
-                                    const gluon_6l3_real t135 = 0.5 * t134;
-                                    const gluon_6l3_real t136 = t135 * t135;
-                                    const gluon_6l3_real t137 = 925518552.034765 - t136;
-                                    const gluon_6l3_real t138 = t137 * 1.1822206627174038e-11;
-                                    if (t138 > 2.842170943040401e-14) {
-                                        margin[2] = t138;
-                                        const gluon_6l3_real t141 = 30422.3364 * near[5];
+                                    const gluon_6l3_real t95 = 1.0 / t91;
+                                    const gluon_6l3_real t96 = t88 * t95;
+                                    const gluon_6l3_real t97 = 80.09 * t96;
+                                    const gluon_6l3_real t98 = t62 * t97;
+                                    const gluon_6l3_real t99 = t86 * t95;
+                                    const gluon_6l3_real t100 = 80.09 * t99;
+                                    const gluon_6l3_real t101 = t52 * t100;
+                                    const gluon_6l3_real t102 = t98 - t101;
+                                    const gluon_6l3_real t103 = t3 - t102;
+                                    const gluon_6l3_real t104 = t103 - x[1];
+                                    const gluon_6l3_real t105 = t36 * t104;
+                                    const gluon_6l3_real t106 = t59 * t97;
+                                    const gluon_6l3_real t107 = t46 * t100;
+                                    const gluon_6l3_real t108 = t106 - t107;
+                                    const gluon_6l3_real t109 = t9 - t108;
+                                    const gluon_6l3_real t110 = t109 - x[0];
+                                    const gluon_6l3_real t111 = t41 * t110;
+                                    const gluon_6l3_real t112 = t105 - t111;
+                                    const gluon_6l3_real t113 = t112 * t112;
+                                    const gluon_6l3_real t114 = t41 * t104;
+                                    const gluon_6l3_real t115 = t36 * t110;
+                                    const gluon_6l3_real t116 = t114 + t115;
+                                    const gluon_6l3_real t117 = t116 * t116;
+                                    const gluon_6l3_real t118 = t113 + t117;
+                                    const gluon_6l3_real t119 = t48 + t56;
+                                    const gluon_6l3_real t120 = t119 + t119;
+                                    const gluon_6l3_real t121 = 1.0 - t120;
+                                    const gluon_6l3_real t122 = 44.36 * t121;
+                                    const gluon_6l3_real t123 = t6 - t7;
+                                    const gluon_6l3_real t124 = t123 + t123;
+                                    const gluon_6l3_real t125 = t124 * t97;
+                                    const gluon_6l3_real t126 = t0 + t1;
+                                    const gluon_6l3_real t127 = t126 + t126;
+                                    const gluon_6l3_real t128 = t127 * t100;
+                                    const gluon_6l3_real t129 = t125 - t128;
+                                    const gluon_6l3_real t130 = t122 - t129;
+                                    const gluon_6l3_real t131 = t130 - x[2];
+                                    const gluon_6l3_real t132 = t131 + 105.03;
+                                    const gluon_6l3_real t133 = t132 * t132;
+                                    const gluon_6l3_real t134 = t118 + t133;
+                                    const gluon_6l3_real t135 = t134 - 66569.1084;
+                                    const gluon_6l3_real t136 = 0.5 * t135;
+                                    const gluon_6l3_real t137 = t136 * t136;
+                                    const gluon_6l3_real t138 = 925518552.034765 - t137;
+                                    const gluon_6l3_real t139 = t138 * 1.1822206627174038e-11;
+                                    if (t139 > 2.842170943040401e-14) {
+                                        margin[2] = t139;
+                                        const gluon_6l3_real t142 = 30422.3364 * near[5];
                                         const unsigned int bits2 = (wanted >> 4U) & 3U;
-                                        const unsigned int side2 = (t141 < 0.0) ? 2U : 1U;
+                                        const unsigned int side2 = (t142 < 0.0) ? 2U : 1U;
                                         for (unsigned int k2 = 1U; k2 <= 2U; ++k2) {
                                             if ((((bits2 != 0U) ? bits2 : side2) & k2) != 0U) {
                                                 const gluon_6l3_real sign2 = (k2 == 1U)
                                                     ? 1.0 : -1.0;
-                                                const gluon_6l3_real t147 = fabs(t137);
-                                                const gluon_6l3_real t148 = t137 + t147;
-                                                const gluon_6l3_real t149 = 0.5 * t148;
-                                                const gluon_6l3_real t150 = sqrt(t149);
-                                                const gluon_6l3_real t151 = sign2 * t150;
-                                                const gluon_6l3_real t152 =
-                                                    1.6435292589822258e-05 * t134;
+                                                const gluon_6l3_real t148 = fabs(t138);
+                                                const gluon_6l3_real t149 = t138 + t148;
+                                                const gluon_6l3_real t150 = 0.5 * t149;
+                                                const gluon_6l3_real t151 = sqrt(t150);
+                                                const gluon_6l3_real t152 = sign2 * t151;
                                                 const gluon_6l3_real t153 =
-                                                    3.2870585179644516e-05 * t151;
-                                                const gluon_6l3_real t154 = atan2(t153, t152);
+                                                    1.6435292589822258e-05 * t135;
+                                                const gluon_6l3_real t154 =
+                                                    3.2870585179644516e-05 * t152;
+                                                const gluon_6l3_real t155 = atan2(t154, t153);
                                                 /* q2 turns a point of the axis of q4 to where it
                                                  * must be */
-                                                const gluon_6l3_real t155 =
-                                                    0.005733287467033597 * t151;
-                                                const gluon_6l3_real t156 = t155 * t111;
-                                                const gluon_6l3_real t157 = 75.66 * t115;
-                                                const gluon_6l3_real t158 = t156 - t157;
-                                                const gluon_6l3_real t159 =
-                                                    0.0028666437335167984 * t134;
-                                                const gluon_6l3_real t160 = t159 + 174.42;
-                                                const gluon_6l3_real t161 = t160 * t131;
-                                                const gluon_6l3_real t162 = t158 + t161;
-                                                const gluon_6l3_real t163 = t162 + t157;
-                                                const gluon_6l3_real t164 = t163 * t163;
-                                                const gluon_6l3_real t165 = t160 * t111;
-                                                const gluon_6l3_real t166 = t155 * t131;
-                                                const gluon_6l3_real t167 = t165 - t166;
-                                                const gluon_6l3_real t168 = t167 * t167;
-                                                const gluon_6l3_real t169 = t164 + t168;
-                                                const gluon_6l3_real t170 = sqrt(t169);
-                                                const gluon_6l3_real t171 =
-                                                    t170 * 3.4383435877140077e-06;
-                                                if (t171 > 2.842170943040401e-14) {
-                                                    margin[3] = t171;
-                                                    const gluon_6l3_real t174 = -t163;
-                                                    const gluon_6l3_real t175 = -t167;
-                                                    const gluon_6l3_real t176 = atan2(t175, t174);
+                                                const gluon_6l3_real t156 =
+                                                    0.005733287467033597 * t152;
+                                                const gluon_6l3_real t157 = t156 * t112;
+                                                const gluon_6l3_real t158 = 75.66 * t116;
+                                                const gluon_6l3_real t159 = t157 - t158;
+                                                const gluon_6l3_real t160 =
+                                                    0.0028666437335167984 * t135;
+                                                const gluon_6l3_real t161 = t160 + 174.42;
+                                                const gluon_6l3_real t162 = t161 * t132;
+                                                const gluon_6l3_real t163 = t159 + t162;
+                                                const gluon_6l3_real t164 = t163 + t158;
+                                                const gluon_6l3_real t165 = t164 * t164;
+                                                const gluon_6l3_real t166 = t161 * t112;
+                                                const gluon_6l3_real t167 = t156 * t132;
+                                                const gluon_6l3_real t168 = t166 - t167;
+                                                const gluon_6l3_real t169 = t168 * t168;
+                                                const gluon_6l3_real t170 = t165 + t169;
+                                                const gluon_6l3_real t171 = sqrt(t170);
+                                                const gluon_6l3_real t172 =
+                                                    t171 * 3.4383435877140077e-06;
+                                                if (t172 > 2.842170943040401e-14) {
+                                                    margin[3] = t172;
+                                                    const gluon_6l3_real t175 = -t164;
+                                                    const gluon_6l3_real t176 = -t168;
+                                                    const gluon_6l3_real t177 = atan2(t176, t175);
                                                     /* q4 turns a direction of the tool to where it
                                                      * must be */
-                                                    const gluon_6l3_real t177 = 1.0 / t170;
-                                                    const gluon_6l3_real t178 = t163 * t177;
-                                                    const gluon_6l3_real t179 = t45 * t62;
-                                                    const gluon_6l3_real t180 = t98 * t47;
-                                                    const gluon_6l3_real t181 = t73 * t180;
-                                                    const gluon_6l3_real t182 = t95 * t47;
-                                                    const gluon_6l3_real t183 = t84 * t182;
-                                                    const gluon_6l3_real t184 = t181 + t183;
-                                                    const gluon_6l3_real t185 = t179 - t184;
-                                                    const gluon_6l3_real t186 = t36 * t185;
-                                                    const gluon_6l3_real t187 = t43 * t62;
-                                                    const gluon_6l3_real t188 = t68 * t180;
-                                                    const gluon_6l3_real t189 = t79 * t182;
-                                                    const gluon_6l3_real t190 = t188 + t189;
-                                                    const gluon_6l3_real t191 = t187 - t190;
-                                                    const gluon_6l3_real t192 = t41 * t191;
-                                                    const gluon_6l3_real t193 = t186 - t192;
-                                                    const gluon_6l3_real t194 = t178 * t193;
-                                                    const gluon_6l3_real t195 = t167 * t177;
-                                                    const gluon_6l3_real t196 = t120 * t62;
-                                                    const gluon_6l3_real t197 = t123 * t180;
-                                                    const gluon_6l3_real t198 = t126 * t182;
-                                                    const gluon_6l3_real t199 = t197 + t198;
-                                                    const gluon_6l3_real t200 = t196 - t199;
-                                                    const gluon_6l3_real t201 = t195 * t200;
-                                                    const gluon_6l3_real t202 = t194 - t201;
-                                                    const gluon_6l3_real t203 = t152 * t202;
-                                                    const gluon_6l3_real t204 = t178 * t200;
-                                                    const gluon_6l3_real t205 = t195 * t193;
-                                                    const gluon_6l3_real t206 = t204 + t205;
-                                                    const gluon_6l3_real t207 = t153 * t206;
-                                                    const gluon_6l3_real t208 = t203 - t207;
-                                                    const gluon_6l3_real t209 = t208 * t208;
-                                                    const gluon_6l3_real t210 = t152 * t206;
-                                                    const gluon_6l3_real t211 = t153 * t202;
-                                                    const gluon_6l3_real t212 = t210 + t211;
-                                                    const gluon_6l3_real t213 = t212 * t212;
-                                                    const gluon_6l3_real t214 = t209 + t213;
-                                                    const gluon_6l3_real t215 = sqrt(t214);
-                                                    if (t215 > 2.842170943040401e-14) {
-                                                        const gluon_6l3_real t217 = -t212;
-                                                        const gluon_6l3_real t218 = atan2(t217,
-                                                            t208);
+                                                    const gluon_6l3_real t178 = 1.0 / t171;
+                                                    const gluon_6l3_real t179 = t164 * t178;
+                                                    const gluon_6l3_real t180 = t79 * t78;
+                                                    const gluon_6l3_real t181 = t99 * t83;
+                                                    const gluon_6l3_real t182 = t62 * t181;
+                                                    const gluon_6l3_real t183 = t96 * t83;
+                                                    const gluon_6l3_real t184 = t52 * t183;
+                                                    const gluon_6l3_real t185 = t182 + t184;
+                                                    const gluon_6l3_real t186 = t180 - t185;
+                                                    const gluon_6l3_real t187 = t36 * t186;
+                                                    const gluon_6l3_real t188 = t80 * t78;
+                                                    const gluon_6l3_real t189 = t59 * t181;
+                                                    const gluon_6l3_real t190 = t46 * t183;
+                                                    const gluon_6l3_real t191 = t189 + t190;
+                                                    const gluon_6l3_real t192 = t188 - t191;
+                                                    const gluon_6l3_real t193 = t41 * t192;
+                                                    const gluon_6l3_real t194 = t187 - t193;
+                                                    const gluon_6l3_real t195 = t179 * t194;
+                                                    const gluon_6l3_real t196 = t168 * t178;
+                                                    const gluon_6l3_real t197 = t121 * t78;
+                                                    const gluon_6l3_real t198 = t124 * t181;
+                                                    const gluon_6l3_real t199 = t127 * t183;
+                                                    const gluon_6l3_real t200 = t198 + t199;
+                                                    const gluon_6l3_real t201 = t197 - t200;
+                                                    const gluon_6l3_real t202 = t196 * t201;
+                                                    const gluon_6l3_real t203 = t195 - t202;
+                                                    const gluon_6l3_real t204 = t153 * t203;
+                                                    const gluon_6l3_real t205 = t179 * t201;
+                                                    const gluon_6l3_real t206 = t196 * t194;
+                                                    const gluon_6l3_real t207 = t205 + t206;
+                                                    const gluon_6l3_real t208 = t154 * t207;
+                                                    const gluon_6l3_real t209 = t204 - t208;
+                                                    const gluon_6l3_real t210 = t209 * t209;
+                                                    const gluon_6l3_real t211 = t153 * t207;
+                                                    const gluon_6l3_real t212 = t154 * t203;
+                                                    const gluon_6l3_real t213 = t211 + t212;
+                                                    const gluon_6l3_real t214 = t213 * t213;
+                                                    const gluon_6l3_real t215 = t210 + t214;
+                                                    const gluon_6l3_real t216 = sqrt(t215);
+                                                    if (t216 > 2.842170943040401e-14) {
+                                                        const gluon_6l3_real t218 = -t213;
+                                                        const gluon_6l3_real t219 = atan2(t218,
+                                                            t209);
                                                         found[count][0] = t42;
-                                                        found[count][1] = t176;
-                                                        found[count][2] = t154;
-                                                        found[count][3] = t218;
-                                                        found[count][4] = t63;
-                                                        found[count][5] = t93;
+                                                        found[count][1] = t177;
+                                                        found[count][2] = t155;
+                                                        found[count][3] = t219;
+                                                        found[count][4] = t85;
+                                                        found[count][5] = t94;
                                                         ++count;
                                                     } else {
                                                         *undecided = true;
@@ -689,7 +690,7 @@ static int gluon_6l3_branches(const gluon_6l3_real x[7], const gluon_6l3_real ne
                                                 }
                                             }
                                         }
-                                    } else if (t138 > -2.842170943040401e-14) {
+                                    } else if (t139 > -2.842170943040401e-14) {
                                         *undecided = true;
                                     } else {
                                         /* out of reach */
@@ -699,7 +700,7 @@ static int gluon_6l3_branches(const gluon_6l3_real x[7], const gluon_6l3_real ne
                                 }
                             }
                         }
-                    } else if (t49 > -2.842170943040401e-14) {
+                    } else if (t66 > -2.842170943040401e-14) {
                         *undecided = true;
                     } else {
                         /* out of reach */
@@ -738,6 +739,9 @@ static gluon_6l3_status gluon_6l3_turn_near(const gluon_6l3_real about[6], gluon
     return status;
 }
 
+static GLUON_6L3_SHARED void gluon_6l3_jacobian_at(const gluon_6l3_real u[2 * 6],
+    gluon_6l3_real jacobian[6 * 6]);
+
 /* Holds the tool's pose of joint values against x. Beside a fold the formulas lose digits, which a
  * step of Newton's method gives back. */
 static gluon_6l3_status gluon_6l3_hold(const gluon_6l3_real x[7], gluon_6l3_real joints[6],
@@ -751,16 +755,14 @@ static gluon_6l3_status gluon_6l3_hold(const gluon_6l3_real x[7], gluon_6l3_real
     if (!(*residual <= 2.3987771354403583e-09)) {
         gluon_6l3_real jacobian[6 * 6];
         gluon_6l3_real step[6];
-        status = gluon_6l3_jacobian(joints, jacobian);
-        if (status == GLUON_6L3_OK) {
-            (void)gluon_6l3_damped(jacobian, e, step);
-            for (int i = 0; i < 6; ++i) {
-                joints[i] += step[i];
-            }
-            gluon_6l3_half_turns(joints, u);
-            *residual = gluon_6l3_error_at(u, x, e);
-            status = (*residual <= 2.3987771354403583e-09) ? GLUON_6L3_OK : GLUON_6L3_SINGULAR;
+        gluon_6l3_jacobian_at(u, jacobian);
+        (void)gluon_6l3_damped(jacobian, e, step);
+        for (int i = 0; i < 6; ++i) {
+            joints[i] += step[i];
         }
+        gluon_6l3_half_turns(joints, u);
+        *residual = gluon_6l3_error_at(u, x, e);
+        status = (*residual <= 2.3987771354403583e-09) ? GLUON_6L3_OK : GLUON_6L3_SINGULAR;
     }
     return status;
 }
@@ -1104,198 +1106,199 @@ static gluon_6l3_status gluon_6l3_inverse_reach(gluon_6l3_inverse_work *w,
         const gluon_6l3_real t16 = t15 * 3.4383435877140077e-06;
         if (t16 > 2.842170943040401e-14) {
             /* the normal of q2, q3, q4: its level along the axis of q6 tells q5 */
-            const gluon_6l3_real t18 = t8 + t8;
-            const gluon_6l3_real t19 = 75.66 * t10;
-            const gluon_6l3_real t20 = fabs(t15);
-            const gluon_6l3_real t21 = t15 + t20;
-            const gluon_6l3_real t22 = 0.5 * t21;
-            const gluon_6l3_real t23 = sqrt(t22);
-            const gluon_6l3_real t24 = w->sign[0] * t23;
-            const gluon_6l3_real t25 = t4 * t24;
-            const gluon_6l3_real t26 = t19 - t25;
-            const gluon_6l3_real t27 = 1.0 / t12;
-            const gluon_6l3_real t28 = t26 * t27;
-            const gluon_6l3_real t29 = t18 * t28;
-            const gluon_6l3_real t30 = t2 + t2;
-            const gluon_6l3_real t31 = 75.66 * t4;
-            const gluon_6l3_real t32 = t10 * t24;
-            const gluon_6l3_real t33 = t31 + t32;
-            const gluon_6l3_real t34 = t33 * t27;
-            const gluon_6l3_real t35 = t30 * t34;
-            const gluon_6l3_real t36 = t29 + t35;
-            const gluon_6l3_real t37 = t36 * t36;
-            const gluon_6l3_real t38 = 1.0 - t37;
-            if (t38 > 2.842170943040401e-14) {
+            const gluon_6l3_real t18 = x[4] * x[5];
+            const gluon_6l3_real t19 = x[3] * x[6];
+            const gluon_6l3_real t20 = t18 - t19;
+            const gluon_6l3_real t21 = t20 + t20;
+            const gluon_6l3_real t22 = 75.66 * t10;
+            const gluon_6l3_real t23 = fabs(t15);
+            const gluon_6l3_real t24 = t15 + t23;
+            const gluon_6l3_real t25 = 0.5 * t24;
+            const gluon_6l3_real t26 = sqrt(t25);
+            const gluon_6l3_real t27 = w->sign[0] * t26;
+            const gluon_6l3_real t28 = t4 * t27;
+            const gluon_6l3_real t29 = t22 - t28;
+            const gluon_6l3_real t30 = 1.0 / t12;
+            const gluon_6l3_real t31 = t29 * t30;
+            const gluon_6l3_real t32 = t21 * t31;
+            const gluon_6l3_real t33 = x[4] * x[4];
+            const gluon_6l3_real t34 = x[6] * x[6];
+            const gluon_6l3_real t35 = t33 + t34;
+            const gluon_6l3_real t36 = t35 + t35;
+            const gluon_6l3_real t37 = 1.0 - t36;
+            const gluon_6l3_real t38 = 75.66 * t4;
+            const gluon_6l3_real t39 = t10 * t27;
+            const gluon_6l3_real t40 = t38 + t39;
+            const gluon_6l3_real t41 = t40 * t30;
+            const gluon_6l3_real t42 = t37 * t41;
+            const gluon_6l3_real t43 = t32 + t42;
+            const gluon_6l3_real t44 = t43 * t43;
+            const gluon_6l3_real t45 = x[5] * x[5];
+            const gluon_6l3_real t46 = t45 + t34;
+            const gluon_6l3_real t47 = t46 + t46;
+            const gluon_6l3_real t48 = 1.0 - t47;
+            const gluon_6l3_real t49 = t48 * t31;
+            const gluon_6l3_real t50 = t18 + t19;
+            const gluon_6l3_real t51 = t50 + t50;
+            const gluon_6l3_real t52 = t51 * t41;
+            const gluon_6l3_real t53 = t49 + t52;
+            const gluon_6l3_real t54 = t53 * t53;
+            const gluon_6l3_real t55 = t44 + t54;
+            if (t55 > 2.842170943040401e-14) {
                 /* q6 turns the normal of q2, q3, q4 to where it must be */
-                const gluon_6l3_real t40 = x[5] * x[5];
-                const gluon_6l3_real t41 = x[6] * x[6];
-                const gluon_6l3_real t42 = t40 + t41;
-                const gluon_6l3_real t43 = t42 + t42;
-                const gluon_6l3_real t44 = 1.0 - t43;
-                const gluon_6l3_real t45 = t44 * t28;
-                const gluon_6l3_real t46 = x[4] * x[5];
-                const gluon_6l3_real t47 = x[3] * x[6];
-                const gluon_6l3_real t48 = t46 + t47;
-                const gluon_6l3_real t49 = t48 + t48;
-                const gluon_6l3_real t50 = t49 * t34;
-                const gluon_6l3_real t51 = t45 + t50;
-                const gluon_6l3_real t52 = fabs(t38);
-                const gluon_6l3_real t53 = t38 + t52;
-                const gluon_6l3_real t54 = 0.5 * t53;
-                const gluon_6l3_real t55 = sqrt(t54);
-                const gluon_6l3_real t56 = w->sign[1] * t55;
-                const gluon_6l3_real t57 = t51 * t56;
-                const gluon_6l3_real t58 = t57 * t57;
-                const gluon_6l3_real t59 = t46 - t47;
-                const gluon_6l3_real t60 = t59 + t59;
-                const gluon_6l3_real t61 = t60 * t28;
-                const gluon_6l3_real t62 = x[4] * x[4];
-                const gluon_6l3_real t63 = t62 + t41;
-                const gluon_6l3_real t64 = t63 + t63;
-                const gluon_6l3_real t65 = 1.0 - t64;
-                const gluon_6l3_real t66 = t65 * t34;
-                const gluon_6l3_real t67 = t61 + t66;
-                const gluon_6l3_real t68 = t67 * t56;
-                const gluon_6l3_real t69 = t68 * t68;
-                const gluon_6l3_real t70 = t58 + t69;
-                const gluon_6l3_real t71 = sqrt(t70);
-                if (t71 > 2.842170943040401e-14) {
+                const gluon_6l3_real t57 = fabs(t55);
+                const gluon_6l3_real t58 = t55 + t57;
+                const gluon_6l3_real t59 = 0.5 * t58;
+                const gluon_6l3_real t60 = sqrt(t59);
+                const gluon_6l3_real t61 = w->sign[1] * t60;
+                const gluon_6l3_real t62 = t53 * t61;
+                const gluon_6l3_real t63 = t62 * t62;
+                const gluon_6l3_real t64 = t43 * t61;
+                const gluon_6l3_real t65 = t64 * t64;
+                const gluon_6l3_real t66 = t63 + t65;
+                const gluon_6l3_real t67 = sqrt(t66);
+                if (t67 > 2.842170943040401e-14) {
                     /* a point of the axis of q4: its distance from the axis of q2 tells q3 */
-                    const gluon_6l3_real t73 = 1.0 / t71;
-                    const gluon_6l3_real t74 = t68 * t73;
-                    const gluon_6l3_real t75 = 80.09 * t74;
-                    const gluon_6l3_real t76 = t49 * t75;
-                    const gluon_6l3_real t77 = t57 * t73;
-                    const gluon_6l3_real t78 = 80.09 * t77;
-                    const gluon_6l3_real t79 = t65 * t78;
-                    const gluon_6l3_real t80 = t76 - t79;
-                    const gluon_6l3_real t81 = t3 - t80;
-                    const gluon_6l3_real t82 = t81 - x[1];
-                    const gluon_6l3_real t83 = t28 * t82;
-                    const gluon_6l3_real t84 = t44 * t75;
-                    const gluon_6l3_real t85 = t60 * t78;
-                    const gluon_6l3_real t86 = t84 - t85;
-                    const gluon_6l3_real t87 = t9 - t86;
-                    const gluon_6l3_real t88 = t87 - x[0];
-                    const gluon_6l3_real t89 = t34 * t88;
-                    const gluon_6l3_real t90 = t83 - t89;
+                    const gluon_6l3_real t69 = 1.0 / t67;
+                    const gluon_6l3_real t70 = t64 * t69;
+                    const gluon_6l3_real t71 = 80.09 * t70;
+                    const gluon_6l3_real t72 = t51 * t71;
+                    const gluon_6l3_real t73 = t62 * t69;
+                    const gluon_6l3_real t74 = 80.09 * t73;
+                    const gluon_6l3_real t75 = t37 * t74;
+                    const gluon_6l3_real t76 = t72 - t75;
+                    const gluon_6l3_real t77 = t3 - t76;
+                    const gluon_6l3_real t78 = t77 - x[1];
+                    const gluon_6l3_real t79 = t31 * t78;
+                    const gluon_6l3_real t80 = t48 * t71;
+                    const gluon_6l3_real t81 = t21 * t74;
+                    const gluon_6l3_real t82 = t80 - t81;
+                    const gluon_6l3_real t83 = t9 - t82;
+                    const gluon_6l3_real t84 = t83 - x[0];
+                    const gluon_6l3_real t85 = t41 * t84;
+                    const gluon_6l3_real t86 = t79 - t85;
+                    const gluon_6l3_real t87 = t86 * t86;
+                    const gluon_6l3_real t88 = t41 * t78;
+                    const gluon_6l3_real t89 = t31 * t84;
+                    const gluon_6l3_real t90 = t88 + t89;
                     const gluon_6l3_real t91 = t90 * t90;
-                    const gluon_6l3_real t92 = t34 * t82;
-                    const gluon_6l3_real t93 = t28 * t88;
-                    const gluon_6l3_real t94 = t92 + t93;
-                    const gluon_6l3_real t95 = t94 * t94;
-                    const gluon_6l3_real t96 = t91 + t95;
-                    const gluon_6l3_real t97 = t62 + t40;
+                    const gluon_6l3_real t92 = t87 + t91;
+                    const gluon_6l3_real t93 = t33 + t45;
+                    const gluon_6l3_real t94 = t93 + t93;
+                    const gluon_6l3_real t95 = 1.0 - t94;
+                    const gluon_6l3_real t96 = 44.36 * t95;
+                    const gluon_6l3_real t97 = t6 - t7;
                     const gluon_6l3_real t98 = t97 + t97;
-                    const gluon_6l3_real t99 = 1.0 - t98;
-                    const gluon_6l3_real t100 = 44.36 * t99;
-                    const gluon_6l3_real t101 = t6 - t7;
-                    const gluon_6l3_real t102 = t101 + t101;
-                    const gluon_6l3_real t103 = t102 * t75;
-                    const gluon_6l3_real t104 = t0 + t1;
-                    const gluon_6l3_real t105 = t104 + t104;
-                    const gluon_6l3_real t106 = t105 * t78;
-                    const gluon_6l3_real t107 = t103 - t106;
-                    const gluon_6l3_real t108 = t100 - t107;
-                    const gluon_6l3_real t109 = t108 - x[2];
-                    const gluon_6l3_real t110 = t109 + 105.03;
+                    const gluon_6l3_real t99 = t98 * t71;
+                    const gluon_6l3_real t100 = t0 + t1;
+                    const gluon_6l3_real t101 = t100 + t100;
+                    const gluon_6l3_real t102 = t101 * t74;
+                    const gluon_6l3_real t103 = t99 - t102;
+                    const gluon_6l3_real t104 = t96 - t103;
+                    const gluon_6l3_real t105 = t104 - x[2];
+                    const gluon_6l3_real t106 = t105 + 105.03;
+                    const gluon_6l3_real t107 = t106 * t106;
+                    const gluon_6l3_real t108 = t92 + t107;
+                    const gluon_6l3_real t109 = t108 - 66569.1084;
+                    const gluon_6l3_real t110 = 0.5 * t109;
                     const gluon_6l3_real t111 = t110 * t110;
-                    const gluon_6l3_real t112 = t96 + t111;
-                    const gluon_6l3_real t113 = t112 - 66569.1084;
-                    const gluon_6l3_real t114 = 0.5 * t113;
-                    const gluon_6l3_real t115 = t114 * t114;
-                    const gluon_6l3_real t116 = 925518552.034765 - t115;
-                    const gluon_6l3_real t117 = t116 * 1.1822206627174038e-11;
-                    if (t117 > 2.842170943040401e-14) {
+                    const gluon_6l3_real t112 = 925518552.034765 - t111;
+                    const gluon_6l3_real t113 = t112 * 1.1822206627174038e-11;
+                    if (t113 > 2.842170943040401e-14) {
                         /* q2 turns a point of the axis of q4 to where it must be */
-                        const gluon_6l3_real t119 = fabs(t116);
-                        const gluon_6l3_real t120 = t116 + t119;
-                        const gluon_6l3_real t121 = 0.5 * t120;
-                        const gluon_6l3_real t122 = sqrt(t121);
-                        const gluon_6l3_real t123 = w->sign[2] * t122;
-                        const gluon_6l3_real t124 = 0.005733287467033597 * t123;
-                        const gluon_6l3_real t125 = t124 * t90;
-                        const gluon_6l3_real t126 = 75.66 * t94;
-                        const gluon_6l3_real t127 = t125 - t126;
-                        const gluon_6l3_real t128 = 0.0028666437335167984 * t113;
-                        const gluon_6l3_real t129 = t128 + 174.42;
-                        const gluon_6l3_real t130 = t129 * t110;
-                        const gluon_6l3_real t131 = t127 + t130;
-                        const gluon_6l3_real t132 = t131 + t126;
+                        const gluon_6l3_real t115 = fabs(t112);
+                        const gluon_6l3_real t116 = t112 + t115;
+                        const gluon_6l3_real t117 = 0.5 * t116;
+                        const gluon_6l3_real t118 = sqrt(t117);
+                        const gluon_6l3_real t119 = w->sign[2] * t118;
+                        const gluon_6l3_real t120 = 0.005733287467033597 * t119;
+                        const gluon_6l3_real t121 = t120 * t86;
+                        const gluon_6l3_real t122 = 75.66 * t90;
+                        const gluon_6l3_real t123 = t121 - t122;
+                        const gluon_6l3_real t124 = 0.0028666437335167984 * t109;
+                        const gluon_6l3_real t125 = t124 + 174.42;
+                        const gluon_6l3_real t126 = t125 * t106;
+                        const gluon_6l3_real t127 = t123 + t126;
+                        const gluon_6l3_real t128 = t127 + t122;
+                        const gluon_6l3_real t129 = t128 * t128;
+                        const gluon_6l3_real t130 = t125 * t86;
+                        const gluon_6l3_real t131 = t120 * t106;
+                        const gluon_6l3_real t132 = t130 - t131;
                         const gluon_6l3_real t133 = t132 * t132;
-                        const gluon_6l3_real t134 = t129 * t90;
-                        const gluon_6l3_real t135 = t124 * t110;
-                        const gluon_6l3_real t136 = t134 - t135;
-                        const gluon_6l3_real t137 = t136 * t136;
-                        const gluon_6l3_real t138 = t133 + t137;
-                        const gluon_6l3_real t139 = sqrt(t138);
-                        const gluon_6l3_real t140 = t139 * 3.4383435877140077e-06;
-                        if (t140 > 2.842170943040401e-14) {
+                        const gluon_6l3_real t134 = t129 + t133;
+                        const gluon_6l3_real t135 = sqrt(t134);
+                        const gluon_6l3_real t136 = t135 * 3.4383435877140077e-06;
+                        if (t136 > 2.842170943040401e-14) {
                             /* q4 turns a direction of the tool to where it must be */
-                            const gluon_6l3_real t142 = 1.6435292589822258e-05 * t113;
-                            const gluon_6l3_real t143 = 1.0 / t139;
-                            const gluon_6l3_real t144 = t132 * t143;
-                            const gluon_6l3_real t145 = t30 * t56;
-                            const gluon_6l3_real t146 = t77 * t36;
-                            const gluon_6l3_real t147 = t49 * t146;
-                            const gluon_6l3_real t148 = t74 * t36;
-                            const gluon_6l3_real t149 = t65 * t148;
-                            const gluon_6l3_real t150 = t147 + t149;
-                            const gluon_6l3_real t151 = t145 - t150;
-                            const gluon_6l3_real t152 = t28 * t151;
-                            const gluon_6l3_real t153 = t18 * t56;
-                            const gluon_6l3_real t154 = t44 * t146;
-                            const gluon_6l3_real t155 = t60 * t148;
-                            const gluon_6l3_real t156 = t154 + t155;
-                            const gluon_6l3_real t157 = t153 - t156;
-                            const gluon_6l3_real t158 = t34 * t157;
-                            const gluon_6l3_real t159 = t152 - t158;
-                            const gluon_6l3_real t160 = t144 * t159;
-                            const gluon_6l3_real t161 = t136 * t143;
-                            const gluon_6l3_real t162 = t99 * t56;
-                            const gluon_6l3_real t163 = t102 * t146;
-                            const gluon_6l3_real t164 = t105 * t148;
-                            const gluon_6l3_real t165 = t163 + t164;
-                            const gluon_6l3_real t166 = t162 - t165;
-                            const gluon_6l3_real t167 = t161 * t166;
-                            const gluon_6l3_real t168 = t160 - t167;
-                            const gluon_6l3_real t169 = t142 * t168;
-                            const gluon_6l3_real t170 = 3.2870585179644516e-05 * t123;
-                            const gluon_6l3_real t171 = t144 * t166;
-                            const gluon_6l3_real t172 = t161 * t159;
-                            const gluon_6l3_real t173 = t171 + t172;
-                            const gluon_6l3_real t174 = t170 * t173;
-                            const gluon_6l3_real t175 = t169 - t174;
-                            const gluon_6l3_real t176 = t175 * t175;
-                            const gluon_6l3_real t177 = t142 * t173;
-                            const gluon_6l3_real t178 = t170 * t168;
-                            const gluon_6l3_real t179 = t177 + t178;
-                            const gluon_6l3_real t180 = t179 * t179;
-                            const gluon_6l3_real t181 = t176 + t180;
-                            const gluon_6l3_real t182 = sqrt(t181);
-                            if (t182 > 2.842170943040401e-14) {
-                                const gluon_6l3_real t184 = -t28;
-                                const gluon_6l3_real t185 = -t132;
-                                const gluon_6l3_real t186 = -t136;
-                                const gluon_6l3_real t187 = -t179;
-                                const gluon_6l3_real t188 = -t36;
-                                const gluon_6l3_real t189 = -t57;
+                            const gluon_6l3_real t138 = 1.6435292589822258e-05 * t109;
+                            const gluon_6l3_real t139 = 1.0 / t135;
+                            const gluon_6l3_real t140 = t128 * t139;
+                            const gluon_6l3_real t141 = t2 + t2;
+                            const gluon_6l3_real t142 = t141 * t61;
+                            const gluon_6l3_real t143 = t8 + t8;
+                            const gluon_6l3_real t144 = t143 * t31;
+                            const gluon_6l3_real t145 = t141 * t41;
+                            const gluon_6l3_real t146 = t144 + t145;
+                            const gluon_6l3_real t147 = t73 * t146;
+                            const gluon_6l3_real t148 = t51 * t147;
+                            const gluon_6l3_real t149 = t70 * t146;
+                            const gluon_6l3_real t150 = t37 * t149;
+                            const gluon_6l3_real t151 = t148 + t150;
+                            const gluon_6l3_real t152 = t142 - t151;
+                            const gluon_6l3_real t153 = t31 * t152;
+                            const gluon_6l3_real t154 = t143 * t61;
+                            const gluon_6l3_real t155 = t48 * t147;
+                            const gluon_6l3_real t156 = t21 * t149;
+                            const gluon_6l3_real t157 = t155 + t156;
+                            const gluon_6l3_real t158 = t154 - t157;
+                            const gluon_6l3_real t159 = t41 * t158;
+                            const gluon_6l3_real t160 = t153 - t159;
+                            const gluon_6l3_real t161 = t140 * t160;
+                            const gluon_6l3_real t162 = t132 * t139;
+                            const gluon_6l3_real t163 = t95 * t61;
+                            const gluon_6l3_real t164 = t98 * t147;
+                            const gluon_6l3_real t165 = t101 * t149;
+                            const gluon_6l3_real t166 = t164 + t165;
+                            const gluon_6l3_real t167 = t163 - t166;
+                            const gluon_6l3_real t168 = t162 * t167;
+                            const gluon_6l3_real t169 = t161 - t168;
+                            const gluon_6l3_real t170 = t138 * t169;
+                            const gluon_6l3_real t171 = 3.2870585179644516e-05 * t119;
+                            const gluon_6l3_real t172 = t140 * t167;
+                            const gluon_6l3_real t173 = t162 * t160;
+                            const gluon_6l3_real t174 = t172 + t173;
+                            const gluon_6l3_real t175 = t171 * t174;
+                            const gluon_6l3_real t176 = t170 - t175;
+                            const gluon_6l3_real t177 = t176 * t176;
+                            const gluon_6l3_real t178 = t138 * t174;
+                            const gluon_6l3_real t179 = t171 * t169;
+                            const gluon_6l3_real t180 = t178 + t179;
+                            const gluon_6l3_real t181 = t180 * t180;
+                            const gluon_6l3_real t182 = t177 + t181;
+                            const gluon_6l3_real t183 = sqrt(t182);
+                            if (t183 > 2.842170943040401e-14) {
+                                const gluon_6l3_real t185 = -t31;
+                                const gluon_6l3_real t186 = -t128;
+                                const gluon_6l3_real t187 = -t132;
+                                const gluon_6l3_real t188 = -t180;
+                                const gluon_6l3_real t189 = -t146;
+                                const gluon_6l3_real t190 = -t62;
                                 w->guard[0] = t16;
-                                w->guard[1] = t38;
-                                w->guard[2] = t117;
-                                w->guard[3] = t140;
-                                w->aimed[0][0] = t34;
-                                w->aimed[0][1] = t184;
-                                w->aimed[1][0] = t185;
-                                w->aimed[1][1] = t186;
-                                w->aimed[2][0] = t142;
-                                w->aimed[2][1] = t170;
-                                w->aimed[3][0] = t175;
-                                w->aimed[3][1] = t187;
-                                w->aimed[4][0] = t188;
-                                w->aimed[4][1] = t56;
-                                w->aimed[5][0] = t189;
-                                w->aimed[5][1] = t68;
+                                w->guard[1] = t55;
+                                w->guard[2] = t113;
+                                w->guard[3] = t136;
+                                w->aimed[0][0] = t41;
+                                w->aimed[0][1] = t185;
+                                w->aimed[1][0] = t186;
+                                w->aimed[1][1] = t187;
+                                w->aimed[2][0] = t138;
+                                w->aimed[2][1] = t171;
+                                w->aimed[3][0] = t176;
+                                w->aimed[3][1] = t188;
+                                w->aimed[4][0] = t189;
+                                w->aimed[4][1] = t61;
+                                w->aimed[5][0] = t190;
+                                w->aimed[5][1] = t64;
                                 status = GLUON_6L3_OK;
                             } else {
                                 status = GLUON_6L3_SINGULAR;
@@ -1303,7 +1306,7 @@ static gluon_6l3_status gluon_6l3_inverse_reach(gluon_6l3_inverse_work *w,
                         } else {
                             status = GLUON_6L3_SINGULAR;
                         }
-                    } else if (t117 > -2.842170943040401e-14) {
+                    } else if (t113 > -2.842170943040401e-14) {
                         status = GLUON_6L3_SINGULAR;
                     } else {
                         /* out of reach */
@@ -1311,7 +1314,7 @@ static gluon_6l3_status gluon_6l3_inverse_reach(gluon_6l3_inverse_work *w,
                 } else {
                     status = GLUON_6L3_SINGULAR;
                 }
-            } else if (t38 > -2.842170943040401e-14) {
+            } else if (t55 > -2.842170943040401e-14) {
                 status = GLUON_6L3_SINGULAR;
             } else {
                 /* out of reach */
@@ -1377,9 +1380,10 @@ static gluon_6l3_real gluon_6l3_inverse_least(gluon_6l3_inverse_work *w, int k,
     const bool falls = w->guard[k] < w->left[k];
     const gluon_6l3_real lesser = falls ? w->guard[k] : w->left[k];
     const gluon_6l3_real rise = falls ? (w->left[k] - lesser) : (w->guard[k] - lesser);
-    const gluon_6l3_real over = 1.001 * bend - rise;
+    const gluon_6l3_real bends = 1.001 * bend;
+    const gluon_6l3_real over = bends - rise;
     const gluon_6l3_real least = (lesser - rounding) - ((over > 0.0) ? (0.25 * over) : 0.0);
-    gluon_6l3_inverse_take(w, 1.001 * bend, 4.0 * (lesser - rounding) + rise);
+    gluon_6l3_inverse_take(w, bends, 4.0 * (lesser - rounding) + rise);
     w->kept = w->kept && (least > 0.0);
     return (least > 0.0) ? least : 1.0;
 }
@@ -1393,9 +1397,10 @@ static gluon_6l3_real gluon_6l3_inverse_least_length(gluon_6l3_inverse_work *w, 
     const gluon_6l3_real guard = w->guard[k] - rounding;
     const bool above = (left > 0.0) && (guard > 0.0);
     const gluon_6l3_real ends = above ? (sqrt(left) + sqrt(guard)) : 0.0;
-    const gluon_6l3_real least = 0.5 * (ends - 1.001 * speed);
+    const gluon_6l3_real moves = 1.001 * speed;
+    const gluon_6l3_real least = 0.5 * (ends - moves);
     if (!(always > 0.0)) {
-        gluon_6l3_inverse_take(w, 1.001 * 1.001 * speed * speed, ends * ends);
+        gluon_6l3_inverse_take(w, moves * moves, ends * ends);
     }
     return (least > always) ? least : ((always > 0.0) ? always : 1.0);
 }
@@ -1410,8 +1415,9 @@ static gluon_6l3_real gluon_6l3_inverse_least_sine(gluon_6l3_inverse_work *w, in
     const bool above = (left > 0.0) && (guard > 0.0);
     const gluon_6l3_real ends = above ? (sqrt(left) * (1.0 + 0.16666666666666666 * left)
         + sqrt(guard) * (1.0 + 0.16666666666666666 * guard)) : 0.0;
-    const gluon_6l3_real least = 0.5 * (ends - 1.001 * speed);
-    gluon_6l3_inverse_take(w, 1.001 * 1.001 * speed * speed, ends * ends);
+    const gluon_6l3_real moves = 1.001 * speed;
+    const gluon_6l3_real least = 0.5 * (ends - moves);
+    gluon_6l3_inverse_take(w, moves * moves, ends * ends);
     return (least > 0.0) ? (least * (1.0 - 0.16666666666666666 * least * least)) : 1.0;
 }
 

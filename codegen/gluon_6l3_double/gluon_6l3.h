@@ -20,28 +20,16 @@
  *
  * Worst case of a call, with NULL as config (README.md says how it is known and has 255
  * iterations):
- *   inverse_all: 4899 add, 6566 mul, 127 div, 51 sqrt, 144 sin, 144 cos, 34 atan2
- *   inverse_branch: 902 add, 1260 mul, 29 div, 37 sqrt, 18 sin, 18 cos, 34 atan2
- *   inverse_nearest: 927 add, 1288 mul, 29 div, 37 sqrt, 18 sin, 18 cos, 34 atan2
+ *   inverse_all: 4833 add, 6458 mul, 127 div, 51 sqrt, 96 sin, 96 cos, 34 atan2
+ *   inverse_branch: 878 add, 1236 mul, 29 div, 37 sqrt, 12 sin, 12 cos, 34 atan2
+ *   inverse_nearest: 903 add, 1264 mul, 29 div, 37 sqrt, 12 sin, 12 cos, 34 atan2
  *   direct: 57 add, 88 mul, 1 div, 1 sqrt, 6 sin, 6 cos
- *   inverse: 100 iterations, 22597 add, 33218 mul, 1819 div, 1608 sqrt, 24 sin, 24 cos, 606 atan2
+ *   inverse: 100 iterations, 22591 add, 32706 mul, 1819 div, 1608 sqrt, 18 sin, 18 cos, 606 atan2
  *   jacobian: 94 add, 131 mul, 6 sin, 6 cos
  *   twist: 136 add, 167 mul, 6 sin, 6 cos
  *   feed: 433 add, 577 mul, 23 div, 5 sqrt, 6 sin, 6 cos
  *   rates: 427 add, 571 mul, 17 div, 5 sqrt, 6 sin, 6 cos
  *   track: 776 add, 1101 mul, 19 div, 10 sqrt, 30 sin, 30 cos
- *   measured (Cortex-M7, GCC 12.2.1 -O2, 13335 inputs, seed 1): instructions, bytes of stack with
- *     callees, bytes of code with callees but without those of libm:
- *   inverse_all: 19690 instructions, 2184 stack, 6532 code
- *   inverse_branch: 2875 instructions, 2240 stack, 6616 code
- *   inverse_nearest: 3455 instructions, 2304 stack, 6880 code
- *   direct: 1660 instructions, 944 stack, 1188 code
- *   inverse: 126680 instructions, 3056 stack, 11504 code
- *   jacobian: 1790 instructions, 880 stack, 1700 code
- *   twist: 2220 instructions, 1224 stack, 1888 code
- *   feed: 6125 instructions, 2016 stack, 3388 code
- *   rates: 6000 instructions, 1952 stack, 3288 code
- *   track: 9120 instructions, 2104 stack, 4724 code
  *
  * Model SHA-256 0a6a5e74c351eb572b3af256f5135e52918e945b40d14db040ccc931c6eb898c
  */

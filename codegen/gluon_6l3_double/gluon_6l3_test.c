@@ -307,7 +307,7 @@ static void jacobian_of(int k)
     const double most = 5.39294e-06;
     gluon_6l3_real jacobian[MOST];
     tested = "jacobian";
-    expect(gluon_6l3_jacobian (gluon_6l3_vector_joints[k], jacobian) == GLUON_6L3_OK, "OK", k);
+    expect(gluon_6l3_jacobian(gluon_6l3_vector_joints[k], jacobian) == GLUON_6L3_OK, "OK", k);
     for (int i = 0; i < 6 * N; ++i) {
         const double wanted = (double)gluon_6l3_vector_jacobians[k][i];
         expect(fabs((double)jacobian[i] - wanted) <= most * (1.0 + fabs(wanted)), "entry", i);
@@ -326,9 +326,9 @@ static void speeds_of(int k)
         rates[i] = (gluon_6l3_real)(((i % 3 == 0) ? 1.0 : (i % 3 == 1) ? -0.5 : 0.25) * (1.0));
     }
     tested = "twist";
-    expect(gluon_6l3_twist (gluon_6l3_vector_joints[k], rates, twist) == GLUON_6L3_OK, "OK", k);
+    expect(gluon_6l3_twist(gluon_6l3_vector_joints[k], rates, twist) == GLUON_6L3_OK, "OK", k);
     tested = "rates";
-    expect(gluon_6l3_rates (gluon_6l3_vector_joints[k], twist, again, NULL) == GLUON_6L3_OK, "OK",
+    expect(gluon_6l3_rates(gluon_6l3_vector_joints[k], twist, again, NULL) == GLUON_6L3_OK, "OK",
         k);
     for (int part = 0; part < 2; ++part) {
         const double limit = (part == 0) ? 0.125 : 4.0;
@@ -337,7 +337,7 @@ static void speeds_of(int k)
             limits[i] = (gluon_6l3_real)(limit * (1.0));
         }
         tested = "feed";
-        expect(gluon_6l3_feed (gluon_6l3_vector_joints[k], twist, limits, &feed) == GLUON_6L3_OK,
+        expect(gluon_6l3_feed(gluon_6l3_vector_joints[k], twist, limits, &feed) == GLUON_6L3_OK,
             "OK", k);
         for (int i = 0; i < N; ++i) {
             largest = larger(largest, fabs((double)feed * (double)again[i]) / (1.0));

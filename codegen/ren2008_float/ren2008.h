@@ -20,7 +20,7 @@
  *
  * Worst case of a call, with NULL as config (README.md says how it is known and has 255
  * iterations):
- *   direct: 100 iterations, 36790 add, 42638 mul, 1517 div, 912 sqrt
+ *   direct: 100 iterations, 37800 add, 43446 mul, 1517 div, 1013 sqrt
  *   track: 282 add, 358 mul, 16 div, 6 sqrt
  *   inverse: 81 add, 56 mul, 1 div, 7 sqrt
  *   jacobian: 90 add, 130 mul, 7 div, 7 sqrt
@@ -28,16 +28,6 @@
  *   rates: 132 add, 166 mul, 7 div, 7 sqrt
  *   feed: 138 add, 172 mul, 13 div, 7 sqrt
  *   twist: 181 add, 320 mul, 13 div, 7 sqrt
- *   measured (Cortex-M4F, GCC 12.2.1 -O2, 40000 inputs, seed 1): instructions, bytes of stack with
- *     callees, bytes of code with callees but without those of libm:
- *   direct: 70515 instructions, 528 stack, 5360 code
- *   track: 2550 instructions, 412 stack, 3936 code
- *   inverse: 465 instructions, 392 stack, 1260 code
- *   jacobian: 435 instructions, 200 stack, 1756 code
- *   line: 14805 instructions, 904 stack, 3088 code
- *   rates: 880 instructions, 392 stack, 1948 code
- *   feed: 1045 instructions, 432 stack, 2048 code
- *   twist: 2740 instructions, 568 stack, 2520 code
  *
  * Model SHA-256 9f2e30e7ae7dd83493e6d6b3933b246841b4e4c5cab87d201ec31f4db62108d1
  */

@@ -293,7 +293,7 @@ static void jacobian_of(int k)
     ren2008_real jacobian[MOST];
     const ren2008_pose pose = pose_from(ren2008_vector_poses[k]);
     tested = "jacobian";
-    expect(ren2008_jacobian (&pose, jacobian) == REN2008_OK, "OK", k);
+    expect(ren2008_jacobian(&pose, jacobian) == REN2008_OK, "OK", k);
     for (int i = 0; i < 6 * N; ++i) {
         const double wanted = (double)ren2008_vector_jacobians[k][i];
         expect(fabs((double)jacobian[i] - wanted) <= most * (1.0 + fabs(wanted)), "entry", i);
@@ -315,9 +315,9 @@ static void speeds_of(int k)
             ? -0.5 : 0.25) * ((double)REN2008_SIZE));
     }
     tested = "twist";
-    expect(ren2008_twist (&pose, rates, twist) == REN2008_OK, "OK", k);
+    expect(ren2008_twist(&pose, rates, twist) == REN2008_OK, "OK", k);
     tested = "rates";
-    expect(ren2008_rates (&pose, twist, again) == REN2008_OK, "OK", k);
+    expect(ren2008_rates(&pose, twist, again) == REN2008_OK, "OK", k);
     for (int i = 0; i < N; ++i) {
         const double off = fabs((double)again[i] - (double)rates[i]);
         expect(off <= 1e-3 * ((double)REN2008_SIZE), "rates of the twist of rates", i);
@@ -329,7 +329,7 @@ static void speeds_of(int k)
             limits[i] = (ren2008_real)(limit * ((double)REN2008_SIZE));
         }
         tested = "feed";
-        expect(ren2008_feed (&pose, twist, limits, &feed) == REN2008_OK, "OK", k);
+        expect(ren2008_feed(&pose, twist, limits, &feed) == REN2008_OK, "OK", k);
         for (int i = 0; i < N; ++i) {
             largest = larger(largest, fabs((double)feed
                 * (double)again[i]) / ((double)REN2008_SIZE));

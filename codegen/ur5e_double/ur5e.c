@@ -477,196 +477,197 @@ static int ur5e_branches(const ur5e_real x[7], const ur5e_real near[6], unsigned
                     const ur5e_real t41 = t40 * t35;
                     const ur5e_real t42 = atan2(t37, t41);
                     /* the normal of q2, q3, q4: its level along the axis of q6 tells q5 */
-                    const ur5e_real t43 = t8 + t8;
-                    const ur5e_real t44 = t43 * t36;
-                    const ur5e_real t45 = t2 + t2;
-                    const ur5e_real t46 = t45 * t41;
-                    const ur5e_real t47 = t44 + t46;
-                    const ur5e_real t48 = t47 * t47;
-                    const ur5e_real t49 = 1.0 - t48;
-                    if (t49 > 2.842170943040401e-14) {
-                        margin[1] = t49;
+                    const ur5e_real t43 = x[4] * x[5];
+                    const ur5e_real t44 = x[3] * x[6];
+                    const ur5e_real t45 = t43 - t44;
+                    const ur5e_real t46 = t45 + t45;
+                    const ur5e_real t47 = t46 * t36;
+                    const ur5e_real t48 = x[4] * x[4];
+                    const ur5e_real t49 = x[6] * x[6];
+                    const ur5e_real t50 = t48 + t49;
+                    const ur5e_real t51 = t50 + t50;
+                    const ur5e_real t52 = 1.0 - t51;
+                    const ur5e_real t53 = t52 * t41;
+                    const ur5e_real t54 = t47 + t53;
+                    const ur5e_real t55 = t54 * t54;
+                    const ur5e_real t56 = x[5] * x[5];
+                    const ur5e_real t57 = t56 + t49;
+                    const ur5e_real t58 = t57 + t57;
+                    const ur5e_real t59 = 1.0 - t58;
+                    const ur5e_real t60 = t59 * t36;
+                    const ur5e_real t61 = t43 + t44;
+                    const ur5e_real t62 = t61 + t61;
+                    const ur5e_real t63 = t62 * t41;
+                    const ur5e_real t64 = t60 + t63;
+                    const ur5e_real t65 = t64 * t64;
+                    const ur5e_real t66 = t55 + t65;
+                    if (t66 > 2.842170943040401e-14) {
+                        margin[1] = t66;
                         const unsigned int bits1 = (wanted >> 2U) & 3U;
                         const unsigned int side1 = (near[3] < 0.0) ? 2U : 1U;
                         for (unsigned int k1 = 1U; k1 <= 2U; ++k1) {
                             if ((((bits1 != 0U) ? bits1 : side1) & k1) != 0U) {
                                 const ur5e_real sign1 = (k1 == 1U) ? 1.0 : -1.0;
-                                const ur5e_real t57 = -t47;
-                                const ur5e_real t58 = fabs(t49);
-                                const ur5e_real t59 = t49 + t58;
-                                const ur5e_real t60 = 0.5 * t59;
-                                const ur5e_real t61 = sqrt(t60);
-                                const ur5e_real t62 = sign1 * t61;
-                                const ur5e_real t63 = atan2(t62, t57);
-                                /* q6 turns the normal of q2, q3, q4 to where it must be */
-                                const ur5e_real t64 = x[5] * x[5];
-                                const ur5e_real t65 = x[6] * x[6];
-                                const ur5e_real t66 = t64 + t65;
-                                const ur5e_real t67 = t66 + t66;
-                                const ur5e_real t68 = 1.0 - t67;
-                                const ur5e_real t69 = t68 * t36;
-                                const ur5e_real t70 = x[4] * x[5];
-                                const ur5e_real t71 = x[3] * x[6];
-                                const ur5e_real t72 = t70 + t71;
-                                const ur5e_real t73 = t72 + t72;
-                                const ur5e_real t74 = t73 * t41;
-                                const ur5e_real t75 = t69 + t74;
-                                const ur5e_real t76 = t75 * t62;
-                                const ur5e_real t77 = t76 * t76;
-                                const ur5e_real t78 = t70 - t71;
-                                const ur5e_real t79 = t78 + t78;
+                                const ur5e_real t74 = fabs(t66);
+                                const ur5e_real t75 = t66 + t74;
+                                const ur5e_real t76 = 0.5 * t75;
+                                const ur5e_real t77 = sqrt(t76);
+                                const ur5e_real t78 = sign1 * t77;
+                                const ur5e_real t79 = t8 + t8;
                                 const ur5e_real t80 = t79 * t36;
-                                const ur5e_real t81 = x[4] * x[4];
-                                const ur5e_real t82 = t81 + t65;
-                                const ur5e_real t83 = t82 + t82;
-                                const ur5e_real t84 = 1.0 - t83;
-                                const ur5e_real t85 = t84 * t41;
-                                const ur5e_real t86 = t80 + t85;
-                                const ur5e_real t87 = t86 * t62;
-                                const ur5e_real t88 = t87 * t87;
-                                const ur5e_real t89 = t77 + t88;
-                                const ur5e_real t90 = sqrt(t89);
-                                if (t90 > 2.842170943040401e-14) {
-                                    const ur5e_real t92 = -t76;
-                                    const ur5e_real t93 = atan2(t87, t92);
+                                const ur5e_real t81 = t2 + t2;
+                                const ur5e_real t82 = t81 * t41;
+                                const ur5e_real t83 = t80 + t82;
+                                const ur5e_real t84 = -t83;
+                                const ur5e_real t85 = atan2(t78, t84);
+                                /* q6 turns the normal of q2, q3, q4 to where it must be */
+                                const ur5e_real t86 = t64 * t78;
+                                const ur5e_real t87 = t86 * t86;
+                                const ur5e_real t88 = t54 * t78;
+                                const ur5e_real t89 = t88 * t88;
+                                const ur5e_real t90 = t87 + t89;
+                                const ur5e_real t91 = sqrt(t90);
+                                if (t91 > 2.842170943040401e-14) {
+                                    const ur5e_real t93 = -t86;
+                                    const ur5e_real t94 = atan2(t88, t93);
                                     /* a point of the axis of q4: its distance from the axis of q2
                                      * tells q3 */
-                                    const ur5e_real t94 = 1.0 / t90;
-                                    const ur5e_real t95 = t87 * t94;
-                                    const ur5e_real t96 = 99.7 * t95;
-                                    const ur5e_real t97 = t73 * t96;
-                                    const ur5e_real t98 = t76 * t94;
-                                    const ur5e_real t99 = 99.7 * t98;
-                                    const ur5e_real t100 = t84 * t99;
-                                    const ur5e_real t101 = t97 - t100;
-                                    const ur5e_real t102 = t101 - t3;
-                                    const ur5e_real t103 = t102 + x[1];
-                                    const ur5e_real t104 = t36 * t103;
-                                    const ur5e_real t105 = t68 * t96;
-                                    const ur5e_real t106 = t79 * t99;
-                                    const ur5e_real t107 = t105 - t106;
-                                    const ur5e_real t108 = t107 - t9;
-                                    const ur5e_real t109 = t108 + x[0];
-                                    const ur5e_real t110 = t41 * t109;
-                                    const ur5e_real t111 = t104 - t110;
-                                    const ur5e_real t112 = t111 * t111;
-                                    const ur5e_real t113 = t41 * t103;
-                                    const ur5e_real t114 = t36 * t109;
-                                    const ur5e_real t115 = t113 + t114;
-                                    const ur5e_real t116 = t115 * t115;
-                                    const ur5e_real t117 = t112 + t116;
-                                    const ur5e_real t118 = t6 - t7;
-                                    const ur5e_real t119 = t118 + t118;
-                                    const ur5e_real t120 = t119 * t96;
-                                    const ur5e_real t121 = t0 + t1;
-                                    const ur5e_real t122 = t121 + t121;
-                                    const ur5e_real t123 = t122 * t99;
-                                    const ur5e_real t124 = t120 - t123;
-                                    const ur5e_real t125 = t81 + t64;
-                                    const ur5e_real t126 = t125 + t125;
-                                    const ur5e_real t127 = 1.0 - t126;
-                                    const ur5e_real t128 = 99.6 * t127;
-                                    const ur5e_real t129 = t124 - t128;
-                                    const ur5e_real t130 = t129 + x[2];
-                                    const ur5e_real t131 = t130 - 162.5;
-                                    const ur5e_real t132 = t131 * t131;
-                                    const ur5e_real t133 = t117 + t132;
-                                    const ur5e_real t134 = t133 - 352214.73;
-                                    const ur5e_real t135 = 0.5 * t134;
-                                    const ur5e_real t136 = t135 * t135;
-                                    const ur5e_real t137 = 27783889225.0 - t136;
-                                    const ur5e_real t138 = t137 * 1.9726544501170443e-12;
-                                    if (t138 > 2.842170943040401e-14) {
-                                        margin[2] = t138;
-                                        const ur5e_real t141 = 166685.0 * near[5];
+                                    const ur5e_real t95 = 1.0 / t91;
+                                    const ur5e_real t96 = t88 * t95;
+                                    const ur5e_real t97 = 99.7 * t96;
+                                    const ur5e_real t98 = t62 * t97;
+                                    const ur5e_real t99 = t86 * t95;
+                                    const ur5e_real t100 = 99.7 * t99;
+                                    const ur5e_real t101 = t52 * t100;
+                                    const ur5e_real t102 = t98 - t101;
+                                    const ur5e_real t103 = t102 - t3;
+                                    const ur5e_real t104 = t103 + x[1];
+                                    const ur5e_real t105 = t36 * t104;
+                                    const ur5e_real t106 = t59 * t97;
+                                    const ur5e_real t107 = t46 * t100;
+                                    const ur5e_real t108 = t106 - t107;
+                                    const ur5e_real t109 = t108 - t9;
+                                    const ur5e_real t110 = t109 + x[0];
+                                    const ur5e_real t111 = t41 * t110;
+                                    const ur5e_real t112 = t105 - t111;
+                                    const ur5e_real t113 = t112 * t112;
+                                    const ur5e_real t114 = t41 * t104;
+                                    const ur5e_real t115 = t36 * t110;
+                                    const ur5e_real t116 = t114 + t115;
+                                    const ur5e_real t117 = t116 * t116;
+                                    const ur5e_real t118 = t113 + t117;
+                                    const ur5e_real t119 = t6 - t7;
+                                    const ur5e_real t120 = t119 + t119;
+                                    const ur5e_real t121 = t120 * t97;
+                                    const ur5e_real t122 = t0 + t1;
+                                    const ur5e_real t123 = t122 + t122;
+                                    const ur5e_real t124 = t123 * t100;
+                                    const ur5e_real t125 = t121 - t124;
+                                    const ur5e_real t126 = t48 + t56;
+                                    const ur5e_real t127 = t126 + t126;
+                                    const ur5e_real t128 = 1.0 - t127;
+                                    const ur5e_real t129 = 99.6 * t128;
+                                    const ur5e_real t130 = t125 - t129;
+                                    const ur5e_real t131 = t130 + x[2];
+                                    const ur5e_real t132 = t131 - 162.5;
+                                    const ur5e_real t133 = t132 * t132;
+                                    const ur5e_real t134 = t118 + t133;
+                                    const ur5e_real t135 = t134 - 352214.73;
+                                    const ur5e_real t136 = 0.5 * t135;
+                                    const ur5e_real t137 = t136 * t136;
+                                    const ur5e_real t138 = 27783889225.0 - t137;
+                                    const ur5e_real t139 = t138 * 1.9726544501170443e-12;
+                                    if (t139 > 2.842170943040401e-14) {
+                                        margin[2] = t139;
+                                        const ur5e_real t142 = 166685.0 * near[5];
                                         const unsigned int bits2 = (wanted >> 4U) & 3U;
-                                        const unsigned int side2 = (t141 < 0.0) ? 2U : 1U;
+                                        const unsigned int side2 = (t142 < 0.0) ? 2U : 1U;
                                         for (unsigned int k2 = 1U; k2 <= 2U; ++k2) {
                                             if ((((bits2 != 0U) ? bits2 : side2) & k2) != 0U) {
                                                 const ur5e_real sign2 = (k2 == 1U) ? 1.0 : -1.0;
-                                                const ur5e_real t147 = fabs(t137);
-                                                const ur5e_real t148 = t137 + t147;
-                                                const ur5e_real t149 = 0.5 * t148;
-                                                const ur5e_real t150 = sqrt(t149);
-                                                const ur5e_real t151 = sign2 * t150;
-                                                const ur5e_real t152 =
-                                                    2.9996700362960067e-06 * t134;
-                                                const ur5e_real t153 = 5.999340072592013e-06 * t151;
-                                                const ur5e_real t154 = atan2(t153, t152);
+                                                const ur5e_real t148 = fabs(t138);
+                                                const ur5e_real t149 = t138 + t148;
+                                                const ur5e_real t150 = 0.5 * t149;
+                                                const ur5e_real t151 = sqrt(t150);
+                                                const ur5e_real t152 = sign2 * t151;
+                                                const ur5e_real t153 =
+                                                    2.9996700362960067e-06 * t135;
+                                                const ur5e_real t154 = 5.999340072592013e-06 * t152;
+                                                const ur5e_real t155 = atan2(t154, t153);
                                                 /* q2 turns a point of the axis of q4 to where it
                                                  * must be */
-                                                const ur5e_real t155 = 0.001176470588235294 * t134;
-                                                const ur5e_real t156 = t155 + 425.0;
-                                                const ur5e_real t157 = t156 * t111;
-                                                const ur5e_real t158 = 133.3 * t115;
-                                                const ur5e_real t159 = t157 - t158;
-                                                const ur5e_real t160 = 0.002352941176470588 * t151;
-                                                const ur5e_real t161 = t160 * t131;
-                                                const ur5e_real t162 = t159 - t161;
-                                                const ur5e_real t163 = t162 + t158;
-                                                const ur5e_real t164 = t163 * t163;
-                                                const ur5e_real t165 = t160 * t111;
-                                                const ur5e_real t166 = t156 * t131;
-                                                const ur5e_real t167 = t165 + t166;
-                                                const ur5e_real t168 = t167 * t167;
-                                                const ur5e_real t169 = t164 + t168;
-                                                const ur5e_real t170 = sqrt(t169);
-                                                const ur5e_real t171 =
-                                                    t170 * 1.4045121751401963e-06;
-                                                if (t171 > 2.842170943040401e-14) {
-                                                    margin[3] = t171;
-                                                    const ur5e_real t174 = -t167;
-                                                    const ur5e_real t175 = atan2(t174, t163);
+                                                const ur5e_real t156 = 0.001176470588235294 * t135;
+                                                const ur5e_real t157 = t156 + 425.0;
+                                                const ur5e_real t158 = t157 * t112;
+                                                const ur5e_real t159 = 133.3 * t116;
+                                                const ur5e_real t160 = t158 - t159;
+                                                const ur5e_real t161 = 0.002352941176470588 * t152;
+                                                const ur5e_real t162 = t161 * t132;
+                                                const ur5e_real t163 = t160 - t162;
+                                                const ur5e_real t164 = t163 + t159;
+                                                const ur5e_real t165 = t164 * t164;
+                                                const ur5e_real t166 = t161 * t112;
+                                                const ur5e_real t167 = t157 * t132;
+                                                const ur5e_real t168 = t166 + t167;
+                                                const ur5e_real t169 = t168 * t168;
+                                                const ur5e_real t170 = t165 + t169;
+                                                const ur5e_real t171 = sqrt(t170);
+                                                const ur5e_real t172 =
+                                                    t171 * 1.4045121751401963e-06;
+                                                if (t172 > 2.842170943040401e-14) {
+                                                    margin[3] = t172;
+                                                    const ur5e_real t175 = -t168;
+                                                    const ur5e_real t176 = atan2(t175, t164);
                                                     /* q4 turns a direction of the tool to where it
                                                      * must be */
-                                                    const ur5e_real t176 = 1.0 / t170;
-                                                    const ur5e_real t177 = t163 * t176;
-                                                    const ur5e_real t178 = t98 * t47;
-                                                    const ur5e_real t179 = t73 * t178;
-                                                    const ur5e_real t180 = t95 * t47;
-                                                    const ur5e_real t181 = t84 * t180;
-                                                    const ur5e_real t182 = t179 + t181;
-                                                    const ur5e_real t183 = t45 * t62;
-                                                    const ur5e_real t184 = t182 - t183;
-                                                    const ur5e_real t185 = t36 * t184;
-                                                    const ur5e_real t186 = t68 * t178;
-                                                    const ur5e_real t187 = t79 * t180;
-                                                    const ur5e_real t188 = t186 + t187;
-                                                    const ur5e_real t189 = t43 * t62;
-                                                    const ur5e_real t190 = t188 - t189;
-                                                    const ur5e_real t191 = t41 * t190;
-                                                    const ur5e_real t192 = t185 - t191;
-                                                    const ur5e_real t193 = t177 * t192;
-                                                    const ur5e_real t194 = t167 * t176;
-                                                    const ur5e_real t195 = t119 * t178;
-                                                    const ur5e_real t196 = t122 * t180;
-                                                    const ur5e_real t197 = t195 + t196;
-                                                    const ur5e_real t198 = t127 * t62;
-                                                    const ur5e_real t199 = t197 - t198;
-                                                    const ur5e_real t200 = t194 * t199;
-                                                    const ur5e_real t201 = t193 + t200;
-                                                    const ur5e_real t202 = t152 * t201;
-                                                    const ur5e_real t203 = t177 * t199;
-                                                    const ur5e_real t204 = t194 * t192;
-                                                    const ur5e_real t205 = t203 - t204;
-                                                    const ur5e_real t206 = t153 * t205;
-                                                    const ur5e_real t207 = t202 - t206;
-                                                    const ur5e_real t208 = t207 * t207;
-                                                    const ur5e_real t209 = t152 * t205;
-                                                    const ur5e_real t210 = t153 * t201;
-                                                    const ur5e_real t211 = t209 + t210;
-                                                    const ur5e_real t212 = t211 * t211;
-                                                    const ur5e_real t213 = t208 + t212;
-                                                    const ur5e_real t214 = sqrt(t213);
-                                                    if (t214 > 2.842170943040401e-14) {
-                                                        const ur5e_real t216 = -t207;
-                                                        const ur5e_real t217 = atan2(t211, t216);
+                                                    const ur5e_real t177 = 1.0 / t171;
+                                                    const ur5e_real t178 = t164 * t177;
+                                                    const ur5e_real t179 = t99 * t83;
+                                                    const ur5e_real t180 = t62 * t179;
+                                                    const ur5e_real t181 = t96 * t83;
+                                                    const ur5e_real t182 = t52 * t181;
+                                                    const ur5e_real t183 = t180 + t182;
+                                                    const ur5e_real t184 = t81 * t78;
+                                                    const ur5e_real t185 = t183 - t184;
+                                                    const ur5e_real t186 = t36 * t185;
+                                                    const ur5e_real t187 = t59 * t179;
+                                                    const ur5e_real t188 = t46 * t181;
+                                                    const ur5e_real t189 = t187 + t188;
+                                                    const ur5e_real t190 = t79 * t78;
+                                                    const ur5e_real t191 = t189 - t190;
+                                                    const ur5e_real t192 = t41 * t191;
+                                                    const ur5e_real t193 = t186 - t192;
+                                                    const ur5e_real t194 = t178 * t193;
+                                                    const ur5e_real t195 = t168 * t177;
+                                                    const ur5e_real t196 = t120 * t179;
+                                                    const ur5e_real t197 = t123 * t181;
+                                                    const ur5e_real t198 = t196 + t197;
+                                                    const ur5e_real t199 = t128 * t78;
+                                                    const ur5e_real t200 = t198 - t199;
+                                                    const ur5e_real t201 = t195 * t200;
+                                                    const ur5e_real t202 = t194 + t201;
+                                                    const ur5e_real t203 = t153 * t202;
+                                                    const ur5e_real t204 = t178 * t200;
+                                                    const ur5e_real t205 = t195 * t193;
+                                                    const ur5e_real t206 = t204 - t205;
+                                                    const ur5e_real t207 = t154 * t206;
+                                                    const ur5e_real t208 = t203 - t207;
+                                                    const ur5e_real t209 = t208 * t208;
+                                                    const ur5e_real t210 = t153 * t206;
+                                                    const ur5e_real t211 = t154 * t202;
+                                                    const ur5e_real t212 = t210 + t211;
+                                                    const ur5e_real t213 = t212 * t212;
+                                                    const ur5e_real t214 = t209 + t213;
+                                                    const ur5e_real t215 = sqrt(t214);
+                                                    if (t215 > 2.842170943040401e-14) {
+                                                        const ur5e_real t217 = -t208;
+                                                        const ur5e_real t218 = atan2(t212, t217);
                                                         found[count][0] = t42;
-                                                        found[count][1] = t175;
-                                                        found[count][2] = t154;
-                                                        found[count][3] = t217;
-                                                        found[count][4] = t63;
-                                                        found[count][5] = t93;
+                                                        found[count][1] = t176;
+                                                        found[count][2] = t155;
+                                                        found[count][3] = t218;
+                                                        found[count][4] = t85;
+                                                        found[count][5] = t94;
                                                         ++count;
                                                     } else {
                                                         *undecided = true;
@@ -676,7 +677,7 @@ static int ur5e_branches(const ur5e_real x[7], const ur5e_real near[6], unsigned
                                                 }
                                             }
                                         }
-                                    } else if (t138 > -2.842170943040401e-14) {
+                                    } else if (t139 > -2.842170943040401e-14) {
                                         *undecided = true;
                                     } else {
                                         /* out of reach */
@@ -686,7 +687,7 @@ static int ur5e_branches(const ur5e_real x[7], const ur5e_real near[6], unsigned
                                 }
                             }
                         }
-                    } else if (t49 > -2.842170943040401e-14) {
+                    } else if (t66 > -2.842170943040401e-14) {
                         *undecided = true;
                     } else {
                         /* out of reach */
@@ -725,6 +726,8 @@ static ur5e_status ur5e_turn_near(const ur5e_real about[6], ur5e_real joints[6])
     return status;
 }
 
+static UR5E_SHARED void ur5e_jacobian_at(const ur5e_real u[2 * 6], ur5e_real jacobian[6 * 6]);
+
 /* Holds the tool's pose of joint values against x. Beside a fold the formulas lose digits, which a
  * step of Newton's method gives back. */
 static ur5e_status ur5e_hold(const ur5e_real x[7], ur5e_real joints[6], ur5e_real *residual)
@@ -737,16 +740,14 @@ static ur5e_status ur5e_hold(const ur5e_real x[7], ur5e_real joints[6], ur5e_rea
     if (!(*residual <= 3.753200649988964e-09)) {
         ur5e_real jacobian[6 * 6];
         ur5e_real step[6];
-        status = ur5e_jacobian(joints, jacobian);
-        if (status == UR5E_OK) {
-            (void)ur5e_damped(jacobian, e, step);
-            for (int i = 0; i < 6; ++i) {
-                joints[i] += step[i];
-            }
-            ur5e_half_turns(joints, u);
-            *residual = ur5e_error_at(u, x, e);
-            status = (*residual <= 3.753200649988964e-09) ? UR5E_OK : UR5E_SINGULAR;
+        ur5e_jacobian_at(u, jacobian);
+        (void)ur5e_damped(jacobian, e, step);
+        for (int i = 0; i < 6; ++i) {
+            joints[i] += step[i];
         }
+        ur5e_half_turns(joints, u);
+        *residual = ur5e_error_at(u, x, e);
+        status = (*residual <= 3.753200649988964e-09) ? UR5E_OK : UR5E_SINGULAR;
     }
     return status;
 }
@@ -1085,197 +1086,198 @@ static ur5e_status ur5e_inverse_reach(ur5e_inverse_work *w, const ur5e_real x[7]
         const ur5e_real t16 = t15 * 1.4045121751401963e-06;
         if (t16 > 2.842170943040401e-14) {
             /* the normal of q2, q3, q4: its level along the axis of q6 tells q5 */
-            const ur5e_real t18 = t8 + t8;
-            const ur5e_real t19 = 133.3 * t10;
-            const ur5e_real t20 = fabs(t15);
-            const ur5e_real t21 = t15 + t20;
-            const ur5e_real t22 = 0.5 * t21;
-            const ur5e_real t23 = sqrt(t22);
-            const ur5e_real t24 = w->sign[0] * t23;
-            const ur5e_real t25 = t4 * t24;
-            const ur5e_real t26 = t19 - t25;
-            const ur5e_real t27 = 1.0 / t12;
-            const ur5e_real t28 = t26 * t27;
-            const ur5e_real t29 = t18 * t28;
-            const ur5e_real t30 = t2 + t2;
-            const ur5e_real t31 = 133.3 * t4;
-            const ur5e_real t32 = t10 * t24;
-            const ur5e_real t33 = t31 + t32;
-            const ur5e_real t34 = t33 * t27;
-            const ur5e_real t35 = t30 * t34;
-            const ur5e_real t36 = t29 + t35;
-            const ur5e_real t37 = t36 * t36;
-            const ur5e_real t38 = 1.0 - t37;
-            if (t38 > 2.842170943040401e-14) {
+            const ur5e_real t18 = x[4] * x[5];
+            const ur5e_real t19 = x[3] * x[6];
+            const ur5e_real t20 = t18 - t19;
+            const ur5e_real t21 = t20 + t20;
+            const ur5e_real t22 = 133.3 * t10;
+            const ur5e_real t23 = fabs(t15);
+            const ur5e_real t24 = t15 + t23;
+            const ur5e_real t25 = 0.5 * t24;
+            const ur5e_real t26 = sqrt(t25);
+            const ur5e_real t27 = w->sign[0] * t26;
+            const ur5e_real t28 = t4 * t27;
+            const ur5e_real t29 = t22 - t28;
+            const ur5e_real t30 = 1.0 / t12;
+            const ur5e_real t31 = t29 * t30;
+            const ur5e_real t32 = t21 * t31;
+            const ur5e_real t33 = x[4] * x[4];
+            const ur5e_real t34 = x[6] * x[6];
+            const ur5e_real t35 = t33 + t34;
+            const ur5e_real t36 = t35 + t35;
+            const ur5e_real t37 = 1.0 - t36;
+            const ur5e_real t38 = 133.3 * t4;
+            const ur5e_real t39 = t10 * t27;
+            const ur5e_real t40 = t38 + t39;
+            const ur5e_real t41 = t40 * t30;
+            const ur5e_real t42 = t37 * t41;
+            const ur5e_real t43 = t32 + t42;
+            const ur5e_real t44 = t43 * t43;
+            const ur5e_real t45 = x[5] * x[5];
+            const ur5e_real t46 = t45 + t34;
+            const ur5e_real t47 = t46 + t46;
+            const ur5e_real t48 = 1.0 - t47;
+            const ur5e_real t49 = t48 * t31;
+            const ur5e_real t50 = t18 + t19;
+            const ur5e_real t51 = t50 + t50;
+            const ur5e_real t52 = t51 * t41;
+            const ur5e_real t53 = t49 + t52;
+            const ur5e_real t54 = t53 * t53;
+            const ur5e_real t55 = t44 + t54;
+            if (t55 > 2.842170943040401e-14) {
                 /* q6 turns the normal of q2, q3, q4 to where it must be */
-                const ur5e_real t40 = x[5] * x[5];
-                const ur5e_real t41 = x[6] * x[6];
-                const ur5e_real t42 = t40 + t41;
-                const ur5e_real t43 = t42 + t42;
-                const ur5e_real t44 = 1.0 - t43;
-                const ur5e_real t45 = t44 * t28;
-                const ur5e_real t46 = x[4] * x[5];
-                const ur5e_real t47 = x[3] * x[6];
-                const ur5e_real t48 = t46 + t47;
-                const ur5e_real t49 = t48 + t48;
-                const ur5e_real t50 = t49 * t34;
-                const ur5e_real t51 = t45 + t50;
-                const ur5e_real t52 = fabs(t38);
-                const ur5e_real t53 = t38 + t52;
-                const ur5e_real t54 = 0.5 * t53;
-                const ur5e_real t55 = sqrt(t54);
-                const ur5e_real t56 = w->sign[1] * t55;
-                const ur5e_real t57 = t51 * t56;
-                const ur5e_real t58 = t57 * t57;
-                const ur5e_real t59 = t46 - t47;
-                const ur5e_real t60 = t59 + t59;
-                const ur5e_real t61 = t60 * t28;
-                const ur5e_real t62 = x[4] * x[4];
-                const ur5e_real t63 = t62 + t41;
-                const ur5e_real t64 = t63 + t63;
-                const ur5e_real t65 = 1.0 - t64;
-                const ur5e_real t66 = t65 * t34;
-                const ur5e_real t67 = t61 + t66;
-                const ur5e_real t68 = t67 * t56;
-                const ur5e_real t69 = t68 * t68;
-                const ur5e_real t70 = t58 + t69;
-                const ur5e_real t71 = sqrt(t70);
-                if (t71 > 2.842170943040401e-14) {
+                const ur5e_real t57 = fabs(t55);
+                const ur5e_real t58 = t55 + t57;
+                const ur5e_real t59 = 0.5 * t58;
+                const ur5e_real t60 = sqrt(t59);
+                const ur5e_real t61 = w->sign[1] * t60;
+                const ur5e_real t62 = t53 * t61;
+                const ur5e_real t63 = t62 * t62;
+                const ur5e_real t64 = t43 * t61;
+                const ur5e_real t65 = t64 * t64;
+                const ur5e_real t66 = t63 + t65;
+                const ur5e_real t67 = sqrt(t66);
+                if (t67 > 2.842170943040401e-14) {
                     /* a point of the axis of q4: its distance from the axis of q2 tells q3 */
-                    const ur5e_real t73 = 1.0 / t71;
-                    const ur5e_real t74 = t68 * t73;
-                    const ur5e_real t75 = 99.7 * t74;
-                    const ur5e_real t76 = t49 * t75;
-                    const ur5e_real t77 = t57 * t73;
-                    const ur5e_real t78 = 99.7 * t77;
-                    const ur5e_real t79 = t65 * t78;
-                    const ur5e_real t80 = t76 - t79;
-                    const ur5e_real t81 = t80 - t3;
-                    const ur5e_real t82 = t81 + x[1];
-                    const ur5e_real t83 = t28 * t82;
-                    const ur5e_real t84 = t44 * t75;
-                    const ur5e_real t85 = t60 * t78;
-                    const ur5e_real t86 = t84 - t85;
-                    const ur5e_real t87 = t86 - t9;
-                    const ur5e_real t88 = t87 + x[0];
-                    const ur5e_real t89 = t34 * t88;
-                    const ur5e_real t90 = t83 - t89;
+                    const ur5e_real t69 = 1.0 / t67;
+                    const ur5e_real t70 = t64 * t69;
+                    const ur5e_real t71 = 99.7 * t70;
+                    const ur5e_real t72 = t51 * t71;
+                    const ur5e_real t73 = t62 * t69;
+                    const ur5e_real t74 = 99.7 * t73;
+                    const ur5e_real t75 = t37 * t74;
+                    const ur5e_real t76 = t72 - t75;
+                    const ur5e_real t77 = t76 - t3;
+                    const ur5e_real t78 = t77 + x[1];
+                    const ur5e_real t79 = t31 * t78;
+                    const ur5e_real t80 = t48 * t71;
+                    const ur5e_real t81 = t21 * t74;
+                    const ur5e_real t82 = t80 - t81;
+                    const ur5e_real t83 = t82 - t9;
+                    const ur5e_real t84 = t83 + x[0];
+                    const ur5e_real t85 = t41 * t84;
+                    const ur5e_real t86 = t79 - t85;
+                    const ur5e_real t87 = t86 * t86;
+                    const ur5e_real t88 = t41 * t78;
+                    const ur5e_real t89 = t31 * t84;
+                    const ur5e_real t90 = t88 + t89;
                     const ur5e_real t91 = t90 * t90;
-                    const ur5e_real t92 = t34 * t82;
-                    const ur5e_real t93 = t28 * t88;
-                    const ur5e_real t94 = t92 + t93;
-                    const ur5e_real t95 = t94 * t94;
-                    const ur5e_real t96 = t91 + t95;
-                    const ur5e_real t97 = t6 - t7;
-                    const ur5e_real t98 = t97 + t97;
-                    const ur5e_real t99 = t98 * t75;
-                    const ur5e_real t100 = t0 + t1;
+                    const ur5e_real t92 = t87 + t91;
+                    const ur5e_real t93 = t6 - t7;
+                    const ur5e_real t94 = t93 + t93;
+                    const ur5e_real t95 = t94 * t71;
+                    const ur5e_real t96 = t0 + t1;
+                    const ur5e_real t97 = t96 + t96;
+                    const ur5e_real t98 = t97 * t74;
+                    const ur5e_real t99 = t95 - t98;
+                    const ur5e_real t100 = t33 + t45;
                     const ur5e_real t101 = t100 + t100;
-                    const ur5e_real t102 = t101 * t78;
-                    const ur5e_real t103 = t99 - t102;
-                    const ur5e_real t104 = t62 + t40;
-                    const ur5e_real t105 = t104 + t104;
-                    const ur5e_real t106 = 1.0 - t105;
-                    const ur5e_real t107 = 99.6 * t106;
-                    const ur5e_real t108 = t103 - t107;
-                    const ur5e_real t109 = t108 + x[2];
-                    const ur5e_real t110 = t109 - 162.5;
+                    const ur5e_real t102 = 1.0 - t101;
+                    const ur5e_real t103 = 99.6 * t102;
+                    const ur5e_real t104 = t99 - t103;
+                    const ur5e_real t105 = t104 + x[2];
+                    const ur5e_real t106 = t105 - 162.5;
+                    const ur5e_real t107 = t106 * t106;
+                    const ur5e_real t108 = t92 + t107;
+                    const ur5e_real t109 = t108 - 352214.73;
+                    const ur5e_real t110 = 0.5 * t109;
                     const ur5e_real t111 = t110 * t110;
-                    const ur5e_real t112 = t96 + t111;
-                    const ur5e_real t113 = t112 - 352214.73;
-                    const ur5e_real t114 = 0.5 * t113;
-                    const ur5e_real t115 = t114 * t114;
-                    const ur5e_real t116 = 27783889225.0 - t115;
-                    const ur5e_real t117 = t116 * 1.9726544501170443e-12;
-                    if (t117 > 2.842170943040401e-14) {
+                    const ur5e_real t112 = 27783889225.0 - t111;
+                    const ur5e_real t113 = t112 * 1.9726544501170443e-12;
+                    if (t113 > 2.842170943040401e-14) {
                         /* q2 turns a point of the axis of q4 to where it must be */
-                        const ur5e_real t119 = 0.001176470588235294 * t113;
-                        const ur5e_real t120 = t119 + 425.0;
-                        const ur5e_real t121 = t120 * t90;
-                        const ur5e_real t122 = 133.3 * t94;
-                        const ur5e_real t123 = t121 - t122;
-                        const ur5e_real t124 = fabs(t116);
-                        const ur5e_real t125 = t116 + t124;
-                        const ur5e_real t126 = 0.5 * t125;
-                        const ur5e_real t127 = sqrt(t126);
-                        const ur5e_real t128 = w->sign[2] * t127;
-                        const ur5e_real t129 = 0.002352941176470588 * t128;
-                        const ur5e_real t130 = t129 * t110;
-                        const ur5e_real t131 = t123 - t130;
-                        const ur5e_real t132 = t131 + t122;
+                        const ur5e_real t115 = 0.001176470588235294 * t109;
+                        const ur5e_real t116 = t115 + 425.0;
+                        const ur5e_real t117 = t116 * t86;
+                        const ur5e_real t118 = 133.3 * t90;
+                        const ur5e_real t119 = t117 - t118;
+                        const ur5e_real t120 = fabs(t112);
+                        const ur5e_real t121 = t112 + t120;
+                        const ur5e_real t122 = 0.5 * t121;
+                        const ur5e_real t123 = sqrt(t122);
+                        const ur5e_real t124 = w->sign[2] * t123;
+                        const ur5e_real t125 = 0.002352941176470588 * t124;
+                        const ur5e_real t126 = t125 * t106;
+                        const ur5e_real t127 = t119 - t126;
+                        const ur5e_real t128 = t127 + t118;
+                        const ur5e_real t129 = t128 * t128;
+                        const ur5e_real t130 = t125 * t86;
+                        const ur5e_real t131 = t116 * t106;
+                        const ur5e_real t132 = t130 + t131;
                         const ur5e_real t133 = t132 * t132;
-                        const ur5e_real t134 = t129 * t90;
-                        const ur5e_real t135 = t120 * t110;
-                        const ur5e_real t136 = t134 + t135;
-                        const ur5e_real t137 = t136 * t136;
-                        const ur5e_real t138 = t133 + t137;
-                        const ur5e_real t139 = sqrt(t138);
-                        const ur5e_real t140 = t139 * 1.4045121751401963e-06;
-                        if (t140 > 2.842170943040401e-14) {
+                        const ur5e_real t134 = t129 + t133;
+                        const ur5e_real t135 = sqrt(t134);
+                        const ur5e_real t136 = t135 * 1.4045121751401963e-06;
+                        if (t136 > 2.842170943040401e-14) {
                             /* q4 turns a direction of the tool to where it must be */
-                            const ur5e_real t142 = 2.9996700362960067e-06 * t113;
-                            const ur5e_real t143 = 1.0 / t139;
-                            const ur5e_real t144 = t132 * t143;
-                            const ur5e_real t145 = t77 * t36;
-                            const ur5e_real t146 = t49 * t145;
-                            const ur5e_real t147 = t74 * t36;
-                            const ur5e_real t148 = t65 * t147;
-                            const ur5e_real t149 = t146 + t148;
-                            const ur5e_real t150 = t30 * t56;
-                            const ur5e_real t151 = t149 - t150;
-                            const ur5e_real t152 = t28 * t151;
-                            const ur5e_real t153 = t44 * t145;
-                            const ur5e_real t154 = t60 * t147;
-                            const ur5e_real t155 = t153 + t154;
-                            const ur5e_real t156 = t18 * t56;
-                            const ur5e_real t157 = t155 - t156;
-                            const ur5e_real t158 = t34 * t157;
-                            const ur5e_real t159 = t152 - t158;
-                            const ur5e_real t160 = t144 * t159;
-                            const ur5e_real t161 = t136 * t143;
-                            const ur5e_real t162 = t98 * t145;
-                            const ur5e_real t163 = t101 * t147;
-                            const ur5e_real t164 = t162 + t163;
-                            const ur5e_real t165 = t106 * t56;
-                            const ur5e_real t166 = t164 - t165;
-                            const ur5e_real t167 = t161 * t166;
-                            const ur5e_real t168 = t160 + t167;
-                            const ur5e_real t169 = t142 * t168;
-                            const ur5e_real t170 = 5.999340072592013e-06 * t128;
-                            const ur5e_real t171 = t144 * t166;
-                            const ur5e_real t172 = t161 * t159;
-                            const ur5e_real t173 = t171 - t172;
-                            const ur5e_real t174 = t170 * t173;
-                            const ur5e_real t175 = t169 - t174;
-                            const ur5e_real t176 = t175 * t175;
-                            const ur5e_real t177 = t142 * t173;
-                            const ur5e_real t178 = t170 * t168;
-                            const ur5e_real t179 = t177 + t178;
-                            const ur5e_real t180 = t179 * t179;
-                            const ur5e_real t181 = t176 + t180;
-                            const ur5e_real t182 = sqrt(t181);
-                            if (t182 > 2.842170943040401e-14) {
-                                const ur5e_real t184 = -t28;
-                                const ur5e_real t185 = -t136;
-                                const ur5e_real t186 = -t175;
-                                const ur5e_real t187 = -t36;
-                                const ur5e_real t188 = -t57;
+                            const ur5e_real t138 = 2.9996700362960067e-06 * t109;
+                            const ur5e_real t139 = 1.0 / t135;
+                            const ur5e_real t140 = t128 * t139;
+                            const ur5e_real t141 = t8 + t8;
+                            const ur5e_real t142 = t141 * t31;
+                            const ur5e_real t143 = t2 + t2;
+                            const ur5e_real t144 = t143 * t41;
+                            const ur5e_real t145 = t142 + t144;
+                            const ur5e_real t146 = t73 * t145;
+                            const ur5e_real t147 = t51 * t146;
+                            const ur5e_real t148 = t70 * t145;
+                            const ur5e_real t149 = t37 * t148;
+                            const ur5e_real t150 = t147 + t149;
+                            const ur5e_real t151 = t143 * t61;
+                            const ur5e_real t152 = t150 - t151;
+                            const ur5e_real t153 = t31 * t152;
+                            const ur5e_real t154 = t48 * t146;
+                            const ur5e_real t155 = t21 * t148;
+                            const ur5e_real t156 = t154 + t155;
+                            const ur5e_real t157 = t141 * t61;
+                            const ur5e_real t158 = t156 - t157;
+                            const ur5e_real t159 = t41 * t158;
+                            const ur5e_real t160 = t153 - t159;
+                            const ur5e_real t161 = t140 * t160;
+                            const ur5e_real t162 = t132 * t139;
+                            const ur5e_real t163 = t94 * t146;
+                            const ur5e_real t164 = t97 * t148;
+                            const ur5e_real t165 = t163 + t164;
+                            const ur5e_real t166 = t102 * t61;
+                            const ur5e_real t167 = t165 - t166;
+                            const ur5e_real t168 = t162 * t167;
+                            const ur5e_real t169 = t161 + t168;
+                            const ur5e_real t170 = t138 * t169;
+                            const ur5e_real t171 = 5.999340072592013e-06 * t124;
+                            const ur5e_real t172 = t140 * t167;
+                            const ur5e_real t173 = t162 * t160;
+                            const ur5e_real t174 = t172 - t173;
+                            const ur5e_real t175 = t171 * t174;
+                            const ur5e_real t176 = t170 - t175;
+                            const ur5e_real t177 = t176 * t176;
+                            const ur5e_real t178 = t138 * t174;
+                            const ur5e_real t179 = t171 * t169;
+                            const ur5e_real t180 = t178 + t179;
+                            const ur5e_real t181 = t180 * t180;
+                            const ur5e_real t182 = t177 + t181;
+                            const ur5e_real t183 = sqrt(t182);
+                            if (t183 > 2.842170943040401e-14) {
+                                const ur5e_real t185 = -t31;
+                                const ur5e_real t186 = -t132;
+                                const ur5e_real t187 = -t176;
+                                const ur5e_real t188 = -t145;
+                                const ur5e_real t189 = -t62;
                                 w->guard[0] = t16;
-                                w->guard[1] = t38;
-                                w->guard[2] = t117;
-                                w->guard[3] = t140;
-                                w->aimed[0][0] = t34;
-                                w->aimed[0][1] = t184;
-                                w->aimed[1][0] = t132;
-                                w->aimed[1][1] = t185;
-                                w->aimed[2][0] = t142;
-                                w->aimed[2][1] = t170;
-                                w->aimed[3][0] = t186;
-                                w->aimed[3][1] = t179;
-                                w->aimed[4][0] = t187;
-                                w->aimed[4][1] = t56;
-                                w->aimed[5][0] = t188;
-                                w->aimed[5][1] = t68;
+                                w->guard[1] = t55;
+                                w->guard[2] = t113;
+                                w->guard[3] = t136;
+                                w->aimed[0][0] = t41;
+                                w->aimed[0][1] = t185;
+                                w->aimed[1][0] = t128;
+                                w->aimed[1][1] = t186;
+                                w->aimed[2][0] = t138;
+                                w->aimed[2][1] = t171;
+                                w->aimed[3][0] = t187;
+                                w->aimed[3][1] = t180;
+                                w->aimed[4][0] = t188;
+                                w->aimed[4][1] = t61;
+                                w->aimed[5][0] = t189;
+                                w->aimed[5][1] = t64;
                                 status = UR5E_OK;
                             } else {
                                 status = UR5E_SINGULAR;
@@ -1283,7 +1285,7 @@ static ur5e_status ur5e_inverse_reach(ur5e_inverse_work *w, const ur5e_real x[7]
                         } else {
                             status = UR5E_SINGULAR;
                         }
-                    } else if (t117 > -2.842170943040401e-14) {
+                    } else if (t113 > -2.842170943040401e-14) {
                         status = UR5E_SINGULAR;
                     } else {
                         /* out of reach */
@@ -1291,7 +1293,7 @@ static ur5e_status ur5e_inverse_reach(ur5e_inverse_work *w, const ur5e_real x[7]
                 } else {
                     status = UR5E_SINGULAR;
                 }
-            } else if (t38 > -2.842170943040401e-14) {
+            } else if (t55 > -2.842170943040401e-14) {
                 status = UR5E_SINGULAR;
             } else {
                 /* out of reach */
@@ -1355,9 +1357,10 @@ static ur5e_real ur5e_inverse_least(ur5e_inverse_work *w, int k, ur5e_real round
     const bool falls = w->guard[k] < w->left[k];
     const ur5e_real lesser = falls ? w->guard[k] : w->left[k];
     const ur5e_real rise = falls ? (w->left[k] - lesser) : (w->guard[k] - lesser);
-    const ur5e_real over = 1.001 * bend - rise;
+    const ur5e_real bends = 1.001 * bend;
+    const ur5e_real over = bends - rise;
     const ur5e_real least = (lesser - rounding) - ((over > 0.0) ? (0.25 * over) : 0.0);
-    ur5e_inverse_take(w, 1.001 * bend, 4.0 * (lesser - rounding) + rise);
+    ur5e_inverse_take(w, bends, 4.0 * (lesser - rounding) + rise);
     w->kept = w->kept && (least > 0.0);
     return (least > 0.0) ? least : 1.0;
 }
@@ -1371,9 +1374,10 @@ static ur5e_real ur5e_inverse_least_length(ur5e_inverse_work *w, int k, ur5e_rea
     const ur5e_real guard = w->guard[k] - rounding;
     const bool above = (left > 0.0) && (guard > 0.0);
     const ur5e_real ends = above ? (sqrt(left) + sqrt(guard)) : 0.0;
-    const ur5e_real least = 0.5 * (ends - 1.001 * speed);
+    const ur5e_real moves = 1.001 * speed;
+    const ur5e_real least = 0.5 * (ends - moves);
     if (!(always > 0.0)) {
-        ur5e_inverse_take(w, 1.001 * 1.001 * speed * speed, ends * ends);
+        ur5e_inverse_take(w, moves * moves, ends * ends);
     }
     return (least > always) ? least : ((always > 0.0) ? always : 1.0);
 }
@@ -1388,8 +1392,9 @@ static ur5e_real ur5e_inverse_least_sine(ur5e_inverse_work *w, int k, ur5e_real 
     const bool above = (left > 0.0) && (guard > 0.0);
     const ur5e_real ends = above ? (sqrt(left) * (1.0 + 0.16666666666666666 * left)
         + sqrt(guard) * (1.0 + 0.16666666666666666 * guard)) : 0.0;
-    const ur5e_real least = 0.5 * (ends - 1.001 * speed);
-    ur5e_inverse_take(w, 1.001 * 1.001 * speed * speed, ends * ends);
+    const ur5e_real moves = 1.001 * speed;
+    const ur5e_real least = 0.5 * (ends - moves);
+    ur5e_inverse_take(w, moves * moves, ends * ends);
     return (least > 0.0) ? (least * (1.0 - 0.16666666666666666 * least * least)) : 1.0;
 }
 

@@ -20,28 +20,16 @@
  *
  * Worst case of a call, with NULL as config (README.md says how it is known and has 255
  * iterations):
- *   inverse_all: 4939 add, 6566 mul, 127 div, 51 sqrt, 144 sin, 144 cos, 34 atan2
- *   inverse_branch: 907 add, 1260 mul, 29 div, 37 sqrt, 18 sin, 18 cos, 34 atan2
- *   inverse_nearest: 932 add, 1288 mul, 29 div, 37 sqrt, 18 sin, 18 cos, 34 atan2
+ *   inverse_all: 4873 add, 6458 mul, 127 div, 51 sqrt, 96 sin, 96 cos, 34 atan2
+ *   inverse_branch: 883 add, 1236 mul, 29 div, 37 sqrt, 12 sin, 12 cos, 34 atan2
+ *   inverse_nearest: 908 add, 1264 mul, 29 div, 37 sqrt, 12 sin, 12 cos, 34 atan2
  *   direct: 58 add, 86 mul, 1 div, 1 sqrt, 6 sin, 6 cos
- *   inverse: 100 iterations, 22605 add, 33216 mul, 1819 div, 1608 sqrt, 24 sin, 24 cos, 606 atan2
+ *   inverse: 100 iterations, 22599 add, 32704 mul, 1819 div, 1608 sqrt, 18 sin, 18 cos, 606 atan2
  *   jacobian: 97 add, 135 mul, 6 sin, 6 cos
  *   twist: 139 add, 171 mul, 6 sin, 6 cos
  *   feed: 436 add, 581 mul, 23 div, 5 sqrt, 6 sin, 6 cos
  *   rates: 430 add, 575 mul, 17 div, 5 sqrt, 6 sin, 6 cos
  *   track: 784 add, 1095 mul, 19 div, 10 sqrt, 30 sin, 30 cos
- *   measured (Cortex-M7, GCC 12.2.1 -O2, 15786 inputs, seed 1): instructions, bytes of stack with
- *     callees, bytes of code with callees but without those of libm:
- *   inverse_all: 19485 instructions, 2184 stack, 6540 code
- *   inverse_branch: 2905 instructions, 2240 stack, 6624 code
- *   inverse_nearest: 3460 instructions, 2304 stack, 6888 code
- *   direct: 1710 instructions, 944 stack, 1212 code
- *   inverse: 126640 instructions, 3064 stack, 11488 code
- *   jacobian: 1830 instructions, 880 stack, 1708 code
- *   twist: 2265 instructions, 1224 stack, 1896 code
- *   feed: 6175 instructions, 2016 stack, 3396 code
- *   rates: 6050 instructions, 1952 stack, 3296 code
- *   track: 9150 instructions, 2104 stack, 4756 code
  *
  * Model SHA-256 a72b063b87bb3a08505b80421fdd2a78f08e451a852a353dab64180a7c23c55b
  */

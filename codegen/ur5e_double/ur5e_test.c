@@ -302,7 +302,7 @@ static void jacobian_of(int k)
     const double most = 8.43796e-06;
     ur5e_real jacobian[MOST];
     tested = "jacobian";
-    expect(ur5e_jacobian (ur5e_vector_joints[k], jacobian) == UR5E_OK, "OK", k);
+    expect(ur5e_jacobian(ur5e_vector_joints[k], jacobian) == UR5E_OK, "OK", k);
     for (int i = 0; i < 6 * N; ++i) {
         const double wanted = (double)ur5e_vector_jacobians[k][i];
         expect(fabs((double)jacobian[i] - wanted) <= most * (1.0 + fabs(wanted)), "entry", i);
@@ -321,9 +321,9 @@ static void speeds_of(int k)
         rates[i] = (ur5e_real)(((i % 3 == 0) ? 1.0 : (i % 3 == 1) ? -0.5 : 0.25) * (1.0));
     }
     tested = "twist";
-    expect(ur5e_twist (ur5e_vector_joints[k], rates, twist) == UR5E_OK, "OK", k);
+    expect(ur5e_twist(ur5e_vector_joints[k], rates, twist) == UR5E_OK, "OK", k);
     tested = "rates";
-    expect(ur5e_rates (ur5e_vector_joints[k], twist, again, NULL) == UR5E_OK, "OK", k);
+    expect(ur5e_rates(ur5e_vector_joints[k], twist, again, NULL) == UR5E_OK, "OK", k);
     for (int part = 0; part < 2; ++part) {
         const double limit = (part == 0) ? 0.125 : 4.0;
         double largest = 0.0;
@@ -331,7 +331,7 @@ static void speeds_of(int k)
             limits[i] = (ur5e_real)(limit * (1.0));
         }
         tested = "feed";
-        expect(ur5e_feed (ur5e_vector_joints[k], twist, limits, &feed) == UR5E_OK, "OK", k);
+        expect(ur5e_feed(ur5e_vector_joints[k], twist, limits, &feed) == UR5E_OK, "OK", k);
         for (int i = 0; i < N; ++i) {
             largest = larger(largest, fabs((double)feed * (double)again[i]) / (1.0));
         }

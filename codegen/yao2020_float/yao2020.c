@@ -553,17 +553,17 @@ static int yao2020_branches(const yao2020_real x[7], const yao2020_real near[6],
                                 const yao2020_real t84 = yao2020_angle(t75, t83);
                                 /* L6 slides the point where the axes of theta3, theta2, theta1 meet
                                  * to where it must be */
-                                const yao2020_real t85 = t0 - t1;
+                                const yao2020_real t85 = t45 + t46;
                                 const yao2020_real t86 = t85 + t85;
                                 const yao2020_real t87 = t12 + t50;
                                 const yao2020_real t88 = t87 + t87;
                                 const yao2020_real t89 = 1.0f - t88;
-                                const yao2020_real t90 = t45 + t46;
+                                const yao2020_real t90 = t0 - t1;
                                 const yao2020_real t91 = t90 + t90;
                                 const yao2020_real t92 = t89 * x[0];
-                                const yao2020_real t93 = t91 * x[1];
+                                const yao2020_real t93 = t86 * x[1];
                                 const yao2020_real t94 = t92 + t93;
-                                const yao2020_real t95 = t86 * x[2];
+                                const yao2020_real t95 = t91 * x[2];
                                 const yao2020_real t96 = t94 + t95;
                                 const yao2020_real t97 = 545.0f + t96;
                                 const yao2020_real t98 = t82 * t41;
@@ -572,83 +572,84 @@ static int yao2020_branches(const yao2020_real x[7], const yao2020_real near[6],
                                 /* the axis of theta3: its level along the axis of theta1 tells
                                  * theta2 */
                                 const yao2020_real t101 = t74 * t36;
-                                const yao2020_real t102 = t57 * t101;
+                                const yao2020_real t102 = t53 * t101;
                                 const yao2020_real t103 = t82 * t36;
                                 const yao2020_real t104 = t86 * t103;
                                 const yao2020_real t105 = t102 - t104;
-                                const yao2020_real t106 = t15 * t37;
+                                const yao2020_real t106 = t8 * t37;
                                 const yao2020_real t107 = t105 - t106;
                                 const yao2020_real t108 = t107 * t107;
-                                const yao2020_real t109 = 1.0f - t108;
-                                if (t109 > 1.5258789e-05f) {
-                                    margin[2] = t109;
+                                const yao2020_real t109 = t48 * t101;
+                                const yao2020_real t110 = t89 * t103;
+                                const yao2020_real t111 = t109 - t110;
+                                const yao2020_real t112 = t3 * t37;
+                                const yao2020_real t113 = t111 - t112;
+                                const yao2020_real t114 = t113 * t113;
+                                const yao2020_real t115 = t108 + t114;
+                                if (t115 > 1.5258789e-05f) {
+                                    margin[2] = t115;
                                     const unsigned int bits2 = (wanted >> 4U) & 3U;
                                     const unsigned int side2 = (near[4] < 0.0f) ? 2U : 1U;
                                     for (unsigned int k2 = 1U; k2 <= 2U; ++k2) {
                                         if ((((bits2 != 0U) ? bits2 : side2) & k2) != 0U) {
                                             const yao2020_real sign2 = (k2 == 1U) ? 1.0f : -1.0f;
-                                            const yao2020_real t117 = fabsf(t109);
-                                            const yao2020_real t118 = t109 + t117;
-                                            const yao2020_real t119 = 0.5f * t118;
-                                            const yao2020_real t120 = sqrtf(t119);
-                                            const yao2020_real t121 = sign2 * t120;
-                                            const yao2020_real t122 = yao2020_angle(t107, t121);
+                                            const yao2020_real t123 = fabsf(t115);
+                                            const yao2020_real t124 = t115 + t123;
+                                            const yao2020_real t125 = 0.5f * t124;
+                                            const yao2020_real t126 = sqrtf(t125);
+                                            const yao2020_real t127 = sign2 * t126;
+                                            const yao2020_real t128 = t57 * t101;
+                                            const yao2020_real t129 = t91 * t103;
+                                            const yao2020_real t130 = t128 - t129;
+                                            const yao2020_real t131 = t15 * t37;
+                                            const yao2020_real t132 = t130 - t131;
+                                            const yao2020_real t133 = yao2020_angle(t132, t127);
                                             /* theta1 turns the axis of theta3 to where it must
                                              * be */
-                                            const yao2020_real t123 = t48 * t101;
-                                            const yao2020_real t124 = t89 * t103;
-                                            const yao2020_real t125 = t123 - t124;
-                                            const yao2020_real t126 = t3 * t37;
-                                            const yao2020_real t127 = t125 - t126;
-                                            const yao2020_real t128 = t121 * t127;
-                                            const yao2020_real t129 = t128 * t128;
-                                            const yao2020_real t130 = t53 * t101;
-                                            const yao2020_real t131 = t91 * t103;
-                                            const yao2020_real t132 = t130 - t131;
-                                            const yao2020_real t133 = t8 * t37;
-                                            const yao2020_real t134 = t132 - t133;
-                                            const yao2020_real t135 = t121 * t134;
-                                            const yao2020_real t136 = t135 * t135;
-                                            const yao2020_real t137 = t129 + t136;
-                                            const yao2020_real t138 = sqrtf(t137);
-                                            if (t138 > 1.5258789e-05f) {
-                                                const yao2020_real t140 = -t128;
-                                                const yao2020_real t141 = -t135;
-                                                const yao2020_real t142 = yao2020_angle(t141, t140);
+                                            const yao2020_real t134 = t127 * t113;
+                                            const yao2020_real t135 = t134 * t134;
+                                            const yao2020_real t136 = t127 * t107;
+                                            const yao2020_real t137 = t136 * t136;
+                                            const yao2020_real t138 = t135 + t137;
+                                            const yao2020_real t139 = sqrtf(t138);
+                                            if (t139 > 1.5258789e-05f) {
+                                                const yao2020_real t141 = -t134;
+                                                const yao2020_real t142 = -t136;
+                                                const yao2020_real t143 = yao2020_angle(t142, t141);
                                                 /* theta3 turns a direction of the tool to where it
                                                  * must be */
-                                                const yao2020_real t143 = 1.0f / t138;
-                                                const yao2020_real t144 = t128 * t143;
-                                                const yao2020_real t145 = t91 * t74;
-                                                const yao2020_real t146 = t53 * t82;
-                                                const yao2020_real t147 = t145 + t146;
-                                                const yao2020_real t148 = t144 * t147;
-                                                const yao2020_real t149 = t135 * t143;
-                                                const yao2020_real t150 = t89 * t74;
-                                                const yao2020_real t151 = t48 * t82;
-                                                const yao2020_real t152 = t150 + t151;
-                                                const yao2020_real t153 = t149 * t152;
-                                                const yao2020_real t154 = t148 - t153;
-                                                const yao2020_real t155 = t154 * t154;
-                                                const yao2020_real t156 = t86 * t74;
-                                                const yao2020_real t157 = t57 * t82;
-                                                const yao2020_real t158 = t156 + t157;
-                                                const yao2020_real t159 = t121 * t158;
-                                                const yao2020_real t160 = t144 * t152;
-                                                const yao2020_real t161 = t149 * t147;
-                                                const yao2020_real t162 = t160 + t161;
-                                                const yao2020_real t163 = t107 * t162;
-                                                const yao2020_real t164 = t159 - t163;
-                                                const yao2020_real t165 = t164 * t164;
-                                                const yao2020_real t166 = t155 + t165;
-                                                const yao2020_real t167 = sqrtf(t166);
-                                                if (t167 > 1.5258789e-05f) {
-                                                    const yao2020_real t169 = -t164;
-                                                    const yao2020_real t170 = yao2020_angle(t169,
-                                                        t154);
-                                                    found[count][0] = t142;
-                                                    found[count][1] = t122;
-                                                    found[count][2] = t170;
+                                                const yao2020_real t144 = 1.0f / t139;
+                                                const yao2020_real t145 = t134 * t144;
+                                                const yao2020_real t146 = t86 * t74;
+                                                const yao2020_real t147 = t53 * t82;
+                                                const yao2020_real t148 = t146 + t147;
+                                                const yao2020_real t149 = t145 * t148;
+                                                const yao2020_real t150 = t136 * t144;
+                                                const yao2020_real t151 = t89 * t74;
+                                                const yao2020_real t152 = t48 * t82;
+                                                const yao2020_real t153 = t151 + t152;
+                                                const yao2020_real t154 = t150 * t153;
+                                                const yao2020_real t155 = t149 - t154;
+                                                const yao2020_real t156 = t155 * t155;
+                                                const yao2020_real t157 = t91 * t74;
+                                                const yao2020_real t158 = t57 * t82;
+                                                const yao2020_real t159 = t157 + t158;
+                                                const yao2020_real t160 = t127 * t159;
+                                                const yao2020_real t161 = t145 * t153;
+                                                const yao2020_real t162 = t150 * t148;
+                                                const yao2020_real t163 = t161 + t162;
+                                                const yao2020_real t164 = t132 * t163;
+                                                const yao2020_real t165 = t160 - t164;
+                                                const yao2020_real t166 = t165 * t165;
+                                                const yao2020_real t167 = t156 + t166;
+                                                const yao2020_real t168 = sqrtf(t167);
+                                                if (t168 > 1.5258789e-05f) {
+                                                    const yao2020_real t170 = -t165;
+                                                    const yao2020_real t171 = yao2020_angle(t170,
+                                                        t155);
+                                                    found[count][0] = t143;
+                                                    found[count][1] = t133;
+                                                    found[count][2] = t171;
                                                     found[count][3] = t39;
                                                     found[count][4] = t84;
                                                     found[count][5] = t100;
@@ -661,7 +662,7 @@ static int yao2020_branches(const yao2020_real x[7], const yao2020_real near[6],
                                             }
                                         }
                                     }
-                                } else if (t109 > -1.5258789e-05f) {
+                                } else if (t115 > -1.5258789e-05f) {
                                     *undecided = true;
                                 } else {
                                     /* out of reach */
@@ -707,6 +708,9 @@ static yao2020_status yao2020_turn_near(const yao2020_real about[6], yao2020_rea
     return status;
 }
 
+static YAO2020_SHARED void yao2020_jacobian_at(const yao2020_real u[2 * 6],
+    yao2020_real jacobian[6 * 6]);
+
 /* Holds the tool's pose of joint values against x. Beside a fold the formulas lose digits, which a
  * step of Newton's method gives back. */
 static yao2020_status yao2020_hold(const yao2020_real x[7], yao2020_real joints[6],
@@ -720,16 +724,14 @@ static yao2020_status yao2020_hold(const yao2020_real x[7], yao2020_real joints[
     if (!(*residual <= 0.0022495706f)) {
         yao2020_real jacobian[6 * 6];
         yao2020_real step[6];
-        status = yao2020_jacobian(joints, jacobian);
-        if (status == YAO2020_OK) {
-            (void)yao2020_damped(jacobian, e, step);
-            for (int i = 0; i < 6; ++i) {
-                joints[i] += step[i];
-            }
-            yao2020_half_turns(joints, u);
-            *residual = yao2020_error_at(u, x, e);
-            status = (*residual <= 0.0022495706f) ? YAO2020_OK : YAO2020_SINGULAR;
+        yao2020_jacobian_at(u, jacobian);
+        (void)yao2020_damped(jacobian, e, step);
+        for (int i = 0; i < 6; ++i) {
+            joints[i] += step[i];
         }
+        yao2020_half_turns(joints, u);
+        *residual = yao2020_error_at(u, x, e);
+        status = (*residual <= 0.0022495706f) ? YAO2020_OK : YAO2020_SINGULAR;
     }
     return status;
 }
@@ -1031,8 +1033,8 @@ static yao2020_status yao2020_inverse_reach(yao2020_inverse_work *w, const yao20
                 const yao2020_real t54 = t52 * t53;
                 const yao2020_real t55 = 0.0033333334f * t27;
                 const yao2020_real t56 = t54 * t55;
-                const yao2020_real t57 = t45 * t56;
-                const yao2020_real t58 = t0 - t1;
+                const yao2020_real t57 = t41 * t56;
+                const yao2020_real t58 = t33 + t34;
                 const yao2020_real t59 = t58 + t58;
                 const yao2020_real t60 = fabsf(t49);
                 const yao2020_real t61 = t49 + t60;
@@ -1045,95 +1047,96 @@ static yao2020_status yao2020_inverse_reach(yao2020_inverse_work *w, const yao20
                 const yao2020_real t68 = t59 * t67;
                 const yao2020_real t69 = t57 - t68;
                 const yao2020_real t70 = 0.0033333334f * t18;
-                const yao2020_real t71 = t15 * t70;
+                const yao2020_real t71 = t8 * t70;
                 const yao2020_real t72 = t69 - t71;
                 const yao2020_real t73 = t72 * t72;
-                const yao2020_real t74 = 1.0f - t73;
-                if (t74 > 1.5258789e-05f) {
+                const yao2020_real t74 = t36 * t56;
+                const yao2020_real t75 = t12 + t38;
+                const yao2020_real t76 = t75 + t75;
+                const yao2020_real t77 = 1.0f - t76;
+                const yao2020_real t78 = t77 * t67;
+                const yao2020_real t79 = t74 - t78;
+                const yao2020_real t80 = t3 * t70;
+                const yao2020_real t81 = t79 - t80;
+                const yao2020_real t82 = t81 * t81;
+                const yao2020_real t83 = t73 + t82;
+                if (t83 > 1.5258789e-05f) {
                     /* theta1 turns the axis of theta3 to where it must be */
-                    const yao2020_real t76 = fabsf(t74);
-                    const yao2020_real t77 = t74 + t76;
-                    const yao2020_real t78 = 0.5f * t77;
-                    const yao2020_real t79 = sqrtf(t78);
-                    const yao2020_real t80 = w->sign[2] * t79;
-                    const yao2020_real t81 = t36 * t56;
-                    const yao2020_real t82 = t12 + t38;
-                    const yao2020_real t83 = t82 + t82;
-                    const yao2020_real t84 = 1.0f - t83;
-                    const yao2020_real t85 = t84 * t67;
-                    const yao2020_real t86 = t81 - t85;
-                    const yao2020_real t87 = t3 * t70;
-                    const yao2020_real t88 = t86 - t87;
-                    const yao2020_real t89 = t80 * t88;
-                    const yao2020_real t90 = t89 * t89;
-                    const yao2020_real t91 = t41 * t56;
-                    const yao2020_real t92 = t33 + t34;
-                    const yao2020_real t93 = t92 + t92;
-                    const yao2020_real t94 = t93 * t67;
-                    const yao2020_real t95 = t91 - t94;
-                    const yao2020_real t96 = t8 * t70;
-                    const yao2020_real t97 = t95 - t96;
-                    const yao2020_real t98 = t80 * t97;
-                    const yao2020_real t99 = t98 * t98;
-                    const yao2020_real t100 = t90 + t99;
-                    const yao2020_real t101 = sqrtf(t100);
-                    if (t101 > 1.5258789e-05f) {
+                    const yao2020_real t85 = fabsf(t83);
+                    const yao2020_real t86 = t83 + t85;
+                    const yao2020_real t87 = 0.5f * t86;
+                    const yao2020_real t88 = sqrtf(t87);
+                    const yao2020_real t89 = w->sign[2] * t88;
+                    const yao2020_real t90 = t89 * t81;
+                    const yao2020_real t91 = t90 * t90;
+                    const yao2020_real t92 = t89 * t72;
+                    const yao2020_real t93 = t92 * t92;
+                    const yao2020_real t94 = t91 + t93;
+                    const yao2020_real t95 = sqrtf(t94);
+                    if (t95 > 1.5258789e-05f) {
                         /* theta3 turns a direction of the tool to where it must be */
-                        const yao2020_real t103 = 1.0f / t101;
-                        const yao2020_real t104 = t89 * t103;
-                        const yao2020_real t105 = t93 * t54;
-                        const yao2020_real t106 = t41 * t66;
-                        const yao2020_real t107 = t105 + t106;
-                        const yao2020_real t108 = t104 * t107;
-                        const yao2020_real t109 = t98 * t103;
-                        const yao2020_real t110 = t84 * t54;
-                        const yao2020_real t111 = t36 * t66;
-                        const yao2020_real t112 = t110 + t111;
-                        const yao2020_real t113 = t109 * t112;
-                        const yao2020_real t114 = t108 - t113;
-                        const yao2020_real t115 = t114 * t114;
-                        const yao2020_real t116 = t59 * t54;
-                        const yao2020_real t117 = t45 * t66;
-                        const yao2020_real t118 = t116 + t117;
-                        const yao2020_real t119 = t80 * t118;
-                        const yao2020_real t120 = t104 * t112;
-                        const yao2020_real t121 = t109 * t107;
-                        const yao2020_real t122 = t120 + t121;
-                        const yao2020_real t123 = t72 * t122;
-                        const yao2020_real t124 = t119 - t123;
-                        const yao2020_real t125 = t124 * t124;
-                        const yao2020_real t126 = t115 + t125;
-                        const yao2020_real t127 = sqrtf(t126);
-                        if (t127 > 1.5258789e-05f) {
-                            const yao2020_real t129 = -t89;
-                            const yao2020_real t130 = -t98;
-                            const yao2020_real t131 = -t124;
-                            const yao2020_real t132 = -t55;
-                            const yao2020_real t133 = -t66;
-                            const yao2020_real t134 = -t54;
-                            const yao2020_real t135 = t84 * x[0];
-                            const yao2020_real t136 = t93 * x[1];
-                            const yao2020_real t137 = t135 + t136;
-                            const yao2020_real t138 = t59 * x[2];
-                            const yao2020_real t139 = t137 + t138;
-                            const yao2020_real t140 = 545.0f + t139;
-                            const yao2020_real t141 = t66 * t29;
-                            const yao2020_real t142 = t141 - 385.0f;
-                            const yao2020_real t143 = t140 + t142;
+                        const yao2020_real t97 = 1.0f / t95;
+                        const yao2020_real t98 = t90 * t97;
+                        const yao2020_real t99 = t59 * t54;
+                        const yao2020_real t100 = t41 * t66;
+                        const yao2020_real t101 = t99 + t100;
+                        const yao2020_real t102 = t98 * t101;
+                        const yao2020_real t103 = t92 * t97;
+                        const yao2020_real t104 = t77 * t54;
+                        const yao2020_real t105 = t36 * t66;
+                        const yao2020_real t106 = t104 + t105;
+                        const yao2020_real t107 = t103 * t106;
+                        const yao2020_real t108 = t102 - t107;
+                        const yao2020_real t109 = t108 * t108;
+                        const yao2020_real t110 = t0 - t1;
+                        const yao2020_real t111 = t110 + t110;
+                        const yao2020_real t112 = t111 * t54;
+                        const yao2020_real t113 = t45 * t66;
+                        const yao2020_real t114 = t112 + t113;
+                        const yao2020_real t115 = t89 * t114;
+                        const yao2020_real t116 = t45 * t56;
+                        const yao2020_real t117 = t111 * t67;
+                        const yao2020_real t118 = t116 - t117;
+                        const yao2020_real t119 = t15 * t70;
+                        const yao2020_real t120 = t118 - t119;
+                        const yao2020_real t121 = t98 * t106;
+                        const yao2020_real t122 = t103 * t101;
+                        const yao2020_real t123 = t121 + t122;
+                        const yao2020_real t124 = t120 * t123;
+                        const yao2020_real t125 = t115 - t124;
+                        const yao2020_real t126 = t125 * t125;
+                        const yao2020_real t127 = t109 + t126;
+                        const yao2020_real t128 = sqrtf(t127);
+                        if (t128 > 1.5258789e-05f) {
+                            const yao2020_real t130 = -t90;
+                            const yao2020_real t131 = -t92;
+                            const yao2020_real t132 = -t125;
+                            const yao2020_real t133 = -t55;
+                            const yao2020_real t134 = -t66;
+                            const yao2020_real t135 = -t54;
+                            const yao2020_real t136 = t77 * x[0];
+                            const yao2020_real t137 = t59 * x[1];
+                            const yao2020_real t138 = t136 + t137;
+                            const yao2020_real t139 = t111 * x[2];
+                            const yao2020_real t140 = t138 + t139;
+                            const yao2020_real t141 = 545.0f + t140;
+                            const yao2020_real t142 = t66 * t29;
+                            const yao2020_real t143 = t142 - 385.0f;
+                            const yao2020_real t144 = t141 + t143;
                             w->guard[0] = t21;
                             w->guard[1] = t50;
-                            w->guard[2] = t74;
-                            w->aimed[0][0] = t129;
-                            w->aimed[0][1] = t130;
-                            w->aimed[1][0] = t80;
-                            w->aimed[1][1] = t72;
-                            w->aimed[2][0] = t114;
-                            w->aimed[2][1] = t131;
-                            w->aimed[3][0] = t132;
+                            w->guard[2] = t83;
+                            w->aimed[0][0] = t130;
+                            w->aimed[0][1] = t131;
+                            w->aimed[1][0] = t89;
+                            w->aimed[1][1] = t120;
+                            w->aimed[2][0] = t108;
+                            w->aimed[2][1] = t132;
+                            w->aimed[3][0] = t133;
                             w->aimed[3][1] = t70;
-                            w->aimed[4][0] = t133;
-                            w->aimed[4][1] = t134;
-                            w->aimed[5][0] = t143;
+                            w->aimed[4][0] = t134;
+                            w->aimed[4][1] = t135;
+                            w->aimed[5][0] = t144;
                             w->aimed[5][1] = 0.0f;
                             status = YAO2020_OK;
                         } else {
@@ -1142,7 +1145,7 @@ static yao2020_status yao2020_inverse_reach(yao2020_inverse_work *w, const yao20
                     } else {
                         status = YAO2020_SINGULAR;
                     }
-                } else if (t74 > -1.5258789e-05f) {
+                } else if (t83 > -1.5258789e-05f) {
                     status = YAO2020_SINGULAR;
                 } else {
                     /* out of reach */
@@ -1213,9 +1216,10 @@ static yao2020_real yao2020_inverse_least(yao2020_inverse_work *w, int k, yao202
     const bool falls = w->guard[k] < w->left[k];
     const yao2020_real lesser = falls ? w->guard[k] : w->left[k];
     const yao2020_real rise = falls ? (w->left[k] - lesser) : (w->guard[k] - lesser);
-    const yao2020_real over = 1.001f * bend - rise;
+    const yao2020_real bends = 1.001f * bend;
+    const yao2020_real over = bends - rise;
     const yao2020_real least = (lesser - rounding) - ((over > 0.0f) ? (0.25f * over) : 0.0f);
-    yao2020_inverse_take(w, 1.001f * bend, 4.0f * (lesser - rounding) + rise);
+    yao2020_inverse_take(w, bends, 4.0f * (lesser - rounding) + rise);
     w->kept = w->kept && (least > 0.0f);
     return (least > 0.0f) ? least : 1.0f;
 }
@@ -1230,8 +1234,9 @@ static yao2020_real yao2020_inverse_least_sine(yao2020_inverse_work *w, int k,
     const bool above = (left > 0.0f) && (guard > 0.0f);
     const yao2020_real ends = above ? (sqrtf(left) * (1.0f + 0.16666667f * left)
         + sqrtf(guard) * (1.0f + 0.16666667f * guard)) : 0.0f;
-    const yao2020_real least = 0.5f * (ends - 1.001f * speed);
-    yao2020_inverse_take(w, 1.001f * 1.001f * speed * speed, ends * ends);
+    const yao2020_real moves = 1.001f * speed;
+    const yao2020_real least = 0.5f * (ends - moves);
+    yao2020_inverse_take(w, moves * moves, ends * ends);
     return (least > 0.0f) ? (least * (1.0f - 0.16666667f * least * least)) : 1.0f;
 }
 

@@ -20,28 +20,16 @@
  *
  * Worst case of a call, with NULL as config (README.md says how it is known and has 255
  * iterations):
- *   inverse_all: 5981 add, 8280 mul, 185 div, 47 sqrt
- *   inverse_branch: 1172 add, 1567 mul, 87 div, 33 sqrt
- *   inverse_nearest: 1193 add, 1588 mul, 87 div, 33 sqrt
+ *   inverse_all: 5445 add, 7672 mul, 185 div, 47 sqrt
+ *   inverse_branch: 1098 add, 1484 mul, 87 div, 33 sqrt
+ *   inverse_nearest: 1119 add, 1505 mul, 87 div, 33 sqrt
  *   direct: 102 add, 144 mul, 1 div, 1 sqrt
- *   inverse: 100 iterations, 23671 add, 30591 mul, 2231 div, 1307 sqrt
+ *   inverse: 100 iterations, 23605 add, 30216 mul, 2231 div, 1307 sqrt
  *   jacobian: 120 add, 178 mul
  *   twist: 162 add, 214 mul
  *   feed: 459 add, 666 mul, 23 div, 5 sqrt
  *   rates: 453 add, 660 mul, 17 div, 5 sqrt
  *   track: 967 add, 1407 mul, 19 div, 10 sqrt
- *   measured (Cortex-M4F, GCC 12.2.1 -O2, 14226 inputs, seed 1): instructions, bytes of stack with
- *     callees, bytes of code with callees but without those of libm:
- *   inverse_all: 47815 instructions, 1128 stack, 6096 code
- *   inverse_branch: 6815 instructions, 1152 stack, 6168 code
- *   inverse_nearest: 7305 instructions, 1192 stack, 6416 code
- *   direct: 625 instructions, 112 stack, 1304 code
- *   inverse: 111260 instructions, 1496 stack, 10024 code
- *   jacobian: 685 instructions, 104 stack, 1548 code
- *   twist: 1085 instructions, 280 stack, 1708 code
- *   feed: 5435 instructions, 1040 stack, 3320 code
- *   rates: 5320 instructions, 1000 stack, 3216 code
- *   track: 7700 instructions, 1080 stack, 4608 code
  *
  * Model SHA-256 98eb777f285bb0f01202bb6155b0345518c2eb31f42fdf259ae851aac40d2594
  */

@@ -305,7 +305,7 @@ static void jacobian_of(int k)
     const double most = 0.0555023;
     yao2020_real jacobian[MOST];
     tested = "jacobian";
-    expect(yao2020_jacobian (yao2020_vector_joints[k], jacobian) == YAO2020_OK, "OK", k);
+    expect(yao2020_jacobian(yao2020_vector_joints[k], jacobian) == YAO2020_OK, "OK", k);
     for (int i = 0; i < 6 * N; ++i) {
         const double wanted = (double)yao2020_vector_jacobians[k][i];
         expect(fabs((double)jacobian[i] - wanted) <= most * (1.0 + fabs(wanted)), "entry", i);
@@ -325,9 +325,9 @@ static void speeds_of(int k)
             ? (double)YAO2020_SIZE : 1.0));
     }
     tested = "twist";
-    expect(yao2020_twist (yao2020_vector_joints[k], rates, twist) == YAO2020_OK, "OK", k);
+    expect(yao2020_twist(yao2020_vector_joints[k], rates, twist) == YAO2020_OK, "OK", k);
     tested = "rates";
-    expect(yao2020_rates (yao2020_vector_joints[k], twist, again, NULL) == YAO2020_OK, "OK", k);
+    expect(yao2020_rates(yao2020_vector_joints[k], twist, again, NULL) == YAO2020_OK, "OK", k);
     for (int part = 0; part < 2; ++part) {
         const double limit = (part == 0) ? 0.125 : 4.0;
         double largest = 0.0;
@@ -335,8 +335,7 @@ static void speeds_of(int k)
             limits[i] = (yao2020_real)(limit * (((i == 5)) ? (double)YAO2020_SIZE : 1.0));
         }
         tested = "feed";
-        expect(yao2020_feed (yao2020_vector_joints[k], twist, limits, &feed) == YAO2020_OK, "OK",
-            k);
+        expect(yao2020_feed(yao2020_vector_joints[k], twist, limits, &feed) == YAO2020_OK, "OK", k);
         for (int i = 0; i < N; ++i) {
             largest = larger(largest, fabs((double)feed * (double)again[i]) / (((i == 5))
                 ? (double)YAO2020_SIZE : 1.0));

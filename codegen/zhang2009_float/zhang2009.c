@@ -83,9 +83,9 @@ static ZHANG2009_COLD int zhang2009_lu(zhang2009_real *a, uint8_t *order,
     return sign;
 }
 
-/* Solves for the right side f, in place, with the factors of zhang2009_lu. */
+/* Solves for the right side f with the factors of zhang2009_lu: s, which may be f; f is lost. */
 static ZHANG2009_COLD void zhang2009_lu_solve(const zhang2009_real *a, const uint8_t *order,
-    zhang2009_real *f, int n)
+    zhang2009_real *f, zhang2009_real *s, int n)
 {
     /* forward substitution with the exchanges of rows */
     for (int c = 0; c < n; ++c) {
@@ -100,7 +100,7 @@ static ZHANG2009_COLD void zhang2009_lu_solve(const zhang2009_real *a, const uin
     /* back substitution */
     for (int c = n - 1; c >= 0; --c) {
         const zhang2009_real t = f[c] * a[n * c + c];
-        f[c] = t;
+        s[c] = t;
         for (int r = 0; r < c; ++r) {
             f[r] -= a[n * r + c] * t;
         }
@@ -197,17 +197,16 @@ static zhang2009_status zhang2009_limit_joints(zhang2009_status before,
 /* Work space of zhang2009_direct_newton, which solves the rows f(x; k) = 0 for the state x.
  * x: position p and unit quaternion q (w, x, y, z) of the platform
  * k: squared rod lengths L_i^2
- * f: L_i^2 - d_i . d_i, d_i = p + R(q) a_i - b_i; then the step: (2 v, h): velocity v of the
- * platform where the
- *    base's origin is, and half its turn h
+ * f: L_i^2 - d_i . d_i, d_i = p + R(q) a_i - b_i
+ * s: the step, (2 v, h): velocity v of the platform where the base's origin is, and half its turn h
  * d: rod vectors d_i, from the base point to the platform point
  */
 typedef struct {
     zhang2009_real x[7]; /* state */
     /* state at the part of the line that is done, to which a failed try returns */
-    zhang2009_real x0[7];
+    zhang2009_pose x0;
     zhang2009_real k[6]; /* known values aimed at */
-    zhang2009_real f[6]; /* rows; the linear solver leaves the step in their place */
+    zhang2009_real f[6]; /* rows */
     zhang2009_real d[18]; /* values that rows and matrix share */
     zhang2009_real a[36]; /* matrix -df/dstep, row by row; then its LU factors in its place */
     /* sum of the squared reciprocals of the scaled pivots: large near a singularity */
@@ -369,85 +368,6 @@ static ZHANG2009_SHARED zhang2009_real zhang2009_direct_residual(const zhang2009
     }
     return sqrtf(sum) * 0.0011309829f;
 }
-
-/* Adds the step in w->f to the state: lengths and joint values are added to, quaternions are
- * turned. Returns the squared length of the step, angles times the size. */
-static zhang2009_real zhang2009_direct_apply_step(zhang2009_direct_work *w)
-{
-    const zhang2009_real t0 = 4.0f * w->f[4];
-    const zhang2009_real t1 = t0 * w->x[2];
-    const zhang2009_real t2 = 4.0f * w->f[5];
-    const zhang2009_real t3 = t2 * w->x[1];
-    const zhang2009_real t4 = t1 - t3;
-    const zhang2009_real t5 = w->f[0] + t4;
-    const zhang2009_real t6 = 0.5f * t5;
-    const zhang2009_real t7 = w->x[0] + t6;
-    const zhang2009_real t8 = t2 * w->x[0];
-    const zhang2009_real t9 = 4.0f * w->f[3];
-    const zhang2009_real t10 = t9 * w->x[2];
-    const zhang2009_real t11 = t8 - t10;
-    const zhang2009_real t12 = w->f[1] + t11;
-    const zhang2009_real t13 = 0.5f * t12;
-    const zhang2009_real t14 = w->x[1] + t13;
-    const zhang2009_real t15 = t9 * w->x[1];
-    const zhang2009_real t16 = t0 * w->x[0];
-    const zhang2009_real t17 = t15 - t16;
-    const zhang2009_real t18 = w->f[2] + t17;
-    const zhang2009_real t19 = 0.5f * t18;
-    const zhang2009_real t20 = w->x[2] + t19;
-    const zhang2009_real t21 = w->f[3] * w->x[4];
-    const zhang2009_real t22 = w->x[3] - t21;
-    const zhang2009_real t23 = w->f[4] * w->x[5];
-    const zhang2009_real t24 = t22 - t23;
-    const zhang2009_real t25 = w->f[5] * w->x[6];
-    const zhang2009_real t26 = t24 - t25;
-    const zhang2009_real t27 = w->f[3] * w->f[3];
-    const zhang2009_real t28 = w->f[4] * w->f[4];
-    const zhang2009_real t29 = t27 + t28;
-    const zhang2009_real t30 = w->f[5] * w->f[5];
-    const zhang2009_real t31 = t29 + t30;
-    const zhang2009_real t32 = t31 + 1.0f;
-    const zhang2009_real t33 = sqrtf(t32);
-    const zhang2009_real t34 = 1.0f / t33;
-    const zhang2009_real t35 = t26 * t34;
-    const zhang2009_real t36 = w->f[3] * w->x[3];
-    const zhang2009_real t37 = w->x[4] + t36;
-    const zhang2009_real t38 = w->f[4] * w->x[6];
-    const zhang2009_real t39 = t37 + t38;
-    const zhang2009_real t40 = w->f[5] * w->x[5];
-    const zhang2009_real t41 = t39 - t40;
-    const zhang2009_real t42 = t41 * t34;
-    const zhang2009_real t43 = w->f[3] * w->x[6];
-    const zhang2009_real t44 = w->x[5] - t43;
-    const zhang2009_real t45 = w->f[4] * w->x[3];
-    const zhang2009_real t46 = t44 + t45;
-    const zhang2009_real t47 = w->f[5] * w->x[4];
-    const zhang2009_real t48 = t46 + t47;
-    const zhang2009_real t49 = t48 * t34;
-    const zhang2009_real t50 = w->f[3] * w->x[5];
-    const zhang2009_real t51 = w->x[6] + t50;
-    const zhang2009_real t52 = w->f[4] * w->x[4];
-    const zhang2009_real t53 = t51 - t52;
-    const zhang2009_real t54 = w->f[5] * w->x[3];
-    const zhang2009_real t55 = t53 + t54;
-    const zhang2009_real t56 = t55 * t34;
-    const zhang2009_real t57 = t6 * t6;
-    const zhang2009_real t58 = t13 * t13;
-    const zhang2009_real t59 = t57 + t58;
-    const zhang2009_real t60 = t19 * t19;
-    const zhang2009_real t61 = t59 + t60;
-    const zhang2009_real t62 = 1.1289454e+06f * t31;
-    const zhang2009_real t63 = t61 + t62;
-    w->x[0] = t7;
-    w->x[1] = t14;
-    w->x[2] = t20;
-    w->x[3] = t35;
-    w->x[4] = t42;
-    w->x[5] = t49;
-    w->x[6] = t56;
-    return t63;
-}
-
 /* Joint values at the state, into w->k. */
 static ZHANG2009_SHARED void zhang2009_rod_values(zhang2009_direct_work *w)
 {
@@ -669,11 +589,11 @@ static int zhang2009_direct_factor(zhang2009_direct_work *w)
     return (w->spread < 1e+06f) ? ((det < 0.0f) ? 1 : -1) : 0;
 }
 
-/* The step from w->f into w->f: forward and back substitution. */
-static void zhang2009_direct_solve(zhang2009_direct_work *w)
+/* The step s from w->f: forward and back substitution. */
+static void zhang2009_direct_solve(zhang2009_direct_work *w, zhang2009_real s[6])
 {
     if (w->pivoted) {
-        zhang2009_lu_solve(w->a, w->order, w->f, 6);
+        zhang2009_lu_solve(w->a, w->order, w->f, s, 6);
         return;
     }
     /* forward substitution, the rows in the order of the pivots */
@@ -695,12 +615,93 @@ static void zhang2009_direct_solve(zhang2009_direct_work *w)
     const zhang2009_real s0 = (y0 - w->a[5] * s5 - w->a[3] * s3 - w->a[2] * s2
         - w->a[1] * s1) * w->a[0];
     /* the step in the order of the unknowns */
-    w->f[4] = s0;
-    w->f[2] = s1;
-    w->f[1] = s2;
-    w->f[5] = s3;
-    w->f[3] = s4;
-    w->f[0] = s5;
+    s[4] = s0;
+    s[2] = s1;
+    s[1] = s2;
+    s[5] = s3;
+    s[3] = s4;
+    s[0] = s5;
+}
+
+
+/* Solves for the step and adds it to the state: lengths and joint values are added to, quaternions
+ * are turned. Returns the squared length of the step, angles times the size. */
+static zhang2009_real zhang2009_direct_step(zhang2009_direct_work *w)
+{
+    zhang2009_real s[6];
+    zhang2009_direct_solve(w, s);
+    const zhang2009_real t0 = 4.0f * s[4];
+    const zhang2009_real t1 = t0 * w->x[2];
+    const zhang2009_real t2 = 4.0f * s[5];
+    const zhang2009_real t3 = t2 * w->x[1];
+    const zhang2009_real t4 = t1 - t3;
+    const zhang2009_real t5 = s[0] + t4;
+    const zhang2009_real t6 = 0.5f * t5;
+    const zhang2009_real t7 = w->x[0] + t6;
+    const zhang2009_real t8 = t2 * w->x[0];
+    const zhang2009_real t9 = 4.0f * s[3];
+    const zhang2009_real t10 = t9 * w->x[2];
+    const zhang2009_real t11 = t8 - t10;
+    const zhang2009_real t12 = s[1] + t11;
+    const zhang2009_real t13 = 0.5f * t12;
+    const zhang2009_real t14 = w->x[1] + t13;
+    const zhang2009_real t15 = t9 * w->x[1];
+    const zhang2009_real t16 = t0 * w->x[0];
+    const zhang2009_real t17 = t15 - t16;
+    const zhang2009_real t18 = s[2] + t17;
+    const zhang2009_real t19 = 0.5f * t18;
+    const zhang2009_real t20 = w->x[2] + t19;
+    const zhang2009_real t21 = s[3] * w->x[4];
+    const zhang2009_real t22 = w->x[3] - t21;
+    const zhang2009_real t23 = s[4] * w->x[5];
+    const zhang2009_real t24 = t22 - t23;
+    const zhang2009_real t25 = s[5] * w->x[6];
+    const zhang2009_real t26 = t24 - t25;
+    const zhang2009_real t27 = s[3] * s[3];
+    const zhang2009_real t28 = s[4] * s[4];
+    const zhang2009_real t29 = t27 + t28;
+    const zhang2009_real t30 = s[5] * s[5];
+    const zhang2009_real t31 = t29 + t30;
+    const zhang2009_real t32 = t31 + 1.0f;
+    const zhang2009_real t33 = sqrtf(t32);
+    const zhang2009_real t34 = 1.0f / t33;
+    const zhang2009_real t35 = t26 * t34;
+    const zhang2009_real t36 = s[3] * w->x[3];
+    const zhang2009_real t37 = w->x[4] + t36;
+    const zhang2009_real t38 = s[4] * w->x[6];
+    const zhang2009_real t39 = t37 + t38;
+    const zhang2009_real t40 = s[5] * w->x[5];
+    const zhang2009_real t41 = t39 - t40;
+    const zhang2009_real t42 = t41 * t34;
+    const zhang2009_real t43 = s[3] * w->x[6];
+    const zhang2009_real t44 = w->x[5] - t43;
+    const zhang2009_real t45 = s[4] * w->x[3];
+    const zhang2009_real t46 = t44 + t45;
+    const zhang2009_real t47 = s[5] * w->x[4];
+    const zhang2009_real t48 = t46 + t47;
+    const zhang2009_real t49 = t48 * t34;
+    const zhang2009_real t50 = s[3] * w->x[5];
+    const zhang2009_real t51 = w->x[6] + t50;
+    const zhang2009_real t52 = s[4] * w->x[4];
+    const zhang2009_real t53 = t51 - t52;
+    const zhang2009_real t54 = s[5] * w->x[3];
+    const zhang2009_real t55 = t53 + t54;
+    const zhang2009_real t56 = t55 * t34;
+    const zhang2009_real t57 = t6 * t6;
+    const zhang2009_real t58 = t13 * t13;
+    const zhang2009_real t59 = t57 + t58;
+    const zhang2009_real t60 = t19 * t19;
+    const zhang2009_real t61 = t59 + t60;
+    const zhang2009_real t62 = 1.1289454e+06f * t31;
+    const zhang2009_real t63 = t61 + t62;
+    w->x[0] = t7;
+    w->x[1] = t14;
+    w->x[2] = t20;
+    w->x[3] = t35;
+    w->x[4] = t42;
+    w->x[5] = t49;
+    w->x[6] = t56;
+    return t63;
 }
 
 /* Aims anew at a part of the line from the guess's joint values to the given ones, and puts the
@@ -721,9 +722,7 @@ static ZHANG2009_COLD void zhang2009_direct_retarget(zhang2009_direct_work *w,
     }
     zhang2009_direct_set_target(w, goal);
     if (done > 0.0f) {
-        for (int i = 0; i < 7; ++i) {
-            w->x[i] = w->x0[i];
-        }
+        (void)zhang2009_normalise_pose(&w->x0, w->x);
     }
 }
 
@@ -815,9 +814,8 @@ static zhang2009_status zhang2009_direct_newton(zhang2009_direct_work *w,
         }
         /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4 to
          * 1/8, later 3/8 to 3/10 (README.md) */
-        zhang2009_direct_solve(w);
         const zhang2009_real before = size;
-        size = zhang2009_direct_apply_step(w);
+        size = zhang2009_direct_step(w);
         if (taken == 0U) {
             limit = longest2;
             const zhang2009_real reach = size * w->spread;
@@ -873,9 +871,13 @@ static zhang2009_status zhang2009_direct_newton(zhang2009_direct_work *w,
                 if (aim > 0.999f) {
                     aim = 1.0f;
                 }
-                for (int i = 0; i < 7; ++i) {
-                    w->x0[i] = w->x[i];
-                }
+                w->x0.position[0] = w->x[0];
+                w->x0.position[1] = w->x[1];
+                w->x0.position[2] = w->x[2];
+                w->x0.quaternion[0] = w->x[3];
+                w->x0.quaternion[1] = w->x[4];
+                w->x0.quaternion[2] = w->x[5];
+                w->x0.quaternion[3] = w->x[6];
                 zhang2009_direct_retarget(w, to, aim, done);
                 taken = 0U;
                 fresh = true;
@@ -976,8 +978,7 @@ zhang2009_status zhang2009_track(const zhang2009_real joints[6], zhang2009_pose 
             status = ZHANG2009_SINGULAR;
         } else {
             stepped = true;
-            zhang2009_direct_solve(&w);
-            const zhang2009_real size = zhang2009_direct_apply_step(&w);
+            const zhang2009_real size = zhang2009_direct_step(&w);
             zhang2009_write_info(info, 1U, 0.00142f * size, size, w.spread);
             if (size <= 489.99365f) {
                 zhang2009_write_pose(&w, pose);
@@ -1378,7 +1379,7 @@ zhang2009_status zhang2009_twist(const zhang2009_pose *pose, const zhang2009_rea
         }
     }
     if (status == ZHANG2009_OK) {
-        zhang2009_lu_solve(a, order, f, 6);
+        zhang2009_lu_solve(a, order, f, f, 6);
         for (int i = 0; i < 6; ++i) {
             twist[column[i]] = f[i] * column_scale[i];
         }

@@ -20,22 +20,13 @@
  *
  * Worst case of a call, with NULL as config (README.md says how it is known and has 255
  * iterations):
- *   direct: 100 iterations, 37592 add, 43345 mul, 1517 div, 912 sqrt
+ *   direct: 100 iterations, 38602 add, 44153 mul, 1517 div, 1013 sqrt
  *   track: 292 add, 368 mul, 16 div, 6 sqrt
  *   inverse: 79 add, 53 mul, 1 div, 7 sqrt
  *   jacobian: 97 add, 136 mul, 7 div, 7 sqrt
  *   rates: 139 add, 172 mul, 7 div, 7 sqrt
  *   feed: 145 add, 178 mul, 13 div, 7 sqrt
  *   twist: 188 add, 326 mul, 13 div, 7 sqrt
- *   measured (Cortex-M4F, GCC 12.2.1 -O2, 38392 inputs, seed 1): instructions, bytes of stack with
- *     callees, bytes of code with callees but without those of libm:
- *   direct: 88265 instructions, 520 stack, 5364 code
- *   track: 2540 instructions, 412 stack, 3952 code
- *   inverse: 400 instructions, 384 stack, 1188 code
- *   jacobian: 425 instructions, 184 stack, 1688 code
- *   rates: 870 instructions, 376 stack, 1880 code
- *   feed: 1035 instructions, 416 stack, 1980 code
- *   twist: 2730 instructions, 552 stack, 2452 code
  *
  * Model SHA-256 b2a1c23007c9cb2b048474d3050b13d244409eab5f27e13851e3e3380bff61ed
  */

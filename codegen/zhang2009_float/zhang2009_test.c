@@ -293,7 +293,7 @@ static void jacobian_of(int k)
     zhang2009_real jacobian[MOST];
     const zhang2009_pose pose = pose_from(zhang2009_vector_poses[k]);
     tested = "jacobian";
-    expect(zhang2009_jacobian (&pose, jacobian) == ZHANG2009_OK, "OK", k);
+    expect(zhang2009_jacobian(&pose, jacobian) == ZHANG2009_OK, "OK", k);
     for (int i = 0; i < 6 * N; ++i) {
         const double wanted = (double)zhang2009_vector_jacobians[k][i];
         expect(fabs((double)jacobian[i] - wanted) <= most * (1.0 + fabs(wanted)), "entry", i);
@@ -315,9 +315,9 @@ static void speeds_of(int k)
             ? -0.5 : 0.25) * ((double)ZHANG2009_SIZE));
     }
     tested = "twist";
-    expect(zhang2009_twist (&pose, rates, twist) == ZHANG2009_OK, "OK", k);
+    expect(zhang2009_twist(&pose, rates, twist) == ZHANG2009_OK, "OK", k);
     tested = "rates";
-    expect(zhang2009_rates (&pose, twist, again) == ZHANG2009_OK, "OK", k);
+    expect(zhang2009_rates(&pose, twist, again) == ZHANG2009_OK, "OK", k);
     for (int i = 0; i < N; ++i) {
         const double off = fabs((double)again[i] - (double)rates[i]);
         expect(off <= 1e-3 * ((double)ZHANG2009_SIZE), "rates of the twist of rates", i);
@@ -329,7 +329,7 @@ static void speeds_of(int k)
             limits[i] = (zhang2009_real)(limit * ((double)ZHANG2009_SIZE));
         }
         tested = "feed";
-        expect(zhang2009_feed (&pose, twist, limits, &feed) == ZHANG2009_OK, "OK", k);
+        expect(zhang2009_feed(&pose, twist, limits, &feed) == ZHANG2009_OK, "OK", k);
         for (int i = 0; i < N; ++i) {
             largest = larger(largest, fabs((double)feed
                 * (double)again[i]) / ((double)ZHANG2009_SIZE));

@@ -83,9 +83,9 @@ static ZHAO2000_COLD int zhao2000_lu(zhao2000_real *a, uint8_t *order, const zha
     return sign;
 }
 
-/* Solves for the right side f, in place, with the factors of zhao2000_lu. */
+/* Solves for the right side f with the factors of zhao2000_lu: s, which may be f; f is lost. */
 static ZHAO2000_COLD void zhao2000_lu_solve(const zhao2000_real *a, const uint8_t *order,
-    zhao2000_real *f, int n)
+    zhao2000_real *f, zhao2000_real *s, int n)
 {
     /* forward substitution with the exchanges of rows */
     for (int c = 0; c < n; ++c) {
@@ -100,7 +100,7 @@ static ZHAO2000_COLD void zhao2000_lu_solve(const zhao2000_real *a, const uint8_
     /* back substitution */
     for (int c = n - 1; c >= 0; --c) {
         const zhao2000_real t = f[c] * a[n * c + c];
-        f[c] = t;
+        s[c] = t;
         for (int r = 0; r < c; ++r) {
             f[r] -= a[n * r + c] * t;
         }
@@ -1832,7 +1832,7 @@ zhao2000_status zhao2000_twist(const zhao2000_pose *pose, const zhao2000_real ra
         }
     }
     if (status == ZHAO2000_OK) {
-        zhao2000_lu_solve(a, order, f, 4);
+        zhao2000_lu_solve(a, order, f, f, 4);
         twist[3] = 0.0;
         twist[4] = 0.0;
         for (int i = 0; i < 4; ++i) {

@@ -293,7 +293,7 @@ static void jacobian_of(int k)
     zhao2000_real jacobian[MOST];
     const zhao2000_pose pose = pose_from(zhao2000_vector_poses[k]);
     tested = "jacobian";
-    expect(zhao2000_jacobian (&pose, jacobian) == ZHAO2000_OK, "OK", k);
+    expect(zhao2000_jacobian(&pose, jacobian) == ZHAO2000_OK, "OK", k);
     for (int i = 0; i < 6 * N; ++i) {
         const double wanted = (double)zhao2000_vector_jacobians[k][i];
         expect(fabs((double)jacobian[i] - wanted) <= most * (1.0 + fabs(wanted)), "entry", i);
@@ -315,9 +315,9 @@ static void speeds_of(int k)
             ? (double)ZHAO2000_SIZE : 1.0));
     }
     tested = "twist";
-    expect(zhao2000_twist (&pose, rates, twist) == ZHAO2000_OK, "OK", k);
+    expect(zhao2000_twist(&pose, rates, twist) == ZHAO2000_OK, "OK", k);
     tested = "rates";
-    expect(zhao2000_rates (&pose, twist, again) == ZHAO2000_OK, "OK", k);
+    expect(zhao2000_rates(&pose, twist, again) == ZHAO2000_OK, "OK", k);
     for (int i = 0; i < N; ++i) {
         const double off = fabs((double)again[i] - (double)rates[i]);
         expect(off <= 1e-9 * (((i == 3)) ? (double)ZHAO2000_SIZE : 1.0),
@@ -330,7 +330,7 @@ static void speeds_of(int k)
             limits[i] = (zhao2000_real)(limit * (((i == 3)) ? (double)ZHAO2000_SIZE : 1.0));
         }
         tested = "feed";
-        expect(zhao2000_feed (&pose, twist, limits, &feed) == ZHAO2000_OK, "OK", k);
+        expect(zhao2000_feed(&pose, twist, limits, &feed) == ZHAO2000_OK, "OK", k);
         for (int i = 0; i < N; ++i) {
             largest = larger(largest, fabs((double)feed * (double)again[i]) / (((i == 3))
                 ? (double)ZHAO2000_SIZE : 1.0));
