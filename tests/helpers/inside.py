@@ -442,6 +442,7 @@ NAMES = {
     "covariance": "symkin.calibration.judge.statistics",
     "curvature": "symkin.calibration.judge.statistics",
     "linear_model": "symkin.calibration.judge.statistics",
+    "misfits": "symkin.calibration.judge.statistics",
     "told_directions": "symkin.calibration.estimate.state",
     "Trial": "symkin.calibration.judge.trials",
     "FitReport": "symkin.calibration.report",
