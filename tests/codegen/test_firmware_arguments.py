@@ -44,6 +44,13 @@ ANY = {"rate_limits", "joint_limits", "joint_inertias"}
 """What may be of any size from 0 on."""
 
 
+@pytest.fixture(autouse=True)
+def nothing_undefined(capfd):
+    """No call divides, shifts, reads beyond an array or casts as C does not define."""
+    yield
+    assert "runtime error" not in capfd.readouterr().err
+
+
 @cache
 def code_of(key: str) -> CalledCode:
     """The code of a folder, or of a machine of STRUCTS or FRESH in float."""
@@ -139,6 +146,26 @@ def test_what_is_not_finite_is_told_so_in_every_argument(key):
                     ):
                         faults.append((function.name, place, value, wrong, told.status))
     assert not faults
+
+
+LISTED = ["ur5e_double", "gluon_6l3_double", "yao2020_float"]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("key", LISTED)
+def test_all_branches_of_what_is_no_pose_are_none(key):
+    """Of a pose that is not finite, or beyond all bounds, no branch is listed; of a good one all
+    that are listed are finite.
+    """
+    code = code_of(key)
+    for function in code.listing:
+        for place in spoilt(code, function, 1):
+            for value in (nan, inf, -inf, 1e20, 3e38 if code.is_float else 1e308):
+                told, untouched = said(code, function, 1, place, value)
+                assert (told.status, untouched) == (0, True)
+        good = [code.call(function, code.given(function, k), code.begun(function, k)) for k in NEAR]
+        assert all(map(isfinite, good[0].results[0]))
+        assert any(told.status > 0 for told in good)
 
 
 @pytest.mark.slow
