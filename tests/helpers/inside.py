@@ -334,6 +334,7 @@ NAMES = {
     "Axis": "symkin.following.mode_graph",
     "coefficients": "symkin.following.trajectory",
     "path_systems": "symkin.following.path_system",
+    "rows_suffice": "symkin.following.dependent_rows",
     "Interval": "symkin.following.tube",
     "read_trajectory": "symkin.following.track_csv",
     "write_track": "symkin.following.track_csv",
