@@ -246,7 +246,7 @@ def carried(
         y = np.append(begin[:, system.places] / system.scale, np.zeros((len(begin), 1)), axis=1)
         own = rows_suffice(system, y[:, :-1], known)
         suffices &= own
-        interval = Interval(system, c, bool(own.all()) and not system.is_square)
+        interval = Interval(system, c, bool(own.any()) and not system.is_square)
         found = ways(interval, stations_near(interval, y, which), np.ones(len(begin)), which)
         for numbers, _, there, *_ in found.rounds if not system.is_square else ():
             left = np.abs(interval.evaluate(there.y, numbers)[0]).max(axis=1, initial=0.0)

@@ -102,6 +102,22 @@ def test_noise_that_is_not_stated_is_that_of_the_kind():
     assert all(one[2] == pytest.approx(found[0][2], rel=1e-9) for one in found)
 
 
+@pytest.mark.parametrize(("fitted", "share"), [(19, 0.03), (30, 0.3)])
+def test_what_a_fit_moves_to_another_kind_makes_no_outliers(fitted, share):
+    """Parameters that 20 readings of one kind decide, and those of another one see by a share,
+    leave next to nothing of the first: of 40 clean sets no more than 5 have an outlier, whose
+    number is above that by chance with a probability of 2e-4.
+    """
+    spoilt = 0
+    for seed in range(40):
+        rng = np.random.default_rng(seed)
+        errors, absorbed = rng.normal(size=(20, 2)), rng.normal(size=(40, fitted))
+        absorbed[1::2] *= share
+        problem = problem_of(20, "position", "point.toe")
+        spoilt += bool(screen_readings(problem, model_of(errors, absorbed)).outliers)
+    assert spoilt <= 5
+
+
 @pytest.mark.parametrize("n", [10, 40])
 @pytest.mark.parametrize("taken", [0, 1])
 def test_the_level_is_shared_by_the_readings_that_are_left(n, taken):

@@ -34,6 +34,7 @@ from helpers.inside import (
     estimate,
     joint_frames,
     linear_model,
+    misfits,
     pose_slopes,
     screen_readings,
     solve_configurations,
@@ -86,6 +87,15 @@ def trials(count, form, seed=100):
         model = linear_model(problem, state)
         chi.append(model.chi_square / model.degrees)
     return np.mean(ratios), np.mean(predicted), np.mean(chi)
+
+
+def test_misfits_are_told_of_the_kinds_that_were_read():
+    """Five configurations of two components, the worst left out; of a kind that none holds, as of a
+    distance that was read in other rows alone, nothing is told.
+    """
+    off = np.array([[3.0, 3.0], [3.0, np.nan], [-3.0, 3.0], [np.nan, 3.0], [900.0, 3.0]])
+    unread = np.full((5, 1), np.nan)
+    assert misfits(np.hstack([off, unread]), ["point", "point", "d"]) == {"point": 3.0}
 
 
 @pytest.mark.long

@@ -37,11 +37,19 @@ FRESH = {
 """Kinds of machines that no folder has."""
 FEW = [*tools.COMMITTED, "zhang2009_double_struct", "struct of an arm"]
 """What the gate asks: the committed folders, and structs of rods and joints."""
-EVERY = in_gate([*tools.FOLDERS, *STRUCTS, *FRESH], FEW)
+KEYS = [*tools.FOLDERS, *STRUCTS, *FRESH]
+EVERY = in_gate(KEYS, FEW)
 NEAR = (1, 3, 5)
 """Vectors whose guesses are near, from which single steps go too."""
 ANY = {"rate_limits", "joint_limits", "joint_inertias"}
 """What may be of any size from 0 on."""
+
+
+@pytest.fixture(autouse=True)
+def nothing_undefined(capfd):
+    """No call divides, shifts, reads beyond an array or casts as C does not define."""
+    yield
+    assert "runtime error" not in capfd.readouterr().err
 
 
 @cache
@@ -59,7 +67,7 @@ def code_of(key: str) -> CalledCode:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("key", EVERY)
+@pytest.mark.parametrize("key", in_gate(KEYS, [*FEW, "three RPS"]))
 def test_results_may_lie_on_inputs(key):
     """Each result on each input, at several configurations, to the bit."""
     code, differ, taken = code_of(key), [], set()
@@ -72,11 +80,12 @@ def test_results_may_lie_on_inputs(key):
                 place = given[a] if a < len(given) else code.geometry
                 if not place:
                     continue
-                begun = code.begun(function, k)
+                begun, read = code.begun(function, k), [*given]
                 if function.moves:
                     # what begins where it is given reads the same numbers from both places
                     begun[r] = [*place, *begun[r][len(place) :]]
-                apart, aside = (code.call(function, given, begun, on) for on in (None, (r, a)))
+                    read[a : a + 1] = [begun[r]] * (a < len(given))
+                apart, aside = (code.call(function, read, begun, on) for on in (None, (r, a)))
                 taken |= {function.name} if apart.status == OK else set()
                 if aside.status != apart.status or (apart.status == OK and aside != apart):
                     differ.append((function.name, function.gives[r].name, inputs[a], k))
@@ -139,6 +148,26 @@ def test_what_is_not_finite_is_told_so_in_every_argument(key):
                     ):
                         faults.append((function.name, place, value, wrong, told.status))
     assert not faults
+
+
+LISTED = ["ur5e_double", "gluon_6l3_double", "yao2020_float"]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("key", LISTED)
+def test_all_branches_of_what_is_no_pose_are_none(key):
+    """Of a pose that is not finite, or beyond all bounds, no branch is listed; of a good one all
+    that are listed are finite.
+    """
+    code = code_of(key)
+    for function in code.listing:
+        for place in spoilt(code, function, 1):
+            for value in (nan, inf, -inf, 1e20, 3e38 if code.is_float else 1e308):
+                told, untouched = said(code, function, 1, place, value)
+                assert (told.status, untouched) == (0, True)
+        good = [code.call(function, code.given(function, k), code.begun(function, k)) for k in NEAR]
+        assert all(map(isfinite, good[0].results[0]))
+        assert any(told.status > 0 for told in good)
 
 
 @pytest.mark.slow

@@ -13,6 +13,7 @@ from typing import Any
 
 from helpers import firmware_tools as tools
 
+UNDEFINED = ("-fsanitize=undefined", "-fsanitize=float-cast-overflow")
 ROOM = 1024
 """Numbers of an argument, as many as the largest has and more."""
 _ROW = re.compile(r"\{([^{}]*)\}")
@@ -32,7 +33,9 @@ class Said:
 
 
 class CalledCode:
-    """A folder's code, compiled: `functions` as its header declares them."""
+    """A folder's code, compiled: `functions` that have a status, as its header declares them, and
+    `listing` ones that have a count. Undefined behaviour is told on stderr.
+    """
 
     def __init__(self, folder: Path, place: Path) -> None:
         calls = tools.bench_module("calls")
@@ -44,6 +47,7 @@ class CalledCode:
         declared = re.findall(rf"^{self.name}_status {self.name}_(\w+)\(", header, re.M)
         known = {f.name: f for f in calls._FUNCTIONS[self.kind]}
         self.functions = [known[name] for name in declared]
+        self.listing = [calls._ALL] if f"int {self.name}_{calls._ALL.name}(" in header else []
         self.geometry = self._nominal(header)
         vectors = _TABLE.findall((folder / f"{self.name}_vectors.h").read_text())
         self.tables = {
@@ -51,7 +55,7 @@ class CalledCode:
             for name, body in vectors
         }
         source = str(folder / f"{self.name}.c")
-        tools.built("gcc", place, [source], "code.so", "-O2", "-shared", "-fPIC")
+        tools.built("gcc", place, [source], "code.so", "-O2", "-shared", "-fPIC", *UNDEFINED)
         self._library = ctypes.CDLL(str(place / "code.so"))
 
         class Info(ctypes.Structure):

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import symkin
+from helpers.inside import build_problem, path_systems, rows_suffice
 from symkin import Joint, LinkJoint, Mechanism, Pose
 
 TURN = Pose.from_rotation_vector([1, 2, 3], [0.4, 1.1, -0.3])
@@ -89,10 +90,11 @@ def test_a_loop_is_proved_wherever_it_stands_and_however_it_is_written(name, tmp
     assert np.ptp(ends, axis=0).max() < 1e-9
 
 
-def cranks(third: float) -> Mechanism:
-    """Two equal cranks and a third one between them on one coupler, closed at the reference."""
-    feet = {"one": (0, 0, 0), "two": (80, 0, 0), "three": (30, 0, 0)}
-    pins = {"one": (0, 50, 0), "two": (80, 50, 0), "three": (30 + third, 50, 0)}
+def cranks(third: float, arm: tuple[float, float] = (0, 50)) -> Mechanism:
+    """Two equal cranks and a third one beside them on one coupler, closed at the reference."""
+    feet = {"one": (0, 0, 0), "two": (80, 0, 0), "three": (30, 20, 0)}
+    pins = {name: (x + arm[0], y + arm[1], 0) for name, (x, y, _) in feet.items()}
+    pins["three"] = (pins["three"][0] + third, pins["three"][1], 0)
     return Mechanism(
         "cranks",
         link_joints=[
@@ -115,6 +117,22 @@ def test_only_rows_that_follow_from_others_are_left_out_of_a_proof():
     assert moves.certified
     with pytest.raises(symkin.InputError, match="nothing moves one"):
         symkin.track(cranks(1e-3), given={"one": [0.0, 0.5]})
+
+
+@pytest.mark.parametrize("arm", [(0, 50), (50, 0), (-50, 0)], ids=["upright", "dead", "folded"])
+@pytest.mark.parametrize("third", [0.0, 1e-8, 1e-3, -5.0])
+def test_rows_that_vanish_at_the_start_alone_do_not_suffice(third, arm):
+    """All rows vanish at the start; those of a crank of another length vanish nowhere about it,
+    even where the others alone would be singular.
+    """
+    problem = build_problem(cranks(third, arm), "direct")
+    known, unknown = (
+        problem.closure.reference[at] for at in (problem.known_places, problem.unknown_places)
+    )
+    (system,) = path_systems(problem)
+    assert system.count > system.width
+    root = unknown[system.places] / system.scale
+    assert bool(rows_suffice(system, root[None], known[None])[0]) == (third == 0.0)
 
 
 @pytest.mark.parametrize("turn", [None, TURN], ids=["home", "turned"])

@@ -214,13 +214,15 @@ def _least_likely(
     their degrees of freedom; the larger statistic where several have probability 0. Noise that is
     not stated is that of the others of its kind, without the reading that is judged.
     """
-    best, noise = (1.0, 0.0, 0, 0, 0), _unstated_noise(problem, model, kinds)
+    best, unstated = (1.0, 0.0, 0, 0, 0), _unstated_kinds(problem)
     for k, (statistics, degrees, _) in enumerate(tests):
+        kind, _, every = kinds[k]
         for d in map(int, np.unique(degrees[degrees > 0])):
             m = int(np.where(degrees == d, statistics, -1.0).argmax())
             statistic, left = statistics[m], None
-            if (own := noise.get(kinds[k][0])) is not None:
-                chi_square, left = own[0] - statistic, own[1] - d
+            if kind in unstated:
+                # what other kinds left of it would tell its noise too small
+                chi_square, left = _noise(model.without(every[m][model.taken[every[m]]]), every)
                 statistic *= max(left, 1.0) / max(chi_square, 1e-300)
             best = min(best, (chi_square_tail(statistic, d, left), -statistic, d, k, m))
     probability, statistic, degree, k, m = best
@@ -234,19 +236,18 @@ def _least_likely(
     return _described(problem, i, made, columns, shift), rows
 
 
-def _unstated_noise(
-    problem: CalibrationProblem, model: LinearModel, kinds: Sequence[_Kind]
-) -> dict[str, tuple[float, float]]:
-    """Return chi-square and its degrees of freedom of each kind whose noise is not stated."""
+def _unstated_kinds(problem: CalibrationProblem) -> set[str]:
+    """Return the kinds whose noise is not stated."""
     if problem.readings.known:
-        return {}
-    channels, left = problem.measurements.channels(problem.mechanism), model.taken - model.absorbed
-    unstated = {o.key for o, reading in channels if reading.sigma is None}
-    return {
-        kind: (float(np.sum(model.residuals[rows] ** 2)), float(left[rows].sum()))
-        for kind, _, rows in kinds
-        if kind in unstated
-    }
+        return set()
+    channels = problem.measurements.channels(problem.mechanism)
+    return {o.key for o, reading in channels if reading.sigma is None}
+
+
+def _noise(model: LinearModel, rows: np.ndarray) -> tuple[float, float]:
+    """Return chi-square of the readings in some rows, and its degrees of freedom."""
+    left = (model.taken - model.absorbed)[rows]
+    return float(np.sum(model.residuals[rows] ** 2)), float(left.sum())
 
 
 def _described(
@@ -452,14 +453,14 @@ def _with_own_noise(
     """Weigh readings of each kind that states no noise by what a fit leaves of them; and by how
     many degrees of freedom that is known.
     """
-    if problem.readings.known:
+    if not (unstated := _unstated_kinds(problem)):
         return problem, {}
-    readings, kinds = problem.readings, reading_kinds(problem)
-    noise = _unstated_noise(problem, linear_model(problem, state), kinds)
+    readings, model = problem.readings, linear_model(problem, state)
     estimated, left = dict(problem.estimated), dict[str, float]()
-    for kind, _, rows in kinds:
-        if kind in noise and noise[kind][1] > 0.0:
-            chi_square, left[kind] = noise[kind]
+    for kind, _, rows in reading_kinds(problem):
+        chi_square, degrees = _noise(model, rows) if kind in unstated else (0.0, 0.0)
+        if degrees > 0.0:
+            left[kind] = degrees
             usual = float(readings.sigma.reshape(-1)[rows[0]].min())
             estimated[kind] = usual * max(chi_square / left[kind], 1e-300) ** 0.5
     return replace(

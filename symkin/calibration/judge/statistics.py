@@ -380,13 +380,15 @@ def curvature(
 
 def misfits(off: np.ndarray, kinds: Sequence[str]) -> dict[str, float]:
     """Return by kind how far readings are off: the root mean square of its columns of `off` (n, K),
-    NaN where nothing was read, over the better four fifths of the configurations that hold any.
+    NaN where nothing was read, over the better four fifths of the configurations that hold any;
+    nothing of a kind that none holds.
     """
     found, own = dict[str, float](), np.array(kinds)
     for kind in dict.fromkeys(kinds):
         part = off[:, own == kind]
         part = part[np.isfinite(part).any(axis=1)]
-        found[kind] = rms_of_better_part(np.nanmean(part**2, axis=1))
+        if len(part):
+            found[kind] = rms_of_better_part(np.nanmean(part**2, axis=1))
     return found
 
 

@@ -112,7 +112,8 @@ def closure_twist(made: LimbPlatform, values: Mapping[str, object], driver: Kern
         store, aim = _stores(made, kernel), list[str]()
     else:
         joints, target, into = core.joints, core.target, "w->at"
-        store = _of_state(kernel, core.twist, kernel.step, "s", made).stored("twist")
+        # its temporaries stand within the scope of those of the sides
+        store = _of_state(kernel, core.twist, kernel.step, "s", made, prefix="u").stored("twist")
         aim = [f"{k}_set_target(w, w->at, 1.0);", f"{k}_rows(w);"]
         if driver is kernel and kernel.reads_known:
             aim += copy("w->k0", "w->k", kernel.known.numel())
@@ -160,6 +161,7 @@ def _of_state(
     array: str,
     made: LimbPlatform,
     rates: ca.SX | None = None,
+    prefix: str = "t",
 ) -> Emitter:
     """Emitter of an expression of the state, of what stands in an array, and of joint rates."""
     inputs = [
@@ -169,7 +171,7 @@ def _of_state(
     ]
     if rates is not None:
         inputs.append((rates, "rates"))
-    return Emitter.of(made.real, inputs, expression)
+    return Emitter.of(made.real, inputs, expression, prefix=prefix)
 
 
 def _stores(made: LimbPlatform, kernel: Kernel) -> list[str]:

@@ -57,12 +57,13 @@ class SmallestSize:
 
     @staticmethod
     def of(kind: Kind) -> SmallestSize:
-        """Formulas of arms hold fourth powers of lengths, as what is derived in double does; all
-        other code squares of what roundings leave of lengths.
+        """Formulas of arms hold fourth powers of lengths, as what is derived in double does, whose
+        roundings have to be normal numbers; all other code squares of roundings of lengths.
         """
         real = kind.real
         if real.name == "double" or (isinstance(kind, SerialArm) and kind.plan is not None):
-            return SmallestSize((real.least / real.epsilon) ** 0.25, "fourth powers of lengths")
+            what = "roundings of fourth powers of lengths"
+            return SmallestSize((real.least / real.epsilon) ** 0.25, what)
         return SmallestSize(real.least**0.5 / real.epsilon, "squares of roundings of lengths")
 
     def check(self, kind: Kind) -> None:
