@@ -382,10 +382,13 @@ def test_loops_that_close_nowhere_else_exactly_are_told_without_a_search(tilt, m
     )
     found, why = start_store.compute_start(group, system_of(group))
     if tilt:
-        assert not closes.any() and found is None and not asked
+        assert found is None
+        assert not asked
+        assert not closes.any()
         assert "satisfy conditions" in why
     else:
-        assert closes.any() and found is not None and found.z.shape[1] == 4
+        assert closes.any()
+        assert found.z.shape[1] == 4
 
 
 # --- the store ------------------------------------------------------------------------------------
