@@ -19,6 +19,8 @@ from itertools import product
 
 import numpy as np
 
+from symkin.computed_once import lru_cache
+
 _DEGREE = 4
 """Highest wave, and degree in a length, that is looked for."""
 _HIGHEST = 6
@@ -31,6 +33,10 @@ angles are special.
 _MISFIT = 1e-9
 """Share of the largest value by which the sum may be off at points that it was not made from."""
 _CHECKED = 64
+_PLAINLY_OFF = 1e-4
+"""The same share along one given value, at which a function is no such sum for certain."""
+_ALONG = 16
+"""Points of one given value at which that is asked, beside those that the sum is made from."""
 
 
 @dataclass(frozen=True)
@@ -71,9 +77,9 @@ def _bend_of(
 ) -> Bend | None:
     """The same for waves and degrees up to one."""
     count, points = len(spans), 2 * degree + 2
-    angles = 2 * np.pi * np.arange(points) / points
-    grid = np.array(list(product(angles, repeat=count))).reshape(-1, count)
-    samples = values(_placed(grid, spans))
+    if _is_off_along_one(values, spans, points):
+        return None
+    samples = values(_placed(_grid(points, count), spans))
     if not np.isfinite(samples).all():
         return None
     waves = np.fft.fftn(samples.reshape((points,) * count)) / points**count
@@ -101,6 +107,33 @@ def _bend_of(
     )
 
 
+@lru_cache(maxsize=4)
+def _grid(points: int, count: int) -> np.ndarray:
+    angles = 2 * np.pi * np.arange(points) / points
+    return np.array(list(product(angles, repeat=count))).reshape(-1, count)
+
+
+def _is_off_along_one(
+    values: Callable[[np.ndarray], np.ndarray], spans: Sequence[Span], points: int
+) -> bool:
+    """Whether a function of one given value after the other, the others at random, is no sum of so
+    many waves: far fewer points than those of all tell.
+    """
+    rng = np.random.default_rng(6)
+    rows = np.tile(rng.uniform(-np.pi, np.pi, len(spans)), (len(spans), points + _ALONG, 1))
+    own = np.append(2 * np.pi * np.arange(points) / points, rng.uniform(-np.pi, np.pi, _ALONG))
+    for i in range(len(spans)):
+        rows[i, :, i] = own
+    found = values(_placed(rows.reshape(-1, len(spans)), spans)).reshape(len(spans), -1)
+    if not np.isfinite(found).all():
+        return True
+    waves = np.fft.fft(found[:, :points]) / points
+    orders = np.fft.fftfreq(points, 1.0 / points)
+    told = (waves @ np.exp(1j * np.outer(orders, own[points:]))).real
+    off = np.abs(told - found[:, points:]) > _PLAINLY_OFF * np.max(np.abs(found))
+    return bool(off.any())
+
+
 def _placed(angles: np.ndarray, spans: Sequence[Span]) -> np.ndarray:
     """Given values for angles of the waves: a length is middle + half cos, whose waves are
     Chebyshev polynomials.
@@ -121,9 +154,11 @@ def _reproduces(
 ) -> bool:
     angles = np.random.default_rng(5).uniform(-np.pi, np.pi, (_CHECKED, len(spans)))
     # the sum over all waves, one given value after the other
-    told = np.broadcast_to(waves, (_CHECKED, *waves.shape))
-    for i in range(len(spans)):
-        told = np.einsum("nk,nk...->n...", np.exp(1j * np.outer(angles[:, i], orders)), told)
+    turns = np.exp(1j * angles[:, :, None] * orders)
+    told = turns[:, 0] @ waves.reshape(len(orders), -1)
+    for i in range(1, len(spans)):
+        told = (turns[:, i, None] @ told.reshape(_CHECKED, len(orders), -1))[:, 0]
+    told = told.reshape(_CHECKED)
     return bool(np.max(np.abs(told.real - values(_placed(angles, spans)))) <= _MISFIT * largest)
 
 

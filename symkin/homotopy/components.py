@@ -39,7 +39,7 @@ def roots_elsewhere(
     rng = np.random.default_rng([seed, 1])
     drawn = (
         seed_roots(system, points, rng, rank, COMPLEX_POINTS),
-        _real_roots(problem, system, rng),
+        real_roots(problem, system, rng),
     )
     z, k = (np.hstack(parts) for parts in zip(*drawn, strict=True))
     return roots_beside(system, start, z, k)
@@ -55,7 +55,7 @@ def real_seeds(
     Rows that are redundant at closed configurations alone, as those of Bennett's linkage are, have
     no other points near which Newton's method finds a root.
     """
-    z, k = _real_roots(problem, system, rng)
+    z, k = real_roots(problem, system, rng)
     if not z.shape[1]:
         return None
     base = points(rng, True)[1]
@@ -63,7 +63,7 @@ def real_seeds(
     return (ends[:, first_of_each(system, ends)], base) if ends.shape[1] else None
 
 
-def _real_roots(
+def real_roots(
     problem: Problem, system: AlgebraicSystem, rng: np.random.Generator
 ) -> tuple[np.ndarray, np.ndarray]:
     """Regular closed configurations z (width, n) with known values k (known, n), from starts

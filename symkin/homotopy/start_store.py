@@ -18,7 +18,7 @@ import numpy as np
 
 from symkin.homotopy.algebraic import AlgebraicSystem, complex_normal, first_of_each, known_root
 from symkin.homotopy.best_start import bases_beside, best_start
-from symkin.homotopy.components import real_seeds, roots_elsewhere
+from symkin.homotopy.components import real_roots, real_seeds, roots_elsewhere
 from symkin.homotopy.coplanar import distance_frames, reflection
 from symkin.homotopy.engine import aligned, newton, track_lines
 from symkin.homotopy.monodromy import (
@@ -55,6 +55,8 @@ TIED = "the given values must satisfy conditions of their own"
 """Why rows that are more than the unknowns have no generic roots; as many combinations of them have
 some.
 """
+TIED_ELSEWHERE = f"the rows are singular at the reference, and elsewhere {TIED}"
+"""The same of rows that the reference alone meets with room to move."""
 SINGULAR = "some solutions are singular whatever the given values are"
 """Why no loop of known values leads to all of them."""
 _INSTANCES = 5
@@ -205,8 +207,8 @@ def _by_monodromy(problem: Problem, system: AlgebraicSystem) -> tuple[Fibre | No
     def points(rng: np.random.Generator, near: bool) -> tuple[np.ndarray, np.ndarray]:
         return random_point(problem, system, rng, near=near)
 
-    if not _is_determined(system, _closed_points(problem, system)):
-        return None, TIED
+    if (why := _why_not_determined(problem, system)) is not None:
+        return None, why
     combined = system.count < system_of(problem).count
     loops, runs = (_FEW_LOOPS, _FEW_RUNS) if combined else (_LOOPS, _RUNS)
     bound = 1 if len(system.unknowns) == 1 and system.unknowns[0].least is not None else None
@@ -317,17 +319,32 @@ def _closed_points(problem: Problem, system: AlgebraicSystem) -> Points:
     return draw
 
 
-def _is_determined(system: AlgebraicSystem, points: Points) -> bool:
-    """Whether the rows can be met for known values near given ones: they are no more than the
-    unknowns, or depend on each other where they are met.
+def _why_not_determined(problem: Problem, system: AlgebraicSystem) -> str | None:
+    """Why the rows cannot be met for known values near given ones: they are more than the unknowns,
+    and do not depend on each other where they are met. Of loops that are singular there, as at the
+    straight leg of a file of few digits, closed configurations elsewhere tell.
     """
-    rng = np.random.default_rng(11)
-    redundant = system.count - (system.width - (1 if system.projective else 0))
-    if redundant <= 0 or system.projective:
-        return True
-    z, k = points(rng, True)
-    _, jz, jk = full_linearisation(system, z[:, None], k[:, None])
-    return Rank.of(jz[0]).value == Rank.of(np.hstack([jz[0], jk[0]])).value
+    if system.projective or system.count <= system.width:
+        return None
+    z, k = _closed_points(problem, system)(np.random.default_rng(11), True)
+    (own,), (whole,) = _ranks(system, z[:, None], k[:, None])
+    if own < whole:
+        return TIED
+    if own == system.width:
+        return None
+    z, k = real_roots(problem, system, np.random.default_rng(11))
+    if not z.shape[1]:
+        return None
+    owns, wholes = _ranks(system, z, k)
+    return TIED_ELSEWHERE if (owns < wholes).all() else None
+
+
+def _ranks(system: AlgebraicSystem, z: np.ndarray, k: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Ranks (n,) of dF/dz, and of dF/d(z, k), at points z (width, n) and k (known, n)."""
+    _, jz, jk = full_linearisation(system, z, k)
+    both = np.concatenate([jz, jk], axis=2)
+    own, whole = (np.array([Rank.of(j).value for j in part]) for part in (jz, both))
+    return own, whole
 
 
 def start_key(problem: Problem, system: AlgebraicSystem) -> str:

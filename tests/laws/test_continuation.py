@@ -31,7 +31,7 @@ from helpers.inside import (
 )
 from helpers.known_roots import DIETMAIER, dietmaier
 from helpers.samples import delta, five_bar, hexapod, three_rps, three_rrr
-from symkin import Joint, Limb, Mechanism, Pose
+from symkin import Joint, Limb, LinkJoint, Mechanism, Pose
 
 # --- the algebraic closure ------------------------------------------------------------------------
 
@@ -345,6 +345,50 @@ def test_roots_of_combinations_are_no_operation_modes(combined, count):
     """
     start = SimpleNamespace(orbits=np.array([0, 1, 1]))
     assert len(inside.block_paths.BlockPaths(None, None, start, combined=combined).notes) == count
+
+
+def _leg(tilt: float) -> Mechanism:
+    """Two cranks that turn about one axis, in line at the reference; a motor's axis is tilted."""
+    hip, foot, z = (0.0, 0.0, 0.0), (0.0, 0.165, 0.009), (0.0, 0.0, 1.0)
+    knees = [(x, 0.0, 0.0) for x in (0.095, -0.095)]
+    axes = [(tilt, 0.0, 1.0), z]
+    cranks = [
+        LinkJoint(Joint(name, "R", hip, axis, actuated=True), ("base", f"crank {name}"))
+        for name, axis in zip("ab", axes, strict=True)
+    ]
+    legs = [
+        LinkJoint(Joint(f"knee {n}", "U", at, z, (1.0, 0.0, 0.0)), (f"crank {n}", f"shank {n}"))
+        for n, at in zip("ab", knees, strict=True)
+    ]
+    last = LinkJoint(Joint("foot", "R", foot, z), ("shank a", "shank b"))
+    return Mechanism("leg", link_joints=[*cranks, *legs, last])
+
+
+@pytest.mark.parametrize("tilt", [0.0, 4.6e-5, 1e-3])
+def test_loops_that_close_nowhere_else_exactly_are_told_without_a_search(tilt, monkeypatch):
+    """A leg that is singular at the reference, and that no given values beside it close to
+    rounding, as least squares tell: it has no generic solutions, which takes no loops to find out.
+    One without the tilt has its four.
+    """
+    problem = build_problem(_leg(tilt), ("a", "b"), None)
+    (group,) = inside.structure_groups(problem)
+    given = np.random.default_rng(2).uniform(-0.3, 0.3, (20, 2))
+    ends = group.system.polish_many(np.zeros((20, group.system.width)), given).points
+    closes = group.system.residuals(ends, given) <= 1e-12
+    asked = []
+    search = start_store.agreeing_searches
+    monkeypatch.setattr(
+        start_store, "agreeing_searches", lambda *a: (asked.append(a), search(*a))[1]
+    )
+    found, why = start_store.compute_start(group, system_of(group))
+    if tilt:
+        assert found is None
+        assert not asked
+        assert not closes.any()
+        assert "satisfy conditions" in why
+    else:
+        assert closes.any()
+        assert found.z.shape[1] == 4
 
 
 # --- the store ------------------------------------------------------------------------------------
