@@ -242,18 +242,15 @@ class _Fitting:
         if near is None:
             p, some = fit_measuring_frames(problem, solved.z, p, solved.solved), solved.solved
             refuse_undetermined(model, solved.z[some], joints[some], p)
-        # their mode may end before this geometry: they join at the estimate
-        astray = np.isnan(z).any(axis=1) & went_astray(problem, p, solved)
-        solved = solved._replace(solved=solved.solved & ~astray)
+            # their mode may end before this geometry: they join at the estimate
+            solved = solved._replace(solved=some & ~went_astray(problem, p, solved))
         part, result = self._fitted(solved, p)
         if not solved.solved.all():
             # near their starts, whatever mode they end in, where it did not converge
             p, judged = result.state.p, result.status == "ok"
             again = self._solve(p, more=1, judged=judged)
             if again.solved.sum() > solved.solved.sum():
-                joined = self._fitted(again, p)
-                if not judged or joined[1].status == "ok":
-                    solved, (part, result) = again, joined
+                solved, (part, result) = again, self._fitted(again, p)
         result, loss = self._by_lines(part, result), self.options["loss"]
         robust = loss != "squared" and result.status == "ok"
         if robust:

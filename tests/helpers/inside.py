@@ -403,7 +403,6 @@ NAMES = {
     "loss_weights": "symkin.calibration.estimate.robust",
     "with_weights": "symkin.calibration.estimate.robust",
     "estimate": "symkin.calibration.estimate.estimator",
-    "reading_gaps": "symkin.calibration.estimate.starting",
     "start_configurations": "symkin.calibration.estimate.starting",
     "with_starts": "symkin.calibration.estimate.starting",
     "error_free_state": "symkin.calibration.estimate.state",

@@ -181,12 +181,13 @@ def reading_gaps(
 def went_astray(
     problem: CalibrationProblem, p: np.ndarray, configurations: SolvedConfigurations
 ) -> np.ndarray:
-    """Tell which configurations (n,) stand in a mode that is not theirs, or have gross readings:
-    theirs are off by far, where those of most are not.
+    """Tell which configurations (n,) without a whole measured pose stand in a mode that is not
+    theirs, or have gross readings: theirs are off by far, where those of most are not.
     """
     gaps = reading_gaps(problem, p, configurations)
     judged = problem.readings.judged & np.isfinite(gaps) & (not problem.mechanism.serial)
     usual = np.median(gaps[judged]) if judged.any() else np.inf
+    judged &= np.isnan(problem.measurements.poses[:, 0])
     return judged & (gaps > max(_DOUBTFUL_RATIO * usual, _MAX_READING_GAP * problem.size))
 
 

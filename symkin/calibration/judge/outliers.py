@@ -302,20 +302,6 @@ class _Search:
             left = left.without(o.configuration, o.kind)
         return self.fit(left, near)
 
-    def left_out(self, found: Fit) -> list[Outlier]:
-        """List the readings of configurations that a fit could not solve, none of them flagged."""
-        left = set(map(int, found.unsolved))
-        if not left:
-            return []
-        problem = found.problem
-        readings = build_readings(problem.model, self.measurements, problem.estimated)
-        return [
-            Outlier(int(i), kind, 0.0, 0, probability=1.0)
-            for kind, configurations, _ in reading_kinds(replace(problem, readings=readings))
-            for i in configurations
-            if int(i) in left
-        ]
-
     def one_by_one(self, first: Fit, before: Sequence[Outlier] = ()) -> tuple[Fit, Screening]:
         """Take outliers out one by one. A gross error bends the fit beyond its linear range, so
         that good readings look bad: in each round only those go whose statistic is `_GROSS_SHARE`
@@ -341,13 +327,11 @@ class _Search:
             if _is_worse(again, found):
                 break
             found, taken_out = again, more
-        # what was taken out and agrees with the last fit is put back, what closes now but does not
-        # agree goes
-        outliers = _retest(self.measurements, found, [*taken_out, *self.left_out(found)])
+        # what was taken out and agrees with the last fit is put back
+        outliers = _retest(self.measurements, found, taken_out)
         total = _count(reading_kinds(found.problem)) + len(outliers)
         kept = [o for o in outliers if o.probability < self.level / total]
-        outliers = outliers[: len(taken_out)]
-        if _places(kept) != _places(outliers):
+        if len(kept) < len(outliers):
             again = self.without(kept, found)
             if not _is_worse(again, found):
                 found, outliers = again, _retest(self.measurements, again, kept)
@@ -388,10 +372,6 @@ class _Search:
             return refused
         final = self.one_by_one(again, bad)
         return refused if final[1].given_up else final
-
-
-def _places(outliers: Sequence[Outlier]) -> list[tuple[int, str]]:
-    return [(o.configuration, o.kind) for o in outliers]
 
 
 def _is_worse(again: Fit, found: Fit) -> bool:
