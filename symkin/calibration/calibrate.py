@@ -35,6 +35,7 @@ from symkin.calibration.estimate.robust import loss_note, robust_estimate
 from symkin.calibration.estimate.starting import (
     fit_measuring_frames,
     start_configurations,
+    went_astray,
     with_starts,
 )
 from symkin.calibration.judge.assessment import build_result
@@ -241,6 +242,8 @@ class _Fitting:
         if near is None:
             p, some = fit_measuring_frames(problem, solved.z, p, solved.solved), solved.solved
             refuse_undetermined(model, solved.z[some], joints[some], p)
+            # their mode may end before this geometry: they join at the estimate
+            solved = solved._replace(solved=some & ~went_astray(problem, p, solved))
         part, result = self._fitted(solved, p)
         if not solved.solved.all():
             # near their starts, whatever mode they end in, where it did not converge

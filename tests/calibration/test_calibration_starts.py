@@ -213,3 +213,16 @@ def test_passive_joints_far_from_the_reference_do_not_bend_the_first_guess(
     status, out, _ = run(capsys, "calibrate", "fit", described, readings, "-o", tmp_path / "fit")
     assert status == 0
     assert out.startswith("rrr3: believable")
+
+
+@pytest.mark.slow
+def test_a_posture_whose_mode_ends_before_the_file_joins_at_the_estimate():
+    """Positions of a hexapod some millimetres off its file: what closes at the file's geometry for
+    line 21 is far from what was read, which is good, and fitted as the others.
+    """
+    hexapod = symkin.load("zhang2009")
+    read = read_measurements(Path(__file__).parent / "ending_mode.csv", hexapod).measurements
+    fit = calibrate(hexapod, replace(read, position_sigma=0.0126))
+    assert fit.believable
+    assert len(fit.used) == 28
+    assert "line 21" not in {o.label for o in fit.outliers}

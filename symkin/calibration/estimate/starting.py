@@ -178,6 +178,19 @@ def reading_gaps(
     return np.where(configurations.solved & np.isfinite(mean), np.sqrt(mean), np.inf)
 
 
+def went_astray(
+    problem: CalibrationProblem, p: np.ndarray, configurations: SolvedConfigurations
+) -> np.ndarray:
+    """Tell which configurations (n,) without a whole measured pose stand in a mode that is not
+    theirs, or have gross readings: theirs are off by far, where those of most are not.
+    """
+    gaps = reading_gaps(problem, p, configurations)
+    judged = problem.readings.judged & np.isfinite(gaps) & (not problem.mechanism.serial)
+    usual = np.median(gaps[judged]) if judged.any() else np.inf
+    judged &= np.isnan(problem.measurements.poses[:, 0])
+    return judged & (gaps > max(_DOUBTFUL_RATIO * usual, _MAX_READING_GAP * problem.size))
+
+
 class _Modes:
     """Configurations (z, solved) on the way to the modes that fit their own readings, and how far
     these are off.
