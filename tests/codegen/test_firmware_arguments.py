@@ -16,7 +16,7 @@ from helpers import firmware_tools as tools
 from helpers import joint_types, samples
 from helpers.called_code import CalledCode
 from helpers.gate import in_gate
-from helpers.inside import Options
+from helpers.inside import Options, scaled
 from helpers.wide_five_bar import wide_five_bar
 
 OK, NONFINITE, OUT_OF_RANGE = 0, 3, 4
@@ -25,6 +25,8 @@ STRUCTS = {
     "struct of limbs": samples.three_rrr,
     "struct of rods": joint_types.rods_at_the_end,
     "struct of a delta": lambda: symkin.load("delta"),
+    "struct of a tiny arm": lambda: scaled(samples.pieper(), 1e-8),
+    "struct of tiny limbs": lambda: scaled(samples.three_rrr(), 1e-8),
 }
 """Machines whose code takes a struct of its geometry."""
 FRESH = {

@@ -16,6 +16,7 @@ import symkin
 from helpers import firmware_tools as tools
 from helpers.gate import in_gate
 from helpers.inside import ClosedDirection, Options, Real, build_program, folder_files
+from helpers.samples import random_mechanism
 from symkin import Coupling, Joint, Limb, LinkJoint, Mechanism
 
 MODELS = Path(__file__).parents[1] / "data" / "models"
@@ -344,13 +345,38 @@ def test_no_number_is_printed_that_the_type_does_not_hold(name):
 
 
 def test_an_answer_beside_a_singularity_stands_still():
-    """Sarrus' linkage beside its stretched leg: the answer has its own given value, and a step from
-    it finds no pivot.
+    """Sarrus' linkage beside its stretched leg, where an answer is known to the root of rounding
+    and steps find no pivot: from itself it is OK again and again, and does not leave that.
     """
     options = Options("float", given=("foot_x",), find=("head_y",))
     code = tools.bench_module("asked").Asked(symkin.load("sarrus"), options)
     goal, guess = np.array([[0.48632049560546875]]), np.array([[-0.9257011413574219]])
     first = code.answers(goal, guess, "inverse")
-    again = code.answers(goal, first.found, "inverse")
-    assert first.status[0] == again.status[0] == 0
-    assert np.array_equal(again.found, first.found)
+    assert first.status[0] == 0
+    again = first
+    for _ in range(30):
+        again = code.answers(goal, again.found, "inverse")
+        assert again.status[0] == 0
+        assert abs(again.found - first.found)[0] < np.sqrt(np.finfo("f").eps)
+
+
+@pytest.mark.parametrize("seed", [16, 17])
+def test_answers_of_limbs_beside_dead_centres_stand_still(seed):
+    """Planar platforms whose limbs pass dead centres on smooth paths, where a pose rounded gives
+    joint values that are off by its root, or none: each OK is OK from itself, and moves by no more
+    than rounding.
+    """
+    rng, level = np.random.default_rng(seed), (1.0, 0.0, 0.0, 0.0)
+    made = random_mechanism(rng, ["rUS"] * 3, motion="planar", platform_quaternion=level)
+    asked = tools.bench_module("asked").Asked(made, Options("float"))
+    lines = tools.bench_module("directions").directions(asked)[0]
+    paths = tools.bench_module("ranges").paths_of(lines, 40, 60, np.random.default_rng(1))
+    at, count = lines.home.repeated(40).guesses, 0
+    for goal in asked.rounded(paths):
+        answers = lines.answers(goal, at)
+        ok = answers.status == 0
+        again = lines.answers(goal[ok], answers.found[ok])
+        assert not again.status.any()
+        assert np.all(lines.off(again.found, answers.found[ok]) < 64 * lines.epsilon)
+        at, count = np.where(ok[:, None], answers.found, at), count + np.sum(ok)
+    assert count > 200

@@ -21,6 +21,7 @@ from helpers.inside import (
     build_problem,
     configurations,
     pose_of,
+    scaled,
     write_folder,
 )
 from symkin import load
@@ -197,6 +198,23 @@ def test_members_are_key_paths_in_letters_of_c():
     assert len(set(members)) == len(closure.parameter_names)
     assert members[0] == "dh_1_theta"
     assert Geometry(closure, False).members == []
+
+
+@pytest.mark.parametrize("factor", [1e-8, 1e-3, 1e3])
+def test_bounds_of_lengths_in_a_struct_follow_the_size(factor):
+    """A machine of lengths alone takes numbers in proportion to its size, up to 1,000 sizes and its
+    own; one with angles and directions takes a whole turn and unit vectors at any size.
+    """
+    rods = load("zhang2009")
+    own, other = (_geometry(m) for m in (rods, scaled(rods, factor)))
+    assert other.largest == pytest.approx(factor * own.largest, rel=1e-2)
+    arm = _geometry(scaled(samples.pieper(), factor))
+    most = 1000 * arm.closure.characteristic_length + np.max(np.abs(arm.values))
+    assert 2 * np.pi < arm.largest < 1.01 * (most + 2 * np.pi)
+
+
+def _geometry(mechanism):
+    return Geometry(build_closure(mechanism), True)
 
 
 @pytest.mark.long

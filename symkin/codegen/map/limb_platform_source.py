@@ -33,11 +33,17 @@ from symkin.codegen.steps.newton_kernel import rounded
 from symkin.codegen.steps.newton_source import NewtonCode, tracked_error
 from symkin.codegen.steps.passive_limits import limit_lines, texts_of
 from symkin.codegen.steps.pose_coordinates import COLUMNS, pose_coordinates_text, pose_text
-from symkin.codegen.text.c import Emitter, if_ok, refused
+from symkin.codegen.text.c import Emitter, block, if_ok, refused
 from symkin.codegen.text.templates import common_values, copy, farthest, fill, normalise_pose
 from symkin.computed_once import cached_property
 from symkin.numeric.system import System
 
+_UNIT = 16.0
+"""Roundings by which the squared length of a quaternion that is an answer itself may be off."""
+_WRITTEN = "name_write_pose(GEOMETRY &w, pose);"
+"""The statement that writes what is found."""
+_READ = ["(void)name_read_guess(GEOMETRY &w, joints, guess);"]
+"""The statement that goes back to the guess."""
 _TRACKED = 4.0
 """How many times the error that one step of tracking may predict rows of a guess may be off."""
 
@@ -260,6 +266,8 @@ class LimbPlatformSource(Source):
             "track2": (made.size / 24) ** 2,
             "check_branch": "",
             "stand": "",
+            "reached": "",
+            "written": _WRITTEN,
             "keep_known": "",
             **self._line,
         }
@@ -284,7 +292,7 @@ class LimbPlatformSource(Source):
         known = made.direct_kernel.known.numel()
         return {
             "check_branch": branch if made.has_dead_centres else "",
-            "stand": self._stand(branch if made.has_dead_centres else []),
+            **(self._stand_beside if made.has_dead_centres else {"stand": self._stand}),
             "unwrap": unwrap,
             "enter": self._enter(passive),
             "leave": [f"name_pose_from_coordinates(GEOMETRY &w->x[{passive}], pose);"],
@@ -293,13 +301,35 @@ class LimbPlatformSource(Source):
             "whole": ", 1.0",
         }
 
-    def _stand(self, branch: list[str]) -> str:
+    @property
+    def _stand(self) -> str:
         """Statements that take a guess whose own rows vanish for the answer, where a step of
-        rounding has left its branch beside a dead centre, or passive joints' limits.
+        rounding has left passive joints' limits.
         """
-        asked = [*branch, *self._passive_checks["standing_passive"]]
-        read = ["(void)name_read_guess(GEOMETRY &w, joints, guess);"]
-        return self.code.stand(read, "given", asked) if asked else ""
+        asked = self._passive_checks["standing_passive"]
+        return self.code.stand(_READ, "given", asked) if asked else ""
+
+    @property
+    def _stand_beside(self) -> dict[str, object]:
+        """The same, where it may have passed a dead centre. Limbs solved for the guess's pose are
+        off by the root of its rounding there: what Newton's method has moved by no more than rows
+        may be off is the answer too, and stays as it is, which turned into coordinates and back it
+        might not.
+        """
+        made = self.made
+        begin = sum(c.width for c in made.passive)
+        pose = made.closure.role("pose")
+        weights = tuple(1.0 if c.is_length else made.size for c in pose for _ in range(c.width))
+        answer = [f"real answer[{len(weights)}];"]
+        answer += [f"answer[{i}] = w.x[{begin + i}];" for i in range(len(weights))]
+        moved = fill("moved.c", self._common | {"begin": begin, "weights": weights})
+        unit = rounded(_UNIT * self.real.epsilon)
+        asked = fill("standing.c", self._common | {"unit_error": unit})
+        return {
+            "reached": ["const bool reached = (status == NAME_OK);", "bool standing = false;"],
+            "stand": self.code.stand(_READ, "given", asked, answer=answer, moved=moved),
+            "written": block("if (standing)", ["*pose = *guess;"], [_WRITTEN]),
+        }
 
     def _enter(self, passive: int) -> str:
         """Statements that set the state to the guess's: its limbs by its pose, then the pose."""

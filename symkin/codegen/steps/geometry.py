@@ -28,6 +28,8 @@ rounding of the machine's own.
 """
 _WIDTH = {"axis.x": 3, "axis2.x": 3, "quaternion.w": 4}
 """Numbers of directions and quaternions, by the end of the first one's key path."""
+_ANGLES = {"theta", "alpha", "zero"}
+"""Ends of the key paths of numbers that may be angles."""
 _SHORTEST = 1e-6
 """Least length of a direction: a float holds its square."""
 
@@ -91,9 +93,14 @@ class Geometry:
 
     @property
     def largest(self) -> float:
-        """Largest number that the struct may hold: products of such do not overflow."""
+        """Largest number that the struct may hold, so that products do not overflow: the largest
+        nominal one, a turn where some are no lengths, and 1,000 sizes of the machine.
+        """
         nominal = float(np.max(np.abs(self.values), initial=0.0))
-        return float(f"{FARTHEST * max(self.closure.characteristic_length, 1.0) + nominal:.3g}")
+        ends = {name.split(".")[-1] for name in self.closure.parameter_names}
+        turn = 2 * np.pi if self.directions or ends & _ANGLES else 0.0
+        size = self.closure.characteristic_length
+        return float(f"{FARTHEST * size + max(nominal, turn):.3g}")
 
     @property
     def directions(self) -> list[tuple[int, str]]:

@@ -191,12 +191,15 @@ class NewtonCode:
         side = fill("side.c", self._values) if self._has_side else ""
         return side + fill("newton.c", self._values)
 
-    def stand(self, read: Sequence[str], to: str, asked: Sequence[str]) -> str:
+    def stand(
+        self, read: Sequence[str], to: str, asked: Sequence[str] | str, **more: Sequence[str]
+    ) -> str:
         """Statements that take a guess whose own rows vanish for the answer, where a step of
         rounding has led to what is refused: it is `read` once more, and `asked` what answers are.
+        `more`: statements that keep the `answer`, and say how far the guess has `moved` to it.
         """
         own = {"read": read, "goal": to, "stands": _STANDS * self.tuning.noise, "asked": asked}
-        return fill("stand.c", self._values | own)
+        return fill("stand.c", self._values | {"answer": "", "moved": ""} | own | more)
 
     @property
     def solver(self) -> str:

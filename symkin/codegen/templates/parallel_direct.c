@@ -23,11 +23,12 @@ name_status name_direct(GEOMETRY_GIVEN const name_config *config, JOINTS_GIVEN, 
     IF_OK {
         @unwrap
         status = name_direct_newton(GEOMETRY &w, @to, (config != NULL) ? config : &usual, info);
+        @reached
         @check_branch
         @direct_passive
         @stand
         IF_OK {
-            name_write_pose(GEOMETRY &w, pose);
+            @written
         }
     } else {
         name_write_no_step(GEOMETRY info, joints);

@@ -4,16 +4,13 @@
  * from the guess's joint values `at`. */
 static NAME_COLD name_status name_check_branch(GEOMETRY_GIVEN const name_real x[@count], const name_real at[@nq], const name_real given[@nq])
 {
-    TABLE(near, @nq, @near)
     name_status status = NAME_OK;
     bool firm = true;
     bool told = true;
     (void)x;
     @told
-    EACH_WHILE(i, @nq, !told) {
-        if (!(fabs(given[i] - at[i]) <= near[i])) {
-            status = NAME_WRONG_BRANCH;
-        }
+    if ((status == NAME_OK) && !told) {
+        status = name_check_near(at, given);
     }
     if ((status == NAME_OK) && !firm) {
         status = name_check_given(GEOMETRY @answer, given);
